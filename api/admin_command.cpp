@@ -25,7 +25,8 @@ int show_administrators(AdministrationRepository& store) {
   const auto all = store.administrators();
   if (!all) return failed(all.error());
   for (const Administrator& one : *all) {
-    std::printf("%s%s\n", one.email.c_str(), one.second_factor ? "" : " (no second factor yet)");
+    std::printf("%s%s\n", one.email.c_str(),
+                one.second_factor ? "" : " (two-factor authentication not set up)");
   }
   return 0;
 }
@@ -34,7 +35,7 @@ int set_administrator(AdministrationRepository& store, const std::string& email,
   const auto done = store.set_administrator(email_key(email), given, SystemClock().wall());
   if (!done) return failed(done.error());
   if (!*done) {
-    std::fprintf(stderr, "There is no account with this address, or it is not confirmed yet.\n");
+    std::fprintf(stderr, "No confirmed account has this email address.\n");
     return 1;
   }
   std::printf("%s is %s administrator.\n", email.c_str(), given ? "an" : "no longer an");
@@ -45,23 +46,25 @@ int set_administrator(AdministrationRepository& store, const std::string& email,
   });
   if (waits) {
     std::printf(
-        "The role opens nothing before a second factor is set up: sign in, then Account, Second "
-        "factor.\n");
+        "The role takes effect once this user turns on two-factor authentication on their "
+        "account page.\n");
   }
   return 0;
 }
 
-int forget_factor(Database& database, const std::string& email) {
+int reset_second_factor(Database& database, const std::string& email) {
   SecondFactorRepository store(database);
   const std::string key = email_key(email);
   const auto done = store.take_off(key, mails::second_factor_taken_off(key), SystemClock().wall());
   if (!done) return failed(done.error());
   if (!*done) {
-    std::fprintf(stderr, "There is no account with this address, or it has no second factor.\n");
+    std::fprintf(stderr, "No account with two-factor authentication has this email address.\n");
     return 1;
   }
-  std::printf("%s signs in with the password alone until a second factor is set up again.\n",
-              email.c_str());
+  std::printf(
+      "%s can sign in with the password alone until they turn on two-factor authentication "
+      "again.\n",
+      email.c_str());
   return 0;
 }
 
@@ -72,20 +75,30 @@ int run_admin(ConfigReader& in) {
   const auto& words = in.words();
   const std::string what = words.size() > 1 ? words[1] : "";
   const bool list = what == "list" && words.size() == 2;
-  const bool forget = what == "forget-factor" && words.size() == 3;
+  const bool old_name = what == "forget-factor";  // an old name that this release still accepts
+  const bool reset = (what == "reset-2fa" || old_name) && words.size() == 3;
   const bool change = (what == "grant" || what == "revoke") && words.size() == 3;
-  if (!list && !change && !forget) {
-    in.mistake("admin grant EMAIL | revoke EMAIL | list | forget-factor EMAIL");
+  if (!list && !change && !reset) {
+    in.mistake("usage: diaphane-api admin grant EMAIL | revoke EMAIL | list | reset-2fa EMAIL");
   }
   if (auto done = in.finish(
-          "diaphane-api admin grant|revoke EMAIL, admin list: administrators\n"
-          "diaphane-api admin forget-factor EMAIL: for who has lost device and recovery codes")) {
+          "diaphane-api admin: manage administrators\n\n"
+          "  admin grant EMAIL      make a user an administrator\n"
+          "  admin revoke EMAIL     take the administrator role from a user\n"
+          "  admin list             list the administrators\n"
+          "  admin reset-2fa EMAIL  turn off two-factor authentication for a user who lost their\n"
+          "                         device and their recovery codes")) {
     return *done;
+  }
+  if (old_name) {
+    std::fprintf(stderr,
+                 "'forget-factor' is deprecated and will be removed in the next release. "
+                 "Use 'reset-2fa'.\n");
   }
   Database database(url, 1);
   AdministrationRepository store(database);
   if (list) return show_administrators(store);
-  if (forget) return forget_factor(database, words[2]);
+  if (reset) return reset_second_factor(database, words[2]);
   return set_administrator(store, words[2], what == "grant");
 }
 

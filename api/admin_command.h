@@ -4,8 +4,9 @@
 
 namespace diaphane::api {
 
-/// `diaphane-api admin grant|revoke EMAIL`, `admin list`: who is an administrator. Whoever may run
-/// it on the machine decides; it is in the audit log. The exit code.
+/// Runs `diaphane-api admin grant|revoke EMAIL`, `admin list` or `admin reset-2fa EMAIL`. Anyone
+/// who can run it on the server is authorised. Changes are recorded in the audit log. Returns the
+/// exit code.
 int run_admin(ConfigReader& in);
 
 }  // namespace diaphane::api

@@ -1,5 +1,5 @@
-// diaphane-gateway: the WebSocket gateway of the stream. Wiring only. It shares no process with the
-// REST API: a fault there ends no stream.
+// diaphane-gateway: the WebSocket gateway of the stream. Wiring only. It is a separate process from
+// the REST API, so that a crash there ends no stream.
 
 #include <atomic>
 #include <chrono>
@@ -8,8 +8,6 @@
 #include <cstdlib>
 #include <string>
 
-#include "api/redis/client.h"
-#include "api/redis/sessions.h"
 #include "api/stream/gateway.h"
 #include "common/config.h"
 #include "common/log.h"
@@ -18,6 +16,8 @@
 #include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
+#include "directory/client.h"
+#include "directory/sessions.h"
 
 namespace diaphane::api {
 namespace {
@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kExitUnavailable = 69;  ///< sysexits.h: a port cannot be opened
-constexpr auto kGrace = 500ms;        ///< for viewers to close after they were told to come back
+constexpr auto kGrace = 500ms;  ///< time for viewers to close after they were asked to reconnect
 
 struct GatewaySettings {
   std::string redis, public_url, admin_address;
@@ -35,13 +35,15 @@ struct GatewaySettings {
 
 GatewaySettings read_settings(ConfigReader& in) {
   GatewaySettings s;
-  s.redis = in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
+  s.redis = in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);
-  s.stream_port = in.port("stream-port", "WebSockets, 127.0.0.1 only: the edge stands before it");
-  s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
-  s.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
-  s.public_url = in.text("public-url", "origin as the browser sees it, https://host[:port]");
+  s.stream_port = in.port(
+      "stream-port", "port for WebSockets; listens on 127.0.0.1 only, behind the reverse proxy");
+  s.admin_port = in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
+  s.admin_address =
+      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  s.public_url = in.text("public-url", "origin that browsers use, such as https://host[:port]");
   return s;
 }
 
@@ -51,11 +53,11 @@ int refuse(const Error& why, int code) {
 }
 
 int serve(const GatewaySettings& settings, service::StopSignal& stop) {
-  auto redis_client = redis::Client::create({.address = settings.redis, .tls = settings.tls});
+  auto redis_client = directory::Client::create({.address = settings.redis, .tls = settings.tls});
   if (!redis_client) return refuse(redis_client.error(), kExitConfig);
-  redis::Sessions placed(**redis_client);
+  directory::Sessions placed(**redis_client);
 
-  // The admin port opens first, so that a start that hangs can be examined.
+  // The admin port opens first, so that a hanging start can be examined.
   std::atomic<bool> serving = false;
   auto admin =
       service::AdminServer::start({.address = settings.admin_address,
@@ -81,8 +83,8 @@ int serve(const GatewaySettings& settings, service::StopSignal& stop) {
   (*admin)->set_draining();
   (*gateway)->stop(kGrace);
   log::info("stopped");
-  // Every viewer has been told to come back. The admin port would take up to two more seconds to
-  // close, and whoever stops us may have no more than that.
+  // Every viewer has been asked to reconnect. Closing the admin port would take up to two more
+  // seconds, which the process manager may not allow.
   std::quick_exit(0);
 }
 
@@ -95,8 +97,9 @@ int main(int argc, char** argv) {
   service::forbid_core_files();
   ConfigReader in(argc, argv);
   const api::GatewaySettings settings = api::read_settings(in);
-  if (!in.words().empty()) in.mistake("unknown word " + in.words().front() + " (try --help)");
-  if (auto done = in.finish("diaphane-gateway: the stream's WebSocket gateway")) return *done;
+  if (!in.words().empty()) in.mistake("unknown argument " + in.words().front() + " (see --help)");
+  if (auto done = in.finish("diaphane-gateway: the WebSocket gateway for image streams"))
+    return *done;
   log::start("gateway");
   service::StopSignal stop;
   return api::serve(settings, stop);

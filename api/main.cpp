@@ -29,9 +29,6 @@
 #include "api/postgres/report_repository.h"
 #include "api/postgres/second_factor_repository.h"
 #include "api/postgres/sharing_repository.h"
-#include "api/redis/client.h"
-#include "api/redis/links.h"
-#include "api/redis/sessions.h"
 #include "api/service/housekeeping.h"
 #include "api/stream/worker_stills.h"
 #include "common/clock.h"
@@ -43,6 +40,9 @@
 #include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
+#include "directory/client.h"
+#include "directory/links.h"
+#include "directory/sessions.h"
 #include "volume/store.h"
 #include "volume/volume.h"
 
@@ -51,7 +51,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kExitUnavailable = 69;  ///< sysexits.h: a part that is needed at the start is away
+constexpr int kExitUnavailable = 69;  ///< sysexits.h: a dependency is unavailable at the start
 constexpr int kWorkers = 16;
 constexpr std::size_t kWaiting = 256;
 constexpr int kConnections = 12;
@@ -60,13 +60,13 @@ constexpr int kHashingSlots = 2;
 int run_migrate(ConfigReader& in) {
   const std::string url = postgres::read_url(in, wire::read_plain_allowed(in));
   const std::string directory =
-      in.directory("migrations", "directory of NNNN_name.up.sql and .down.sql");
-  const auto steps =
-      static_cast<int>(in.integer("steps", "how many; 0: all (up), one (down)", 0, 1000, 0));
+      in.directory("migrations", "directory with the NNNN_name.up.sql and .down.sql files");
+  const auto steps = static_cast<int>(in.integer(
+      "steps", "number of migrations to run; 0 means all (up) or one (down)", 0, 1000, 0));
   const auto& words = in.words();
   if (words.size() != 2 || (words[1] != "up" && words[1] != "down"))
-    in.mistake("migrate up | down");
-  if (auto done = in.finish("diaphane-api migrate up|down: brings the database to a schema"))
+    in.mistake("usage: diaphane-api migrate up | down");
+  if (auto done = in.finish("diaphane-api migrate up|down: apply or revert database migrations"))
     return *done;
   const auto applied =
       migrate(url, directory, words[1] == "up" ? Direction::kUp : Direction::kDown, steps);
@@ -92,49 +92,53 @@ struct Settings {
 
 Settings read_settings(ConfigReader& in) {
   Settings s;
-  s.redis = in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
-  s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
+  s.redis = in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
+  s.fleet = in.text("fleet", "RenderFleet to scale up when no slot is free", "");
   s.visitor_percent = static_cast<int>(in.integer(
-      "visitor-share", "percent of all slots that people without an account may hold together", 0,
-      100, kVisitorPercent));
+      "visitor-share", "maximum percentage of all slots that visitors without an account may use",
+      0, 100, kVisitorPercent));
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);
   s.postgres = postgres::read_url(in, s.tls.plain_allowed);
-  s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
-  s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
-  s.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
-  s.public_url = in.text("public-url", "origin as the browser sees it, https://host[:port]");
-  s.upload_dir = in.directory("upload-dir", "where uploads arrive");
-  s.volume_dir = in.directory("volume-dir", "the volume store");
-  s.cache_dir = in.directory("cache-dir", "pictures that the edge sends");
-  s.mail = in.text("mail", "file:DIRECTORY or smtp://[user:password@]host:port");
-  s.mail_from = in.text("mail-from", "sender: address or Name <address>");
+  s.api_port = in.port("api-port",
+                       "port of the REST API; listens on 127.0.0.1 only, behind the reverse proxy");
+  s.admin_port = in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
+  s.admin_address =
+      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  s.public_url = in.text("public-url", "origin that browsers use, such as https://host[:port]");
+  s.upload_dir = in.directory("upload-dir", "directory for uploads");
+  s.volume_dir = in.directory("volume-dir", "directory of the volume store");
+  s.cache_dir =
+      in.directory("cache-dir", "directory of the cached images that the reverse proxy serves");
+  s.mail = in.text("mail", "where emails go: file:DIRECTORY or smtp://[user:password@]host:port");
+  s.mail_from = in.text("mail-from", "sender of the emails: address or Name <address>");
   s.data_sets.max_upload_bytes =
-      in.integer("max-upload-mb", "largest upload, in MiB", 1, 1'000'000, 8192) << 20;
+      in.integer("max-upload-mb", "maximum size of an upload, in MiB", 1, 1'000'000, 8192) << 20;
   s.data_sets.upload_life = std::chrono::seconds(
-      in.integer("upload-expiry-s", "an upload left for this long expires", 1, 30 * 86400, 86400));
+      in.integer("upload-expiry-s", "time after which an inactive upload expires, in seconds", 1,
+                 30 * 86400, 86400));
   s.data_sets.reserve_bytes =
-      in.integer("disk-reserve-mb", "kept free of uploads on their disk, in MiB", 0, 1'000'000,
+      in.integer("disk-reserve-mb", "disk space that uploads must leave free, in MiB", 0, 1'000'000,
                  1024)
       << 20;
-  s.data_sets.limits.unprocessed = static_cast<int>(
-      in.integer("most-unprocessed", "data sets of an account that are uploading or not built yet",
-                 1, 100'000, 50));
-  s.data_sets.limits.all =
-      static_cast<int>(in.integer("most-data-sets", "data sets of an account", 1, 1'000'000, 2000));
-  s.export_total_bytes = in.integer("exports-mb", "disk that all exports may take together, in MiB",
-                                    1, 10'000'000, 20'480)
-                         << 20;
+  s.data_sets.limits.unprocessed = static_cast<int>(in.integer(
+      "most-unprocessed", "maximum number of unprocessed scans per account", 1, 100'000, 50));
+  s.data_sets.limits.all = static_cast<int>(
+      in.integer("most-data-sets", "maximum number of scans per account", 1, 1'000'000, 2000));
+  s.export_total_bytes =
+      in.integer("exports-mb", "maximum disk space for all exports together, in MiB", 1, 10'000'000,
+                 20'480)
+      << 20;
   const std::string token_file =
-      in.text("sample-token", "file with the token that uploads the public sample", "");
+      in.text("sample-token", "file with the token that allows uploading the public sample", "");
   if (!token_file.empty()) {
     std::ifstream file(token_file);
     if (!(file >> s.sample_token) || s.sample_token.size() < 32) {
-      in.mistake("--sample-token: no such file, or less than 32 characters in it");
+      in.mistake("--sample-token: the file does not exist or has fewer than 32 characters");
     }
   }
-  const std::string key_file =
-      in.text("factor-key", "file with 64 hex digits: seals the secrets of second factors");
+  const std::string key_file = in.text(
+      "factor-key", "file with the 64 hexadecimal digits of the key that encrypts TOTP secrets");
   if (auto key = SealingKey::read(key_file)) {
     s.factor_key = *std::move(key);
   } else if (!key_file.empty()) {
@@ -142,7 +146,7 @@ Settings read_settings(ConfigReader& in) {
   }
   const bool origin = s.public_url.starts_with("http://") || s.public_url.starts_with("https://");
   if (!s.public_url.empty() && (!origin || s.public_url.ends_with('/'))) {
-    in.mistake("--public-url is an origin: http(s)://host[:port], without a path");
+    in.mistake("--public-url: must be an origin without a path, such as https://host[:port]");
   }
   return s;
 }
@@ -154,13 +158,13 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "%s\n", transport.error().message.c_str());
     return kExitConfig;
   }
-  auto redis_client = redis::Client::create({.address = settings.redis, .tls = settings.tls});
+  auto redis_client = directory::Client::create({.address = settings.redis, .tls = settings.tls});
   if (!redis_client) {
     std::fprintf(stderr, "--redis: %s\n", redis_client.error().message.c_str());
     return kExitConfig;
   }
-  redis::Sessions placed(**redis_client, {.visitor_percent = settings.visitor_percent},
-                         settings.fleet);
+  directory::Sessions placed(**redis_client, {.visitor_percent = settings.visitor_percent},
+                             settings.fleet);
   Database database(settings.postgres, kConnections);
   AccountRepository account_store(database);
   DataSetRepository data_set_store(database);
@@ -170,7 +174,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   PrivacyRepository privacy_store(database);
   MailRepository mail_store(database);
 
-  // Up first, so that a start that hangs can be looked at; ready only when the listener is open.
+  // Starts first, so that a hanging start can be examined. Ready only once the listener is open.
   std::atomic<bool> serving = false;
   auto admin =
       service::AdminServer::start({.address = settings.admin_address,
@@ -199,13 +203,13 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   UploadFiles files(settings.upload_dir);
   DataSets data_sets(data_set_store, placed, clock, settings.data_sets,
                      [&] { return files.free_bytes(); });
-  // Half of it is for the parts of what was announced before the disk filled up.
+  // Uploads that were announced before the disk filled up may use half of the reserve.
   Uploads uploads(data_set_store, files, clock, settings.data_sets.upload_life,
                   settings.data_sets.reserve_bytes / 2);
   RenderTime render_time(render_time_store, placed, placed, clock);
   PresetRepository preset_store(database);
-  // The default preset of its owner; without it, or when it cannot be had now, the volume's own
-  // look.
+  // Uses the owner's default preset. If there is none or it is unavailable, uses the volume's
+  // default appearance.
   const auto first_scene = [&](const std::string& data_set) {
     const auto scene = preset_store.default_scene(data_set);
     return scene && !scene->empty() ? scene_bytes(*scene) : std::string();
@@ -220,7 +224,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                    .reserve_bytes = settings.data_sets.reserve_bytes,
                    .total_bytes = settings.export_total_bytes});
   AccountDeletion deletion(privacy_store, accounts, placed, clock);
-  redis::Links link_store(**redis_client);
+  directory::Links link_store(**redis_client);
   RecordingRepository recording_store(database);
   Recordings recordings(recording_store, clock);
   SharingRepository sharing_store(database);
@@ -250,7 +254,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     const auto [sent, failed] = mailer.send_due();
     metrics.mails(sent, failed);
   });
-  Periodic make_pictures("pictures of presets", 5s, [&] {
+  Periodic make_pictures("preset thumbnails", 5s, [&] {
     while (preset_pictures.make_next()) {
     }
   });
@@ -258,17 +262,18 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     (void)data_set_store.expire_uploads(clock.wall());
     const int gone = disposer.dispose();
     metrics.disposed(gone);
-    if (gone > 0) make_pictures.wake();  // an old one may have been in the way of a new one
-    // What an ingestd that was killed left of a volume, also while none runs.
+    if (gone > 0) make_pictures.wake();  // a picture may have waited for its predecessor's deletion
+    // Removes partial volumes that a killed ingestd left behind, even while no ingestd runs.
     (void)volume::sweep_unfinished(settings.volume_dir);
   });
   Periodic end_visits("visits", 5s, [&] { visits.expire(); });
-  Periodic end_browsers("expired browsers", 5s, [&] { account_changes.end_expired_browsers(); });
+  Periodic end_browsers("expired web sessions", 5s,
+                        [&] { account_changes.end_expired_browsers(); });
   Periodic tidy("tidying", 10min, [&] {
     (void)account_store.tidy(clock.wall());
     (void)recording_store.expire(clock.wall());
   });
-  Periodic count_render_time("render time", 2s, [&] { render_time.look(); });
+  Periodic count_render_time("rendering time", 2s, [&] { render_time.look(); });
   Periodic make_exports("exports", 2s, [&] { exports.look(); });
   exports.on_request([&] { make_exports.wake(); });
   deletion.on_removal([&] {
@@ -326,9 +331,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   (*admin)->set_draining();
   (*listener)->drain(1500ms);
   log::info("stopped");
-  // All that was asked is answered, and all that matters is in the stores. What is left would only
-  // take time: the operations port needs up to two seconds to close, and whoever stops us may have
-  // no more than that.
+  // All requests are answered and all data is stored. Closing the admin port would take up to two
+  // more seconds, which the process manager may not allow.
   std::quick_exit(0);
 }
 
@@ -337,7 +341,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
 
 int main(int argc, char** argv) {
   using namespace diaphane;
-  // Parts of uploads, slices and pictures, and the 19 MB of a password's hash.
+  // For parts of uploads, slices and images, and for the 19 MB of each password hash.
   service::overwrite_freed_memory();
   if (sodium_init() < 0) return 70;
   service::forbid_core_files();
@@ -345,8 +349,10 @@ int main(int argc, char** argv) {
   if (!in.words().empty() && in.words().front() == "migrate") return api::run_migrate(in);
   if (!in.words().empty() && in.words().front() == "admin") return api::run_admin(in);
   const api::Settings settings = api::read_settings(in);
-  if (!in.words().empty()) in.mistake("unknown word " + in.words().front() + " (try --help)");
-  if (auto done = in.finish("diaphane-api: the REST API (migrate up|down: the schema)")) {
+  if (!in.words().empty()) in.mistake("unknown argument " + in.words().front() + " (see --help)");
+  if (auto done = in.finish(
+          "diaphane-api: the REST API server\n\n"
+          "Other commands: diaphane-api migrate up|down, diaphane-api admin (see their --help)")) {
     return *done;
   }
   log::start("api");

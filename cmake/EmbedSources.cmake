@@ -4,7 +4,7 @@
 #   OUT     the C++ file
 # A file in a folder named `rtc` is included by its bare name: it stands for a header of the system.
 file(STRINGS ${LIST} files)
-set(text "// Written by cmake/EmbedSources.cmake.\n#include \"renderd/engine/cuda_kernel_sources.h\"\n\n")
+set(text "// Written by cmake/EmbedSources.cmake.\n#include \"renderd/engine/cuda/kernel_sources.h\"\n\n")
 string(APPEND text "namespace diaphane::render::cuda {\nnamespace {\n\nconstexpr KernelSourceFile kFiles[] = {\n")
 file(WRITE ${OUT}.new "${text}")
 foreach(file IN LISTS files)

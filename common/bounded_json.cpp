@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Counts what a text holds and stops at the first limit. Builds nothing.
+/// Counts the values of a text without building them, and stops at the first limit.
 class LimitCheck final : public nlohmann::json_sax<json> {
  public:
   explicit LimitCheck(const JsonLimits& limits) : limits_(limits) {}

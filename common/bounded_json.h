@@ -5,13 +5,13 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-/// JSON from outside. The parser of nlohmann::json does not recurse, but its values are copied,
-/// compared and written recursively, so nesting costs stack; and a value takes up to 160 bytes, so
-/// that two characters ("[]") can cost 88 bytes of memory. Both are bounded here before the first
+/// Parses untrusted JSON. The parser of nlohmann::json does not recurse, but it copies, compares
+/// and serialises values recursively, so deep nesting uses stack. A value takes up to 160 bytes, so
+/// two characters ("[]") can use 88 bytes of memory. Both costs are bounded here before the first
 /// value is built.
 namespace diaphane {
 
-/// Far more than any format of ours needs (a scene has 8 levels), far less than a stack holds.
+/// Far more than any of our formats needs (a scene has 8 levels) and far less than a stack holds.
 inline constexpr int kDeepestJson = 64;
 
 struct JsonLimits {

@@ -31,7 +31,7 @@ TEST(BoundedJson, ParsesWhatIsWithinTheLimits) {
 
 TEST(BoundedJson, RefusesDeepNestingAtTheFirstLevelTooMany) {
   EXPECT_EQ(fault_of(nested(65), {1000}), JsonFault::kTooDeep);
-  // A quarter of a million levels overflow any stack once such a value is copied or written.
+  // A quarter of a million levels overflow any stack when such a value is copied or written.
   EXPECT_EQ(fault_of(nested(250'000), {1'000'000}), JsonFault::kTooDeep);
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += R"({"":)";

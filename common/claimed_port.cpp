@@ -21,7 +21,8 @@ bool bind_to(int descriptor, const void* address, socklen_t size) {
   return ::bind(descriptor, static_cast<const sockaddr*>(address), size) == 0;
 }
 
-/// A socket that holds the mark of this port, or -1: somebody else has chosen it.
+/// Returns a socket that is bound to the mark of this port, or -1 if another process has claimed
+/// it.
 int mark_of(std::uint16_t port) {
   const int mark = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (mark < 0) return -1;
@@ -64,7 +65,7 @@ Result<ClaimedPort> ClaimedPort::take() {
     ClaimedPort claimed(port, mark);
     if (nobody_listens(port)) return claimed;
   }
-  return fail(ErrorCode::kUnavailable, "no port is free");
+  return fail(ErrorCode::kUnavailable, "no free port found");
 }
 
 ClaimedPort::ClaimedPort(ClaimedPort&& other) noexcept

@@ -6,13 +6,13 @@
 
 namespace diaphane {
 
-/// A port of the loopback that nobody listens on, for a program that is about to be started. As
-/// long as this lives no other start of Diaphane on this machine is given it (the mark is that of
-/// tools/house/ports.py), and no outgoing connection: it is below the range of which the kernel
-/// takes their ports.
+/// Reserves a free loopback port for a program that is about to start. While this object exists,
+/// no other start of Diaphane on this machine gets the same port (tools/house/ports.py uses the
+/// same mark). No outgoing connection gets it either, because it is below the kernel's range of
+/// ephemeral ports.
 class ClaimedPort {
  public:
-  /// kUnavailable when none is free.
+  /// Returns kUnavailable if no port is free.
   static Result<ClaimedPort> take();
   ClaimedPort(ClaimedPort&& other) noexcept;
   ClaimedPort& operator=(ClaimedPort&& other) noexcept;
@@ -23,7 +23,7 @@ class ClaimedPort {
  private:
   ClaimedPort(std::uint16_t number, int mark) : number_(number), mark_(mark) {}
   std::uint16_t number_ = 0;
-  int mark_ = -1;  ///< a socket that is bound to the mark's address
+  int mark_ = -1;  ///< socket bound to the address of the mark
 };
 
 }  // namespace diaphane

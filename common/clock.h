@@ -4,13 +4,13 @@
 
 namespace diaphane {
 
-/// Time as a dependency, so that expiry, leases and deadlines are tested without waiting.
+/// Injected time source, so that tests of expiry, leases and deadlines need not wait.
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// For intervals; never goes back.
+  /// Monotonic time, for intervals.
   virtual std::chrono::steady_clock::time_point now() const = 0;
-  /// For what is stored or shown.
+  /// Wall-clock time, for values that are stored or shown.
   virtual std::chrono::system_clock::time_point wall() const = 0;
 };
 

@@ -15,6 +15,8 @@
 #include "common/connect.h"
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/result.h"
+#include "common/try.h"
 
 namespace diaphane {
 namespace {
@@ -45,7 +47,7 @@ TEST(ClaimedPort, IsNobodyElsesAsLongAsItLives) {
     EXPECT_TRUE(numbers.insert(port->number()).second);
     held.push_back(*std::move(port));
   }
-  // As ./diaphane up asks (tools/house/ports.py).
+  // Claims the mark like ./diaphane up (tools/house/ports.py).
   const std::string name = "diaphane-port-" + std::to_string(held.back().number());
   const auto could_be_chosen = [&] {
     const int mark = socket(AF_UNIX, SOCK_STREAM, 0);
@@ -62,7 +64,8 @@ TEST(ClaimedPort, IsNobodyElsesAsLongAsItLives) {
   EXPECT_TRUE(could_be_chosen());
 }
 
-/// Listens on the loopback of one family; no descriptor where the machine has no such.
+/// Listens on the loopback address of a family. The descriptor is invalid if this machine does not
+/// support the family.
 struct Listening {
   explicit Listening(int family) : fd(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_storage address{};
@@ -116,6 +119,47 @@ TEST(Config, AllMistakesAreReportedTogether) {
 TEST(Config, AnUnknownOptionIsAUsageError) {
   ConfigReader in({"--nonsense", "1"}, {});
   EXPECT_EQ(in.finish("test"), kExitUsage);
+}
+
+Result<int> doubled(const Result<int>& number, int& evaluations) {
+  const auto counted = [&]() -> const Result<int>& {
+    ++evaluations;
+    return number;
+  };
+  DIAPHANE_TRY(counted());
+  return 2 * *number;
+}
+
+TEST(Try, ContinuesWithAValue) {
+  int evaluations = 0;
+  EXPECT_EQ(doubled(21, evaluations).value(), 42);
+  EXPECT_EQ(evaluations, 1);
+}
+
+TEST(Try, ReturnsACopyOfTheErrorOfAVariable) {
+  int evaluations = 0;
+  const Result<int> failed = fail(ErrorCode::kNotFound, "There is no such number.", "number");
+  const auto result = doubled(failed, evaluations);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(result.error().message, "There is no such number.");
+  EXPECT_EQ(result.error().field, "number");
+  EXPECT_EQ(failed.error().message, "There is no such number.");
+  EXPECT_EQ(evaluations, 1);
+}
+
+TEST(Try, TakesACallThatReturnsNothing) {
+  const auto step = [](bool works) -> Result<void> {
+    if (!works) return fail(ErrorCode::kTooLarge, "Too large.");
+    return {};
+  };
+  const auto steps = [&](bool second) -> Result<std::string> {
+    if (true) DIAPHANE_TRY(step(true));
+    DIAPHANE_TRY(step(second));
+    return "done";
+  };
+  EXPECT_EQ(steps(true).value(), "done");
+  EXPECT_EQ(steps(false).error().code, ErrorCode::kTooLarge);
 }
 
 }  // namespace

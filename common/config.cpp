@@ -71,7 +71,7 @@ std::optional<std::string> ConfigReader::take(std::string_view name, std::string
   }
   if (!fallback) {
     mistakes_.push_back("--" + std::string(name) + " (or " + variable +
-                        ") is missing: " + std::string(help));
+                        ") is required: " + std::string(help));
   }
   return fallback;
 }
@@ -81,7 +81,7 @@ std::string ConfigReader::text(std::string_view name, std::string_view help,
   const bool required = !fallback;
   auto value = take(name, help, fallback);
   if (value && value->empty() && required) {
-    mistakes_.push_back("--" + std::string(name) + " is empty");
+    mistakes_.push_back("--" + std::string(name) + " must not be empty");
   }
   return value.value_or("");
 }
@@ -113,7 +113,7 @@ std::string ConfigReader::one_of(std::string_view name, std::string_view help,
                                  std::optional<std::string> fallback) {
   std::string listed;
   for (const std::string& choice : choices) listed += (listed.empty() ? "" : " | ") + choice;
-  const auto value = take(name, std::string(help) + ": " + listed, fallback);
+  const auto value = take(name, std::string(help) + " (" + listed + ")", fallback);
   if (!value) return choices.front();
   if (std::find(choices.begin(), choices.end(), *value) == choices.end()) {
     mistakes_.push_back("--" + std::string(name) + " must be one of " + listed);
@@ -127,7 +127,8 @@ std::string ConfigReader::directory(std::string_view name, std::string_view help
   if (!value) return {};
   std::error_code ignored;
   if (!std::filesystem::is_directory(*value, ignored) || access(value->c_str(), R_OK | X_OK) != 0) {
-    mistakes_.push_back("--" + std::string(name) + ": no such directory, or it cannot be entered");
+    mistakes_.push_back("--" + std::string(name) +
+                        ": the directory does not exist or is not accessible");
   }
   return *value;
 }
@@ -136,7 +137,7 @@ bool ConfigReader::flag(std::string_view name, std::string_view help) {
   const auto value = take(name, help, "false");
   if (value == "true" || value == "1") return true;
   if (value != "false" && value != "0") {
-    mistakes_.push_back("--" + std::string(name) + " is true or false");
+    mistakes_.push_back("--" + std::string(name) + " must be true or false");
   }
   return false;
 }
@@ -149,7 +150,7 @@ std::optional<int> ConfigReader::finish(std::string_view about) {
   bool usage = false;
   for (const auto& [name, value] : options_) {
     if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
-      mistakes_.push_back("unknown option --" + name + " (try --help)");
+      mistakes_.push_back("unknown option --" + name + " (see --help)");
       usage = true;
     }
   }

@@ -15,18 +15,18 @@ namespace diaphane {
 inline constexpr int kExitUsage = 64;   ///< bad command line
 inline constexpr int kExitConfig = 78;  ///< bad or missing setting
 
-/// Settings of a program: the environment variable DIAPHANE_<NAME>, or `--name VALUE` /
-/// `--name=VALUE`, which wins. Every mistake is collected, so that an operator sees them all at
-/// once.
+/// Reads the settings of a program from the environment variable DIAPHANE_<NAME> or from the option
+/// `--name VALUE` or `--name=VALUE`, which takes precedence. It collects all mistakes, so that an
+/// operator sees them at once.
 ///
 ///   ConfigReader in(argc, argv);
-///   options.port = in.port("api-port", "REST, 127.0.0.1 only");
-///   options.redis = in.text("redis", "host:port");
-///   if (auto done = in.finish("diaphane-api: what it is")) return *done;   // --help, or mistakes
+///   options.port = in.port("api-port", "port of the REST API");
+///   options.redis = in.text("redis", "Redis address");
+///   if (auto done = in.finish("diaphane-api: the REST API server")) return *done;
 class ConfigReader {
  public:
   ConfigReader(int argc, const char* const* argv);
-  /// For tests: environment given as a map.
+  /// For tests, which pass the environment as a map.
   ConfigReader(std::vector<std::string> arguments, std::map<std::string, std::string> environment);
 
   std::string text(std::string_view name, std::string_view help,
@@ -38,15 +38,15 @@ class ConfigReader {
   std::string one_of(std::string_view name, std::string_view help,
                      const std::vector<std::string>& choices,
                      std::optional<std::string> fallback = std::nullopt);
-  /// An existing directory that can be entered.
+  /// A directory that must exist and be accessible.
   std::string directory(std::string_view name, std::string_view help);
   bool flag(std::string_view name, std::string_view help);
-  /// Words that are no options ("migrate up").
+  /// The positional arguments ("migrate up").
   const std::vector<std::string>& words() const { return words_; }
   void mistake(std::string text) { mistakes_.push_back(std::move(text)); }
 
-  /// Nothing when all is well; else the exit code, after --help was printed on standard output or
-  /// the mistakes on standard error.
+  /// Returns nothing if the program should run. Otherwise prints the help to standard output or the
+  /// mistakes to standard error, and returns the exit code.
   std::optional<int> finish(std::string_view about);
   const std::vector<std::string>& mistakes() const { return mistakes_; }
 

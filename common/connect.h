@@ -8,18 +8,18 @@
 
 namespace diaphane {
 
-/// A TCP connection to host:port ([address]:port for IPv6), by whichever of the host's addresses
-/// takes it first within `timeout`, one after the other; it does not block. Nothing, with errno,
-/// where none does.
+/// Opens a TCP connection to host:port ([address]:port for IPv6) as a non-blocking socket. Tries
+/// the addresses of the host one after the other and uses the first that accepts within `timeout`.
+/// Returns nothing and sets errno if none does.
 Fd connect_tcp(const std::string& address, std::chrono::milliseconds timeout);
 
-/// The path of an address "unix:/path", as gRPC writes it; empty for any other.
+/// Returns the path of a "unix:/path" address (gRPC's syntax), or an empty string for any other.
 std::string unix_path(std::string_view address);
 
-/// A connection to a Unix socket; it does not block. Nothing, with errno, where nobody listens.
+/// Connects to a Unix socket (non-blocking). Returns nothing and sets errno if nobody listens.
 Fd connect_unix(const std::string& path);
 
-/// The longest path that a Unix socket may have, in bytes (sockaddr_un, its final zero excluded).
+/// Maximum path length of a Unix socket in bytes (sockaddr_un without its terminating zero).
 inline constexpr std::size_t kMostUnixPath = 107;
 
 }  // namespace diaphane

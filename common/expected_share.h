@@ -4,22 +4,22 @@
 
 namespace diaphane {
 
-/// What a session is expected to take of its device from now on; 1: all of it. The mean of what it
-/// took, the longer ago the less; at first what is expected of anybody, as if he had been watched
-/// for a while: the posterior mean of a rate (docs/adr/0032). Who is placed stays for long against
-/// the seconds that he looks and rests by turns, so the moment's load says little of what comes.
+/// Estimates the share of its device that a session will use (1 is the whole device). The estimate
+/// is an exponentially weighted mean of the past use, with a prior worth 30 s of observation: the
+/// posterior mean of a rate (docs/adr/0032). A session lasts much longer than its viewer's phases
+/// of interaction and rest, so the current load alone says little about the future load.
 class ExpectedShare {
  public:
   static constexpr double kMemory = 600;  ///< s
   static constexpr double kPrior = 30;    ///< s
 
-  /// It took `device_seconds` in the last `seconds`.
+  /// Records that the session used `device_seconds` in the last `seconds`.
   void watch(double seconds, double device_seconds) {
     const double kept = std::exp(-seconds / kMemory);
     seconds_ = seconds_ * kept + seconds;
     taken_ = taken_ * kept + device_seconds;
   }
-  /// `of_anybody`: the share of whom nothing is known; a slot's.
+  /// `of_anybody` is the prior: the share of one slot, assumed for an unknown session.
   double value(double of_anybody) const {
     return (kPrior * of_anybody + taken_) / (kPrior + seconds_);
   }

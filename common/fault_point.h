@@ -2,10 +2,10 @@
 
 namespace diaphane {
 
-/// For tests of what a kill -9 leaves behind: a named place in the program where it can be made to
-/// die. When DIAPHANE_FAULT_DIR names a directory with a file `name` in it, that file is removed
-/// and this process ends by SIGKILL: once, so that the restarted program passes. Else nothing
-/// happens.
+/// Marks a place where tests can kill the process, to check what SIGKILL leaves behind. If the
+/// directory in DIAPHANE_FAULT_DIR contains a file called `name`, removes that file and ends this
+/// process with SIGKILL. Because the file is gone, the restarted program passes this place. Without
+/// the file, nothing happens.
 void fault_point(const char* name);
 
 }  // namespace diaphane

@@ -13,7 +13,7 @@ namespace {
 void fill_random(unsigned char* data, std::size_t size) {
   while (size > 0) {
     const ssize_t got = getrandom(data, size, 0);
-    if (got <= 0) throw std::runtime_error("getrandom failed");
+    if (got <= 0) throw std::runtime_error("cannot read random bytes (getrandom)");
     data += got;
     size -= static_cast<std::size_t>(got);
   }

@@ -9,10 +9,10 @@ namespace diaphane {
 
 /// A random identifier as a lower-case UUID version 4 (RFC 9562), from the kernel's generator.
 std::string new_id();
-/// True for exactly the form that new_id gives; anything else never reaches a path, a key or a
-/// query.
+/// Returns true only for the form that new_id() returns. Check every ID from outside with it before
+/// it becomes part of a path, a key or a query.
 bool is_id(std::string_view text);
-/// `bytes` bytes of the kernel's randomness as lower-case hexadecimal, for tickets and tokens.
+/// Returns `bytes` random bytes from the kernel as lower-case hexadecimal, for tickets and tokens.
 std::string random_hex(std::size_t bytes);
 
 }  // namespace diaphane

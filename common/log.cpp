@@ -15,8 +15,8 @@
 namespace diaphane::log {
 namespace {
 
-/// Of one text in a line, in bytes. A line has a handful of fields, so it stays well below the
-/// 16 KiB at which container runtimes split it, whatever a library put into an exception's text.
+/// Maximum bytes per text. A line has only a few fields, so it stays well below the 16 KiB at which
+/// container runtimes split lines, whatever a library puts into an exception's text.
 constexpr std::size_t kMaxTextBytes = 2048;
 
 std::string g_program = "diaphane";
@@ -51,8 +51,8 @@ const char* name_of(Level level) {
   return "error";
 }
 
-/// `text` cut off after kMaxTextBytes, marked by an ellipsis. The cut may leave a part of a
-/// character, which dump() replaces.
+/// Truncates `text` after kMaxTextBytes and appends an ellipsis. This may split a character, which
+/// dump() replaces.
 std::string bounded(std::string text) {
   if (text.size() > kMaxTextBytes) text.replace(kMaxTextBytes, std::string::npos, "…");
   return text;
@@ -65,7 +65,7 @@ std::string bounded(std::string text) {
   } catch (const std::exception& thrown) {
     write(Level::kError, "terminated", {{"reason", describe(thrown)}});
   } catch (...) {
-    write(Level::kError, "terminated", {{"reason", "an exception of no known type"}});
+    write(Level::kError, "terminated", {{"reason", "unknown exception type"}});
   }
   std::abort();
 }

@@ -27,7 +27,7 @@ TEST(Log, ALineIsOneJsonObjectWhateverItsTextsHold) {
 TEST(Log, ALongTextIsCutOff) {
   EXPECT_EQ(line_with(std::string(2048, 'x'))["reason"], std::string(2048, 'x'));
   EXPECT_EQ(line_with(std::string(1 << 20, 'x'))["reason"], std::string(2048, 'x') + "…");
-  // The cut goes through a character of two bytes.
+  // The limit cuts a character of two bytes.
   const auto cut = line_with("x" + std::string(2046, 'x') + "éé")["reason"].get<std::string>();
   EXPECT_TRUE(cut.starts_with(std::string(2047, 'x')));
   EXPECT_LT(cut.size(), 2060U);

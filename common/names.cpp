@@ -8,7 +8,7 @@ namespace {
 
 struct Character {
   char32_t code = 0;
-  std::size_t bytes = 0;  // 0: no valid UTF-8 here
+  std::size_t bytes = 0;  // 0 means invalid UTF-8
 };
 
 Character decode(std::string_view text) {
@@ -33,8 +33,8 @@ bool is_space(char32_t c) {
          c == 0x3000;
 }
 
-// What has no picture of its own, or changes how its neighbours are shown: it would let one name
-// pass for another.
+// Characters that are invisible or change how their neighbours are displayed. They would let one
+// name pass for another.
 bool is_hidden(char32_t c) {
   return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0xad || c == 0x61c || c == 0x180e ||
          (c >= 0x200b && c <= 0x200f) || (c >= 0x202a && c <= 0x202e) ||
@@ -46,8 +46,8 @@ struct Range {
   char32_t first, last;
 };
 
-// Beyond ASCII: punctuation, symbols, and letters that are made to look like others. A mail program
-// may make a link of a host name that is written with some of them.
+// Non-ASCII punctuation, symbols and letters that resemble others. An email client may turn a host
+// name with such characters into a link.
 constexpr std::array kNotInNames{
     Range{0xa1, 0xa9},     Range{0xab, 0xb4},     Range{0xb6, 0xb9},       Range{0xbb, 0xbf},
     Range{0xd7, 0xd7},     Range{0xf7, 0xf7},     Range{0x2b9, 0x2ba},     Range{0x2c2, 0x2df},

@@ -6,13 +6,13 @@
 
 namespace diaphane {
 
-/// A name as others may see it: valid UTF-8 without control, direction and invisible characters,
-/// spaces single, at most `most` characters. May be empty.
+/// Cleans a name so that it can be shown to others: valid UTF-8 without control, direction and
+/// invisible characters, with single spaces and at most `most` characters. It may be empty.
 std::string clean_name(std::string_view typed, std::size_t most);
 
-/// Whether a clean name can be taken for nothing but a name, also in a mail to a stranger: letters,
-/// digits, spaces, apostrophes, hyphens, and a full stop that ends a word. So it holds no address,
-/// no host name, no link and no quotation mark.
+/// Whether a clean name cannot be mistaken for anything else, even in an email to a stranger. It
+/// has only letters, digits, spaces, apostrophes, hyphens and full stops at the end of a word, and
+/// thus no address, host name, link, parenthesis or quotation mark.
 bool is_plain_name(std::string_view clean);
 
 }  // namespace diaphane

@@ -7,32 +7,32 @@
 
 namespace diaphane {
 
-/// Why an expected failure happened. One small list for all programs, so that an HTTP status, a
+/// The cause of an expected failure. All programs share this small list, so that an HTTP status, a
 /// gRPC status, an exit code and a sentence for the user can each be derived from it in one place.
 enum class ErrorCode {
-  kInvalid,          ///< the request or the data is wrong; trying again will not help
+  kInvalid,          ///< the request or the data is invalid; retrying will not help
   kUnauthenticated,  ///< nobody is signed in
   kForbidden,        ///< signed in, but not allowed (never used to reveal that a thing exists)
-  kNotFound,         ///< does not exist, or is somebody else's
-  kConflict,         ///< another change came first
-  kTooLarge,         ///< over a limit or a quota
-  kTooMany,          ///< rate limited; try later
-  kUnsupported,      ///< well-formed, but not something that Diaphane does
-  kUnavailable,      ///< a part that is needed is away; try again
-  kOutcomeUnknown,   ///< a part went away before it confirmed a change: it may have been made
-  kOutOfMemory,      ///< device or host memory
+  kNotFound,         ///< does not exist or belongs to someone else
+  kConflict,         ///< conflicts with another change
+  kTooLarge,         ///< exceeds a limit or a quota
+  kTooMany,          ///< rate limited; retry later
+  kUnsupported,      ///< well-formed, but not supported by Diaphane
+  kUnavailable,      ///< a required service is unavailable; retry
+  kOutcomeUnknown,   ///< the connection was lost before a change was confirmed
+  kOutOfMemory,      ///< out of device or host memory
   kDeviceLost,       ///< the accelerator's context is broken
-  kInternal,         ///< a defect of ours
+  kInternal,         ///< a bug in Diaphane
 };
 
 std::string_view to_string(ErrorCode code);
 
-/// An expected failure as a value. `message` is a sentence for the person who caused it; it never
-/// holds patient data (no name, identifier, date, description, file name of a scan).
+/// An expected failure as a value. `message` is a sentence for the person who caused it. It never
+/// contains patient data (no name, identifier, date, description or file name of a scan).
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string message;
-  std::string field;  ///< which parameter is wrong, as a JSON path ("lights[2].radiance"), or empty
+  std::string field;  ///< JSON path of the invalid parameter ("lights[2].radiance"), or empty
 };
 
 template <typename T>

@@ -26,7 +26,7 @@ class SocketDeadlines {
 
  private:
   struct Entry {
-    Fd socket;  ///< a duplicate: the library may close its own, and the number may be reused
+    Fd socket;  ///< a duplicate, because the library may close its own and the number may be reused
     SteadyTime deadline;
     bool passed = false;
   };
@@ -53,9 +53,9 @@ class SocketDeadlines {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::list<Entry> entries_;
-  SteadyTime next_ = SteadyTime::max();  ///< when the thread wakes up by itself
+  SteadyTime next_ = SteadyTime::max();  ///< when the thread wakes up unless notified
   bool stopping_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, because it uses the other members
 };
 
 }  // namespace diaphane

@@ -68,7 +68,7 @@ TEST(SocketDeadlines, ADescriptorNumberThatIsUsedAgainIsNotShutDown) {
   Pair first;
   const SocketDeadlines::Guard guard(deadlines, first.ours, steady_clock::now() + 50ms);
   Pair second;
-  // The library closes its socket, and another connection gets the number.
+  // The library closes its socket, and another connection gets the same number.
   ASSERT_EQ(dup2(second.ours, first.ours), first.ours);
   const Pair other;
   const SocketDeadlines::Guard until(deadlines, other.ours, steady_clock::now() + 60ms);

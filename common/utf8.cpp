@@ -7,9 +7,9 @@ namespace diaphane {
 namespace {
 
 struct Lead {
-  std::size_t bytes = 0;  // 0: no character begins with it
+  std::size_t bytes = 0;  // 0: not a valid first byte
   std::uint32_t bits = 0;
-  std::uint32_t least = 0;  // what needs so many bytes
+  std::uint32_t least = 0;  // smallest character that needs this many bytes
 };
 
 Lead lead_of(std::uint8_t byte) {

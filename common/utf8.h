@@ -4,8 +4,8 @@
 
 namespace diaphane {
 
-/// Valid as RFC 3629 has it: no surrogates, nothing above U+10FFFF, nothing longer than needed. The
-/// only text that Postgres and Protobuf take.
+/// Whether a text is valid UTF-8 (RFC 3629): no surrogates, nothing above U+10FFFF and no overlong
+/// encodings. Postgres and Protobuf accept no other text.
 bool is_utf8(std::string_view text);
 
 }  // namespace diaphane

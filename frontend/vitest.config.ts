@@ -1,5 +1,10 @@
 import { defineConfig } from "vitest/config";
 
 export default defineConfig({
-  test: { environment: "node", include: ["src/**/*.test.ts", "src/**/*.test.tsx"], reporters: ["default"], setupFiles: ["src/texts/testing.ts"] },
+  test: {
+    environment: "node",
+    include: ["src/**/*.test.ts", "src/**/*.test.tsx"],
+    reporters: ["default"],
+    setupFiles: ["src/texts/testing.ts"],
+  },
 });

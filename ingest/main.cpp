@@ -36,6 +36,7 @@ struct Options {
   std::string postgres;
   std::uint16_t admin_port = 0;
   std::string admin_address;
+  std::string process = new_id();  ///< identifies this process in leases
   std::chrono::milliseconds lease{5000};
   std::uint64_t light_mb = 0;
   ingest::SandboxBuilder::Options builder;
@@ -46,17 +47,18 @@ struct Options {
 std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in,
                                                               bool plain_allowed) {
   ingest::CheckedBuilder::Options options;
-  options.clamd.address =
-      in.text("antivirus", "clamd: path of its socket, or host:port; empty: none", "");
+  options.clamd.address = in.text(
+      "antivirus", "clamd address: socket path or host:port; empty turns virus scanning off", "");
   options.pass_unchecked =
-      in.one_of("antivirus-away", "what is done with uploads while clamd cannot be asked",
+      in.one_of("antivirus-away", "what to do with uploads while clamd is unavailable",
                 {"wait", "pass"}, "wait") == "pass";
-  options.clamd.silence = std::chrono::seconds(in.integer(
-      "antivirus-silence-s", "clamd may be as long without an answer, seconds", 1, 3600, 30));
+  options.clamd.silence = std::chrono::seconds(
+      in.integer("antivirus-silence-s", "seconds to wait for a response from clamd", 1, 3600, 30));
   options.clamd.most_bytes =
       static_cast<std::uint64_t>(
           in.integer("antivirus-stream-mb",
-                     "longest stream for clamd, MiB; at most its StreamMaxLength", 1, 2048, 25))
+                     "maximum stream size for clamd, in MiB; must not exceed its StreamMaxLength",
+                     1, 2048, 25))
       << 20;
   wire::InnerTls tls;
   tls.plain_allowed = plain_allowed;
@@ -64,7 +66,7 @@ std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in,
   if (address.empty()) return std::nullopt;
   if (!address.starts_with('/')) {
     if (address.find(':') == std::string::npos) {
-      in.mistake("--antivirus: '" + address + "' is neither a path from / on nor host:port");
+      in.mistake("--antivirus: '" + address + "' is neither an absolute path nor host:port");
     } else {
       wire::check_address(in, "antivirus", address, tls);
     }
@@ -76,31 +78,34 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   ConfigReader in(argc, argv);
   const bool plain_allowed = wire::read_plain_allowed(in);
   options.postgres = postgres::read_url(in, plain_allowed);
-  options.worker.upload_dir = in.directory("upload-dir", "where uploads arrive, as <id>.tar");
-  options.worker.volume_dir = in.directory("volume-dir", "the volume store");
-  options.builder.scratch_dir = in.directory("scratch-dir", "for unnamed files while building");
-  options.admin_port = in.port("admin-port", "metrics and health");
-  options.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
-  options.builder.memory_limit_mb = static_cast<std::uint64_t>(
-      in.integer("memory-limit-mb", "address space of a child, MiB", 64, 1 << 20, 6144));
+  options.worker.upload_dir = in.directory("upload-dir", "directory of uploads, named <id>.tar");
+  options.worker.volume_dir = in.directory("volume-dir", "directory of the volume store");
+  options.builder.scratch_dir =
+      in.directory("scratch-dir", "directory for temporary files while a volume is built");
+  options.admin_port =
+      in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
+  options.admin_address =
+      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  options.builder.memory_limit_mb = static_cast<std::uint64_t>(in.integer(
+      "memory-limit-mb", "address space limit per child process, in MiB", 64, 1 << 20, 6144));
   options.builder.time_limit_s = static_cast<std::uint32_t>(
-      in.integer("time-limit-s", "time of a child, seconds", 1, 86400, 300));
-  options.builder.quota_mb =
-      static_cast<std::uint64_t>(in.integer("quota-mb", "the largest volume, MiB", 1, 8192, 2048));
-  options.builder.reserve_mb = static_cast<std::uint64_t>(
-      in.integer("disk-reserve-mb", "kept free on the disks of volumes and scratch files, MiB", 0,
-                 1'000'000, 256));
-  options.light_mb = static_cast<std::uint64_t>(
-      in.integer("light-mb",
-                 "a second worker takes uploads and volumes up to this size, MiB; 0: there is none",
-                 0, 8192, 256));
+      in.integer("time-limit-s", "time limit per child process, in seconds", 1, 86400, 300));
+  options.builder.quota_mb = static_cast<std::uint64_t>(
+      in.integer("quota-mb", "maximum size of a volume, in MiB", 1, 8192, 2048));
+  options.builder.reserve_mb = static_cast<std::uint64_t>(in.integer(
+      "disk-reserve-mb", "disk space to keep free for volumes and temporary files, in MiB", 0,
+      1'000'000, 256));
+  options.light_mb = static_cast<std::uint64_t>(in.integer(
+      "light-mb",
+      "a second worker handles uploads and volumes up to this size, in MiB; 0 turns it off", 0,
+      8192, 256));
   options.lease = std::chrono::milliseconds(
-      in.integer("lease-ms", "how long a job is held between renewals", 500, 600000, 5000));
+      in.integer("lease-ms", "lease time of a job between renewals, in ms", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
   options.antivirus = read_antivirus(in, plain_allowed);
   options.builder.program = "/proc/self/exe";
   options.builder.volume_dir = options.worker.volume_dir;
-  return in.finish("diaphane-ingestd: makes volumes of uploaded series");
+  return in.finish("diaphane-ingestd: builds volumes from uploaded DICOM series");
 }
 
 void sweep(const Options& options) {
@@ -109,14 +114,18 @@ void sweep(const Options& options) {
   log::info("swept", {{"volumes", volumes.value_or(0)}, {"scratch", scratch}});
 }
 
-/// One worker with all that it needs, in a thread of its own. Children end with the thread that
-/// made them (supervisor.cpp): it lives as long as the work does.
+/// One worker with its dependencies, in its own thread. Children end with the thread that started
+/// them (supervisor.cpp), so the thread lives as long as the work does.
 class Lane {
  public:
-  /// `light_mb` above 0: it takes only jobs up to that size.
+  /// If `light_mb` is above 0, the worker takes only jobs up to that size.
   Lane(const Options& options, std::uint64_t light_mb,
        const std::function<void(const std::string&)>& malware, const ingest::WorkerEvents& events)
-      : jobs_({options.postgres, new_id(), options.lease, light_mb << 20}),
+      : jobs_({.url = options.postgres,
+               .claimer = options.process + (light_mb > 0 ? " light" : " all"),
+               .process = options.process,
+               .lease = options.lease,
+               .light_bytes = light_mb << 20}),
         sandbox_(with_light(options.builder, light_mb)) {
     if (options.antivirus) checked_.emplace(*options.antivirus, sandbox_, malware);
     ingest::Builder& first = checked_ ? static_cast<ingest::Builder&>(*checked_) : sandbox_;

@@ -13,6 +13,7 @@ struct Metrics::Impl {
   prometheus::Gauge& peak;
   prometheus::Gauge& depth;
   prometheus::Gauge& waiting;
+  prometheus::Gauge& interrupted;
   prometheus::Family<prometheus::Counter>& waits;
 };
 
@@ -40,7 +41,14 @@ Metrics::Metrics(prometheus::Registry& registry)
                          .Add({}),
                      prometheus::BuildGauge()
                          .Name("diaphane_ingest_waiting")
-                         .Help("Of these, uploads that wait for room, memory or a service.")
+                         .Help("Of these, uploads that wait for room, memory, a service, or after "
+                               "an interruption.")
+                         .Register(registry)
+                         .Add({}),
+                     prometheus::BuildGauge()
+                         .Name("diaphane_ingest_interrupted")
+                         .Help("Jobs during which ingestd ended more than once. They may be the "
+                               "reason why it ends.")
                          .Register(registry)
                          .Add({}),
                      prometheus::BuildCounter()
@@ -50,7 +58,7 @@ Metrics::Metrics(prometheus::Registry& registry)
   for (const auto reason : {WaitReason::kRoom, WaitReason::kMemory, WaitReason::kService}) {
     impl_->waits.Add({{"for", to_string(reason)}});
   }
-  impl_->jobs.Add({{"result", "ready"}});  // shown as 0 before the first
+  impl_->jobs.Add({{"result", "ready"}});  // exports 0 before the first job
 }
 Metrics::~Metrics() = default;
 
@@ -65,6 +73,7 @@ WorkerEvents Metrics::events() {
   events.queue = [self](const QueueState& queue) {
     self->depth.Set(static_cast<double>(queue.jobs));
     self->waiting.Set(static_cast<double>(queue.waiting));
+    self->interrupted.Set(static_cast<double>(queue.suspect));
   };
   events.waits = [self](WaitReason reason) {
     self->waits.Add({{"for", to_string(reason)}}).Increment();

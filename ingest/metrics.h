@@ -8,15 +8,16 @@
 
 namespace diaphane::ingest {
 
-/// diaphane_ingest_jobs_total{result}, _build_seconds, _child_peak_bytes (the last child's),
-/// _queue_depth, _waiting, _waits_total{for}, and _antivirus_total where uploads are checked.
+/// The metrics diaphane_ingest_jobs_total{result}, _build_seconds, _child_peak_bytes (of the last
+/// child), _queue_depth, _waiting, _interrupted, _waits_total{for}, and _antivirus_total where
+/// uploads are checked.
 class Metrics {
  public:
   explicit Metrics(prometheus::Registry& registry);
   ~Metrics();
-  /// What a worker tells, counted. Lives no longer than this.
+  /// Returns callbacks that count a worker's events. They must not outlive this object.
   WorkerEvents events();
-  /// diaphane_ingest_antivirus_total{result}: there from here on.
+  /// Registers diaphane_ingest_antivirus_total{result} and returns the callback that counts it.
   std::function<void(const std::string& result)> antivirus();
 
  private:

@@ -14,13 +14,13 @@ using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kTelemetry{1000};
-/// What comes together is planned together.
+/// Changes within this time are planned together.
 constexpr milliseconds kGather{10};
-/// Of the time, planning takes this part at most.
+/// Planning uses at most one part in this many of the time.
 constexpr int kPlanningShare = 5;
 constexpr unsigned kWriters = 4;
-/// So long a plan is carried out. What is left is planned anew, after what has become urgent since:
-/// thousands of workers that are to be made hold up nobody.
+/// A plan is executed for at most this long. What remains is planned again, so that thousands of
+/// workers to create do not delay anything more urgent.
 constexpr milliseconds kBatch{1000};
 
 Seconds wall() {
@@ -29,7 +29,7 @@ Seconds wall() {
 
 }  // namespace
 
-Controller::Controller(Options options, kube::Transport& transport, api::redis::Client& redis,
+Controller::Controller(Options options, kube::Transport& transport, directory::Client& redis,
                        Metrics& metrics)
     : options_(std::move(options)),
       transport_(transport),
@@ -67,13 +67,13 @@ Controller::Controller(Options options, kube::Transport& transport, api::redis::
 }
 
 Controller::~Controller() {
-  // Both are told before either is waited for.
+  // Requests both threads to stop before joining either.
   planner_.request_stop();
   telemetry_.request_stop();
   planner_ = {};
   telemetry_ = {};
   leader_.reset();
-  // The watches wait for bytes: they end with the wire.
+  // The watches block on reads until the transport stops.
   transport_.stop();
 }
 
@@ -134,7 +134,7 @@ void Controller::run_plans(const std::stop_token& stop) {
           std::chrono::duration<double>(std::clamp(*made.requeue_after, 0.001, 60.0)));
     }
     const std::lock_guard lock(work_mutex_);
-    // What failed is tried again with a plan of what there is then.
+    // Failed actions are retried with a new plan of the state at that time.
     if (const auto due = queue_.next()) {
       next = std::clamp<nanoseconds>(*due - steady_clock::now(), nanoseconds(1), next);
     }
@@ -150,7 +150,7 @@ void Controller::carry_out_all(const Plan& made, const Snapshot& seen) {
       auto& actions = todo_[key_of(action)];
       if (actions.empty()) queue_.put(key_of(action), due);
       actions.push_back(&action);
-      due += nanoseconds(1);  // the plan's order
+      due += nanoseconds(1);  // keeps the plan's order
     }
   }
   const auto until = steady_clock::now() + kBatch;
@@ -172,15 +172,16 @@ void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
       key = *taken;
       const auto found = todo_.find(key);
       if (found == todo_.end()) {
-        // It failed, and the plan wants nothing of it any more.
+        // The action failed earlier, and the plan no longer contains it.
         queue_.forget(key);
         queue_.done(key);
         continue;
       }
       actions = found->second;
     }
-    Result<void> done = fail(ErrorCode::kUnavailable, "does not lead", "NotLeading");
-    // A process that stood still finds out here that another leads.
+    Result<void> done =
+        fail(ErrorCode::kUnavailable, "this operator is not the leader", "NotLeading");
+    // A process that was suspended learns here that another one leads.
     if (leader_->leads()) done = carrier_.carry_out(actions, seen);
     for (const Action* action : actions) metrics_.action(name_of(*action), done.has_value());
     const std::lock_guard lock(work_mutex_);
@@ -207,8 +208,8 @@ std::vector<std::string> Controller::fleet_names() const {
   return names;
 }
 
-std::vector<Draining> Controller::draining() const {
-  std::vector<Draining> told;
+std::vector<directory::DrainRequest> Controller::draining() const {
+  std::vector<directory::DrainRequest> told;
   if (!leader_->leads()) return told;
   std::vector<WorkerObject> leaving;
   workers_->store().visit([&](const auto& all) {
@@ -217,7 +218,7 @@ std::vector<Draining> Controller::draining() const {
     }
   });
   for (const WorkerObject& one : leaving) {
-    const auto pod = pods_->store().find(one.name);  // of its name
+    const auto pod = pods_->store().find(one.name);  // has the worker's name
     if (!pod || !pod->pod.owned || pod->pod.owner_uid != one.uid) continue;
     told.push_back({one.name, owner_text(one.worker.fleet, one.uid, pod->pod.epoch)});
   }

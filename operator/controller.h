@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "api/redis/client.h"
+#include "directory/client.h"
 #include "operator/act/carry_out.h"
 #include "operator/kube/informer.h"
 #include "operator/kube/leader.h"
@@ -21,23 +21,23 @@
 
 namespace diaphane::fleet {
 
-/// Observes, plans, carries out (docs/adr/0024). Everything that is decided is in operator/plan;
-/// here are the threads, the clock and the wires.
+/// Observes the cluster, plans, and executes the plan (docs/adr/0024). All decisions are made in
+/// operator/plan. This class owns the threads, the clock and the connections.
 class Controller {
  public:
   struct Options {
     std::string name_space;
-    bool all_pods = false;  ///< those of other namespaces hold GPUs, too
+    bool all_pods = false;  ///< also watch other namespaces, whose pods use GPUs too
     kube::Leader::Options leader;
   };
-  Controller(Options options, kube::Transport& transport, api::redis::Client& redis,
+  Controller(Options options, kube::Transport& transport, directory::Client& redis,
              Metrics& metrics);
-  /// Gives the lease back.
+  /// Releases the lease.
   ~Controller();
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
-  bool listed() const;     ///< every kind
+  bool listed() const;     ///< whether every kind has been listed
   bool connected() const;  ///< to the API server
   bool redis_answers() const { return redis_answers_; }
   bool leads() const { return leader_->leads(); }
@@ -49,7 +49,7 @@ class Controller {
   void work(const Snapshot& seen, std::chrono::steady_clock::time_point until);
   void run_telemetry(const std::stop_token& stop);
   std::vector<std::string> fleet_names() const;
-  std::vector<Draining> draining() const;
+  std::vector<directory::DrainRequest> draining() const;
   bool wait_for_change(const std::stop_token& stop, std::chrono::nanoseconds least,
                        std::chrono::nanoseconds most);
   kube::Reflector::Options watched(const std::string& path, const char* kind) const;
@@ -58,7 +58,7 @@ class Controller {
   const Options options_;
   kube::Transport& transport_;
   kube::Api api_;
-  api::redis::Client& redis_;
+  directory::Client& redis_;
   Metrics& metrics_;
   Templates templates_;
   TelemetryBook book_;
@@ -68,7 +68,7 @@ class Controller {
   std::condition_variable_any wake_;
   bool changed_ = true;
 
-  // Actions of the plan that is carried out, by object.
+  // Actions of the plan in progress, by object.
   std::mutex work_mutex_;
   kube::WorkQueue queue_;
   std::map<std::string, std::vector<const Action*>> todo_;

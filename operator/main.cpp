@@ -1,4 +1,4 @@
-// diaphane-operator: wiring only.
+// Entry point of diaphane-operator, which only connects its parts.
 #include <malloc.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ using namespace diaphane;
 
 constexpr int kExitUnavailable = 69;  // sysexits.h: EX_UNAVAILABLE
 constexpr int kExitNotAllowed = 77;   // EX_NOPERM
-/// The lease went to another: nothing is finished, nothing is given back.
+/// Another process has the lease, so the process exits without finishing or releasing anything.
 constexpr int kExitLost = 75;  // EX_TEMPFAIL
 constexpr char kAccountDir[] = "/var/run/secrets/kubernetes.io/serviceaccount";
 
@@ -54,56 +54,60 @@ std::map<std::string, std::string> pod_environment() {
 kube::Access read_access(ConfigReader& in) {
   const auto pod = kube::access_of_pod(pod_environment(), kAccountDir);
   kube::Access access = pod.value_or(kube::Access{});
-  access.name_space =
-      in.text("namespace", "whose fleets are seen to; default: the pod's", access.name_space);
+  access.name_space = in.text("namespace", "namespace of the fleets (default: the pod's namespace)",
+                              access.name_space);
   access.server =
-      in.text("kube-server", "API server, https://host:port; default: the pod's", access.server);
+      in.text("kube-server", "URL of the API server, https://host:port (default: from the pod)",
+              access.server);
   access.token_file =
-      in.text("kube-token-file", "who asks; default: the pod's account", access.token_file);
-  access.ca_file =
-      in.text("kube-ca-file", "who signed the API server's certificate; default: as in the pod",
-              access.ca_file);
-  if (access.server.empty()) in.mistake("--kube-server is missing, and this is no pod");
-  if (access.name_space.empty()) in.mistake("--namespace is missing, and this is no pod");
+      in.text("kube-token-file", "file with the bearer token (default: the pod's service account)",
+              access.token_file);
+  access.ca_file = in.text("kube-ca-file", "CA certificate of the API server (default: the pod's)",
+                           access.ca_file);
+  if (access.server.empty()) in.mistake("--kube-server is missing (required outside a pod)");
+  if (access.name_space.empty()) in.mistake("--namespace is missing (required outside a pod)");
   return access;
 }
 
 std::optional<int> read_options(ConfigReader& in, Options& options) {
   options.access = read_access(in);
-  options.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  options.redis = in.text("redis", "address: host:port, or rediss://host:port (TLS)");
   options.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", options.redis, options.tls);
-  options.admin_address = in.text("admin-address", "of metrics and health", "127.0.0.1");
-  options.admin_port = in.port("admin-port", "metrics and health");
+  options.admin_address =
+      in.text("admin-address", "address on which the admin port listens", "127.0.0.1");
+  options.admin_port = in.port("admin-port", "port for metrics and health checks");
   options.controller.name_space = options.access.name_space;
   options.controller.all_pods =
-      in.one_of("watch-all-pods", "1: GPUs held by pods of other namespaces count", {"0", "1"},
-                "0") == "1";
+      in.one_of("watch-all-pods", "1 = also count GPUs that pods of other namespaces use",
+                {"0", "1"}, "0") == "1";
   kube::Leader::Options& leader = options.controller.leader;
-  leader.name = in.text("lease", "name of the Lease that the leader holds", "diaphane-operator");
-  leader.lease.identity =
-      in.text("identity", "of this process in the Lease", host_name() + "_" + random_hex(4));
+  leader.name = in.text("lease", "name of the Lease for leader election", "diaphane-operator");
+  leader.lease.identity = in.text("identity", "identity of this process in the Lease",
+                                  host_name() + "_" + random_hex(4));
   leader.path = "/apis/coordination.k8s.io/v1/namespaces/" + options.access.name_space + "/leases";
-  // Nothing is given back and nothing ended in order: another may be writing already.
+  // Exits without an orderly shutdown, because another process may already be writing.
   leader.lost = [] { std::_Exit(kExitLost); };
-  if (!in.words().empty()) in.mistake("a word alone: retire");
+  if (!in.words().empty()) in.mistake("unknown command (the only command is: retire)");
   return in.finish(
-      "diaphane-operator: render pods of a Kubernetes namespace (retire: the end of a fleet)");
+      "diaphane-operator: manages the render fleets of a Kubernetes namespace\n"
+      "diaphane-operator retire: deletes a fleet and waits until it is gone");
 }
 
 int run_retire(ConfigReader& in) {
   const kube::Access access = read_access(in);
   fleet::RetireOptions options;
   options.name_space = access.name_space;
-  options.fleet = in.text("fleet", "RenderFleet that goes, with all its workers");
-  options.grace =
-      static_cast<double>(in.integer("grace-s", "so long an operator may drain it", 0, 86400, 120));
+  options.fleet = in.text("fleet", "RenderFleet to delete, with all its workers");
+  options.grace = static_cast<double>(in.integer(
+      "grace-s", "seconds that the operator may take to drain the fleet", 0, 86400, 120));
   options.clock = [] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
   };
   options.pause = [] { std::this_thread::sleep_for(std::chrono::seconds(1)); };
-  if (auto done = in.finish("diaphane-operator retire: deletes a fleet and waits for its end")) {
+  if (auto done =
+          in.finish("diaphane-operator retire: deletes a fleet and waits until it is gone")) {
     return *done;
   }
   log::start("operator");
@@ -111,14 +115,14 @@ int run_retire(ConfigReader& in) {
   kube::Api api(*transport, "diaphane-retire");
   const auto done = fleet::retire(api, options);
   if (done) return 0;
-  log::error("not_retired", {{"message", done.error().message}});
+  log::error("retire_failed", {{"message", done.error().message}});
   return kExitNotAllowed;
 }
 
 int serve(const Options& options) {
   service::StopSignal stop;
   auto redis =
-      api::redis::Client::create({.address = options.redis, .connections = 2, .tls = options.tls});
+      directory::Client::create({.address = options.redis, .connections = 2, .tls = options.tls});
   if (!redis) {
     std::fprintf(stderr, "--redis: %s\n", redis.error().message.c_str());
     return kExitConfig;
@@ -163,7 +167,7 @@ int serve(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Lists are large and short-lived: what they took is given back.
+  // Lists are large and short-lived. A limit on arenas returns their memory to the system.
   mallopt(M_ARENA_MAX, 2);
   ConfigReader in(argc, argv);
   if (in.words() == std::vector<std::string>{"retire"}) return run_retire(in);

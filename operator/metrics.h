@@ -12,7 +12,7 @@
 
 namespace diaphane::fleet {
 
-/// What the operator says of itself; what it says of fleets is in their statuses.
+/// Metrics of the operator itself. Fleets are reported in their statuses.
 class Metrics {
  public:
   explicit Metrics(prometheus::Registry& registry);

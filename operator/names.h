@@ -3,7 +3,8 @@
 #include <string>
 #include <string_view>
 
-// What the operator calls things, on the cluster and in Redis; helm/diaphane/crds has the schemas.
+// Names that the operator uses on the cluster and in Redis. helm/diaphane/crds contains the
+// schemas.
 
 namespace diaphane::fleet {
 
@@ -17,8 +18,9 @@ inline constexpr const char* kManager = "diaphane-operator";
 inline constexpr const char* kGpu = "nvidia.com/gpu";
 inline constexpr const char* kContainer = "renderd";
 
-/// Whose a worker in Redis is: its fleet, the uid of its RenderWorker, the epoch of its pod
-/// ("skull/7f.../3"). renderd says it with each heartbeat and knows nothing of what it means.
+/// Identifies the owner of a worker in Redis: its fleet, the uid of its RenderWorker, and the epoch
+/// of its pod ("skull/7f.../3"). renderd sends this text with each heartbeat and does not interpret
+/// it.
 inline std::string owner_text(const std::string& fleet, const std::string& uid, long long epoch) {
   return fleet + "/" + uid + "/" + std::to_string(epoch);
 }

@@ -1,4 +1,4 @@
-// Wiring of renderd: settings in, parts together, signals out.
+// Entry point of renderd: reads settings, connects the parts and handles signals.
 
 #include <unistd.h>
 
@@ -23,6 +23,7 @@
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
 #include "common/wire/redis_address.h"
+#include "directory/client.h"
 #include "renderd/composite/composite_engine.h"
 #include "renderd/scene/texture_store.h"
 #include "renderd/serve/grpc_assistants.h"
@@ -43,7 +44,7 @@ constexpr int kExitDevice = 70;       // EX_SOFTWARE: the device's context is br
 
 struct Settings {
   std::string worker_id;
-  wire::RedisAddress redis;
+  std::string redis;
   std::string grpc_address;
   std::uint16_t grpc_port = 0;
   std::string advertise;
@@ -60,7 +61,8 @@ struct Settings {
   std::string copies_dir;
   std::uint64_t copies_bytes = 0;
   PolicyKind policy = PolicyKind::kMarginalGain;
-  std::chrono::seconds silence{0};  ///< of device or main loop; 0: no watchdog
+  /// Watchdog limit for the device and the main loop; 0: no watchdog.
+  std::chrono::seconds silence{0};
   EngineOptions options;
   bool mark_frames = false;
   std::vector<int> devices;
@@ -80,39 +82,43 @@ std::vector<std::string> split(const std::string& text) {
 void read_devices(ConfigReader& in, Settings& settings) {
   const std::string devices = in.text(
       "devices",
-      "GPUs that make each picture together, by CUDA's numbers, with commas; with the CPU engine "
-      "as many engines that share the threads",
+      "comma-separated CUDA device numbers of the GPUs that render each picture together; with the "
+      "CPU engine, that many engines share the threads",
       "0");
   for (const std::string& word : split(devices)) {
     int number = 0;
     const auto [end, wrong] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (wrong != std::errc() || end != word.data() + word.size() || number < 0 ||
         std::count(settings.devices.begin(), settings.devices.end(), number) > 0) {
-      in.mistake("--devices must be different numbers from 0 on, with commas");
+      in.mistake("--devices must be a comma-separated list of different numbers, each 0 or more");
       return;
     }
     settings.devices.push_back(number);
   }
-  if (settings.devices.empty()) in.mistake("--devices names none");
-  settings.assist = split(in.text(
-      "assist", "other renderd that help with each picture: host:port or unix:PATH, with commas",
-      ""));
+  if (settings.devices.empty()) in.mistake("--devices: no device given");
+  settings.assist = split(in.text("assist",
+                                  "comma-separated addresses (host:port or unix:PATH) of other "
+                                  "renderd that help to render each "
+                                  "picture",
+                                  ""));
   settings.lend = static_cast<std::size_t>(in.integer(
-      "lend",
-      "neighbours on this Redis that are asked to help at most, while sessions ask for more than "
-      "this device has; 0: none",
-      0, 8, 0));
+      "lend", "maximum number of peer workers to borrow when this GPU is overloaded (0 = off)", 0,
+      8, 0));
   for (const std::string& address : settings.assist) {
     const auto parsed = wire::parse_redis_address(address);
     if (!parsed || parsed->with_tls) {
-      in.mistake("--assist: '" + address + "' is neither host:port nor unix:PATH");
+      in.mistake("--assist: '" + address + "' is not a valid host:port or unix:PATH");
     } else if (!settings.tls.on()) {
       wire::check_address(in, "assist", address, settings.tls);
     }
   }
 }
 
-/// One device as it is; several, or with assistants, as one.
+void log_fallback(const Error& reason) {
+  log::warning("cuda_not_used", {{"code", to_string(reason.code)}, {"message", reason.message}});
+}
+
+/// Returns a single device as it is, and several devices or assistants as one composite.
 Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource* source) {
   const auto count = static_cast<unsigned>(settings.devices.size());
   const unsigned cores =
@@ -121,8 +127,9 @@ Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource
   for (const int device : settings.devices) {
     EngineOptions options = settings.options;
     options.device = device;
-    auto engine = make_engine(settings.engine,
-                              count > 1 ? std::max(1U, cores / count) : settings.threads, options);
+    auto engine =
+        make_engine(settings.engine, count > 1 ? std::max(1U, cores / count) : settings.threads,
+                    options, log_fallback);
     if (!engine) return engine;
     engines.push_back(std::move(*engine));
   }
@@ -130,7 +137,7 @@ Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource
   return make_composite_engine(std::move(engines), source);
 }
 
-// Without copies all goes on, slower.
+// Without copies, everything works, but more slowly.
 std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
   if (settings.copies_dir.empty()) return {};
   auto copies = volume::NodeCache::open({.folder = settings.copies_dir,
@@ -144,109 +151,121 @@ std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
 
 Settings read_settings(ConfigReader& in) {
   Settings settings;
-  settings.worker_id = in.text("worker-id", "name of this worker, unique among those on one Redis");
-  const std::string redis =
-      in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
+  settings.worker_id = in.text("worker-id", "name of this worker, unique per Redis");
+  settings.redis = in.text("redis", "address: host:port, rediss://host:port (TLS) or unix:PATH");
   settings.tls = wire::read_inner_tls(in);
-  if (const auto address = wire::parse_redis_address(redis)) {
-    settings.redis = *address;
-    settings.redis.tls = settings.tls.files;
-    wire::check_address(in, "redis", redis, settings.tls);
-  } else if (!redis.empty()) {
+  if (const auto address = wire::parse_redis_address(settings.redis)) {
+    wire::check_address(in, "redis", settings.redis, settings.tls);
+  } else if (!settings.redis.empty()) {
     in.mistake("--redis " + address.error().message);
   }
   settings.grpc_address =
-      in.text("grpc-address", "address to listen on, or unix:PATH, without a port", "127.0.0.1");
+      in.text("grpc-address", "address to listen on, without a port, or unix:PATH", "127.0.0.1");
   if (!settings.tls.on()) {
     wire::check_address(in, "grpc-address", settings.grpc_address, settings.tls);
   }
   if (const std::string path = unix_path(settings.grpc_address); path.empty()) {
-    settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
+    settings.grpc_port = in.port("grpc-port", "gRPC port, for the gateway");
   } else if (path.front() != '/' || path.size() > kMostUnixPath) {
     in.mistake("--grpc-address: unix:PATH must be an absolute path of at most " +
                std::to_string(kMostUnixPath) + " bytes");
   }
   settings.advertise =
-      in.text("advertise", "host:port or unix:PATH at which the gateway finds this worker");
-  settings.admin_port = in.port("admin-port", "metrics and health");
-  settings.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
-  settings.volume_dir = in.directory("volume-dir", "the volume store");
+      in.text("advertise", "host:port or unix:PATH at which the gateway reaches this worker");
+  settings.admin_port = in.port("admin-port", "port for metrics and health checks");
+  settings.admin_address =
+      in.text("admin-address", "address on which the admin port listens", "127.0.0.1");
+  settings.volume_dir = in.directory("volume-dir", "directory of the volume store");
   const std::string engine =
-      in.one_of("engine", "where to render", {"auto", "cpu", "cuda"}, "auto");
+      in.one_of("engine", "rendering engine", {"auto", "cpu", "cuda"}, "auto");
   settings.engine = engine == "cpu"    ? EngineChoice::kCpu
                     : engine == "cuda" ? EngineChoice::kCuda
                                        : EngineChoice::kAuto;
-  settings.threads =
-      static_cast<unsigned>(in.integer("threads", "of the CPU engine; 0: all cores", 0, 1024, 0));
-  settings.slots = static_cast<std::size_t>(in.integer("slots", "sessions at most", 1, 4096, 8));
+  settings.threads = static_cast<unsigned>(
+      in.integer("threads", "threads of the CPU engine (0 = all cores)", 0, 1024, 0));
+  settings.slots =
+      static_cast<std::size_t>(in.integer("slots", "maximum number of sessions", 1, 4096, 8));
   settings.visitor_percent = static_cast<int>(in.integer(
       "visitor-share",
-      "percent of the slots, and of the device, that people without an account may have together",
-      0, 100, kVisitorPercent));
+      "percentage of the slots and of the device that users without an account may use together", 0,
+      100, kVisitorPercent));
   const std::string error =
-      in.text("max-error", "relative error at which a picture counts as converged", "0.01");
+      in.text("max-error", "relative error at which a picture counts as converged, between 0 and 1",
+              "0.01");
   char* end = nullptr;
   settings.max_error = std::strtod(error.c_str(), &end);
   if (end == error.c_str() || *end != '\0' || !(settings.max_error > 0 && settings.max_error < 1)) {
     in.mistake("--max-error must be a number between 0 and 1");
   }
   const std::string policy = in.one_of(
-      "schedule", "whose samples are rendered next",
+      "schedule", "scheduling policy, which decides which session is rendered next",
       {"marginal-gain", "error-proportional", "round-robin", "free-for-all"}, "marginal-gain");
   settings.policy = policy_kind(policy).value_or(PolicyKind::kMarginalGain);
   settings.texture_bytes =
-      static_cast<std::uint64_t>(in.integer("texture-memory-mb",
-                                            "decoded pictures on lights, of all sessions together",
-                                            64, 1 << 20, kTextureMemory >> 20))
-      << 20;
-  settings.volume_bytes =
       static_cast<std::uint64_t>(
-          in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
+          in.integer("texture-memory-mb", "memory in MB for decoded light textures of all sessions",
+                     64, 1 << 20, kTextureMemory >> 20))
+      << 20;
+  settings.options.film_bytes =
+      static_cast<std::uint64_t>(
+          in.integer("film-memory-mb",
+                     "CPU engine: memory in MB for the pictures of all sessions (0 = a quarter of "
+                     "the memory that the machine or the container has)",
                      0, 1 << 22, 0))
       << 20;
-  settings.copies_dir = in.text(
-      "volume-copies-dir", "folder on this node's disk for copies of volumes; empty: none", "");
+  settings.volume_bytes =
+      static_cast<std::uint64_t>(in.integer(
+          "volume-memory-mb", "memory in MB for loaded volumes (0 = half of the device's memory)",
+          0, 1 << 22, 0))
+      << 20;
+  settings.copies_dir =
+      in.text("volume-copies-dir",
+              "directory on the node's disk for copies of volumes (empty = no copies)", "");
   settings.copies_bytes =
-      static_cast<std::uint64_t>(
-          in.integer("volume-copies-mb", "all copies in that folder at most", 1, 1 << 26, 20480))
+      static_cast<std::uint64_t>(in.integer("volume-copies-mb",
+                                            "maximum size in MB of all copies in that directory", 1,
+                                            1 << 26, 20480))
       << 20;
   settings.silence = std::chrono::seconds(in.integer(
-      "watchdog-s", "a device that gives no sign of life for so long ends the program; 0: never", 0,
-      3600, 15));
-  const std::string kernels =
-      in.one_of("kernels",
-                "of the CUDA engine: which are compiled for a scene, and whether it waits for them",
-                {"exact", "stand-in", "ahead-of-time", "general"}, "stand-in");
+      "watchdog-s", "exit when the device or the main loop hangs for this many seconds (0 = never)",
+      0, 3600, 15));
+  const std::string kernels = in.one_of(
+      "kernels",
+      "CUDA engine: which kernels are compiled for a scene, and whether rendering waits for them",
+      {"exact", "stand-in", "ahead-of-time", "general"}, "stand-in");
   settings.options.kernels = kernel_choice(kernels).value_or(KernelChoice::kStandIn);
-  settings.options.kernel_cache = in.text(
-      "kernel-cache", "directory for compiled kernels; empty: none", default_kernel_cache());
+  settings.options.kernel_cache =
+      in.text("kernel-cache", "directory in which compiled kernels are cached (empty = no cache)",
+              default_kernel_cache());
   settings.options.lean_memory =
-      in.one_of("lean-memory", "1: at most 5% of device memory beside a volume's voxels",
+      in.one_of("lean-memory",
+                "1 = use at most 5% more device memory than the voxels of a volume need",
                 {"0", "1"}, "0") == "1";
   settings.mark_frames =
-      in.one_of("mark-frames", "1: for a bench, each picture shows the number of its input",
-                {"0", "1"}, "0") == "1";
-  settings.owner = in.text("owner", "whose this worker is, for the operator that made it", "");
+      in.one_of("mark-frames",
+                "1 = draw the number of the input into each picture (for benchmarks)", {"0", "1"},
+                "0") == "1";
+  settings.owner =
+      in.text("owner", "owner of this worker, set by the operator that created its pod", "");
   read_devices(in, settings);
   return settings;
 }
 
-// The device cannot be used by this process any more; sessions' scenes are in Redis already.
+// This process can no longer use the device. The scenes of its sessions are already in Redis.
 [[noreturn]] void leave_broken_device(const Error& why) {
   log::error("device_lost", {{"message", why.message}});
   std::_Exit(kExitDevice);
 }
 
-// Something hangs, so that nothing can be ended in order: connections and heartbeats end with the
-// process, and whoever started it starts it again. What it held is placed anew, with the scenes
-// that are in Redis.
+// Something hangs, so an orderly shutdown is impossible. Connections and heartbeats end with the
+// process, and its supervisor restarts it. Its sessions are placed again with the scenes that are
+// in Redis.
 [[noreturn]] void leave_hung(const std::string& what) {
   log::error("hung", {{"what", what}});
   std::_Exit(kExitDevice);
 }
 
-// An orderly end that takes too long (a volume is just being read from a slow disk) ends all the
-// same.
+// Limits the time of an orderly shutdown, for example while a volume is read from a slow disk.
 void end_within(milliseconds limit) {
   std::thread([limit] {
     std::this_thread::sleep_for(limit);
@@ -258,12 +277,23 @@ void end_within(milliseconds limit) {
 int run(int argc, char** argv) {
   ConfigReader in(argc, argv);
   const Settings settings = read_settings(in);
-  if (const auto done =
-          in.finish("diaphane-renderd: renders the sessions of many viewers on one device")) {
+  if (const auto done = in.finish("diaphane-renderd: renders the sessions of many viewers on one "
+                                  "device, or on several together")) {
     return *done;
   }
   log::start("renderd");
   service::StopSignal stop;
+
+  // One connection for the registry and one for the lender, so that neither waits for the other.
+  auto redis = directory::Client::create({.address = settings.redis,
+                                          .connections = 2,
+                                          .connect_timeout = milliseconds(1000),
+                                          .command_timeout = milliseconds(1000),
+                                          .tls = settings.tls});
+  if (!redis) {
+    std::fprintf(stderr, "--redis: %s\n", redis.error().message.c_str());
+    return kExitConfig;
+  }
 
   std::unique_ptr<GrpcAssistants> assistants;
   if (!settings.assist.empty() || settings.lend > 0) {
@@ -277,7 +307,7 @@ int run(int argc, char** argv) {
   const EngineInfo info = (*engine)->info();
   const SystemClock clock;
 
-  // What the operations port looks at; null before it serves and when it ends.
+  // Targets of the operations port, null before serving and during shutdown.
   std::atomic<RenderWorker*> worker_now{nullptr};
   std::atomic<Registry*> registry_now{nullptr};
   std::atomic<const Watchdog*> watchdog_now{nullptr};
@@ -321,7 +351,7 @@ int run(int argc, char** argv) {
   } else if (info.memory_bytes > 0) {
     worker_options.volume_bytes = info.memory_bytes / 2;
   }
-  // A GPU leaves the processor to the encoders; the CPU engine wants it for itself.
+  // A GPU leaves the processor to the encoders, while the CPU engine needs it itself.
   const unsigned cores = std::thread::hardware_concurrency();
   worker_options.encoder_threads = std::clamp(info.queues ? cores / 2 : cores / 4, 1U, 16U);
   limit_texture_memory(settings.texture_bytes, settings.texture_bytes / 8 * 5);
@@ -337,7 +367,8 @@ int run(int argc, char** argv) {
   server_options.address = settings.grpc_address;
   server_options.port = settings.grpc_port;
   server_options.tls = settings.tls;
-  // A gateway has one connection for all its sessions here, and asks for thumbnails on it.
+  // A gateway has one connection for all its sessions on this worker, and also requests thumbnails
+  // over it.
   server_options.most_streams =
       std::max(server_options.most_streams, static_cast<int>(settings.slots) + 64);
   auto server =
@@ -346,15 +377,14 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "--grpc-port: %s\n", server.error().message.c_str());
     return kExitUnavailable;
   }
-  // The main loop's own signs of life: a lock of a session that is never given back stops it.
+  // Progress of the main loop, which stops if a session's lock is never released.
   std::atomic<std::uint64_t> turns{1};
   std::atomic<bool> name_taken{false};
   {
     const std::string incarnation = new_id();
     Registry registry(
-        {settings.redis, settings.worker_id, incarnation, settings.advertise, info.engine,
-         info.device, [&] { return worker.runner().busy_seconds(); },
-         [&] { return worker.volumes().loaded(); },
+        {settings.worker_id, incarnation, settings.advertise, info.engine, info.device,
+         [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); },
          [&](const std::string& holder) {
            std::fprintf(stderr, "--worker-id: another renderd of this name lives at %s\n",
                         holder.c_str());
@@ -366,12 +396,11 @@ int run(int argc, char** argv) {
                   static_cast<double>(std::max<std::uint64_t>(1, worker_options.volume_bytes));
          },
          [&] { return worker.runner().summed_error(); },
-         // A few each second, so that not all of them come to the others at once.
+         // A few per second, so that they do not all arrive at other workers at once.
          [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
          [&] { return worker.assists().lent_seconds(); }},
-        worker.host(), metrics);
+        **redis, worker.host(), metrics);
     Lender::Options lending;
-    lending.redis = settings.redis;
     lending.worker_id = settings.worker_id;
     lending.incarnation = incarnation;
     lending.address = settings.advertise;
@@ -384,7 +413,7 @@ int run(int argc, char** argv) {
     lending.told = [&](std::size_t borrowed) {
       metrics.lending(borrowed, worker.assists().used());
     };
-    std::optional<Lender> lender(std::in_place, std::move(lending),
+    std::optional<Lender> lender(std::in_place, std::move(lending), **redis,
                                  settings.lend > 0 ? assistants.get() : nullptr);
     std::optional<Watchdog> watchdog;
     if (settings.silence.count() > 0) {
@@ -410,13 +439,13 @@ int run(int argc, char** argv) {
 
     log::info("draining");
     watchdog_now = nullptr;
-    watchdog.reset();  // the drain has a limit of its own
+    watchdog.reset();  // the drain has its own limit
     end_within(milliseconds(3500));
     lender.reset();
     (*admin)->set_draining();
     (*server)->set_not_serving();
     worker.host().refuse_new();
-    // The scenes first: whoever takes a session up again needs them.
+    // The scenes first, because the worker that resumes a session needs them.
     registry.drain(milliseconds(1000));
     registry_now = nullptr;
     worker_now = nullptr;
@@ -431,7 +460,7 @@ int run(int argc, char** argv) {
 }  // namespace diaphane::render
 
 int main(int argc, char** argv) {
-  // Voxels: of volumes that were let go of, and of slices and pictures that were sent.
+  // Freed memory may hold voxels: of evicted volumes, and of slices and pictures that were sent.
   diaphane::service::overwrite_freed_memory();
   diaphane::service::forbid_core_files();
   return diaphane::render::run(argc, argv);

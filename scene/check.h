@@ -9,21 +9,21 @@
 #include "common/result.h"
 #include "scene/scene.h"
 
-// What the checks of a scene's parts share. Fields are named as in the JSON form.
+// Helpers shared by the checks of a scene's parts. Fields are named as in the JSON form.
 
 namespace diaphane::scene {
 
 inline constexpr double kLongestDistance = 1e7;  ///< mm
 inline constexpr double kBrightest = 1e15;       ///< radiance
 
-/// The first thing wrong, or nothing.
+/// The first error, or nullopt.
 using Complaint = std::optional<Error>;
 
 inline Complaint complain(std::string field, const std::string& what) {
   return Error{ErrorCode::kInvalid, field + " " + what, std::move(field)};
 }
 
-/// NaN fails every comparison, so each check asks for what is right, never for what is wrong.
+/// Every check tests for valid values, because NaN fails all comparisons.
 inline Complaint in_range(double value, double low, double high, const std::string& field,
                           const char* what) {
   if (value >= low && value <= high) return {};
@@ -34,7 +34,7 @@ inline Complaint check(const diaphane::v1::Vec3& v, const std::string& field) {
   const std::pair<const char*, double> parts[] = {{".x", v.x()}, {".y", v.y()}, {".z", v.z()}};
   for (const auto& [name, value] : parts) {
     if (auto c = in_range(value, -kLongestDistance, kLongestDistance, field + name,
-                          "must be a number within 1e7 mm")) {
+                          "must be from -1e7 to 1e7 mm")) {
       return c;
     }
   }
@@ -62,7 +62,7 @@ inline Vector cross(Vector a, Vector b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// All of `scene.lights`.
+/// Checks all of `scene.lights`.
 Complaint check_lights(const diaphane::v1::Scene& scene, PictureCheck check_picture);
 
 }  // namespace diaphane::scene

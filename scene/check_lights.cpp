@@ -6,7 +6,7 @@
 namespace diaphane::scene {
 namespace {
 
-using scene::check;  // beside those below
+using scene::check;  // in addition to the functions below
 
 constexpr int kMostLights = 4096;
 constexpr double kShortestEdge = 1e-6;  // mm
@@ -15,7 +15,7 @@ Complaint check_radiance(const diaphane::v1::Rgb& radiance, const std::string& f
   return check(radiance, kBrightest, field + ".radiance", "must be from 0 to 1e15");
 }
 
-/// Its size and head; what is wrong behind them, decoding finds.
+/// Checks the size and header of a texture. Decoding finds any other error.
 template <typename Shape>
 Complaint check_texture(const Shape& shape, const std::string& field, PictureCheck check_picture) {
   if (!shape.has_texture()) return {};
@@ -53,7 +53,7 @@ Complaint check(const diaphane::v1::DiskLight& light, const std::string& field) 
   if (auto c = check(light.centre(), field + ".centre")) return c;
   if (auto c = check(light.normal(), field + ".normal")) return c;
   if (!(length(vector_of(light.normal())) >= 1e-6)) {
-    return complain(field + ".normal", "must be a direction: at least 1e-6 long");
+    return complain(field + ".normal", "must be a direction with a length of at least 1e-6");
   }
   if (auto c = check_radius(light.radius(), field)) return c;
   return check_radiance(light.radiance(), field);
@@ -136,17 +136,17 @@ Complaint check(const diaphane::v1::Light& light, const std::string& field,
   if (auto c = check_shape(light, field)) return c;
   if (auto c = check_texture(light, field, check_picture)) return c;
   if (auto c = in_range(light.intensity(), 0, kBrightest, field + ".intensity",
-                        "must be from 0 (which means 1) to 1e15")) {
+                        "must be 0 (which means 1) or at most 1e15")) {
     return c;
   }
   return in_range(light.intensity() * brightest_of(light), 0, kBrightest, field + ".intensity",
-                  "times the radiance must be 1e15 at most");
+                  "times the radiance must be at most 1e15");
 }
 
 }  // namespace
 
 Complaint check_lights(const diaphane::v1::Scene& scene, PictureCheck check_picture) {
-  if (scene.lights_size() > kMostLights) return complain("lights", "may be 4096 at most");
+  if (scene.lights_size() > kMostLights) return complain("lights", "must have at most 4096 lights");
   for (int i = 0; i < scene.lights_size(); ++i) {
     const std::string field = "lights[" + std::to_string(i) + "]";
     if (auto c = check(scene.lights(i), field, check_picture)) return c;

@@ -6,7 +6,7 @@
 namespace diaphane::scene {
 namespace {
 
-using scene::check;  // beside those below
+using scene::check;  // in addition to the functions below
 
 constexpr int kMostChannels = 64;
 constexpr int kMostPoints = 1024;
@@ -21,12 +21,12 @@ Complaint check(const diaphane::v1::Channel& channel, const std::string& field) 
   for (int i = 0; i < channel.opacity_size(); ++i) {
     const std::string point = field + ".opacity[" + std::to_string(i) + "]";
     const auto& p = channel.opacity(i);
-    if (auto c = in_range(p.value(), -1e9, 1e9, point + ".value", "must be a number within 1e9")) {
+    if (auto c = in_range(p.value(), -1e9, 1e9, point + ".value", "must be from -1e9 to 1e9")) {
       return c;
     }
     if (auto c = in_range(p.opacity(), 0, 1, point + ".opacity", "must be from 0 to 1")) return c;
     if (i > 0 && !(p.value() > channel.opacity(i - 1).value())) {
-      return complain(point + ".value", "must be above the point before it");
+      return complain(point + ".value", "must be greater than the value of the previous point");
     }
   }
   if (auto c = check(channel.diffuse(), 1, field + ".diffuse", "must be from 0 to 1")) return c;
@@ -55,15 +55,16 @@ Complaint check(const diaphane::v1::Camera& camera) {
   if (auto c = check(camera.up(), "camera.up")) return c;
   const Vector back = vector_of(camera.eye()) - vector_of(camera.target());
   const Vector up = vector_of(camera.up());
-  if (!(length(back) >= 1e-6)) return complain("camera.target", "must not be where the eye is");
+  if (!(length(back) >= 1e-6))
+    return complain("camera.target", "must not be at the position of the eye");
   if (!(length(cross(up, back)) > 1e-9 * length(up) * length(back))) {
-    return complain("camera.up", "must be a direction other than the view's");
+    return complain("camera.up", "must not be zero or parallel to the view direction");
   }
   if (auto c = in_range(camera.orthographic_height(), 0, kLongestDistance,
                         "camera.orthographicHeight", "must be from 0 to 1e7 mm")) {
     return c;
   }
-  // Parallel rays have no use for it.
+  // Unused for parallel rays.
   const double least_fov = camera.orthographic_height() > 0 ? 0 : 1e-3;
   if (auto c = in_range(camera.vertical_fov_degrees(), least_fov, 179.9,
                         "camera.verticalFovDegrees", "must be from 0.001 to 179.9 degrees")) {
@@ -76,28 +77,29 @@ Complaint check(const diaphane::v1::Camera& camera) {
   const double focus = camera.focal_distance();
   if (focus == 0) return {};
   return in_range(focus, 1e-6, kLongestDistance, "camera.focalDistance",
-                  "must be 0 (the target's) or from 1e-6 to 1e7 mm");
+                  "must be 0 (the distance to the target) or from 1e-6 to 1e7 mm");
 }
 
 Complaint check(const diaphane::v1::Clip& clip) {
   if (clip.has_box_low() != clip.has_box_high()) {
     return complain(clip.has_box_low() ? "clip.boxHigh" : "clip.boxLow",
-                    "is missing: a box needs both corners");
+                    "is missing; a box needs both corners");
   }
   if (auto c = check(clip.box_low(), "clip.boxLow")) return c;
   if (auto c = check(clip.box_high(), "clip.boxHigh")) return c;
   const Vector low = vector_of(clip.box_low()), high = vector_of(clip.box_high());
   for (int axis = 0; axis < 3; ++axis) {
     if (high[axis] >= low[axis]) continue;
-    return complain(std::string("clip.boxHigh.") + "xyz"[axis], "must not be below boxLow's");
+    return complain(std::string("clip.boxHigh.") + "xyz"[axis], "must not be below that of boxLow");
   }
-  if (clip.planes_size() > kMostPlanes) return complain("clip.planes", "may be 6 at most");
+  if (clip.planes_size() > kMostPlanes)
+    return complain("clip.planes", "must have at most 6 planes");
   for (int i = 0; i < clip.planes_size(); ++i) {
     const std::string field = "clip.planes[" + std::to_string(i) + "]";
     if (auto c = check(clip.planes(i).point(), field + ".point")) return c;
     if (auto c = check(clip.planes(i).normal(), field + ".normal")) return c;
     if (!(length(vector_of(clip.planes(i).normal())) >= 1e-6)) {
-      return complain(field + ".normal", "must be a direction: at least 1e-6 long");
+      return complain(field + ".normal", "must be a direction with a length of at least 1e-6");
     }
   }
   return {};
@@ -111,7 +113,7 @@ Complaint check(const diaphane::v1::Slices& slices) {
   bool shown = false;
   for (const auto& [field, slice] : all) {
     if (auto c = in_range(slice->position(), -kLongestDistance, kLongestDistance,
-                          field + std::string(".position"), "must be a number within 1e7 mm")) {
+                          field + std::string(".position"), "must be from -1e7 to 1e7 mm")) {
       return c;
     }
     shown = shown || slice->shown();
@@ -121,13 +123,13 @@ Complaint check(const diaphane::v1::Slices& slices) {
     return complain("slices.colouring", "must be GREY or TRANSFER");
   }
   if (auto c = in_range(slices.window_centre(), -1e9, 1e9, "slices.windowCentre",
-                        "must be a number within 1e9")) {
+                        "must be from -1e9 to 1e9")) {
     return c;
   }
   const bool grey = shown && slices.colouring() == diaphane::v1::Slices::GREY;
   return in_range(
       slices.window_width(), grey ? 1e-6 : 0, 1e9, "slices.windowWidth",
-      grey ? "must be above 0 where a slice is grey, and 1e9 at most" : "must be from 0 to 1e9");
+      grey ? "must be above 0 and at most 1e9 for grey slices" : "must be from 0 to 1e9");
 }
 
 Complaint check(const diaphane::v1::Display& display) {
@@ -153,20 +155,19 @@ Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_p
   if (!scene.has_camera()) return complain("camera", "is missing");
   if (auto c = check(scene.camera())) return c;
   const double g = scene.phase().g();
-  if (!(g > -1 && g < 1)) return complain("phase.g", "must lie between -1 and 1");
+  if (!(g > -1 && g < 1)) return complain("phase.g", "must be between -1 and 1");
   if (auto c = check(scene.display())) return c;
   if (auto c = check(scene.clip())) return c;
   if (auto c = check(scene.slices())) return c;
   if (auto c = check(scene.shading())) return c;
-  if (scene.bounces() > kMostBounces) return complain("bounces", "may be 1024 at most");
+  if (scene.bounces() > kMostBounces) return complain("bounces", "must be at most 1024");
   return {};
 }
 
 }  // namespace
 
 Result<void> no_pictures(std::string_view) {
-  return fail(ErrorCode::kUnsupported,
-              "must not be there: pictures on lights are not kept in a preset");
+  return fail(ErrorCode::kUnsupported, "must not be set; a preset does not store light textures");
 }
 
 Result<void> check_scene(const diaphane::v1::Scene& scene, PictureCheck check_picture) {

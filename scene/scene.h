@@ -6,21 +6,20 @@
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
 
-/// What a scene may be and how it is written: the same for files, presets and the stream, for api
-/// and renderd.
+/// Validation and JSON form of scenes for files, presets and the stream, shared by api and renderd.
 namespace diaphane::scene {
 
-/// Says whether the file of a texture is one that will be shown; its error names no field.
+/// Returns whether the file of a texture can be shown. Its error names no field.
 using PictureCheck = Result<void> (*)(std::string_view file);
-/// For who shows no textures.
+/// A PictureCheck for callers that do not show textures.
 Result<void> no_pictures(std::string_view file);
 
-/// Checks everything that a scene may hold; the first thing wrong is named
-/// ("lights[1].rectangle.radiance.r"). Not finite, negative extinction, reversed or empty ranges,
-/// no channel, a camera without direction: kInvalid.
+/// Checks all parts of a scene. kInvalid names the first invalid field
+/// ("lights[1].rectangle.radiance.r"), for example a number that is not finite, negative
+/// extinction, a reversed or empty range, a missing channel, or a camera without direction.
 Result<void> check_scene(const diaphane::v1::Scene& scene, PictureCheck check_picture);
 
-/// The JSON form (Protobuf's mapping), both ways. Unknown fields are refused by name.
+/// Convert from and to the JSON form (Protobuf's mapping). Unknown fields are refused by name.
 Result<diaphane::v1::Scene> scene_from_json(std::string_view json);
 std::string scene_to_json(const diaphane::v1::Scene& scene);
 

@@ -5,8 +5,8 @@
 namespace diaphane::scene {
 namespace {
 
-/// Protobuf says `(camera) spede: Cannot find field.`, `(camera): ...` or puts words before it; the
-/// path and the name are what a person needs.
+/// Extracts the path and name of a field from Protobuf's messages, such as `(camera) spede: Cannot
+/// find field.` or `(camera): ...`.
 std::string field_in(const std::string& message) {
   const std::size_t end = message.find(": Cannot find field");
   if (end == std::string::npos) return {};
@@ -34,7 +34,7 @@ Result<diaphane::v1::Scene> scene_from_json(std::string_view json) {
     const std::string text(status.message());
     const std::string field = field_in(text);
     if (!field.empty()) return fail(ErrorCode::kInvalid, "unknown field " + field, field);
-    return fail(ErrorCode::kInvalid, "the scene is not valid JSON of a scene: " + text);
+    return fail(ErrorCode::kInvalid, "the scene is not valid: " + text);
   }
   return scene;
 }
@@ -43,7 +43,7 @@ std::string scene_to_json(const diaphane::v1::Scene& scene) {
   std::string json;
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
-  // Serialising a message of ours to a string has no way to fail.
+  // Serialising a valid message to a string cannot fail.
   (void)google::protobuf::util::MessageToJsonString(scene, &json, options);
   return json;
 }

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <vector>
 
+#include "common/try.h"
 #include "common/utf8.h"
 
 namespace diaphane::scene {
@@ -34,7 +35,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
-/// A reference such as &#xD800; makes of good UTF-8 what is none.
+/// A character reference such as &#xD800; can turn valid UTF-8 into invalid text.
 bool has_utf8_only(const pugi::xml_node& node) {
   if (!is_utf8(node.name()) || !is_utf8(node.value())) return false;
   const auto attributes = node.attributes();
@@ -43,7 +44,8 @@ bool has_utf8_only(const pugi::xml_node& node) {
   });
 }
 
-/// No DTD, no deeper and no more than is allowed. Without recursion: it is not known yet how deep.
+/// Refuses a DTD and documents that are too deep or too large. Not recursive, because the depth is
+/// still unknown.
 Result<void> check_form(const pugi::xml_document& document) {
   int nodes = 0, depth = 0;
   pugi::xml_node node = document.first_child();
@@ -77,18 +79,18 @@ Result<double> number_in(std::string_view text, const std::string& field) {
   return value;
 }
 
-/// One value of a field that is no message.
+/// Reads one value of a field that is not a message.
 Result<void> read_value(Message& message, const FieldDescriptor& f, const pugi::xml_node& element,
                         const std::string& path) {
   const Reflection& fields = *message.GetReflection();
   for (const pugi::xml_node child : element.children()) {
-    if (child.type() == pugi::node_element) return refused(path, "must hold a value alone");
+    if (child.type() == pugi::node_element) return refused(path, "must contain only a value");
   }
   const std::string_view text = trimmed(element.text().get());
   switch (f.cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE: {
       const auto value = number_in(text, path);
-      if (!value) return tl::unexpected(value.error());
+      DIAPHANE_TRY(value);
       fields.SetDouble(&message, &f, *value);
       return {};
     }
@@ -107,19 +109,19 @@ Result<void> read_value(Message& message, const FieldDescriptor& f, const pugi::
       return {};
     case FieldDescriptor::CPPTYPE_ENUM: {
       const auto* value = f.enum_type()->FindValueByName(std::string(text));
-      if (value == nullptr) return refused(path, "is none of those that are known here");
+      if (value == nullptr) return refused(path, "is not an allowed value");
       fields.SetEnum(&message, &f, value);
       return {};
     }
     case FieldDescriptor::CPPTYPE_STRING:
       if (f.type() == FieldDescriptor::TYPE_BYTES) {
-        return refused(path, "must not be there: pictures on lights are not kept in a preset");
+        return refused(path, "must not be set; a preset does not store light textures");
       }
-      // As it stands, blanks too.
+      // Keeps blanks.
       fields.SetString(&message, &f, element.text().get());
       return {};
     default:
-      return refused(path, "is of a kind that is not known here");
+      return refused(path, "has an unknown type");
   }
 }
 
@@ -135,7 +137,7 @@ std::string joined(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// As deep as the message is: bounded by the schema, which has no cycle.
+/// The recursion is limited by the schema, which has no cycle.
 Result<void> read_message(Message& message, const pugi::xml_node& element, const std::string& path,
                           bool& has_unknown) {
   const Reflection& fields = *message.GetReflection();
@@ -144,7 +146,7 @@ Result<void> read_message(Message& message, const pugi::xml_node& element, const
     if (child.type() == pugi::node_comment) has_unknown = true;
     if ((child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) &&
         !trimmed(child.value()).empty()) {
-      return refused(path.empty() ? kRoot : path, "must hold elements, not text");
+      return refused(path.empty() ? kRoot : path, "must contain elements, not text");
     }
     if (child.type() != pugi::node_element) continue;
     const FieldDescriptor* f = field_of(message, child.name());
@@ -156,13 +158,13 @@ Result<void> read_message(Message& message, const pugi::xml_node& element, const
     const int count = seen[child.name()]++;
     std::string at = joined(path, child.name());
     if (f->is_repeated()) at += "[" + std::to_string(count) + "]";
-    if (!f->is_repeated() && count > 0) return refused(at, "must be there once");
+    if (!f->is_repeated() && count > 0) return refused(at, "must occur only once");
     if (f->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
       if (auto done = read_value(message, *f, child, at); !done) return done;
       continue;
     }
     if (f->containing_oneof() != nullptr && fields.HasOneof(message, f->containing_oneof())) {
-      return refused(at, "must not be there beside another shape");
+      return refused(at, "must not be combined with another shape");
     }
     Message* part =
         f->is_repeated() ? fields.AddMessage(&message, f) : fields.MutableMessage(&message, f);
@@ -192,7 +194,7 @@ std::string value_of(const Message& message, const FieldDescriptor& f) {
   }
 }
 
-/// The n-th child of that name, made after the others where there is none.
+/// Returns the n-th child of that name, and creates it after the others if it does not exist.
 pugi::xml_node element_of(pugi::xml_node& parent, const std::string& name, int index) {
   for (pugi::xml_node child = parent.child(name.c_str()); child;
        child = child.next_sibling(name.c_str())) {
@@ -233,15 +235,16 @@ void write_message(const Message& message, pugi::xml_node element) {
 }
 
 Result<void> parse(std::string_view xml, pugi::xml_document& document) {
-  if (xml.size() > kMostXmlBytes) return refused(kRoot, "may have 256 KB at most");
-  if (xml.find('\0') != std::string_view::npos) return refused(kRoot, "must not hold zero bytes");
+  if (xml.size() > kMostXmlBytes) return refused(kRoot, "must be at most 256 KB");
+  if (xml.find('\0') != std::string_view::npos)
+    return refused(kRoot, "must not contain null bytes");
   if (!is_utf8(xml)) return refused(kRoot, "must be UTF-8");
-  // Of entities the parser knows the five of XML and character references, nothing else; it opens
-  // no file. A DOCTYPE is read only so that it can be refused.
+  // The parser knows only the five entities of XML and character references, and opens no file. A
+  // DOCTYPE is parsed only to refuse it.
   constexpr unsigned kOptions =
       pugi::parse_default | pugi::parse_doctype | pugi::parse_comments | pugi::parse_pi;
   const auto parsed = document.load_buffer(xml.data(), xml.size(), kOptions, pugi::encoding_utf8);
-  if (!parsed) return refused(kRoot, std::string("is no XML: ") + parsed.description());
+  if (!parsed) return refused(kRoot, std::string("is not valid XML: ") + parsed.description());
   return check_form(document);
 }
 
@@ -249,22 +252,22 @@ Result<void> parse(std::string_view xml, pugi::xml_document& document) {
 
 Result<XmlPreset> preset_from_xml(std::string_view xml) {
   pugi::xml_document document;
-  if (auto parsed = parse(xml, document); !parsed) return tl::unexpected(parsed.error());
+  DIAPHANE_TRY(parse(xml, document));
   const pugi::xml_node root = document.document_element();
   if (std::string_view(root.name()) != kRoot ||
       std::string_view(root.attribute("xmlns").value()) != kNamespace) {
-    return refused(kRoot, "must be the outermost element, with xmlns=\"urn:diaphane:preset\"");
+    return refused(kRoot, "must be the root element, with xmlns=\"urn:diaphane:preset\"");
   }
   const std::string_view version = root.attribute("version").value();
   int number = 0;
   const auto [end, error] =
       std::from_chars(version.data(), version.data() + version.size(), number);
   if (error != std::errc() || end != version.data() + version.size() || number < 1) {
-    return refused("version", "must be a whole number from 1");
+    return refused("version", "must be a whole number of at least 1");
   }
   if (number > kXmlVersion) {
-    return refused("version",
-                   "is " + std::to_string(number) + ": a later one than this program reads (1)");
+    return refused("version", "is " + std::to_string(number) +
+                                  ", which is newer than this server supports (1)");
   }
   XmlPreset preset;
   preset.name = root.attribute("name").value();

@@ -7,12 +7,12 @@
 #include "common/result.h"
 
 /// The exchange format of presets (thesis 4.2: "a preset file, encoded in XML, which contains all
-/// settings, e.g. transfer function, camera and light positions"), docs/presets.md.
+/// settings, e.g. transfer function, camera and light positions"). See docs/presets.md.
 ///
-/// A message is an element of its field's JSON name, with a child for each field that is set; a
-/// repeated field repeats its element. Numbers and names are text. The root is
-/// <preset xmlns="urn:diaphane:preset" version="1" name="...">. What is unknown here, elements and
-/// attributes, is kept where it stands.
+/// A message is an element with the JSON name of its field and a child for each field that is set.
+/// A repeated field repeats its element. Numbers and names are text. The root is <preset
+/// xmlns="urn:diaphane:preset" version="1" name="...">. Unknown elements and attributes are
+/// preserved in place.
 namespace diaphane::scene {
 
 inline constexpr int kXmlVersion = 1;
@@ -22,16 +22,18 @@ inline constexpr int kMostXmlNodes = 20'000;
 
 struct XmlPreset {
   std::string name;
-  diaphane::v1::Scene scene;  ///< read, not yet checked (check_scene)
-  bool has_unknown = false;  ///< something in it is not of this version: worth keeping the document
+  diaphane::v1::Scene scene;  ///< parsed, but not checked (check_scene)
+  /// Contains elements of another version, so the document is worth keeping.
+  bool has_unknown = false;
 };
 
-/// kInvalid with the element's path as the field ("lights[1].rectangle.radiance.r"); for what is no
-/// XML, has a DTD, is too large or too deep, "preset"; of a later version, "version".
+/// kInvalid with the path of the element as the field ("lights[1].rectangle.radiance.r"). The field
+/// is "preset" if the text is not XML, has a DTD, or is too large or too deep, and "version" for a
+/// later version.
 Result<XmlPreset> preset_from_xml(std::string_view xml);
 
-/// `kept`: the document that the preset was once read from, or empty; what it holds besides the
-/// scene is kept.
+/// `kept`: the document from which the preset was read, or empty. Its content besides the scene is
+/// preserved.
 std::string preset_to_xml(std::string_view name, const diaphane::v1::Scene& scene,
                           std::string_view kept = {});
 

@@ -92,7 +92,7 @@ TEST(PresetXml, NamesTheElementThatIsWrong) {
 
 TEST(PresetXml, OfALaterVersionSaysSo) {
   EXPECT_EQ(field_of_error(wrapped("", "version=\"2\"")), "version");
-  EXPECT_NE(preset_from_xml(wrapped("", "version=\"2\"")).error().message.find("later"),
+  EXPECT_NE(preset_from_xml(wrapped("", "version=\"2\"")).error().message.find("newer"),
             std::string::npos);
   for (const char* version : {"version=\"0\"", "version=\"\"", "version=\"1.0\"", "",
                               "version=\"99999999999999999999\""}) {

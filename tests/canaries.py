@@ -1,5 +1,5 @@
-"""Words that were put into a scan and must be nowhere afterwards: searched in everything that a server keeps, in every
-form that a program may have given them. tests/hostile/canary_scan.py writes a scan that is full of them."""
+"""Words planted in a scan that must not be found afterwards: searched in everything that a server stores, in every form in which
+a program may store them. tests/hostile/canary_scan.py writes a scan full of them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import tempfile
 from pathlib import Path
 from typing import Iterable
 
-# What ingest/dicom/series_writer.h puts into every text of the sample, and its folder's and files' names.
+# Words that ingest/dicom/series_writer.h puts into every text of the sample, and parts of its folder and file names.
 WORDS = ["Canary7f3a", "Mustermann", "IM000001"]
 
-PIECE, LONGEST = 16 << 20, 400   # bytes read at a time; more than any form of a word has
+PIECE, LONGEST = 16 << 20, 400   # bytes per read; longer than any form of a word
 
 
 def forms(word: str) -> dict[str, bytes]:
-    """Base64 three times: what lies before the word shifts its coding; the ends that depend on neighbours are cut off."""
+    """Returns the word in base64 at the three possible alignments, without the ends that depend on neighbouring bytes."""
     plain = word.encode()
     found = {"UTF-8": plain, "UTF-16LE": word.encode("utf-16-le"), "UTF-16BE": word.encode("utf-16-be"),
              "hex": plain.hex().encode(), "HEX": plain.hex().upper().encode()}
@@ -28,7 +28,8 @@ def forms(word: str) -> dict[str, bytes]:
 
 
 class Search:
-    """For some words. `begun` is when they came into being (time.time()): older files cannot hold them."""
+    """Searches for several words. `begun` is the time at which they were created (time.time()). Older files cannot contain them.
+    """
 
     def __init__(self, words: Iterable[str] = WORDS, begun: float = 0.0):
         self.needles = {f"{word} in {name}": needle for word in words for name, needle in forms(word).items()}
@@ -38,7 +39,7 @@ class Search:
         return [name for name, needle in self.needles.items() if needle in data]
 
     def below(self, folder: Path, leave_out: Iterable[Path] = ()) -> list[str]:
-        """In the contents and names of all files; a file that goes while one looks is gone."""
+        """Searches contents and names of all files. Ignores files that are deleted meanwhile."""
         found, left_out = [], set(leave_out)
         for place, folders, files in os.walk(folder):
             folders[:] = [name for name in sorted(folders) if Path(place, name) not in left_out]
@@ -56,22 +57,23 @@ class Search:
     def _of_file(self, path: Path) -> list[str]:
         found: dict[str, None] = {}
         with path.open("rb") as file:
-            end = b""    # of the piece before: a word may lie across
+            end = b""    # end of the previous piece, because a word may cross the border
             while piece := file.read(PIECE):
                 found.update(dict.fromkeys(self.inside(end + piece)))
                 end = piece[-LONGEST:]
         return list(found)
 
     def in_stack(self, stack, leave_out: Iterable[Path] = ()) -> list[str]:
-        """Data directory (uploads, volumes, scratch, caches, logs, mails, core files), a dump of the database, of Redis."""
+        """Searches the data directory (uploads, volumes, scratch, caches, logs, mails, core files), and dumps of the database and
+        of Redis."""
         stack.redis.config_set("rdbcompression", "no")
         stack.redis.save()
         dump = subprocess.run(["pg_dump", "--inserts", stack.dsn], capture_output=True, check=True).stdout
-        assert len(dump) > 5000, "that is no dump"
+        assert len(dump) > 5000, "not a dump"
         return self.below(stack.data_dir, leave_out) + [f"{name}: the dump of the database" for name in self.inside(dump)]
 
     def in_temporary_files(self, leave_out: Iterable[Path] = ()) -> list[str]:
-        """But not in those of other tests, which may run beside this one."""
+        """Searches temporary files except those of other tests, which may run in parallel."""
         others = {path for name in ("diaphane-test-*", "pytest-of-*", "diaphane-bench-*") for base in ("/tmp", "/var/tmp")
                   for path in Path(base).glob(name)}
         leave_out = {*leave_out, *others}
@@ -83,7 +85,7 @@ _SAMPLE = Search()
 
 
 def canaries_in(data: bytes) -> list[str]:
-    """The sample's."""
+    """Finds the words of the sample."""
     return _SAMPLE.inside(data)
 
 

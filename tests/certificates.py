@@ -1,4 +1,4 @@
-"""A certificate authority, and one certificate of it."""
+"""A certificate authority and its certificates."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
 
 
 def issue(folder: Path, ca: str = "ca.pem", certificate: str = "own.pem", key: str = "own.key", names: str = "IP:127.0.0.1") -> None:
-    """Files of these names, for two days; what was there is replaced."""
+    """Writes files of these names, valid for two days, and replaces existing ones."""
     def openssl(*words: str) -> None:
         subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
 
@@ -20,8 +20,8 @@ def issue(folder: Path, ca: str = "ca.pem", certificate: str = "own.pem", key: s
 
 
 def issue_another(folder: Path, name: str, names: str = "IP:127.0.0.1", days: int = 2, usage: str = "", signed: bool = True) -> tuple[str, str]:
-    """Another certificate by the authority that issue() has left in `folder`, and its key: NAME.pem, NAME.key. A negative `days` is one that
-    has expired; `usage`: the only extended key usage that it is for; not `signed`: by itself alone."""
+    """Writes another certificate of the authority that issue() created in `folder`, and its key, as NAME.pem and NAME.key. A
+    negative `days` makes an expired one. `usage` is its only extended key usage. If not `signed`, it is self-signed."""
     def openssl(*words: str) -> None:
         subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
 

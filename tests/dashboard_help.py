@@ -1,4 +1,4 @@
-"""What the chart's dashboard asks Prometheus for, held against what programs say at /metrics."""
+"""Compares the chart's dashboard queries with what programs export at /metrics."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 DASHBOARD = Path(__file__).resolve().parents[1] / "helm" / "diaphane" / "files" / "dashboard.json"
-#: Put there by whoever scrapes, not by the program.
+#: Labels that the scraper adds, not the program.
 _SCRAPED = {"namespace", "pod", "instance", "job"}
 
 
 def asked() -> Iterator[tuple[str, str, set[str]]]:
-    """Of each query its panel, a metric of it, and the labels by which that is chosen and, of the query's first, summed and named."""
+    """Yields the panel of each query, a metric in it, and the labels in its filters and, for the first metric of a query, in its
+    aggregations and legend."""
     for panel in json.loads(DASHBOARD.read_text(encoding="utf-8"))["panels"]:
         assert panel["targets"], panel["title"]
         for target in panel["targets"]:
@@ -27,7 +28,7 @@ def asked() -> Iterator[tuple[str, str, set[str]]]:
 
 
 def said(text: str) -> dict[str, set[str]]:
-    """Of an exposition each sample's name, with the labels that it has."""
+    """Returns the names of an exposition's samples with their labels."""
     out: dict[str, set[str]] = {}
     for name, labels in re.findall(r"^([a-z_0-9]+)(?:\{(.*)\})? \S+$", text, re.MULTILINE):
         out.setdefault(name, set()).update(re.findall(r'(\w+)="', labels))
@@ -35,7 +36,7 @@ def said(text: str) -> dict[str, set[str]]:
 
 
 def unanswered(prefixes: tuple[str, ...], text: str) -> list[str]:
-    """Queries about metrics of these programs that they do not answer."""
+    """Returns queries about metrics with these prefixes that the programs do not export."""
     there = said(text)
     return [f"{title}: {metric} {sorted(labels)}" for title, metric, labels in asked()
             if metric.startswith(prefixes) and not (metric in there and labels <= there[metric])]

@@ -1,4 +1,4 @@
-"""A running Diaphane for tests: a data directory of its own, free ports, an ordinary user."""
+"""A running Diaphane for tests, with its own data directory, free ports and an ordinary user."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import email
 import email.policy
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -23,7 +24,7 @@ T = TypeVar("T")
 
 
 def mails_in(folder: Path, to: str | None = None) -> list[EmailMessage]:
-    """The mails of a folder, oldest first; only those to `to` when it is given."""
+    """Returns the mails in a folder, oldest first, optionally only those to `to`."""
     files = [f for f in folder.iterdir() if f.suffix == ".eml" and not f.name.startswith(".")]
     files.sort(key=lambda f: (f.stat().st_mtime_ns, f.name))
     mails = [email.message_from_bytes(f.read_bytes(), policy=email.policy.default) for f in files]
@@ -31,19 +32,20 @@ def mails_in(folder: Path, to: str | None = None) -> list[EmailMessage]:
 
 
 def metrics_at(port: int) -> str:
-    """What an admin port tells Prometheus."""
+    """Returns the Prometheus metrics of an admin port."""
     import httpx
 
     return httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).raise_for_status().text
 
 
 class TestStack:
-    """The programs of one data directory and the ways in."""
+    """The programs of one data directory, and access to them."""
 
-    __test__ = False  # no test class, whatever its name says
+    __test__ = False  # not a test class, despite its name
 
-    def __init__(self, stack: Stack):
+    def __init__(self, stack: Stack, house: StackHouse | None = None):
         self.stack = stack
+        self.house = house
         self.data_dir: Path = stack.data
         self.ports: dict[str, int] = stack.ports
         self.url: str = stack.settings.url
@@ -57,11 +59,11 @@ class TestStack:
         return self.stack.pids
 
     def kill(self, program: str, restart: bool = True) -> int:
-        """kill -9; the supervisor starts the program again unless `restart` is false (then: start(program))."""
+        """Sends SIGKILL. The supervisor restarts the program unless `restart` is false, in which case start(program) does."""
         return self.stack.kill(program, restart)
 
     def stop(self, program: str) -> None:
-        """Stops it in order; it stays away until start(program)."""
+        """Stops the program in order. It stays down until start(program)."""
         self.stack.stop_program(program)
 
     def start(self, program: str) -> None:
@@ -72,7 +74,7 @@ class TestStack:
             self.stack.wait_ready(program, timeout)
 
     def wait_until(self, condition: Callable[[], T], timeout: float = 60.0, what: str = "the condition") -> T:
-        """The first true value of `condition`; AssertionError after `timeout` seconds."""
+        """Returns the first true value of `condition`. Raises AssertionError after `timeout` seconds."""
         deadline = time.monotonic() + timeout
         while True:
             if value := condition():
@@ -80,10 +82,10 @@ class TestStack:
             assert time.monotonic() < deadline, f"{what} did not come true within {timeout} s"
             time.sleep(0.05)
 
-    # Ways in
+    # Access
 
     def psql(self, query: str, *values: object) -> list[tuple]:
-        """Rows of one statement (empty for one that gives none), committed."""
+        """Runs and commits a statement. Returns its rows, if any."""
         import psycopg
 
         with psycopg.connect(self.dsn, autocommit=True) as connection:
@@ -92,18 +94,18 @@ class TestStack:
 
     @property
     def redis(self):
-        """A client of the stack's Redis; answers are str."""
+        """Returns a client of the stack's Redis with str responses."""
         import redis
 
         return redis.Redis(unix_socket_path=str(self.stack.settings.socket("redis")), decode_responses=True)
 
     @property
     def redis_address(self) -> str:
-        """As programs take it in their setting `redis`."""
+        """Returns the address in the form of the programs' setting `redis`."""
         return self.stack.settings.redis
 
     def mails(self, to: str | None = None) -> list[EmailMessage]:
-        """The mails that were sent, oldest first; only those to `to` when it is given."""
+        """Returns the sent mails, oldest first, optionally only those to `to`."""
         return mails_in(self.data_dir / "mail", to)
 
     def metrics(self, program: str) -> str:
@@ -123,7 +125,7 @@ class TestStack:
 
 
 class StackHouse:
-    """Makes the stacks of a test run and takes them away again."""
+    """Creates the stacks of a test run and removes them."""
 
     def __init__(self) -> None:
         self.opened: list[TestStack] = []
@@ -132,9 +134,10 @@ class StackHouse:
         self.copies_ = Path(tempfile.mkdtemp(prefix="diaphane-copy-"))
         self.copies_.chmod(0o755)
         self.layout_: layout.Layout | None = None
+        self.cluster_: Path | None = None
 
     def folder(self) -> Path:
-        """An empty directory that the ordinary user owns and can reach (pytest's tmp_path is closed to it)."""
+        """Returns an empty directory that the ordinary user owns and can access, unlike pytest's tmp_path."""
         made = Path(tempfile.mkdtemp(prefix="diaphane-test-"))
         self.folders_.append(made)
         self.run_as.own(made)
@@ -145,15 +148,40 @@ class StackHouse:
             self.layout_ = layout.reachable(self.run_as, self.copies_)
         return self.layout_
 
+    def give_cluster(self, data: Path) -> None:
+        """Copies a migrated Postgres cluster with its passwords into a new data directory, because initdb and all migrations take
+        seconds."""
+        kept = self.cluster()
+        if not (data / "secrets").exists():
+            (data / "secrets").mkdir(mode=0o700)
+            self.run_as.own(data / "secrets")
+        for name in ("secrets/postgres", "secrets/postgres-superuser", "postgres"):
+            subprocess.run(["cp", "-a", "--reflink=auto", kept / name, data / name], check=True, cwd="/", **self.run_as.popen())
+
+    def cluster(self) -> Path:
+        """Returns the data directory of a stopped cluster with the newest schema and no rows, made once for all stacks of a run."""
+        if self.cluster_ is None:
+            made = self.folder()
+            given = ports.random_free()
+            stack = Stack(data=made, ports=given, layout=self.layout(), run_as=self.run_as, durable=False, only=("postgres",))
+            stack.start()
+            stack.migrate()
+            stack.stop()
+            ports.give_back(given.values())
+            self.cluster_ = made
+        return self.cluster_
+
     def open(self, only: Iterable[str] | None = None, extra_env: dict[str, str] | None = None,
              data_dir: Path | None = None, engine: str = "cpu") -> TestStack:
         data = data_dir or self.folder()
+        if not any(data.iterdir()) and (only is None or {"postgres", "api"} <= set(only)):
+            self.give_cluster(data)
         (data / "secrets").mkdir(mode=0o700, exist_ok=True)
         self.run_as.own(data / "secrets")
         stack = Stack(data=data, ports=ports.random_free(), layout=self.layout(), run_as=self.run_as, engine=engine,
                       durable=False, only=only, extra_env=extra_env or {})
         stack.start()
-        running = TestStack(stack)
+        running = TestStack(stack, self)
         stack.on_event = running.events.append
         self.opened.append(running)
         return running

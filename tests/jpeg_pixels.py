@@ -1,4 +1,4 @@
-"""Pixels of a JPEG, by the library that renderd codes it with."""
+"""Decodes a JPEG with the library that renderd encodes it with."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ RGB = 0  # TJPF_RGB
 
 
 def jpeg_pixels(jpeg: bytes) -> numpy.ndarray:
-    """Rows, columns, red, green and blue; 0 to 255."""
+    """Returns rows x columns x (red, green, blue), 0 to 255."""
     turbo = ctypes.CDLL(ctypes.util.find_library("turbojpeg") or "libturbojpeg.so.0")
     turbo.tjInitDecompress.restype = ctypes.c_void_p
     handle = ctypes.c_void_p(turbo.tjInitDecompress())
@@ -20,7 +20,7 @@ def jpeg_pixels(jpeg: bytes) -> numpy.ndarray:
         width, height, chroma, space = (ctypes.c_int() for _ in range(4))
         seen = turbo.tjDecompressHeader3(handle, jpeg, size, ctypes.byref(width), ctypes.byref(height), ctypes.byref(chroma),
                                          ctypes.byref(space))
-        assert seen == 0, "this is no JPEG"
+        assert seen == 0, "not a JPEG"
         pixels = numpy.empty((height.value, width.value, 3), numpy.uint8)
         done = turbo.tjDecompress2(handle, jpeg, size, pixels.ctypes.data_as(ctypes.c_void_p), width, 0, height, RGB, 0)
         assert done == 0, "this is half a JPEG"

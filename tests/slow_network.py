@@ -16,12 +16,12 @@ import threading
 from dataclasses import dataclass, field
 
 PACKET = 1448  # bytes of payload
-SOCKET_BUFFER = 16 << 10  # as small as it goes: what waits shall wait in the link's own buffer
+SOCKET_BUFFER = 16 << 10  # as small as possible, so that data waits in the link's own buffer
 
 
 @dataclass
 class Counts:
-    """What went through one way, of all connections."""
+    """Counts of one direction over all connections."""
 
     bytes: int = 0
     lost: int = 0
@@ -33,7 +33,7 @@ class Link:
     round_trip_s: float
     bits_per_s: float  # 0: no limit
     buffer_bytes: int
-    loss: float  # share of packets
+    loss: float  # share of lost packets
 
 
 @dataclass
@@ -45,7 +45,7 @@ class _Way:
     counts: Counts
     record: bytearray | None = None
     waiting: int = 0
-    free_at: float = 0.0  # when the link has sent what it has
+    free_at: float = 0.0  # when the link has sent its current data
     last_there: float = 0.0
     queue: asyncio.Queue = field(default_factory=asyncio.Queue)
     room: asyncio.Event = field(default_factory=asyncio.Event)
@@ -66,7 +66,7 @@ class _Way:
             if self.chance.random() < self.link.loss:
                 self.counts.lost += 1
                 there += self.link.round_trip_s
-            # What follows waits for it; and each has a moment of its own, since timers of one moment fire in any order.
+            # Later data waits for it. Each delivery gets its own time, because timers with equal times fire in any order.
             self.last_there = max(there, self.last_there + 1e-6)
             self.waiting += len(data)
             self.counts.most_waiting = max(self.counts.most_waiting, self.waiting)
@@ -80,9 +80,9 @@ class _Way:
             await asyncio.sleep(max(0.0, left_at - loop.time()))
             self.waiting -= len(data)
             self.room.set()
-            # On the wire it takes no room; the next packet follows while this one travels.
+            # A packet in transit uses no buffer space, and the next one follows while it travels.
             loop.call_at(there_at, self.deliver, writer, data)
-        # The last may have been lost, and be there a round trip later than others.
+        # The last packet may have been lost and arrive a round trip later than others.
         await asyncio.sleep(max(0.0, self.last_there - loop.time()) + 0.001)
         if not writer.is_closing():
             writer.close()
@@ -94,13 +94,13 @@ class _Way:
 
 
 class SlowNetwork:
-    """Runs in a thread of its own until it is closed."""
+    """Runs in its own thread until it is closed."""
 
     def __init__(self, target_port: int, round_trip_s: float = 0.0, bits_per_s: float = 0.0,
                  buffer_bytes: int = 32 << 10, loss: float = 0.0, seed: int = 1, socks: bool = False,
                  record: bool = False):
-        """`socks`: a browser is led here by --proxy-server=socks5://..., and every address it asks for is the target.
-        `record`: what viewers send is kept in `sent`, a bytearray a connection."""
+        """`socks`: a browser connects with --proxy-server=socks5://..., and every address that it requests is the target.
+        `record`: stores what viewers send in `sent`, a bytearray per connection."""
         self.socks, self.record = socks, record
         self.sent: list[bytearray] = []
         self.link = Link(round_trip_s, bits_per_s, buffer_bytes, loss)
@@ -124,7 +124,7 @@ class SlowNetwork:
     def _run(self) -> None:
         asyncio.set_event_loop(self.loop_)
         listener = socket.socket()
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BUFFER)  # the accepted ones inherit both
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BUFFER)  # accepted sockets inherit both sizes
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SOCKET_BUFFER)
         listener.bind(("127.0.0.1", 0))
         server = self.loop_.run_until_complete(asyncio.start_server(self._viewer, sock=listener, limit=PACKET))

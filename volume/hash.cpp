@@ -26,14 +26,15 @@ std::string RunningHash::end() {
 }
 
 Result<std::string> content_hash(const void* data, std::size_t bytes) {
-  if (sodium_init() < 0) return fail(ErrorCode::kInternal, "libsodium cannot start");
+  if (sodium_init() < 0) return fail(ErrorCode::kInternal, "cannot initialise libsodium");
   RunningHash hash;
   hash.add(data, bytes);
   return hash.end();
 }
 #else
 Result<std::string> content_hash(const void*, std::size_t) {
-  return fail(ErrorCode::kUnsupported, "this build has no libsodium: a volume cannot be verified");
+  return fail(ErrorCode::kUnsupported,
+              "this build has no libsodium, so volumes cannot be verified");
 }
 struct RunningHash::State {};
 RunningHash::RunningHash() = default;

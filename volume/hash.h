@@ -8,11 +8,12 @@
 
 namespace diaphane::volume {
 
-/// "blake2b:" and the hexadecimal BLAKE2b-256 (RFC 7693) of the bytes.
-/// kUnsupported in a build without libsodium.
+/// Returns "blake2b:" and the hexadecimal BLAKE2b-256 (RFC 7693) of the bytes. Returns kUnsupported
+/// in a build without libsodium.
 Result<std::string> content_hash(const void* data, std::size_t bytes);
 
-/// The same of what comes piece by piece; after sodium_init(). Empty in a build without libsodium.
+/// Computes the same hash piece by piece. Call sodium_init() first. Without libsodium, end()
+/// returns an empty string.
 class RunningHash {
  public:
   RunningHash();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "api/proto/volume.pb.h"
+#include "common/try.h"
 
 namespace diaphane::volume {
 namespace {
@@ -26,7 +27,7 @@ Result<void> check(const Header& header) {
   std::uint64_t count = 1;
   for (const std::uint32_t side : header.size) {
     if (side == 0 || side > kMaxSide)
-      return fail(ErrorCode::kInvalid, "a side is empty or too long", "size");
+      return fail(ErrorCode::kInvalid, "a dimension is zero or too large", "size");
     count *= side;  // three factors below 2^16 fit in 64 bits
   }
   if (count > kMaxVoxels) return fail(ErrorCode::kTooLarge, "more voxels than 2^32", "size");
@@ -34,7 +35,8 @@ Result<void> check(const Header& header) {
     if (!std::isfinite(s) || s <= 0)
       return fail(ErrorCode::kInvalid, "spacing must be positive", "spacing");
   }
-  // Stored as decimal text by many writers: four digits are what one may ask of orthonormality.
+  // Many writers store direction cosines as decimal text, so they are orthonormal only to about
+  // four digits.
   constexpr double kTolerance = 1e-3;
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < 3; ++b) {
@@ -44,11 +46,11 @@ Result<void> check(const Header& header) {
     }
   }
   if (!(determinant(header.direction) > 0)) {
-    return fail(ErrorCode::kInvalid, "the axes are left-handed: the picture would be mirrored",
+    return fail(ErrorCode::kInvalid, "the axes are left-handed, so the image would be mirrored",
                 "direction");
   }
   if (header.minimum > header.maximum || header.minimum < INT16_MIN || header.maximum > INT16_MAX) {
-    return fail(ErrorCode::kInvalid, "minimum and maximum do not fit", "minimum");
+    return fail(ErrorCode::kInvalid, "the minimum and the maximum are inconsistent", "minimum");
   }
   if (!std::isfinite(header.window_center) || !std::isfinite(header.window_width) ||
       header.window_width < 0) {
@@ -62,7 +64,7 @@ Result<void> check(const Header& header) {
 }
 
 Result<std::string> to_json(const Header& header) {
-  if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
+  DIAPHANE_TRY(check(header));
   v1::VolumeHeader message;
   message.set_format(kFormat);
   for (const auto v : header.size) message.add_size(v);
@@ -94,7 +96,7 @@ Result<std::string> to_json(const Header& header) {
   options.add_whitespace = true;
   options.always_print_primitive_fields = true;
   if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok()) {
-    return fail(ErrorCode::kInternal, "the header cannot be written as JSON");
+    return fail(ErrorCode::kInternal, "cannot serialise the header");
   }
   return text;
 }
@@ -105,11 +107,11 @@ Result<Header> from_json(const std::string& text) {
     return fail(ErrorCode::kInvalid, "volume.json is not a volume header");
   }
   if (message.format() != kFormat) {
-    return fail(ErrorCode::kUnsupported, "volume.json is of another format", "format");
+    return fail(ErrorCode::kUnsupported, "volume.json has an unsupported format version", "format");
   }
   if (message.size_size() != 3 || message.spacing_size() != 3 || message.direction_size() != 9 ||
       message.percentiles_size() != 8) {
-    return fail(ErrorCode::kInvalid, "volume.json lacks sizes, spacings, axes or percentiles");
+    return fail(ErrorCode::kInvalid, "volume.json is missing sizes, spacings, axes or percentiles");
   }
   Header header;
   for (int i = 0; i < 3; ++i) {
@@ -138,7 +140,7 @@ Result<Header> from_json(const std::string& text) {
   header.maximum = message.maximum();
   header.content_hash = message.content_hash();
   header.repairs.assign(message.repairs().begin(), message.repairs().end());
-  if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
+  DIAPHANE_TRY(check(header));
   return header;
 }
 

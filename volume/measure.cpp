@@ -14,7 +14,7 @@ void measure(Volume& volume, const Filler& filler) {
   for (const std::int16_t v : volume.voxels) ++histogram[static_cast<std::uint16_t>(v ^ INT16_MIN)];
   std::uint64_t total = volume.voxels.size();
   std::uint64_t& air = histogram[static_cast<std::uint16_t>(filler.value ^ INT16_MIN)];
-  if (filler.count < total) {  // else there is nothing but filler, and it is measured
+  if (filler.count < total) {  // with nothing but filler, the filler is measured
     const std::uint64_t left_out = std::min(filler.count, air);
     air -= left_out;
     total -= left_out;
@@ -26,7 +26,7 @@ void measure(Volume& volume, const Filler& filler) {
   header.maximum =
       value_at(histogram.rend() - std::find_if(histogram.rbegin(), histogram.rend(), filled) - 1);
 
-  // The nearest-rank percentile: the least value with at least p % of the voxels at or below it.
+  // Nearest-rank percentile: the smallest value with at least p % of the voxels at or below it.
   constexpr std::array<double, 8> kPercent{1, 10, 25, 50, 75, 90, 99, 99.9};
   std::uint64_t below = 0;
   std::size_t next = 0;

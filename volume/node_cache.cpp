@@ -12,6 +12,7 @@
 #include "common/fault_point.h"
 #include "common/fd.h"
 #include "common/ids.h"
+#include "common/try.h"
 #include "volume/hash.h"
 #include "volume/store.h"
 
@@ -21,13 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".sealed";
-constexpr const char* kTemporaryPrefix = ".tmp-";
 constexpr const char* kRoomLock = ".room";
 constexpr const char* kSweepLock = ".sweep";
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 static_assert(kPiece % Seal::kBlock == 0);
 
-/// "<id>.<tag>.sealed"
+/// Returns "<id>.<tag>.sealed".
 std::string name_of(const std::string& id, const Seal& seal) {
   return id + "." + seal.tag() + kSuffix;
 }
@@ -38,7 +38,8 @@ bool is_copy(const std::string& name) { return name.ends_with(kSuffix) && !name.
 
 std::int64_t nanoseconds(const timespec& at) { return at.tv_sec * 1'000'000'000 + at.tv_nsec; }
 
-/// Locked until its end; how long it waits for another process is said by `flags` (LOCK_NB).
+/// An exclusive file lock, held for the lifetime of this object. With LOCK_NB in `flags`, it does
+/// not wait for another process.
 class FileLock {
  public:
   FileLock(const std::string& path, int flags)
@@ -57,7 +58,8 @@ class FileLock {
   bool held_ = false;
 };
 
-/// By the exact clock: the one that a file system takes by itself stands still for milliseconds.
+/// Uses the precise clock, because timestamps that the file system sets itself advance only every
+/// few milliseconds.
 void mark_used(int file) {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
@@ -65,14 +67,15 @@ void mark_used(int file) {
   (void)futimens(file, times);
 }
 
-/// Emptied first: who has it open holds nothing then.
+/// Truncates the file before it removes it, so that a process that has it open cannot read it any
+/// more.
 void erase_copy(const std::string& path) {
   const Fd file(open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
   if (file) (void)!ftruncate(file.get(), 0);
   unlink(path.c_str());
 }
 
-/// What a killed writer left; a living one holds its file locked.
+/// Removes a file that a killed writer left. A running writer holds a lock on its file.
 void erase_unless_written(const std::string& path) {
   const Fd file(open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
   if (file && flock(file.get(), LOCK_EX | LOCK_NB) == 0) erase_copy(path);
@@ -101,7 +104,7 @@ std::optional<std::vector<std::string>> make_room(std::vector<CachedCopy> copies
   std::vector<std::string> going;
   for (const CachedCopy& copy : copies) {
     if (bytes <= bound) break;
-    // What is just being written has a place and cannot be taken from its writer.
+    // Files that are being written occupy space but must not be removed.
     if (!is_copy(copy.name)) continue;
     bytes -= copy.bytes;
     going.push_back(copy.name);
@@ -111,12 +114,12 @@ std::optional<std::vector<std::string>> make_room(std::vector<CachedCopy> copies
 }
 
 Result<std::unique_ptr<NodeCache>> NodeCache::open(Options options) {
-  if (auto seal = Seal::of("probe"); !seal) return tl::unexpected(seal.error());
+  DIAPHANE_TRY(Seal::of("probe"));
   std::error_code error;
   fs::create_directories(fs::path(options.folder).parent_path(), error);
   (void)mkdir(options.folder.c_str(), 0700);
   if (access(options.folder.c_str(), R_OK | W_OK | X_OK) != 0) {
-    return fail(ErrorCode::kUnavailable, "the folder for copies of volumes cannot be written");
+    return fail(ErrorCode::kUnavailable, "the folder for volume copies is not writable");
   }
   return std::unique_ptr<NodeCache>(new NodeCache(std::move(options)));
 }
@@ -133,11 +136,12 @@ NodeCache::~NodeCache() = default;
 Result<Volume> NodeCache::read(const std::string& id) {
   const std::string directory = options_.store + "/" + id;
   auto header = read_header(directory);
-  if (!header) return tl::unexpected(header.error());
+  DIAPHANE_TRY(header);
   const auto seal = Seal::of(header->content_hash);
   if (seal) {
     Volume volume{std::move(*header), {}, id};
-    // Asked again at the end: what was erased or replaced meanwhile is not given out.
+    // Checks the hash again, because the volume may have been erased or replaced while the copy was
+    // read.
     if (read_copy(name_of(id, *seal), *seal, volume.header, volume.voxels) &&
         stored_hash(directory) == volume.header.content_hash) {
       const std::lock_guard lock(mutex_);
@@ -239,8 +243,8 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
   const std::string temporary = path(kTemporaryPrefix + name + "-" + random_hex(8));
   std::optional<Fd> file;
   {
-    // Under the lock of the folder a place is taken for all of it: two writers never go over the
-    // bound together.
+    // Reserves the space for the whole copy under the folder's lock, so that concurrent writers
+    // never exceed the bound together.
     const FileLock room(path(kRoomLock), 0);
     if (!room) return false;
     if (access(path(name).c_str(), F_OK) == 0) return true;
@@ -271,13 +275,14 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
     good = !stop.stop_requested() && write_all(file->get(), piece.data(), piece.size());
   }
   fault_point("copied");
-  // Not what the store's header says: read while it was exchanged, or from a broken disk.
+  // The hash differs if the volume was replaced while it was read, or if the disk is broken.
   good = good && hash.end() == volume.header.content_hash;
   mark_used(file->get());
   if (good) {
-    // A listing may miss a file whose name changes meanwhile: then its bytes would not be counted.
+    // The lock is needed because a concurrent listing may miss a file that is being renamed, and
+    // then its size would not be counted.
     const FileLock room(path(kRoomLock), 0);
-    // Not synced: a copy that a power failure cut is seen by its hash.
+    // The copy is not synced, because its hash reveals if a power failure truncated it.
     good = room && rename(temporary.c_str(), path(name).c_str()) == 0;
   }
   if (!good) unlink(temporary.c_str());
@@ -295,7 +300,7 @@ void NodeCache::sweep_always(const std::stop_token& stop) {
 }
 
 void NodeCache::sweep() {
-  // A store that is not there says nothing of its volumes.
+  // If the store is not mounted, nothing is known about its volumes.
   if (std::error_code error; !fs::is_directory(options_.store, error)) return;
   const FileLock one(path(kSweepLock), LOCK_NB);
   if (!one) return;

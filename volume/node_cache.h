@@ -16,63 +16,63 @@
 
 namespace diaphane::volume {
 
-/// A copy in the cache, as the choice of what goes sees it.
+/// A copy in the cache, with the properties that decide whether it is evicted.
 struct CachedCopy {
   std::string name;
   std::uint64_t bytes = 0;
-  std::int64_t used = 0;  ///< when somebody read it last; any unit
+  std::int64_t used = 0;  ///< time of the last read, in any unit
 };
 
-/// Which copies go, the least recently used first, so that `needed` bytes fit beside the others
-/// within `bound`; nullopt when not even an empty cache has room.
+/// Returns the copies to evict, least recently used first, so that `needed` further bytes fit
+/// within `bound`. Returns nullopt if evicting all copies does not free enough space.
 std::optional<std::vector<std::string>> make_room(std::vector<CachedCopy> copies,
                                                   std::uint64_t needed, std::uint64_t bound);
 
-/// Copies of volumes on a disk of this node, for a store that is slow to read. What is read from
-/// here is always what the store has now: the header comes from the store each time, its content
-/// hash decides which copy fits, and the copy's bytes are held against that hash. A copy that is
-/// damaged is removed and the store is read. Copies are enciphered (sealed_copy.h).
+/// A cache of volumes on a local disk of this node, for a store that is slow to read. It always
+/// returns the volume that the store has now: the header is read from the store each time, its
+/// content hash selects the copy, and the copy's bytes are verified against this hash. A damaged
+/// copy is removed, and the volume is read from the store. Copies are encrypted (sealed_copy.h).
 ///
-/// Several processes may use one folder at once. Nothing that fails here (a full disk, a folder
-/// that went) fails a read. Thread-safe.
+/// Several processes may share one folder. If the cache fails (for example, because the disk is
+/// full or the folder was removed), reads still succeed. Thread-safe.
 class NodeCache {
  public:
   struct Options {
-    std::string folder;       ///< made if it is not there; nobody else may read it
-    std::uint64_t bound = 0;  ///< bytes of all copies, and of those just being written
+    std::string folder;       ///< created if necessary, readable only by this user
+    std::uint64_t bound = 0;  ///< maximum bytes of all copies, including those being written
     std::string store;
-    /// Copies whose original is gone are removed so often, by one of the folder's processes; 0:
-    /// only when sweep() is called.
+    /// Period after which copies of removed volumes are deleted, by one of the processes that share
+    /// the folder. With 0, this happens only when sweep() is called.
     std::chrono::milliseconds sweep_period{10000};
   };
   struct Counts {
     std::uint64_t hits = 0;
     std::uint64_t misses = 0;
-    std::uint64_t damaged = 0;  ///< among the misses
+    std::uint64_t damaged = 0;  ///< included in the misses
     std::uint64_t kept = 0;
-    std::uint64_t refused = 0;  ///< not kept: too large, a full disk, still busy with another
+    std::uint64_t refused = 0;  ///< not kept: too large, disk full, or busy with another copy
     std::uint64_t evicted = 0;
-    std::uint64_t erased = 0;  ///< their originals were gone
-    std::uint64_t bytes = 0;   ///< in the folder, at the last look
+    std::uint64_t erased = 0;  ///< copies whose volume was erased or replaced
+    std::uint64_t bytes = 0;   ///< in the folder, when last listed
   };
 
-  /// kUnsupported without libsodium; kUnavailable when the folder cannot be used.
+  /// Returns kUnsupported without libsodium, or kUnavailable if the folder cannot be used.
   static Result<std::unique_ptr<NodeCache>> open(Options options);
-  /// What is being written is given up.
+  /// Aborts a copy that is being written.
   ~NodeCache();
   NodeCache(const NodeCache&) = delete;
   NodeCache& operator=(const NodeCache&) = delete;
 
-  /// As volume::read() of the volume `id` in the store.
+  /// Reads the volume `id`, like volume::read() does from the store.
   Result<Volume> read(const std::string& id);
 
-  /// Makes a copy of what read() gave, by a thread of its own, unless there is one.
+  /// Copies a volume that read() returned, in a background thread, unless the copy exists.
   void keep(Volume volume);
-  /// Until what keep() was given is done.
+  /// Waits until the copy that keep() started is finished.
   void wait();
 
-  /// Removes copies whose original is gone, and what killed writers left; not sooner than the
-  /// period after the folder's last sweep, whoever did it.
+  /// Deletes copies whose volume was erased or replaced, and files that killed writers left. Does
+  /// nothing if any process has swept the folder within the period.
   void sweep();
 
   Counts counts() const;

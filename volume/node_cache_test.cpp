@@ -59,7 +59,7 @@ class NodeCacheTest : public ::testing::Test {
                                    .sweep_period = std::chrono::milliseconds(0)});
     return opened ? std::move(*opened) : nullptr;
   }
-  /// As renderd does: read, then kept.
+  /// Reads and then keeps a volume, as renderd does.
   static std::vector<std::int16_t> used(NodeCache& cache, const std::string& id) {
     auto volume = cache.read(id);
     if (!volume) return {};
@@ -76,14 +76,14 @@ class NodeCacheTest : public ::testing::Test {
     }
     return found;
   }
-  /// As a writer counts them: without the lock of the folder a listing holds what came while it was
-  /// read beside what went for it.
+  /// Counts bytes under the folder's lock, as a writer does. Without the lock, a listing could
+  /// contain both a new file and the file that was evicted for it.
   std::uint64_t bytes_under_lock() const {
     const int room = open((root_ / "copies" / ".room").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     EXPECT_EQ(flock(room, LOCK_EX), 0);
     std::uint64_t bytes = 0;
     for (const auto& copy : copies()) {
-      std::error_code gone;  // swept, or its name changed before
+      std::error_code gone;  // deleted or renamed in the meantime
       const auto size = fs::file_size(copy, gone);
       if (!gone) bytes += size;
     }
@@ -102,7 +102,7 @@ TEST_F(NodeCacheTest, WhatWasReadOnceIsReadFromTheCopyAlsoByAnotherProgram) {
   store("a", 1);
   EXPECT_EQ(used(*cache(), "a"), noise(1).voxels);
   const auto later = cache();
-  // The store's voxels cannot be read any more: what comes, comes from the copy.
+  // The voxels in the store are gone, so the volume can only come from the copy.
   fs::remove(place("a") + "/voxels.i16");
   const auto volume = later->read("a");
   ASSERT_TRUE(volume.has_value());
@@ -178,8 +178,8 @@ TEST_F(NodeCacheTest, ACopySaysNothingWithoutTheHeaderInTheStore) {
   EXPECT_EQ(copy.find("AAAA"), std::string::npos);
   const std::string hash = flat.header.content_hash.substr(flat.header.content_hash.find(':') + 1);
   EXPECT_EQ(copies()[0].filename().string().find(hash.substr(0, 8)), std::string::npos);
-  // Nor do two of the same content tell their difference: 256 values, equally often. Of 128000
-  // bytes the chi-squared with 255 degrees stays below 367 but once in 200000.
+  // The bytes reveal nothing about the content either: all 256 values are equally frequent. For
+  // 128000 bytes, chi-squared with 255 degrees of freedom exceeds 367 only once in 200000.
   std::array<double, 256> count{};
   for (const char byte : copy) ++count[static_cast<unsigned char>(byte)];
   double chi = 0;
@@ -192,13 +192,13 @@ TEST_F(NodeCacheTest, TheBoundHoldsAndTheLeastRecentlyUsedGoes) {
   const auto cache = this->cache(2 * kBytes);
   used(*cache, "a");
   used(*cache, "b");
-  ASSERT_TRUE(cache->read("a").has_value());  // used later than b
+  ASSERT_TRUE(cache->read("a").has_value());  // a is now used more recently than b
   used(*cache, "c");
   EXPECT_EQ(copies().size(), 2U);
   for (const auto& copy : copies()) EXPECT_NE(copy.filename().string()[0], 'b');
   EXPECT_EQ(cache->counts().evicted, 1U);
   const auto small = this->cache(kBytes - 1);
-  EXPECT_EQ(used(*small, "b"), noise('b').voxels) << "too large to be kept is no reason to fail";
+  EXPECT_EQ(used(*small, "b"), noise('b').voxels) << "a volume too large to keep is read";
   EXPECT_EQ(small->counts().refused, 1U);
 }
 
@@ -227,8 +227,7 @@ TEST_F(NodeCacheTest, WhatAKilledWriterLeftGoesAndWhatALivingOneHasStays) {
 TEST_F(NodeCacheTest, AFullDiskFailsNoRead) {
   store("a", 1);
   const auto cache = this->cache();
-  // Of a process of its own: a limit of a file's size is the nearest to a full disk that needs
-  // none.
+  // Uses a child process with a file size limit, which resembles a full disk without needing one.
   const pid_t child = fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -256,7 +255,7 @@ TEST_F(NodeCacheTest, SeveralProcessesShareAFolderAlsoWhenOneIsKilled) {
     if (pid == 0) {
       const auto mine = cache(kBound);
       std::minstd_rand draw(static_cast<unsigned>(child + 7));
-      // The first goes on until it is killed, most likely while it writes.
+      // The first child runs until it is killed, most likely while it writes.
       for (int turn = 0; child == 0 || turn < 150; ++turn) {
         const int which = static_cast<int>(draw() % kVolumes);
         if (used(*mine, std::to_string(which)) != noise(static_cast<unsigned>(which)).voxels)

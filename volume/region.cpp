@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/bounded_json.h"
+#include "common/try.h"
 #include "volume/header.h"
 
 namespace diaphane::volume {
@@ -12,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Anything in a scan is nearer than this; sums and products of such numbers stay exact enough.
+/// No place in a scan is farther away. Sums and products of such numbers stay accurate enough.
 constexpr double kFarthestMm = 1e5;
 
 /// A box and six planes have 65 values on five levels.
@@ -51,10 +52,11 @@ KeptVoxels kept_by(const Header& header, const Region& region) {
   return {header, planes};
 }
 
-/// Where along x from `row`'s start all are kept: an interval, as each side is affine.
+/// Returns the range of kept voxels along x in a row. They form an interval, because each side is
+/// an affine function of x.
 std::array<std::uint32_t, 2> along_x(const KeptVoxels& kept, std::uint32_t y, std::uint32_t z,
                                      std::uint32_t size) {
-  // Asked voxel by voxel at the ends, so that rounding can never keep one that `keeps` does not.
+  // Tests single voxels at both ends, so that rounding never includes a voxel that `keeps` rejects.
   std::uint32_t first = 0, last = size;
   while (first < last && !kept.keeps(first, y, z)) ++first;
   while (last > first && !kept.keeps(last - 1, y, z)) --last;
@@ -84,7 +86,8 @@ KeptVoxels::KeptVoxels(const Header& header, std::span<const Region::Plane> plan
 }
 
 bool KeptVoxels::keeps(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-  // A millionth of a millimetre: a border exactly at a centre keeps it, whatever the rounding.
+  // Tolerance of 1e-6 mm, so that a voxel with its centre exactly on the border is kept despite
+  // rounding.
   constexpr double kRounding = 1e-6;
   return std::all_of(sides_.begin(), sides_.end(), [&](const Side& side) {
     return side.at_origin + side.slope[0] * x + side.slope[1] * y + side.slope[2] * z <= kRounding;
@@ -106,28 +109,29 @@ std::vector<Region::Plane> faces_of(const Vector& low, const Vector& high) {
 Result<Region> region_from_json(const std::string& text) {
   const auto parsed = parse_json(text, kLimits);
   if (!parsed || !only(*parsed, {"box", "planes"})) {
-    return wrong("keep", "must have a box, may have planes");
+    return wrong("keep", "must have a box and may have planes");
   }
   const json& body = *parsed;
   if (!body.contains("box") || !only(body["box"], {"low", "high"})) {
     return wrong("keep.box", "must have low and high");
   }
   const auto low = vector_in(body["box"], "low"), high = vector_in(body["box"], "high");
-  if (!low) return wrong("keep.box.low", "must be three numbers of millimetres");
-  if (!high) return wrong("keep.box.high", "must be three numbers of millimetres");
+  if (!low) return wrong("keep.box.low", "must be three numbers in millimetres");
+  if (!high) return wrong("keep.box.high", "must be three numbers in millimetres");
   Region region{*low, *high, {}};
   for (std::size_t i = 0; i < 3; ++i) {
-    if (region.low[i] >= region.high[i]) return wrong("keep.box", "low must be below high");
+    if (region.low[i] >= region.high[i]) return wrong("keep.box", "must have low below high");
   }
   const json planes = body.value("planes", json::array());
   if (!planes.is_array() || planes.size() > kMostPlanes) {
-    return wrong("keep.planes", "must be a list of at most 6");
+    return wrong("keep.planes", "must be a list of at most 6 planes");
   }
   for (const json& entry : planes) {
     if (!only(entry, {"point", "normal"})) return wrong("keep.planes", "has an unknown field");
     const auto point = vector_in(entry, "point"), normal = vector_in(entry, "normal");
-    if (!point || !normal) return wrong("keep.planes", "each needs a point and a normal");
-    if (!(length(*normal) > 1e-6)) return wrong("keep.planes", "a normal has no length");
+    if (!point || !normal) return wrong("keep.planes", "must each have a point and a normal");
+    if (!(length(*normal) > 1e-6))
+      return wrong("keep.planes", "must have normals that are not zero");
     region.planes.push_back({*point, *normal});
   }
   return region;
@@ -142,7 +146,7 @@ std::string to_json(const Region& region) {
 }
 
 Result<Cut> plan_cut(const Header& header, const Region& region) {
-  if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
+  DIAPHANE_TRY(check(header));
   const KeptVoxels spaces = kept_by(header, region);
   std::array<std::uint32_t, 3> low = header.size, high{};
   Cut cut;
@@ -160,7 +164,7 @@ Result<Cut> plan_cut(const Header& header, const Region& region) {
   }
   for (std::size_t i = 0; i < 3; ++i) {
     if (high[i] < low[i] + std::min(kLeastSide, header.size[i])) {
-      return wrong("keep", "too little would be left");
+      return wrong("keep", "would leave too little of the scan");
     }
     cut.low[i] = low[i];
     cut.size[i] = high[i] - low[i];
@@ -204,7 +208,7 @@ void cut_slice(const Header& header, const Region& region, const Cut& cut, std::
 
 Result<Volume> cut_volume(const Volume& volume, const Region& region) {
   const auto cut = plan_cut(volume.header, region);
-  if (!cut) return tl::unexpected(cut.error());
+  DIAPHANE_TRY(cut);
   Volume left{after(volume.header, *cut), {}, {}};
   left.voxels.resize(left.header.voxel_count());
   const std::size_t old_slice = std::size_t{volume.header.size[0]} * volume.header.size[1];

@@ -13,68 +13,72 @@ namespace diaphane::volume {
 
 using Vector = std::array<double, 3>;
 
-/// What is kept of a volume: a box along the patient's axes and up to six planes, in the world of
-/// scenes (api/proto/scene.proto, Clip: millimetres, LPS, origin at the centre of the volume's
-/// box), so that what a clipped picture shows is what is kept.
+/// The part of a volume to keep: a box along the patient's axes and up to six planes, in world
+/// coordinates of scenes (api/proto/scene.proto, Clip: millimetres, LPS, origin at the centre of
+/// the volume's box). A picture that is clipped with the same region shows exactly the part that is
+/// kept.
 struct Region {
   Vector low{}, high{};
   struct Plane {
     Vector point{};
-    Vector normal{};  ///< points to the side that goes; of any length but 0
+    Vector normal{};  ///< points to the removed side; any length except 0
   };
   std::vector<Plane> planes;
 };
 
 inline constexpr std::size_t kMostPlanes = 6;
-/// Voxels along each axis that must be left: a picture of less is none.
+/// Minimum number of voxels along each axis of the result, because a smaller volume shows nothing.
 inline constexpr std::uint32_t kLeastSide = 8;
 
-/// {"box": {"low": [x,y,z], "high": [x,y,z]}, "planes": [{"point": [x,y,z], "normal": [x,y,z]}]}.
-/// kInvalid, with the field, for anything else: unknown fields, numbers that are not finite,
-/// low >= high, more planes than six, a normal without length.
+/// Parses {"box": {"low": [x,y,z], "high": [x,y,z]}, "planes": [{"point": [x,y,z], "normal":
+/// [x,y,z]}]}. Returns kInvalid with the field for unknown fields, numbers that are not finite, low
+/// >= high, more than six planes, or a normal of length zero.
 Result<Region> region_from_json(const std::string& text);
 std::string to_json(const Region& region);
 
-/// The voxels behind all of some planes, by their centres (a border exactly at a centre keeps it).
+/// The voxels whose centres lie behind all of the given planes, including centres exactly on a
+/// plane.
 class KeptVoxels {
  public:
   KeptVoxels(const Header& header, std::span<const Region::Plane> planes);
-  /// Not for a plane that is none: what has no number, or no normal, keeps nothing.
+  /// Returns false for every voxel if a plane is invalid (not finite, or without a normal).
   bool keeps(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
 
  private:
   struct Side {
-    Vector slope{};        // mm an index step
-    double at_origin = 0;  // mm, of the centre of voxel (0, 0, 0)
+    Vector slope{};        // mm per index step
+    double at_origin = 0;  // mm, signed distance of the centre of voxel (0, 0, 0)
   };
-  std::vector<Side> sides_;  // affine functions of an index; kept is what has none above 0
+  std::vector<Side> sides_;  // affine functions of the index; a voxel is kept if none is above 0
 };
-/// Of a box along the patient's axes.
+/// Returns the six faces of a box along the patient's axes.
 std::vector<Region::Plane> faces_of(const Vector& low, const Vector& high);
 
-/// Which voxels go. A voxel is kept when its centre lies within the region (its border included):
-/// at most half a voxel beyond the border is kept, and nothing further.
+/// The geometry of a cut. A voxel is kept if its centre lies within the region or on its border, so
+/// at most half a voxel beyond the border is kept.
 struct Cut {
-  std::array<std::uint32_t, 3> low{};  ///< the first voxel of the new volume, in the old one
+  std::array<std::uint32_t, 3> low{};  ///< index in the old volume of the new one's first voxel
   std::array<std::uint32_t, 3> size{};
-  Vector shift{};          ///< mm: what was at world p is at p - shift in the new volume's world
-  std::int16_t air = 0;    ///< overwrites what goes
-  std::uint64_t kept = 0;  ///< voxels
+  Vector shift{};          ///< mm; world position p of the old volume is p - shift in the new one
+  std::int16_t air = 0;    ///< value that overwrites removed voxels
+  std::uint64_t kept = 0;  ///< number of kept voxels
 };
 
-/// kInvalid when less than kLeastSide voxels are left along an axis.
+/// Returns kInvalid if fewer than kLeastSide voxels are left along an axis that had as many, or if
+/// a shorter axis would become shorter.
 Result<Cut> plan_cut(const Header& header, const Region& region);
 
-/// The header of what a cut leaves; minimum, maximum, percentiles and hash are for measure() and
-/// write() to fill.
+/// Returns the header of the volume after a cut. measure() fills minimum, maximum and percentiles,
+/// and write() fills the hash.
 Header after(const Header& header, const Cut& cut);
 
-/// One slice of the new volume from the same slice (z = cut.low[2] + `slice`) of the old one:
-/// kept voxels bit by bit, air elsewhere. Precondition: sizes as header and cut say.
+/// Computes one slice of the new volume from slice z = cut.low[2] + `slice` of the old one: kept
+/// voxels are unchanged, and all others are air. Precondition: the sizes match the header and the
+/// cut.
 void cut_slice(const Header& header, const Region& region, const Cut& cut, std::uint32_t slice,
                std::span<const std::int16_t> from, std::span<std::int16_t> to);
 
-/// The same on a whole volume in memory: measured, without a hash.
+/// Cuts a whole volume in memory and measures the result, which has no hash yet.
 Result<Volume> cut_volume(const Volume& volume, const Region& region);
 
 }  // namespace diaphane::volume

@@ -9,7 +9,7 @@
 namespace diaphane::volume {
 namespace {
 
-/// Every voxel different from every neighbour, none of them air.
+/// Every voxel differs from every neighbour, and none is air.
 Volume numbered(std::array<std::uint32_t, 3> size, std::array<double, 3> spacing, double turn = 0) {
   Volume volume;
   volume.header.size = size;
@@ -40,7 +40,7 @@ Vector world_of(const Header& header, const std::array<double, 3>& index) {
   return world;
 }
 
-/// The definition, place by place, independent of intervals and slopes.
+/// The definition of the region for a single position, independent of intervals and slopes.
 bool inside(const Region& region, const Vector& place) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (place[i] < region.low[i] || place[i] > region.high[i]) return false;
@@ -117,7 +117,7 @@ TEST(Region, EveryKeptVoxelIsBitExactAtItsPlaceAndEveryOtherIsAir) {
           }
           ASSERT_EQ(now, at(old, x + low[0], y + low[1], z + low[2]));
           ++same;
-          // What was at a place of the world is where the shift says.
+          // The voxel's old world position minus the shift is its new one.
           const Vector moved = world_of(left->header, {double(x), double(y), double(z)});
           for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(world[i] - cut->shift[i], moved[i], 1e-9);
         }
@@ -141,7 +141,7 @@ TEST(Region, AllOfItIsKeptAsItIs) {
 
 TEST(Region, WhatWasCutAwayIsNeitherInTheVoxelsNorInTheirRange) {
   Volume old = numbered({16, 16, 16}, {1, 1, 1});
-  old.voxels[old.voxels.size() - 1] = 32000;  // a tooth of gold, at the far corner
+  old.voxels[old.voxels.size() - 1] = 32000;  // a gold tooth in the far corner
   measure(old);
   const auto left = cut_volume(old, {{-8, -8, -8}, {2, 8, 8}, {}});
   ASSERT_TRUE(left.has_value());

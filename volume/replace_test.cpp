@@ -79,7 +79,8 @@ TEST_F(Replace, WhatWasDeletedMeanwhileStaysDeleted) {
 }
 
 TEST_F(Replace, AnOldOneThatAKilledWriterLeftIsSwept) {
-  fs::rename(place(), store_ / ".tmp-a-0123456789abcdef");  // exchanged, then killed
+  // A writer that was killed after the exchange leaves the old volume under a temporary name.
+  fs::rename(place(), store_ / ".tmp-a-0123456789abcdef");
   EXPECT_EQ(sweep_unfinished(store_.string()).value_or(0), 1U);
   EXPECT_EQ(entries(), 0U);
 }

@@ -10,7 +10,7 @@ namespace diaphane::volume {
 
 namespace {
 
-// BLAKE2b with a key: for each purpose another function of the same hash.
+// Keyed BLAKE2b. Each purpose has its own key, so the results are independent.
 template <std::size_t N>
 void derive(std::array<unsigned char, N>& out, const std::string& from, const char* purpose) {
   const std::string key = std::string("diaphane copy: ") + purpose;
@@ -21,9 +21,9 @@ void derive(std::array<unsigned char, N>& out, const std::string& from, const ch
 }  // namespace
 
 Result<Seal> Seal::of(const std::string& content_hash) {
-  if (sodium_init() < 0) return fail(ErrorCode::kInternal, "libsodium cannot start");
+  if (sodium_init() < 0) return fail(ErrorCode::kInternal, "cannot initialise libsodium");
   if (content_hash.empty()) {
-    return fail(ErrorCode::kUnsupported, "a volume without a hash is not copied");
+    return fail(ErrorCode::kUnsupported, "a volume without a hash cannot be copied");
   }
   Seal seal;
   derive(seal.key_, content_hash, "key");
@@ -36,7 +36,7 @@ Result<Seal> Seal::of(const std::string& content_hash) {
 }
 
 void Seal::apply(void* data, std::size_t bytes, std::uint64_t offset) const {
-  // The key is this content's alone, so one nonce does.
+  // A constant nonce is safe, because each content has its own key.
   static constexpr unsigned char kNonce[crypto_stream_xchacha20_NONCEBYTES] = {};
   static_assert(kBlock == 64, "what the cipher counts in");
   auto* at = static_cast<unsigned char*>(data);
@@ -46,7 +46,7 @@ void Seal::apply(void* data, std::size_t bytes, std::uint64_t offset) const {
 #else
 
 Result<Seal> Seal::of(const std::string&) {
-  return fail(ErrorCode::kUnsupported, "this build has no libsodium: volumes are not copied");
+  return fail(ErrorCode::kUnsupported, "this build has no libsodium, so volumes are not copied");
 }
 void Seal::apply(void*, std::size_t, std::uint64_t) const {}
 

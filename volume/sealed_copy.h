@@ -9,19 +9,19 @@
 
 namespace diaphane::volume {
 
-/// How a copy of voxels lies outside the volume store: enciphered (XChaCha20) by a key that is made
-/// of their content hash. That hash is in the volume's header in the store and nowhere beside the
-/// copy: once the volume is erased or replaced there, nobody can read its copies, on whatever disk
-/// they are and whether or not anybody comes to remove them.
+/// Encrypts copies of voxels outside the volume store with XChaCha20. The key is derived from the
+/// content hash, which is stored only in the volume's header in the store and not with the copy.
+/// Once the volume is erased or replaced there, its copies are unreadable, on whatever disk they
+/// are and even if they are never deleted.
 class Seal {
  public:
-  /// kUnsupported in a build without libsodium, or for a volume without a hash.
+  /// Returns kUnsupported in a build without libsodium, or for a volume without a hash.
   static Result<Seal> of(const std::string& content_hash);
 
-  /// What tells copies of different contents apart in their names; says nothing of the hash.
+  /// Distinguishes copies of different contents in file names without revealing the hash.
   const std::string& tag() const { return tag_; }
 
-  /// Enciphers or deciphers in place what lies `offset` bytes after the beginning; `offset` is a
+  /// Encrypts or decrypts in place the bytes that start at `offset` in the file. `offset` must be a
   /// multiple of kBlock.
   void apply(void* data, std::size_t bytes, std::uint64_t offset) const;
   static constexpr std::size_t kBlock = 64;

@@ -7,7 +7,7 @@
 namespace diaphane::volume {
 namespace {
 
-// A direction of the stack: along which axis of the patient, and to which side.
+// A direction in a stack: an axis of the patient and a sign.
 struct Way {
   std::size_t axis;
   double sign;
@@ -28,7 +28,7 @@ Ways ways_of(Plane plane) {
   return {{0, 1}, {1, 1}, {2, 1}};
 }
 
-// Entries that differ from those of a rotation by right angles by rounding alone are made so.
+// Rounds the direction to right-angle rotations if it differs from one only by rounding errors.
 std::array<double, 9> axes_of(const Header& header) {
   std::array<double, 9> axes = header.direction;
   for (double& entry : axes) {
@@ -49,7 +49,7 @@ struct Extent {
   std::uint32_t count = 0;
 };
 
-// Along one axis of the patient.
+// Returns the step and the number of steps along one axis of the patient.
 Extent extent_of(const Header& header, const std::array<double, 9>& axes, std::size_t axis) {
   double length = 0;
   double step = std::numeric_limits<double>::infinity();
@@ -85,7 +85,7 @@ SliceStack plan_stack(const Header& header, Plane plane) {
   stack.right = along(ways.right, right.step);
   stack.down = along(ways.down, down.step);
   stack.next = along(ways.next, next.step);
-  // In the middle of the box, as the box is in the middle of the world.
+  // The stack is centred in the box, and the box is centred at the world's origin.
   for (std::size_t k = 0; k < 3; ++k) {
     stack.first[k] = -((right.count - 1.0) * stack.right[k] + (down.count - 1.0) * stack.down[k] +
                        (next.count - 1.0) * stack.next[k]) /
@@ -96,14 +96,15 @@ SliceStack plan_stack(const Header& header, Plane plane) {
 
 namespace {
 
-// `kept`: null for all.
+// `kept` may be null, which means all voxels.
 Result<std::vector<std::int16_t>> read_slice(const Volume& volume, const SliceStack& stack,
                                              std::uint32_t index, std::int16_t outside,
                                              const KeptVoxels* kept) {
-  if (index >= stack.slices) return fail(ErrorCode::kInvalid, "There is no such slice.", "index");
+  if (index >= stack.slices)
+    return fail(ErrorCode::kInvalid, "This slice does not exist.", "index");
   const Header& header = volume.header;
   const auto axes = axes_of(header);
-  // In voxels from the box's corner, so that a voxel's number is the integer part.
+  // Positions are in voxels from the corner of the box, so the integer part is the voxel's index.
   const auto in_voxels = [&](const Vector& world) {
     Vector voxels{};
     for (std::size_t a = 0; a < 3; ++a) {

@@ -8,7 +8,7 @@
 namespace diaphane::volume {
 namespace {
 
-// Each voxel has a value of its own.
+// Each voxel has a different value.
 Volume numbered(std::array<std::uint32_t, 3> size, std::array<double, 3> spacing,
                 std::array<double, 9> direction) {
   Volume volume;
@@ -31,7 +31,7 @@ std::array<double, 3> place(const SliceStack& stack, double column, double row, 
   return world;
 }
 
-// The centre of a voxel, from the header's definition alone.
+// Returns the centre of a voxel, computed only from the header's definition.
 std::array<double, 3> centre(const Header& header, std::array<std::uint32_t, 3> voxel) {
   std::array<double, 3> world{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -45,8 +45,8 @@ std::array<double, 3> centre(const Header& header, std::array<std::uint32_t, 3> 
 
 constexpr std::array<double, 9> kIdentity{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-/// All 24 ways in which a stored volume (determinant +1) can lie along the patient's axes: every
-/// voxel is in exactly one pixel of every plane, at the voxel's own place.
+/// Covers all 24 orientations in which a stored volume (determinant +1) can lie along the patient's
+/// axes. Every voxel appears in exactly one pixel of every plane, at its own position.
 TEST(Slices, AlongThePatientsAxesEachPixelIsTheVoxelThatLiesThere) {
   int ways = 0;
   const std::array<std::array<std::size_t, 3>, 6> orders{
@@ -105,13 +105,13 @@ TEST(Slices, LieAsARadiologistSeesThem) {
   EXPECT_EQ(axial.columns, 6U);
   EXPECT_EQ(axial.rows, 4U);
   EXPECT_EQ(axial.slices, 5U);
-  EXPECT_EQ(axial.right, (std::array<double, 3>{1, 0, 0}));  // to the patient's left
-  EXPECT_EQ(axial.down, (std::array<double, 3>{0, 2, 0}));   // to the back
-  EXPECT_EQ(axial.next, (std::array<double, 3>{0, 0, 3}));   // to the head
+  EXPECT_EQ(axial.right, (std::array<double, 3>{1, 0, 0}));  // towards the patient's left
+  EXPECT_EQ(axial.down, (std::array<double, 3>{0, 2, 0}));   // towards the back
+  EXPECT_EQ(axial.next, (std::array<double, 3>{0, 0, 3}));   // towards the head
   EXPECT_EQ(axial.first, (std::array<double, 3>{-2.5, -3, -6}));
   const SliceStack coronal = plan_stack(volume.header, Plane::kCoronal);
   EXPECT_EQ(coronal.right, (std::array<double, 3>{1, 0, 0}));
-  EXPECT_EQ(coronal.down, (std::array<double, 3>{0, 0, -3}));  // to the feet
+  EXPECT_EQ(coronal.down, (std::array<double, 3>{0, 0, -3}));  // towards the feet
   EXPECT_EQ(coronal.slices, 4U);
   const SliceStack sagittal = plan_stack(volume.header, Plane::kSagittal);
   EXPECT_EQ(sagittal.right, (std::array<double, 3>{0, 2, 0}));  // the front is at the left
@@ -119,7 +119,7 @@ TEST(Slices, LieAsARadiologistSeesThem) {
   EXPECT_EQ(sagittal.slices, 6U);
 }
 
-/// Axes that were rounded when they were written are still the patient's.
+/// Axes that were rounded when they were written still count as the patient's.
 TEST(Slices, OfAxesThatAreRoundedAreTheVoxels) {
   std::array<double, 9> direction = kIdentity;
   direction[1] = 3e-5;
@@ -133,8 +133,8 @@ TEST(Slices, OfAxesThatAreRoundedAreTheVoxels) {
   }
 }
 
-/// Every pixel, away from where rounding decides, has the value of the voxel that its place is in;
-/// outside of the box the least value.
+/// Every pixel, except where rounding decides, has the value of the voxel that contains its centre,
+/// and the minimum outside the box.
 TEST(Slices, OfAnObliqueVolumeHaveTheValueOfTheVoxelThatAPixelIsIn) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;

@@ -16,6 +16,7 @@
 #include "common/fault_point.h"
 #include "common/fd.h"
 #include "common/ids.h"
+#include "common/try.h"
 #include "volume/hash.h"
 #include "volume/header.h"
 #include "volume/volume.h"
@@ -29,7 +30,6 @@ static_assert(std::endian::native == std::endian::little, "voxels.i16 is little 
 
 constexpr const char* kHeaderFile = "volume.json";
 constexpr const char* kVoxelFile = "voxels.i16";
-constexpr const char* kTemporaryPrefix = ".tmp-";
 constexpr off_t kMaxHeaderBytes = 1 << 20;
 
 Error disk_error(const char* what) {
@@ -42,15 +42,15 @@ Result<void> write_file(int directory, const char* name, const void* data, std::
   const Fd file(
       openat(directory, name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
   if (!file || !write_all(file.get(), data, bytes) || fsync(file.get()) != 0) {
-    return tl::unexpected(disk_error("a volume cannot be written"));
+    return tl::unexpected(disk_error("cannot write a volume"));
   }
   return {};
 }
 
-/// A regular file of `directory`; a link or anything else is refused.
+/// Opens a regular file of `directory`. Refuses links and other types of files.
 Result<std::pair<int, off_t>> open_file(const std::string& directory, const char* name) {
   const Fd parent(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!parent) return fail(ErrorCode::kNotFound, "there is no such volume");
+  if (!parent) return fail(ErrorCode::kNotFound, "the volume does not exist");
   const int file = openat(parent.get(), name, O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
   struct stat info {};
   if (file < 0) return fail(ErrorCode::kNotFound, std::string("the volume has no ") + name);
@@ -65,12 +65,12 @@ Result<void> commit(const std::string& temporary, const std::string& directory) 
   if (renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, directory.c_str(), RENAME_NOREPLACE) == 0) {
     return {};
   }
-  if (errno == EEXIST) return fail(ErrorCode::kConflict, "this volume exists already");
-  if (errno != EINVAL) return tl::unexpected(disk_error("a volume cannot be renamed"));
-  // A file system without RENAME_NOREPLACE: rename(2) replaces nothing but an empty directory.
-  if (fs::exists(directory)) return fail(ErrorCode::kConflict, "this volume exists already");
+  if (errno == EEXIST) return fail(ErrorCode::kConflict, "the volume already exists");
+  if (errno != EINVAL) return tl::unexpected(disk_error("cannot rename a volume"));
+  // The file system does not support RENAME_NOREPLACE. rename(2) replaces only an empty directory.
+  if (fs::exists(directory)) return fail(ErrorCode::kConflict, "the volume already exists");
   if (rename(temporary.c_str(), directory.c_str()) != 0) {
-    return tl::unexpected(disk_error("a volume cannot be renamed"));
+    return tl::unexpected(disk_error("cannot rename a volume"));
   }
   return {};
 }
@@ -79,12 +79,12 @@ Result<void> commit(const std::string& temporary, const std::string& directory) 
 
 Result<Header> read_header(const std::string& directory) {
   auto opened = open_file(directory, kHeaderFile);
-  if (!opened) return tl::unexpected(opened.error());
+  DIAPHANE_TRY(opened);
   const Fd file(opened->first);
   if (opened->second > kMaxHeaderBytes) return fail(ErrorCode::kInvalid, "volume.json is too long");
   std::string text(static_cast<std::size_t>(opened->second), '\0');
   if (!read_all(file.get(), text.data(), text.size())) {
-    return fail(ErrorCode::kUnavailable, "volume.json cannot be read");
+    return fail(ErrorCode::kUnavailable, "cannot read volume.json");
   }
   return from_json(text);
 }
@@ -99,13 +99,13 @@ std::optional<std::string> stored_hash(const std::string& directory) {
 
 Result<Volume> read(const std::string& directory, bool verify_hash) {
   auto header = read_header(directory);
-  if (!header) return tl::unexpected(header.error());
+  DIAPHANE_TRY(header);
   auto opened = open_file(directory, kVoxelFile);
-  if (!opened) return tl::unexpected(opened.error());
+  DIAPHANE_TRY(opened);
   const Fd file(opened->first);
   const std::uint64_t count = header->voxel_count();
   if (static_cast<std::uint64_t>(opened->second) != count * sizeof(std::int16_t)) {
-    return fail(ErrorCode::kInvalid, "voxels.i16 has not the size that volume.json says");
+    return fail(ErrorCode::kInvalid, "the size of voxels.i16 does not match volume.json");
   }
   Volume volume{std::move(*header), {}, {}};
   volume.id = fs::path(directory).lexically_normal().filename().string();
@@ -115,14 +115,14 @@ Result<Volume> read(const std::string& directory, bool verify_hash) {
     return fail(ErrorCode::kOutOfMemory, "the volume does not fit in memory");
   }
   if (!read_all(file.get(), volume.voxels.data(), count * sizeof(std::int16_t))) {
-    return fail(ErrorCode::kUnavailable, "voxels.i16 cannot be read");
+    return fail(ErrorCode::kUnavailable, "cannot read voxels.i16");
   }
   if (verify_hash) {
     auto hash = content_hash(volume.voxels.data(), count * sizeof(std::int16_t));
-    if (!hash) return tl::unexpected(hash.error());
+    DIAPHANE_TRY(hash);
     if (*hash != volume.header.content_hash) {
       return fail(ErrorCode::kInternal,
-                  "the voxels are not those that were stored: the disk is broken");
+                  "the voxels do not match their stored checksum; the disk may be failing");
     }
   }
   return volume;
@@ -130,7 +130,7 @@ Result<Volume> read(const std::string& directory, bool verify_hash) {
 
 namespace {
 
-/// A volume under a temporary name beside its place, written and synced.
+/// A complete, synced volume under a temporary name next to its final place.
 class Staged {
  public:
   static Result<Staged> make(Volume& volume, const std::string& directory);
@@ -147,14 +147,15 @@ class Staged {
     return sync();
   }
   Result<void> exchange() {
-    // Ours until it is erased below: a sweep in between would not wait until the new one is synced.
+    // Locks the old volume until it is erased below, so that a concurrent sweep does not erase it
+    // before the new one is synced.
     const Fd old(open(target_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
     if (old) (void)flock(old.get(), LOCK_EX | LOCK_NB);
     if (renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
-      if (errno == ENOENT) return fail(ErrorCode::kNotFound, "there is no such volume");
-      return tl::unexpected(disk_error("a volume cannot be exchanged"));
+      if (errno == ENOENT) return fail(ErrorCode::kNotFound, "the volume does not exist");
+      return tl::unexpected(disk_error("cannot replace a volume"));
     }
-    // Synced before the old one goes: after a power failure there must be one of them.
+    // Syncs before the old volume is erased, so that one of them survives a power failure.
     const auto synced = sync();
     inside_.reset();
     fault_point("exchanged");
@@ -170,23 +171,23 @@ class Staged {
     const fs::path parent = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     const Fd outside(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (!outside || fsync(outside.get()) != 0) {
-      return tl::unexpected(disk_error("the volume store cannot be synced"));
+      return tl::unexpected(disk_error("cannot sync the volume store"));
     }
     return {};
   }
 
   fs::path target_, temporary_;
-  std::unique_ptr<Fd> inside_;  ///< while it is ours to remove
+  std::unique_ptr<Fd> inside_;  ///< held while this object must remove the directory
 };
 
 Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
   if (volume.voxels.size() != volume.header.voxel_count()) {
-    return fail(ErrorCode::kInvalid, "the voxels do not fill the size");
+    return fail(ErrorCode::kInvalid, "the number of voxels does not match the size");
   }
   const fs::path target = fs::path(directory).lexically_normal();
   const std::string name = target.filename().string();
   if (name.empty() || name == "." || name == ".." || name.starts_with('.')) {
-    return fail(ErrorCode::kInvalid, "a volume's directory needs a plain name");
+    return fail(ErrorCode::kInvalid, "the directory name of a volume is invalid");
   }
   const fs::path parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const std::size_t bytes = volume.voxels.size() * sizeof(std::int16_t);
@@ -194,27 +195,23 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
   if (!hash && hash.error().code != ErrorCode::kUnsupported) return tl::unexpected(hash.error());
   volume.header.content_hash = hash.value_or("");
   auto text = to_json(volume.header);
-  if (!text) return tl::unexpected(text.error());
+  DIAPHANE_TRY(text);
 
   Staged staged(target, parent / (kTemporaryPrefix + name + "-" + random_hex(8)));
   if (mkdir(staged.temporary_.c_str(), 0750) != 0) {
-    return tl::unexpected(disk_error("the volume store cannot be written"));
+    return tl::unexpected(disk_error("the volume store is not writable"));
   }
-  // The lock says "a living writer": see sweep_unfinished. It goes with the process, however that
-  // ends.
+  // The lock marks the directory as in use (see sweep_unfinished). The kernel releases it when the
+  // process ends for any reason.
   staged.inside_ =
       std::make_unique<Fd>(open(staged.temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   const int inside = staged.inside_->get();
   if (inside < 0 || flock(inside, LOCK_EX | LOCK_NB) != 0) {
-    return tl::unexpected(disk_error("a volume cannot be written"));
+    return tl::unexpected(disk_error("cannot write a volume"));
   }
-  if (auto ok = write_file(inside, kVoxelFile, volume.voxels.data(), bytes); !ok) {
-    return tl::unexpected(ok.error());
-  }
-  if (auto ok = write_file(inside, kHeaderFile, text->data(), text->size()); !ok) {
-    return tl::unexpected(ok.error());
-  }
-  if (fsync(inside) != 0) return tl::unexpected(disk_error("a volume cannot be synced"));
+  DIAPHANE_TRY(write_file(inside, kVoxelFile, volume.voxels.data(), bytes));
+  DIAPHANE_TRY(write_file(inside, kHeaderFile, text->data(), text->size()));
+  if (fsync(inside) != 0) return tl::unexpected(disk_error("cannot sync a volume"));
   return staged;
 }
 
@@ -222,7 +219,8 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
 
 void erase(const std::string& directory) {
   for (const char* name : {kVoxelFile, kHeaderFile}) {
-    // Emptied first: whoever has the file open holds nothing then. A link is not followed.
+    // Truncates the file first, so that a process that has it open cannot read it any more. Links
+    // are not followed.
     const Fd file(open((fs::path(directory) / name).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
     if (file && ftruncate(file.get(), 0) == 0) (void)fsync(file.get());
   }
@@ -232,20 +230,20 @@ void erase(const std::string& directory) {
 
 Result<void> write(Volume& volume, const std::string& directory) {
   if (fs::exists(fs::symlink_status(fs::path(directory).lexically_normal()))) {
-    return fail(ErrorCode::kConflict, "this volume exists already");
+    return fail(ErrorCode::kConflict, "the volume already exists");
   }
   auto staged = Staged::make(volume, directory);
-  if (!staged) return tl::unexpected(staged.error());
+  DIAPHANE_TRY(staged);
   return staged->commit();
 }
 
 Result<void> replace(Volume& volume, const std::string& directory,
                      const std::function<Result<void>()>& about_to) {
   if (!fs::is_directory(fs::symlink_status(fs::path(directory).lexically_normal()))) {
-    return fail(ErrorCode::kNotFound, "there is no such volume");
+    return fail(ErrorCode::kNotFound, "the volume does not exist");
   }
   auto staged = Staged::make(volume, directory);
-  if (!staged) return tl::unexpected(staged.error());
+  DIAPHANE_TRY(staged);
   if (auto ok = about_to(); !ok) return ok;
   return staged->exchange();
 }
@@ -261,7 +259,7 @@ Result<std::size_t> sweep_unfinished(const std::string& store) {
     erase(entry->path());
     if (!fs::exists(fs::symlink_status(entry->path()))) ++removed;
   }
-  if (error) return fail(ErrorCode::kUnavailable, "the volume store cannot be listed");
+  if (error) return fail(ErrorCode::kUnavailable, "cannot list the volume store");
   return removed;
 }
 

@@ -8,17 +8,21 @@
 
 namespace diaphane::volume {
 
-/// Removes what writers that were killed left in the volume store: directories `.tmp-…` that no
-/// living writer holds locked, be they new ones or old ones that were exchanged. Any program may do
-/// so at any time. Returns how many. kUnavailable when `store` cannot be listed.
+/// Prefix of the names of unfinished files and directories.
+inline constexpr const char* kTemporaryPrefix = ".tmp-";
+
+/// Removes the directories `.tmp-…` that killed writers left in the volume store: unfinished
+/// volumes, and old ones that had been replaced. Directories that a running writer has locked stay.
+/// Any program may call it at any time. Returns the number of removed directories, or kUnavailable
+/// if `store` cannot be listed.
 Result<std::size_t> sweep_unfinished(const std::string& store);
 
-/// The content hash of the volume that is in `directory` now, empty when there is none; nullopt
-/// when a disk that does not answer cannot say: only a file that is surely gone, or says otherwise,
-/// is.
+/// Returns the content hash of the volume in `directory`, or an empty string if there is certainly
+/// no volume. Returns nullopt if the header cannot be read, for example because the disk does not
+/// respond.
 std::optional<std::string> stored_hash(const std::string& directory);
 
-/// Removes a volume's directory, its files emptied first. What cannot be removed stays.
+/// Truncates the files of a volume and removes its directory. Failures are ignored.
 void erase(const std::string& directory);
 
 }  // namespace diaphane::volume

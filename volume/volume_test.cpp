@@ -103,7 +103,7 @@ TEST_F(VolumeStore, VoxelsThatDoNotFillTheSizeAreRefused) {
 }
 
 TEST_F(VolumeStore, AReaderSeesAWholeVolumeOrNone) {
-  // A writer and a reader at once: whatever the reader can open at all, is whole.
+  // A reader runs concurrently with a writer. Every volume that it can open must be complete.
   constexpr int kRounds = 40;
   Volume big = ramp();
   big.header.size = {64, 64, 64};
@@ -120,7 +120,7 @@ TEST_F(VolumeStore, AReaderSeesAWholeVolumeOrNone) {
       auto seen = read(at("v" + std::to_string(i)), can_hash());
       if (seen) break;
       EXPECT_EQ(seen.error().code, ErrorCode::kNotFound) << seen.error().message;
-      EXPECT_NE(seen.error().message.find("no such volume"), std::string::npos);
+      EXPECT_NE(seen.error().message.find("volume does not exist"), std::string::npos);
       if (::testing::Test::HasFailure()) break;
       std::this_thread::yield();
     }
@@ -216,7 +216,8 @@ TEST(Header, SizesAndSpacingsOutOfRangeAreRefused) {
 }
 
 TEST(Header, AnUnknownFieldIsRefused) {
-  // The header is an allow-list: what is not in it, such as a patient's name, is not read past.
+  // The header is an allow-list, so text with an unknown field, such as a patient's name, is
+  // refused.
   std::string text = *to_json(ramp().header);
   EXPECT_TRUE(from_json(text).has_value());
   text.insert(text.find('{') + 1, "\"patientName\": \"x\",");

@@ -18,7 +18,7 @@ struct FreeEntry {
 };
 
 tl::unexpected<Error> cannot_write() {
-  return fail(ErrorCode::kUnavailable, "the export cannot be written");
+  return fail(ErrorCode::kUnavailable, "cannot write the export");
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ Result<void> ZipWriter::add_file(const std::string& name, const std::string& pat
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   std::ifstream in(path, std::ios::binary);
-  if (error || !in) return fail(ErrorCode::kNotFound, "a file of the export has gone");
+  if (error || !in) return fail(ErrorCode::kNotFound, "a file of the export has disappeared");
   if (auto begun = impl_->begin(name, static_cast<std::int64_t>(size)); !begun) return begun;
   std::vector<char> part(std::size_t{1} << 20);
   std::uintmax_t left = size;
@@ -80,7 +80,7 @@ Result<void> ZipWriter::add_file(const std::string& name, const std::string& pat
     if (auto done = impl_->write({part.data(), static_cast<std::size_t>(got)}); !done) return done;
     left -= got;
   }
-  if (left > 0) return fail(ErrorCode::kNotFound, "a file of the export has gone");
+  if (left > 0) return fail(ErrorCode::kNotFound, "a file of the export has disappeared");
   return {};
 }
 

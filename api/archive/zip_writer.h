@@ -7,11 +7,11 @@
 
 namespace diaphane::api {
 
-/// A zip file of any size (zip64 where it must), written as it is given: nothing of it is held in
-/// memory. Deflated at the quickest level.
+/// Writes a zip file of any size (zip64 if needed) as a stream, without holding it in memory. Uses
+/// the fastest compression level.
 class ZipWriter final : public ExportFile {
  public:
-  /// kUnavailable: the file cannot be made.
+  /// Returns kUnavailable if the file cannot be created.
   static Result<std::unique_ptr<ExportFile>> create(const std::string& path);
   ~ZipWriter() override;
 

@@ -1,21 +1,20 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
-constexpr std::size_t kPasswordBytes = 800;
-
-/// `done` with that status, or its problem.
+/// Responds with the status on success, otherwise with the problem of `done`.
 Outcome<Response> answer(const Outcome<void>& done, int status) {
-  if (!done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(done);
   return empty_response(status);
 }
 
 Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
   const auto found = changes.browser_sessions(who);
-  if (!found) return tl::unexpected(found.error());
+  DIAPHANE_TRY(found);
   nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const BrowserSession& one : *found) {
     items.push_back({{"id", one.id},
@@ -76,7 +75,7 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const Front& f
   const auto end_all = [&changes, &front](const Request&,
                                           const Principal& who) -> Outcome<Response> {
     const auto done = changes.sign_out_everywhere(who);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", front.cookie(""));
   };
   const std::string all = "/v1/me/browser-sessions";

@@ -1,14 +1,12 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
-constexpr std::size_t kPasswordBytes = 800;
-constexpr std::size_t kCodeCharacters = 40;
-
-/// The rough name that the edge makes of User-Agent, which itself comes no further than there.
+/// The approximate browser name that the edge derives from User-Agent, which it does not forward.
 std::string browser_of(const Request& request) {
   std::string name(request.header("x-browser").substr(0, 60));
   std::erase_if(name, [](char c) { return c < 0x20 || c > 0x7e; });
@@ -17,9 +15,9 @@ std::string browser_of(const Request& request) {
 
 Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principal& who) {
   const auto quota = accounts.quota_of(who.user_id);
-  if (!quota) return tl::unexpected(quota.error());
+  DIAPHANE_TRY(quota);
   const auto time = render_time.account(who.user_id);
-  if (!time) return tl::unexpected(time.error());
+  DIAPHANE_TRY(time);
   nlohmann::ordered_json spent{{"quota_ms", time->quota_ms},
                                {"used_ms", time->used_ms},
                                {"renewed_at", rfc3339(time->next_month)},
@@ -44,7 +42,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     const std::string email = in.text("email", 3, 254);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = accounts.sign_up(email, request.address);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(202);
   };
   const auto verify = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
@@ -53,7 +51,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = accounts.verify(token, password);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto sign_in = [&accounts, &render_time, &front](const Request& request,
@@ -65,7 +63,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto opened = accounts.sign_in(email, password, code, request.address,
                                          browser_of(request), front.known_browser_of(request));
-    if (!opened) return tl::unexpected(opened.error());
+    DIAPHANE_TRY(opened);
     auto response = me(accounts, render_time, opened->principal);
     if (response) {
       response->with("Set-Cookie", front.cookie(opened->token));
@@ -77,7 +75,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
   const auto sign_out = [&accounts, &front](const Request& request,
                                             const Principal&) -> Outcome<Response> {
     const auto done = accounts.sign_out(front.token_of(request));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", front.cookie(""));
   };
   const auto get_me = [&accounts, &render_time](const Request&, const Principal& who) {

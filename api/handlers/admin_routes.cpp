@@ -5,13 +5,14 @@
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 50;
 constexpr std::int64_t kMostMs =
-    31LL * 24 * 3600 * 1000 * 1000;  // a thousand devices, all the month
+    31LL * 24 * 3600 * 1000 * 1000;  // a thousand devices for a whole month
 
 nlohmann::ordered_json to_json(const UserRecord& user) {
   nlohmann::ordered_json json{
@@ -49,13 +50,13 @@ nlohmann::ordered_json to_json(const AuditRecord& record) {
 Outcome<Response> list_users(Administration& administration, const Request& request,
                              const Principal& who) {
   const auto limit = integer_in_query(request, "limit", 50, 1, 100);
-  if (!limit) return tl::unexpected(limit.error());
+  DIAPHANE_TRY(limit);
   auto after = cursor_in_query(request);
-  if (!after) return tl::unexpected(after.error());
+  DIAPHANE_TRY(after);
   auto part = text_in_query(request, "query", 254);
-  if (!part) return tl::unexpected(part.error());
+  DIAPHANE_TRY(part);
   const auto page = administration.users(who, *part, *std::move(after), *limit);
-  if (!page) return tl::unexpected(page.error());
+  DIAPHANE_TRY(page);
   nlohmann::ordered_json body{{"items", nlohmann::ordered_json::array()}, {"next_cursor", nullptr}};
   for (const UserRecord& user : page->items) body["items"].push_back(to_json(user));
   if (page->next) body["next_cursor"] = encode_cursor(*page->next);
@@ -70,7 +71,7 @@ Outcome<Response> change_user(Administration& administration, const Request& req
                           in.optional_boolean("disabled")};
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto user = administration.change(who, request.parameter("user_id"), change);
-  if (!user) return tl::unexpected(user.error());
+  DIAPHANE_TRY(user);
   return json_response(200, to_json(*user));
 }
 
@@ -78,31 +79,31 @@ Outcome<Response> list_audit(Administration& administration, const Request& requ
                              const Principal& who) {
   AuditFilter filter;
   const auto limit = integer_in_query(request, "limit", 50, 1, 200);
-  if (!limit) return tl::unexpected(limit.error());
+  DIAPHANE_TRY(limit);
   filter.limit = *limit;
   auto account = text_in_query(request, "account", 36);
-  if (!account) return tl::unexpected(account.error());
+  DIAPHANE_TRY(account);
   if (!account->empty() && !is_id(*account)) return refuse_field("account", "must be an id");
   filter.account_id = *std::move(account);
   auto action = text_in_query(request, "action", 60);
-  if (!action) return tl::unexpected(action.error());
+  DIAPHANE_TRY(action);
   filter.action = *std::move(action);
   for (auto [name, moment] : {std::pair{"from", &filter.from}, std::pair{"until", &filter.until}}) {
     if (!request.query.contains(name)) continue;
     *moment = time_of(request.query.at(name));
-    if (!*moment) return refuse_field(name, "must be a time, 2026-11-22T10:00:00Z");
+    if (!*moment) return refuse_field(name, "must be a UTC time such as 2026-11-22T10:00:00Z");
   }
   if (const auto given = request.query.find("cursor"); given != request.query.end()) {
     std::int64_t id = 0;
     const std::string& text = given->second;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
     if (error != std::errc() || end != text.data() + text.size() || id < 1) {
-      return refuse_field("cursor", "is not one that was given out");
+      return refuse_field("cursor", "is not a valid cursor");
     }
     filter.before_id = id;
   }
   const auto page = administration.audit(who, std::move(filter));
-  if (!page) return tl::unexpected(page.error());
+  DIAPHANE_TRY(page);
   nlohmann::ordered_json body{{"items", nlohmann::ordered_json::array()}, {"next_cursor", nullptr}};
   for (const AuditRecord& record : page->items) body["items"].push_back(to_json(record));
   if (page->next) body["next_cursor"] = std::to_string(*page->next);
@@ -111,7 +112,7 @@ Outcome<Response> list_audit(Administration& administration, const Request& requ
 
 Outcome<Response> show_fleet(Administration& administration) {
   const auto fleet = administration.fleet();
-  if (!fleet) return tl::unexpected(fleet.error());
+  DIAPHANE_TRY(fleet);
   nlohmann::ordered_json workers = nlohmann::ordered_json::array();
   for (const WorkerInfo& worker : fleet->workers) {
     workers.push_back({{"id", worker.id},
@@ -137,7 +138,7 @@ std::vector<Route> admin_routes(Administration& administration) {
   const auto user = [&administration](const Request& request,
                                       const Principal& who) -> Outcome<Response> {
     const auto found = administration.user(who, request.parameter("user_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return json_response(200, to_json(*found));
   };
   const auto change = [&administration](const Request& request, const Principal& who) {

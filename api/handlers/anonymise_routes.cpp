@@ -1,12 +1,13 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 #include "volume/region.h"
 
 namespace diaphane::api {
 namespace {
 
-/// Said by whoever asks for it: nobody does this by mistake.
+/// The client must send this text, so that a scan is never anonymised by mistake.
 constexpr const char* kConfirmation = "this cannot be undone";
 
 nlohmann::ordered_json to_json(const Anonymise::View& view) {
@@ -43,7 +44,7 @@ Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Princi
   }
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto view = anonymise.cut(who, request.parameter("data_set_id"), region, hash);
-  if (!view) return tl::unexpected(view.error());
+  DIAPHANE_TRY(view);
   return json_response(202, to_json(*view));
 }
 
@@ -53,7 +54,7 @@ std::vector<Route> anonymise_routes(Anonymise& anonymise) {
   const auto look = [&anonymise](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto view = anonymise.look(who, request.parameter("data_set_id"));
-    if (!view) return tl::unexpected(view.error());
+    DIAPHANE_TRY(view);
     return json_response(200, to_json(*view));
   };
   const auto carry_out = [&anonymise](const Request& request, const Principal& who) {

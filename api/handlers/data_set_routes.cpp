@@ -1,17 +1,18 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 Outcome<Response> list(DataSets& data_sets, const Request& request, const Principal& who) {
   const auto limit = integer_in_query(request, "limit", 50, 1, 100);
-  if (!limit) return tl::unexpected(limit.error());
+  DIAPHANE_TRY(limit);
   auto after = cursor_in_query(request);
-  if (!after) return tl::unexpected(after.error());
+  DIAPHANE_TRY(after);
   const auto page = data_sets.list(who, *after, *limit);
-  if (!page) return tl::unexpected(page.error());
+  DIAPHANE_TRY(page);
   nlohmann::ordered_json body;
   body["items"] = nlohmann::ordered_json::array();
   for (const DataSet& data_set : page->items) body["items"].push_back(to_json(data_set));
@@ -20,16 +21,17 @@ Outcome<Response> list(DataSets& data_sets, const Request& request, const Princi
   return json_response(200, body);
 }
 
-Outcome<Response> create(DataSets& data_sets, const Request& request, const Principal& who) {
+Outcome<Response> create_data_set(DataSets& data_sets, const Request& request,
+                                  const Principal& who) {
   auto key = idempotency_key(request);
-  if (!key) return tl::unexpected(key.error());
+  DIAPHANE_TRY(key);
   Fields in(request);
   DataSets::Announcement announcement{in.has("title") ? in.name("title", 0, 80) : std::string(),
                                       in.integer("bytes", 1, INT64_MAX), *std::move(key)};
   in.integer_or("slices", 1, 1, 100'000);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto made = data_sets.announce(who, announcement);
-  if (!made) return tl::unexpected(made.error());
+  DIAPHANE_TRY(made);
   return json_response(201,
                        {{"data_set", to_json(*made)}, {"upload_url", "/v1/uploads/" + made->id}})
       .with("Location", "/v1/data-sets/" + made->id);
@@ -42,12 +44,12 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
     return list(data_sets, request, who);
   };
   const auto create_one = [&data_sets](const Request& request, const Principal& who) {
-    return create(data_sets, request, who);
+    return create_data_set(data_sets, request, who);
   };
   const auto get_one = [&data_sets](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     const auto found = data_sets.find(who, request.parameter("data_set_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return json_response(200, to_json(*found));
   };
   const auto describe_one = [&data_sets](const Request& request,
@@ -63,20 +65,20 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
     }
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto described = data_sets.describe(who, request.parameter("data_set_id"), what);
-    if (!described) return tl::unexpected(described.error());
+    DIAPHANE_TRY(described);
     return json_response(200, to_json(*described));
   };
   const auto delete_one = [&data_sets](const Request& request,
                                        const Principal& who) -> Outcome<Response> {
     const auto done = data_sets.remove(who, request.parameter("data_set_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto thumbnail = [&thumbnails](const Request& request,
                                        const Principal& who) -> Outcome<Response> {
     const auto path =
         thumbnails.get(who, request.parameter("data_set_id"), request.parameter("preset"));
-    if (!path) return tl::unexpected(path.error());
+    DIAPHANE_TRY(path);
     return cached_picture(*path);
   };
   const std::string one = "/v1/data-sets/{data_set_id}";

@@ -11,6 +11,7 @@
 #include "api/service/secrets.h"
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -32,7 +33,7 @@ bool is_safe(const std::string& method) {
   return method == "GET" || method == "HEAD" || method == "OPTIONS";
 }
 
-/// Of a request that was admitted, so that it is a number or absent.
+/// The request was already admitted, so the header is a number or absent.
 std::int64_t announced_bytes(const Request& request) {
   std::int64_t length = 0;
   const std::string_view text = request.header("content-length");
@@ -101,7 +102,7 @@ Front::Admission Front::admit_request(Head head) const {
     request.parameters = *std::move(parameters);
   }
   if (allowed.empty()) {
-    return refusal({ProblemKind::kNotFound, "There is nothing at this address.", {}, {}}, request);
+    return refusal({ProblemKind::kNotFound, "There is nothing at this URL.", {}, {}}, request);
   }
   if (!chosen && request.method == "OPTIONS") {
     allow("OPTIONS");
@@ -118,20 +119,23 @@ Front::Admission Front::admit_request(Head head) const {
     if (std::find(chosen->query.begin(), chosen->query.end(), name) != chosen->query.end())
       continue;
     return refusal({ProblemKind::kInvalid,
-                    "A part of the request is wrong.",
-                    {{"query", "has a parameter that is not known here"}},
+                    "The request contains invalid values.",
+                    {{"query", "contains an unknown parameter"}},
                     {}},
                    request);
   }
-  // The edge buffers bodies and sends their length; chunks never come this far.
+  // The edge buffers bodies and sends their length, so chunked bodies never arrive here.
   if (!request.header("transfer-encoding").empty()) {
-    return refusal({ProblemKind::kBadRequest, "A body needs its Content-Length.", {}, {}}, request);
+    return refusal(
+        {ProblemKind::kBadRequest, "A request with a body needs a Content-Length header.", {}, {}},
+        request);
   }
   if (const std::string_view text = request.header("content-length"); !text.empty()) {
     std::int64_t length = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
     if (error != std::errc() || end != text.data() + text.size() || length < 0) {
-      return refusal({ProblemKind::kBadRequest, "Content-Length is no number.", {}, {}}, request);
+      return refusal({ProblemKind::kBadRequest, "Content-Length is not a valid number.", {}, {}},
+                     request);
     }
     if (const std::int64_t limit = body_limit_of(*chosen); length > limit) {
       return refusal({ProblemKind::kBodyTooLarge,
@@ -147,12 +151,12 @@ Front::Admission Front::admit_request(Head head) const {
 Outcome<void> Front::check_origin(const Request& request) const {
   const std::string_view origin = request.header("origin");
   if (is_safe(request.method) || origin.empty() || origin == options_.public_url) return {};
-  return refuse(ProblemKind::kOrigin, "Requests from other pages are refused.");
+  return refuse(ProblemKind::kOrigin, "Requests from other origins are not allowed.");
 }
 
 Outcome<Principal> Front::identify(const Route& route, const Request& request,
                                    Accounts::Renewal renewal) const {
-  if (auto same = check_origin(request); !same) return tl::unexpected(same.error());
+  DIAPHANE_TRY(check_origin(request));
   if (route.access == Access::kAnyone) return Principal{};
 
   constexpr std::string_view kBearer = "Bearer ";
@@ -162,7 +166,7 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request,
         route.access == Access::kPersonOrOperator && !options_.sample_token.empty() &&
         authorization.starts_with(kBearer) &&
         equal_in_constant_time(authorization.substr(kBearer.size()), options_.sample_token);
-    if (!known) return refuse(ProblemKind::kUnauthenticated, "This token is not known here.");
+    if (!known) return refuse(ProblemKind::kUnauthenticated, "The token is not valid.");
     Principal operator_of_sample;
     operator_of_sample.sample_operator = true;
     return operator_of_sample;
@@ -176,25 +180,26 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request,
   if (!principal) return principal;
   if (!is_safe(request.method) &&
       !equal_in_constant_time(request.header("x-csrf-token"), principal->csrf_token)) {
-    return refuse(ProblemKind::kCsrf, "X-CSRF-Token is missing or wrong; load the page anew.");
+    return refuse(ProblemKind::kCsrf,
+                  "The X-CSRF-Token header is missing or incorrect. Reload the page.");
   }
   if (route.access == Access::kAdministrator && principal->administrator_waits) {
-    return refuse(ProblemKind::kSecondFactorRequired,
-                  "An administrator needs a second factor. Set it up in your account first.");
+    return refuse(
+        ProblemKind::kSecondFactorRequired,
+        "Set up two-factor authentication in your account to use administrator features.");
   }
   if (route.access == Access::kAdministrator && !principal->administrator) {
-    return refuse(ProblemKind::kForbidden, "Only an administrator may do this.");
+    return refuse(ProblemKind::kForbidden, "Only administrators can do this.");
   }
   return principal;
 }
 
-/// The session is not renewed here: the request itself does that, and sends the cookie.
+/// Does not renew the session. The request itself does that and sends the cookie.
 Outcome<Response> Front::decide_body(const Route& route, const Request& request) const {
   const auto principal = identify(route, request, Accounts::Renewal::kNo);
-  if (!principal) return tl::unexpected(principal.error());
+  DIAPHANE_TRY(principal);
   if (route.body_check) {
-    if (auto fits = route.body_check(request, *principal, announced_bytes(request)); !fits)
-      return tl::unexpected(fits.error());
+    DIAPHANE_TRY(route.body_check(request, *principal, announced_bytes(request)));
   }
   Response response;
   response.status = 204;
@@ -214,13 +219,13 @@ Response Front::serve(Admitted& admitted) const {
     const auto answer = [&]() -> Outcome<Response> {
       if (admitted.asks_for_body) return decide_body(route, request);
       const auto principal = identify(route, request, Accounts::Renewal::kYes);
-      if (!principal) return tl::unexpected(principal.error());
+      DIAPHANE_TRY(principal);
       renewed = principal->renewed;
       begun = true;
       return route.handler(request, *principal);
     };
     auto outcome = answer();
-    // Nothing that was asked for has been begun, or it was only to be read: trying again is safe.
+    // Nothing was started, or the request only reads, so a retry is safe.
     if (!outcome && (!begun || is_safe(request.method)) &&
         outcome.error().kind == ProblemKind::kOutcomeUnknown) {
       outcome = refuse(ProblemKind::kUnavailable,
@@ -269,10 +274,10 @@ Response Front::finish(Response response, const Request& request) const {
     response.body.clear();
     response.content_type.clear();
   }
-  // A line break in a header would be the start of another response.
+  // A line break in a header would allow response splitting.
   std::erase_if(response.headers, [](const auto& header) {
     const bool bad = !is_header_text(header.first) || !is_header_text(header.second);
-    if (bad) log::error("response header dropped", {{"header", header.first}});
+    if (bad) log::error("dropped an invalid response header", {{"header", header.first}});
     return bad;
   });
   return response;
@@ -315,7 +320,7 @@ std::string Front::cookie_of(const Head& head, std::string_view name) {
 
 Outcome<Once> once_of(const Request& request, const Front& front) {
   auto key = idempotency_key(request);
-  if (!key) return tl::unexpected(key.error());
+  DIAPHANE_TRY(key);
   return Once{*std::move(key), front.token_of(request)};
 }
 

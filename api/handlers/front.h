@@ -15,17 +15,17 @@
 
 namespace diaphane::api {
 
-/// Who may ask.
+/// The authentication that a route requires.
 enum class Access {
-  kAnyone,            ///< the cookie is not looked at
-  kAnyoneOrPerson,    ///< with the cookie, or as nobody
-  kPerson,            ///< with the cookie
-  kPersonOrOperator,  ///< with the cookie, or with the sample's token
-  kAdministrator,     ///< with the cookie of one
+  kAnyone,            ///< ignores the cookie
+  kAnyoneOrPerson,    ///< works with the cookie or without an account
+  kPerson,            ///< requires the cookie
+  kPersonOrOperator,  ///< requires the cookie or the sample token
+  kAdministrator,     ///< requires the cookie of an administrator
 };
 
-/// One operation of api/openapi.yaml. The handler parses, calls a service, replies; the principal
-/// is empty for kAnyone.
+/// One operation of api/openapi.yaml. The handler parses the request, calls a service and replies.
+/// The principal is empty for kAnyone.
 struct Route {
   using Handler = std::function<Outcome<Response>(const Request&, const Principal&)>;
   std::string method;
@@ -33,24 +33,24 @@ struct Route {
   std::string operation;  ///< its operationId
   Access access = Access::kPerson;
   Handler handler;
-  std::vector<std::string> query;         ///< the parameters it knows
+  std::vector<std::string> query;         ///< the allowed parameters
   std::int64_t body_limit = 1024 * 1024;  ///< bytes; without a principal at most kAnyoneBodyBytes
-  /// Checks from the head alone whether a body of so many bytes may be sent at all. The edge asks
-  /// before it reads the body; the handler checks again.
+  /// Checks from the head alone whether a body of this size would be accepted. The edge calls it
+  /// before it reads the body, and the handler checks again.
   std::function<Outcome<void>(const Request&, const Principal&, std::int64_t bytes)> body_check =
       nullptr;
 };
 
-/// The largest body on a route that anyone may use. The edge holds it in memory.
+/// Maximum body size on a route that anyone can use. The edge buffers it in memory.
 inline constexpr std::int64_t kAnyoneBodyBytes = 16 * 1024;
 
-/// Where the edge asks whether it may read a request's body. It is outside of /v1, so that no
-/// client reaches it. X-Original-Method, X-Original-Target and X-Original-Length describe the
-/// request; the other headers are its own. The answer is 204, with the account in X-Account where
-/// there is one, or what the request itself is to be answered with.
+/// The path where the edge asks whether it may read a request's body. It is outside /v1, so that no
+/// client can reach it. X-Original-Method, X-Original-Target and X-Original-Length describe the
+/// request, and the other headers are copied from it. The response is 204, with the account (if
+/// any) in X-Account, or the error response for the request itself.
 inline constexpr std::string_view kBodyGate = "/edge/body";
 
-/// What was measured of a request.
+/// Measurements of a request.
 struct Measured {
   std::string operation;  ///< or "none"
   int status = 0;
@@ -58,43 +58,43 @@ struct Measured {
   std::int64_t body_bytes = 0;
 };
 
-/// What comes before and after every handler: the route, who asks, cross-site requests, problem
-/// documents, request ids, the log line, metrics. Knows no HTTP library; thread-safe once the
-/// routes are added.
+/// Handles everything around a handler: routing, authentication, cross-site requests, problem
+/// documents, request IDs, the log line and metrics. Independent of the HTTP library. Thread-safe
+/// once all routes are added.
 class Front {
  public:
   struct Options {
-    std::string public_url;    ///< the page's origin
-    std::string sample_token;  ///< empty: nobody is the sample's operator
+    std::string public_url;    ///< origin of the page
+    std::string sample_token;  ///< if empty, nobody is the operator of the sample
     std::function<void(const Measured&)> measure = [](const Measured&) {};
   };
 
-  /// A request whose head was let in; its body may be read, up to the limit.
+  /// A request with an accepted head. Its body may be read, up to the limit.
   struct Admitted {
     const Route* route = nullptr;
     Request request;
-    bool asks_for_body = false;  ///< the edge's question (kBodyGate), not the request itself
+    bool asks_for_body = false;  ///< a query of the edge (kBodyGate), not the request itself
   };
-  /// Or the answer at once.
+  /// The immediate response, if any.
   using Admission = std::variant<Admitted, Response>;
 
   Front(Accounts& accounts, Options options);
 
   void add(std::vector<Route> routes);
 
-  /// From the head alone: 400, 404, 405, and a body that is announced as too large.
+  /// Checks the head: 400, 404, 405 and bodies that are announced as too large.
   Admission admit(Head head) const;
-  /// Runs the handler; may block. Every outcome is a response, also a defect.
+  /// Runs the handler and may block. Every outcome, even a bug, becomes a response.
   Response serve(Admitted& admitted) const;
-  /// The answer when something other than a handler refuses (no room, a broken body).
+  /// Returns the response if something other than a handler refuses (overload, a broken body).
   Response refusal(const Problem& problem, const Request& request) const;
 
-  /// `diaphane=...` and its attributes, under https `__Host-diaphane=...`, which no other host and
-  /// no plain connection can set; an empty token removes it.
+  /// Returns `diaphane=...` with its attributes. Over HTTPS, the name is `__Host-diaphane`, which
+  /// no other host and no plain connection can set. An empty token deletes the cookie.
   std::string cookie(const std::string& token) const;
   std::string token_of(const Head& head) const;
-  /// `diaphane_browser=...`: by it a browser that has signed in is known again (docs/adr/0007). It
-  /// is sent beside the other and outlives it.
+  /// Returns `diaphane_browser=...`, which identifies a browser that has signed in before
+  /// (docs/adr/0007). It is sent with the other cookie and outlives it.
   std::string browser_cookie(const std::string& known_browser) const;
   std::string known_browser_of(const Head& head) const;
 
@@ -116,7 +116,7 @@ class Front {
   std::vector<Route> routes_;
 };
 
-/// The Idempotency-Key of a request, with what makes a secret the same again: the cookie.
+/// The Idempotency-Key of a request, with the cookie from which secrets are derived again.
 Outcome<Once> once_of(const Request& request, const Front& front);
 
 }  // namespace diaphane::api

@@ -59,7 +59,7 @@ class FrontTest : public testing::Test {
     admitted.request.body = std::move(body);
     return front.serve(admitted);
   }
-  /// What the edge asks before it reads the body of such a request.
+  /// Sends the query that the edge sends before it reads the body of such a request.
   Response ask_for_body(const Head& head, const std::string& length) {
     Head question{"GET", std::string(kBodyGate), head.headers};
     question.headers["x-original-method"] = head.method;

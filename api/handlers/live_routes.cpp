@@ -1,6 +1,7 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 
@@ -8,14 +9,14 @@ std::vector<Route> live_routes(LiveLinks& links, const Front& front) {
   const auto make = [&links, &front](const Request& request,
                                      const Principal& who) -> Outcome<Response> {
     const auto once = once_of(request, front);
-    if (!once) return tl::unexpected(once.error());
+    DIAPHANE_TRY(once);
     const auto token = links.make(who, request.parameter("session_id"), *once);
-    if (!token) return tl::unexpected(token.error());
+    DIAPHANE_TRY(token);
     return json_response(201, {{"token", *token}, {"path", "/join#" + *token}});
   };
   const auto end = [&links](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto done = links.end(who, request.parameter("session_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto join = [&links](const Request& request, const Principal&) -> Outcome<Response> {
@@ -25,7 +26,7 @@ std::vector<Route> live_routes(LiveLinks& links, const Front& front) {
     const std::string name = in.text_or("name", "", 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto joined = links.join(token, key, name, request.address);
-    if (!joined) return tl::unexpected(joined.error());
+    DIAPHANE_TRY(joined);
     return json_response(
         201, {{"participant", joined->participant}, {"stream_url", joined->stream_url}});
   };

@@ -6,16 +6,16 @@
 #include <utility>
 #include <vector>
 
-/// HTTP as the handlers see it: plain values, no library's types.
+/// HTTP messages for the handlers, as plain values without types of a library.
 namespace diaphane::api {
 
-/// What is known before the body: names of headers in lower case, repeated ones joined by ", ".
+/// The head of a request. Header names are in lower case; repeated headers are joined with ", ".
 struct Head {
   std::string method;
-  std::string target;  ///< path and query as they came, undecoded
+  std::string target;  ///< raw path and query, not decoded
   std::map<std::string, std::string> headers;
 
-  /// Empty when absent.
+  /// Returns an empty string if the header is absent.
   std::string_view header(std::string_view lower_case_name) const {
     const auto found = headers.find(std::string(lower_case_name));
     return found == headers.end() ? std::string_view() : std::string_view(found->second);
@@ -23,11 +23,11 @@ struct Head {
 };
 
 struct Request : Head {
-  std::map<std::string, std::string> parameters;  ///< of the path: "{data_set_id}"
+  std::map<std::string, std::string> parameters;  ///< path parameters, such as "{data_set_id}"
   std::map<std::string, std::string> query;       ///< decoded
   std::string body;
   std::string request_id;
-  std::string address;  ///< of the client, as the edge says
+  std::string address;  ///< address of the client, as reported by the edge
 
   const std::string& parameter(const std::string& name) const { return parameters.at(name); }
 };
@@ -35,7 +35,7 @@ struct Request : Head {
 struct Response {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string content_type;  ///< empty: no body
+  std::string content_type;  ///< empty means no body
   std::string body;
 
   Response& with(std::string name, std::string value) &;

@@ -4,6 +4,7 @@
 
 #include "api/handlers/representations.h"
 #include "common/names.h"
+#include "common/try.h"
 #include "scene/scene.h"
 #include "scene/scene_xml.h"
 
@@ -12,20 +13,18 @@ namespace {
 
 /// The stream carries a scene in one message of at most 64 KB.
 constexpr std::size_t kMostSceneBytes = 60'000;
-/// As presets.scene holds (migrations/0006): the JSON has more bytes than the message.
+/// The limit of presets.scene (migrations/0006). The JSON is larger than the message.
 constexpr std::size_t kMostKeptSceneBytes = 524'288;
 constexpr std::size_t kLongestName = 60;
 
 Result<std::string> checked(const diaphane::v1::Scene& scene) {
-  if (auto fine = scene::check_scene(scene, scene::no_pictures); !fine) {
-    return tl::unexpected(fine.error());
-  }
+  DIAPHANE_TRY(scene::check_scene(scene, scene::no_pictures));
   if (scene.ByteSizeLong() > kMostSceneBytes) {
-    return fail(ErrorCode::kInvalid, "is too large: 60 KB at most", "");
+    return fail(ErrorCode::kInvalid, "is too large (60 KB at most)", "");
   }
   std::string kept = scene::scene_to_json(scene);
   if (kept.size() > kMostKeptSceneBytes) {
-    return fail(ErrorCode::kInvalid, "is too large: 512 KB at most as it is kept", "");
+    return fail(ErrorCode::kInvalid, "is too large (512 KB at most when stored)", "");
   }
   return kept;
 }
@@ -49,7 +48,7 @@ bool is_name(std::string_view text) {
 
 Outcome<void> check_size(const Request& request) {
   if (request.body.size() <= kMostPresetBytes) return {};
-  return refuse(ProblemKind::kBodyTooLarge, "A preset has at most 256 KB.");
+  return refuse(ProblemKind::kBodyTooLarge, "A preset may be at most 256 KB.");
 }
 
 std::string read_scene(Fields& in) {
@@ -66,7 +65,7 @@ std::string read_scene(Fields& in) {
   auto kept = scene ? checked(*scene) : Result<std::string>(tl::unexpected(scene.error()));
   if (kept) return *std::move(kept);
   const std::string& field = kept.error().field;
-  // The path of an unknown field is the client's text: said back only as far as it can be a name.
+  // The path of an unknown field is client input, so it is returned only if it can be a name.
   const bool plain = field.size() <= 200 && field.find_first_of("\n\r\t<>\"") == std::string::npos;
   in.wrong(field.empty() || !plain ? "scene" : "scene." + field,
            kept.error().message.substr(0, 300));
@@ -77,7 +76,7 @@ void read_format_version(Fields& in) {
   if (!in.has("version")) return;
   const auto version = in.integer("version", 1, INT32_MAX);
   if (version > kPresetVersion) {
-    in.wrong("version", "is a later one than this server reads (1)");
+    in.wrong("version", "is newer than this server supports (1)");
   }
 }
 
@@ -95,7 +94,7 @@ Outcome<Preset> read_preset_xml(const Request& request) {
   if (!is_name(read->name)) return refuse_field("name", "must have 1 to 60 characters");
   Preset preset;
   preset.name = clean_name(read->name, kLongestName);
-  if (preset.name.empty()) return refuse_field("name", "must have characters that are seen");
+  if (preset.name.empty()) return refuse_field("name", "must contain visible characters");
   preset.scene = *std::move(kept);
   if (read->has_unknown) preset.kept_xml = request.body;
   return preset;
@@ -105,7 +104,7 @@ Outcome<int> version_in_if_match(const Request& request) {
   const std::string_view given = request.header("if-match");
   if (given.empty()) {
     return refuse(ProblemKind::kPreconditionRequired,
-                  "Say by If-Match which version this is about: the ETag that came with it.");
+                  "Send the preset's ETag in the If-Match header.");
   }
   int version = 0;
   if (given.size() > 2 && given.front() == '"' && given.back() == '"') {
@@ -114,7 +113,8 @@ Outcome<int> version_in_if_match(const Request& request) {
     if (error != std::errc() || last != end || version < 1) version = 0;
   }
   if (version == 0) {
-    return refuse(ProblemKind::kPrecondition, "This is no ETag that was given out here.");
+    return refuse(ProblemKind::kPrecondition,
+                  "The If-Match header is not a valid ETag of this preset.");
   }
   return version;
 }
@@ -154,7 +154,7 @@ std::string scene_bytes(const std::string& scene) {
 }
 
 std::string to_xml(const Preset& preset) {
-  // It was checked when it came; what is kept of an older version may lack what is new.
+  // The scene was validated when it was saved. A scene of an older version may lack new fields.
   const auto scene = scene::scene_from_json(preset.scene);
   return scene::preset_to_xml(preset.name, scene ? *scene : diaphane::v1::Scene{}, preset.kept_xml);
 }

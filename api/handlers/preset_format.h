@@ -4,35 +4,35 @@
 #include "api/handlers/request_fields.h"
 #include "api/service/presets.h"
 
-/// A preset as it comes and goes (docs/presets.md): JSON, and XML to be exchanged.
+/// Serialisation of presets (docs/presets.md): JSON, and XML for exchange.
 namespace diaphane::api {
 
 inline constexpr int kPresetVersion = 1;
-inline constexpr std::size_t kMostPresetBytes = 256 * 1024;  ///< of a request
+inline constexpr std::size_t kMostPresetBytes = 256 * 1024;  ///< maximum size of a request
 
-/// kBodyTooLarge. Looked at when the body is here: a listener that refuses a body half way resets
-/// the connection, and the edge may lose the answer.
+/// Returns kBodyTooLarge. Checked after the body was received, because a listener that refuses a
+/// body halfway resets the connection, and the edge may lose the response.
 Outcome<void> check_size(const Request& request);
 
-/// Reads `scene` strictly and checks it as the stream does; what is wrong is noted by its path
-/// ("scene.camera.eye.x"). Gives the JSON that is kept.
+/// Parses `scene` strictly and validates it like the stream does. Reports errors with their path
+/// ("scene.camera.eye.x"). Returns the JSON to store.
 std::string read_scene(Fields& in);
-/// `version` of the format, if it is there: a later one is refused.
+/// Checks the format `version`, if present. A newer one is refused.
 void read_format_version(Fields& in);
-/// Name, scene and, when the document holds more, the document. kInvalid, kMediaType.
+/// Returns name, scene and, if it contains more, the document. Returns kInvalid or kMediaType.
 Outcome<Preset> read_preset_xml(const Request& request);
 
-/// The version that a change is based on. kPreconditionRequired without If-Match, kPrecondition for
-/// what no version can match.
+/// Returns the version that a change is based on. Returns kPreconditionRequired without If-Match
+/// and kPrecondition for a value that cannot match any version.
 Outcome<int> version_in_if_match(const Request& request);
 std::string etag_of(const Preset& preset);
 
-/// Without the scene: lists.
+/// Omits the scene, for lists.
 nlohmann::ordered_json to_json(const Preset& preset);
 nlohmann::ordered_json with_scene(const Preset& preset);
 std::string to_xml(const Preset& preset);
 
-/// The serialised message of a scene that is kept; empty when it cannot be read.
+/// Serialises a stored scene, or returns an empty string if it cannot be parsed.
 std::string scene_bytes(const std::string& scene);
 
 }  // namespace diaphane::api

@@ -2,6 +2,7 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -14,10 +15,10 @@ Response made(const Preset& preset) {
   return whole(201, preset).with("Location", "/v1/presets/" + preset.id);
 }
 
-Outcome<Response> create(Presets& presets, const Request& request, const Principal& who) {
+Outcome<Response> create_preset(Presets& presets, const Request& request, const Principal& who) {
   const auto key = idempotency_key(request);
-  if (!key) return tl::unexpected(key.error());
-  if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
+  DIAPHANE_TRY(key);
+  DIAPHANE_TRY(check_size(request));
   Fields in(request);
   Preset preset;
   preset.name = in.name("name", 1, 60);
@@ -25,12 +26,12 @@ Outcome<Response> create(Presets& presets, const Request& request, const Princip
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto saved = presets.add(who, request.parameter("data_set_id"), std::move(preset), *key);
-  if (!saved) return tl::unexpected(saved.error());
+  DIAPHANE_TRY(saved);
   return made(*saved);
 }
 
 Outcome<Response> change(Presets& presets, const Request& request, const Principal& who) {
-  if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
+  DIAPHANE_TRY(check_size(request));
   Fields in(request);
   PresetChange what;
   if (in.has("name")) what.name = in.name("name", 1, 60);
@@ -38,25 +39,25 @@ Outcome<Response> change(Presets& presets, const Request& request, const Princip
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const std::string& id = request.parameter("preset_id");
-  // What one may not even see is not found, whatever else is wrong.
-  if (auto seen = presets.find(who, id); !seen) return tl::unexpected(seen.error());
+  // A preset that the user must not see returns 404, whatever else is wrong.
+  DIAPHANE_TRY(presets.find(who, id));
   const auto version = version_in_if_match(request);
-  if (!version) return tl::unexpected(version.error());
+  DIAPHANE_TRY(version);
   const auto changed = presets.change(who, id, *version, what);
-  if (!changed) return tl::unexpected(changed.error());
+  DIAPHANE_TRY(changed);
   return whole(200, *changed);
 }
 
 std::vector<Route> routes_of_one(Presets& presets) {
   const auto get = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = presets.find(who, request.parameter("preset_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return whole(200, *found);
   };
   const auto get_xml = [&presets](const Request& request,
                                   const Principal& who) -> Outcome<Response> {
     const auto found = presets.find(who, request.parameter("preset_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     Response response;
     response.content_type = "application/xml";
     response.body = to_xml(*found);
@@ -70,11 +71,11 @@ std::vector<Route> routes_of_one(Presets& presets) {
   const auto remove = [&presets](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const std::string& id = request.parameter("preset_id");
-    if (auto seen = presets.find(who, id); !seen) return tl::unexpected(seen.error());
+    DIAPHANE_TRY(presets.find(who, id));
     const auto version = version_in_if_match(request);
-    if (!version) return tl::unexpected(version.error());
+    DIAPHANE_TRY(version);
     const auto done = presets.remove(who, id, *version);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto vote = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
@@ -82,7 +83,7 @@ std::vector<Route> routes_of_one(Presets& presets) {
     const auto value = static_cast<int>(in.integer("value", -1, 1));
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto now = presets.vote(who, request.parameter("preset_id"), value);
-    if (!now) return tl::unexpected(now.error());
+    DIAPHANE_TRY(now);
     return json_response(200, {{"votes", now->votes}, {"my_vote", now->my_vote}});
   };
   const std::string one = "/v1/presets/{preset_id}";
@@ -100,24 +101,24 @@ std::vector<Route> routes_of_one(Presets& presets) {
 std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
   const auto list = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = presets.list(who, request.parameter("data_set_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     nlohmann::ordered_json body;
     body["items"] = nlohmann::ordered_json::array();
     for (const Preset& preset : *found) body["items"].push_back(to_json(preset));
     return json_response(200, body);
   };
   const auto add = [&presets](const Request& request, const Principal& who) {
-    return create(presets, request, who);
+    return create_preset(presets, request, who);
   };
   const auto import = [&presets](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto key = idempotency_key(request);
-    if (!key) return tl::unexpected(key.error());
-    if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
+    DIAPHANE_TRY(key);
+    DIAPHANE_TRY(check_size(request));
     auto preset = read_preset_xml(request);
-    if (!preset) return tl::unexpected(preset.error());
+    DIAPHANE_TRY(preset);
     const auto saved = presets.add(who, request.parameter("data_set_id"), *std::move(preset), *key);
-    if (!saved) return tl::unexpected(saved.error());
+    DIAPHANE_TRY(saved);
     return made(*saved);
   };
   const auto set_default = [&presets](const Request& request,
@@ -126,14 +127,14 @@ std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
     const std::string id = in.is_null("preset_id") ? "" : in.text("preset_id", 1, 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = presets.set_default(who, request.parameter("data_set_id"), id);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto thumbnail = [&pictures](const Request& request,
                                      const Principal& who) -> Outcome<Response> {
     const auto path =
         pictures.get(who, request.parameter("data_set_id"), request.parameter("preset_id"));
-    if (!path) return tl::unexpected(path.error());
+    DIAPHANE_TRY(path);
     return cached_picture(*path);
   };
   const std::string of_data_set = "/v1/data-sets/{data_set_id}";

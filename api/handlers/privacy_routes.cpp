@@ -1,6 +1,7 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -32,22 +33,22 @@ nlohmann::ordered_json to_json(const Export& one) {
 std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, const Front& front) {
   const auto request_one = [&exports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto made = exports.request(who);
-    if (!made) return tl::unexpected(made.error());
+    DIAPHANE_TRY(made);
     return json_response(202, to_json(*made));
   };
   const auto get = [&exports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto found = exports.find(who);
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return json_response(200, to_json(*found));
   };
   const auto remove = [&exports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto done = exports.remove(who);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto download = [&exports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto name = exports.file(who);
-    if (!name) return tl::unexpected(name.error());
+    DIAPHANE_TRY(name);
     // nginx sends the file.
     Response response;
     response.content_type = "application/zip";
@@ -62,7 +63,7 @@ std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, c
     const std::string password = in.secret("password", 800);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = deletion.remove(who, password);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", front.cookie(""));
   };
   constexpr auto kPerson = Access::kPerson;

@@ -7,87 +7,87 @@ namespace diaphane::api {
 ProblemForm form_of(ProblemKind kind) {
   switch (kind) {
     case ProblemKind::kBadRequest:
-      return {"bad-request", 400, "The request cannot be read"};
+      return {"bad-request", 400, "Malformed request"};
     case ProblemKind::kInvalid:
-      return {"invalid", 422, "The request is wrong"};
+      return {"invalid", 422, "Invalid request"};
     case ProblemKind::kUnauthenticated:
       return {"unauthenticated", 401, "Not signed in"};
     case ProblemKind::kWrongCredentials:
-      return {"wrong-credentials", 401, "Wrong address or password"};
+      return {"wrong-credentials", 401, "Incorrect email address or password"};
     case ProblemKind::kCodeNeeded:
-      return {"code-needed", 401, "A code is needed, too"};
+      return {"code-needed", 401, "Authentication code required"};
     case ProblemKind::kWrongCode:
-      return {"wrong-code", 401, "Wrong code"};
+      return {"wrong-code", 401, "Incorrect code"};
     case ProblemKind::kDisabled:
-      return {"disabled", 403, "Account switched off"};
+      return {"disabled", 403, "Account disabled"};
     case ProblemKind::kCsrf:
-      return {"csrf", 403, "Token missing or wrong"};
+      return {"csrf", 403, "CSRF token missing or incorrect"};
     case ProblemKind::kOrigin:
-      return {"origin", 403, "From another page"};
+      return {"origin", 403, "Origin not allowed"};
     case ProblemKind::kForbidden:
       return {"forbidden", 403, "Not allowed"};
     case ProblemKind::kSecondFactorRequired:
-      return {"second-factor-required", 403, "A second factor is needed first"};
+      return {"second-factor-required", 403, "Two-factor authentication required"};
     case ProblemKind::kNotFound:
       return {"not-found", 404, "Not found"};
     case ProblemKind::kMethodNotAllowed:
       return {"method-not-allowed", 405, "Method not allowed"};
     case ProblemKind::kConflict:
-      return {"conflict", 409, "Another change came first"};
+      return {"conflict", 409, "Conflict"};
     case ProblemKind::kNotReady:
       return {"not-ready", 409, "Not ready"};
     case ProblemKind::kNotAnonymised:
-      return {"not-anonymised", 409, "Not made anonymous yet"};
+      return {"not-anonymised", 409, "Not anonymised yet"};
     case ProblemKind::kPrecondition:
-      return {"precondition", 412, "It was changed meanwhile"};
+      return {"precondition", 412, "Changed in the meantime"};
     case ProblemKind::kPreconditionRequired:
-      return {"precondition-required", 428, "If-Match is needed"};
+      return {"precondition-required", 428, "If-Match required"};
     case ProblemKind::kOffsetMismatch:
-      return {"offset-mismatch", 409, "The upload stands elsewhere"};
+      return {"offset-mismatch", 409, "Wrong upload offset"};
     case ProblemKind::kUploadComplete:
-      return {"upload-complete", 409, "The upload is complete"};
+      return {"upload-complete", 409, "Upload already complete"};
     case ProblemKind::kUploadExpired:
-      return {"upload-expired", 410, "The upload has expired"};
+      return {"upload-expired", 410, "Upload expired"};
     case ProblemKind::kLinkExpired:
-      return {"link-expired", 410, "The link has expired"};
+      return {"link-expired", 410, "Link expired"};
     case ProblemKind::kLocked:
       return {"locked", 423, "In use"};
     case ProblemKind::kChecksumMismatch:
-      return {"checksum-mismatch", 460, "The checksum does not fit"};
+      return {"checksum-mismatch", 460, "Checksum mismatch"};
     case ProblemKind::kTusVersion:
-      return {"tus-version", 412, "Another version of tus"};
+      return {"tus-version", 412, "Unsupported tus version"};
     case ProblemKind::kOverQuota:
-      return {"over-quota", 413, "Over the quota"};
+      return {"over-quota", 413, "Storage quota exceeded"};
     case ProblemKind::kTooManyDataSets:
       return {"too-many-data-sets", 409, "Too many scans"};
     case ProblemKind::kRenderTimeSpent:
-      return {"render-time-spent", 403, "No picture time left"};
+      return {"render-time-spent", 403, "No rendering time left"};
     case ProblemKind::kUploadTooLarge:
-      return {"upload-too-large", 413, "The upload is too large"};
+      return {"upload-too-large", 413, "Upload too large"};
     case ProblemKind::kBodyTooLarge:
-      return {"body-too-large", 413, "The body is too large"};
+      return {"body-too-large", 413, "Request body too large"};
     case ProblemKind::kStorageFull:
-      return {"storage-full", 507, "The server's disk is full"};
+      return {"storage-full", 507, "Server storage full"};
     case ProblemKind::kMediaType:
-      return {"media-type", 415, "Another media type is needed"};
+      return {"media-type", 415, "Unsupported media type"};
     case ProblemKind::kIdempotencyKeyReused:
-      return {"idempotency-key-reused", 422, "The key was used for something else"};
+      return {"idempotency-key-reused", 422, "Idempotency-Key already used"};
     case ProblemKind::kTooMany:
       return {"too-many", 429, "Too many"};
     case ProblemKind::kTooManyAttempts:
       return {"too-many-attempts", 429, "Too many attempts"};
     case ProblemKind::kNoWorker:
-      return {"no-worker", 503, "No render worker is free"};
+      return {"no-worker", 503, "No render worker available"};
     case ProblemKind::kBusy:
       return {"busy", 503, "Busy"};
     case ProblemKind::kUnavailable:
-      return {"unavailable", 503, "A part is away"};
+      return {"unavailable", 503, "Service unavailable"};
     case ProblemKind::kOutcomeUnknown:
       return {"outcome-unknown", 503, "The change may or may not have been saved"};
     case ProblemKind::kInternal:
       break;
   }
-  return {"internal", 500, "A fault of ours"};
+  return {"internal", 500, "Internal error"};
 }
 
 Response problem_response(const Problem& problem, const std::string& request_id) {

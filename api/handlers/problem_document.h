@@ -8,15 +8,15 @@
 
 namespace diaphane::api {
 
-/// How a kind of problem looks on the wire: the one table from kinds to HTTP statuses.
+/// The wire form of a problem kind. This is the only table from kinds to HTTP statuses.
 struct ProblemForm {
-  std::string_view slug;  ///< after "urn:diaphane:problem:"
+  std::string_view slug;  ///< the part after "urn:diaphane:problem:"
   int status;
   std::string_view title;
 };
 ProblemForm form_of(ProblemKind kind);
 
-/// The RFC 9457 document, with Retry-After when the problem says when.
+/// Returns the RFC 9457 document, with Retry-After if the problem has one.
 Response problem_response(const Problem& problem, const std::string& request_id);
 
 }  // namespace diaphane::api

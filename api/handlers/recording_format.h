@@ -5,14 +5,14 @@
 
 namespace diaphane::api {
 
-/// Of a request: one for each 8 bytes of the largest body (1 MB); 21 MB as a tree at most. What a
-/// page records has fewer: it ends a recording at 500 KB, and a camera has 16 values in 200 bytes
-/// or more.
+/// Maximum values of a request: one per 8 bytes of the largest body (1 MB), which take at most 21
+/// MB as a tree. Recordings of the page have fewer. It ends a recording at 500 KB, and a camera has
+/// 16 values in at least 200 bytes.
 inline constexpr std::size_t kMostRecordingValues = 131'072;
 
-/// Reads a recording in the form of docs/contracts.md ("Recorded interaction") from a request and
-/// notes what is wrong with it. What is kept of it says nothing of anybody: names of materials and
-/// lights are text that a person may have typed, and textures are pictures; both are left out.
+/// Reads a recording (docs/contracts.md, "Recorded interaction") from a request and reports errors.
+/// The stored form contains no personal data: names of materials and lights may be user input, and
+/// textures are images, so both are removed.
 Recording read_recording(Fields& in);
 
 }  // namespace diaphane::api

@@ -46,7 +46,7 @@ TEST(RecordingFormat, WhatIsKeptHasEveryLookAndNothingThatAPersonTyped) {
   for (const char* typed : {"Mrs", "typed", "AAAA", "name"}) {
     EXPECT_EQ(kept.recording.body.find(typed), std::string::npos) << typed;
   }
-  // What is kept can be given again.
+  // The stored form can be sent again.
   EXPECT_EQ(read(body).recording.body, kept.recording.body);
 }
 
@@ -77,7 +77,8 @@ TEST(RecordingFormat, WhatIsNoneIsRefusedByItsPart) {
 }
 
 TEST(RecordingFormat, ARecordingIsBoundedByWhatWillBeStored) {
-  // Three characters of the request are twelve of what is kept: "1e9" is written 1000000000.0.
+  // Three characters of the request become twelve in the stored form: "1e9" is written as
+  // 1000000000.0.
   const auto recorded = [](int numbers) {
     std::string list = "1e9";
     for (int i = 1; i < numbers; ++i) list += ",1e9";

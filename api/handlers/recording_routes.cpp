@@ -1,13 +1,14 @@
 #include "api/handlers/recording_format.h"
 #include "api/handlers/representations.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 
 std::vector<Route> recording_routes(Recordings& recordings) {
   const auto list = [&recordings](const Request&, const Principal& who) -> Outcome<Response> {
     const auto mine = recordings.list(who);
-    if (!mine) return tl::unexpected(mine.error());
+    DIAPHANE_TRY(mine);
     nlohmann::ordered_json body{{"consent", mine->consent},
                                 {"items", nlohmann::ordered_json::array()}};
     for (const Recording& one : mine->recordings) {
@@ -22,7 +23,7 @@ std::vector<Route> recording_routes(Recordings& recordings) {
   const auto consent = [&recordings](bool given) {
     return [&recordings, given](const Request&, const Principal& who) -> Outcome<Response> {
       const auto done = recordings.give_consent(who, given);
-      if (!done) return tl::unexpected(done.error());
+      DIAPHANE_TRY(done);
       return empty_response(204);
     };
   };
@@ -32,13 +33,13 @@ std::vector<Route> recording_routes(Recordings& recordings) {
     Recording recording = read_recording(in);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto id = recordings.add(who, std::move(recording));
-    if (!id) return tl::unexpected(id.error());
+    DIAPHANE_TRY(id);
     return json_response(201, {{"id", *id}}).with("Location", "/v1/recordings/" + *id);
   };
   const auto get = [&recordings](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto found = recordings.find(who, request.parameter("recording_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     Response response;
     response.status = 200;
     response.content_type = "application/json";
@@ -48,7 +49,7 @@ std::vector<Route> recording_routes(Recordings& recordings) {
   const auto remove = [&recordings](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     const auto done = recordings.remove(who, request.parameter("recording_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const std::string one = "/v1/recordings/{recording_id}";

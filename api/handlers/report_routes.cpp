@@ -3,11 +3,13 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 
 std::vector<Route> report_routes(Reports& reports) {
-  // About a data set or a preset; `note` is asked with what the path names.
+  // Reports the data set or preset that the path names, with the reason and the words of the
+  // request.
   using Note = std::function<Outcome<void>(const Request&, const Principal&, const std::string&,
                                            const std::string&)>;
   const auto reported = [](const Note& note) {
@@ -17,7 +19,7 @@ std::vector<Route> report_routes(Reports& reports) {
       const std::string words = in.prose_or("words", "", 1000);
       if (auto wrong = in.finish()) return tl::unexpected(*wrong);
       const auto done = note(request, who, reason, words);
-      if (!done) return tl::unexpected(done.error());
+      DIAPHANE_TRY(done);
       return empty_response(204);
     };
   };
@@ -32,7 +34,7 @@ std::vector<Route> report_routes(Reports& reports) {
       });
   const auto list = [&reports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto open = reports.open(who);
-    if (!open) return tl::unexpected(open.error());
+    DIAPHANE_TRY(open);
     nlohmann::ordered_json body;
     body["items"] = nlohmann::ordered_json::array();
     for (const Report& one : *open) {
@@ -53,7 +55,7 @@ std::vector<Route> report_routes(Reports& reports) {
   const auto dismiss = [&reports](const Request& request,
                                   const Principal& who) -> Outcome<Response> {
     const auto done = reports.close(who, request.parameter("report_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   using Judge =
@@ -64,7 +66,7 @@ std::vector<Route> report_routes(Reports& reports) {
       const std::string reason = in.text("reason", 1, 500);
       if (auto wrong = in.finish()) return tl::unexpected(*wrong);
       const auto done = judge(request, who, reason);
-      if (!done) return tl::unexpected(done.error());
+      DIAPHANE_TRY(done);
       return empty_response(204);
     };
   };
@@ -79,13 +81,13 @@ std::vector<Route> report_routes(Reports& reports) {
   const auto restore = [&reports](const Request& request,
                                   const Principal& who) -> Outcome<Response> {
     const auto done = reports.restore(who, request.parameter("data_set_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto restore_preset = [&reports](const Request& request,
                                          const Principal& who) -> Outcome<Response> {
     const auto done = reports.restore_preset(who, request.parameter("preset_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const std::string of_data_set = "/v1/data-sets/{data_set_id}";

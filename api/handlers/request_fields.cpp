@@ -23,6 +23,14 @@ bool has_control(const std::string& text) {
                      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
+std::string must_be_one_of(std::span<const std::string_view> known) {
+  std::string listed;
+  for (const std::string_view choice : known) {
+    if (!choice.empty()) listed += (listed.empty() ? "" : ", ") + std::string(choice);
+  }
+  return "must be one of: " + listed;
+}
+
 bool is_json(std::string_view content_type) {
   const std::string_view type = content_type.substr(0, content_type.find(';'));
   return type == "application/json" || type == "application/json ";
@@ -34,15 +42,14 @@ Problem problem_of(JsonFault fault, std::size_t most_values) {
   };
   switch (fault) {
     case JsonFault::kTooDeep:
-      return bad("The body is nested more than " + std::to_string(kDeepestJson) +
-                 " levels deep; nothing here needs that.");
+      return bad("The body is nested more than " + std::to_string(kDeepestJson) + " levels deep.");
     case JsonFault::kTooManyValues:
       return bad("The body has more than " + std::to_string(most_values) +
                  " JSON values; send fewer.");
     case JsonFault::kMalformed:
       break;
   }
-  return bad("The body is not JSON.");
+  return bad("The body is not valid JSON.");
 }
 
 }  // namespace
@@ -81,7 +88,7 @@ const nlohmann::json* Fields::take(const std::string& name, bool required) {
 std::string Fields::check_text(const std::string& name, const nlohmann::json& value,
                                std::size_t low, std::size_t high) {
   if (!value.is_string()) {
-    wrong(name, "must be a text");
+    wrong(name, "must be a string");
     return {};
   }
   const auto text = value.get<std::string>();
@@ -89,7 +96,7 @@ std::string Fields::check_text(const std::string& name, const nlohmann::json& va
   if (length < low || length > high) {
     wrong(name, "must have " + std::to_string(low) + " to " + std::to_string(high) + " characters");
   } else if (has_control(text)) {
-    wrong(name, "must not hold control characters");
+    wrong(name, "must not contain control characters");
   }
   return text;
 }
@@ -102,7 +109,7 @@ std::string Fields::text(const std::string& name, std::size_t low, std::size_t h
 std::string Fields::name(const std::string& name, std::size_t low, std::size_t high) {
   std::string typed = text(name, low, high);
   std::string clean = clean_name(typed, high);
-  if (clean.empty() && !typed.empty() && low > 0) wrong(name, "must have characters that are seen");
+  if (clean.empty() && !typed.empty() && low > 0) wrong(name, "must contain visible characters");
   return clean;
 }
 
@@ -121,7 +128,7 @@ std::string Fields::prose_or(const std::string& name, std::string fallback, std:
   const auto* value = take(name, false);
   if (!value) return fallback;
   if (!value->is_string()) {
-    wrong(name, "must be a text");
+    wrong(name, "must be a string");
     return fallback;
   }
   auto text = value->get<std::string>();
@@ -130,7 +137,7 @@ std::string Fields::prose_or(const std::string& name, std::string fallback, std:
   if (characters_in(text) > high) {
     wrong(name, "must have at most " + std::to_string(high) + " characters");
   } else if (has_control(shown)) {
-    wrong(name, "must not hold control characters");
+    wrong(name, "must not contain control characters");
   }
   return text;
 }
@@ -144,7 +151,7 @@ std::string Fields::choice(const std::string& name, std::span<const std::string_
   if (!value) return {};
   auto text = value->is_string() ? value->get<std::string>() : std::string();
   if (std::find(known.begin(), known.end(), text) == known.end()) {
-    wrong(name, "is none of those that are known here");
+    wrong(name, must_be_one_of(known));
   }
   return text;
 }
@@ -159,11 +166,11 @@ std::string Fields::secret(const std::string& name, std::size_t high_bytes) {
   const auto* value = take(name, true);
   if (!value) return {};
   if (!value->is_string()) {
-    wrong(name, "must be a text");
+    wrong(name, "must be a string");
     return {};
   }
   auto text = value->get<std::string>();
-  if (text.empty() || text.size() > high_bytes) wrong(name, "is empty or too long");
+  if (text.empty() || text.size() > high_bytes) wrong(name, "must not be empty or too long");
   return text;
 }
 
@@ -214,13 +221,13 @@ std::optional<Problem> Fields::finish() {
   if (unreadable_) return unreadable_;
   for (const auto& [name, value] : object_.items()) {
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    // The name is the client's text: said back only as far as it can be a name.
+    // The name is client input, so it is returned only if it can be a name.
     const bool plain = name.size() <= 40 && !has_control(name);
-    wrong(plain ? name : "(a field)", "is not known here");
+    wrong(plain ? name : "(a field)", "is unknown");
     if (mistakes_.size() > 20) break;
   }
   if (mistakes_.empty()) return std::nullopt;
-  return Problem{ProblemKind::kInvalid, "A part of the request is wrong.", mistakes_, {}};
+  return Problem{ProblemKind::kInvalid, "The request contains invalid values.", mistakes_, {}};
 }
 
 Outcome<int> integer_in_query(const Request& request, const std::string& name, int fallback,
@@ -261,7 +268,7 @@ Outcome<std::string> choice_in_query(const Request& request, const std::string& 
   const auto found = request.query.find(name);
   if (found == request.query.end()) return std::string();
   if (std::find(known.begin(), known.end(), found->second) == known.end()) {
-    return refuse_field(name, "is none of those that are known here");
+    return refuse_field(name, must_be_one_of(known));
   }
   return found->second;
 }
@@ -277,12 +284,12 @@ std::optional<std::chrono::system_clock::time_point> time_of(const std::string& 
   utc.tm_hour = std::stoi(found[4]);
   utc.tm_min = std::stoi(found[5]);
   utc.tm_sec = std::stoi(found[6]);
-  // A clock that counts nanoseconds in 64 bits ends in 2262.
+  // A 64-bit clock with nanoseconds ends in 2262.
   constexpr int kFirstYear = 1970, kLastYear = 2200;
   if (utc.tm_year < kFirstYear - 1900 || utc.tm_year > kLastYear - 1900) return std::nullopt;
   const std::tm given = utc;
   const std::time_t seconds =
-      timegm(&utc);  // which sets it right: the 31st of February is another day
+      timegm(&utc);  // normalises an invalid date, such as the 31st of February
   if (utc.tm_mday != given.tm_mday || utc.tm_mon != given.tm_mon || given.tm_sec > 59 ||
       utc.tm_hour != given.tm_hour || utc.tm_min != given.tm_min) {
     return std::nullopt;
@@ -294,7 +301,7 @@ Outcome<std::string> idempotency_key(const Request& request) {
   const std::string_view key = request.header("idempotency-key");
   const bool plain = key.size() <= 128 && std::all_of(key.begin(), key.end(),
                                                       [](char c) { return c > 0x20 && c < 0x7f; });
-  if (!plain) return refuse_field("Idempotency-Key", "must be up to 128 visible ASCII characters");
+  if (!plain) return refuse_field("Idempotency-Key", "must be 1 to 128 visible ASCII characters");
   return std::string(key);
 }
 

@@ -16,39 +16,44 @@
 
 namespace diaphane::api {
 
-/// Reads the JSON object of a request strictly, field by field, and collects everything that is
-/// wrong with it:
+/// Limits of a password in a request, and of a code from an authenticator or an email.
+inline constexpr std::size_t kPasswordBytes = 800;
+inline constexpr std::size_t kCodeCharacters = 40;
+
+/// Reads the JSON object of a request strictly, field by field, and collects all errors:
 ///
 ///   Fields in(request);
 ///   const std::string email = in.text("email", 3, 254);
 ///   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
 class Fields {
  public:
-  /// Of an ordinary body: one for each 8 bytes of the largest, a preset of 256 KB. A value takes up
-  /// to 160 bytes, so that a body costs 5 MB at most; 1 MB of "[]" without a limit takes 31 MB.
+  /// Maximum values of an ordinary body: one per 8 bytes of the largest body, a preset of 256 KB. A
+  /// value takes up to 160 bytes, so a body takes at most 5 MB. Without a limit, 1 MB of "[]" would
+  /// take 31 MB.
   static constexpr std::size_t kMostValues = 32'768;
 
-  /// Also unreadable: a body that is nested more than kDeepestJson deep or has too many values.
+  /// Also rejects a body that is nested more than kDeepestJson levels deep or has too many values.
   explicit Fields(const Request& request, std::size_t most_values = kMostValues);
-  /// Of texts that came elsewhere, in the header `where`: any bytes, so their coding is checked.
+  /// Reads texts from the header `where`. Their encoding is checked, because they may contain any
+  /// bytes.
   Fields(const std::string& where, const std::map<std::string, std::string>& texts);
 
-  /// Required. `low` to `high` characters of UTF-8; no control character (a line feed in a title is
-  /// a mistake, a NUL an attack).
+  /// Required. `low` to `high` characters of UTF-8 without control characters (a line feed in a
+  /// title is a mistake, a NUL is an attack).
   std::string text(const std::string& name, std::size_t low, std::size_t high);
   std::string text_or(const std::string& name, std::string fallback, std::size_t high);
-  /// What others read as the name of a person or a thing: as `text`, and without what cannot be
-  /// seen (common/names.h).
+  /// A name that is shown to other users: like `text`, but also without invisible characters
+  /// (common/names.h).
   std::string name(const std::string& name, std::size_t low, std::size_t high);
-  /// With line feeds: a description.
+  /// Allows line feeds, for descriptions.
   std::string prose_or(const std::string& name, std::string fallback, std::size_t high);
-  /// Is it there? And is it there and null (then it counts as read)?
+  /// Whether the field is present, and whether it is present and null (then it counts as read).
   bool has(const std::string& name) const { return object_.contains(name); }
   bool is_null(const std::string& name);
-  /// One of `known`.
+  /// Required; must be one of `known`.
   std::string choice(const std::string& name, std::span<const std::string_view> known);
   bool boolean(const std::string& name);
-  /// As it is, control characters too: passwords.
+  /// Returns the text unmodified, even with control characters. For passwords.
   std::string secret(const std::string& name, std::size_t high_bytes);
   std::int64_t integer(const std::string& name, std::int64_t low, std::int64_t high);
   std::int64_t integer_or(const std::string& name, std::int64_t fallback, std::int64_t low,
@@ -58,14 +63,14 @@ class Fields {
                                                std::int64_t high);
   std::optional<bool> optional_boolean(const std::string& name);
 
-  /// Required; null when it is missing. For what has a form of its own, checked by the caller.
-  /// Valid as long as these fields are.
+  /// Required; null if it is missing. For values with their own format, which the caller checks.
+  /// Valid as long as this object.
   const nlohmann::json& any(const std::string& name);
-  /// A mistake that the caller found.
+  /// Reports an error that the caller found.
   void wrong(std::string field, std::string message);
 
-  /// kMediaType, kBadRequest (no JSON), or kInvalid with each mistake, unknown fields among them;
-  /// or nothing.
+  /// Returns kMediaType, kBadRequest (not JSON) or kInvalid with all errors, including unknown
+  /// fields, or nothing if the request is valid.
   std::optional<Problem> finish();
 
  private:
@@ -81,24 +86,25 @@ class Fields {
   std::optional<Problem> unreadable_;
 };
 
-/// A number from the query, or `fallback`; kInvalid names the parameter.
+/// Returns a number from the query, or `fallback`. kInvalid names the parameter.
 Outcome<int> integer_in_query(const Request& request, const std::string& name, int fallback,
                               int low, int high);
 
-/// A text of the query, or empty; kInvalid names the parameter.
+/// Returns a text from the query, or an empty string. kInvalid names the parameter.
 Outcome<std::string> text_in_query(const Request& request, const std::string& name,
                                    std::size_t high);
-/// One of `known`, or empty.
+/// Returns one of `known`, or an empty string.
 Outcome<std::string> choice_in_query(const Request& request, const std::string& name,
                                      std::span<const std::string_view> known);
 
-/// Where a page begins: what the page before gave as `next_cursor`, or nothing for the first.
+/// Returns the start of a page: the previous page's `next_cursor`, or nothing for the first page.
 Outcome<std::optional<Cursor>> cursor_in_query(const Request& request);
 
-/// A time of RFC 3339 in UTC ("2026-11-22T10:00:00Z", fractions of seconds are cut), or nothing.
+/// Parses an RFC 3339 time in UTC ("2026-11-22T10:00:00Z", truncated to seconds), or returns
+/// nothing.
 std::optional<std::chrono::system_clock::time_point> time_of(const std::string& text);
 
-/// The header, or empty when absent; kInvalid for what no key may be.
+/// Returns the header, or an empty string if it is absent. Returns kInvalid for a malformed key.
 Outcome<std::string> idempotency_key(const Request& request);
 
 }  // namespace diaphane::api

@@ -22,8 +22,8 @@
 #include "api/service/thumbnails.h"
 #include "api/service/uploads.h"
 
-/// The operations of api/openapi.yaml, a family a function. What is given by reference must outlive
-/// the routes.
+/// Adds the operations of api/openapi.yaml, one function per group. Arguments passed by reference
+/// must outlive the routes.
 namespace diaphane::api {
 
 std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front);
@@ -32,7 +32,7 @@ std::vector<Route> second_factor_routes(SecondFactors& factors);
 std::vector<Route> admin_routes(Administration& administration);
 std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, const Front& front);
 std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails);
-/// An upload that is created by tus announces a data set, as POST /v1/data-sets does.
+/// Creating an upload with tus announces a data set, like POST /v1/data-sets.
 std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets);
 std::vector<Route> session_routes(Sessions& sessions);
 std::vector<Route> live_routes(LiveLinks& links, const Front& front);

@@ -1,12 +1,10 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
-
-constexpr std::size_t kPasswordBytes = 800;
-constexpr std::size_t kCodeCharacters = 40;
 
 struct PasswordAndCode {
   std::string password, code;
@@ -20,13 +18,13 @@ Outcome<PasswordAndCode> read_both(const Request& request) {
 }
 
 Outcome<Response> codes_response(const Outcome<std::vector<std::string>>& codes) {
-  if (!codes) return tl::unexpected(codes.error());
+  DIAPHANE_TRY(codes);
   return json_response(200, {{"recovery_codes", *codes}});
 }
 
 Outcome<Response> state_of(SecondFactors& factors, const Principal& who) {
   const auto state = factors.state(who);
-  if (!state) return tl::unexpected(state.error());
+  DIAPHANE_TRY(state);
   nlohmann::ordered_json json{{"set_up_at", nullptr},
                               {"recovery_codes", state->recovery_codes},
                               {"required", state->required}};
@@ -45,7 +43,7 @@ std::vector<Route> second_factor_routes(SecondFactors& factors) {
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto made = factors.begin(who, password);
-    if (!made) return tl::unexpected(made.error());
+    DIAPHANE_TRY(made);
     return json_response(201, {{"secret", made->secret}, {"uri", made->uri}});
   };
   const auto confirm = [&factors](const Request& request,
@@ -57,15 +55,15 @@ std::vector<Route> second_factor_routes(SecondFactors& factors) {
   };
   const auto renew = [&factors](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto given = read_both(request);
-    if (!given) return tl::unexpected(given.error());
+    DIAPHANE_TRY(given);
     return codes_response(factors.renew_recovery_codes(who, given->password, given->code));
   };
   const auto remove = [&factors](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto given = read_both(request);
-    if (!given) return tl::unexpected(given.error());
+    DIAPHANE_TRY(given);
     const auto done = factors.remove(who, given->password, given->code);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const std::string all = "/v1/me/second-factor";

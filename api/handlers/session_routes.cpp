@@ -1,6 +1,7 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -14,7 +15,7 @@ nlohmann::ordered_json to_json(const Sessions::Stream& stream) {
 std::vector<Route> session_routes(Sessions& sessions) {
   const auto list = [&sessions](const Request&, const Principal& who) -> Outcome<Response> {
     const auto found = sessions.list(who);
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     nlohmann::ordered_json body;
     body["items"] = nlohmann::ordered_json::array();
     for (const SessionInfo& session : *found) body["items"].push_back(api::to_json(session));
@@ -23,29 +24,29 @@ std::vector<Route> session_routes(Sessions& sessions) {
   const auto create = [&sessions](const Request& request,
                                   const Principal& who) -> Outcome<Response> {
     const auto key = idempotency_key(request);
-    if (!key) return tl::unexpected(key.error());
+    DIAPHANE_TRY(key);
     Fields in(request);
     const std::string data_set_id = in.text("data_set_id", 1, 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto stream = sessions.open(who, data_set_id, *key);
-    if (!stream) return tl::unexpected(stream.error());
+    DIAPHANE_TRY(stream);
     return json_response(201, to_json(*stream))
         .with("Location", "/v1/sessions/" + stream->session_id);
   };
   const auto get = [&sessions](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = sessions.find(who, request.parameter("session_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return json_response(200, api::to_json(*found));
   };
   const auto end = [&sessions](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto done = sessions.end(who, request.parameter("session_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto ticket = [&sessions](const Request& request,
                                   const Principal& who) -> Outcome<Response> {
     const auto stream = sessions.ticket(who, request.parameter("session_id"));
-    if (!stream) return tl::unexpected(stream.error());
+    DIAPHANE_TRY(stream);
     return json_response(201, to_json(*stream));
   };
   const std::string one = "/v1/sessions/{session_id}";

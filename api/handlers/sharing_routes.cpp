@@ -1,6 +1,7 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -34,22 +35,22 @@ Response list_response(const std::vector<Item>& items) {
 Outcome<Response> gallery(Sharing& sharing, const Request& request, const Principal& who) {
   GalleryQuestion question;
   const auto limit = integer_in_query(request, "limit", 24, 1, 100);
-  if (!limit) return tl::unexpected(limit.error());
+  DIAPHANE_TRY(limit);
   auto words = text_in_query(request, "q", 100);
-  if (!words) return tl::unexpected(words.error());
+  DIAPHANE_TRY(words);
   auto body_part = choice_in_query(request, "body_part", kBodyParts);
-  if (!body_part) return tl::unexpected(body_part.error());
+  DIAPHANE_TRY(body_part);
   auto modality = choice_in_query(request, "modality", kModalities);
-  if (!modality) return tl::unexpected(modality.error());
+  DIAPHANE_TRY(modality);
   auto after = cursor_in_query(request);
-  if (!after) return tl::unexpected(after.error());
+  DIAPHANE_TRY(after);
   question.after = *std::move(after);
   question.limit = *limit;
   question.words = *std::move(words);
   question.body_part = *std::move(body_part);
   question.modality = *std::move(modality);
   const auto page = sharing.gallery(who, std::move(question));
-  if (!page) return tl::unexpected(page.error());
+  DIAPHANE_TRY(page);
   nlohmann::ordered_json body;
   body["items"] = nlohmann::ordered_json::array();
   for (const DataSet& data_set : page->items) body["items"].push_back(api::to_json(data_set));
@@ -61,7 +62,7 @@ Outcome<Response> gallery(Sharing& sharing, const Request& request, const Princi
 std::vector<Route> people_routes(Sharing& sharing) {
   const auto list = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = sharing.people(who, request.parameter("data_set_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return list_response(*found);
   };
   const auto add = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
@@ -71,14 +72,14 @@ std::vector<Route> people_routes(Sharing& sharing) {
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done =
         sharing.share_with(who, request.parameter("data_set_id"), email, right == "save");
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const auto remove = [&sharing](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto done =
         sharing.unshare(who, request.parameter("data_set_id"), request.parameter("person_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const std::string people = "/v1/data-sets/{data_set_id}/people";
@@ -92,19 +93,19 @@ std::vector<Route> people_routes(Sharing& sharing) {
 std::vector<Route> link_routes(Sharing& sharing, const Front& front) {
   const auto list = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = sharing.links(who, request.parameter("data_set_id"));
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return list_response(*found);
   };
   const auto make = [&sharing, &front](const Request& request,
                                        const Principal& who) -> Outcome<Response> {
     const auto once = once_of(request, front);
-    if (!once) return tl::unexpected(once.error());
+    DIAPHANE_TRY(once);
     Fields in(request);
     const std::chrono::hours life(in.integer("hours", 1, kLongestLink));
     const bool slices = in.optional_boolean("slices").value_or(false);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto made = sharing.make_link(who, request.parameter("data_set_id"), life, slices, *once);
-    if (!made) return tl::unexpected(made.error());
+    DIAPHANE_TRY(made);
     auto body = to_json(made->link);
     body["token"] = made->token;
     body["path"] = "/shared#" + made->token;
@@ -113,7 +114,7 @@ std::vector<Route> link_routes(Sharing& sharing, const Front& front) {
   const auto end = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto done =
         sharing.end_link(who, request.parameter("data_set_id"), request.parameter("link_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const std::string links = "/v1/data-sets/{data_set_id}/links";
@@ -138,12 +139,12 @@ std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
     const std::string& id = request.parameter("data_set_id");
     const auto changed =
         visibility == "public" ? sharing.publish(who, id, slices) : sharing.make_private(who, id);
-    if (!changed) return tl::unexpected(changed.error());
+    DIAPHANE_TRY(changed);
     return json_response(200, api::to_json(*changed));
   };
   const auto get_name = [&sharing](const Request&, const Principal& who) -> Outcome<Response> {
     const auto name = sharing.public_name(who);
-    if (!name) return tl::unexpected(name.error());
+    DIAPHANE_TRY(name);
     return json_response(200, {{"public_name", *name}});
   };
   const auto set_name = [&sharing](const Request& request,
@@ -152,7 +153,7 @@ std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
     const std::string name = in.name("public_name", 0, 40);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = sharing.set_public_name(who, name);
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   std::vector<Route> routes{
@@ -183,7 +184,7 @@ std::vector<Route> visit_routes(Visits& visits) {
     const std::string token = in.text("token", 64, 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto found = visits.follow(token);
-    if (!found) return tl::unexpected(found.error());
+    DIAPHANE_TRY(found);
     return json_response(200, {{"data_set", api::to_json(found->data_set)},
                                {"expires_at", rfc3339(found->link.expires_at)}});
   };
@@ -193,11 +194,11 @@ std::vector<Route> visit_routes(Visits& visits) {
     const std::string token = in.text_or("token", "", 64);
     const std::string data_set_id = in.text_or("data_set_id", "", 64);
     if (token.empty() == data_set_id.empty()) {
-      in.wrong("token", "is needed, or data_set_id of a sample, but not both");
+      in.wrong("token", "must be given, or else the data_set_id of a sample, but not both");
     }
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto opened = visits.open(token, data_set_id, key, request.address);
-    if (!opened) return tl::unexpected(opened.error());
+    DIAPHANE_TRY(opened);
     return json_response(201, {{"session_id", opened->session_id},
                                {"stream_url", opened->stream_url},
                                {"expires_at", rfc3339(opened->expires_at)}});

@@ -19,7 +19,7 @@ int hex_value(char c) {
   return -1;
 }
 
-/// Percent-escapes and `+`; nothing for a bad escape or a control character.
+/// Decodes percent-escapes and `+`. Returns nothing for a bad escape or a control character.
 std::optional<std::string> decode(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -47,7 +47,7 @@ std::string_view next_segment(std::string_view& rest) {
 }  // namespace
 
 Outcome<Target> parse_target(std::string_view target) {
-  const auto refused = [] { return refuse(ProblemKind::kBadRequest, "This is no such address."); };
+  const auto refused = [] { return refuse(ProblemKind::kBadRequest, "The URL is malformed."); };
   if (target.size() > kMaxTarget) return refused();
   const std::size_t mark = target.find('?');
   const std::string_view path = target.substr(0, mark);
@@ -69,7 +69,7 @@ Outcome<Target> parse_target(std::string_view target) {
         decode(equals == std::string_view::npos ? std::string_view() : pair.substr(equals + 1));
     if (!name || !value) return refused();
     if (!parsed.query.emplace(*name, *value).second) {
-      return refuse(ProblemKind::kBadRequest, "A parameter of the query comes twice.");
+      return refuse(ProblemKind::kBadRequest, "A query parameter is given more than once.");
     }
   }
   return parsed;

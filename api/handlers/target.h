@@ -10,17 +10,17 @@
 namespace diaphane::api {
 
 struct Target {
-  std::string path;                          ///< exactly as it came
+  std::string path;                          ///< unmodified path
   std::map<std::string, std::string> query;  ///< decoded
 };
 
-/// Takes a request target apart once, so that what is authorised is what is served. Paths are taken
-/// letter for letter: no route needs an escape, `//`, `.` or `..`, and whatever has one is refused.
-/// kBadRequest.
+/// Parses a request target once, so that the authorised target is the served one. Paths are
+/// compared literally. No route needs an escape, `//`, `.` or `..`, so a path that contains one is
+/// refused with kBadRequest.
 Outcome<Target> parse_target(std::string_view target);
 
-/// The parameters of `path` when it has the form of `pattern` ("/v1/data-sets/{data_set_id}"), else
-/// nothing.
+/// Returns the parameters of `path` if it matches `pattern` ("/v1/data-sets/{data_set_id}"),
+/// otherwise nothing.
 std::optional<std::map<std::string, std::string>> match_path(std::string_view pattern,
                                                              std::string_view path);
 

@@ -3,6 +3,7 @@
 #include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
 #include "api/service/tus.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -31,29 +32,29 @@ Route::Handler speaking_tus(Route::Handler handler) {
   };
 }
 
-/// tus's creation: the same announcement as POST /v1/data-sets, in tus's headers. Of the metadata
-/// only `title` is taken, and `filetype` is looked at; a file's name never is.
-Outcome<Response> create(DataSets& data_sets, const Request& request, const Principal& who) {
+/// The tus creation extension, the same announcement as POST /v1/data-sets in tus headers. Of the
+/// metadata, only `title` and `filetype` are used, never a file name.
+Outcome<Response> create_upload(DataSets& data_sets, const Request& request, const Principal& who) {
   auto key = idempotency_key(request);
-  if (!key) return tl::unexpected(key.error());
+  DIAPHANE_TRY(key);
   const auto plan =
       tus::plan_creation({request.header("upload-length"), request.header("upload-metadata")});
-  if (!plan) return tl::unexpected(plan.error());
+  DIAPHANE_TRY(plan);
   if (!request.body.empty()) {
-    // creation-with-upload is not spoken: the answer here says whether the first byte is wanted.
-    return refuse_field("body", "must be empty; the parts follow by PATCH");
+    // creation-with-upload is not supported. The response decides whether data may be sent at all.
+    return refuse_field("body", "must be empty; send the parts with PATCH");
   }
   const auto& said = plan->metadata;
   if (const auto type = said.find("filetype");
       type != said.end() && type->second != "application/x-tar") {
-    return refuse(ProblemKind::kMediaType, "An upload is one tar file of one series.");
+    return refuse(ProblemKind::kMediaType, "Upload one series as a single tar file.");
   }
   const auto title = said.find("title");
   Fields in("Upload-Metadata", {{"title", title == said.end() ? std::string() : title->second}});
   DataSets::Announcement announcement{in.name("title", 0, 80), plan->length, *std::move(key)};
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto made = data_sets.announce(who, announcement);
-  if (!made) return tl::unexpected(made.error());
+  DIAPHANE_TRY(made);
   auto response = empty_response(201).with("Location", "/v1/uploads/" + made->id);
   return made->upload ? with_standing(std::move(response), *made->upload) : response;
 }
@@ -63,7 +64,7 @@ Outcome<Response> create(DataSets& data_sets, const Request& request, const Prin
 std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
   const std::int64_t max_upload_bytes = data_sets.options().max_upload_bytes;
   const auto create_one = [&data_sets](const Request& request, const Principal& who) {
-    return create(data_sets, request, who);
+    return create_upload(data_sets, request, who);
   };
   const auto discover = [max_upload_bytes](const Request&, const Principal&) -> Outcome<Response> {
     return empty_response(204)
@@ -75,19 +76,20 @@ std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
   const auto offset = [&uploads](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto upload = uploads.find(who, request.parameter("upload_id"));
-    if (!upload) return tl::unexpected(upload.error());
+    DIAPHANE_TRY(upload);
     return with_standing(empty_response(200), *upload)
         .with("Upload-Length", std::to_string(upload->length));
   };
   const auto append = [&uploads](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     if (request.header("content-type") != "application/offset+octet-stream") {
-      return refuse(ProblemKind::kMediaType, "A part is application/offset+octet-stream.");
+      return refuse(ProblemKind::kMediaType,
+                    "The content type of a part must be application/offset+octet-stream.");
     }
     const auto upload =
         uploads.append(who, request.parameter("upload_id"), request.header("upload-offset"),
                        request.header("upload-checksum"), request.body);
-    if (!upload) return tl::unexpected(upload.error());
+    DIAPHANE_TRY(upload);
     return with_standing(empty_response(204), *upload);
   };
   const auto may_append = [&uploads](const Request& request, const Principal& who,
@@ -98,7 +100,7 @@ std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
   const auto terminate = [&uploads](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     const auto done = uploads.terminate(who, request.parameter("upload_id"));
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return empty_response(204);
   };
   const std::string one = "/v1/uploads/{upload_id}";

@@ -41,7 +41,7 @@ void Executor::run() {
     queue_.pop_front();
     lock.unlock();
     work();
-    work = nullptr;  // what it holds is let go before the next wait
+    work = nullptr;  // releases its resources before the next wait
     lock.lock();
   }
 }

@@ -10,17 +10,17 @@
 
 namespace diaphane::api {
 
-/// A bounded pool: `threads` work, at most `room` wait. The HTTP library's few threads only hand
-/// over to it, because one of them blocked is one that serves nobody.
+/// A bounded thread pool with `threads` workers and a queue of `room` tasks. The few threads of the
+/// HTTP library must never block, so they only hand tasks over to this pool.
 class Executor {
  public:
   Executor(int threads, std::size_t room);
-  /// Finishes what is running and what waits.
+  /// Finishes the running and the queued tasks.
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  /// False when there is no room; then `work` was not taken. `work` must not throw.
+  /// Returns false and does not run `work` if the queue is full. `work` must not throw.
   bool submit(std::function<void()> work);
   std::size_t waiting() const;
 

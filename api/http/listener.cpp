@@ -7,6 +7,7 @@
 #include <atomic>
 #include <charconv>
 #include <condition_variable>
+#include <future>
 #include <mutex>
 
 #include "api/http/reason_phrase.h"
@@ -21,6 +22,10 @@ using web::http::experimental::listener::http_listener;
 
 /// A body that is refused is still read up to this size, so that the connection can be kept.
 constexpr std::int64_t kSwallowBytes = 64 * 1024;
+
+/// The library may lose count of a connection that ends in the middle of a request, and then waits
+/// forever for it when the listener closes.
+constexpr std::chrono::milliseconds kClosePatience{500};
 
 Head head_of(const http_request& message) {
   Head head;
@@ -44,7 +49,7 @@ std::int64_t announced_bytes(const http_request& message) {
   return error == std::errc() ? length : INT64_MAX;
 }
 
-/// Counts requests from their head to the last byte of their answer.
+/// Counts requests in progress, from the head to the last byte of the response.
 class InFlight {
  public:
   void enter() {
@@ -75,7 +80,7 @@ struct Listener::Impl {
         options(o),
         listener(web::uri("http://127.0.0.1:" + std::to_string(o.port))) {}
 
-  /// One request on its way; the last holder gives its share of the budget back.
+  /// A request in progress. Its last owner returns its share of the memory budget.
   struct Exchange {
     Exchange(Impl& i, const http_request& m) : impl(i), message(m) { impl.in_flight.enter(); }
     ~Exchange() {
@@ -118,10 +123,10 @@ void Listener::Impl::receive(const http_request& message) {
     refuse_body(exchange, front.refusal({ProblemKind::kBusy, why, {}, std::chrono::seconds(1)},
                                         exchange->admitted.request));
   };
-  if (draining) return no_room("This server is being stopped; try again.");
+  if (draining) return no_room("The server is shutting down. Please try again in a moment.");
   exchange->bytes = announced_bytes(message);
   if ((body_bytes += exchange->bytes) > options.body_budget) {
-    return no_room("Too much is being uploaded just now; try again shortly.");
+    return no_room("Too many uploads are in progress. Please try again in a moment.");
   }
   exchange->message.extract_vector()
       .then([this, exchange](const pplx::task<std::vector<unsigned char>>& body) {
@@ -129,15 +134,16 @@ void Listener::Impl::receive(const http_request& message) {
           const auto& bytes = body.get();
           exchange->admitted.request.body.assign(bytes.begin(), bytes.end());
         } catch (const std::exception&) {
-          // The peer went away in the middle; there is nobody to answer, but the library waits for
-          // an answer.
-          reply(exchange, front.refusal({ProblemKind::kBadRequest, "The body broke off.", {}, {}},
-                                        exchange->admitted.request));
+          // The peer disconnected during the body. The response cannot be delivered, but the
+          // library requires one.
+          reply(exchange,
+                front.refusal({ProblemKind::kBadRequest, "The request body ended early.", {}, {}},
+                              exchange->admitted.request));
           return;
         }
         if (!executor.submit([this, exchange] { run(exchange); })) {
           reply(exchange, front.refusal({ProblemKind::kBusy,
-                                         "Too much is going on just now; try again shortly.",
+                                         "The server is busy. Please try again in a moment.",
                                          {},
                                          std::chrono::seconds(1)},
                                         exchange->admitted.request));
@@ -147,7 +153,7 @@ void Listener::Impl::receive(const http_request& message) {
         try {
           done.get();
         } catch (const std::exception& thrown) {
-          log::error("request lost", {{"reason", log::describe(thrown)}});
+          log::error("failed to hand over a request", {{"reason", log::describe(thrown)}});
         }
       });
 }
@@ -165,10 +171,10 @@ void Listener::Impl::run(const Shared& exchange) {
 void Listener::Impl::refuse_body(const Shared& exchange, Response response) {
   const bool chunked = exchange->message.headers().has("Transfer-Encoding");
   if (chunked || announced_bytes(exchange->message) > kSwallowBytes) {
-    // Without an exception a thread of the library would spin for ever on a stream that takes no
-    // byte.
+    // Without an exception, a thread of the library would loop forever on a stream that accepts no
+    // bytes.
     exchange->message.body().streambuf().close(
-        std::ios_base::out, std::make_exception_ptr(std::runtime_error("body refused")));
+        std::ios_base::out, std::make_exception_ptr(std::runtime_error("request body refused")));
     response.with("Connection", "close");
   }
   reply(exchange, response);
@@ -176,7 +182,7 @@ void Listener::Impl::refuse_body(const Shared& exchange, Response response) {
 
 void Listener::Impl::reply(const Shared& exchange, const Response& response) {
   http_response answer(static_cast<web::http::status_code>(response.status));
-  // The library would fill in the phrases that it knows; it knows neither 428 nor 460 nor 507.
+  // The library knows only some reason phrases, and not those of 428, 460 and 507.
   answer.set_reason_phrase(std::string(reason_phrase(response.status)));
   if (!response.body.empty()) {
     answer.set_body(response.body, response.content_type);
@@ -189,7 +195,7 @@ void Listener::Impl::reply(const Shared& exchange, const Response& response) {
     try {
       sent.get();
     } catch (const std::exception&) {
-      // The peer went away.
+      // The peer has disconnected.
     }
   });
 }
@@ -212,7 +218,7 @@ Result<std::unique_ptr<Listener>> Listener::open(const Front& front, Executor& e
       });
     }
   };
-  // The library answers these two by itself otherwise, TRACE with everything that it was sent.
+  // Otherwise, the library answers these two methods itself and echoes the request for TRACE.
   impl->listener.support(web::http::methods::OPTIONS, receive);
   impl->listener.support(web::http::methods::TRCE, receive);
   impl->listener.support(receive);
@@ -229,14 +235,25 @@ Listener::Listener(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 void Listener::drain(std::chrono::milliseconds patience) {
   impl_->draining = true;
-  if (!impl_->in_flight.wait_for_none(patience)) log::warning("requests cut off by the stop");
-  try {
-    impl_->listener.close().get();
-  } catch (const std::exception& thrown) {
-    log::warning("listener not closed in order", {{"reason", log::describe(thrown)}});
-  }
+  if (!impl_->in_flight.wait_for_none(patience))
+    log::warning("requests were still running at shutdown");
+  if (closed_) return;
+  const auto done = std::make_shared<std::promise<void>>();
+  impl_->listener.close().then([done](const pplx::task<void>& closed) {
+    try {
+      closed.get();
+    } catch (const std::exception& thrown) {
+      log::warning("failed to close the listener cleanly", {{"reason", log::describe(thrown)}});
+    }
+    done->set_value();
+  });
+  closed_ = done->get_future().wait_for(kClosePatience) == std::future_status::ready;
 }
 
-Listener::~Listener() { drain(std::chrono::milliseconds(0)); }
+Listener::~Listener() {
+  drain(std::chrono::milliseconds(0));
+  // Leaks the state, because the library still uses it.
+  if (!closed_) static_cast<void>(impl_.release());
+}
 
 }  // namespace diaphane::api

@@ -10,32 +10,33 @@
 
 namespace diaphane::api {
 
-/// cpprestsdk's listener on 127.0.0.1, tamed: it must never face the network itself (design: edge).
-/// A library thread only reads the head, starts the reading of the body, and hands over to the
-/// executor.
+/// Wraps cpprestsdk's listener on 127.0.0.1. It must never face the network directly, only through
+/// the edge. A library thread only reads the head, starts reading the body and hands the request
+/// over to the executor.
 class Listener {
  public:
   struct Options {
     std::uint16_t port = 0;
     int library_threads = 3;
-    /// Bodies in memory at once, in all; whoever comes besides gets 503.
+    /// Maximum total size of bodies in memory. Further requests get 503.
     std::int64_t body_budget = std::int64_t{128} << 20;
   };
 
-  /// kUnavailable when the port is taken. `front` and `executor` must outlive the listener. Once a
-  /// process.
+  /// Returns kUnavailable if the port is in use. `front` and `executor` must outlive the listener.
+  /// Call it only once per process.
   static Result<std::unique_ptr<Listener>> open(const Front& front, Executor& executor,
                                                 Options options);
   ~Listener();
 
-  /// Refuses what is new with 503 and `Connection: close`, waits up to `patience` for what is in
-  /// flight, closes.
+  /// Refuses new requests with 503 and `Connection: close`. Waits up to `patience` for requests in
+  /// progress, and a little longer for the connections to close.
   void drain(std::chrono::milliseconds patience);
 
  private:
   struct Impl;
   explicit Listener(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
+  bool closed_ = false;
 };
 
 }  // namespace diaphane::api

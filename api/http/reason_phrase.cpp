@@ -7,7 +7,7 @@
 namespace diaphane::api {
 namespace {
 
-/// What the API sends and what its library may send for it.
+/// The statuses that the API or its HTTP library may send.
 constexpr std::array kPhrases = std::to_array<std::pair<int, std::string_view>>({
     {200, "OK"},
     {201, "Created"},

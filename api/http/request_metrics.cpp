@@ -20,22 +20,22 @@ const prometheus::Histogram::BucketBoundaries kSeconds{0.001, 0.003, 0.01, 0.03,
 RequestMetrics::RequestMetrics(prometheus::Registry& registry)
     : requests_(BuildCounter()
                     .Name("diaphane_api_requests_total")
-                    .Help("Requests answered, by operation and status")
+                    .Help("Requests handled, by operation and status.")
                     .Register(registry)),
       seconds_(prometheus::BuildHistogram()
                    .Name("diaphane_api_request_seconds")
-                   .Help("Time in the handler, by operation")
+                   .Help("Time spent in the handler, by operation.")
                    .Register(registry)),
       upload_bytes_(
-          one_counter(registry, "diaphane_api_upload_bytes_total", "Bytes of uploads stored")),
-      mails_sent_(one_counter(registry, "diaphane_api_mails_sent_total", "Mails handed on")),
+          one_counter(registry, "diaphane_api_upload_bytes_total", "Upload bytes stored.")),
+      mails_sent_(one_counter(registry, "diaphane_api_mails_sent_total", "Emails sent.")),
       mails_failed_(one_counter(registry, "diaphane_api_mails_failed_total",
-                                "Attempts at sending a mail that failed")),
+                                "Failed attempts to send an email.")),
       disposals_(one_counter(registry, "diaphane_api_disposals_total",
-                             "Uploads and volumes removed from disk")),
+                             "Uploads and volumes deleted from disk.")),
       waiting_(prometheus::BuildGauge()
                    .Name("diaphane_api_requests_waiting")
-                   .Help("Requests that wait for a thread")
+                   .Help("Requests waiting for a thread.")
                    .Register(registry)
                    .Add({})) {}
 

@@ -10,8 +10,8 @@
 
 namespace diaphane::api {
 
-/// What the REST side counts. Labels are operationIds and statuses: bounded, and of nobody.
-/// Thread-safe.
+/// Metrics of the REST API. Labels are operation IDs and statuses, so they are bounded and contain
+/// no personal data. Thread-safe.
 class RequestMetrics {
  public:
   explicit RequestMetrics(prometheus::Registry& registry);

@@ -15,7 +15,7 @@
 namespace diaphane::api::load {
 namespace {
 
-// argv or environ: pointers into strings that outlive them, null at the end.
+// Returns a null-terminated argv or environ that points into `words`, which must outlive it.
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> all;
   for (std::string& word : words) all.push_back(word.data());
@@ -43,7 +43,7 @@ Result<Child> Child::start(const std::string& program, const std::vector<std::st
   const pid_t pid = ::fork();
   if (pid < 0) return fail(ErrorCode::kUnavailable, "no process can be started");
   if (pid == 0) {
-    // Only what is safe between fork and exec of a program with threads.
+    // Uses only calls that are safe between fork and exec in a program with threads.
     const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
     if (out >= 0) {
       ::dup2(out, STDOUT_FILENO);
@@ -89,11 +89,11 @@ void Child::stop(std::chrono::milliseconds grace) {
 double processor_seconds(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string text((std::istreambuf_iterator<char>(file)), {});
-  const std::size_t name_end = text.rfind(')');  // a program's name may hold blanks
+  const std::size_t name_end = text.rfind(')');  // the program name may contain blanks
   if (name_end == std::string::npos) return 0;
   std::istringstream fields(text.substr(name_end + 2));
   std::string skipped;
-  for (int i = 0; i < 11; ++i) fields >> skipped;  // state (3) to cmajflt (13) of proc(5)
+  for (int i = 0; i < 11; ++i) fields >> skipped;  // skips state (3) to cmajflt (13) of proc(5)
   double user = 0, system = 0;
   fields >> user >> system;
   return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));

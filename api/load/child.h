@@ -11,10 +11,10 @@
 
 namespace diaphane::api::load {
 
-/// A program that was started here and ends with this.
+/// A child process that ends with this object.
 class Child {
  public:
-  /// Output goes to the end of `log`. kUnavailable when it cannot be started.
+  /// Appends the output to `log`. kUnavailable when the program cannot be started.
   static Result<Child> start(const std::string& program, const std::vector<std::string>& arguments,
                              const std::map<std::string, std::string>& environment,
                              const std::string& log);
@@ -24,7 +24,7 @@ class Child {
 
   pid_t pid() const { return pid_; }
   bool running();
-  /// SIGTERM, and SIGKILL when it has not ended within `grace`.
+  /// Sends SIGTERM, and SIGKILL if the process has not ended within `grace`.
   void stop(std::chrono::milliseconds grace);
 
  private:
@@ -32,7 +32,7 @@ class Child {
   pid_t pid_ = -1;
 };
 
-/// Processor time of a process and all its threads, seconds; 0 when it is gone.
+/// Returns the CPU seconds of a process and all its threads, or 0 if it no longer exists.
 double processor_seconds(pid_t pid);
 
 }  // namespace diaphane::api::load

@@ -13,7 +13,7 @@ namespace diaphane::api::load {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-// Opening at once as many as a page's own reloads would.
+// Number of concurrent openings, similar to reloads of real pages.
 constexpr std::size_t kOpeningAtOnce = 32;
 
 Clock::duration duration_of(double seconds) {
@@ -41,7 +41,7 @@ class Threads {
   std::vector<std::thread> threads_;
 };
 
-// Who is ready, counted from many strands.
+// Counts ready sessions from many strands.
 class Openings {
  public:
   void wait_below(std::size_t most, Clock::time_point until) {
@@ -69,7 +69,7 @@ class Openings {
   std::size_t begun_ = 0, ended_ = 0, ready_ = 0;
 };
 
-// Passes the hands on until told to stop.
+// Starts the next gesture whenever one ends, until it is stopped.
 class Conductor : public std::enable_shared_from_this<Conductor> {
  public:
   Conductor(Hands hands, std::vector<std::shared_ptr<Person>> people)
@@ -131,7 +131,7 @@ Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
   const auto opening_until = Clock::now() + duration_of(options.opening_seconds);
   for (std::size_t i = 0; i < options.sessions; ++i) {
     openings.wait_below(kOpeningAtOnce, opening_until);
-    // Each a person of their own: nobody may have so many sessions.
+    // A separate user per session, because a user may have only a few sessions.
     const std::string id = new_id();
     const auto placed = placement.place({id, new_id(), options.data_set});
     if (!placed) {
@@ -157,7 +157,7 @@ Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
     return fail(ErrorCode::kUnavailable, "No session shows a picture; the programs' logs say why.");
   }
 
-  // As many gestures as a long run needs; a person's own follow one another, then from the first.
+  // Enough gestures for a long run. A session repeats its gestures from the first after the last.
   const auto trace = render::bench::make_trace("interactive", people.size(), 120, options.seed);
   const auto conductor = std::make_shared<Conductor>(Hands(trace, options.moving), people);
   conductor->begin();
@@ -169,7 +169,7 @@ Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
   std::this_thread::sleep_until(until);
   measured(true);
   conductor->stop();
-  // What was asked in the last moment may still be answered.
+  // Answers to the last requests may still arrive.
   std::this_thread::sleep_for(std::chrono::seconds(2));
   result.seconds = options.seconds;
   end_all();

@@ -15,7 +15,7 @@ Hands::Hands(const render::bench::Trace& trace, std::size_t moving)
       lengths.push_back(gesture.end - gesture.begin);
     }
     begins.push_back(session.gestures.empty() ? trace.seconds : session.gestures.front().begin);
-    if (lengths.empty()) lengths.push_back(1.0);  // somebody who only looked: one short drag
+    if (lengths.empty()) lengths.push_back(1.0);  // a user who only looked gets one short drag
     lengths_.push_back(std::move(lengths));
   }
   resting_.resize(lengths_.size());
@@ -38,7 +38,7 @@ std::vector<Hands::Gesture> Hands::begin() {
 }
 
 Hands::Gesture Hands::after(std::size_t session) {
-  // Last in the queue before the next is taken: alone it goes on itself.
+  // Queued before the next session is taken, so that a single session continues with itself.
   resting_.push_back(session);
   return next();
 }

@@ -8,31 +8,32 @@
 
 namespace diaphane::api::load {
 
-/// Who drags next, so that as many drag at any moment as are wanted. Of a trace of interaction it
-/// keeps whose gestures follow whose and how long each of them lasts; a pause lasts until a hand is
-/// free. Plain data, no clock.
+/// Chooses the next session to drag, so that a fixed number drags at any moment. From a trace of
+/// interaction, it keeps the order of the gestures and their durations. A pause lasts until a hand
+/// is free. Plain data without a clock.
 class Hands {
  public:
   struct Gesture {
     std::size_t session = 0;
     double seconds = 0;
   };
-  /// `trace` has at least one session; at most all but one of them move, or the only one.
+  /// `trace` has at least one session. At least one session rests at any moment, unless there is
+  /// only one.
   Hands(const render::bench::Trace& trace, std::size_t moving);
 
   std::size_t moving() const { return moving_; }
-  /// The first gestures, one a hand.
+  /// Returns the first gestures, one per hand.
   std::vector<Gesture> begin();
-  /// The gesture of `session` has ended: whose is next. Never one that moves, but its own where
-  /// there is no other.
+  /// Returns the next gesture after that of `session` has ended. It belongs to a resting session,
+  /// or to the same one if there is no other.
   Gesture after(std::size_t session);
 
  private:
   Gesture next();
 
-  std::vector<std::vector<double>> lengths_;  // of each session's gestures, seconds
+  std::vector<std::vector<double>> lengths_;  // seconds, per session and gesture
   std::vector<std::size_t> done_;
-  std::deque<std::size_t> resting_;  // the longest first
+  std::deque<std::size_t> resting_;  // the longest-resting session first
   std::size_t moving_;
 };
 

@@ -10,17 +10,17 @@ namespace diaphane::api::load {
 
 using TimePoint = std::chrono::steady_clock::time_point;
 
-/// Inputs of one viewer that no frame has shown yet. A frame that carries number n shows all inputs
-/// up to n: a scene is absolute, and the newest replaces those before it.
+/// Inputs of one viewer that no frame has shown yet. A frame with number n shows all inputs up to
+/// n, because a scene is absolute and the newest replaces earlier ones.
 class OpenInputs {
  public:
   void sent(std::uint64_t input_seq, TimePoint at) { open_.push_back({input_seq, at}); }
   struct Shown {
-    std::vector<double> seconds;  ///< from each input to this frame, the oldest first
+    std::vector<double> seconds;  ///< from each input to this frame, oldest first
   };
-  /// A frame came. Of inputs sent before `from` nothing is told.
+  /// Handles a frame. Excludes inputs sent before `from`.
   Shown shown(std::uint64_t input_seq, TimePoint at, TimePoint from);
-  /// Those still without a frame, with their age: a run ends, and they must not be forgotten.
+  /// Returns the age of the inputs without a frame at the end of a run, so that they count as well.
   Shown give_up(TimePoint now, TimePoint from);
   bool empty() const { return open_.empty(); }
 
@@ -32,7 +32,7 @@ class OpenInputs {
   std::deque<Input> open_;
 };
 
-/// What lies above `percent` of the values; 0 of none. Reorders them.
+/// Returns the given percentile, or 0 without values. Reorders the values.
 double percentile(std::vector<double>& values, double percent);
 double mean(const std::vector<double>& values);
 

@@ -21,9 +21,9 @@ Json milliseconds(std::vector<double>& seconds) {
 
 double ratio(double over, double under) { return under > 0 ? over / under : 0; }
 
-// Of a frame that answers an input, milliseconds in the mean. What renderd measures begins when
-// the input arrives there and ends when the frame is given to gRPC; what is more at the viewer is
-// the way there and back: gateway, sockets, both programs' threads.
+// Average times in milliseconds of a frame that answers an input. renderd measures from the arrival
+// of the input to handing the frame to gRPC. The rest of the viewer's latency is transport in both
+// directions: gateway, sockets, and threads of both programs.
 Json where_the_time_goes(const Seen& seen, const Usage& before, const Usage& after) {
   const std::string name = "diaphane_renderd_input_to_frame_seconds";
   const double there = ratio(grown(before.worker, after.worker, name + "_sum"),

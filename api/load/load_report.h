@@ -8,11 +8,11 @@
 
 namespace diaphane::api::load {
 
-/// One run in numbers: from input to frame, where the time goes, what was sent, who computed.
-/// `before` and `after` enclose what was measured.
+/// Reports one run: latency from input to frame and its parts, data sent, and CPU usage. `before`
+/// and `after` enclose the measurement.
 nlohmann::ordered_json load_report(const CrowdOptions& options, CrowdResult result,
                                    const Usage& before, const Usage& after);
-/// The same as one line for a person, under load_heading().
+/// The same report as one line of text under load_heading().
 std::string load_line(const nlohmann::ordered_json& report);
 std::string load_heading();
 

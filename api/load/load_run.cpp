@@ -6,8 +6,9 @@
 #include <thread>
 
 #include "api/load/load_report.h"
-#include "api/redis/client.h"
-#include "api/redis/sessions.h"
+#include "common/try.h"
+#include "directory/client.h"
+#include "directory/sessions.h"
 
 namespace diaphane::api::load {
 namespace {
@@ -18,7 +19,7 @@ Result<Json> one_run(Stage& stage, Placement& placement, const CrowdOptions& opt
   Usage before, after;
   auto result =
       run_crowd(options, placement, [&](bool over) { (over ? after : before) = stage.usage(); });
-  if (!result) return tl::unexpected(result.error());
+  DIAPHANE_TRY(result);
   return load_report(options, std::move(*result), before, after);
 }
 
@@ -44,17 +45,17 @@ Result<Json> load_run(LoadOptions options, const std::function<void(const std::s
   options.stage.slots =
       std::max(options.stage.slots, options.find ? options.most_sessions : asked.sessions);
   auto stage = Stage::set(options.stage);
-  if (!stage) return tl::unexpected(stage.error());
-  auto client = redis::Client::create({.address = (*stage)->redis()});
-  if (!client) return tl::unexpected(client.error());
-  redis::Sessions placement(**client);
+  DIAPHANE_TRY(stage);
+  auto client = directory::Client::create({.address = (*stage)->redis()});
+  DIAPHANE_TRY(client);
+  directory::Sessions placement(**client);
 
   Json all{{"bound_ms", 1e3 * options.bound_seconds}, {"runs", Json::array()}};
   tell(load_heading());
   const auto run = [&](std::size_t sessions) -> Result<Json> {
     CrowdOptions crowd = asked;
     crowd.sessions = sessions;
-    // The same share of them moves.
+    // Keeps the share of moving sessions.
     crowd.moving = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::lround(double(asked.moving) * double(sessions) /
                                                 double(std::max<std::size_t>(asked.sessions, 1)))));
@@ -67,7 +68,7 @@ Result<Json> load_run(LoadOptions options, const std::function<void(const std::s
     if (!(*stage)->stands()) return fail(ErrorCode::kUnavailable, "a program ended by itself");
     tell(load_line(*report));
     all["runs"].push_back(*report);
-    // Slots come back with the next heartbeat.
+    // The slots become free with the next heartbeat.
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     return report;
   };

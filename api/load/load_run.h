@@ -11,12 +11,12 @@
 
 namespace diaphane::api::load {
 
-/// The next number of sessions to try on the way to the most that hold a bound, in steps of a
-/// doubling and then by halves, to within a sixteenth. Pure.
+/// Searches for the largest number of sessions that keeps a latency limit, by doubling and then
+/// bisection, to within a sixteenth. Pure.
 class Search {
  public:
   Search(std::size_t first, std::size_t most) : next_(first), most_(most) {}
-  /// Nothing more to try when it is 0.
+  /// 0 when the search is finished.
   std::size_t next() const { return next_; }
   void tried(bool held);
   std::size_t largest_held() const { return held_; }
@@ -24,19 +24,19 @@ class Search {
  private:
   std::size_t next_, most_;
   std::size_t held_ = 0;
-  std::size_t failed_ = 0;  // 0: none yet
+  std::size_t failed_ = 0;  // 0: no failure yet
 };
 
 struct LoadOptions {
   Stage::Options stage;
   CrowdOptions crowd;
-  double bound_seconds = 0.1;  ///< of p95
-  unsigned repeats = 1;        ///< of the run that is asked for
-  bool find = false;           ///< also search the largest number of sessions that holds the bound
+  double bound_seconds = 0.1;  ///< for p95
+  unsigned repeats = 1;        ///< of the requested run
+  bool find = false;           ///< also search for the largest number of sessions within the limit
   std::size_t most_sessions = 1024;
 };
 
-/// JSON of all runs; a line of each is given to `tell` as it ends.
+/// Returns the JSON of all runs, and passes a line per run to `tell` when it ends.
 Result<nlohmann::ordered_json> load_run(LoadOptions options,
                                         const std::function<void(const std::string&)>& tell);
 

@@ -94,7 +94,7 @@ TEST(Turned, KeepsTheDistanceAndTheHeightAndComesRound) {
   EXPECT_NEAR(turned(quarter, 270).camera().eye().x(), 3, 1e-12);
 }
 
-// The largest that a made bound holds, and how many runs that took.
+// Returns the largest number that meets a limit, and how many runs the search took.
 std::pair<std::size_t, int> searched(std::size_t first, std::size_t truth,
                                      std::size_t most = 4096) {
   Search search(first, most);

@@ -1,5 +1,5 @@
-// diaphane-load: the words `bench` (programs, viewers, report) and `soak` (viewers at programs that
-// run already).
+// diaphane-load has two commands: `bench` starts programs and viewers and reports, and `soak` runs
+// viewers against running programs.
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -11,9 +11,9 @@
 
 #include "api/load/load_run.h"
 #include "api/load/soak_run.h"
-#include "api/redis/client.h"
-#include "api/redis/sessions.h"
 #include "common/config.h"
+#include "directory/client.h"
+#include "directory/sessions.h"
 
 namespace diaphane::api::load {
 namespace {
@@ -110,13 +110,13 @@ int soak(ConfigReader& in) {
       static_cast<std::uint64_t>(in.integer("seed", "of all that is drawn", 0, 1 << 30, 1));
   const std::string file = in.text("json", "file for the report; empty: standard output", "");
   if (auto done = in.finish(kAbout)) return *done;
-  auto client = redis::Client::create({.address = redis});
+  auto client = directory::Client::create({.address = redis});
   if (!client) return refuse(client.error());
-  redis::Sessions placement(**client);
+  directory::Sessions placement(**client);
   return write(soak_run(options, placement), file);
 }
 
-// Two descriptors a session and more: the usual 1024 are few.
+// Each session needs more than two descriptors, and the usual limit of 1024 is too low.
 void raise_descriptors() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;

@@ -11,8 +11,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A turn of the hand: a whole one takes twelve seconds, there and back, so that lights and sides of
-// the volume differ.
+// Degrees per input of a drag. A full back-and-forth movement takes twelve seconds, so that the
+// visible sides and the lighting vary.
 constexpr double kDegreesAnInput = 0.5;
 constexpr auto kInputInterval = std::chrono::duration_cast<Clock::duration>(
     std::chrono::duration<double>(render::bench::kInputInterval));
@@ -163,7 +163,8 @@ void Person::input() {
   }
   viewer_->send(message);
   if (now >= drag_ends_) return end_drag(now);
-  // A page that was held up sends the next with the next picture of its screen, not all at once.
+  // A delayed page sends its next input with its next displayed frame instead of all missed ones at
+  // once.
   while (next_input_ <= now) next_input_ += kInputInterval;
   viewer_->after(next_input_ - now, [self = shared_from_this()] { self->input(); });
 }

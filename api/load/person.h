@@ -11,49 +11,52 @@
 
 namespace diaphane::api::load {
 
-/// The scene, its eye turned about the camera's up axis by `degrees`.
+/// Returns the scene with its eye rotated about the camera's up axis by `degrees`.
 diaphane::v1::Scene turned(const diaphane::v1::Scene& scene, double degrees);
 
-/// What one person saw between two moments.
+/// What one user saw between two moments.
 struct Seen {
-  std::vector<double> input_to_frame;  ///< seconds, of every input
-  /// Frames that were the first to show an input: from the oldest such input, and of that.
+  std::vector<double> input_to_frame;  ///< seconds, for every input
+  /// For frames that were the first to show an input: the time since the oldest such input, and its
+  /// parts.
   std::vector<double> answer_seconds, render_seconds, encode_seconds;
   std::size_t inputs = 0;
-  std::size_t frames = 0, bytes = 0;                ///< all that came
-  std::size_t moving_frames = 0, moving_bytes = 0;  ///< while a hand moved
+  std::size_t frames = 0, bytes = 0;                ///< of all frames
+  std::size_t moving_frames = 0, moving_bytes = 0;  ///< of frames during movement
   double moving_seconds = 0;
-  double pixels = 0;  ///< of the moving frames, summed
+  double pixels = 0;  ///< sum over the moving frames
 };
 
-/// Somebody at a session: drags when told to, an input every sixtieth of a second, and measures.
+/// A simulated user of a session, who drags on request with 60 inputs per second and measures the
+/// answers.
 class Person final : public ViewerEvents, public std::enable_shared_from_this<Person> {
  public:
   Person(boost::asio::io_context& io, ViewerOptions options, std::string preset);
 
-  /// Opens the stream. `ready` is called once: true with the first picture, false when it closed.
+  /// Opens the stream. `ready` is called once: with true at the first picture, or with false if the
+  /// stream closed.
   void enter(const std::string& ticket, std::function<void(bool)> ready);
   /// Drags for `seconds`, then calls `done`.
   void drag(double seconds, std::function<void()> done);
-  /// Inputs from `from` on count; what is sent from `until` on does not.
+  /// Counts inputs that are sent between `from` and `until`.
   void measure(TimePoint from, TimePoint until);
   void leave();
-  /// Without a word to the other side.
+  /// Drops the connection without a closing handshake.
   void cut();
-  /// The page is looked at, or another is.
+  /// Shows or hides the page.
   void show(bool visible);
   void resize(std::uint32_t width, std::uint32_t height);
-  /// Calls `done` on the viewer's strand.
+  /// Calls `done` on the viewer's strand after `seconds`.
   void after(double seconds, std::function<void()> done);
 
-  // Read when nothing runs any more, or on the viewer's strand.
+  // Must be read on the viewer's strand, or after everything has stopped.
   const Seen& seen() const { return seen_; }
-  /// Inputs that never got a frame count with their age.
+  /// Counts inputs without a frame with their age.
   void give_up(TimePoint now);
   std::optional<double> opening_seconds() const { return opening_; }
-  int close_code() const { return code_; }  ///< -1 while it is open
+  int close_code() const { return code_; }  ///< -1 while the stream is open
   std::size_t problems() const { return problems_; }
-  std::size_t frames() const { return frames_; }  ///< since it was entered
+  std::size_t frames() const { return frames_; }  ///< since the stream was opened
 
   void on_config(const diaphane::v1::Config& config) override;
   void on_frame(const FrameSeen& frame) override;
@@ -76,7 +79,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   OpenInputs open_;
   bool leaving_ = false;
 
-  // Of the drag under way.
+  // State of the current drag.
   bool moving_ = false;
   double degrees_ = 0;
   TimePoint drag_began_{}, drag_ends_{}, next_input_{};

@@ -51,7 +51,7 @@ Samples parse_metrics(std::string_view text) {
     const std::string line(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty() || line.front() == '#') continue;
-    // Labels may hold blanks; what comes after them is the value.
+    // Labels may contain blanks, and the value follows them.
     const std::size_t labels = line.rfind('}');
     const std::size_t blank = line.find(' ', labels == std::string::npos ? 0 : labels);
     if (blank == std::string::npos) continue;

@@ -7,14 +7,14 @@
 
 namespace diaphane::api::load {
 
-/// Name, with its labels as they are written, to value.
+/// Values by name, including the labels as written.
 using Samples = std::map<std::string, double>;
 
-/// The Prometheus text format, without its comments.
+/// Parses the Prometheus text format and ignores comments.
 Samples parse_metrics(std::string_view text);
-/// GET /metrics of 127.0.0.1; empty when nobody answers within 2 s.
+/// Requests /metrics from 127.0.0.1. Returns an empty map if there is no response within 2 s.
 Samples scrape(std::uint16_t port);
-/// Whether /readyz of 127.0.0.1 answers 200.
+/// Whether /readyz on 127.0.0.1 returns 200.
 bool ready(std::uint16_t port);
 
 double value_of(const Samples& samples, const std::string& name);

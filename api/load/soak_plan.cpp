@@ -32,7 +32,7 @@ Visit draw_visit(std::mt19937_64& draws, double scale, double act_seconds) {
   visit.height = side(size.height, scale);
   if (below(5) == 0) visit.read_pause_ms = static_cast<std::uint32_t>(50 + below(250));
   using Kind = Act::Kind;
-  // Looking and dragging are what people do most.
+  // Looking and dragging are the most frequent actions.
   constexpr std::array<Kind, 10> kKinds{Kind::kLook,   Kind::kLook, Kind::kDrag,   Kind::kDrag,
                                         Kind::kDrag,   Kind::kHide, Kind::kResize, Kind::kReload,
                                         Kind::kReload, Kind::kCut};

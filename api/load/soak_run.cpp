@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kPictureWithin = 30;
 constexpr double kAskAgain = 1;
 
-// Everybody's counts.
+// Counts over all users.
 struct Tally {
   std::atomic<std::size_t> visits{0}, placings{0}, refused{0}, pictures{0}, no_picture{0};
   std::atomic<std::size_t> drags{0}, hides{0}, resizes{0}, reloads{0}, cuts{0}, ended{0};
@@ -41,7 +41,7 @@ struct Place {
   std::atomic<bool>& stopping;
 };
 
-// One after another, the visits of one person. Continues on the strand of the viewer of the moment.
+// The visits of one user, one after another. Runs on the strand of the current viewer.
 class Guest : public std::enable_shared_from_this<Guest> {
  public:
   Guest(Place place, std::uint64_t seed) : place_(place), draws_(seed), user_(new_id()) {}
@@ -56,7 +56,7 @@ class Guest : public std::enable_shared_from_this<Guest> {
   }
 
  private:
-  // Asks for a ticket and enters with it; as a page, again and again until it is let in.
+  // Requests a ticket and enters with it. Retries until it is admitted, like a page.
   void connect() {
     boost::asio::post(place_.blocking, [self = shared_from_this()] {
       if (self->place_.stopping) return;
@@ -77,11 +77,12 @@ class Guest : public std::enable_shared_from_this<Guest> {
     options.width = visit_.width;
     options.height = visit_.height;
     options.read_pause = std::chrono::milliseconds(visit_.read_pause_ms);
-    // Not person_ below: once entered it is the strand's, where the stream may have ended already.
+    // Uses a local pointer, because after entering, person_ belongs to the strand, where the stream
+    // may already have ended.
     const auto person = std::make_shared<Person>(place_.io, options, "");
     person_ = person;
     const auto self = shared_from_this();
-    const auto answered = std::make_shared<bool>(false);  // of the strand alone
+    const auto answered = std::make_shared<bool>(false);  // used only on the strand
     person->enter(ticket, [self, answered](bool ready) {
       if (std::exchange(*answered, true)) return;
       if (!ready) return self->come_back(kAskAgain);
@@ -100,7 +101,7 @@ class Guest : public std::enable_shared_from_this<Guest> {
     });
   }
 
-  // The stream ended, or was ended here: into the same session again.
+  // Reconnects to the same session after the stream ended.
   void come_back(double seconds) {
     count();
     const auto old = std::exchange(person_, nullptr);

@@ -8,9 +8,10 @@
 #include <functional>
 #include <thread>
 
-#include "api/redis/client.h"
-#include "api/redis/sessions.h"
 #include "common/ids.h"
+#include "common/try.h"
+#include "directory/client.h"
+#include "directory/sessions.h"
 
 namespace diaphane::api::load {
 namespace {
@@ -31,9 +32,7 @@ Result<std::unique_ptr<Stage>> Stage::set(Options options) {
   if (::mkdtemp(pattern) == nullptr) return fail(ErrorCode::kUnavailable, "no temporary directory");
   stage->folder_ = pattern;
   stage->log_dir_ = options.log_dir.empty() ? stage->folder_ : options.log_dir;
-  if (const auto started = stage->start_all(options); !started) {
-    return tl::unexpected(started.error());
-  }
+  DIAPHANE_TRY(stage->start_all(options));
   return stage;
 }
 
@@ -49,7 +48,7 @@ Result<void> Stage::start_all(const Options& options) {
   }
   for (std::uint16_t* port : {&stream_port_, &gateway_admin_, &renderd_admin_}) {
     auto claimed = ClaimedPort::take();
-    if (!claimed) return tl::unexpected(claimed.error());
+    DIAPHANE_TRY(claimed);
     *port = claimed->number();
     ports_.push_back(*std::move(claimed));
   }
@@ -59,7 +58,7 @@ Result<void> Stage::start_all(const Options& options) {
   const auto add = [&](const std::string& program, const std::vector<std::string>& arguments,
                        const char* name) -> Result<void> {
     auto child = Child::start(program, arguments, {}, log(name));
-    if (!child) return tl::unexpected(child.error());
+    DIAPHANE_TRY(child);
     children_.push_back(std::move(*child));
     return {};
   };
@@ -78,9 +77,9 @@ Result<void> Stage::start_all(const Options& options) {
   const std::string own_redis = options.bin_dir + "/redis-server";
   const std::string redis_program =
       ::access(own_redis.c_str(), X_OK) == 0 ? own_redis : "redis-server";
-  auto client = redis::Client::create({.address = redis()});
-  if (!client) return tl::unexpected(client.error());
-  redis::Sessions sessions(**client);
+  auto client = directory::Client::create({.address = redis()});
+  DIAPHANE_TRY(client);
+  directory::Sessions sessions(**client);
   auto done = add(redis_program,
                   {"--port", "0", "--unixsocket", folder_ + "/redis.sock", "--save", "",
                    "--appendonly", "no", "--dir", folder_},
@@ -111,7 +110,7 @@ Result<void> Stage::start_all(const Options& options) {
 }
 
 Stage::~Stage() {
-  while (!children_.empty()) {  // gateway, renderd, Redis
+  while (!children_.empty()) {  // in the order gateway, renderd, Redis
     children_.back().stop(std::chrono::seconds(5));
     children_.pop_back();
   }

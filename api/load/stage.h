@@ -13,27 +13,28 @@
 
 namespace diaphane::api::load {
 
-/// What the programs used, all since their start.
+/// Resources that the programs have used since their start.
 struct Usage {
   std::chrono::steady_clock::time_point at;
-  double renderd = 0, gateway = 0, redis = 0, viewers = 0;  ///< processor seconds
+  double renderd = 0, gateway = 0, redis = 0, viewers = 0;  ///< CPU seconds
   Samples worker, streams;                                  ///< metrics of renderd and gateway
 };
 
-/// Redis, renderd and gateway on sockets in a private temporary directory, and on free ports of the
-/// loopback.
+/// Runs Redis, renderd and the gateway with sockets in a private temporary directory and free
+/// loopback ports.
 class Stage {
  public:
   struct Options {
-    std::string bin_dir;  ///< diaphane-renderd, diaphane-gateway; redis-server there or in the PATH
-    std::string volume_dir;  ///< one volume of the store: volume.json and voxels.i16
+    /// Contains diaphane-renderd and diaphane-gateway, and redis-server unless it is in the PATH.
+    std::string bin_dir;
+    std::string volume_dir;  ///< directory with one stored volume: volume.json and voxels.i16
     std::string engine = "auto";
     std::size_t slots = 8;
-    std::vector<std::string> renderd_options;  ///< further ones, "--threads=2"
-    std::string log_dir;                       ///< empty: in the temporary directory
-    std::chrono::seconds start{60};            ///< for all to be ready
+    std::vector<std::string> renderd_options;  ///< additional options, for example "--threads=2"
+    std::string log_dir;                       ///< empty: the temporary directory
+    std::chrono::seconds start{60};            ///< time limit for all programs to become ready
   };
-  /// kUnavailable with the end of a log when a program does not become ready.
+  /// kUnavailable, with the end of the log, when a program does not become ready.
   static Result<std::unique_ptr<Stage>> set(Options options);
   ~Stage();
 
@@ -41,7 +42,7 @@ class Stage {
   std::uint16_t stream_port() const { return stream_port_; }
   const std::string& origin() const { return origin_; }
   const std::string& volume_id() const { return volume_id_; }
-  /// All programs still run.
+  /// Whether all programs are still running.
   bool stands();
   Usage usage() const;
 

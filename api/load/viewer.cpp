@@ -18,7 +18,7 @@ namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 
 constexpr int kBroken = 1006;
-// A picture of 4096 x 4096 in one message, with room.
+// Large enough for a picture of 4096 x 4096 in one message.
 constexpr std::size_t kMostMessageBytes = std::size_t{64} << 20;
 
 std::uint64_t microseconds(TimePoint at) {
@@ -136,7 +136,7 @@ struct Viewer::Impl : std::enable_shared_from_this<Viewer::Impl> {
   void write() {
     socket.async_write(asio::buffer(outgoing.front()),
                        [self = shared_from_this()](beast::error_code error, std::size_t) {
-                         if (error) return;  // the read tells of it
+                         if (error) return;  // the read reports the error
                          self->outgoing.pop_front();
                          if (!self->outgoing.empty()) return self->write();
                          if (self->leaving) self->say_goodbye();
@@ -159,7 +159,7 @@ struct Viewer::Impl : std::enable_shared_from_this<Viewer::Impl> {
     leaving = true;
     beast::error_code ignored;
     auto& tcp = beast::get_lowest_layer(socket).socket();
-    // A reset, not the orderly end that a page's own close would be.
+    // A reset, as opposed to the closing handshake of a page.
     tcp.set_option(asio::socket_base::linger(true, 0), ignored);
     tcp.close(ignored);
   }
@@ -177,7 +177,7 @@ struct Viewer::Impl : std::enable_shared_from_this<Viewer::Impl> {
   websocket::stream<beast::tcp_stream> socket;
   asio::steady_timer pause;
   beast::flat_buffer buffer;
-  v1::ServerMessage incoming;  // kept, so that its memory is
+  v1::ServerMessage incoming;  // reused to keep its memory
   std::deque<std::string> outgoing;
   std::string target;
   bool open = false;

@@ -31,7 +31,7 @@ std::string rfc5322_now() {
   return std::string(text, size);
 }
 
-/// "Name <address>" or "address": the address.
+/// Returns the address of "Name <address>" or "address".
 std::string address_in(const std::string& mailbox) {
   const std::size_t open = mailbox.rfind('<');
   if (open == std::string::npos) return mailbox;
@@ -47,7 +47,7 @@ std::string crlf_lines(std::string_view text) {
   return lines;
 }
 
-/// One file a mail, named so that a listing is in the order of sending.
+/// Writes one file per email. The names sort in the order of sending.
 class FileTransport final : public MailTransport {
  public:
   FileTransport(std::string directory, std::string from)
@@ -55,7 +55,7 @@ class FileTransport final : public MailTransport {
 
   Result<void> send(const Mail& mail) override {
     const auto broken = [] {
-      return fail(ErrorCode::kUnavailable, "the mail directory cannot be written");
+      return fail(ErrorCode::kUnavailable, "the mail directory is not writable");
     };
     timespec now{};
     clock_gettime(CLOCK_REALTIME, &now);
@@ -65,7 +65,7 @@ class FileTransport final : public MailTransport {
     const std::string id = random_hex(8);
     const std::string name = std::string(stamp) + "-" + id + ".eml";
     const std::filesystem::path path = std::filesystem::path(directory_) / name;
-    // Hidden until it is whole: whoever lists the directory sees no half mail.
+    // The file stays hidden until it is complete, so that readers never see a partial email.
     const std::filesystem::path temporary = std::filesystem::path(directory_) / ("." + name);
     std::ofstream file(temporary, std::ios::binary);
     ::chmod(temporary.c_str(), 0600);  // the link in it is a secret
@@ -108,7 +108,7 @@ class SmtpTransport final : public MailTransport {
   Result<void> send(const Mail& mail) override {
     const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> curl(curl_easy_init(),
                                                                    &curl_easy_cleanup);
-    if (!curl) return fail(ErrorCode::kUnavailable, "no SMTP client");
+    if (!curl) return fail(ErrorCode::kUnavailable, "cannot initialise the SMTP client");
     Reading reading{message_of(mail, from_, rfc5322_now(), random_hex(16)), 0};
     const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> recipients(
         curl_slist_append(nullptr, ("<" + one_line(mail.recipient) + ">").c_str()),
@@ -120,7 +120,7 @@ class SmtpTransport final : public MailTransport {
       curl_easy_setopt(c, CURLOPT_USERNAME, user_.c_str());
       curl_easy_setopt(c, CURLOPT_PASSWORD, password_.c_str());
     }
-    // A password never goes over an open line.
+    // A password is never sent over an unencrypted connection.
     curl_easy_setopt(c, CURLOPT_USE_SSL,
                      static_cast<long>(user_.empty() ? CURLUSESSL_TRY : CURLUSESSL_ALL));
     curl_easy_setopt(c, CURLOPT_MAIL_FROM, ("<" + address_in(from_) + ">").c_str());
@@ -135,7 +135,7 @@ class SmtpTransport final : public MailTransport {
     if (code == CURLE_OK) return {};
     long answer = 0;
     curl_easy_getinfo(c, CURLINFO_RESPONSE_CODE, &answer);
-    // 5xx to the recipient: refused for good. (530 and 535 are about us: they may be mended.)
+    // 5xx for the recipient is permanent. (530 and 535 concern our own login and may be fixed.)
     const bool for_good = answer >= 550 && answer < 560;
     return fail(for_good ? ErrorCode::kInvalid : ErrorCode::kUnavailable,
                 std::string(curl_easy_strerror(code)) + ", SMTP " + std::to_string(answer));
@@ -171,12 +171,13 @@ std::string message_of(const Mail& mail, const std::string& from, const std::str
 
 Result<std::unique_ptr<MailTransport>> open_mail_transport(const std::string& setting,
                                                            const std::string& from) {
-  if (!is_email(address_in(from))) return fail(ErrorCode::kInvalid, "--mail-from holds no address");
+  if (!is_email(address_in(from)))
+    return fail(ErrorCode::kInvalid, "--mail-from: no email address found");
   if (setting.starts_with("file:")) {
     const std::string directory = setting.substr(5);
     std::error_code ignored;
     if (!std::filesystem::is_directory(directory, ignored)) {
-      return fail(ErrorCode::kInvalid, "--mail: there is no such directory");
+      return fail(ErrorCode::kInvalid, "--mail: the directory does not exist");
     }
     return std::make_unique<FileTransport>(directory, from);
   }
@@ -184,7 +185,7 @@ Result<std::unique_ptr<MailTransport>> open_mail_transport(const std::string& se
   const std::string scheme = setting.substr(0, scheme_end);
   if (scheme_end == std::string::npos || (scheme != "smtp" && scheme != "smtps")) {
     return fail(ErrorCode::kInvalid,
-                "--mail is file:DIRECTORY or smtp://[user:password@]host:port");
+                "--mail: must be file:DIRECTORY or smtp://[user:password@]host:port");
   }
   std::string host = setting.substr(scheme_end + 3);
   std::string user, password;
@@ -196,7 +197,7 @@ Result<std::unique_ptr<MailTransport>> open_mail_transport(const std::string& se
     if (colon != std::string::npos) password = percent_decoded(login.substr(colon + 1));
   }
   if (host.empty() || host.find('/') != std::string::npos) {
-    return fail(ErrorCode::kInvalid, "--mail names no host");
+    return fail(ErrorCode::kInvalid, "--mail: the host is missing");
   }
   curl_global_init(CURL_GLOBAL_DEFAULT);
   return std::make_unique<SmtpTransport>(scheme + "://" + host, user, password, from);

@@ -22,7 +22,7 @@ using testing::Not;
 const Mail kMail{"person@example.org", "Confirm",
                  "First line\n.\nhttps://see.example/verify#token=abc\n"};
 
-/// Takes one connection and speaks just enough SMTP (RFC 5321), answering the recipient with
+/// A mail server for a single connection, with just enough SMTP (RFC 5321). It answers RCPT TO with
 /// `to_recipient`.
 class OneMailServer {
  public:

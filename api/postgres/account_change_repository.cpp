@@ -10,7 +10,7 @@ AuditEntry of_account(const std::string& user_id, std::string action) {
   return {AuditActor::kPerson, user_id, std::move(action), "account", user_id, {}};
 }
 
-/// The account whose token it was; nothing when that has gone.
+/// Returns the account of the token, or nothing if the token no longer exists.
 std::optional<std::string> use_up(pqxx::work& transaction, const std::string& token_hash,
                                   const char* purpose, Time now) {
   const pqxx::result used = transaction.exec_params(R"sql(
@@ -26,7 +26,7 @@ void set_password(pqxx::work& transaction, const std::string& user_id,
                   const std::string& password_hash) {
   transaction.exec_params0("UPDATE users SET password_hash = $2 WHERE id = $1::uuid", user_id,
                            password_hash);
-  // What was mailed before is worth nothing any more.
+  // Invalidates earlier links.
   transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1::uuid", user_id);
 }
 
@@ -134,7 +134,7 @@ Result<bool> AccountChangeRepository::confirm_email(const std::string& token_has
         token_hash);
     const auto user = use_up(transaction, token_hash, "change", now);
     if (token.empty() || !user) return false;
-    // Somebody signed up with the address and never confirmed it; this one has.
+    // Removes an account that signed up with this address but never confirmed it.
     transaction.exec_params0("DELETE FROM users WHERE email_key = $1 AND verified_at IS NULL",
                              new_email_key);
     const pqxx::result changed = transaction.exec_params(

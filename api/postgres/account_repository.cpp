@@ -165,7 +165,7 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
 Result<void> AccountRepository::extend_session(const std::string& token_hash, Time expires_at) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0(
-        // Not one that was signed out after this request was authenticated.
+        // Excludes a session that was signed out after this request was authenticated.
         "UPDATE web_sessions SET expires_at = to_timestamp($2::bigint / 1e6) "
         "WHERE token_hash = $1 AND expires_at > 'epoch'",
         token_hash, to_us(expires_at));
@@ -194,7 +194,7 @@ Result<Quota> AccountRepository::quota_of(const std::string& user_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<Quota> {
     const auto limit =
         transaction.exec_params("SELECT quota_bytes FROM users WHERE id = $1", user_id);
-    if (limit.empty()) return fail(ErrorCode::kNotFound, "There is no such account.");
+    if (limit.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
     return Quota{limit[0][0].as<std::int64_t>(),
                  transaction.exec_params1(kUsedBytes, user_id).front().as<std::int64_t>()};
   });
@@ -202,7 +202,7 @@ Result<Quota> AccountRepository::quota_of(const std::string& user_id) {
 
 Result<std::optional<std::chrono::seconds>> AccountRepository::note_attempt(
     const std::vector<AttemptLimit>& limits, Time now) {
-  // Always locked in the same order, or two attempts could wait for each other.
+  // Rows are always locked in the same order to avoid deadlocks.
   std::vector<AttemptLimit> ordered = limits;
   std::sort(ordered.begin(), ordered.end(),
             [](const auto& a, const auto& b) { return a.key_hash < b.key_hash; });
@@ -212,7 +212,7 @@ Result<std::optional<std::chrono::seconds>> AccountRepository::note_attempt(
     for (const AttemptLimit& limit : ordered) {
       transaction.exec_params1("SELECT pg_advisory_xact_lock(hashtextextended($1, 0))::text",
                                limit.key_hash);
-      // The attempt that must grow old before there is room: the count-th newest.
+      // The attempt that must expire first is the count-th newest.
       const pqxx::result blocking = transaction.exec_params(
           R"sql(
           SELECT (extract(epoch FROM happened_at) * 1000000)::bigint

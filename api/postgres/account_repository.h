@@ -44,17 +44,17 @@ class MailRepository final : public MailStore {
   Database& database_;
 };
 
-/// Ends the sign-ins of a user, but for the one named. Their rows stay, expired, until the streams
-/// that they opened have been ended (AccountChanges::end_expired_browsers).
+/// Ends the web sessions of a user, except `kept_session`. Their rows stay, as expired, until the
+/// streams that they opened have ended (AccountChanges::end_expired_browsers).
 void expire_sessions(pqxx::work& transaction, const std::string& user_id,
                      const std::string& kept_session = {});
 
-/// Sent soon after the transaction has committed.
+/// Queues an email, which is sent soon after the transaction commits.
 void queue_mail(pqxx::work& transaction, const Mail& mail, Time now);
 
-/// The bytes that an account may have and has: volumes, and uploads under way by their announced
-/// length. Locks the account until the transaction ends, so that two announcements cannot pass the
-/// quota together.
+/// Returns the quota and use of an account in bytes: volumes, and the announced lengths of
+/// unfinished uploads. Locks the account until the transaction ends, so that concurrent
+/// announcements cannot exceed the quota together.
 Quota lock_quota(pqxx::work& transaction, const std::string& user_id);
 
 }  // namespace diaphane::api

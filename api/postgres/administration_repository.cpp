@@ -6,7 +6,7 @@
 namespace diaphane::api {
 namespace {
 
-// $1 is now. Bytes as `lock_quota` counts them.
+// $1 is the current time. Bytes are counted as in `lock_quota`.
 constexpr const char* kSelectUser = R"sql(
   SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint,
          (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id),
@@ -97,7 +97,7 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
     if (change.render_quota_ms && *change.render_quota_ms != old_ms) {
       transaction.exec_params0("UPDATE users SET render_quota_ms = $2 WHERE id = $1::uuid", id,
                                *change.render_quota_ms);
-      // Whoever was warned of the old one is told anew of the new one.
+      // A new quota resets the warning about the old one.
       transaction.exec_params0("UPDATE render_time SET warned_at = NULL WHERE user_id = $1::uuid",
                                id);
       note("account.render-quota-changed", {{"from", old_ms}, {"to", *change.render_quota_ms}});
@@ -272,7 +272,7 @@ Result<RenderAccount> RenderTimeRepository::account(const std::string& user_id, 
           LEFT JOIN render_time r ON r.user_id = u.id AND r.month = m.first::date
          WHERE u.id = $1::uuid)sql",
         user_id, to_us(now));
-    if (found.empty()) return fail(ErrorCode::kNotFound, "There is no such account.");
+    if (found.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
     RenderAccount account;
     account.quota_ms = found[0][0].as<std::int64_t>();
     account.used_ms = found[0][1].as<std::int64_t>();

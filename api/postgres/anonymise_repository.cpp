@@ -9,7 +9,7 @@ Result<CutFacts> CutRepository::facts(const std::string& data_set_id) {
     const pqxx::result rows = transaction.exec_params(
         "SELECT COALESCE(head::text, ''), COALESCE(cut_problem, '') FROM data_sets WHERE id = $1",
         data_set_id);
-    if (rows.empty()) return fail(ErrorCode::kNotFound, "There is no such data set.");
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Scan not found.");
     return CutFacts{rows[0][0].as<std::string>(), rows[0][1].as<std::string>()};
   });
 }
@@ -21,8 +21,8 @@ Result<void> CutRepository::order(const CutOrder& order, Time now) {
         UPDATE data_sets SET state = 'queued', cut_problem = NULL, updated_at = to_timestamp($2::bigint / 1e6)
          WHERE id = $1 AND state = 'ready' RETURNING id)sql",
         order.data_set_id, to_us(now));
-    if (queued.empty()) return fail(ErrorCode::kConflict, "It is not ready.");
-    // Those that show the old voxels go with them, one that is just being written too.
+    if (queued.empty()) return fail(ErrorCode::kConflict, "The scan is not ready.");
+    // Schedules the deletion of thumbnails with the old voxels, even of one that is being written.
     transaction.exec_params0("UPDATE presets SET pictured_at = NULL WHERE data_set_id = $1",
                              order.data_set_id);
     transaction.exec_params0(

@@ -10,8 +10,8 @@
 namespace diaphane::api {
 namespace {
 
-/// Whose it is, as SQL has it: NULL is the sample's operator. Compared by IS NOT DISTINCT FROM,
-/// together with is_sample, so that an owner who was deleted can never be taken for the operator.
+/// The owner as an SQL parameter; NULL is the operator of the sample. Compared with IS NOT DISTINCT
+/// FROM and is_sample, so that a deleted owner is never mistaken for the operator.
 const char* owner_or_null(const Owner& owner) {
   return owner.user_id.empty() ? nullptr : owner.user_id.c_str();
 }
@@ -23,9 +23,7 @@ void dispose_of(pqxx::work& transaction, const char* kind, const std::string& id
                            kind, id, to_us(now));
 }
 
-tl::unexpected<Error> not_found() {
-  return fail(ErrorCode::kNotFound, "There is no such data set.");
-}
+tl::unexpected<Error> not_found() { return fail(ErrorCode::kNotFound, "Scan not found."); }
 
 }  // namespace
 
@@ -130,7 +128,7 @@ Result<void> DataSetRepository::remove(const Owner& owner, const std::string& id
 
 Result<Upload> DataSetRepository::find_upload(const Owner& owner, const std::string& id) {
   return database_.read([&](pqxx::work& transaction) -> Result<Upload> {
-    // An expired one has no row in `uploads` any more, but its owner is told what became of it.
+    // An expired upload has no row in `uploads` any more, but its owner still sees its state.
     const pqxx::result rows = transaction.exec_params(R"sql(
         SELECT d.state, COALESCE(u.length, 0), COALESCE(u.received, 0),
                COALESCE((extract(epoch FROM u.expires_at) * 1000000)::bigint, 0)
@@ -138,7 +136,7 @@ Result<Upload> DataSetRepository::find_upload(const Owner& owner, const std::str
          WHERE d.id = $2 AND (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.owner_id IS NULL AND d.is_sample))
            AND (u.id IS NOT NULL OR d.state = 'expired'))sql",
                                                       owner_or_null(owner), id);
-    if (rows.empty()) return fail(ErrorCode::kNotFound, "There is no such upload.");
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Upload not found.");
     return Upload{id, rows[0][1].as<std::int64_t>(), rows[0][2].as<std::int64_t>(),
                   from_us(rows[0][3].as<std::int64_t>()),
                   data_set_state_of(rows[0][0].as<std::string>())};
@@ -156,7 +154,9 @@ Result<void> DataSetRepository::advance_upload(const std::string& id, std::int64
          WHERE uploads.data_set_id = standing.id AND uploads.received = $2
         RETURNING uploads.length)sql",
         id, from, to, to_us(expires_at));
-    if (moved.empty()) return fail(ErrorCode::kConflict, "The upload stands elsewhere by now.");
+    if (moved.empty())
+      return fail(ErrorCode::kConflict,
+                  "The upload has moved on. Check its offset and continue from there.");
     if (moved[0][0].as<std::int64_t>() != to) return {};
     transaction.exec_params0(R"sql(
         UPDATE data_sets SET state = 'queued', updated_at = to_timestamp($2::bigint / 1e6)
@@ -179,7 +179,7 @@ Result<void> DataSetRepository::cancel_upload(const Owner& owner, const std::str
         owner_or_null(owner), id);
     if (found.empty()) return not_found();
     if (data_set_state_of(found[0][0].as<std::string>()) != DataSetState::kUploading) {
-      return fail(ErrorCode::kConflict, "It is past uploading.");
+      return fail(ErrorCode::kConflict, "The upload is already complete.");
     }
     transaction.exec_params0("DELETE FROM data_sets WHERE id = $1", id);
     dispose_of(transaction, "upload", id, now);

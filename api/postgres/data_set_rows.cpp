@@ -6,9 +6,9 @@
 
 namespace diaphane::api {
 
-// What belongs to a disabled account does not exist for anybody else, nor anything for its owner.
-// An owner who was deleted can never be taken for the operator: the row goes with him, and the
-// sample is asked for by is_sample.
+// Data sets of a disabled account are invisible to everyone, and its owner sees no data sets at
+// all. A deleted owner is never mistaken for the operator, because the rows are deleted with the
+// owner and samples are selected by is_sample.
 const char* const kSelectDataSet = R"sql(
   SELECT d.id, d.title, d.state, r.role, d.visibility = 'public', d.is_sample,
          COALESCE(d.refusal_code, ''), COALESCE(d.refusal_text, ''), COALESCE(d.modality, ''),
@@ -106,7 +106,7 @@ DataSet read_data_set(const pqxx::row& row) {
 }
 
 void accept_invitations(pqxx::work& transaction, const std::string& user_id) {
-  // Someone who was invited twice, by an old address and a new one, keeps the first.
+  // A person who was invited at an old and at a new address keeps the first invitation.
   transaction.exec_params0(R"sql(
       UPDATE data_set_people p SET user_id = u.id
         FROM users u

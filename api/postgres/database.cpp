@@ -7,8 +7,8 @@
 namespace diaphane::api {
 namespace {
 
-/// Connecting takes milliseconds, and a server that refuses does so at once. What took longer than
-/// this was a server that did not answer.
+/// Connecting takes milliseconds, and a refusal is immediate. If it takes longer than this, the
+/// server did not respond.
 constexpr auto kConnectingIsSilence = std::chrono::milliseconds(900);
 
 bool starts_with_any(std::string_view state, std::initializer_list<std::string_view> prefixes) {
@@ -72,7 +72,7 @@ void Database::Lease::silent() {
     database_.silent_ = true;
     in_doubt.swap(database_.idle_);
   }
-  database_.freed_.notify_all();  // nobody waits for a connection any longer
+  database_.freed_.notify_all();  // ends all waits for a connection
 }
 
 pqxx::connection& Database::Lease::connection() {
@@ -94,7 +94,7 @@ Database::Mishap Database::judge(Lease& lease, CallSite where) {
     lease.discard();
     return Mishap::kAway;
   } catch (const pqxx::in_doubt_error&) {
-    // It may have been committed: never run again.
+    // The transaction may have been committed, so it must not be repeated.
     lease.discard();
     log::warning("commit_in_doubt");
     return Mishap::kInDoubt;
@@ -106,7 +106,7 @@ Database::Mishap Database::judge(Lease& lease, CallSite where) {
     lease.answered();
     return Mishap::kAgain;
   } catch (const pqxx::unexpected_rows&) {
-    // A row that was certain to be there has been deleted since, with the account for instance.
+    // A required row has been deleted in the meantime, for example with the account.
     lease.answered();
     return Mishap::kConflict;
   } catch (const pqxx::sql_error& error) {
@@ -118,8 +118,8 @@ Database::Mishap Database::judge(Lease& lease, CallSite where) {
       lease.discard();
       return Mishap::kAway;
     }
-    // Two transactions at the same time: each saw that it may, and the second one broke a
-    // constraint. Run again, it sees what the first one did.
+    // Concurrent transactions checked the same rule, and the second one broke a constraint. When it
+    // runs again, it sees the changes of the first.
     if (starts_with_any(error.sqlstate(), {"23503", "23505", "23514"})) {
       log::info("sql_conflict", {{"reason", postgres::SqlFault(error, where).what()}});
       return Mishap::kConflict;

@@ -18,48 +18,49 @@
 
 namespace diaphane::api {
 
-/// Microseconds since 1970: how times travel to and from SQL (`to_timestamp($1::bigint / 1e6)`),
-/// exact for timestamptz.
+/// Converts to microseconds since 1970, the form of times in SQL parameters
+/// (`to_timestamp($1::bigint / 1e6)`). Exact for timestamptz.
 std::int64_t to_us(Time time);
 Time from_us(std::int64_t us);
 
-/// A bounded number of connections, opened when needed and opened anew after the server was away.
-/// Every call ends within a few seconds, also when the server is frozen: then its connection is
-/// thrown away, and until the server answers again one call at a time tries it while all others are
-/// refused at once. Thread-safe.
+/// A bounded connection pool that opens connections on demand and reconnects after an outage. Every
+/// call ends within a few seconds, even if the server is frozen. Then its connection is dropped,
+/// and until the server responds again, one call at a time probes it while all others fail
+/// immediately. Thread-safe.
 class Database {
  public:
   using CallSite = postgres::CallSite;
 
-  /// `url` is libpq's; at most `connections` at once. Connects to nothing yet.
+  /// `url` is a libpq URI. Opens at most `connections`, on demand.
   Database(std::string url, int connections);
 
-  /// Runs `work(pqxx::work&) -> Result<T>` in a transaction: committed when it succeeds, else
-  /// rolled back. It may run several times, when a connection turned out to be dead or when other
-  /// transactions were in its way, so it touches nothing but the transaction.
+  /// Runs `work(pqxx::work&) -> Result<T>` in a transaction, which is committed if `work` succeeds
+  /// and rolled back otherwise. `work` may run several times, because a connection was dead or
+  /// because of a conflict with other transactions, so it must not change anything outside the
+  /// transaction.
   ///
-  /// kUnavailable: the server is away, or all connections are in use. kOutcomeUnknown: the server
-  /// went away while it committed. kConflict: what the work refers to, or wants to make, was
-  /// removed or made by others each time that it ran. Other SQL errors are defects and are thrown
-  /// as postgres::SqlFault.
+  /// Returns kUnavailable if the server is unavailable or all connections are in use,
+  /// kOutcomeUnknown if the connection was lost during the commit, or kConflict if every run failed
+  /// because other transactions removed or created the rows that `work` needs. Other SQL errors are
+  /// bugs and are thrown as postgres::SqlFault.
   template <typename Work>
   std::invoke_result_t<Work, pqxx::work&> transact(Work&& work,
                                                    CallSite where = CallSite::current()) {
     return run(work, true, kUsual, where);
   }
 
-  /// The same for work that only reads. Nothing is committed, so the outcome is never unknown.
+  /// The same for read-only work. Nothing is committed, so the outcome is never unknown.
   template <typename Work>
   std::invoke_result_t<Work, pqxx::work&> read(Work&& work, CallSite where = CallSite::current()) {
     return run(work, false, kUsual, where);
   }
 
-  /// Says within about two seconds whether the server answers.
+  /// Checks within about two seconds whether the server responds.
   bool reachable();
 
  private:
   using SteadyTime = std::chrono::steady_clock::time_point;
-  /// How long a call waits for a connection, and then for the server, all attempts together.
+  /// Maximum wait for a connection, and then for the server, over all attempts.
   struct Limits {
     std::chrono::milliseconds connection;
     std::chrono::milliseconds answer;
@@ -77,14 +78,14 @@ class Database {
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
     bool granted() const { return granted_; }
-    /// True when it has served before, so that it may have died unnoticed.
+    /// Whether the connection was used before, so that it may have died unnoticed.
     bool reused() const { return reused_; }
-    /// Throws pqxx::broken_connection when the server is away.
+    /// Throws pqxx::broken_connection if the server is unavailable.
     pqxx::connection& connection();
     void discard() { connection_.reset(); }
-    /// The server answered, if only to refuse.
+    /// Records that the server responded, even with an error.
     void answered() { answered_ = true; }
-    /// It did not answer in time.
+    /// Records that the server did not respond in time.
     void silent();
 
    private:
@@ -99,7 +100,7 @@ class Database {
   template <typename Work>
   std::invoke_result_t<Work, pqxx::work&> run(Work& work, bool commit, const Limits& limits,
                                               CallSite where);
-  /// What the exception in flight means for `lease`. Throws SqlFault for a defect.
+  /// Classifies the current exception for `lease`. Throws SqlFault for a bug.
   static Mishap judge(Lease& lease, CallSite where);
   tl::unexpected<Error> not_granted();
   static tl::unexpected<Error> away();
@@ -112,8 +113,8 @@ class Database {
   std::mutex mutex_;
   std::condition_variable freed_;
   std::size_t leased_ = 0;
-  bool silent_ = false;   ///< the server did not answer in time, and has not answered since
-  bool probing_ = false;  ///< a call tries whether it answers again
+  bool silent_ = false;   ///< the server timed out and has not responded since
+  bool probing_ = false;  ///< a call is probing whether it responds again
   std::vector<std::unique_ptr<pqxx::connection>> idle_;
 };
 
@@ -121,9 +122,9 @@ template <typename Work>
 std::invoke_result_t<Work, pqxx::work&> Database::run(Work& work, bool commit, const Limits& limits,
                                                       CallSite where) {
   constexpr int kConflicts = 3;
-  std::optional<SteadyTime> deadline;  // from the first connection on
+  std::optional<SteadyTime> deadline;  // set with the first connection
   int conflicts = 0;
-  // Every idle connection is dead after the server was restarted; a fresh one is tried in the end.
+  // All idle connections are dead after a server restart, so the last attempt opens a new one.
   for (int attempt = 0;; ++attempt) {
     Lease lease(*this, limits.connection);
     if (!lease.granted()) return not_granted();

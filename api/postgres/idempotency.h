@@ -8,12 +8,12 @@
 
 namespace diaphane::api {
 
-/// What this person's key has made before, if anything; asked first in the transaction that would
-/// make it. The same key beside this one waits until this transaction has ended.
+/// Returns what this user's key has created before, if anything. Call it first in the transaction
+/// that creates the resource. A concurrent request with the same key waits for this transaction.
 std::optional<std::variant<Created, KeyReused>> made_before(
     pqxx::work& transaction, const std::string& user_id, const std::optional<IdempotencyKey>& key);
 
-/// In that same transaction, once it is made. Without a key nothing is noted.
+/// Call it in the same transaction after the creation. Without a key, it does nothing.
 void note_made(pqxx::work& transaction, const std::string& user_id,
                const std::optional<IdempotencyKey>& key, const std::string& id, Time now);
 

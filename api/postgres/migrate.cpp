@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/postgres/sql_fault.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -27,8 +28,9 @@ Result<std::vector<std::string>> names_in(const std::string& directory) {
     const std::string file = entry.path().filename().string();
     if (file.ends_with(kSuffix)) names.push_back(file.substr(0, file.size() - kSuffix.size()));
   }
-  if (error) return fail(ErrorCode::kInvalid, "the directory of migrations cannot be read");
-  if (names.empty()) return fail(ErrorCode::kInvalid, "no migration is in the directory");
+  if (error) return fail(ErrorCode::kInvalid, "cannot read the migrations directory");
+  if (names.empty())
+    return fail(ErrorCode::kInvalid, "the migrations directory contains no migrations");
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -46,11 +48,11 @@ Result<std::string> text_of(const std::string& path) {
 Result<std::vector<std::string>> migrate(const std::string& url, const std::string& directory,
                                          Direction direction, int steps) {
   const auto names = names_in(directory);
-  if (!names) return tl::unexpected(names.error());
+  DIAPHANE_TRY(names);
   std::string current;
   try {
     pqxx::connection connection(url);
-    // Without DETAIL, which quotes rows: "Key (email_key)=(...) is duplicated."
+    // Omits DETAIL, which quotes rows: "Key (email_key)=(...) is duplicated."
     connection.set_verbosity(pqxx::connection_base::terse);
     std::set<std::string> applied;
     {
@@ -77,7 +79,7 @@ Result<std::vector<std::string>> migrate(const std::string& url, const std::stri
       current = name;
       const char* suffix = direction == Direction::kUp ? ".up.sql" : ".down.sql";
       const auto sql = text_of(directory + "/" + name + suffix);
-      if (!sql) return tl::unexpected(sql.error());
+      DIAPHANE_TRY(sql);
       pqxx::work transaction(connection);
       transaction.exec(*sql);
       if (direction == Direction::kUp) {
@@ -89,9 +91,10 @@ Result<std::vector<std::string>> migrate(const std::string& url, const std::stri
     }
     return todo;
   } catch (const pqxx::broken_connection& error) {
-    return fail(ErrorCode::kUnavailable, std::string("the database is away: ") + error.what());
+    return fail(ErrorCode::kUnavailable,
+                std::string("the database is unavailable: ") + error.what());
   } catch (const pqxx::sql_error& error) {
-    // What is wrong with the text of a migration (class 42) quotes nothing but that text.
+    // Errors of class 42 quote only the text of the migration.
     const bool of_text = error.sqlstate().starts_with("42");
     return fail(ErrorCode::kInvalid,
                 "migration " + current + ": " +

@@ -9,11 +9,11 @@ namespace diaphane::api {
 
 enum class Direction { kUp, kDown };
 
-/// Applies the files `NNNN_name.up.sql` of `directory` that are not applied yet, in order, or takes
-/// the newest back by their `.down.sql`; each in a transaction of its own, recorded in
-/// `schema_migrations`. `steps` 0: all that there are (up), one (down). Two at once wait for each
-/// other. The names of those applied, in order. kUnavailable: the server is away. kInvalid: the
-/// directory, a file or its SQL is wrong.
+/// Applies the pending files `NNNN_name.up.sql` of `directory` in order, or reverts the newest with
+/// their `.down.sql`. Each runs in its own transaction and is recorded in `schema_migrations`.
+/// `steps` 0 means all (up) or one (down). Concurrent calls wait for each other. Returns the names
+/// of the migrations run, kUnavailable if the server is unavailable, or kInvalid if the directory,
+/// a file or its SQL is invalid.
 Result<std::vector<std::string>> migrate(const std::string& url, const std::string& directory,
                                          Direction direction, int steps);
 

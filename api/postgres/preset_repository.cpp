@@ -2,11 +2,12 @@
 
 #include "api/postgres/data_set_rows.h"
 #include "api/postgres/idempotency.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
-tl::unexpected<Error> none() { return fail(ErrorCode::kNotFound, "There is no such preset."); }
+tl::unexpected<Error> no_preset() { return fail(ErrorCode::kNotFound, "Preset not found."); }
 
 /// $1 is the viewer, or NULL. What follows FROM and the large columns differ.
 constexpr const char* kColumns = R"sql(
@@ -24,7 +25,7 @@ constexpr int kColumnCount = 16;
 constexpr const char* kTables = R"sql(
     FROM presets p JOIN users u ON u.id = p.author_id JOIN data_sets d ON d.id = p.data_set_id)sql";
 
-Preset read(const pqxx::row& row) {
+Preset read_preset(const pqxx::row& row) {
   Preset preset;
   preset.id = row[0].as<std::string>();
   preset.data_set_id = row[1].as<std::string>();
@@ -47,10 +48,11 @@ Preset read(const pqxx::row& row) {
 
 const char* id_or_null(const std::string& id) { return id.empty() ? nullptr : id.c_str(); }
 
-/// After a statement that changed nothing: was it gone, or of another version?
+/// After a statement without effect, finds out whether the preset is gone or has a newer version.
 tl::unexpected<Error> why_not(pqxx::work& transaction, const std::string& id) {
-  if (transaction.exec_params("SELECT 1 FROM presets WHERE id = $1", id).empty()) return none();
-  return fail(ErrorCode::kConflict, "It is of another version by now.");
+  if (transaction.exec_params("SELECT 1 FROM presets WHERE id = $1", id).empty())
+    return no_preset();
+  return fail(ErrorCode::kConflict, "The preset has changed in the meantime.");
 }
 
 }  // namespace
@@ -63,7 +65,7 @@ Result<std::vector<Preset>> PresetRepository::list(const std::string& data_set_i
          ORDER BY is_default DESC, votes DESC, p.created_at, p.id)sql",
                                                       id_or_null(viewer_id), data_set_id);
     std::vector<Preset> found;
-    for (const pqxx::row& row : rows) found.push_back(read(row));
+    for (const pqxx::row& row : rows) found.push_back(read_preset(row));
     return found;
   });
 }
@@ -74,8 +76,8 @@ Result<Preset> PresetRepository::find(const std::string& id, const std::string& 
         transaction.exec_params(std::string(kColumns) + ", p.scene, COALESCE(p.kept_xml, '')" +
                                     kTables + " WHERE p.id = $2 AND u.disabled_at IS NULL",
                                 id_or_null(viewer_id), id);
-    if (rows.empty()) return none();
-    Preset preset = read(rows[0]);
+    if (rows.empty()) return no_preset();
+    Preset preset = read_preset(rows[0]);
     preset.scene = rows[0][kColumnCount].as<std::string>();
     preset.kept_xml = rows[0][kColumnCount + 1].as<std::string>();
     return preset;
@@ -87,11 +89,11 @@ Result<std::variant<Created, KeyReused>> PresetRepository::add(
   using Answer = std::variant<Created, KeyReused>;
   return database_.transact([&](pqxx::work& transaction) -> Result<Answer> {
     if (const auto before = made_before(transaction, preset.author_id, key)) return *before;
-    // Additions at once are counted one after the other.
+    // The lock serialises concurrent additions, so that each is counted.
     if (transaction
             .exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", preset.data_set_id)
             .empty()) {
-      return none();
+      return no_preset();
     }
     const auto count = transaction.exec_params1(
         "SELECT count(*) FILTER (WHERE author_id = $2), count(*) FROM presets "
@@ -99,7 +101,7 @@ Result<std::variant<Created, KeyReused>> PresetRepository::add(
         preset.data_set_id, preset.author_id);
     if (count[0].as<int>() >= limits.of_author || count[1].as<int>() >= limits.of_data_set) {
       return fail(ErrorCode::kTooMany,
-                  "This scan has as many presets as it may have; delete one of yours first.");
+                  "This scan has reached its preset limit. Delete one of your presets first.");
     }
     transaction.exec_params0(R"sql(
         INSERT INTO presets (id, data_set_id, author_id, name, scene, kept_xml, created_at, updated_at)
@@ -122,7 +124,7 @@ Result<void> PresetRepository::change(const std::string& id, int version, const 
         id, version, what.name ? what.name->c_str() : nullptr,
         what.scene ? what.scene->c_str() : nullptr, to_us(now));
     if (changed.empty()) return why_not(transaction, id);
-    // An owner's own preset stays the default as it is now; of anybody else's they have a copy.
+    // The default follows the owner's own preset, but is a copy of another author's preset.
     transaction.exec_params0(R"sql(
         UPDATE data_sets d SET default_scene = p.scene
           FROM presets p
@@ -154,7 +156,7 @@ Result<void> PresetRepository::vote(const std::string& id, const std::string& us
         SELECT id, $2, $3 FROM presets WHERE id = $1
         ON CONFLICT (preset_id, user_id) DO UPDATE SET value = excluded.value RETURNING 1)sql",
         id, user_id, value);
-    if (noted.empty()) return none();
+    if (noted.empty()) return no_preset();
     return {};
   });
 }
@@ -172,7 +174,7 @@ Result<void> PresetRepository::set_default(const std::string& data_set_id,
                 WHERE id = $2::uuid AND data_set_id = $1 AND taken_down_at IS NULL))
         RETURNING 1)sql",
         data_set_id, id_or_null(preset_id));
-    if (done.empty()) return none();
+    if (done.empty()) return no_preset();
     return {};
   });
 }
@@ -192,7 +194,7 @@ Result<std::string> PresetRepository::default_scene(const std::string& data_set_
 Result<std::optional<PresetPicture>> PresetRepository::claim_picture(Time now,
                                                                      std::chrono::seconds lease) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<PresetPicture>> {
-    // What is still to be removed goes first: it would take the new one with it.
+    // A pending deletion runs first, because it would remove the new file as well.
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         WITH next AS (
@@ -233,8 +235,8 @@ Result<void> PresetRepository::postpone_picture(const std::string& preset_id, Ti
 Result<bool> PresetRepository::keep_picture(const PresetPicture& picture, Time now,
                                             const std::function<Result<void>()>& write) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
-    // Held until the file is there: whoever changes, cuts or deletes comes after it, and has it
-    // removed.
+    // The lock is held until the file exists. Later changes, anonymisations and deletions then
+    // remove it.
     const pqxx::result same = transaction.exec_params(
         R"sql(
         SELECT 1 FROM presets p JOIN data_sets d ON d.id = p.data_set_id
@@ -244,7 +246,7 @@ Result<bool> PresetRepository::keep_picture(const PresetPicture& picture, Time n
            FOR UPDATE OF p)sql",
         picture.preset_id, picture.scene, picture.cut_at ? to_us(*picture.cut_at) : 0);
     if (same.empty()) return false;
-    if (auto done = write(); !done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(write());
     transaction.exec_params0(
         "UPDATE presets SET pictured_at = to_timestamp($2::bigint / 1e6) WHERE id = $1",
         picture.preset_id, to_us(now));

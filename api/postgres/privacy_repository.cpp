@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kExportAttempts = 3;
 
-/// A column by which rows belong to an account or to a data set.
+/// A column that links rows to an account or to a data set.
 struct Belonging {
   std::string table, column;
 };
@@ -30,7 +30,7 @@ std::vector<Belonging> belongings(pqxx::work& transaction, const char* to, bool 
   return found;
 }
 
-/// The rows of a table (a name from the catalogue, quoted there) as a JSON array, without secrets.
+/// Returns the rows of a table (name quoted, from the catalogue) as a JSON array without secrets.
 ExportSection rows(pqxx::work& transaction, const Belonging& of, const std::string& where,
                    const std::string& user_id) {
   const std::string query =
@@ -137,7 +137,7 @@ Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string
                                   " IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid)",
                               user_id));
     }
-    // Whoever else acted is not this person's to know.
+    // Hides the identity of other actors.
     sections.push_back({"audit.json", transaction
                                           .exec_params1(R"sql(
         SELECT COALESCE(json_agg(json_build_object(
@@ -204,7 +204,7 @@ Result<ExportStore::Sizes> PrivacyRepository::sizes(const std::string& user_id) 
 
 Result<void> PrivacyRepository::wait(const std::string& id, Time not_before) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    // It must not expire while it waits.
+    // An export must not expire while it waits.
     transaction.exec_params0(
         R"sql(
         UPDATE exports
@@ -260,7 +260,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
             OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid
                                UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid))sql",
         user_id);
-    // What was said may stay said, but not in this person's words.
+    // A report may remain, but without the words of this user.
     transaction.exec_params0("UPDATE reports SET words = '' WHERE reporter_id = $1::uuid", user_id);
     note_in_audit_log(transaction,
                       {AuditActor::kPerson,
@@ -275,7 +275,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
     }
     transaction.exec_params0("DELETE FROM mail_queue WHERE lower(recipient) = lower($1)", email);
     queue_mail(transaction, told, now);
-    // The rest hangs on this row (ON DELETE CASCADE).
+    // All other rows are deleted with this one (ON DELETE CASCADE).
     transaction.exec_params0("DELETE FROM users WHERE id = $1::uuid", user_id);
     return data_sets;
   });

@@ -6,8 +6,8 @@
 
 namespace diaphane::api {
 
-/// All that is held of a person, given and taken away. Which tables hold something follows from
-/// their foreign keys, so that a new table is neither forgotten in an export nor in a deletion.
+/// Exports and deletes all data about a user. The tables are found by their foreign keys, so that a
+/// new table is included in exports and deletions automatically.
 class PrivacyRepository final : public ExportStore, public AccountDeletionStore {
  public:
   explicit PrivacyRepository(Database& database) : database_(database) {}

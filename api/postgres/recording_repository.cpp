@@ -3,7 +3,7 @@
 namespace diaphane::api {
 namespace {
 
-Recording read(const pqxx::row& row) {
+Recording read_recording(const pqxx::row& row) {
   Recording recording;
   recording.id = row[0].as<std::string>();
   recording.body = row[1].as<std::string>();
@@ -14,7 +14,7 @@ Recording read(const pqxx::row& row) {
   return recording;
 }
 
-tl::unexpected<Error> none() { return fail(ErrorCode::kNotFound, "There is no such recording."); }
+tl::unexpected<Error> no_recording() { return fail(ErrorCode::kNotFound, "Recording not found."); }
 
 }  // namespace
 
@@ -40,19 +40,20 @@ Result<void> RecordingRepository::set_consent(const std::string& user_id, bool g
 Result<void> RecordingRepository::add(const std::string& user_id, const Recording& recording,
                                       std::int64_t most_bytes) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    // The lock makes one count of several additions at once, and of a consent that is taken back.
+    // The lock serialises concurrent additions and a withdrawal of the consent.
     const auto person = transaction.exec_params(
         "SELECT recording_consent_at IS NOT NULL FROM users WHERE id = $1::uuid FOR UPDATE",
         user_id);
     if (person.empty() || !person[0][0].as<bool>()) {
-      return fail(ErrorCode::kForbidden, "Recording is switched off.");
+      return fail(ErrorCode::kForbidden, "Recording is turned off.");
     }
     const auto sum = transaction.exec_params1(
         "SELECT COALESCE(sum(octet_length(body)), 0)::bigint FROM recordings "
         "WHERE user_id = $1::uuid",
         user_id);
     if (sum[0].as<std::int64_t>() + static_cast<std::int64_t>(recording.body.size()) > most_bytes) {
-      return fail(ErrorCode::kTooLarge, "There is no room for more recordings; delete some.");
+      return fail(ErrorCode::kTooLarge,
+                  "You have reached the storage limit for recordings. Delete some first.");
     }
     transaction.exec_params0(R"sql(
         INSERT INTO recordings (id, user_id, body, events, duration_ms, created_at, expires_at)
@@ -75,7 +76,7 @@ Result<std::vector<Recording>> RecordingRepository::of(const std::string& user_i
               WHERE user_id = $1::uuid AND expires_at > to_timestamp($2::bigint / 1e6)
               ORDER BY created_at DESC, id)sql",
                                                         user_id, to_us(now))) {
-      recordings.push_back(read(row));
+      recordings.push_back(read_recording(row));
     }
     return recordings;
   });
@@ -90,8 +91,8 @@ Result<Recording> RecordingRepository::find(const std::string& user_id, const st
           FROM recordings
          WHERE user_id = $1::uuid AND id = $2::uuid AND expires_at > to_timestamp($3::bigint / 1e6))sql",
                                               user_id, id, to_us(now));
-    if (rows.empty()) return none();
-    return read(rows[0]);
+    if (rows.empty()) return no_recording();
+    return read_recording(rows[0]);
   });
 }
 
@@ -99,7 +100,7 @@ Result<void> RecordingRepository::remove(const std::string& user_id, const std::
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const auto done = transaction.exec_params(
         "DELETE FROM recordings WHERE user_id = $1::uuid AND id = $2::uuid", user_id, id);
-    if (done.affected_rows() == 0) return none();
+    if (done.affected_rows() == 0) return no_recording();
     return {};
   });
 }

@@ -3,12 +3,6 @@
 #include "api/postgres/audit_repository.h"
 
 namespace diaphane::api {
-namespace {
-
-tl::unexpected<Error> none(const char* what) { return fail(ErrorCode::kNotFound, what); }
-
-}  // namespace
-
 Result<void> ReportRepository::report(const Report& report, const std::string& reporter_id) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const std::string about =
@@ -30,7 +24,7 @@ Result<void> ReportRepository::report(const Report& report, const std::string& r
 
 Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& entry, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Report>> {
-    // What has become private since is none of an administrator's business: not even its title.
+    // Administrators must not see a data set that has become private, not even its title.
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT r.id, d.id, CASE WHEN s.shown THEN d.title ELSE '' END, COALESCE(p.id::text, ''),
@@ -60,7 +54,7 @@ Result<void> ReportRepository::close(const std::string& report_id, const AuditEn
         R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
                WHERE id = $1 AND closed_at IS NULL RETURNING 1)sql",
         report_id, to_us(now));
-    if (closed.empty()) return none("There is no such report.");
+    if (closed.empty()) return fail(ErrorCode::kNotFound, "Report not found.");
     note_in_audit_log(transaction, entry, now);
     return {};
   });
@@ -76,7 +70,7 @@ Result<void> ReportRepository::take_down(const std::string& data_set_id, const s
                              updated_at = to_timestamp($3::bigint / 1e6)
          WHERE id = $1 RETURNING 1)sql",
         data_set_id, reason, to_us(now));
-    if (taken.empty()) return none("There is no such data set.");
+    if (taken.empty()) return fail(ErrorCode::kNotFound, "Scan not found.");
     transaction.exec_params0("DELETE FROM data_set_people WHERE data_set_id = $1", data_set_id);
     transaction.exec_params0("DELETE FROM data_set_links WHERE data_set_id = $1", data_set_id);
     transaction.exec_params0(
@@ -114,7 +108,7 @@ Result<void> ReportRepository::take_down_preset(const std::string& preset_id,
         UPDATE presets SET taken_down_reason = $2, taken_down_at = to_timestamp($3::bigint / 1e6)
          WHERE id = $1 RETURNING 1)sql",
         preset_id, reason, to_us(now));
-    if (taken.empty()) return none("There is no such preset.");
+    if (taken.empty()) return fail(ErrorCode::kNotFound, "Preset not found.");
     transaction.exec_params0(
         "UPDATE data_sets SET default_preset_id = NULL WHERE default_preset_id = $1", preset_id);
     transaction.exec_params0(

@@ -25,8 +25,9 @@ class SecondFactorRepository final : public SecondFactorStore {
                                     Time now) override;
   Result<void> remove(const std::string& user_id, const Mail& told, Time now) override;
 
-  /// By a command on the machine, for who has lost everything. False: no such account, or it has
-  /// none.
+  /// Removes the second factor for `diaphane-api admin reset-2fa`, for users who lost both their
+  /// device and their recovery codes. Returns false if there is no such account or it has no second
+  /// factor.
   Result<bool> take_off(const std::string& email_key, const Mail& told, Time now);
 
  private:

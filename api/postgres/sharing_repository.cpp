@@ -7,10 +7,8 @@
 namespace diaphane::api {
 namespace {
 
-tl::unexpected<Error> none(const char* what) { return fail(ErrorCode::kNotFound, what); }
-
-/// Two additions at once are counted one after the other, and a data set that is being deleted gets
-/// none.
+/// Serialises concurrent additions, so that each is counted, and prevents additions to a data set
+/// that is being deleted.
 bool lock_data_set(pqxx::work& transaction, const std::string& id) {
   return !transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", id).empty();
 }
@@ -36,7 +34,8 @@ Result<std::vector<SharedPerson>> SharingRepository::people(const std::string& d
 Result<bool> SharingRepository::share_with(const std::string& data_set_id,
                                            const SharedPerson& person, int most, const Mail& mail) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
-    if (!lock_data_set(transaction, data_set_id)) return none("There is no such data set.");
+    if (!lock_data_set(transaction, data_set_id))
+      return fail(ErrorCode::kNotFound, "Scan not found.");
     const pqxx::result known = transaction.exec_params(
         R"sql(
         UPDATE data_set_people SET may_save = $3 WHERE data_set_id = $1 AND email_key = $2
@@ -46,14 +45,15 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
     const auto count = transaction.exec_params1(
         "SELECT count(*) FROM data_set_people WHERE data_set_id = $1", data_set_id);
     if (count[0].as<int>() >= most) {
-      return fail(ErrorCode::kTooMany, "It is shared with as many people as it may be.");
+      return fail(ErrorCode::kTooMany,
+                  "You have reached the maximum number of people for this scan.");
     }
     transaction.exec_params0(R"sql(
         INSERT INTO data_set_people (id, data_set_id, email_key, may_save, created_at)
         VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6)))sql",
                              person.id, data_set_id, person.email_key, person.may_save,
                              to_us(person.created_at));
-    // Whose address it is now, not whose it will be when he comes.
+    // Grants access to the current owner of the address.
     const pqxx::result there =
         transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
     if (!there.empty()) accept_invitations(transaction, there[0][0].as<std::string>());
@@ -68,7 +68,8 @@ Result<void> SharingRepository::unshare(const std::string& data_set_id,
     const pqxx::result gone = transaction.exec_params(
         "DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
         person_id);
-    if (gone.empty()) return none("It is not shared with this person.");
+    if (gone.empty())
+      return fail(ErrorCode::kNotFound, "This scan is not shared with this person.");
     return {};
   });
 }
@@ -105,19 +106,21 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
                  (extract(epoch FROM expires_at) * 1000000)::bigint, slices
             FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
           std::get<Created>(*before).id, token_hash);
-      if (there.empty()) return fail(ErrorCode::kConflict, "It cannot be shown again.");
+      if (there.empty()) return fail(ErrorCode::kConflict, "The link can't be shown again.");
       return DataSetLink{there[0][0].as<std::string>(), from_us(there[0][1].as<std::int64_t>()),
                          from_us(there[0][2].as<std::int64_t>()), there[0][3].as<bool>()};
     }
-    if (!lock_data_set(transaction, data_set_id)) return none("There is no such data set.");
+    if (!lock_data_set(transaction, data_set_id))
+      return fail(ErrorCode::kNotFound, "Scan not found.");
     const auto count = transaction.exec_params1(
         R"sql(SELECT count(*) FROM data_set_links
                WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
         data_set_id, to_us(link.created_at));
     if (count[0].as<int>() >= most) {
-      return fail(ErrorCode::kTooMany, "It has as many links as it may have; end one first.");
+      return fail(ErrorCode::kTooMany,
+                  "This scan has reached its link limit. Disable a link first.");
     }
-    // A key that was forgotten since makes the token of the link that it made then.
+    // A key whose record has expired still derives the token of its original link.
     const pqxx::result made = transaction.exec_params(
         R"sql(
         INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at, slices)
@@ -125,7 +128,7 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
         ON CONFLICT (token_hash) DO NOTHING RETURNING 1)sql",
         link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at),
         link.slices);
-    if (made.empty()) return fail(ErrorCode::kConflict, "It cannot be made again.");
+    if (made.empty()) return fail(ErrorCode::kConflict, "The link can't be created again.");
     note_made(transaction, owner_id, key, link.id, link.created_at);
     return link;
   });
@@ -137,7 +140,7 @@ Result<void> SharingRepository::end_link(const std::string& data_set_id,
     const pqxx::result gone = transaction.exec_params(
         "DELETE FROM data_set_links WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
         link_id);
-    if (gone.empty()) return none("There is no such link.");
+    if (gone.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
     return {};
   });
 }
@@ -152,11 +155,11 @@ Result<SharingStore::Followed> SharingRepository::follow(const std::string& toke
          WHERE l.token_hash = $1 AND l.expires_at > to_timestamp($2::bigint / 1e6)
            AND d.state = 'ready' AND d.taken_down_at IS NULL)sql",
         token_hash, to_us(now));
-    if (rows.empty()) return none("There is no such link.");
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
     const pqxx::result data_set =
         transaction.exec_params(std::string(kSelectDataSet) + " AND d.id = $4", rows[0][4].c_str(),
                                 false, false, rows[0][3].as<std::string>());
-    if (data_set.empty()) return none("There is no such link.");
+    if (data_set.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
     Followed followed{{rows[0][0].as<std::string>(), from_us(rows[0][1].as<std::int64_t>()),
                        from_us(rows[0][2].as<std::int64_t>()), rows[0][5].as<bool>()},
                       read_data_set(data_set[0])};
@@ -194,7 +197,7 @@ Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
                                                         const GalleryQuestion& question) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
     const auto& after = question.after;
-    // Each word is the beginning of one. Blanks and punctuation part them, so none is an operator.
+    // Each word is a prefix. Spaces and punctuation separate words, so none can be an operator.
     const pqxx::result rows = transaction.exec_params(
         std::string(kSelectDataSet) + R"sql(
            AND d.visibility = 'public' AND d.state = 'ready' AND ($4::bool IS FALSE OR d.is_sample)
@@ -218,7 +221,7 @@ Result<std::string> SharingRepository::public_name(const std::string& user_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::string> {
     const pqxx::result rows =
         transaction.exec_params("SELECT public_name FROM users WHERE id = $1", user_id);
-    if (rows.empty()) return none("There is no such account.");
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
     return shown_name(rows[0][0].as<std::string>());
   });
 }
@@ -234,7 +237,7 @@ Result<void> SharingRepository::set_public_name(const std::string& user_id,
 Result<Visit> SharingRepository::note_visit(const Visit& visit, const VisitLimits& limits,
                                             Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<Visit> {
-    // One count after the other: the bound holds for visitors who come together.
+    // Serialises the counting, so that the limit also holds for concurrent visitors.
     transaction.exec("LOCK TABLE visits IN SHARE ROW EXCLUSIVE MODE");
     const pqxx::result known = transaction.exec_params(
         R"sql(SELECT (extract(epoch FROM expires_at) * 1000000)::bigint FROM visits
@@ -252,13 +255,13 @@ Result<Visit> SharingRepository::note_visit(const Visit& visit, const VisitLimit
           FROM visits WHERE expires_at > to_timestamp($1::bigint / 1e6))sql",
         to_us(now), visit.address_hash, visit.link_id.empty() ? nullptr : visit.link_id.c_str());
     if (count[0].as<int>() >= limits.most) {
-      return fail(ErrorCode::kTooMany, "As many visits as there may be.");
+      return fail(ErrorCode::kTooMany, "The limit of visits is reached.");
     }
     if (count[1].as<int>() >= limits.by_address) {
-      return fail(ErrorCode::kTooMany, "As many visits as an address may have.", "address");
+      return fail(ErrorCode::kTooMany, "The limit of visits per address is reached.", "address");
     }
     if (count[2].as<int>() >= limits.by_link) {
-      return fail(ErrorCode::kTooMany, "As many visits as a link may have.", "link");
+      return fail(ErrorCode::kTooMany, "The limit of visits per link is reached.", "link");
     }
     transaction.exec_params0(
         R"sql(
@@ -284,7 +287,7 @@ Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time 
          WHERE v.session_id = $1 AND v.expires_at > to_timestamp($2::bigint / 1e6)
            AND d.taken_down_at IS NULL AND o.disabled_at IS NULL)sql",
         session_id, to_us(now));
-    if (rows.empty()) return none("There is no such visit.");
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Visit not found.");
     return Visit{session_id, rows[0][0].as<std::string>(), rows[0][1].as<std::string>(),
                  from_us(rows[0][2].as<std::int64_t>())};
   });
@@ -311,7 +314,7 @@ Result<void> SharingRepository::forget_visit(const std::string& session_id) {
 
 Result<void> SharingRepository::expire_links(Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    // Those with visits later, when their sessions have been ended.
+    // Links with visits are removed later, after their sessions have ended.
     transaction.exec_params0(R"sql(
         DELETE FROM data_set_links l
          WHERE expires_at <= to_timestamp($1::bigint / 1e6)

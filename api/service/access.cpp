@@ -24,10 +24,10 @@ constexpr unsigned all_of(std::initializer_list<Action> actions) {
 }
 
 constexpr unsigned kSee = all_of({Action::kFind, Action::kLook});
-/// What anybody with an account may do with what is public.
+/// Actions that every user may perform on public data sets.
 constexpr unsigned kTakePart =
     kSee | all_of({Action::kInvite, Action::kSavePreset, Action::kVote, Action::kReport});
-/// What an owner may whatever became of it.
+/// Actions that an owner may perform in any state.
 constexpr unsigned kKeep =
     kSee | all_of({Action::kSavePreset, Action::kDescribe, Action::kAnonymise, Action::kDelete});
 constexpr unsigned kJudge = kSee | bit(Action::kTakeDown);
@@ -40,7 +40,7 @@ unsigned allowed_when_private(Role role) {
       return kSee | bit(Action::kSavePreset);
     case Role::kOwner:
       return kKeep | all_of({Action::kInvite, Action::kShare, Action::kPublish});
-    case Role::kAdministrator:  // what is private is none of his business
+    case Role::kAdministrator:  // administrators must not see private data sets
     default:
       return 0;
   }

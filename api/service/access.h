@@ -4,17 +4,18 @@
 #include <optional>
 #include <string_view>
 
-/// Who may what with a data set: the one table that every route asks.
+/// The permissions on a data set. Every route checks this single table.
 namespace diaphane::api {
 
-/// What somebody is to a data set. Who holds a link to it has kSharedView for as long as it holds.
+/// The role of a user for a data set. A visitor with a link has kSharedView while the link is
+/// valid.
 enum class Role {
   kNobody,      ///< without an account
-  kUnverified,  ///< with one whose address was never confirmed
-  kOther,       ///< with one, and no more than that
+  kUnverified,  ///< with an account whose email address was never confirmed
+  kOther,       ///< with an account, but without any other relation to the data set
   kSharedView,
-  kSharedEdit,  ///< may save presets
-  kOwner,       ///< of a sample: its operator
+  kSharedEdit,  ///< can save presets
+  kOwner,       ///< for a sample: its operator
   kAdministrator,
 };
 inline constexpr std::array kRoles{Role::kNobody,       Role::kUnverified, Role::kOther,
@@ -22,18 +23,18 @@ inline constexpr std::array kRoles{Role::kNobody,       Role::kUnverified, Role:
                                    Role::kAdministrator};
 
 enum class Action {
-  kFind,        ///< learn that it is there, its title and size
-  kLook,        ///< open it, get pictures and presets of it
-  kInvite,      ///< let others into one's own session by a live link
-  kSavePreset,  ///< and change or delete it again
-  kVote,        ///< for presets
-  kReport,      ///< abuse
-  kDescribe,    ///< title, description, body part, default preset; delete anybody's presets
-  kShare,       ///< people and links, and seeing them
-  kPublish,     ///< into the gallery and out of it
-  kAnonymise,   ///< cut voxels away
-  kDelete,      ///< with all that was made of it
-  kTakeDown,    ///< and lift it again; delete anybody's presets; read reports
+  kFind,        ///< see that it exists, its title and its size
+  kLook,        ///< open it and get its images and presets
+  kInvite,      ///< let others join your own session with a live link
+  kSavePreset,  ///< and change or delete your own presets
+  kVote,        ///< vote for presets
+  kReport,      ///< report abuse
+  kDescribe,    ///< set title, description, body part and default preset; delete any preset
+  kShare,       ///< list and change people and links
+  kPublish,     ///< add it to the gallery or remove it
+  kAnonymise,   ///< remove voxels
+  kDelete,      ///< with everything derived from it
+  kTakeDown,    ///< and restore it; delete any preset; read reports
 };
 inline constexpr std::array kActions{Action::kFind,       Action::kLook,   Action::kInvite,
                                      Action::kSavePreset, Action::kVote,   Action::kReport,
@@ -43,15 +44,15 @@ inline constexpr std::array kActions{Action::kFind,       Action::kLook,   Actio
 enum class Exposure {
   kPrivate,
   kPublic,
-  kSample,     ///< public, belongs to nobody, and can be looked at without an account
-  kTakenDown,  ///< by an administrator
+  kSample,     ///< public, belongs to nobody and can be viewed without an account
+  kTakenDown,  ///< hidden by an administrator
 };
 inline constexpr std::array kExposures{Exposure::kPrivate, Exposure::kPublic, Exposure::kSample,
                                        Exposure::kTakenDown};
 
 bool may(Role role, Action action, Exposure exposure);
 
-/// What a signed-in person is: an administrator is also whatever anybody else would be.
+/// The role of a signed-in user. An administrator also has the role that they would have otherwise.
 struct Standing {
   Role role = Role::kNobody;
   bool administrator = false;

@@ -8,9 +8,8 @@
 namespace diaphane::api {
 namespace {
 
-/// The whole table, written by hand a second time. A column an action, in the order of `kActions`:
-/// find, look, invite, save preset, vote, report, describe, share, publish, anonymise, delete, take
-/// down.
+/// The whole table, repeated by hand. Each column is an action, in the order of `kActions`: find,
+/// look, invite, save preset, vote, report, describe, share, publish, anonymise, delete, take down.
 const std::map<std::pair<Exposure, Role>, std::string> kTable{
     {{Exposure::kPrivate, Role::kNobody}, "------------"},
     {{Exposure::kPrivate, Role::kUnverified}, "------------"},

@@ -13,7 +13,7 @@ constexpr int kBrowsersAtOnce = 1000;
 
 tl::unexpected<Problem> too_old() {
   return refuse(ProblemKind::kLinkExpired,
-                "This link was used already or is too old. Ask for a new one.");
+                "This link has expired or was already used. Request a new one.");
 }
 
 }  // namespace
@@ -30,20 +30,20 @@ AccountChanges::AccountChanges(AccountChangeStore& store, AccountStore& attempts
       options_(std::move(options)) {}
 
 void AccountChanges::end_pictures(const std::string& user_id) {
-  // Redis may be away: nobody can open a picture anew with what was taken from him, and those that
-  // run are bound to end within a day.
-  if (!placement_.end_all_by(user_id)) log::warning("pictures of an account not ended");
+  // Redis may be unavailable. No new session can be opened with the revoked access, and running
+  // sessions end within a day at the latest.
+  if (!placement_.end_all_by(user_id)) log::warning("failed to end an account's sessions");
 }
 
 Outcome<void> AccountChanges::request_reset(const std::string& email, const std::string& address) {
-  if (!is_email(email)) return refuse_field("email", "This is not an e-mail address.");
+  if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
   const auto now = clock_.wall();
   const std::string key = email_key(email);
   const auto wait = attempts_.note_attempt(
       {{attempt_key("reset-address", address), options_.resets_by_address, options_.window}}, now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
-  // Said to nobody, as when signing up.
+  // The response does not reveal that the limit was reached, as for sign-up.
   const auto full = attempts_.note_attempt(
       {{attempt_key(kResetMails, key), options_.mails_by_recipient, options_.window}}, now);
   if (!full) return refuse(full.error());
@@ -60,7 +60,7 @@ Outcome<void> AccountChanges::request_reset(const std::string& email, const std:
 }
 
 Outcome<void> AccountChanges::reset(const std::string& token, const std::string& password) {
-  if (!is_token(token)) return refuse_field("token", "This is not the token of a link.");
+  if (!is_token(token)) return refuse_field("token", "This link is incomplete or invalid.");
   const auto now = clock_.wall();
   const std::string token_hash = blake2b(token);
   const auto bearer = store_.find_token(token_hash, "reset", now);
@@ -76,7 +76,8 @@ Outcome<void> AccountChanges::reset(const std::string& token, const std::string&
       store_.reset(token_hash, *hash, mails::password_changed(person.email, forgot_url()), now);
   if (!done) return refuse(done.error());
   if (!*done) return too_old();
-  // Whoever reads the mail is the one who is let in, however often somebody else has guessed.
+  // Clears the failures, so that the reader of the mailbox can sign in however often others have
+  // guessed.
   (void)attempts_.forget_attempts(attempt_key("account", email_key(person.email)), std::nullopt);
   end_pictures(person.user_id);
   wake_mailer_();
@@ -102,9 +103,10 @@ Outcome<void> AccountChanges::change_password(const Principal& who, const std::s
 
 Outcome<void> AccountChanges::request_email(const Principal& who, const std::string& new_email,
                                             const std::string& password) {
-  if (!is_email(new_email)) return refuse_field("email", "This is not an e-mail address.");
+  if (!is_email(new_email)) return refuse_field("email", "Enter a valid email address.");
   const std::string key = email_key(new_email);
-  if (key == email_key(who.email)) return refuse_field("email", "This is your address already.");
+  if (key == email_key(who.email))
+    return refuse_field("email", "This is already your email address.");
   if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
@@ -131,7 +133,7 @@ Outcome<void> AccountChanges::request_email(const Principal& who, const std::str
 }
 
 Outcome<void> AccountChanges::confirm_email(const Principal& who, const std::string& token) {
-  if (!is_token(token)) return refuse_field("token", "This is not the token of a link.");
+  if (!is_token(token)) return refuse_field("token", "This link is incomplete or invalid.");
   const auto now = clock_.wall();
   const std::string token_hash = blake2b(token);
   const auto bearer = store_.find_token(token_hash, "change", now);
@@ -139,8 +141,8 @@ Outcome<void> AccountChanges::confirm_email(const Principal& who, const std::str
   if (!*bearer) return too_old();
   if ((*bearer)->user_id != who.user_id) {
     return refuse(ProblemKind::kForbidden,
-                  "This link belongs to another account. Sign in to the account that asked for the "
-                  "new address, then open the link again.");
+                  "This link belongs to a different account. Sign in to the account that requested "
+                  "the change, then open the link again.");
   }
   const auto done = store_.confirm_email(token_hash, email_key((*bearer)->new_email),
                                          mails::address_changed((*bearer)->email), now);
@@ -157,7 +159,7 @@ Outcome<std::vector<BrowserSession>> AccountChanges::browser_sessions(const Prin
 }
 
 Outcome<void> AccountChanges::end_browser_session(const Principal& who, const std::string& id) {
-  const auto none = [] { return refuse(ProblemKind::kNotFound, "There is no such session."); };
+  const auto none = [] { return refuse(ProblemKind::kNotFound, "Session not found."); };
   if (!is_id(id)) return none();
   const auto done = store_.end_browser_session(who.user_id, id);
   if (!done) return refuse(done.error());

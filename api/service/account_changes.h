@@ -10,23 +10,23 @@
 
 namespace diaphane::api {
 
-/// A signed-in browser, as its person knows it.
+/// A signed-in browser, as shown to its user.
 struct BrowserSession {
   std::string id;
-  std::string browser;  ///< "Firefox on Windows"; empty: not told
+  std::string browser;  ///< for example "Firefox on Windows"; empty if unknown
   Time created_at, used_at;
 };
 
-/// A sign-in that is over, by sign-out or by age.
+/// A web session that has ended by sign-out or by expiry.
 struct ExpiredBrowser {
   std::string id, user_id;
 };
 
-/// What a mailed token is for.
+/// The purpose of an emailed token.
 struct TokenBearer {
   std::string user_id;
-  std::string email;      ///< of the account, now
-  std::string new_email;  ///< purpose "change"
+  std::string email;      ///< current address of the account
+  std::string new_email;  ///< for the purpose "change"
 };
 
 struct EmailRequest {
@@ -34,46 +34,47 @@ struct EmailRequest {
   std::string new_email, new_email_key;
   std::string token_hash;
   Time token_expires_at;
-  Mail confirm;  ///< to the new address
-  Mail taken;    ///< to the new address, when it has an account
+  Mail confirm;  ///< sent to the new address
+  Mail taken;    ///< sent to the new address if it already has an account
   Mail to_old;
 };
 
-/// Every function: kUnavailable when the database is away. Each is one transaction, its entry in
-/// the audit log included.
+/// Every function returns kUnavailable if the database is unavailable. Each is one transaction,
+/// which includes its entry in the audit log.
 class AccountChangeStore {
  public:
   virtual ~AccountChangeStore() = default;
-  /// The same work whether the address has an account or not: one statement, one mail.
+  /// Does the same work whether or not the address has an account: one statement and one email.
   virtual Result<void> request_reset(const std::string& email_key, const std::string& token_hash,
                                      Time expires_at, const Mail& known, const Mail& unknown) = 0;
-  /// Does not use the token up. Nothing: unknown, used, expired or of another purpose.
+  /// Does not consume the token. Returns nothing if it is unknown, used, expired or for another
+  /// purpose.
   virtual Result<std::optional<TokenBearer>> find_token(const std::string& token_hash,
                                                         const std::string& purpose, Time now) = 0;
-  /// Uses the token up, ends every browser's session and forgets other tokens. False: the token has
-  /// gone meanwhile.
+  /// Consumes the token, ends all web sessions and deletes other tokens. Returns false if the token
+  /// no longer exists.
   virtual Result<bool> reset(const std::string& token_hash, const std::string& password_hash,
                              const Mail& told, Time now) = 0;
-  /// Ends every other browser's session and forgets tokens.
+  /// Ends all other web sessions and deletes tokens.
   virtual Result<void> change_password(const std::string& user_id, const std::string& password_hash,
                                        const std::string& kept_session, const Mail& told,
                                        Time now) = 0;
   virtual Result<void> request_email(const EmailRequest& request, Time now) = 0;
-  /// False: the token has gone, or the address was taken meanwhile.
+  /// Returns false if the token no longer exists or the address has been taken in the meantime.
   virtual Result<bool> confirm_email(const std::string& token_hash,
                                      const std::string& new_email_key, const Mail& to_old,
                                      Time now) = 0;
   virtual Result<std::vector<BrowserSession>> browser_sessions(const std::string& user_id,
                                                                Time now) = 0;
-  /// False: there is none of that id.
+  /// Returns false if there is no session with this ID.
   virtual Result<bool> end_browser_session(const std::string& user_id, const std::string& id) = 0;
   virtual Result<void> end_browser_sessions(const std::string& user_id, Time now) = 0;
-  /// At most `limit`, the oldest first; they are kept until they are forgotten.
+  /// Returns at most `limit` sessions, oldest first. They are kept until they are forgotten.
   virtual Result<std::vector<ExpiredBrowser>> expired_browsers(Time now, int limit) = 0;
   virtual Result<void> forget_browser(const std::string& id) = 0;
 };
 
-/// What a person changes of the own account. Thread-safe.
+/// Changes that users make to their own accounts. Thread-safe.
 class AccountChanges {
  public:
   struct Options {
@@ -88,26 +89,26 @@ class AccountChanges {
   AccountChanges(AccountChangeStore& store, AccountStore& attempts, Accounts& accounts,
                  PasswordHasher& hasher, Placement& placement, const Clock& clock, Options options);
 
-  /// Success whoever has an account, after the same work. `address` is the peer's.
+  /// Succeeds after the same work whether or not the account exists. `address` is the peer's.
   Outcome<void> request_reset(const std::string& email, const std::string& address);
-  /// kLinkExpired. Signs out everywhere.
+  /// Signs out everywhere. Returns kLinkExpired for an invalid token.
   Outcome<void> reset(const std::string& token, const std::string& password);
   Outcome<void> change_password(const Principal& who, const std::string& current,
                                 const std::string& password);
-  /// Mails a link to the new address and tells the old one.
+  /// Sends a link to the new address and notifies the old one.
   Outcome<void> request_email(const Principal& who, const std::string& new_email,
                               const std::string& password);
-  /// Only by the account that asked: whoever reads the mail of the new address must not be able to
-  /// give it to a stranger's account (docs/adr/0034). kLinkExpired, kForbidden.
+  /// Works only for the account that requested the change, so that nobody assigns their address to
+  /// a stranger's account (docs/adr/0034). Returns kLinkExpired or kForbidden.
   Outcome<void> confirm_email(const Principal& who, const std::string& token);
 
   Outcome<std::vector<BrowserSession>> browser_sessions(const Principal& who);
   Outcome<void> end_browser_session(const Principal& who, const std::string& id);
-  /// This one, too; and every picture that is open.
+  /// Also signs out this browser and ends all open sessions.
   Outcome<void> sign_out_everywhere(const Principal& who);
 
-  /// Ends the streams of every browser whose sign-in is over, and forgets it. What cannot be ended
-  /// now, because Redis is away, is ended by a later call.
+  /// Ends the streams of browsers whose web sessions are over, then deletes those sessions. Retries
+  /// in a later call if Redis is unavailable.
   void end_expired_browsers();
 
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }

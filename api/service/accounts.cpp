@@ -6,11 +6,12 @@
 #include "api/service/attempts.h"
 #include "api/service/secrets.h"
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
-/// A session is noted as used no more often.
+/// Minimum interval between two updates of a session's last use.
 constexpr auto kUseNoted = std::chrono::minutes(10);
 constexpr std::size_t kNonceDigits = 32;
 
@@ -39,7 +40,7 @@ std::optional<std::string> Accounts::known(const std::optional<Account>& account
 }
 
 Outcome<void> Accounts::sign_up(const std::string& email, const std::string& address) {
-  if (!is_email(email)) return refuse_field("email", "This is not an e-mail address.");
+  if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
 
   const auto now = clock_.wall();
   const std::string key = email_key(email);
@@ -49,8 +50,8 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& add
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
 
-  // Strangers cannot fill a mailbox, and cannot keep its owner out either: the limit counts sign-up
-  // mails alone, and any link that was mailed lets its reader in. The answer does not tell.
+  // Strangers can neither flood a mailbox nor lock out its owner: the limit counts only sign-up
+  // emails, and every emailed link works. The response reveals nothing.
   const auto full = store_.note_attempt(
       {{attempt_key(kSignUpMails, key), options_.mails_by_recipient, options_.window}}, now);
   if (!full) return refuse(full.error());
@@ -71,10 +72,10 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& add
 }
 
 Outcome<void> Accounts::verify(const std::string& token, const std::string& password) {
-  if (!is_token(token)) return refuse_field("token", "This is not the token of a link.");
+  if (!is_token(token)) return refuse_field("token", "This link is incomplete or invalid.");
   const auto too_old = [] {
     return refuse(ProblemKind::kLinkExpired,
-                  "This link was used already or is too old. Sign in, or sign up again.");
+                  "This link has expired or was already used. Sign in, or sign up again.");
   };
   const auto now = clock_.wall();
   const auto email = store_.find_sign_up(blake2b(token), now);
@@ -95,8 +96,7 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Co
   if (counters.address) {
     limits.push_back({*counters.address, options_.failures_by_address, options_.window});
   }
-  // Noted before the password is looked at, so that attempts side by side cannot pass the limit
-  // together.
+  // Recorded before the password is checked, so that concurrent attempts cannot exceed the limit.
   const auto wait = store_.note_attempt(limits, now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
@@ -104,8 +104,8 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Co
                                                   : hasher_.verify_nothing(password);
   if (!right) return refuse(right.error());
   if (!*right) return false;
-  // The right password: not an attempt to guess it. The address keeps its other failures, or an
-  // attacker would clear them with an account of their own.
+  // A correct password does not count as an attempt. The address keeps its other failures.
+  // Otherwise, an attacker could clear them with an account of their own.
   if (auto done = store_.forget_attempts(counters.whole, std::nullopt); !done) {
     return refuse(done.error());
   }
@@ -119,16 +119,17 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Co
 
 Outcome<void> Accounts::check_code(const Account& account, const std::string& code) {
   const auto needed = codes_.needed(account.id);
-  if (!needed) return tl::unexpected(needed.error());
+  DIAPHANE_TRY(needed);
   if (!*needed) return {};
   if (code.empty()) {
-    return refuse(ProblemKind::kCodeNeeded, "Give the code that your device shows now.");
+    return refuse(ProblemKind::kCodeNeeded, "Enter the code from your authenticator app.");
   }
   const auto right = codes_.take(account.id, account.email, code);
-  if (!right) return tl::unexpected(right.error());
+  DIAPHANE_TRY(right);
   if (!*right) {
-    return refuse(ProblemKind::kWrongCode,
-                  "This code is wrong, or was used already. Try the next one.");
+    return refuse(
+        ProblemKind::kWrongCode,
+        "This code is incorrect or was already used. Wait for the next code and try again.");
   }
   return {};
 }
@@ -146,23 +147,23 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
       nonce ? Counters{attempt_key("known-browser", (*account)->id + *nonce), std::nullopt}
             : Counters{attempt_key("account", key), attempt_key("address", address)};
   const auto right = is_right(*account, counters, password, now);
-  if (!right) return tl::unexpected(right.error());
+  DIAPHANE_TRY(right);
   if (!*right) {
-    return refuse(ProblemKind::kWrongCredentials, "The address or the password is wrong.");
+    return refuse(ProblemKind::kWrongCredentials, "The email address or password is incorrect.");
   }
   if ((*account)->disabled) {
-    return refuse(ProblemKind::kDisabled, "An administrator has switched this account off.");
+    return refuse(ProblemKind::kDisabled, "An administrator has disabled this account.");
   }
-  if (auto has = check_code(**account, code); !has) return tl::unexpected(has.error());
+  DIAPHANE_TRY(check_code(**account, code));
 
   Opened opened;
   opened.token = random_hex(32);
   const WebSession session{blake2b(opened.token),       (*account)->id, random_hex(32), now,
                            now + options_.session_life, new_id(),       browser};
   if (auto done = store_.open_session(session); !done) return refuse(done.error());
-  // As it will be from now on: also whether this is an administrator.
+  // Returns the new state, including whether this is an administrator.
   auto principal = authenticate(opened.token);
-  if (!principal) return tl::unexpected(principal.error());
+  DIAPHANE_TRY(principal);
   opened.principal = *std::move(principal);
   opened.known_browser = browser_token(**account, nonce.value_or(random_hex(kNonceDigits / 2)));
   return opened;
@@ -174,8 +175,8 @@ Outcome<void> Accounts::confirm_password(const Principal& who, const std::string
   if (!account) return refuse(account.error());
   const Counters counters{attempt_key("confirm", who.user_id + who.session_id), std::nullopt};
   const auto right = is_right(*account, counters, password, clock_.wall());
-  if (!right) return tl::unexpected(right.error());
-  if (!*right) return refuse_field(field, "This is not your password.");
+  DIAPHANE_TRY(right);
+  if (!*right) return refuse_field(field, "The password is incorrect.");
   return {};
 }
 
@@ -187,7 +188,7 @@ Outcome<void> Accounts::sign_out(const std::string& token) {
 }
 
 Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal renewal) {
-  const auto refused = [] { return refuse(ProblemKind::kUnauthenticated, "Sign in first."); };
+  const auto refused = [] { return refuse(ProblemKind::kUnauthenticated, "Sign in to continue."); };
   if (!is_token(token)) return refused();
   const auto now = clock_.wall();
   const std::string hash = blake2b(token);
@@ -207,11 +208,11 @@ Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal rene
     if (auto done = store_.touch_session(hash, now); !done) return refuse(done.error());
   }
 
-  // Slides only once a tenth of its life has gone: not a write for each request.
+  // Extends the expiry only after a tenth of the lifetime, to avoid a write per request.
   const Time wanted =
       std::min(now + options_.session_life,
                session.created_at + (role ? options_.administrator_limit : options_.session_limit));
-  // An administrator's is shortened: what ends with it, streams among it, goes by the stored time.
+  // Shortens the session of an administrator. Streams and other dependents use the stored time.
   if (wanted < session.expires_at) {
     if (auto done = store_.extend_session(hash, wanted); !done) return refuse(done.error());
   } else if (wanted - session.expires_at > options_.session_life / 10) {

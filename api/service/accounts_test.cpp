@@ -7,6 +7,7 @@
 
 #include "api/service/fake_account_store.h"
 #include "api/service/fake_second_factor_store.h"
+#include "api/service/refusals.h"
 #include "api/service/secrets.h"
 
 namespace diaphane::api {
@@ -74,7 +75,7 @@ TEST_F(AccountsTest, WhoeverReadsTheMailChoosesThePasswordHoweverOftenStrangersS
   EXPECT_TRUE(accounts.sign_in(kEmail, kPassword, "", "the owner"));
   EXPECT_EQ(accounts.verify(newest, "another long password").error().kind,
             ProblemKind::kLinkExpired)
-      << "the other links work no more";
+      << "the other links no longer work";
 }
 
 TEST_F(AccountsTest, SigningUpAgainLeavesEarlierLinksValid) {
@@ -122,13 +123,14 @@ TEST_F(AccountsTest, StrangersFailuresDoNotLockOutABrowserThatHasSignedInBefore)
   EXPECT_EQ(refused_sign_in(kPassword, "home"), ProblemKind::kTooManyAttempts)
       << "a known browser clears no counter but its own";
 
-  // Its own attempts are counted.
+  // The known browser's own attempts are counted.
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(sign_in("wrong wrong", known).error().kind, ProblemKind::kWrongCredentials);
   }
   EXPECT_EQ(sign_in(kPassword, known).error().kind, ProblemKind::kTooManyAttempts);
 
-  // Neither forged nor of another account nor from before another password.
+  // Rejects a forged cookie, a cookie of another account, and a cookie from before a password
+  // change.
   clock.advance(15min);
   for (int i = 0; i < 10; ++i) refused_sign_in("wrong wrong", "home");
   std::string forged = known;
@@ -146,8 +148,7 @@ TEST_F(AccountsTest, ASuccessClearsTheAccountButNotTheAddress) {
   for (int i = 0; i < 9; ++i) refused_sign_in("wrong wrong");
   clock.advance(1s);
   ASSERT_TRUE(accounts.sign_in(kEmail, kPassword, "", "1.2.3.4"));
-  // Nine failures of the address are still there: 41 more and the address waits, whatever account
-  // it tries.
+  // The nine failures of the address still count: after 41 more, it must wait for any account.
   for (int i = 0; i < 41; ++i) {
     EXPECT_EQ(accounts.sign_in("x" + std::to_string(i) + "@b.c", "wrong wrong", "", "1.2.3.4")
                   .error()
@@ -166,7 +167,7 @@ TEST_F(AccountsTest, ASessionSlidesWithUseButNeverBeyondItsLimit) {
     clock.advance(24h);
   }
   EXPECT_TRUE(accounts.authenticate(token));
-  EXPECT_LT(store.extended, 29);  // not a write for each use
+  EXPECT_LT(store.extended, 29);  // does not write on each use
   clock.advance(25h);
   EXPECT_EQ(accounts.authenticate(token).error().kind, ProblemKind::kUnauthenticated);
 }
@@ -181,7 +182,7 @@ TEST_F(AccountsTest, ASessionThatIsNotUsedExpires) {
 TEST_F(AccountsTest, AnAdministratorSignsInAgainAfterHalfAnHourWithoutUseAndTwelveHoursWithIt) {
   sign_up_and_verify();
   const auto signed_in = [&] { return accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token; };
-  for (const bool factor : {true, false}) {  // the role alone is enough
+  for (const bool factor : {true, false}) {  // the role alone is sufficient
     store.administrator = true;
     store.second_factor = false;
     const std::string left = signed_in(), used = signed_in();
@@ -201,6 +202,83 @@ TEST_F(AccountsTest, APasswordThatWasLongEnoughOnceStillOpensItsAccount) {
   sign_up_and_verify();
   store.accounts.begin()->second.password_hash = *hasher.hash("kq7 zr4 vm");
   EXPECT_TRUE(accounts.sign_in(kEmail, "kq7 zr4 vm", "", "1.2.3.4"));
+}
+
+TEST_F(AccountsTest, OnlyTheHolderOfThePasswordLearnsThatAnAccountIsDisabled) {
+  sign_up_and_verify();
+  store.accounts.begin()->second.disabled = true;
+  EXPECT_EQ(refused_sign_in("wrong wrong"), ProblemKind::kWrongCredentials);
+  EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kDisabled);
+  EXPECT_TRUE(store.sessions.empty());
+}
+
+TEST_F(AccountsTest, APeerSignsUpThirtyAddressesInAQuarterOfAnHour) {
+  EXPECT_EQ(invalid_field(accounts.sign_up("person", "1.2.3.4")), "email");
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(accounts.sign_up(std::to_string(i) + "@example.org", "1.2.3.4"));
+  }
+  EXPECT_EQ(refusal(accounts.sign_up(kEmail, "1.2.3.4")), ProblemKind::kTooManyAttempts);
+  EXPECT_EQ(store.mails.size(), 30u);
+  EXPECT_TRUE(accounts.sign_up(kEmail, "5.6.7.8"));
+  clock.advance(15min);
+  EXPECT_TRUE(accounts.sign_up("x@example.org", "1.2.3.4"));
+}
+
+TEST_F(AccountsTest, SigningOutEndsTheSessionAndItsStreams) {
+  sign_up_and_verify();
+  int ended = 0;
+  accounts.on_sign_out([&] { ++ended; });
+  const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
+  ASSERT_TRUE(accounts.sign_out(token));
+  EXPECT_EQ(ended, 1);
+  EXPECT_EQ(refusal(accounts.authenticate(token)), ProblemKind::kUnauthenticated);
+  EXPECT_EQ(refusal(accounts.authenticate("no token")), ProblemKind::kUnauthenticated);
+}
+
+TEST_F(AccountsTest, ARequestThatMustNotRenewASessionWritesNothing) {
+  sign_up_and_verify();
+  const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
+  clock.advance(5 * 24h);
+  EXPECT_FALSE(accounts.authenticate(token, Accounts::Renewal::kNo)->renewed);
+  EXPECT_EQ(store.calls("extend_session") + store.calls("touch_session"), 0);
+  EXPECT_TRUE(accounts.authenticate(token)->renewed);
+}
+
+TEST_F(AccountsTest, EachStepThatFailsIsReportedAsUnavailable) {
+  sign_up_and_verify();
+  ASSERT_TRUE(accounts.sign_up("other@example.org", "1.2.3.4"));
+  const std::string link = token_in_last_mail();
+  const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
+  const Principal who = accounts.authenticate(token).value();
+  clock.advance(5 * 24h);
+  EXPECT_EQ(invalid_field(accounts.verify("no token", kPassword)), "token");
+  EXPECT_EQ(invalid_field(accounts.confirm_password(who, "password", "wrong")), "password");
+  const auto sign_up = [&] { return refusal(accounts.sign_up("new@example.org", "1.2.3.4")); };
+  const auto verify = [&] { return refusal(accounts.verify(link, kPassword)); };
+  const auto sign_in = [&] { return refusal(accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")); };
+  const auto confirm = [&] { return refusal(accounts.confirm_password(who, "p", kPassword)); };
+  const auto authenticate = [&] { return refusal(accounts.authenticate(token)); };
+  expect_unavailable({
+      {store, "note_attempt", sign_up},
+      {store, "sign_up", sign_up},
+      {store, "find_sign_up", verify},
+      {store, "verify", verify},
+      {store, "find_by_email", sign_in},
+      {store, "note_attempt", sign_in},
+      {store, "forget_attempts", sign_in},
+      {factors, "find", sign_in},
+      {store, "open_session", sign_in},
+      {store, "find_session", sign_in},
+      {store, "find_by_id", confirm},
+      {store, "note_attempt", confirm},
+      {store, "forget_attempts", confirm},
+      {store, "find_session", authenticate},
+      {store, "touch_session", authenticate},
+      {store, "extend_session", authenticate},
+      {store, "close_session", [&] { return refusal(accounts.sign_out(token)); }},
+      {store, "quota_of", [&] { return refusal(accounts.quota_of(who.user_id)); }},
+  });
+  EXPECT_EQ(accounts.quota_of(who.user_id)->bytes, 1000);
 }
 
 TEST_F(AccountsTest, ADatabaseThatIsAwayIsNoWrongPassword) {
@@ -231,7 +309,7 @@ TEST(Password, IsRefusedForBeingGuessedFirst) {
   }
   for (const char* well :
        {"correct horse battery", "dragon and football", "Tr0ub4dor&3x", "tellerman likes tea",
-        "1234567890 is no pin", "football 1954 in bern"}) {
+        "1234567890 as my pin", "football 1954 in bern"}) {
     EXPECT_FALSE(fault_of_password(well, "tellerman@example.org")) << well;
   }
 }
@@ -255,7 +333,7 @@ TEST(Password, HashingIsBoundedHoweverManyAsk) {
   for (std::thread& thread : threads) thread.join();
   EXPECT_GE(done, 1);
   EXPECT_GE(refused, 1);
-  EXPECT_TRUE(hasher.hash(kPassword));  // and there is room again afterwards
+  EXPECT_TRUE(hasher.hash(kPassword));  // afterwards, there is room again
 }
 
 TEST(Email, IsAnAddressThatMailCanBeSentTo) {

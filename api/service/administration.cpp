@@ -2,15 +2,16 @@
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> no_such_account() {
-  return refuse(ProblemKind::kNotFound, "There is no such account.");
+  return refuse(ProblemKind::kNotFound, "Account not found.");
 }
 
-/// Of a page, as a detail of the audit log.
+/// Describes a page in the details of the audit log.
 template <typename Page>
 std::int64_t count(const Page& page) {
   return static_cast<std::int64_t>(page.items.size());
@@ -79,13 +80,13 @@ Outcome<UserRecord> Administration::change(const Principal& who, const std::stri
                                            const UserChange& change) {
   if (!is_id(id)) return no_such_account();
   if (change.disabled.value_or(false) && id == who.user_id) {
-    return refuse(ProblemKind::kConflict, "You cannot switch your own account off.");
+    return refuse(ProblemKind::kConflict, "You can't disable your own account.");
   }
   const auto done = store_.change(who.user_id, id, change, clock_.wall());
   if (!done) return refuse(done.error());
   if (!*done) return no_such_account();
   if (change.disabled.value_or(false) && !end_pictures(id)) {
-    log::warning("pictures of a disabled account not ended", {{"user", id}});
+    log::warning("failed to end a disabled account's sessions", {{"user", id}});
   }
   return find(id);
 }
@@ -101,10 +102,7 @@ Outcome<Administration::AuditPage> Administration::audit(const Principal& who, A
   }
   std::vector<AuditDetail> details{{"items", count(page)}};
   if (!filter.account_id.empty()) details.emplace_back("account", filter.account_id);
-  if (auto noted = note_look(who, "audit-log.looked-at", "audit_log", "", std::move(details));
-      !noted) {
-    return tl::unexpected(noted.error());
-  }
+  DIAPHANE_TRY(note_look(who, "audit-log.looked-at", "audit_log", "", std::move(details)));
   return page;
 }
 

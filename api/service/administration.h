@@ -13,14 +13,14 @@
 
 namespace diaphane::api {
 
-/// An account, as an administrator sees it: nothing of its scans but their number and size.
+/// An account as shown to administrators. Of its scans, it includes only their number and size.
 struct UserRecord {
   std::string id, email;
   Time created_at;
-  std::optional<Time> used_at;  ///< the last use of a browser that is signed in
+  std::optional<Time> used_at;  ///< last activity of a signed-in browser
   bool verified = false, disabled = false, administrator = false;
   Quota storage;
-  std::int64_t render_quota_ms = 0, render_used_ms = 0;  ///< of a device, this month
+  std::int64_t render_quota_ms = 0, render_used_ms = 0;  ///< device time this month
   int data_sets = 0;
 };
 
@@ -29,43 +29,44 @@ struct UserChange {
   std::optional<bool> disabled;
 };
 
-/// Somebody who has the administrator's role.
+/// A user with the administrator role.
 struct Administrator {
   std::string email;
-  bool second_factor = false;  ///< without one the role opens nothing
+  bool second_factor = false;  ///< required to use the role
 };
 
 struct IngestQueue {
   int queued = 0, building = 0;
 };
 
-/// Every function: kUnavailable when the database is away. Each is one transaction, its entries in
-/// the audit log included.
+/// Every function returns kUnavailable if the database is unavailable. Each is one transaction,
+/// which includes its entries in the audit log.
 class AdministrationStore {
  public:
   virtual ~AdministrationStore() = default;
-  /// Newest first; those whose address holds `part`, or whose id it is.
+  /// Lists the accounts whose address contains `part` or whose ID it is, newest first.
   virtual Result<std::vector<UserRecord>> users(const std::string& part,
                                                 const std::optional<Cursor>& after, int limit,
                                                 Time now) = 0;
   virtual Result<std::optional<UserRecord>> user(const std::string& id, Time now) = 0;
-  /// Disabling ends every browser's session and forgets tokens. False: no such account.
+  /// Disabling ends all web sessions and deletes tokens. Returns false if the account does not
+  /// exist.
   virtual Result<bool> change(const std::string& administrator_id, const std::string& id,
                               const UserChange& change, Time now) = 0;
-  /// By a command on the machine. False: no such verified account.
+  /// For the command line on the server. Returns false if there is no such verified account.
   virtual Result<bool> set_administrator(const std::string& email_key, bool given, Time now) = 0;
   virtual Result<std::vector<Administrator>> administrators() = 0;
-  /// An entry of the audit log about nothing but itself: that an administrator looked.
+  /// Writes an audit entry that only records that an administrator looked.
   virtual Result<void> note(const AuditEntry& entry, Time now) = 0;
   /// Newest first.
   virtual Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) = 0;
   virtual Result<IngestQueue> ingest_queue() = 0;
-  /// Those that others may be looking at.
+  /// Data sets that other people may be viewing.
   virtual Result<std::vector<std::string>> ready_data_sets(const std::string& user_id) = 0;
 };
 
-/// What administrators see and do. Who may is checked before (handlers/front.h). What is looked at
-/// of people is in the audit log before it is given out. Thread-safe.
+/// The actions of administrators. handlers/front.h checks the permission before. Each access to
+/// user data is logged in the audit log before the data is returned. Thread-safe.
 class Administration {
  public:
   struct Users {
@@ -88,16 +89,16 @@ class Administration {
   Outcome<Users> users(const Principal& who, const std::string& part, std::optional<Cursor> after,
                        int limit);
   Outcome<UserRecord> user(const Principal& who, const std::string& id);
-  /// kNotFound; kConflict: oneself cannot be disabled.
+  /// Returns kNotFound, or kConflict for an attempt to disable your own account.
   Outcome<UserRecord> change(const Principal& who, const std::string& id, const UserChange& change);
   Outcome<AuditPage> audit(const Principal& who, AuditFilter filter);
   Outcome<Fleet> fleet();
 
  private:
   Outcome<UserRecord> find(const std::string& id);
-  /// Every picture of the account, and everybody's of its data sets. False: not all, Redis is away.
+  /// Ends all sessions of the account and of its data sets. Returns false if Redis is unavailable.
   bool end_pictures(const std::string& id);
-  /// `subject_id` may be empty: of many.
+  /// `subject_id` is empty if the entry concerns many accounts.
   Outcome<void> note_look(const Principal& who, std::string action, std::string subject,
                           std::string subject_id, std::vector<AuditDetail> details);
 

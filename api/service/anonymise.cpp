@@ -1,20 +1,21 @@
 #include "api/service/anonymise.h"
 
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> not_ready(DataSetState state) {
   return refuse(ProblemKind::kNotReady,
-                "This data set is not ready: it is " + std::string(to_string(state)) + ".");
+                "This scan is not ready yet. Its state is " + std::string(to_string(state)) + ".");
 }
 
 }  // namespace
 
 Outcome<Anonymise::View> Anonymise::look(const Principal& who, const std::string& id) {
   auto found = data_sets_.authorise(who, id, Action::kAnonymise);
-  if (!found) return tl::unexpected(found.error());
+  DIAPHANE_TRY(found);
   auto facts = store_.facts(id);
   if (!facts) return refuse(facts.error());
   View view{*std::move(found), *std::move(facts), {}};
@@ -29,18 +30,18 @@ Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string&
   if (view->data_set.state != DataSetState::kReady) return not_ready(view->data_set.state);
   if (view->volume_hash != volume_hash) {
     return refuse(ProblemKind::kPrecondition,
-                  "The scan is not the one that was looked at; look at it again first.");
+                  "The scan has changed since you reviewed it. Review it again first.");
   }
   const auto ordered = store_.order({id, region, volume_hash, who.user_id}, clock_.wall());
   if (!ordered && ordered.error().code == ErrorCode::kConflict) {
     return not_ready(DataSetState::kQueued);
   }
   if (!ordered) return refuse(ordered.error());
-  // Nobody can open it now. What shows the old voxels goes: as far as can be here at once; workers
-  // see by themselves that the volume is another, and pictures older than the cut are not given
-  // out.
+  // Nobody can open the data set now. Removes what shows the old voxels as far as possible. Workers
+  // detect the new volume themselves, and images older than the anonymisation are not served.
   if (const auto ended = placement_.end_all_of(id); !ended) {
-    log::warning("sessions of a data set to be cut not ended", {{"data_set", id}});
+    log::warning("failed to end the sessions of a scan that is to be anonymised",
+                 {{"data_set", id}});
   }
   (void)thumbnails_.remove(id);
   wake_();

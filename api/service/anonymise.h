@@ -11,17 +11,18 @@
 
 namespace diaphane::api {
 
-/// What is known of a data set for its owner's decision.
+/// What the owner needs to know about a data set before anonymising it.
 struct CutFacts {
-  std::string head;     ///< JSON of what ingestd found (ingest/head); empty: not looked for yet
-  std::string problem;  ///< why the last cut was not made; empty: it was, or there was none
+  /// JSON result of the head detection (ingest/head); empty if it has not run yet.
+  std::string head;
+  std::string problem;  ///< why the last run failed; empty if it succeeded or there was none
 };
 
-/// An order to cut, for ingestd to carry out.
+/// An anonymisation job for ingestd.
 struct CutOrder {
   std::string data_set_id;
   std::string region;       ///< JSON, volume/region.h
-  std::string volume_hash;  ///< of the volume that the owner saw
+  std::string volume_hash;  ///< hash of the volume that the owner reviewed
   std::string asked_by;     ///< user id
 };
 
@@ -30,21 +31,22 @@ class CutStore {
   virtual ~CutStore() = default;
   /// kNotFound.
   virtual Result<CutFacts> facts(const std::string& data_set_id) = 0;
-  /// The data set is queued, the order in ingestd's queue and in the audit log: one transaction.
-  /// kConflict when the data set is not ready (any more), or gone.
+  /// In one transaction, queues the data set and the job for ingestd and writes the audit entry.
+  /// Returns kConflict if the data set is not ready or no longer exists.
   virtual Result<void> order(const CutOrder& order, Time now) = 0;
 };
 
-/// Anonymising: everything outside of a region goes, for good. Thread-safe.
+/// Permanently removes everything outside a region of a scan. Thread-safe.
 class Anonymise {
  public:
   struct View {
     DataSet data_set;
     CutFacts facts;
-    std::string volume_hash;  ///< of the volume as it is now; empty unless ready
+    std::string volume_hash;  ///< hash of the current volume; empty unless it is ready
   };
 
-  /// `stored_hash` says the content hash of a stored volume; empty when there is none.
+  /// `stored_hash` returns the content hash of a stored volume, or an empty string if there is
+  /// none.
   Anonymise(DataSets& data_sets, CutStore& store, Thumbnails& thumbnails, Placement& placement,
             const Clock& clock, std::function<std::string(const std::string& id)> stored_hash)
       : data_sets_(data_sets),
@@ -55,11 +57,11 @@ class Anonymise {
         stored_hash_(std::move(stored_hash)) {}
 
   Outcome<View> look(const Principal& who, const std::string& id);
-  /// From here on nobody can open the data set until it is cut; those who look at it are sent away.
-  /// kNotReady; kPrecondition when the volume is not the one of `volume_hash`.
+  /// Blocks the data set until it is anonymised and disconnects its viewers. Returns kNotReady, or
+  /// kPrecondition if `volume_hash` does not match the volume.
   Outcome<View> cut(const Principal& who, const std::string& id, const std::string& region,
                     const std::string& volume_hash);
-  /// Called after files were noted for disposal.
+  /// Called after files were queued for deletion.
   void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:

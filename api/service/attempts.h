@@ -6,18 +6,18 @@
 
 #include "api/service/problem.h"
 
-/// What is limited by count, as AccountStore::note_attempt keeps it.
+/// Rate limits that AccountStore::note_attempt counts.
 namespace diaphane::api {
 
-/// Kinds of mails that strangers can cause, each counted by its recipient on its own: none of them
-/// can use up the room of another.
+/// Types of emails that strangers can trigger. Each type is counted separately per recipient, so
+/// that no type can exhaust the limit of another.
 inline constexpr std::string_view kSignUpMails = "mail-sign-up";
 inline constexpr std::string_view kResetMails = "mail-reset";
 inline constexpr std::string_view kChangeMails = "mail-change";
 
-/// The key of attempts of a kind ("account", "address", kSignUpMails) by somebody.
+/// Returns the key for attempts of a type ("account", "address", kSignUpMails) by one source.
 std::string attempt_key(std::string_view what, std::string_view whose);
-/// kTooManyAttempts, with the wait in words.
+/// Returns kTooManyAttempts with a sentence that states the waiting time.
 tl::unexpected<Problem> too_many_attempts(std::chrono::seconds wait);
 
 }  // namespace diaphane::api

@@ -31,7 +31,7 @@ std::string details_as_json(const std::vector<AuditDetail>& details) {
   for (const auto& [key, value] : details) {
     const auto* word = std::get_if<std::string>(&value);
     if (!is_code_word(key) || (word && !is_code_word(*word))) {
-      throw std::logic_error("an audit entry holds numbers and code words only");
+      throw std::logic_error("audit details may contain only numbers and code words");
     }
     json += (json.size() > 1 ? ",\"" : "\"") + key + "\":";
     json += word ? "\"" + *word + "\"" : std::to_string(std::get<std::int64_t>(value));

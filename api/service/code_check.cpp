@@ -17,7 +17,7 @@ constexpr int kRecoveryCodes = 10;
 constexpr std::size_t kRecoveryBytes = 15;  ///< 24 characters of base 32, without padding
 constexpr std::size_t kRecoveryCharacters = 24;
 
-/// What a person meant: base 32 has no 0, 1 and 8.
+/// Maps 0, 1 and 8, which Base32 does not have, to the letters they resemble.
 char meant(char c) {
   if (c >= 'A' && c <= 'Z') return static_cast<char>(c - 'A' + 'a');
   if (c == '0') return 'o';
@@ -70,7 +70,7 @@ Outcome<bool> CodeCheck::take(const std::string& user_id, const std::string& ema
                               const std::string& code) {
   const auto now = clock_.wall();
   const std::string soon = attempt_key("code", user_id), day = attempt_key("code-day", user_id);
-  // Noted before the code is looked at, as with passwords (accounts.cpp).
+  // Recorded before the code is checked, as for passwords (accounts.cpp).
   const auto wait = attempts_.note_attempt({{soon, options_.failures, options_.window},
                                             {day, options_.failures_a_day, std::chrono::hours(24)}},
                                            now);
@@ -87,7 +87,7 @@ Outcome<bool> CodeCheck::take(const std::string& user_id, const std::string& ema
 }
 
 Outcome<bool> CodeCheck::was_used(const std::string& user_id, const std::string& email, Time now) {
-  log::warning("a code was given a second time", {{"user", user_id}});
+  log::warning("authentication code reused", {{"user", user_id}});
   const auto noted = store_.note_reuse(user_id, mails::code_reused(email, account_url()), now);
   if (!noted) return refuse(noted.error());
   wake_mailer_();
@@ -108,9 +108,9 @@ Outcome<bool> CodeCheck::is_right(const std::string& user_id, const std::string&
   }
   const auto secret = key_.open((*factor)->sealed_secret, user_id);
   if (!secret) {
-    log::error("a second factor was sealed with another key", {{"user", user_id}});
+    log::error("a TOTP secret is sealed with a different key", {{"user", user_id}});
     return refuse(ProblemKind::kInternal,
-                  "Codes cannot be checked here at the moment. Use a recovery code.");
+                  "Authentication codes can't be verified at the moment. Use a recovery code.");
   }
   const auto step = totp::step_of(*secret, code, now, (*factor)->last_step);
   if (!step) {

@@ -8,7 +8,7 @@
 namespace diaphane::api {
 namespace {
 
-/// A year, "123!" or "123456" behind a common word is guessed next.
+/// Attackers try a year, "123!" or "123456" after a common word next.
 constexpr std::size_t kFewSigns = 6;
 constexpr std::size_t kShortestRepeated = 4;
 
@@ -52,7 +52,7 @@ bool repeats(std::string_view text, std::size_t unit) {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Letters or digits in their order, 0 after 9.
+/// Whether the text consists of consecutive letters or digits, with 0 after 9.
 bool counts_by(std::string_view text, int step) {
   for (std::size_t i = 1; i < text.size(); ++i) {
     const int apart = text[i] - text[i - 1];
@@ -69,22 +69,22 @@ std::optional<std::string> why_easily_guessed(std::string_view password,
   std::string text(password);
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  constexpr const char* kCommon =
-      "This password is among the first that are guessed. Choose another.";
+  constexpr const char* kCommon = "This password is too common. Choose another one.";
   if (is_listed(text)) return kCommon;
   const std::string_view core = without_signs_around(text);
   const bool only_few_around = text.size() - core.size() <= kFewSigns;
   if (core.size() >= 5 && only_few_around) {
     if (is_listed(core)) return kCommon;
     if (core == "diaphane" || core == own_word) {
-      return "A name that everybody knows is guessed first. Choose another password.";
+      return "This password is too easy to guess because it is based on a name. Choose another "
+             "one.";
     }
   }
   for (std::size_t unit = 1; unit <= text.size() / 2; ++unit) {
     if (!repeats(text, unit)) continue;
-    // Two bytes are one letter in most scripts but the Latin.
+    // In most non-Latin scripts, one letter has two bytes.
     if (unit <= kShortestRepeated || is_listed(text.substr(0, unit))) {
-      return "This password repeats something short. Choose another.";
+      return "This password is too repetitive. Choose another one.";
     }
   }
   if (counts_by(text, 1) || counts_by(text, -1)) return kCommon;

@@ -6,7 +6,7 @@
 
 namespace diaphane::api {
 
-// "<microseconds in hexadecimal>.<id>": needs no further encoding in a URL.
+// "<microseconds in hexadecimal>.<id>" needs no further encoding in a URL.
 std::string encode_cursor(const Cursor& cursor) {
   char number[17];
   const auto end = std::to_chars(number, number + sizeof number,
@@ -15,9 +15,7 @@ std::string encode_cursor(const Cursor& cursor) {
 }
 
 Result<Cursor> decode_cursor(std::string_view text) {
-  const auto refused = [] {
-    return fail(ErrorCode::kInvalid, "This is no cursor that was given out here.", "cursor");
-  };
+  const auto refused = [] { return fail(ErrorCode::kInvalid, "Invalid cursor.", "cursor"); };
   const std::size_t dot = text.find('.');
   if (dot == std::string_view::npos || dot == 0 || dot > 15) return refused();
   std::uint64_t number = 0;

@@ -8,8 +8,8 @@
 
 namespace diaphane::api {
 
-/// Where a page of a newest-first list ended: the creation time of its last entry and, among
-/// equals, its id.
+/// The end of a page of a newest-first list: the creation time of its last entry and, to break
+/// ties, its ID.
 struct Cursor {
   std::int64_t created_us = 0;  ///< microseconds since 1970, as Postgres keeps them
   std::string id;
@@ -17,9 +17,9 @@ struct Cursor {
   friend bool operator==(const Cursor&, const Cursor&) = default;
 };
 
-/// Opaque to the client, URL-safe.
+/// Encodes the cursor as URL-safe text that is opaque to clients.
 std::string encode_cursor(const Cursor& cursor);
-/// kInvalid for anything that encode_cursor did not make.
+/// Returns kInvalid for anything that encode_cursor did not create.
 Result<Cursor> decode_cursor(std::string_view text);
 
 }  // namespace diaphane::api

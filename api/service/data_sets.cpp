@@ -6,6 +6,7 @@
 #include "api/service/secrets.h"
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -19,9 +20,7 @@ constexpr std::array<std::pair<DataSetState, std::string_view>, 6> kStates{{
     {DataSetState::kExpired, "expired"},
 }};
 
-tl::unexpected<Problem> not_found() {
-  return refuse(ProblemKind::kNotFound, "There is no such data set.");
-}
+tl::unexpected<Problem> not_found() { return refuse(ProblemKind::kNotFound, "Scan not found."); }
 
 Viewer viewer_of(const Principal& who) {
   return {who.user_id, who.sample_operator, who.administrator};
@@ -31,13 +30,13 @@ tl::unexpected<Problem> too_many(const TooManyDataSets& many, const DataSetLimit
   if (many.unprocessed) {
     return refuse(ProblemKind::kTooMany,
                   std::to_string(limits.unprocessed) +
-                      " of your scans are being uploaded or processed. Wait until some of them are "
-                      "ready, then upload the next.",
+                      " of your scans are still being uploaded or processed. Wait until some of "
+                      "them are ready, then try again.",
                   std::chrono::minutes(1));
   }
   return refuse(ProblemKind::kTooManyDataSets,
                 "You have " + std::to_string(limits.all) +
-                    " scans, which is the limit. Delete some of them, then upload the next.");
+                    " scans, which is the limit. Delete some of them, then try again.");
 }
 
 std::string in_megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
@@ -69,10 +68,11 @@ DataSets::DataSets(DataSetStore& store, Placement& placement, const Clock& clock
 Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& announcement) {
   if (announcement.bytes > options_.max_upload_bytes) {
     return refuse(ProblemKind::kUploadTooLarge,
-                  "An upload has at most " + in_megabytes(options_.max_upload_bytes) + ".");
+                  "The maximum upload size is " + in_megabytes(options_.max_upload_bytes) + ".");
   }
   if (free_bytes_() - options_.reserve_bytes < announcement.bytes) {
-    return refuse(ProblemKind::kStorageFull, "There is no room on the server's disk just now.",
+    return refuse(ProblemKind::kStorageFull,
+                  "The server's storage is full at the moment. Try again later.",
                   std::chrono::minutes(10));
   }
   const auto now = clock_.wall();
@@ -87,21 +87,23 @@ Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& an
       options_.limits, key, now);
   if (!made) return refuse(made.error());
   if (const auto* over = std::get_if<OverQuota>(&*made)) {
-    return refuse(ProblemKind::kOverQuota, "This scan has " + in_megabytes(announcement.bytes) +
-                                               "; of your " + in_megabytes(over->quota.bytes) +
-                                               " there are " + in_megabytes(over->quota.used) +
-                                               " in use. Delete something first.");
+    return refuse(ProblemKind::kOverQuota,
+                  "This scan needs " + in_megabytes(announcement.bytes) + ", but " +
+                      in_megabytes(over->quota.used) + " of your " +
+                      in_megabytes(over->quota.bytes) +
+                      " of storage are already in use. Delete other scans first.");
   }
   if (const auto* many = std::get_if<TooManyDataSets>(&*made)) {
     return too_many(*many, options_.limits);
   }
   if (std::holds_alternative<KeyReused>(*made)) {
     return refuse(ProblemKind::kIdempotencyKeyReused,
-                  "This Idempotency-Key came before with another request.");
+                  "This Idempotency-Key was already used with a different request.");
   }
   auto found = store_.find(viewer_of(who), std::get<Created>(*made).id);
   if (!found && found.error().code == ErrorCode::kNotFound) {
-    return refuse(ProblemKind::kConflict, "What this key made has been deleted since.");
+    return refuse(ProblemKind::kConflict,
+                  "The resource created with this Idempotency-Key has since been deleted.");
   }
   if (!found) return refuse(found.error());
   return *std::move(found);
@@ -109,7 +111,7 @@ Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& an
 
 Outcome<DataSets::Page> DataSets::list(const Principal& who, std::optional<Cursor> after,
                                        int limit) {
-  // One more than asked for says whether there is a next page.
+  // Reads one extra entry to find out whether there is a next page.
   auto found = store_.list(viewer_of(who), std::move(after), limit + 1);
   if (!found) return refuse(found.error());
   Page page{*std::move(found), std::nullopt};
@@ -132,7 +134,8 @@ Outcome<DataSet> DataSets::authorise(const Principal& who, const std::string& id
   const Standing standing{found->role, who.administrator};
   if (!may(standing, Action::kFind, found->exposure())) return not_found();
   if (!may(standing, action, found->exposure())) {
-    return refuse(ProblemKind::kForbidden, "You may see this data set, but not do that with it.");
+    return refuse(ProblemKind::kForbidden,
+                  "You can view this scan, but you don't have permission to do this.");
   }
   return *std::move(found);
 }
@@ -144,7 +147,7 @@ Outcome<DataSet> DataSets::find(const Principal& who, const std::string& id) {
 Outcome<DataSet> DataSets::find_ready(const Principal& who, const std::string& id) {
   auto found = authorise(who, id, Action::kLook);
   if (found && found->state != DataSetState::kReady) {
-    return refuse(ProblemKind::kNotReady, "This data set is not ready: it is " +
+    return refuse(ProblemKind::kNotReady, "This scan is not ready yet. Its state is " +
                                               std::string(to_string(found->state)) + ".");
   }
   return found;
@@ -160,17 +163,15 @@ Outcome<DataSet> DataSets::describe(const Principal& who, const std::string& id,
 }
 
 Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
-  if (auto found = authorise(who, id, Action::kDelete); !found) {
-    return tl::unexpected(found.error());
-  }
+  DIAPHANE_TRY(authorise(who, id, Action::kDelete));
   const auto done = store_.remove({who.user_id}, id, clock_.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return not_found();
   if (!done) return refuse(done.error());
   wake_();
-  // The rows have gone, so nobody can open it any more; sessions that look at it are ended as far
-  // as can be.
+  // The rows are deleted, so nobody can open the data set any more. Its sessions are ended if
+  // possible.
   if (const auto ended = placement_.end_all_of(id); !ended) {
-    log::warning("sessions of a deleted data set not ended", {{"data_set", id}});
+    log::warning("failed to end the sessions of a deleted scan", {{"data_set", id}});
   }
   return {};
 }

@@ -18,39 +18,41 @@ class DataSets {
  public:
   struct Options {
     std::int64_t max_upload_bytes = std::int64_t{8} << 30;
-    std::chrono::seconds upload_life = std::chrono::hours(24);  ///< since the last part
-    /// Kept free beside what is announced, for the volume that is built of it and for the database.
+    std::chrono::seconds upload_life = std::chrono::hours(24);  ///< time since the last part
+    /// Disk space to keep free in addition to announced uploads, for their volumes and the
+    /// database.
     std::int64_t reserve_bytes = std::int64_t{1} << 30;
-    DataSetLimits limits{50, 2000};  ///< of one account
+    DataSetLimits limits{50, 2000};  ///< per account
   };
   struct Announcement {
     std::string title;
     std::int64_t bytes = 0;
-    std::string idempotency_key;  ///< empty: none
+    std::string idempotency_key;  ///< empty means none
   };
   struct Page {
     std::vector<DataSet> items;
     std::optional<Cursor> next;
   };
 
-  /// `free_bytes` says how much room the upload directory has.
+  /// `free_bytes` returns the free space of the upload directory.
   DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
            std::function<std::int64_t()> free_bytes);
 
-  /// kOverQuota, kTooMany, kTooManyDataSets, kUploadTooLarge, kIdempotencyKeyReused, kStorageFull.
+  /// Returns kOverQuota, kTooMany, kTooManyDataSets, kUploadTooLarge, kIdempotencyKeyReused or
+  /// kStorageFull.
   Outcome<DataSet> announce(const Principal& who, const Announcement& announcement);
   Outcome<Page> list(const Principal& who, std::optional<Cursor> after, int limit);
-  /// The one gate of every route: the data set, if this person may do that with it. kNotFound when
-  /// he may not even know of it, kForbidden when he may, but not this.
+  /// The permission check of every route. Returns the data set if the user may perform the action,
+  /// kNotFound if they must not know of it, or kForbidden if only this action is not allowed.
   Outcome<DataSet> authorise(const Principal& who, const std::string& id, Action action);
   Outcome<DataSet> find(const Principal& who, const std::string& id);
-  /// To be looked at. kNotReady unless it is built.
+  /// Finds a data set to view. Returns kNotReady if it is not ready.
   Outcome<DataSet> find_ready(const Principal& who, const std::string& id);
   Outcome<DataSet> describe(const Principal& who, const std::string& id, const Description& what);
   Outcome<void> remove(const Principal& who, const std::string& id);
 
   const Options& options() const { return options_; }
-  /// Called after files were noted for disposal.
+  /// Called after files were queued for deletion.
   void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:

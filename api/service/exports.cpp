@@ -7,21 +7,23 @@
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 constexpr std::string_view kReadMe =
-    "Everything that Diaphane holds of you, as of the moment when you asked for it.\n\n"
-    "records/   What the database says, a file for each table; JSON. Passwords, cookies and the\n"
-    "           secrets of links are kept as hashes only and are left out.\n"
+    "This archive contains all the data that Diaphane stored about you when you requested it.\n\n"
+    "records/   The database records, one JSON file per table. Passwords, cookies and the secret\n"
+    "           parts of links are left out, because Diaphane stores them only as hashes.\n"
     "audit.json What was done to your account and your scans, and when.\n"
-    "scans/     A folder for each scan, named by its id (records/data_sets.owner_id.json has the\n"
-    "           title that you gave it). volume.json says its size in voxels, the distance of\n"
-    "           voxels in mm, and its orientation. voxels.i16 are the values: 16-bit whole\n"
-    "           numbers, little endian, x fastest, then y, then z; of a CT in Hounsfield units.\n"
-    "           presets/ are pictures of the scan, one for each preset saved for it.\n\n"
-    "The files from your disc are not here, because they are not kept.\n";
+    "scans/     One folder per scan, named after the scan's ID. The titles that you gave your\n"
+    "           scans are in records/data_sets.owner_id.json. volume.json holds the size of the\n"
+    "           scan in voxels, the distance between voxels in millimetres and the orientation.\n"
+    "           voxels.i16 holds the values as 16-bit little-endian integers; x varies fastest,\n"
+    "           then y, then z. The values of a CT scan are in Hounsfield units.\n"
+    "           presets/ holds one image of the scan per preset.\n\n"
+    "The files from your disc are not included, because Diaphane does not keep them.\n";
 
 std::chrono::seconds pause_after(int waits) {
   constexpr int kMostDoublings = 10;
@@ -30,7 +32,7 @@ std::chrono::seconds pause_after(int waits) {
 }
 
 tl::unexpected<Problem> none() {
-  return refuse(ProblemKind::kNotFound, "There is no export; ask for one.");
+  return refuse(ProblemKind::kNotFound, "There is no export. Request one first.");
 }
 
 }  // namespace
@@ -48,7 +50,8 @@ Outcome<Export> Exports::request(const Principal& who) {
   if (!made) return refuse(made.error());
   if (!*made) {
     return refuse(ProblemKind::kTooMany,
-                  "There is a fresh export already. Ask again in ten minutes.", kPause);
+                  "You already have a recent export. You can request another one in ten minutes.",
+                  kPause);
   }
   wake_();
   return wanted;
@@ -70,27 +73,25 @@ Outcome<void> Exports::remove(const Principal& who) {
 
 Outcome<std::string> Exports::file(const Principal& who) {
   const auto found = find(who);
-  if (!found) return tl::unexpected(found.error());
+  DIAPHANE_TRY(found);
   if (found->state != Export::State::kReady) {
-    return refuse(ProblemKind::kNotReady, "The export is not ready.");
+    return refuse(ProblemKind::kNotReady, "The export is not ready yet.");
   }
   return found->id + ".zip";
 }
 
 Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::string& path) {
   auto file = make_file_(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto done = (*file)->add("README.txt", kReadMe); !done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(file);
+  DIAPHANE_TRY((*file)->add("README.txt", kReadMe));
   const auto sections = store_.sections(job.user_id);
-  if (!sections) return tl::unexpected(sections.error());
+  DIAPHANE_TRY(sections);
   for (const ExportSection& section : *sections) {
-    if (auto done = (*file)->add(section.name, section.json); !done) {
-      return tl::unexpected(done.error());
-    }
+    DIAPHANE_TRY((*file)->add(section.name, section.json));
   }
   const auto volumes = store_.volumes(job.user_id);
-  if (!volumes) return tl::unexpected(volumes.error());
-  // What was deleted since is not held any more.
+  DIAPHANE_TRY(volumes);
+  // Skips data that was deleted in the meantime.
   const auto add = [&](const std::string& name, const std::string& source) -> Result<void> {
     auto done = (*file)->add_file(name, source);
     if (!done && done.error().code != ErrorCode::kNotFound) return done;
@@ -99,27 +100,25 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
   for (const std::string& id : *volumes) {
     for (const char* name : {"volume.json", "voxels.i16"}) {
       const std::string of_scan = id + "/" + name;
-      if (auto done = add("scans/" + of_scan, options_.volumes + "/" + of_scan); !done) {
-        return tl::unexpected(done.error());
-      }
+      DIAPHANE_TRY(add("scans/" + of_scan, options_.volumes + "/" + of_scan));
     }
   }
   const auto pictures = store_.pictures(job.user_id);
-  if (!pictures) return tl::unexpected(pictures.error());
+  DIAPHANE_TRY(pictures);
   for (const ExportStore::Picture& one : *pictures) {
     const auto done = add("scans/" + one.data_set_id + "/presets/" + one.preset_id + ".jpg",
                           options_.pictures + "/" + one.preset_id + "/picture.jpg");
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
   }
   return (*file)->finish();
 }
 
 Result<void> Exports::check_room(const ExportStore::Job& job) const {
   const auto sizes = store_.sizes(job.user_id);
-  if (!sizes) return tl::unexpected(sizes.error());
+  DIAPHANE_TRY(sizes);
   struct statvfs info {};
   if (::statvfs(options_.exports.c_str(), &info) != 0) {
-    return fail(ErrorCode::kUnavailable, "the disk of exports is away");
+    return fail(ErrorCode::kUnavailable, "the export directory is unavailable");
   }
   const auto free =
       static_cast<std::int64_t>(info.f_bavail) * static_cast<std::int64_t>(info.f_frsize);
@@ -127,7 +126,7 @@ Result<void> Exports::check_room(const ExportStore::Job& job) const {
     return fail(ErrorCode::kUnavailable, "the disk is full");
   }
   if (sizes->kept > 0 && sizes->kept + sizes->volumes > options_.total_bytes) {
-    return fail(ErrorCode::kUnavailable, "other exports take all the room for exports");
+    return fail(ErrorCode::kUnavailable, "other exports use all the space reserved for exports");
   }
   return {};
 }
@@ -135,7 +134,7 @@ Result<void> Exports::check_room(const ExportStore::Job& job) const {
 Result<void> Exports::make(const ExportStore::Job& job) {
   std::error_code error;
   std::filesystem::create_directories(options_.exports, error);
-  if (error) return fail(ErrorCode::kUnavailable, "the disk of exports cannot be written");
+  if (error) return fail(ErrorCode::kUnavailable, "the export directory is not writable");
   if (auto room = check_room(job); !room) return room;
   const std::string path = options_.exports + "/" + job.id + ".zip";
   const std::string unfinished = options_.exports + "/.tmp-" + job.id;
@@ -147,12 +146,12 @@ Result<void> Exports::make(const ExportStore::Job& job) {
   if (bytes) std::filesystem::rename(unfinished, path, error);
   if (!bytes || error) {
     leave_nothing();
-    if (!bytes) return tl::unexpected(bytes.error());
-    return fail(ErrorCode::kUnavailable, "the export cannot be renamed");
+    DIAPHANE_TRY(bytes);
+    return fail(ErrorCode::kUnavailable, "cannot rename the export");
   }
   const auto wanted = store_.finish(job.id, *bytes);
   if (!wanted || !*wanted) leave_nothing();
-  if (!wanted) return tl::unexpected(wanted.error());
+  DIAPHANE_TRY(wanted);
   return {};
 }
 
@@ -164,7 +163,7 @@ void Exports::look() {
     const ExportStore::Job& one = **job;
     const auto made = make(one);
     if (made) continue;
-    log::warning("export not made",
+    log::warning("failed to create an export",
                  {{"export", one.id}, {"reason", made.error().message}, {"waits", one.waits + 1}});
     if (made.error().code == ErrorCode::kUnavailable) {
       (void)store_.wait(one.id, clock_.wall() + pause_after(one.waits));

@@ -12,56 +12,57 @@
 
 namespace diaphane::api {
 
-/// All that is held of a person as one zip file, made by a job and kept for a day.
+/// An export of all data about a user as one zip file. A job creates it, and it is kept for a day.
 struct Export {
   enum class State { kQueued, kReady, kFailed };
   std::string id;
   State state = State::kQueued;
-  std::int64_t bytes = 0;  ///< when it is ready
+  std::int64_t bytes = 0;  ///< size, once it is ready
   Time created_at, expires_at;
-  bool waiting = false;  ///< with kQueued: there is no room for it just now
+  bool waiting = false;  ///< in state kQueued: there is not enough disk space at the moment
 };
 
-/// Rows of one table, as a JSON array.
+/// The rows of one table as a JSON array.
 struct ExportSection {
   std::string name;
   std::string json;
 };
 
-/// Every function: kUnavailable when the database is away.
+/// Every function returns kUnavailable if the database is unavailable.
 class ExportStore {
  public:
   struct Job {
     std::string id, user_id;
-    int waits = 0;  ///< how often in a row it has waited
+    int waits = 0;  ///< number of consecutive waits
   };
-  /// What counts when an export is to be made.
+  /// The sizes that decide whether an export fits.
   struct Sizes {
-    std::int64_t volumes = 0;  ///< bytes of the person's own, which is nearly all that goes into it
-    std::int64_t kept = 0;     ///< bytes of all exports that are ready
+    /// Size of the user's volumes, which make up nearly all of the export.
+    std::int64_t volumes = 0;
+    std::int64_t kept = 0;  ///< size of all exports that are ready
   };
   virtual ~ExportStore() = default;
-  /// In place of the one that there is; nothing when that one is on its way, or was made after
+  /// Replaces the existing export. Returns nothing if that one is in progress or was created after
   /// `not_since`.
   virtual Result<bool> request(const std::string& user_id, const Export& wanted,
                                Time not_since) = 0;
   virtual Result<std::optional<Export>> find(const std::string& user_id, Time now) = 0;
-  /// False: there was none.
+  /// Returns false if there was none.
   virtual Result<bool> remove(const std::string& user_id, Time now) = 0;
-  /// The next that is to be made, nobody else's for `lease`; given up after three times.
+  /// Leases the next export to create for `lease`. It fails permanently after three attempts.
   virtual Result<std::optional<Job>> claim(Time now, std::chrono::seconds lease) = 0;
-  /// Whatever the database holds of the person, table by table, but for secrets.
+  /// Returns all database records about the user, table by table, without secrets.
   virtual Result<std::vector<ExportSection>> sections(const std::string& user_id) = 0;
   virtual Result<std::vector<std::string>> volumes(const std::string& user_id) = 0;
-  /// Those of presets, whoever saved them, that show the person's own data sets.
+  /// Returns the presets by any author that have a thumbnail of the user's own data sets.
   struct Picture {
     std::string data_set_id, preset_id;
   };
   virtual Result<std::vector<Picture>> pictures(const std::string& user_id) = 0;
-  /// False: it is not wanted any more.
+  /// Returns false if the export is no longer requested.
   virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
   virtual Result<Sizes> sizes(const std::string& user_id) = 0;
-  /// Back into the queue until `not_before`; the attempt does not count.
+  /// Returns it to the queue until `not_before`. The attempt does not count.
   virtual Result<void> wait(const std::string& id, Time not_before) = 0;
   virtual Result<void> expire(Time now) = 0;
 };
@@ -71,7 +72,7 @@ class ExportFile {
   virtual ~ExportFile() = default;
   virtual Result<void> add(const std::string& name, std::string_view text) = 0;
   virtual Result<void> add_file(const std::string& name, const std::string& path) = 0;
-  /// Its size.
+  /// Returns its size.
   virtual Result<std::int64_t> finish() = 0;
 };
 
@@ -80,30 +81,30 @@ class Exports {
  public:
   using MakeFile = std::function<Result<std::unique_ptr<ExportFile>>(const std::string& path)>;
   static constexpr std::chrono::hours kLife{24};
-  static constexpr std::chrono::minutes kPause{10};  ///< between two of one person
+  static constexpr std::chrono::minutes kPause{10};  ///< minimum time between two exports of a user
   static constexpr std::chrono::minutes kLease{30};
-  static constexpr std::chrono::seconds kFirstPause{2};  ///< doubled each time it has to wait
+  static constexpr std::chrono::seconds kFirstPause{2};  ///< doubled with each wait
   static constexpr std::chrono::seconds kLongestPause{120};
 
   struct Options {
     std::string volumes;             ///< directory
-    std::string pictures;            ///< directory, with a folder for each preset
+    std::string pictures;            ///< directory with one folder per preset
     std::string exports;             ///< directory
-    std::int64_t reserve_bytes = 0;  ///< of the disk of `exports`, stay free
-    std::int64_t total_bytes = 0;    ///< of all exports that are kept; one alone may be larger
+    std::int64_t reserve_bytes = 0;  ///< space to keep free on the disk of `exports`
+    std::int64_t total_bytes = 0;    ///< maximum size of all exports; a single one may be larger
   };
   Exports(ExportStore& store, MakeFile make_file, const Clock& clock, Options options);
 
-  /// kTooMany soon after another.
+  /// Returns kTooMany soon after another request.
   Outcome<Export> request(const Principal& who);
-  /// kNotFound: there is none.
+  /// Returns kNotFound if there is none.
   Outcome<Export> find(const Principal& who);
   Outcome<void> remove(const Principal& who);
-  /// The file's name in the export directory; kNotReady, kNotFound.
+  /// Returns the file name in the export directory, kNotReady or kNotFound.
   Outcome<std::string> file(const Principal& who);
 
-  /// Makes those that are due, and lets old ones go. One for which there is no room waits; nothing
-  /// is left of what was begun.
+  /// Creates due exports and deletes old ones. An export without enough disk space waits, and its
+  /// partial file is removed.
   void look();
   void on_request(std::function<void()> wake) { wake_ = std::move(wake); }
 

@@ -38,10 +38,10 @@ Mailer::Sent Mailer::send_due() {
     ++total.failed;
     const int failures = queued.attempts + 1;
     const bool hopeless = sent.error().code == ErrorCode::kInvalid || failures >= kMailAttempts;
-    log::warning("mail not sent", {{"mail", queued.id},
-                                   {"failures", failures},
-                                   {"given_up", hopeless},
-                                   {"reason", sent.error().message}});
+    log::warning("failed to send an email", {{"mail", queued.id},
+                                             {"failures", failures},
+                                             {"given_up", hopeless},
+                                             {"reason", sent.error().message}});
     if (hopeless) {
       (void)store_.mail_sent(queued.id);
     } else {
@@ -57,7 +57,8 @@ int Disposer::dispose() {
   int gone = 0;
   for (const Disposal& disposal : *due) {
     if (auto done = remove(disposal); !done) {
-      log::warning("not disposed of yet", {{"id", disposal.id}, {"reason", done.error().message}});
+      log::warning("failed to delete files",
+                   {{"id", disposal.id}, {"reason", done.error().message}});
       continue;
     }
     if (store_.disposed(disposal)) ++gone;
@@ -66,18 +67,18 @@ int Disposer::dispose() {
 }
 
 Result<void> Disposer::remove(const Disposal& disposal) {
-  if (!is_id(disposal.id)) return fail(ErrorCode::kInternal, "not an id");
+  if (!is_id(disposal.id)) return fail(ErrorCode::kInternal, "not a valid id");
   if (disposal.kind == Disposal::Kind::kUpload) return files_.remove(disposal.id);
   if (disposal.kind == Disposal::Kind::kPictures) return thumbnails_.remove(disposal.id);
   if (disposal.kind == Disposal::Kind::kPreset) return preset_pictures_.remove(disposal.id);
   std::error_code error;
   if (disposal.kind == Disposal::Kind::kExport) {
     std::filesystem::remove(export_directory_ + "/" + disposal.id + ".zip", error);
-    if (error) return fail(ErrorCode::kUnavailable, "the export cannot be removed");
+    if (error) return fail(ErrorCode::kUnavailable, "cannot delete the export");
     return {};
   }
   std::filesystem::remove_all(volume_directory_ + "/" + disposal.id, error);
-  if (error) return fail(ErrorCode::kUnavailable, "the volume cannot be removed");
+  if (error) return fail(ErrorCode::kUnavailable, "cannot delete the volume");
   return thumbnails_.remove(disposal.id);
 }
 
@@ -109,7 +110,7 @@ void Periodic::run() {
     try {
       work_();
     } catch (const std::exception& thrown) {
-      log::error("background work failed", {{"work", name_}, {"reason", log::describe(thrown)}});
+      log::error("background task failed", {{"work", name_}, {"reason", log::describe(thrown)}});
     }
     lock.lock();
     changed_.wait_for(lock, period_, [this] { return stopping_ || woken_; });

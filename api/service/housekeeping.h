@@ -15,15 +15,16 @@
 
 namespace diaphane::api {
 
-/// Sends one mail. Implemented in api/mail.
+/// Sends one email. Implemented in api/mail.
 class MailTransport {
  public:
   virtual ~MailTransport() = default;
-  /// kUnavailable: worth trying again. kInvalid: the recipient is refused for good.
+  /// Returns kUnavailable if a retry makes sense and kInvalid if the recipient is rejected
+  /// permanently.
   virtual Result<void> send(const Mail& mail) = 0;
 };
 
-/// One look at the queue: sends what is due. Mails go out at least once.
+/// Polls the queue once and sends the due emails. Each email is sent at least once.
 class Mailer {
  public:
   Mailer(MailStore& store, MailTransport& transport, const Clock& clock)
@@ -32,7 +33,7 @@ class Mailer {
     int sent = 0, failed = 0;
   };
   Sent send_due();
-  /// How long to wait after the n-th failure: 5 s, doubled each time, at most an hour.
+  /// Delay after the n-th failure: 5 s, doubled each time, at most one hour.
   static std::chrono::seconds pause_after(int failures);
 
  private:
@@ -41,7 +42,8 @@ class Mailer {
   const Clock& clock_;
 };
 
-/// Removes from disk what the database has noted; what fails is tried again at the next look.
+/// Deletes the files that the database has queued for deletion. Failures are retried in the next
+/// run.
 class Disposer {
  public:
   Disposer(DataSetStore& store, UploadFiles& files, Thumbnails& thumbnails,
@@ -53,7 +55,7 @@ class Disposer {
         preset_pictures_(preset_pictures),
         volume_directory_(std::move(volume_directory)),
         export_directory_(std::move(export_directory)) {}
-  /// How many are gone now.
+  /// Returns the number of deleted items.
   int dispose();
 
  private:
@@ -65,7 +67,7 @@ class Disposer {
   std::string volume_directory_, export_directory_;
 };
 
-/// A thread that does one thing now and then, and at once when woken. What it throws is logged.
+/// A thread that runs a task periodically, and immediately when woken. Exceptions are logged.
 class Periodic {
  public:
   Periodic(std::string name, std::chrono::milliseconds period, std::function<void()> work);

@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// A key by which a person's request makes its thing once, however often it comes (for a day).
+/// A key that makes a user's request create its resource only once, even if repeated within a day.
 struct IdempotencyKey {
   std::string route;
   std::string key;
@@ -13,20 +13,20 @@ struct IdempotencyKey {
 };
 
 struct Created {
-  std::string id;  ///< with `again`, of the one that the same key made before
+  std::string id;  ///< with `again`: ID of the resource that the same key created before
   bool again = false;
 };
-struct KeyReused {};  ///< the key came before with another request
+struct KeyReused {};  ///< the key was used before with a different request
 
-/// For what is made with a secret that is kept nowhere, as a link's token is.
+/// For resources with a secret that is not stored, such as the token of a link.
 struct Once {
-  std::string key;      ///< of the request; empty: each makes another
-  std::string browser;  ///< what the person's browser alone knows: its cookie
+  std::string key;      ///< key of the request; if empty, each request creates a new resource
+  std::string browser;  ///< the cookie, a secret that only the user's browser knows
 };
 
-/// A token of 256 bits (secrets.h, is_token): random, or with a key the same each time that this
-/// browser asks for `what` by that key. Nobody has it from what is stored: it is made of the
-/// cookie, of which only a hash is kept.
+/// Returns a token of 256 bits (secrets.h, is_token). It is random without a key and otherwise the
+/// same each time that this browser requests `what` with that key. It cannot be derived from stored
+/// data, because it depends on the cookie, of which only a hash is stored.
 std::string token_for(std::string_view what, const Once& once);
 
 }  // namespace diaphane::api

@@ -11,18 +11,18 @@
 
 namespace diaphane::api {
 
-/// Joining somebody's session by a link that its owner can end. Who has the link sees the pictures
-/// and who else is there, and nothing else of the owner; no account is needed. Thread-safe.
+/// Joining a session with a link that its owner can disable. Holders of the link need no account.
+/// They see the images and the other participants, but nothing else of the owner. Thread-safe.
 class LiveLinks {
  public:
   struct Joined {
-    std::string participant;  ///< id of the guest, the same for the same key
-    std::string stream_url;   ///< as of Sessions::Stream
+    std::string participant;  ///< ID of the guest, the same for the same key
+    std::string stream_url;   ///< as in Sessions::Stream
   };
 
   struct Options {
-    /// By people who join, in 15 minutes: enough for a class behind one address whose streams break
-    /// now and then.
+    /// Limits on joins within 15 minutes. They are sufficient for a class behind one address whose
+    /// streams break now and then.
     int by_address = 240;
     int by_link = 960;
   };
@@ -36,19 +36,21 @@ class LiveLinks {
         clock_(clock),
         options_(options) {}
 
-  /// The token of a new link: shown this once, kept as a hash; the same key gives the same one
-  /// again, or kConflict once it was ended. kNotFound (the session), kTooMany.
+  /// Returns the token of a new link. It is shown only once and stored as a hash. The same key
+  /// returns the same token, or kConflict once the link is disabled. Returns kNotFound (session) or
+  /// kTooMany.
   Outcome<std::string> make(const Principal& who, const std::string& session_id, const Once& once);
-  /// Every link of the session; who came by them is sent away.
+  /// Disables all links of the session and disconnects everyone who joined with them.
   Outcome<void> end(const Principal& who, const std::string& session_id);
-  /// `key`: 64 hexadecimal digits of the guest's own, by which he is the same person when he comes
-  /// back. kNotFound: the link was ended, has expired or never was; kTooManyAttempts; kBusy: the
-  /// session has no slot and the visitors' share is taken; else as Sessions::ticket.
+  /// Joins the session of a link. `key` is 64 hexadecimal digits that the guest's browser keeps, so
+  /// that a returning guest is the same participant. Returns kNotFound if the link is unknown,
+  /// expired or disabled, kTooManyAttempts, kBusy if the session has no slot and the visitors'
+  /// share is in use, or the other errors of Sessions::ticket.
   Outcome<Joined> join(const std::string& token, const std::string& key, const std::string& name,
                        const std::string& address);
 
  private:
-  /// The data set of the session; kNotFound unless it is this person's.
+  /// Returns the data set of the session, or kNotFound if the session belongs to someone else.
   Outcome<std::string> check_owner(const Principal& who, const std::string& session_id);
 
   DataSets& data_sets_;

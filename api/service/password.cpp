@@ -17,7 +17,7 @@ constexpr std::uint32_t kPasses = 2;
 constexpr std::uint32_t kLanes = 1;
 constexpr std::size_t kHashBytes = 32;
 
-/// Characters, not bytes, of valid UTF-8: what a person counts.
+/// Counts characters of valid UTF-8 instead of bytes.
 std::size_t characters_in(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
@@ -38,9 +38,10 @@ std::string encode(std::string_view password) {
 
 std::optional<std::string> fault_of_password(std::string_view password, std::string_view email) {
   const std::size_t length = characters_in(password);
-  if (length < 12) return "A password needs at least 12 characters.";
-  if (length > 200) return "A password has at most 200 characters.";
-  if (email_key(password) == email_key(email)) return "The password must not be the address.";
+  if (length < 12) return "Use at least 12 characters.";
+  if (length > 200) return "Use at most 200 characters.";
+  if (email_key(password) == email_key(email))
+    return "Your password must be different from your email address.";
   return why_easily_guessed(password, email_key(email.substr(0, email.find('@'))));
 }
 
@@ -74,7 +75,8 @@ class PasswordHasher::Turn {
   Turn& operator=(const Turn&) = delete;
   explicit operator bool() const { return mine_; }
   static tl::unexpected<Error> none() {
-    return fail(ErrorCode::kUnavailable, "Too many people are signing in; try again shortly.");
+    return fail(ErrorCode::kUnavailable,
+                "Too many people are signing in right now. Please try again in a moment.");
   }
 
  private:

@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 Result<void> write_picture(const std::string& name, std::string_view bytes) {
   const fs::path path(name);
   const auto broken = [] {
-    return fail(ErrorCode::kUnavailable, "The picture cannot be stored just now.");
+    return fail(ErrorCode::kUnavailable,
+                "The image can't be saved at the moment. Try again later.");
   };
   std::error_code error;
   fs::create_directories(path.parent_path(), error);

@@ -7,8 +7,8 @@
 
 namespace diaphane::api {
 
-/// Writes under a name of its own and renames, making the folder: a reader never sees half a
-/// picture. kUnavailable.
+/// Creates the folder, writes to a temporary name and renames the file, so that a reader never sees
+/// half an image. Returns kUnavailable on failure.
 Result<void> write_picture(const std::string& path, std::string_view bytes);
 
 }  // namespace diaphane::api

@@ -4,15 +4,16 @@
 
 #include "api/service/picture_file.h"
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Longer than a worker is asked for one (Stills), so that nobody begins the same beside it.
+/// Longer than the request to a worker (Stills), so that nobody renders the same thumbnail twice.
 constexpr std::chrono::seconds kLease{90};
-/// Until somebody is asked again after nobody answered.
+/// Delay before the next attempt if no worker responded.
 constexpr std::chrono::seconds kPause{10};
 
 std::string path_of(const std::string& preset_id) {
@@ -20,7 +21,7 @@ std::string path_of(const std::string& preset_id) {
 }
 
 tl::unexpected<Problem> none_yet() {
-  return refuse(ProblemKind::kNotFound, "There is no picture of this preset yet.");
+  return refuse(ProblemKind::kNotFound, "This preset has no preview image yet.");
 }
 
 }  // namespace
@@ -28,18 +29,18 @@ tl::unexpected<Problem> none_yet() {
 Outcome<std::string> PresetPictures::get(const Principal& who, const std::string& data_set_id,
                                          const std::string& preset_id) {
   const auto preset = presets_.find(who, preset_id);
-  if (!preset) return tl::unexpected(preset.error());
+  DIAPHANE_TRY(preset);
   if (preset->data_set_id != data_set_id) {
-    return refuse(ProblemKind::kNotFound, "There is no such preset.");
+    return refuse(ProblemKind::kNotFound, "Preset not found.");
   }
   const auto data_set = data_sets_.find_ready(who, data_set_id);
   if (!data_set && data_set.error().kind == ProblemKind::kNotReady) return none_yet();
-  if (!data_set) return tl::unexpected(data_set.error());
+  DIAPHANE_TRY(data_set);
   if (!preset->pictured_at) return none_yet();
   std::error_code error;
   std::string path = path_of(preset_id);
   if (!fs::exists(directory_ + "/" + path, error)) {
-    // A cache may lose what it has.
+    // The cache may have lost the file.
     (void)store_.forget_picture(preset_id);
     return none_yet();
   }
@@ -57,7 +58,7 @@ bool PresetPictures::make_next() {
   request.samples = kMostSamples;
   request.error = kError;
   request.background = true;
-  // Of another version: it stays without a picture, as it cannot be shown either.
+  // A preset of another version cannot be displayed, so it gets no thumbnail.
   if (request.scene.empty()) return true;
   const auto jpeg = stills_.render(request);
   if (!jpeg) {
@@ -68,14 +69,15 @@ bool PresetPictures::make_next() {
   const auto kept = store_.keep_picture(picture, clock_.wall(), [&] {
     return write_picture(directory_ + "/" + path_of(picture.preset_id), *jpeg);
   });
-  if (!kept) log::warning("picture of a preset not kept", {{"preset", picture.preset_id}});
+  if (!kept)
+    log::warning("failed to save a preset's preview image", {{"preset", picture.preset_id}});
   return kept.has_value();
 }
 
 Result<void> PresetPictures::remove(const std::string& preset_id) {
   std::error_code error;
   fs::remove_all(fs::path(directory_ + "/" + path_of(preset_id)).parent_path(), error);
-  if (error) return fail(ErrorCode::kUnavailable, "the picture cannot be removed");
+  if (error) return fail(ErrorCode::kUnavailable, "cannot delete the image");
   return {};
 }
 

@@ -9,19 +9,19 @@
 
 namespace diaphane::api {
 
-/// A small picture of each preset: the data set that it was saved for, as it shows it. Made in the
-/// background, one after the other, and kept in `<cache directory>/presets/<preset>/picture.jpg`
-/// until the preset changes or goes, or the data set is cut (migrations/0008). The system's own
-/// work: nobody's render time. Thread-safe.
+/// Renders a thumbnail for each preset, which shows its data set with the preset applied. Runs in
+/// the background, one at a time. The file `<cache directory>/presets/<preset>/picture.jpg` is kept
+/// until the preset changes or is deleted, or the data set is anonymised (migrations/0008). The
+/// work is not charged to any user. Thread-safe.
 class PresetPictures {
  public:
-  /// The estimated error that a picture is rendered to. A device that is busy with sessions may
-  /// take too long for it: then the picture is what it was after kPatience.
+  /// Target error of the rendering. On a device that is busy with sessions, this may take too long.
+  /// Then the result after kPatience is used.
   static constexpr double kError = 0.02;
   static constexpr std::uint32_t kMostSamples = 1024;  ///< per pixel
-  static constexpr std::uint32_t kSize = 320;          ///< pixels, of both sides
+  static constexpr std::uint32_t kSize = 320;          ///< width and height in pixels
 
-  /// `scene_bytes` makes a serialised Scene of a preset's; empty when it cannot be read.
+  /// `scene_bytes` serialises a preset's scene, or returns an empty string if it cannot be parsed.
   PresetPictures(DataSets& data_sets, Presets& presets, PresetStore& store, Stills& stills,
                  const Clock& clock, std::string cache_directory,
                  std::function<std::string(const std::string& scene)> scene_bytes)
@@ -33,14 +33,14 @@ class PresetPictures {
         directory_(std::move(cache_directory)),
         scene_bytes_(std::move(scene_bytes)) {}
 
-  /// The file's path below the cache directory, for whoever may read the preset. kNotFound: also
-  /// while there is none yet.
+  /// Returns the path below the cache directory if the user may read the preset. Returns kNotFound
+  /// also while there is no thumbnail yet.
   Outcome<std::string> get(const Principal& who, const std::string& data_set_id,
                            const std::string& preset_id);
-  /// Makes the next picture, which takes seconds; false when there is none to be made now, or
-  /// nobody to make it.
+  /// Renders the next thumbnail, which takes seconds. Returns false if none is due or no worker is
+  /// available.
   bool make_next();
-  /// Forgets the picture's file.
+  /// Deletes the file of the thumbnail.
   Result<void> remove(const std::string& preset_id);
 
  private:

@@ -4,28 +4,34 @@
 
 #include "api/service/secrets.h"
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> no_such_preset() {
-  return refuse(ProblemKind::kNotFound, "There is no such preset.");
+  return refuse(ProblemKind::kNotFound, "Preset not found.");
 }
 
 tl::unexpected<Problem> not_yours() {
-  return refuse(ProblemKind::kForbidden, "This preset is somebody else's. Save one of your own.");
+  return refuse(ProblemKind::kForbidden,
+                "This preset belongs to someone else. Save your own copy instead.");
 }
 
 tl::unexpected<Problem> from_store(const Error& error) {
   if (error.code == ErrorCode::kNotFound) return no_such_preset();
   if (error.code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kPrecondition,
-                  "This preset was changed meanwhile. Load it again before you change it.");
+                  "This preset has changed in the meantime. Reload it before you edit it.");
   }
   return refuse(error);
 }
 
-/// What was taken down is there for who made it and who judges it.
+bool refusal_is(const Outcome<DataSet>& outcome, ProblemKind kind) {
+  return !outcome && outcome.error().kind == kind;
+}
+
+/// Only the author and administrators can see a preset that was taken down.
 bool hidden(const Preset& preset, const Principal& who) {
   return preset.taken_down && !preset.mine && !who.administrator;
 }
@@ -33,9 +39,7 @@ bool hidden(const Preset& preset, const Principal& who) {
 }  // namespace
 
 Outcome<std::vector<Preset>> Presets::list(const Principal& who, const std::string& data_set_id) {
-  if (auto seen = data_sets_.authorise(who, data_set_id, Action::kLook); !seen) {
-    return tl::unexpected(seen.error());
-  }
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kLook));
   auto found = store_.list(data_set_id, who.user_id);
   if (!found) return refuse(found.error());
   std::erase_if(*found, [&](const Preset& preset) { return hidden(preset, who); });
@@ -56,9 +60,7 @@ Outcome<Preset> Presets::find(const Principal& who, const std::string& id) {
 
 Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_id, Preset preset,
                              const std::string& idempotency_key) {
-  if (auto may = data_sets_.authorise(who, data_set_id, Action::kSavePreset); !may) {
-    return tl::unexpected(may.error());
-  }
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kSavePreset));
   preset.id = new_id();
   preset.data_set_id = data_set_id;
   preset.author_id = who.user_id;
@@ -73,12 +75,13 @@ Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_i
   if (!made) return from_store(made.error());
   if (std::holds_alternative<KeyReused>(*made)) {
     return refuse(ProblemKind::kIdempotencyKeyReused,
-                  "This Idempotency-Key came before with another request.");
+                  "This Idempotency-Key was already used with a different request.");
   }
   wake_();
   auto found = find(who, std::get<Created>(*made).id);
   if (!found && found.error().kind == ProblemKind::kNotFound) {
-    return refuse(ProblemKind::kConflict, "What this key made has been deleted since.");
+    return refuse(ProblemKind::kConflict,
+                  "The resource created with this Idempotency-Key has since been deleted.");
   }
   return found;
 }
@@ -88,9 +91,7 @@ Outcome<Preset> Presets::change(const Principal& who, const std::string& id, int
   const auto preset = find(who, id);
   if (!preset) return preset;
   if (!preset->mine) return not_yours();
-  if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kSavePreset); !may) {
-    return tl::unexpected(may.error());
-  }
+  DIAPHANE_TRY(data_sets_.authorise(who, preset->data_set_id, Action::kSavePreset));
   const auto done = store_.change(id, version, what, clock_.wall());
   if (!done) return from_store(done.error());
   wake_();
@@ -99,11 +100,15 @@ Outcome<Preset> Presets::change(const Principal& who, const std::string& id, int
 
 Outcome<void> Presets::remove(const Principal& who, const std::string& id, int version) {
   const auto preset = find(who, id);
-  if (!preset) return tl::unexpected(preset.error());
-  const auto may = [&](Action action) {
-    return data_sets_.authorise(who, preset->data_set_id, action).has_value();
-  };
-  if (!preset->mine && !may(Action::kDescribe) && !may(Action::kTakeDown)) return not_yours();
+  DIAPHANE_TRY(preset);
+  if (!preset->mine) {
+    auto allowed = data_sets_.authorise(who, preset->data_set_id, Action::kDescribe);
+    if (refusal_is(allowed, ProblemKind::kForbidden)) {
+      allowed = data_sets_.authorise(who, preset->data_set_id, Action::kTakeDown);
+    }
+    if (refusal_is(allowed, ProblemKind::kForbidden)) return not_yours();
+    DIAPHANE_TRY(allowed);
+  }
   if (const auto done = store_.remove(id, version); !done) return from_store(done.error());
   return {};
 }
@@ -111,10 +116,9 @@ Outcome<void> Presets::remove(const Principal& who, const std::string& id, int v
 Outcome<Preset> Presets::vote(const Principal& who, const std::string& id, int value) {
   const auto preset = find(who, id);
   if (!preset) return preset;
-  if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kVote); !may) {
-    return tl::unexpected(may.error());
-  }
-  if (preset->taken_down) return refuse(ProblemKind::kForbidden, "This preset was taken down.");
+  DIAPHANE_TRY(data_sets_.authorise(who, preset->data_set_id, Action::kVote));
+  if (preset->taken_down)
+    return refuse(ProblemKind::kForbidden, "This preset was removed by an administrator.");
   if (const auto done = store_.vote(id, who.user_id, value); !done) {
     return from_store(done.error());
   }
@@ -123,9 +127,7 @@ Outcome<Preset> Presets::vote(const Principal& who, const std::string& id, int v
 
 Outcome<void> Presets::set_default(const Principal& who, const std::string& data_set_id,
                                    const std::string& preset_id) {
-  if (auto may = data_sets_.authorise(who, data_set_id, Action::kDescribe); !may) {
-    return tl::unexpected(may.error());
-  }
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kDescribe));
   if (!preset_id.empty() && !is_id(preset_id)) return no_such_preset();
   const auto done = store_.set_default(data_set_id, preset_id);
   if (!done) return from_store(done.error());

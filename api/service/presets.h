@@ -14,37 +14,38 @@ namespace diaphane::api {
 
 struct Preset {
   std::string id, data_set_id;
-  std::string author_id, author_name;  ///< the name is the public one, or empty
+  std::string author_id, author_name;  ///< the public name, or empty
   std::string name;
-  int version = 1;  ///< rises with each change
-  int votes = 0;    ///< for it less against it
+  int version = 1;  ///< increases with each change
+  int votes = 0;    ///< votes for it minus votes against it
   int my_vote = 0;  ///< -1, 0, 1
   bool is_default = false;
-  /// The default, and its author has changed the scene since the owner chose it.
+  /// It is the default, and its author has changed the scene since the owner chose it.
   bool changed_since_default = false;
-  bool mine = false;        ///< of the one who asked
-  bool taken_down = false;  ///< by an administrator: there for its author and administrators alone
+  bool mine = false;  ///< of the requesting user
+  /// Hidden by an administrator from everyone but its author and administrators.
+  bool taken_down = false;
   std::string taken_down_reason;
-  std::optional<Time> pictured_at;  ///< when its picture was made; none: there is none yet
+  std::optional<Time> pictured_at;  ///< when its thumbnail was rendered; empty if there is none yet
   Time created_at, updated_at;
   std::string scene;     ///< Protobuf JSON of a checked Scene; empty in lists
-  std::string kept_xml;  ///< the document it was read from, when it holds more than the scene
+  std::string kept_xml;  ///< the source document, if it contains more than the scene
 };
 
-/// Absent: stays.
+/// Absent fields stay unchanged.
 struct PresetChange {
   std::optional<std::string> name, scene;
 };
 
-/// A picture to be made: of this scene, as long as preset and data set stay what they are.
+/// A thumbnail to render for this scene, valid while the preset and the data set stay unchanged.
 struct PresetPicture {
   std::string preset_id, data_set_id;
   std::string scene;           ///< Protobuf JSON
   std::optional<Time> cut_at;  ///< anonymised_at of the data set
 };
 
-/// Implemented by postgres/preset_repository. Every function: kUnavailable. Each is one
-/// transaction. Whether somebody may is asked before (access.h).
+/// Implemented by postgres/preset_repository. Every function may return kUnavailable. Each is one
+/// transaction. The caller checks permissions first (access.h).
 class PresetStore {
  public:
   struct Limits {
@@ -53,7 +54,7 @@ class PresetStore {
   };
   virtual ~PresetStore() = default;
 
-  /// The default first, then by votes, then the oldest first.
+  /// Sorted with the default first, then by votes, then oldest first.
   virtual Result<std::vector<Preset>> list(const std::string& data_set_id,
                                            const std::string& viewer_id) = 0;
   /// kNotFound.
@@ -62,34 +63,33 @@ class PresetStore {
   virtual Result<std::variant<Created, KeyReused>> add(const Preset& preset,
                                                        const std::optional<IdempotencyKey>& key,
                                                        const Limits& limits) = 0;
-  /// kNotFound; kConflict when it is of another version by now.
+  /// Returns kNotFound, or kConflict if the version has changed in the meantime.
   virtual Result<void> change(const std::string& id, int version, const PresetChange& what,
                               Time now) = 0;
   virtual Result<void> remove(const std::string& id, int version) = 0;
-  /// `value` 0 takes it back.
+  /// A `value` of 0 withdraws the vote.
   virtual Result<void> vote(const std::string& id, const std::string& user_id, int value) = 0;
-  /// `preset_id` empty: none. kNotFound unless it is one of that data set.
+  /// An empty `preset_id` means none. Returns kNotFound for a preset of another data set.
   virtual Result<void> set_default(const std::string& data_set_id,
                                    const std::string& preset_id) = 0;
-  /// Protobuf JSON of the default preset's scene; empty: there is none.
+  /// Returns the scene of the default preset as Protobuf JSON, or an empty string.
   virtual Result<std::string> default_scene(const std::string& data_set_id) = 0;
 
-  /// The next picture to be made, of a data set that is ready; nobody else is given it before
-  /// `lease` is over, and longer each time that it fails.
+  /// Leases the next thumbnail to render for a ready data set. Nobody else gets it for `lease`,
+  /// which grows with each failure.
   virtual Result<std::optional<PresetPicture>> claim_picture(Time now,
                                                              std::chrono::seconds lease) = 0;
-  /// Nobody could be asked for it: to be tried again at `again`, as if it had not been.
+  /// Returns a thumbnail that no worker could render. It is due again at `again`, not as a failure.
   virtual Result<void> postpone_picture(const std::string& preset_id, Time again) = 0;
-  /// Carries out `write` (maybe twice) while the preset stands still, if it is what it was when the
-  /// picture was begun; false when it is not, and nothing is written. What goes wrong in `write` is
-  /// given back.
+  /// Runs `write` (possibly twice) while the preset is locked, if it has not changed since
+  /// rendering started. Otherwise returns false and writes nothing. Returns the errors of `write`.
   virtual Result<bool> keep_picture(const PresetPicture& picture, Time now,
                                     const std::function<Result<void>()>& write) = 0;
-  /// Its file is not there (any more): it is made anew.
+  /// Schedules a new rendering because the file is missing.
   virtual Result<void> forget_picture(const std::string& preset_id) = 0;
 };
 
-/// Presets of data sets. A scene is checked before it comes here (handlers/preset_format.h).
+/// Presets of data sets. Scenes are validated before they get here (handlers/preset_format.h).
 /// Thread-safe.
 class Presets {
  public:
@@ -98,20 +98,20 @@ class Presets {
 
   Outcome<std::vector<Preset>> list(const Principal& who, const std::string& data_set_id);
   Outcome<Preset> find(const Principal& who, const std::string& id);
-  /// `preset`: name, scene, kept_xml. The same key makes it once; empty: none. kTooMany,
-  /// kIdempotencyKeyReused.
+  /// Uses name, scene and kept_xml of `preset`. The same non-empty key creates it only once.
+  /// Returns kTooMany or kIdempotencyKeyReused.
   Outcome<Preset> add(const Principal& who, const std::string& data_set_id, Preset preset,
                       const std::string& idempotency_key);
-  /// By its author. kPrecondition: `version` is not what it is now.
+  /// Only for its author. Returns kPrecondition if `version` is not the current one.
   Outcome<Preset> change(const Principal& who, const std::string& id, int version,
                          const PresetChange& what);
-  /// By its author, the owner of the data set, or an administrator.
+  /// Only for its author, the owner of the data set or an administrator.
   Outcome<void> remove(const Principal& who, const std::string& id, int version);
   Outcome<Preset> vote(const Principal& who, const std::string& id, int value);
   Outcome<void> set_default(const Principal& who, const std::string& data_set_id,
                             const std::string& preset_id);
 
-  /// Called when there may be a picture to be made.
+  /// Called when a thumbnail may need rendering.
   void on_picture(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:

@@ -37,7 +37,7 @@ ProblemKind kind_of(ErrorCode code) {
 
 tl::unexpected<Problem> refuse_field(std::string field, std::string message) {
   return tl::unexpected<Problem>(Problem{ProblemKind::kInvalid,
-                                         "A part of the request is wrong.",
+                                         "The request contains invalid values.",
                                          {{std::move(field), std::move(message)}},
                                          {}});
 }
@@ -45,7 +45,7 @@ tl::unexpected<Problem> refuse_field(std::string field, std::string message) {
 Problem from_error(const Error& error) {
   Problem problem{kind_of(error.code), error.message, {}, {}};
   if (problem.kind == ProblemKind::kInternal) {
-    problem.detail = "Something went wrong here; it has been noted.";
+    problem.detail = "Something went wrong on our side. The error has been logged.";
   }
   if (problem.kind == ProblemKind::kUnavailable || problem.kind == ProblemKind::kOutcomeUnknown) {
     problem.retry_after = std::chrono::seconds(2);

@@ -7,8 +7,8 @@
 
 #include "common/result.h"
 
-/// What the REST side refuses, and why: finer than ErrorCode, because a program on the other side
-/// acts on it. handlers/problem_document.h makes RFC 9457 documents of it.
+/// The errors of the REST API. They are finer than ErrorCode, because clients act on them.
+/// handlers/problem_document.h turns them into RFC 9457 documents.
 namespace diaphane::api {
 
 enum class ProblemKind {
@@ -54,7 +54,7 @@ enum class ProblemKind {
   kInternal,
 };
 
-/// One wrong part of a request: a JSON path, or the name of a header or query parameter.
+/// One invalid part of a request: a JSON path, or the name of a header or query parameter.
 struct FieldProblem {
   std::string field;
   std::string message;
@@ -62,9 +62,9 @@ struct FieldProblem {
 
 struct Problem {
   ProblemKind kind = ProblemKind::kInternal;
-  std::string detail;  ///< a sentence for the person; never anything of a scan
+  std::string detail;  ///< a sentence for the user, never with data from a scan
   std::vector<FieldProblem> fields;
-  std::chrono::seconds retry_after{0};  ///< 0: not said
+  std::chrono::seconds retry_after{0};  ///< 0 omits the header
 };
 
 template <typename T>
@@ -74,10 +74,10 @@ inline tl::unexpected<Problem> refuse(ProblemKind kind, std::string detail,
                                       std::chrono::seconds retry_after = {}) {
   return tl::unexpected<Problem>(Problem{kind, std::move(detail), {}, retry_after});
 }
-/// kInvalid with one field named.
+/// Returns kInvalid with a single field.
 tl::unexpected<Problem> refuse_field(std::string field, std::string message);
 
-/// The problem that an adapter's expected failure becomes, where nothing finer is known.
+/// Converts an expected failure of an adapter if no finer kind is known.
 Problem from_error(const Error& error);
 inline tl::unexpected<Problem> refuse(const Error& error) {
   return tl::unexpected<Problem>(from_error(error));

@@ -6,7 +6,7 @@ namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> no_such_recording() {
-  return refuse(ProblemKind::kNotFound, "There is no such recording.");
+  return refuse(ProblemKind::kNotFound, "Recording not found.");
 }
 
 template <typename T>
@@ -41,9 +41,6 @@ Outcome<std::string> Recordings::add(const Principal& who, Recording recording) 
   recording.expires_at = recording.created_at + kLife;
   const auto added = store_.add(who.user_id, recording, kMostBytes);
   if (added) return recording.id;
-  if (added.error().code == ErrorCode::kTooLarge) {
-    return refuse(ProblemKind::kOverQuota, added.error().message);
-  }
   return refuse(added.error());
 }
 

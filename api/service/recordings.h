@@ -9,7 +9,7 @@
 
 namespace diaphane::api {
 
-/// A person's recording of how a picture was looked at (docs/contracts.md, "Recorded interaction").
+/// A user's recorded interaction with a scan (docs/contracts.md, "Recorded interaction").
 struct Recording {
   std::string id;
   std::string body;  ///< the JSON document; empty in lists
@@ -18,24 +18,24 @@ struct Recording {
   Time created_at{}, expires_at{};
 };
 
-/// Implemented by postgres/recording_repository. Every function: kUnavailable.
+/// Implemented by postgres/recording_repository. Every function may return kUnavailable.
 class RecordingStore {
  public:
   virtual ~RecordingStore() = default;
   virtual Result<bool> consent(const std::string& user_id) = 0;
   virtual Result<void> set_consent(const std::string& user_id, bool given, Time now) = 0;
-  /// kForbidden without consent; kTooLarge when the person has `most_bytes` already.
+  /// Returns kForbidden without consent, or kTooLarge if the user would exceed `most_bytes`.
   virtual Result<void> add(const std::string& user_id, const Recording& recording,
                            std::int64_t most_bytes) = 0;
-  /// Without bodies, newest first; those that have expired are none.
+  /// Returns the recordings that have not expired, newest first and without bodies.
   virtual Result<std::vector<Recording>> of(const std::string& user_id, Time now) = 0;
-  /// kNotFound also for somebody else's.
+  /// Also returns kNotFound for another user's recording.
   virtual Result<Recording> find(const std::string& user_id, const std::string& id, Time now) = 0;
   virtual Result<void> remove(const std::string& user_id, const std::string& id) = 0;
   virtual Result<void> expire(Time now) = 0;
 };
 
-/// Recorded interaction, with consent. Thread-safe.
+/// Recorded interactions of users who consented. Thread-safe.
 class Recordings {
  public:
   struct Mine {
@@ -44,13 +44,13 @@ class Recordings {
   };
 
   static constexpr std::chrono::hours kLife{24 * 90};
-  static constexpr std::int64_t kMostBytes = 20 * 1024 * 1024;  ///< of one person
+  static constexpr std::int64_t kMostBytes = 20 * 1024 * 1024;  ///< per user
 
   Recordings(RecordingStore& store, const Clock& clock) : store_(store), clock_(clock) {}
 
   Outcome<Mine> list(const Principal& who);
   Outcome<void> give_consent(const Principal& who, bool given);
-  /// kForbidden: no consent. kOverQuota. The id of the new one.
+  /// Returns the ID of the new recording, kForbidden without consent, or kOverQuota.
   Outcome<std::string> add(const Principal& who, Recording recording);
   Outcome<Recording> find(const Principal& who, const std::string& id);
   Outcome<void> remove(const Principal& who, const std::string& id);

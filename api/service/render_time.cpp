@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -27,8 +28,9 @@ std::string in_words(std::int64_t ms) {
 
 tl::unexpected<Problem> all_spent(const RenderAccount& account) {
   return refuse(ProblemKind::kRenderTimeSpent,
-                "Your picture time of this month (" + in_words(account.quota_ms) +
-                    ") is used up. It starts anew on " + first_day(account.next_month) + ".");
+                "You have used all of your rendering time for this month (" +
+                    in_words(account.quota_ms) + "). It resets on " +
+                    first_day(account.next_month) + ".");
 }
 
 }  // namespace
@@ -42,7 +44,7 @@ Outcome<RenderAccount> RenderTime::account(const std::string& user_id) {
 Outcome<void> RenderTime::may_open(const Principal& who) {
   if (who.user_id.empty()) return {};
   const auto mine = account(who.user_id);
-  if (!mine) return tl::unexpected(mine.error());
+  DIAPHANE_TRY(mine);
   if (mine->spent()) return all_spent(*mine);
   return {};
 }
@@ -50,7 +52,7 @@ Outcome<void> RenderTime::may_open(const Principal& who) {
 Outcome<void> RenderTime::may_go_on(const Principal& who) {
   if (who.user_id.empty()) return {};
   const auto mine = account(who.user_id);
-  if (!mine) return tl::unexpected(mine.error());
+  DIAPHANE_TRY(mine);
   const bool over = mine->spent() && mine->warned_at && *mine->warned_at + kGrace <= clock_.wall();
   if (over) return all_spent(*mine);
   return {};
@@ -65,15 +67,17 @@ void RenderTime::look() {
     if (const auto rendering = store_.add(*spent, now, now - kGrace)) {
       over.insert(rendering->begin(), rendering->end());
     } else {
-      // Taken and not written down: in the person's favour.
-      log::warning("render time not noted", {{"accounts", static_cast<int>(spent->size())}});
+      // The time was collected but not recorded, which favours the user.
+      log::warning("failed to record rendering time",
+                   {{"accounts", static_cast<int>(spent->size())}});
     }
   }
   if (const auto resting = store_.warned(now, now - kGrace - kLookedFor, now - kGrace)) {
     over.insert(resting->begin(), resting->end());
   }
   for (const std::string& user : over) {
-    if (!placement_.end_all_by(user)) log::warning("pictures over the quota not ended");
+    if (!placement_.end_all_by(user))
+      log::warning("failed to end the sessions of an account over its quota");
   }
 }
 

@@ -8,47 +8,42 @@
 
 #include "api/service/accounts.h"
 #include "api/service/placement.h"
+#include "directory/workers.h"
 
 namespace diaphane::api {
 
-/// What an account's pictures may take, and took, of devices this month (UTC).
+/// Rendering time of an account this month (UTC): its quota and its use.
 struct RenderAccount {
   std::int64_t quota_ms = 0, used_ms = 0;
-  std::optional<Time> warned_at;  ///< when it was all used
-  Time month{};                   ///< its first moment
+  std::optional<Time> warned_at;  ///< when the quota was used up
+  Time month{};                   ///< the start of the month
   Time next_month{};
   bool spent() const { return used_ms >= quota_ms; }
 };
 
-/// What workers have noted and nobody has taken yet. Implemented over Redis.
-class SpentRenderTime {
- public:
-  virtual ~SpentRenderTime() = default;
-  /// User and milliseconds; what is taken is nobody else's.
-  virtual Result<std::vector<std::pair<std::string, std::int64_t>>> take_render_time() = 0;
-};
+using directory::SpentRenderTime;
 
 class RenderTimeStore {
  public:
   virtual ~RenderTimeStore() = default;
-  /// Adds to this month's; accounts that there are not are left out. Those whose time is spent are
-  /// marked as warned at `now` when they were not before. The ids of those who were warned at
-  /// `ended_if_warned_by` or earlier: their grace is over.
+  /// Adds to this month's use and skips unknown accounts. Marks accounts without time left as
+  /// warned at `now` unless they already are. Returns the IDs of accounts that were warned at
+  /// `ended_if_warned_by` or earlier, whose grace period is over.
   virtual Result<std::vector<std::string>> add(
       const std::vector<std::pair<std::string, std::int64_t>>& spent, Time now,
       Time ended_if_warned_by) = 0;
-  /// Marks as warned at `now` whoever has nothing left since the quota became less. The ids of all
-  /// who were warned within these times: pictures at rest note nothing, and end all the same.
+  /// Marks accounts as warned at `now` if a lower quota left them without time. Returns the IDs of
+  /// all accounts warned in this range, because idle sessions report no time and must end as well.
   virtual Result<std::vector<std::string>> warned(Time now, Time from, Time until) = 0;
   virtual Result<RenderAccount> account(const std::string& user_id, Time now) = 0;
 };
 
-/// Render time as a quota: who has spent it opens no more pictures, and those that are open are
-/// ended after a grace in which the page says so, also when they are at rest. Thread-safe.
+/// Enforces the quota of rendering time. An account without time left can open no sessions. Its
+/// open sessions, idle ones included, end after a grace period with a notice. Thread-safe.
 class RenderTime {
  public:
   static constexpr std::chrono::minutes kGrace{2};
-  /// For so long after the grace pictures are looked for again that could not be ended at once.
+  /// For this long after the grace period, ending the sessions is retried.
   static constexpr std::chrono::minutes kLookedFor{15};
 
   RenderTime(RenderTimeStore& store, SpentRenderTime& spent, Placement& placement,
@@ -56,11 +51,11 @@ class RenderTime {
       : store_(store), spent_(spent), placement_(placement), clock_(clock) {}
 
   Outcome<RenderAccount> account(const std::string& user_id);
-  /// kRenderTimeSpent for a new picture.
+  /// Returns kRenderTimeSpent for a new session if no time is left.
   Outcome<void> may_open(const Principal& who);
-  /// The same for one that is open, once the grace is over.
+  /// Does the same for an open session after the grace period.
   Outcome<void> may_go_on(const Principal& who);
-  /// Takes what was noted into the accounts, and ends what has to end; every few seconds.
+  /// Charges the reported time to the accounts and ends sessions. Call it every few seconds.
   void look();
 
  private:

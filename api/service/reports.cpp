@@ -4,6 +4,7 @@
 
 #include "api/service/secrets.h"
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -33,20 +34,19 @@ Reports::Reports(DataSets& data_sets, Presets& presets, ReportStore& store, Acco
 Outcome<void> Reports::report(const Principal& who, const std::string& data_set_id,
                               const std::string& reason, const std::string& words) {
   const auto seen = data_sets_.authorise(who, data_set_id, Action::kReport);
-  if (!seen) return tl::unexpected(seen.error());
+  DIAPHANE_TRY(seen);
   return note(who, {{}, data_set_id, {}, {}, {}, reason, words, false, {}});
 }
 
 Outcome<void> Reports::report_preset(const Principal& who, const std::string& preset_id,
                                      const std::string& reason, const std::string& words) {
   const auto preset = presets_.find(who, preset_id);
-  if (!preset) return tl::unexpected(preset.error());
+  DIAPHANE_TRY(preset);
   if (preset->mine) {
-    return refuse(ProblemKind::kForbidden, "This preset is yours: change it, or delete it.");
+    return refuse(ProblemKind::kForbidden,
+                  "You can't report your own preset. Edit or delete it instead.");
   }
-  if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kReport); !may) {
-    return tl::unexpected(may.error());
-  }
+  DIAPHANE_TRY(data_sets_.authorise(who, preset->data_set_id, Action::kReport));
   return note(who, {{}, preset->data_set_id, {}, preset_id, {}, reason, words, false, {}});
 }
 
@@ -57,7 +57,7 @@ Outcome<void> Reports::note(const Principal& who, Report report) {
   if (!wait) return refuse(wait.error());
   if (*wait) {
     return refuse(ProblemKind::kTooManyAttempts,
-                  "You have reported many things today. Go on tomorrow.", **wait);
+                  "You have reached today's report limit. Try again tomorrow.", **wait);
   }
   report.id = new_id();
   report.created_at = now;
@@ -73,7 +73,7 @@ Outcome<std::vector<Report>> Reports::open(const Principal& who) {
 }
 
 Outcome<void> Reports::close(const Principal& who, const std::string& report_id) {
-  const auto none = [] { return refuse(ProblemKind::kNotFound, "There is no such report."); };
+  const auto none = [] { return refuse(ProblemKind::kNotFound, "Report not found."); };
   if (!is_id(report_id)) return none();
   const auto done = store_.close(report_id, entry_of(who, "report.dismissed", "report", report_id),
                                  clock_.wall());
@@ -85,7 +85,7 @@ Outcome<void> Reports::close(const Principal& who, const std::string& report_id)
 Outcome<void> Reports::take_down(const Principal& who, const std::string& data_set_id,
                                  const std::string& reason) {
   const auto seen = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
-  if (!seen) return tl::unexpected(seen.error());
+  DIAPHANE_TRY(seen);
   const auto done = store_.take_down(data_set_id, reason,
                                      entry_of(who, "data-set.taken-down", "data_set", data_set_id),
                                      clock_.wall());
@@ -96,7 +96,7 @@ Outcome<void> Reports::take_down(const Principal& who, const std::string& data_s
 
 Outcome<void> Reports::restore(const Principal& who, const std::string& data_set_id) {
   const auto seen = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
-  if (!seen) return tl::unexpected(seen.error());
+  DIAPHANE_TRY(seen);
   const auto done = store_.restore(
       data_set_id, entry_of(who, "data-set.restored", "data_set", data_set_id), clock_.wall());
   if (!done) return refuse(done.error());
@@ -105,10 +105,8 @@ Outcome<void> Reports::restore(const Principal& who, const std::string& data_set
 
 Outcome<void> Reports::may_judge(const Principal& who, const std::string& preset_id) {
   const auto preset = presets_.find(who, preset_id);
-  if (!preset) return tl::unexpected(preset.error());
-  if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kTakeDown); !may) {
-    return tl::unexpected(may.error());
-  }
+  DIAPHANE_TRY(preset);
+  DIAPHANE_TRY(data_sets_.authorise(who, preset->data_set_id, Action::kTakeDown));
   return {};
 }
 

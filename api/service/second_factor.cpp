@@ -2,6 +2,7 @@
 
 #include "api/service/account_mails.h"
 #include "api/service/totp.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -13,12 +14,14 @@ std::vector<std::string> hashes_of(const std::vector<std::string>& codes) {
 }
 
 tl::unexpected<Problem> wrong_code() {
-  return refuse_field("code", "This code is wrong, or was used already. Try the next one.");
+  return refuse_field(
+      "code", "This code is incorrect or was already used. Wait for the next code and try again.");
 }
 
 tl::unexpected<Problem> not_begun() {
-  return refuse(ProblemKind::kConflict,
-                "No second factor is being set up, or it was begun too long ago. Begin anew.");
+  return refuse(
+      ProblemKind::kConflict,
+      "The setup of two-factor authentication has expired or was never started. Start again.");
 }
 
 }  // namespace
@@ -45,15 +48,13 @@ Outcome<SecondFactorState> SecondFactors::state(const Principal& who) {
 }
 
 Outcome<NewSecondFactor> SecondFactors::begin(const Principal& who, const std::string& password) {
-  if (auto right = accounts_.confirm_password(who, "password", password); !right) {
-    return tl::unexpected(right.error());
-  }
+  DIAPHANE_TRY(accounts_.confirm_password(who, "password", password));
   const std::string secret = totp::new_secret();
   const auto begun = store_.begin(who.user_id, key_.seal(secret, who.user_id), clock_.wall());
   if (!begun) return refuse(begun.error());
   if (!*begun) {
     return refuse(ProblemKind::kConflict,
-                  "Your account has a second factor already. Remove it first.");
+                  "Two-factor authentication is already on. Turn it off first.");
   }
   return NewSecondFactor{totp::base32(secret), totp::uri(secret, who.email)};
 }
@@ -84,13 +85,13 @@ Outcome<std::vector<std::string>> SecondFactors::confirm(const Principal& who,
 Outcome<void> SecondFactors::confirm_both(const Principal& who, const std::string& password,
                                           const std::string& code) {
   if (!who.second_factor) {
-    return refuse(ProblemKind::kConflict, "Your account has no second factor.");
+    return refuse(ProblemKind::kConflict, "Two-factor authentication is not on for your account.");
   }
   if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
   const auto right = codes_.take(who.user_id, who.email, code);
-  if (!right) return tl::unexpected(right.error());
+  DIAPHANE_TRY(right);
   if (!*right) return wrong_code();
   return {};
 }
@@ -98,9 +99,7 @@ Outcome<void> SecondFactors::confirm_both(const Principal& who, const std::strin
 Outcome<std::vector<std::string>> SecondFactors::renew_recovery_codes(const Principal& who,
                                                                       const std::string& password,
                                                                       const std::string& code) {
-  if (auto right = confirm_both(who, password, code); !right) {
-    return tl::unexpected(right.error());
-  }
+  DIAPHANE_TRY(confirm_both(who, password, code));
   auto codes = new_recovery_codes();
   const auto done = store_.renew_recovery_codes(
       who.user_id, hashes_of(codes), mails::recovery_codes_renewed(who.email, codes_.account_url()),

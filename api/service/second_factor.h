@@ -13,51 +13,52 @@
 
 namespace diaphane::api {
 
-/// What a person sees of the own second factor.
+/// The state of two-factor authentication as shown to the user.
 struct SecondFactorState {
-  std::optional<Time> set_up_at;  ///< nothing: there is none
-  int recovery_codes = 0;         ///< that were not used yet
-  bool required = false;          ///< for what the person's role allows
+  std::optional<Time> set_up_at;  ///< empty if it is off
+  int recovery_codes = 0;         ///< number of unused codes
+  bool required = false;          ///< the role of the user requires it
 };
 
-/// A secret that was made just now, before a code of it was given.
+/// A new secret whose first code has not been confirmed.
 struct NewSecondFactor {
-  std::string secret;  ///< in base 32, for who types it
-  std::string uri;     ///< otpauth://, for who scans it
+  std::string secret;  ///< in Base32, for manual entry
+  std::string uri;     ///< otpauth:// URI for the QR code
 };
 
 /// Setting up, renewing and removing the second factor of an account (docs/adr/0023). Thread-safe.
 class SecondFactors {
  public:
   struct Options {
-    std::chrono::seconds begun_life = std::chrono::hours(1);  ///< to give the first code within
+    /// Time limit for confirming the first code.
+    std::chrono::seconds begun_life = std::chrono::hours(1);
   };
 
   SecondFactors(SecondFactorStore& store, Accounts& accounts, CodeCheck& codes,
                 const SealingKey& key, const Clock& clock, Options options);
 
   Outcome<SecondFactorState> state(const Principal& who);
-  /// A new secret, in place of one that was begun and not confirmed. kConflict: there is one
-  /// already. A wrong password is a fault of "password".
+  /// Creates a new secret, which replaces an unconfirmed one. Returns kConflict if two-factor
+  /// authentication is on, and an error of "password" for a wrong password.
   Outcome<NewSecondFactor> begin(const Principal& who, const std::string& password);
-  /// The first code: from now on signing in asks for one. Ends every other browser's session, and
-  /// gives the recovery codes, which are shown this once. kConflict: none was begun, or too long
-  /// ago. A wrong code is a fault of "code".
+  /// Confirms the first code and turns on two-factor authentication. Ends all other web sessions
+  /// and returns the recovery codes, which are shown only once. Returns kConflict if no setup is in
+  /// progress or it has expired, and an error of "code" for a wrong code.
   Outcome<std::vector<std::string>> confirm(const Principal& who, const std::string& code);
-  /// New recovery codes in place of all old ones. Faults of "password" and "code", which may be a
-  /// recovery code; kTooManyAttempts; kConflict: there is no second factor.
+  /// Replaces all recovery codes. The code may be a recovery code. Returns errors of "password" and
+  /// "code", kTooManyAttempts, or kConflict if two-factor authentication is off.
   Outcome<std::vector<std::string>> renew_recovery_codes(const Principal& who,
                                                          const std::string& password,
                                                          const std::string& code);
-  /// Refuses as renew_recovery_codes does.
+  /// Returns the same errors as renew_recovery_codes.
   Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
 
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
-  /// Called after other browsers were signed out: their streams are to be ended.
+  /// Called after other browsers were signed out, to end their streams.
   void on_sign_out(std::function<void()> call) { signed_out_ = std::move(call); }
 
  private:
-  /// Password and code once more, before what weakens the account.
+  /// Requires password and code again before a change that weakens the account.
   Outcome<void> confirm_both(const Principal& who, const std::string& password,
                              const std::string& code);
 

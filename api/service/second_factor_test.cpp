@@ -9,6 +9,7 @@
 
 #include "api/service/fake_account_store.h"
 #include "api/service/fake_second_factor_store.h"
+#include "api/service/refusals.h"
 #include "api/service/totp.h"
 
 namespace diaphane::api {
@@ -22,8 +23,8 @@ const std::string kRfcSecret = "12345678901234567890";
 Time at(std::int64_t seconds) { return Time(std::chrono::seconds(seconds)); }
 
 TEST(Totp, TakesTheCodesOfTheStandard) {
-  // RFC 6238, appendix B, SHA-1: the last six digits of its eight. Its sixth is of the year 2603,
-  // which the clock of the system does not reach.
+  // RFC 6238, appendix B, SHA-1: the last six of the eight digits. The sixth vector is of the year
+  // 2603, which the system clock cannot represent.
   const std::pair<std::int64_t, const char*> vectors[] = {{59, "287082"},
                                                           {1111111109, "081804"},
                                                           {1111111111, "050471"},
@@ -103,7 +104,7 @@ TEST(RecoveryCodes, AreTenOf120BitsAndReadAsPeopleTypeThem) {
   }
 }
 
-/// One account with a second factor, by the whole way.
+/// An account whose second factor is set up through the public interface.
 class SecondFactorTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -114,7 +115,7 @@ class SecondFactorTest : public testing::Test {
     who.user_id = store.accounts.begin()->second.id;
     who.email = kEmail;
   }
-  /// What the device shows `steps` after now.
+  /// Returns the code that the device shows `steps` steps from now.
   std::string code(std::int64_t steps = 0) const {
     const auto secret = key.open(factors.factors.at(who.user_id).sealed_secret, who.user_id);
     std::array<char, 7> shown{};
@@ -223,8 +224,65 @@ TEST_F(SecondFactorTest, RemovingItNeedsPasswordAndCode) {
   EXPECT_EQ(second.remove(who, "wrong", code(1)).error().fields[0].field, "password");
   EXPECT_EQ(second.remove(who, kPassword, code()).error().fields[0].field, "code");
   ASSERT_TRUE(second.remove(who, kPassword, code(1)));
-  EXPECT_THAT(factors.mails.back().subject, HasSubstr("no code any more"));
+  EXPECT_THAT(factors.mails.back().subject, HasSubstr("is now off"));
   EXPECT_TRUE(let_in(""));
+}
+
+TEST_F(SecondFactorTest, ConfirmingItEndsOtherBrowsersAndSendsAMail) {
+  int signed_out = 0, woken = 0;
+  second.on_sign_out([&] { ++signed_out; });
+  second.on_mail([&] { ++woken; });
+  ASSERT_TRUE(second.begin(who, kPassword));
+  EXPECT_EQ(invalid_field(second.confirm(who, "123456")), "code");
+  EXPECT_EQ(signed_out + woken, 0);
+  ASSERT_TRUE(second.confirm(who, code()));
+  EXPECT_EQ(signed_out, 1);
+  EXPECT_EQ(woken, 1);
+}
+
+TEST_F(SecondFactorTest, OfTwoRequestsWithOneCodeAtATimeOneSucceeds) {
+  set_up();
+  factors.before("take_step", [&] { factors.factors[who.user_id].last_step = 1 << 30; });
+  EXPECT_EQ(refused(code(1)), ProblemKind::kWrongCode);
+  EXPECT_THAT(factors.mails.back().subject, HasSubstr("twice"));
+}
+
+TEST_F(SecondFactorTest, AnAdministratorNeedsIt) {
+  EXPECT_FALSE(second.state(who)->required);
+  who.administrator_waits = true;
+  EXPECT_TRUE(second.state(who)->required);
+  EXPECT_FALSE(second.state(who)->set_up_at);
+  ASSERT_TRUE(second.begin(who, kPassword));
+  EXPECT_FALSE(second.state(who)->set_up_at) << "begun is not set up";
+  ASSERT_TRUE(second.confirm(who, code()));
+  EXPECT_EQ(second.state(who)->set_up_at, clock.wall());
+  EXPECT_EQ(second.state(who)->recovery_codes, 10);
+}
+
+TEST_F(SecondFactorTest, EachStepThatFailsIsReportedAsUnavailable) {
+  const auto begin = [&] { return refusal(second.begin(who, kPassword)); };
+  const auto confirm = [&] { return refusal(second.confirm(who, code())); };
+  expect_unavailable({{store, "find_by_id", begin}, {factors, "begin", begin}});
+  ASSERT_TRUE(second.begin(who, kPassword));
+  expect_unavailable({{factors, "find", confirm}, {factors, "confirm", confirm}});
+  const auto codes = set_up();
+  const auto take = [&](const std::string& with) {
+    return [this, with] { return refusal(check.take(who.user_id, kEmail, with)); };
+  };
+  const auto renew = [&] { return refusal(second.renew_recovery_codes(who, kPassword, codes[0])); };
+  const auto remove = [&] { return refusal(second.remove(who, kPassword, codes[1])); };
+  expect_unavailable({
+      {factors, "find", [&] { return refusal(second.state(who)); }},
+      {factors, "find", [&] { return refusal(check.needed(who.user_id)); }},
+      {store, "note_attempt", take(code(1))},
+      {factors, "find", take(code(1))},
+      {factors, "take_step", take(code(1))},
+      {factors, "note_reuse", take(code())},
+      {factors, "take_recovery_code", take(codes[2])},
+      {store, "forget_attempts", take(codes[3])},
+  });
+  store.attempts.clear();
+  expect_unavailable({{factors, "renew_recovery_codes", renew}, {factors, "remove", remove}});
 }
 
 TEST_F(SecondFactorTest, WithAnotherKeyCodesCannotBeCheckedButRecoveryCodesCan) {

@@ -67,17 +67,17 @@ std::string id_from(std::string_view text) {
 Result<SealingKey> SealingKey::read(const std::string& path) {
   std::ifstream file(path);
   std::string text;
-  if (!(file >> text)) return fail(ErrorCode::kInvalid, "no such file, or nothing in it");
+  if (!(file >> text)) return fail(ErrorCode::kInvalid, "the file does not exist or is empty");
   return of_hex(text);
 }
 
 Result<SealingKey> SealingKey::of_hex(std::string_view text) {
   SealingKey key;
   static_assert(crypto_aead_xchacha20poly1305_ietf_KEYBYTES == 32);
-  if (!is_token(text)) return fail(ErrorCode::kInvalid, "a key is 64 hexadecimal digits");
+  if (!is_token(text)) return fail(ErrorCode::kInvalid, "the key must be 64 hexadecimal digits");
   if (sodium_hex2bin(key.key_.data(), key.key_.size(), text.data(), text.size(), nullptr, nullptr,
                      nullptr) != 0) {
-    return fail(ErrorCode::kInvalid, "a key is 64 hexadecimal digits");
+    return fail(ErrorCode::kInvalid, "the key must be 64 hexadecimal digits");
   }
   return key;
 }

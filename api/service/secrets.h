@@ -7,38 +7,38 @@
 
 #include "common/result.h"
 
-/// The little cryptography that accounts and uploads need, over libsodium and libcrypto.
+/// Cryptography for accounts and uploads, based on libsodium and libcrypto.
 namespace diaphane::api {
 
 /// BLAKE2b-256 of `text` as 64 lower-case hexadecimal digits. Tokens are random and 256 bits long,
 /// so a plain hash is enough to keep them out of the database (no salt, no stretching).
 std::string blake2b(std::string_view text);
 
-/// In time that depends on the lengths alone.
+/// Compares in time that depends only on the lengths.
 bool equal_in_constant_time(std::string_view a, std::string_view b);
 
-/// 64 lower-case hexadecimal digits: the form of every token that we give out.
+/// Whether the text is 64 lower-case hexadecimal digits, the form of every token that we issue.
 bool is_token(std::string_view text);
 
-/// A UUID that is the same for the same text: for things whose creation is idempotent by a key.
+/// Derives a UUID from a text, for resources whose creation is idempotent.
 std::string id_from(std::string_view text);
 
-/// Keeps what the database holds and must give back (not only compare) unreadable without a file of
-/// ours: XChaCha20-Poly1305.
+/// Encrypts values that the database must return and not only compare. The key comes from a file.
+/// Uses XChaCha20-Poly1305.
 class SealingKey {
  public:
-  /// From a file with 64 hexadecimal digits. kInvalid: there is no such file, or something else in
-  /// it.
+  /// Reads the key from a file with 64 hexadecimal digits. Returns kInvalid if the file is missing
+  /// or malformed.
   static Result<SealingKey> read(const std::string& path);
-  /// kInvalid: not 64 hexadecimal digits.
+  /// Returns kInvalid unless the text is 64 hexadecimal digits.
   static Result<SealingKey> of_hex(std::string_view text);
 
-  /// In hexadecimal. `whose` is no secret; it must be the same when opened, so that nobody's sealed
-  /// text serves somebody else.
+  /// Returns hexadecimal text. `whose` is not secret, but must be the same for opening, so that a
+  /// sealed text cannot be moved to another account.
   std::string seal(std::string_view plain, std::string_view whose) const;
-  /// Nothing: sealed with another key, for another `whose`, or damaged.
+  /// Returns nothing if the text is damaged or was sealed with another key or another `whose`.
   std::optional<std::string> open(std::string_view sealed, std::string_view whose) const;
-  /// A keyed BLAKE2b-128 of `text`, in hexadecimal: only who has the key can make it.
+  /// Returns the keyed BLAKE2b-128 hash of `text` in hexadecimal.
   std::string mac(std::string_view text) const;
 
  private:
@@ -47,7 +47,7 @@ class SealingKey {
 };
 
 enum class DigestKind { kSha1, kSha256 };
-/// The raw bytes of the digest.
+/// Returns the raw bytes of the digest.
 std::string digest(DigestKind kind, std::string_view bytes);
 
 }  // namespace diaphane::api

@@ -2,12 +2,13 @@
 
 #include "api/service/secrets.h"
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> no_such_session() {
-  return refuse(ProblemKind::kNotFound, "There is no such session.");
+  return refuse(ProblemKind::kNotFound, "Session not found.");
 }
 
 SessionViewer viewer_of(Role role) {
@@ -33,7 +34,7 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
   request.browser = who.session_id;
   const auto placed = placement_.place(request);
   if (placed) {
-    // Taken away while it was placed: whoever took it may not have seen this session.
+    // Access may have been revoked during the placement, by a caller that did not see this session.
     if (auto still = data_sets_.find_ready(who, data_set.id); !still) {
       (void)placement_.end(session_id);
       return tl::unexpected(still.error());
@@ -46,7 +47,7 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
     case ErrorCode::kUnauthenticated:
       return refuse(ProblemKind::kUnauthenticated, placed.error().message);
     case ErrorCode::kUnavailable:
-      if (!placement_.reachable()) return refuse(placed.error());  // no word about renderers then
+      if (!placement_.reachable()) return refuse(placed.error());  // not the workers' fault
       return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
     default:
       return refuse(placed.error());
@@ -56,16 +57,16 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
 Outcome<Sessions::Stream> Sessions::open(const Principal& who, const std::string& data_set_id,
                                          const std::string& idempotency_key) {
   const auto data_set = data_sets_.find_ready(who, data_set_id);
-  if (!data_set) return tl::unexpected(data_set.error());
-  if (auto may = render_time_.may_open(who); !may) return tl::unexpected(may.error());
+  DIAPHANE_TRY(data_set);
+  DIAPHANE_TRY(render_time_.may_open(who));
   if (idempotency_key.empty()) return place(who, new_id(), *data_set);
 
-  // The key makes the session's id, and placing the same id again is idempotent.
+  // The key determines the session's ID, and placing the same ID again is idempotent.
   const std::string id = id_from("session\n" + who.user_id + "\n" + idempotency_key);
   const auto known = placement_.find(id);
   if (known && known->data_set_id != data_set_id) {
     return refuse(ProblemKind::kIdempotencyKeyReused,
-                  "This Idempotency-Key came before with another request.");
+                  "This Idempotency-Key was already used with a different request.");
   }
   if (!known && known.error().code != ErrorCode::kNotFound) return refuse(known.error());
   return place(who, id, *data_set);
@@ -87,21 +88,21 @@ Outcome<SessionInfo> Sessions::find(const Principal& who, const std::string& id)
 }
 
 Outcome<void> Sessions::end(const Principal& who, const std::string& id) {
-  if (auto found = find(who, id); !found) return tl::unexpected(found.error());
+  DIAPHANE_TRY(find(who, id));
   if (auto done = placement_.end(id); !done) return refuse(done.error());
   return {};
 }
 
 Outcome<Sessions::Stream> Sessions::ticket(const Principal& who, const std::string& id) {
   const auto session = find(who, id);
-  if (!session) return tl::unexpected(session.error());
-  // It may have been deleted, or taken from the public ones, since the session was opened.
+  DIAPHANE_TRY(session);
+  // The data set may have been deleted or made private since the session was opened.
   const auto data_set = data_sets_.find_ready(who, session->data_set_id);
   if (!data_set) {
     if (data_set.error().kind == ProblemKind::kNotFound) return no_such_session();
     return tl::unexpected(data_set.error());
   }
-  if (auto may = render_time_.may_go_on(who); !may) return tl::unexpected(may.error());
+  DIAPHANE_TRY(render_time_.may_go_on(who));
   return place(who, id, *data_set);
 }
 

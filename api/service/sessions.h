@@ -11,7 +11,7 @@
 
 namespace diaphane::api {
 
-/// Render sessions: one viewer looking at one data set. Kept in Redis alone. Thread-safe.
+/// Render sessions. They are stored only in Redis. Thread-safe.
 class Sessions {
  public:
   struct Stream {
@@ -19,7 +19,7 @@ class Sessions {
     std::string stream_url;  ///< path and query on the page's origin; works once, within 30 s
   };
 
-  /// `first_scene` says what a new session on a data set shows first (PlaceRequest).
+  /// `first_scene` returns the initial scene of a new session on a data set (PlaceRequest).
   Sessions(DataSets& data_sets, Placement& placement, RenderTime& render_time,
            std::function<std::string(const std::string& data_set_id)> first_scene)
       : data_sets_(data_sets),
@@ -27,15 +27,15 @@ class Sessions {
         render_time_(render_time),
         first_scene_(std::move(first_scene)) {}
 
-  /// kNotFound, kNotReady (the data set); kNoWorker; kUnavailable (Redis); kTooMany;
-  /// kRenderTimeSpent; kIdempotencyKeyReused.
+  /// Opens a session on a data set. Returns kNotFound or kNotReady (the data set), kNoWorker,
+  /// kUnavailable (Redis), kTooMany, kRenderTimeSpent or kIdempotencyKeyReused.
   Outcome<Stream> open(const Principal& who, const std::string& data_set_id,
                        const std::string& idempotency_key);
   Outcome<std::vector<SessionInfo>> list(const Principal& who);
-  /// kNotFound also for somebody else's.
+  /// Also returns kNotFound for another user's session.
   Outcome<SessionInfo> find(const Principal& who, const std::string& id);
   Outcome<void> end(const Principal& who, const std::string& id);
-  /// A new ticket; the session is placed anew when its worker has gone.
+  /// Returns a new ticket. Places the session on another worker if its worker is gone.
   Outcome<Stream> ticket(const Principal& who, const std::string& id);
 
  private:

@@ -7,46 +7,57 @@
 #include "common/ids.h"
 #include "common/log.h"
 #include "common/names.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
-/// The only words in it that the sender chose are the name, within quotation marks, which no name
-/// holds, and the address, which was confirmed.
+/// The sender chooses only two parts of this text: the name, which can hold no parenthesis, link or
+/// quotation mark (is_plain_name), and the email address, which was confirmed. The title of the
+/// scan is left out because it may say something about a person's health.
 Mail invitation(const std::string& email, const std::string& name, const std::string& from,
                 const std::string& public_url) {
-  const std::string sender = name.empty() ? from : "\"" + name + "\" (" + from + ")";
+  const std::string sender = name.empty() ? from : name + " (" + from + ")";
   return {
       email, "A scan was shared with you on Diaphane",
       sender +
-          " shared a scan with you on Diaphane.\n\nTo see it, sign in with this email address, "
-          "or create an account with it. The scan is under \"My scans\":\n\n" +
+          " shared a scan with you on Diaphane.\n\nTo see it, sign in with this email address or "
+          "use it to create an account. You will find the scan under \"My scans\":\n\n" +
           public_url +
-          "/scans\n\nIf you do not know the sender, ignore this mail. We tell nobody whether you "
-          "have an account.\n"};
+          "/scans\n\nIf you do not know the sender, ignore this email. We do not tell anyone "
+          "whether you have an account.\n"};
 }
 
 tl::unexpected<Problem> no_such_link() {
-  return refuse(ProblemKind::kNotFound, "This link was ended, or never was one.");
+  return refuse(ProblemKind::kNotFound, "This link is invalid or has been disabled.");
 }
 
 tl::unexpected<Problem> no_place_for_visitors() {
   return refuse(ProblemKind::kBusy,
-                "All places for visitors are taken. Try again in a few minutes, or sign up.",
+                "All guest places are taken. Try again in a few minutes, or sign up.",
                 std::chrono::seconds(30));
 }
 
 tl::unexpected<Problem> too_many_from_here(std::chrono::seconds wait) {
   return refuse(ProblemKind::kTooManyAttempts,
-                "Many people look from where you are. Try again in a while, or sign up.", wait);
+                "Too many people are viewing scans from your network. Try again later, or sign up.",
+                wait);
+}
+
+/// Ends a new visit if its access was revoked during the placement, by a caller that did not see
+/// its session.
+Outcome<void> confirm_visit(const SharingParts& parts, const std::string& session_id, Time now) {
+  const auto still = parts.store.find_visit(session_id, now);
+  if (still) return {};
+  (void)parts.placement.end(session_id);
+  if (still.error().code == ErrorCode::kNotFound) return no_such_link();
+  return refuse(still.error());
 }
 
 }  // namespace
 
 Outcome<std::vector<SharedPerson>> Sharing::people(const Principal& who, const std::string& id) {
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
-    return tl::unexpected(mine.error());
-  }
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   auto found = parts_.store.people(id);
   if (!found) return refuse(found.error());
   return *std::move(found);
@@ -54,20 +65,18 @@ Outcome<std::vector<SharedPerson>> Sharing::people(const Principal& who, const s
 
 Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
                                   const std::string& email, bool may_save) {
-  if (!is_email(email)) return refuse_field("email", "This is not an e-mail address.");
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
-    return tl::unexpected(mine.error());
-  }
+  if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const std::string key = email_key(email);
-  if (key == email_key(who.email)) return refuse_field("email", "This is your own address.");
+  if (key == email_key(who.email)) return refuse_field("email", "This is your own email address.");
   const auto now = parts_.clock.wall();
-  // Each of them may send a mail to a stranger.
+  // Each of them may send an email to a stranger.
   const auto wait = parts_.accounts.note_attempt(
       {{blake2b("invite:" + who.user_id), options_.invitations, std::chrono::hours(24)}}, now);
   if (!wait) return refuse(wait.error());
   if (*wait) {
     return refuse(ProblemKind::kTooManyAttempts,
-                  "You have shared with many people today. Go on tomorrow.", **wait);
+                  "You have reached today's sharing limit. Try again tomorrow.", **wait);
   }
   const auto name = parts_.store.public_name(who.user_id);
   if (!name) return refuse(name.error());
@@ -81,11 +90,9 @@ Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
 
 Outcome<void> Sharing::unshare(const Principal& who, const std::string& id,
                                const std::string& person_id) {
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
-    return tl::unexpected(mine.error());
-  }
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const auto nobody = [] {
-    return refuse(ProblemKind::kNotFound, "It is not shared with this person.");
+    return refuse(ProblemKind::kNotFound, "This scan is not shared with this person.");
   };
   if (!is_id(person_id)) return nobody();
   const auto done = parts_.store.unshare(id, person_id);
@@ -96,9 +103,7 @@ Outcome<void> Sharing::unshare(const Principal& who, const std::string& id,
 }
 
 Outcome<std::vector<DataSetLink>> Sharing::links(const Principal& who, const std::string& id) {
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
-    return tl::unexpected(mine.error());
-  }
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   auto found = parts_.store.links(id, parts_.clock.wall());
   if (!found) return refuse(found.error());
   return *std::move(found);
@@ -107,9 +112,7 @@ Outcome<std::vector<DataSetLink>> Sharing::links(const Principal& who, const std
 Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::string& id,
                                              std::chrono::hours life, bool slices,
                                              const Once& once) {
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
-    return tl::unexpected(mine.error());
-  }
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const auto now = parts_.clock.wall();
   const NewLink wanted{{new_id(), now, now + life, slices}, token_for("link\n" + id, once)};
   std::optional<IdempotencyKey> key;
@@ -122,22 +125,20 @@ Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::st
                                            who.user_id, key);
   if (!made && made.error().code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kConflict,
-                  "What this key made was ended, or is known to another browser alone. Make "
-                  "another link.");
+                  "The link created with this Idempotency-Key has been disabled or belongs to "
+                  "another browser. Create a new link.");
   }
   if (!made) return refuse(made.error());
   if (std::holds_alternative<KeyReused>(*made)) {
     return refuse(ProblemKind::kIdempotencyKeyReused,
-                  "This Idempotency-Key came before with another request.");
+                  "This Idempotency-Key was already used with a different request.");
   }
   return NewLink{std::get<DataSetLink>(*made), wanted.token};
 }
 
 Outcome<void> Sharing::end_link(const Principal& who, const std::string& id,
                                 const std::string& link_id) {
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
-    return tl::unexpected(mine.error());
-  }
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   if (!is_id(link_id)) return no_such_link();
   const auto done = parts_.store.end_link(id, link_id);
   if (!done && done.error().code == ErrorCode::kNotFound) return no_such_link();
@@ -150,14 +151,14 @@ Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id, b
   const auto mine = parts_.data_sets.authorise(who, id, Action::kPublish);
   if (!mine) return mine;
   if (mine->state != DataSetState::kReady) {
-    return refuse(ProblemKind::kNotReady, "Only what is built can be made public.");
+    return refuse(ProblemKind::kNotReady, "A scan can be made public only once it is ready.");
   }
   const auto done = parts_.store.publish(id, slices, parts_.clock.wall());
   if (!done) return refuse(done.error());
   if (!*done) {
     return refuse(ProblemKind::kNotAnonymised,
-                  "Before a scan becomes public, cut away what could show who it is, and confirm "
-                  "it.");
+                  "Before you make a scan public, remove anything that could identify the person "
+                  "and confirm it.");
   }
   if (mine->slices_for_everybody() && !slices) end_public_sessions(id);
   return parts_.data_sets.find(who, id);
@@ -198,9 +199,9 @@ Outcome<std::string> Sharing::public_name(const Principal& who) {
 
 Outcome<void> Sharing::set_public_name(const Principal& who, const std::string& name) {
   if (!is_plain_name(name)) {
-    return refuse_field(
-        "public_name",
-        "A name has letters, digits, spaces, hyphens and apostrophes. Others see it.");
+    return refuse_field("public_name",
+                        "Use only letters, digits, spaces, hyphens, apostrophes and a full stop "
+                        "after an abbreviation. Others will see this name.");
   }
   const auto done = parts_.store.set_public_name(who.user_id, name);
   if (!done) return refuse(done.error());
@@ -208,34 +209,29 @@ Outcome<void> Sharing::set_public_name(const Principal& who, const std::string& 
 }
 
 void Sharing::end_lost_sessions(const std::string& id) {
-  const auto failed = [&] { log::warning("sessions not ended", {{"data_set", id}}); };
-  const auto sessions = parts_.placement.sessions_on(id);
-  if (!sessions) return failed();
-  for (const SessionInfo& session : *sessions) {
-    Principal person;
-    person.user_id = session.user_id;
-    const auto still = parts_.data_sets.find_ready(person, id);
-    if (still) continue;
-    if (still.error().kind == ProblemKind::kUnavailable ||
-        still.error().kind == ProblemKind::kOutcomeUnknown) {
-      return failed();
-    }
-    if (parts_.store.find_visit(session.id, parts_.clock.wall())) continue;
-    if (!parts_.placement.end(session.id)) failed();
-  }
+  end_sessions_unless(id, [](const DataSet&) { return true; });
 }
 
 void Sharing::end_public_sessions(const std::string& id) {
-  const auto failed = [&] { log::warning("sessions not ended", {{"data_set", id}}); };
+  end_sessions_unless(id, [](const DataSet& seen) { return seen.role != Role::kOther; });
+}
+
+void Sharing::end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& seen)) {
+  const auto failed = [&] { log::warning("failed to end sessions", {{"data_set", id}}); };
   const auto sessions = parts_.placement.sessions_on(id);
   if (!sessions) return failed();
   for (const SessionInfo& session : *sessions) {
     Principal person;
     person.user_id = session.user_id;
-    const auto data_set = parts_.data_sets.find_ready(person, id);
-    // Who has it in another way keeps the session: the owner, people it is shared with, visitors.
-    if (data_set && data_set->role != Role::kOther) continue;
-    if (parts_.store.find_visit(session.id, parts_.clock.wall())) continue;
+    const auto seen = parts_.data_sets.find_ready(person, id);
+    if (seen && keeps(*seen)) continue;
+    if (!seen && (seen.error().kind == ProblemKind::kUnavailable ||
+                  seen.error().kind == ProblemKind::kOutcomeUnknown)) {
+      return failed();
+    }
+    const auto visit = parts_.store.find_visit(session.id, parts_.clock.wall());
+    if (visit) continue;
+    if (visit.error().code != ErrorCode::kNotFound) return failed();
     if (!parts_.placement.end(session.id)) failed();
   }
 }
@@ -253,22 +249,22 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
-  bool slices = true;  // a sample is everybody's
+  bool slices = true;  // everyone can get slices of a sample
   visit.address_hash = blake2b("visit:" + address);
   if (token.empty()) {
     const auto sample = parts_.data_sets.find_ready(Principal{}, data_set_id);
-    if (!sample) return tl::unexpected(sample.error());
+    DIAPHANE_TRY(sample);
     visit.data_set_id = sample->id;
     visit.expires_at = now + options_.sample_life;
   } else {
     const auto followed = follow(token);
-    if (!followed) return tl::unexpected(followed.error());
+    DIAPHANE_TRY(followed);
     visit.data_set_id = followed->data_set.id;
     visit.link_id = followed->link.id;
     slices = followed->link.slices;
     visit.expires_at = std::min(followed->link.expires_at, Time(now + options_.link_life));
   }
-  // With the link: another link with the same key is another visit.
+  // Includes the link, so that the same key with another link is another visit.
   visit.session_id = id_from("visit\n" + key + "\n" + visit.data_set_id + "\n" + visit.link_id);
   if (const auto known = parts_.store.find_visit(visit.session_id, now); !known) {
     if (known.error().code != ErrorCode::kNotFound) return refuse(known.error());
@@ -295,18 +291,14 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const bool no_slot =
       !placed && (placed.error().code == ErrorCode::kTooLarge ||
                   (placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()));
-  // There is no session: what was noted must not count as a visit.
+  // There is no session, so the record must not count as a visit.
   if (no_slot) (void)parts_.store.forget_visit(visit.session_id);
   if (no_slot && placed.error().code == ErrorCode::kTooLarge) return no_place_for_visitors();
   if (no_slot) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
   }
   if (!placed) return refuse(placed.error());
-  // Taken away while it was placed: whoever took it may not have seen this session.
-  if (!parts_.store.find_visit(visit.session_id, now)) {
-    (void)parts_.placement.end(visit.session_id);
-    return no_such_link();
-  }
+  DIAPHANE_TRY(confirm_visit(parts_, visit.session_id, now));
   return Opened{visit.session_id, "/stream?ticket=" + placed->ticket, noted->expires_at};
 }
 
@@ -315,7 +307,8 @@ void Visits::expire() {
   const auto over = parts_.store.expired_visits(now);
   if (!over) return;
   for (const std::string& session : *over) {
-    // Forgotten once it has ended: with Redis away it is tried again.
+    // Forgets a visit only after its session has ended, so that it is retried if Redis is
+    // unavailable.
     if (parts_.placement.end(session)) (void)parts_.store.forget_visit(session);
   }
   (void)parts_.store.expire_links(now);

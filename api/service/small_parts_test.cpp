@@ -1,19 +1,120 @@
-// Cursors, secrets, mail retries, thumbnails: the small parts of the service.
+// Errors, limits, the audit log, cursors, secrets, mail retries and files of uploads.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>
 #include <filesystem>
 
+#include "api/service/attempts.h"
+#include "api/service/audit.h"
 #include "api/service/cursor.h"
 #include "api/service/housekeeping.h"
+#include "api/service/idempotency.h"
+#include "api/service/picture_file.h"
 #include "api/service/secrets.h"
+#include "api/service/temporary_directory.h"
 #include "common/ids.h"
 
 namespace diaphane::api {
 namespace {
 
 using namespace std::chrono_literals;
+
+TEST(Problem, EachErrorOfAnAdapterHasItsKind) {
+  for (const auto& [code, kind, wait] :
+       {std::tuple(ErrorCode::kInvalid, ProblemKind::kInvalid, 0s),
+        std::tuple(ErrorCode::kUnauthenticated, ProblemKind::kUnauthenticated, 0s),
+        std::tuple(ErrorCode::kForbidden, ProblemKind::kForbidden, 0s),
+        std::tuple(ErrorCode::kNotFound, ProblemKind::kNotFound, 0s),
+        std::tuple(ErrorCode::kConflict, ProblemKind::kConflict, 0s),
+        std::tuple(ErrorCode::kTooLarge, ProblemKind::kOverQuota, 0s),
+        std::tuple(ErrorCode::kTooMany, ProblemKind::kTooMany, 10s),
+        std::tuple(ErrorCode::kUnsupported, ProblemKind::kInvalid, 0s),
+        std::tuple(ErrorCode::kUnavailable, ProblemKind::kUnavailable, 2s),
+        std::tuple(ErrorCode::kOutOfMemory, ProblemKind::kUnavailable, 2s),
+        std::tuple(ErrorCode::kDeviceLost, ProblemKind::kUnavailable, 2s),
+        std::tuple(ErrorCode::kOutcomeUnknown, ProblemKind::kOutcomeUnknown, 2s),
+        std::tuple(ErrorCode::kInternal, ProblemKind::kInternal, 0s)}) {
+    const Problem problem = from_error({code, "detail", "field"});
+    EXPECT_EQ(problem.kind, kind);
+    EXPECT_EQ(problem.retry_after, wait);
+    ASSERT_EQ(problem.fields.size(), 1u);
+    EXPECT_EQ(problem.fields[0].field, "field");
+    EXPECT_EQ(problem.detail == "detail", code != ErrorCode::kInternal)
+        << "the reason of a bug is for the log only";
+    EXPECT_TRUE(from_error({code, "detail", ""}).fields.empty());
+  }
+}
+
+TEST(Attempts, TheRefusalSaysHowLongToWaitInWholeMinutes) {
+  for (const auto& [wait, words, retry] :
+       {std::tuple(0s, "in 1 minute.", 1s), std::tuple(1s, "in 1 minute.", 1s),
+        std::tuple(60s, "in 1 minute.", 60s), std::tuple(61s, "in 2 minutes.", 61s),
+        std::tuple(900s, "in 15 minutes.", 900s)}) {
+    const Problem refused = too_many_attempts(wait).value();
+    EXPECT_EQ(refused.kind, ProblemKind::kTooManyAttempts);
+    EXPECT_NE(refused.detail.find(words), std::string::npos) << refused.detail;
+    EXPECT_EQ(refused.retry_after, retry);
+  }
+}
+
+TEST(Attempts, AreCountedByKindAndSource) {
+  const std::string key = attempt_key("account", "a@b");
+  EXPECT_EQ(attempt_key("account", "a@b"), key);
+  EXPECT_NE(attempt_key("address", "a@b"), key);
+  EXPECT_NE(attempt_key("account", "a@c"), key);
+  EXPECT_EQ(key.find("a@b"), std::string::npos);
+}
+
+TEST(Audit, DetailsAreNumbersAndCodeWordsOnly) {
+  EXPECT_EQ(details_as_json({}), "{}");
+  EXPECT_EQ(details_as_json({{"items", std::int64_t{-3}}, {"reason", "not_theirs"}}),
+            R"({"items":-3,"reason":"not_theirs"})");
+  EXPECT_NO_THROW(details_as_json({{"word", std::string(40, 'a')}}));
+  for (const std::string& bad : {std::string(), std::string(41, 'a'), std::string("Anna"),
+                                 std::string("a@b"), std::string("a b"), std::string("a\"b")}) {
+    EXPECT_THROW(details_as_json({{"word", bad}}), std::logic_error) << bad;
+    EXPECT_THROW(details_as_json({{bad, std::int64_t{1}}}), std::logic_error) << bad;
+  }
+}
+
+TEST(Audit, ActorsHaveNames) {
+  EXPECT_EQ(to_string(AuditActor::kPerson), "person");
+  EXPECT_EQ(to_string(AuditActor::kAdministrator), "administrator");
+  EXPECT_EQ(to_string(AuditActor::kMachine), "machine");
+}
+
+TEST(Idempotency, ATokenIsTheSameOnlyForTheSameKeyBrowserAndThing) {
+  const std::string token = token_for("link", {"key", "browser"});
+  EXPECT_TRUE(is_token(token));
+  EXPECT_EQ(token_for("link", {"key", "browser"}), token);
+  EXPECT_NE(token_for("other link", {"key", "browser"}), token);
+  EXPECT_NE(token_for("link", {"other key", "browser"}), token);
+  EXPECT_NE(token_for("link", {"key", "other browser"}), token);
+  for (const Once& random : {Once{"", "browser"}, Once{"key", ""}, Once{}}) {
+    EXPECT_TRUE(is_token(token_for("link", random)));
+    EXPECT_NE(token_for("link", random), token_for("link", random));
+  }
+}
+
+TEST(PictureFile, ReplacesTheFileAsAWholeAndLeavesNothingElse) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(write_picture(directory.path() + "/a/b.jpg", "first"));
+  ASSERT_TRUE(write_picture(directory.path() + "/a/b.jpg", "second"));
+  EXPECT_EQ(directory.read("a/b.jpg"), "second");
+  std::filesystem::create_directory(directory.path() + "/a/c.jpg");
+  directory.write("a/c.jpg/file", "in the way");
+  const auto refused = write_picture(directory.path() + "/a/c.jpg", "third");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
+  EXPECT_FALSE(write_picture(directory.path() + "/a/b.jpg/c.jpg", "fourth"));
+  int entries = 0;
+  for (const auto& one : std::filesystem::directory_iterator(directory.path() + "/a")) {
+    (void)one;
+    ++entries;
+  }
+  EXPECT_EQ(entries, 2) << "no temporary file is left";
+}
 
 TEST(Cursor, ComesBackAsItWasGiven) {
   for (const std::int64_t us :
@@ -35,7 +136,7 @@ TEST(Cursor, WhatWasNotGivenOutIsRefused) {
 }
 
 TEST(Secrets, Blake2bIsTheStandards) {
-  // RFC 7693's algorithm, 256 bits, of nothing.
+  // BLAKE2b (RFC 7693) with 256 bits, of an empty text.
   EXPECT_EQ(blake2b(""), "0e5751c026e543b2e8ab2eb06099daa1d1e5df47778f7787faab45cdf12fe3a8");
 }
 
@@ -140,7 +241,7 @@ TEST(UploadFiles, OneWriterAtATimeAndNoFileComesBack) {
   std::filesystem::create_directories(directory);
   UploadFiles files(directory);
   const std::string id = new_id();
-  EXPECT_FALSE(files.open(id, false));  // a later part makes no file
+  EXPECT_FALSE(files.open(id, false));  // a later part creates no file
   {
     auto first = files.open(id, true);
     ASSERT_TRUE(first);
@@ -163,8 +264,8 @@ TEST(UploadFiles, WhatAFullDiskTookOfAPartIsGivenBack) {
   std::filesystem::create_directories(directory);
   UploadFiles files(directory);
   const std::string id = new_id();
-  // A limit on the size of files stands for the full disk: the part is written up to it, then
-  // refused.
+  // A file size limit simulates a full disk: the part is written up to the limit, and then the
+  // write fails.
   struct rlimit before {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto ignored = ::signal(SIGXFSZ, SIG_IGN);

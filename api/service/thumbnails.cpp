@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "api/service/picture_file.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
@@ -12,38 +13,41 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> kPresets{"skin", "muscle", "vessels", "bone", "airways"};
-constexpr auto kPatience = std::chrono::seconds(20);
-/// Requests that may wait for a picture that another one has rendered. Each one holds a thread of
-/// the API, as each picture that is being rendered does.
+/// Maximum number of requests that wait for a thumbnail of another request. Each holds a thread of
+/// the API, like each rendering does.
 constexpr int kMostWaiting = 2;
 
 }  // namespace
 
-Thumbnails::Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots)
+Thumbnails::Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots,
+                       std::chrono::milliseconds patience)
     : data_sets_(data_sets),
       stills_(stills),
       directory_(std::move(cache_directory)),
-      slots_(static_cast<std::size_t>(slots)) {}
+      slots_(static_cast<std::size_t>(slots)),
+      patience_(patience) {}
 
 Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& data_set_id,
                                      const std::string& preset) {
   if (std::find(kPresets.begin(), kPresets.end(), preset) == kPresets.end()) {
-    return refuse(ProblemKind::kNotFound, "There is no such preset.");
+    return refuse(ProblemKind::kNotFound, "Preset not found.");
   }
   const auto data_set = data_sets_.find_ready(who, data_set_id);
-  if (!data_set) return tl::unexpected(data_set.error());
+  DIAPHANE_TRY(data_set);
   const std::string path = "thumbnails/" + data_set_id + "/" + preset + ".jpg";
 
   {
     std::unique_lock lock(mutex_);
-    // The same picture is rendered once, and only a few requests wait for it.
+    // A thumbnail is rendered only once, and only a few requests wait for it.
     if (!wait_for_render(lock, path)) {
-      return refuse(ProblemKind::kBusy, "The picture is still being made; try again in a moment.",
+      return refuse(ProblemKind::kBusy,
+                    "The preview is still being rendered. Please try again in a moment.",
                     std::chrono::seconds(1));
     }
     if (is_current(path, data_set->anonymised_at)) return path;
     if (rendering_.size() >= slots_) {
-      return refuse(ProblemKind::kBusy, "Other pictures are being made; come again shortly.",
+      return refuse(ProblemKind::kBusy,
+                    "The server is rendering other previews. Please try again in a moment.",
                     std::chrono::seconds(1));
     }
     rendering_.insert(path);
@@ -63,15 +67,15 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
     rendering_.erase(path);
   }
   done_.notify_all();
-  if (!rendered) return tl::unexpected(rendered.error());
+  DIAPHANE_TRY(rendered);
 
-  // Deleted or cut while it was rendered: the disposal may have been carried out before the file
-  // was there.
+  // The data set was deleted or anonymised during the rendering. The deletion may have run before
+  // the file existed.
   const auto still = data_sets_.find_ready(who, data_set_id);
   if (!still || still->anonymised_at != data_set->anonymised_at) (void)remove(data_set_id);
-  if (!still) return tl::unexpected(still.error());
+  DIAPHANE_TRY(still);
   if (still->anonymised_at != data_set->anonymised_at) {
-    return refuse(ProblemKind::kBusy, "The scan was changed meanwhile; come again.",
+    return refuse(ProblemKind::kBusy, "The scan has changed in the meantime. Please try again.",
                   std::chrono::seconds(1));
   }
   return path;
@@ -81,7 +85,7 @@ bool Thumbnails::wait_for_render(std::unique_lock<std::mutex>& lock, const std::
   if (!rendering_.contains(path)) return true;
   if (waiting_ >= kMostWaiting) return false;
   ++waiting_;
-  const bool done = done_.wait_for(lock, kPatience, [&] { return !rendering_.contains(path); });
+  const bool done = done_.wait_for(lock, patience_, [&] { return !rendering_.contains(path); });
   --waiting_;
   return done;
 }
@@ -110,7 +114,7 @@ Outcome<void> Thumbnails::render(const std::string& data_set_id, const std::stri
 Result<void> Thumbnails::remove(const std::string& data_set_id) {
   std::error_code error;
   fs::remove_all(directory_ + "/thumbnails/" + data_set_id, error);
-  if (error) return fail(ErrorCode::kUnavailable, "thumbnails cannot be removed");
+  if (error) return fail(ErrorCode::kUnavailable, "cannot delete the thumbnails");
   return {};
 }
 

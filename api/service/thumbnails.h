@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -13,25 +14,27 @@
 
 namespace diaphane::api {
 
-/// Small pictures of ready data sets, rendered by a worker once and kept in
-/// `<cache directory>/thumbnails/<data set>/<preset>.jpg`. Thread-safe.
+/// Thumbnails of ready data sets. A worker renders each once, and the file is kept in `<cache
+/// directory>/thumbnails/<data set>/<preset>.jpg`. Thread-safe.
 class Thumbnails {
  public:
-  /// At most `slots` are rendered at once, and a few requests wait for one of them; all others are
-  /// refused with kBusy, so that pictures never hold all threads of the API.
-  Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots = 2);
+  /// At most `slots` are rendered at the same time, and a few requests wait for `patience`. All
+  /// others get kBusy, so that thumbnails never block all threads of the API.
+  Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots = 2,
+             std::chrono::milliseconds patience = std::chrono::seconds(20));
 
-  /// The file's path below the cache directory. kNotFound (also an unknown preset), kNotReady,
-  /// kNoWorker, kBusy.
+  /// Returns the path below the cache directory, or kNotFound (also for an unknown preset),
+  /// kNotReady, kNoWorker or kBusy.
   Outcome<std::string> get(const Principal& who, const std::string& data_set_id,
                            const std::string& preset);
-  /// Forgets all pictures of a data set.
+  /// Deletes all thumbnails of a data set.
   Result<void> remove(const std::string& data_set_id);
 
  private:
-  /// False when the picture is still being rendered: for too long, or too many wait already.
+  /// Returns false if the thumbnail is still being rendered after the wait, or too many requests
+  /// wait.
   bool wait_for_render(std::unique_lock<std::mutex>& lock, const std::string& path);
-  /// It is there, and no older than the cut of what it shows.
+  /// Whether it exists and is not older than the anonymisation of its data set.
   bool is_current(const std::string& path, const std::optional<Time>& cut_at) const;
   Outcome<void> render(const std::string& data_set_id, const std::string& preset,
                        const std::string& path);
@@ -40,6 +43,7 @@ class Thumbnails {
   Stills& stills_;
   const std::string directory_;
   const std::size_t slots_;
+  const std::chrono::milliseconds patience_;
   std::mutex mutex_;
   std::condition_variable done_;
   std::set<std::string> rendering_;  ///< paths

@@ -21,14 +21,14 @@ void check(int code) {
 
 std::string code_of(std::string_view secret, std::int64_t step) {
   static const bool ready = oath_init() == OATH_OK;
-  if (!ready) throw std::runtime_error("liboath does not start");
+  if (!ready) throw std::runtime_error("cannot initialise liboath");
   std::array<char, kDigits + 1> code{};
   check(oath_hotp_generate(secret.data(), secret.size(), static_cast<std::uint64_t>(step), kDigits,
                            false, OATH_HOTP_DYNAMIC_TRUNCATION, code.data()));
   return code.data();
 }
 
-/// RFC 3986: all but unreserved characters as %XX.
+/// Escapes all but unreserved characters as %XX (RFC 3986).
 std::string escaped(std::string_view text) {
   constexpr char kHex[] = "0123456789ABCDEF";
   std::string out;

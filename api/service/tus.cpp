@@ -4,6 +4,8 @@
 
 #include <charconv>
 
+#include "common/try.h"
+
 namespace diaphane::api::tus {
 namespace {
 
@@ -15,7 +17,7 @@ std::optional<std::int64_t> parse_offset(std::string_view text) {
   return value;
 }
 
-/// Nothing when it is no base64, or more than `most` bytes.
+/// Returns nothing if the text is not base64 or has more than `most` bytes.
 std::optional<std::string> decode_base64(std::string_view text, std::size_t most) {
   std::string bytes(most, '\0');
   std::size_t got = 0;
@@ -50,7 +52,8 @@ Outcome<Creation> plan_creation(const CreationRequest& request) {
     auto value = decode_base64(text, kMostMetadataBytes);
     if (key.empty() || !value ||
         !creation.metadata.emplace(std::string(key), *std::move(value)).second) {
-      return refuse_field("Upload-Metadata", "must be pairs `key base64` between commas");
+      return refuse_field("Upload-Metadata",
+                          "must be a comma-separated list of `key base64` pairs");
     }
   }
   return creation;
@@ -70,10 +73,11 @@ Outcome<Checksum> parse_checksum(std::string_view header) {
     checksum.kind = DigestKind::kSha256;
     size = 32;
   } else {
-    return refused("only sha1 and sha256 are known");
+    return refused("only sha1 and sha256 are supported");
   }
   auto digest = decode_base64(header.substr(blank + 1), 64);
-  if (!digest || digest->size() != size) return refused("is not the base64 of such a digest");
+  if (!digest || digest->size() != size)
+    return refused("must be the base64 form of a digest of this type");
   checksum.digest = *std::move(digest);
   return checksum;
 }
@@ -88,27 +92,27 @@ Outcome<Part> plan_part(const Standing& standing, const PartRequest& request) {
   Part part{*offset, std::nullopt, false};
   if (!request.checksum.empty()) {
     auto checksum = parse_checksum(request.checksum);
-    if (!checksum) return tl::unexpected(checksum.error());
+    DIAPHANE_TRY(checksum);
     part.checksum = std::move(*checksum);
   }
   if (request.bytes > kMaxPartBytes) {
-    return refuse(ProblemKind::kBodyTooLarge, "A part has at most 8 MiB.");
+    return refuse(ProblemKind::kBodyTooLarge, "A part may be at most 8 MiB.");
   }
   const bool complete = standing.received == standing.length;
   if (complete && *offset == standing.length && request.bytes == 0) return part;
   if (complete || standing.taken) {
-    return refuse(ProblemKind::kUploadComplete, "All of this upload has arrived already.");
+    return refuse(ProblemKind::kUploadComplete, "This upload is already complete.");
   }
   if (standing.expired) {
     return refuse(ProblemKind::kUploadExpired,
-                  "This upload was left for too long and has expired; start it anew.");
+                  "This upload was inactive for too long and has expired. Start it again.");
   }
   if (*offset != standing.received) {
     return refuse(ProblemKind::kOffsetMismatch,
-                  "The upload stands at byte " + std::to_string(standing.received) + ".");
+                  "The next byte of this upload is " + std::to_string(standing.received) + ".");
   }
   if (request.bytes > standing.length - standing.received) {
-    return refuse_field("body", "goes beyond the announced length of the upload");
+    return refuse_field("body", "exceeds the announced length of the upload");
   }
   part.completes = *offset + request.bytes == standing.length;
   return part;

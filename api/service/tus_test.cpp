@@ -77,12 +77,12 @@ TEST(Tus, MalformedOffsetsAreNamed) {
 }
 
 TEST(Tus, AChecksumFitsItsBytesAndNoOthers) {
-  // sha1("hello world") as tus 1.0 has it in its example
+  // SHA-1 of "hello world", the example of tus 1.0.
   const auto sha1 = parse_checksum("sha1 Kq5sNclPz7QV2+lfQIuc6R7oRu0=");
   ASSERT_TRUE(sha1);
   EXPECT_TRUE(fits(*sha1, "hello world"));
   EXPECT_FALSE(fits(*sha1, "hello worle"));
-  // FIPS 180-2, "abc"
+  // SHA-256 of "abc" (FIPS 180-2).
   const auto sha256 = parse_checksum("sha256 ungWv48Bz+pBQUDeXa4iI7ADYaOWF3qctBD/YfIAFa0=");
   ASSERT_TRUE(sha256);
   EXPECT_TRUE(fits(*sha256, "abc"));

@@ -14,18 +14,19 @@ namespace {
 
 bool is_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 
-/// What was begun after `start` goes, so that a full disk gets its room back; then why it failed.
+/// Removes the data after `start` to free space on a full disk, and returns the cause of the
+/// failure.
 tl::unexpected<Error> given_back(int fd, std::int64_t start, int error) {
-  log::error("upload part not written", {{"errno", error}});
-  if (::ftruncate(fd, start) != 0) log::error("upload file not cut", {{"errno", errno}});
+  log::error("cannot write a part of an upload", {{"errno", error}});
+  if (::ftruncate(fd, start) != 0) log::error("cannot truncate an upload file", {{"errno", errno}});
   return fail(is_full(error) ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
-              "The server's disk took no more; try again later.");
+              "The server's storage is full at the moment. Try again later.");
 }
 
 }  // namespace
 
 UploadFiles::Open::~Open() {
-  if (fd_ >= 0) ::close(fd_);  // gives the lock back
+  if (fd_ >= 0) ::close(fd_);  // releases the lock
 }
 
 Result<void> UploadFiles::Open::write(std::int64_t offset, std::string_view bytes) {
@@ -37,8 +38,9 @@ Result<void> UploadFiles::Open::write(std::int64_t offset, std::string_view byte
     bytes.remove_prefix(static_cast<std::size_t>(written));
     offset += written;
   }
-  // What is noted as received must outlive a loss of power: the browser forgets it.
-  // Also here the disk may say that it is full: some file systems find their blocks only now.
+  // Data that is recorded as received must survive a power failure, because the browser discards
+  // it.
+  // The disk may be full only at this point, because some file systems allocate blocks late.
   if (::fdatasync(fd_) != 0) return given_back(fd_, start, errno);
   return {};
 }
@@ -48,20 +50,20 @@ Result<UploadFiles::Open> UploadFiles::open(const std::string& id, bool create) 
   const int fd = ::open(path_of(id).c_str(), flags, 0640);
   if (fd < 0) {
     const int error = errno;
-    log::error("upload file not opened", {{"errno", error}});
+    log::error("cannot open an upload file", {{"errno", error}});
     return fail(is_full(error) ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
-                "The server's disk is away; try again later.");
+                "The server's storage is unavailable at the moment. Try again later.");
   }
   Open open(fd);
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    return fail(ErrorCode::kConflict, "Another part of this upload is being written.");
+    return fail(ErrorCode::kConflict, "Another part of this upload is still being written.");
   }
   return open;
 }
 
 Result<void> UploadFiles::remove(const std::string& id) {
   if (::unlink(path_of(id).c_str()) != 0 && errno != ENOENT) {
-    return fail(ErrorCode::kUnavailable, "the upload file cannot be removed");
+    return fail(ErrorCode::kUnavailable, "cannot delete the upload file");
   }
   return {};
 }

@@ -9,13 +9,13 @@
 
 namespace diaphane::api {
 
-/// The files that uploads become: `<directory>/<id>.tar`. One writer at a time to each, also across
+/// The files of uploads, `<directory>/<id>.tar`. Each has only one writer at a time, even across
 /// processes.
 class UploadFiles {
  public:
   explicit UploadFiles(std::string directory) : directory_(std::move(directory)) {}
 
-  /// Held while a part is written and noted.
+  /// Held while a part is written and recorded.
   class Open {
    public:
     explicit Open(int fd) : fd_(fd) {}
@@ -23,20 +23,21 @@ class UploadFiles {
     Open(Open&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
     Open(const Open&) = delete;
     Open& operator=(const Open&) = delete;
-    /// On disk when it returns. kTooLarge: the disk has no room, kUnavailable: it is broken; in
-    /// both cases the file ends at `offset` again and what was written is given back.
+    /// The data is on disk when this returns. Returns kTooLarge if the disk is full and
+    /// kUnavailable if it fails. In both cases, the file is truncated to `offset` again.
     Result<void> write(std::int64_t offset, std::string_view bytes);
 
    private:
     int fd_;
   };
 
-  /// kConflict when somebody else holds it; kTooLarge: the disk has no room, kUnavailable. Made
-  /// only with `create`: a later part never brings back a file that was taken or disposed of.
+  /// Returns kConflict if another writer holds the file, kTooLarge if the disk is full, or
+  /// kUnavailable. Creates the file only with `create`, so that a later part never recreates a
+  /// deleted file.
   Result<Open> open(const std::string& id, bool create);
-  /// What is not there is no error.
+  /// A missing file is not an error.
   Result<void> remove(const std::string& id);
-  /// Bytes that can still be written.
+  /// Returns the free space in bytes.
   std::int64_t free_bytes() const;
 
  private:

@@ -3,24 +3,31 @@
 #include <utility>
 
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> no_such_upload() {
-  return refuse(ProblemKind::kNotFound, "There is no such upload.");
+  return refuse(ProblemKind::kNotFound, "Upload not found.");
 }
 
-/// Minutes, not seconds: somebody has to make room.
+/// Minutes instead of seconds, because someone has to free space.
 tl::unexpected<Problem> storage_full() {
   return refuse(ProblemKind::kStorageFull,
-                "There is no room on the server's disk just now. What has arrived is kept.",
+                "The server's storage is full at the moment. The data uploaded so far is kept. Try "
+                "again later.",
                 std::chrono::minutes(1));
 }
 
 tl::unexpected<Problem> expired() {
   return refuse(ProblemKind::kUploadExpired,
-                "This upload was left for too long and has expired; start it anew.");
+                "This upload was inactive for too long and has expired. Start it again.");
+}
+
+/// Whether the upload no longer exists, unlike an upload that cannot be looked up at the moment.
+bool is_gone(const Problem& problem) {
+  return problem.kind == ProblemKind::kNotFound || problem.kind == ProblemKind::kUploadExpired;
 }
 
 }  // namespace
@@ -52,7 +59,7 @@ Outcome<void> Uploads::check_part(const Principal& who, const std::string& id,
                                   std::string_view offset, std::string_view checksum,
                                   std::int64_t bytes) {
   const auto upload = find(who, id);
-  if (!upload) return tl::unexpected(upload.error());
+  DIAPHANE_TRY(upload);
   if (auto part = plan(*upload, {offset, checksum, bytes}); !part)
     return tl::unexpected(part.error());
   if (files_.free_bytes() - reserve_bytes_ < bytes) return storage_full();
@@ -66,10 +73,10 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
   auto upload = find(who, id);
   if (!upload) return upload;
   auto part = plan(*upload, request);
-  if (!part) return tl::unexpected(part.error());
+  DIAPHANE_TRY(part);
   if (part->checksum && !tus::fits(*part->checksum, bytes)) {
     return refuse(ProblemKind::kChecksumMismatch,
-                  "The part arrived damaged and was thrown away; send it again.");
+                  "This part was corrupted in transit and discarded. Send it again.");
   }
   if (bytes.empty()) return upload;
   if (files_.free_bytes() - reserve_bytes_ < request.bytes) return storage_full();
@@ -80,14 +87,14 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
   }
   if (!file && file.error().code == ErrorCode::kTooLarge) return storage_full();
   if (!file) return refuse(file.error());
-  // Again under the file's lock: another part may have been noted in between.
+  // Checks again under the file's lock, because another part may have been recorded in between.
   upload = find(who, id);
   if (!upload) {
-    (void)files_.remove(id);
+    if (is_gone(upload.error())) (void)files_.remove(id);
     return upload;
   }
   part = plan(*upload, request);
-  if (!part) return tl::unexpected(part.error());
+  DIAPHANE_TRY(part);
   if (auto done = file->write(part->offset, bytes); !done) {
     if (done.error().code == ErrorCode::kTooLarge) return storage_full();
     return refuse(done.error());
@@ -98,13 +105,14 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
   const std::int64_t reached = part->offset + request.bytes;
   const auto noted = store_.advance_upload(id, part->offset, reached, upload->expires_at, now);
   if (!noted && noted.error().code == ErrorCode::kConflict) {
-    // Deleted or expired meanwhile: its file may have been disposed of before this part was
+    // The upload was deleted or has expired. Its file may have been deleted before this part was
     // written.
     if (auto still = find(who, id); !still) {
-      (void)files_.remove(id);
+      if (is_gone(still.error())) (void)files_.remove(id);
       return still;
     }
-    return refuse(ProblemKind::kOffsetMismatch, "The upload stands elsewhere by now.");
+    return refuse(ProblemKind::kOffsetMismatch,
+                  "The upload has moved on. Check its offset and continue from there.");
   }
   if (!noted) return refuse(noted.error());
   upload->received = reached;
@@ -118,7 +126,7 @@ Outcome<void> Uploads::terminate(const Principal& who, const std::string& id) {
   if (!done && done.error().code == ErrorCode::kNotFound) return no_such_upload();
   if (!done && done.error().code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kUploadComplete,
-                  "All of it has arrived already; delete the data set instead.");
+                  "This upload is already complete. Delete the data set instead.");
   }
   if (!done) return refuse(done.error());
   wake_();

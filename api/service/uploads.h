@@ -13,27 +13,28 @@
 
 namespace diaphane::api {
 
-/// tus 1.0 over the store and the files. Thread-safe.
+/// tus 1.0 on top of the store and the files. Thread-safe.
 class Uploads {
  public:
-  /// `reserve_bytes` of the disk stay free of uploads: the database writes there, too.
+  /// Uploads leave `reserve_bytes` of the disk free, because the database uses the same disk.
   Uploads(DataSetStore& store, UploadFiles& files, const Clock& clock,
           std::chrono::seconds upload_life, std::int64_t reserve_bytes);
 
-  /// kNotFound also for somebody else's; kUploadExpired.
+  /// Returns kNotFound, also for another user's upload, or kUploadExpired.
   Outcome<Upload> find(const Principal& who, const std::string& id);
-  /// Whether a part of so many bytes would be taken now: what `append` refuses of it before it
-  /// looks at the bytes.
+  /// Checks whether a part of this size would be accepted now. Returns the errors that `append`
+  /// returns before it reads the bytes.
   Outcome<void> check_part(const Principal& who, const std::string& id, std::string_view offset,
                            std::string_view checksum, std::int64_t bytes);
-  /// The upload after the part; see tus.h for what is refused, and kLocked, kChecksumMismatch,
-  /// kStorageFull (nothing of the part is left; the upload stands where it stood).
+  /// Returns the upload after the part. For errors, see tus.h. Also returns kLocked,
+  /// kChecksumMismatch or kStorageFull. Then nothing of the part is kept, and the offset is
+  /// unchanged.
   Outcome<Upload> append(const Principal& who, const std::string& id, std::string_view offset,
                          std::string_view checksum, std::string_view bytes);
-  /// Its data set goes too. kUploadComplete when it is past that.
+  /// Also deletes its data set. Returns kUploadComplete if all data has arrived.
   Outcome<void> terminate(const Principal& who, const std::string& id);
 
-  /// Called after a file was noted for disposal.
+  /// Called after a file was queued for deletion.
   void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:

@@ -4,22 +4,22 @@
 
 namespace diaphane::api::stream {
 
-/// Why a stream was closed (docs/contracts.md, "Stream"). A page comes back by itself with a new
-/// ticket after every code but kDone, kMalformed, kSessionGone, kTakenOver, kLinkEnded and
+/// The reason why a stream was closed (docs/contracts.md, "Stream"). The page reconnects with a new
+/// ticket after every code except kDone, kMalformed, kSessionGone, kTakenOver, kLinkEnded and
 /// kDisplaced.
 enum class CloseCode : std::uint16_t {
   kDone = 1000,
-  kGoingAway = 1001,    ///< the gateway stops
-  kTooLarge = 1009,     ///< a message over the limit
-  kInternal = 1011,     ///< a defect of ours
-  kBusy = 1013,         ///< the gateway or Redis cannot take it now
-  kMalformed = 4400,    ///< the client sent what is no message
-  kTicket = 4401,       ///< unknown, used or too old
-  kSessionGone = 4404,  ///< it was ended, or never was
-  kTakenOver = 4409,    ///< opened in another window
-  kLinkEnded = 4410,    ///< the link that it came by was ended
-  kDisplaced = 4411,    ///< a visitor's place went to somebody with an account
-  kTooMany = 4429,      ///< too many connections, or too many messages
+  kGoingAway = 1001,    ///< the gateway is stopping
+  kTooLarge = 1009,     ///< a message exceeds the limit
+  kInternal = 1011,     ///< a bug in Diaphane
+  kBusy = 1013,         ///< the gateway or Redis is overloaded
+  kMalformed = 4400,    ///< the client sent a malformed message
+  kTicket = 4401,       ///< the ticket is unknown, used or expired
+  kSessionGone = 4404,  ///< the session has ended or never existed
+  kTakenOver = 4409,    ///< the session was opened in another window
+  kLinkEnded = 4410,    ///< the viewer's link was disabled
+  kDisplaced = 4411,    ///< a visitor's place was given to a signed-in user
+  kTooMany = 4429,      ///< too many connections or messages
   kWorkerLost = 4503,
 };
 

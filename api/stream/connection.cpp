@@ -17,16 +17,16 @@ using std::chrono::steady_clock;
 
 namespace {
 
-// Enough for two frames on a slow line; a bigger one would only make frames older.
+// Enough for two frames on a slow connection. A larger buffer would only add latency.
 constexpr int kSendBufferBytes = 512 * 1024;
 
-// For the answer to a refused handshake to arrive.
+// Time for the response to a refused handshake to arrive.
 constexpr std::size_t kLingerBytes = 256 * 1024;
 constexpr std::chrono::seconds kLingerTime{2};
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// Why a worker with something exhausted ended an Attach; empty when it did not say.
+/// The reason why an overloaded worker ended an Attach, or empty if unknown.
 v1::Refusal refusal_of(const grpc::Status& status) {
   v1::Refusal why;
   if (!why.ParseFromString(status.error_details())) why.Clear();
@@ -89,7 +89,7 @@ void Connection::on_handshake(ErrorCodeOf error) {
   if (error) {
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {
       return answer_plainly(http::status::request_header_fields_too_large,
-                            "The headers are too large.", "handshake");
+                            "The request headers are too large.", "handshake");
     }
     const bool is_http =
         error.category() == http::make_error_code(http::error::bad_version).category();
@@ -99,10 +99,10 @@ void Connection::on_handshake(ErrorCodeOf error) {
     return hub_.metrics.refused("handshake");  // slow or gone: closed with its last reference
   }
   const Request& request = parser_->get();
-  // Bytes before our answer were never a browser's.
+  // A browser never sends bytes before our response.
   if (!websocket::is_upgrade(request) || !parser_->is_done() || buffer_.size() != 0) {
-    return answer_plainly(http::status::upgrade_required, "This address speaks WebSocket only.",
-                          "handshake");
+    return answer_plainly(http::status::upgrade_required,
+                          "This URL accepts only WebSocket connections.", "handshake");
   }
   const std::string_view id = view(request["X-Request-Id"]);
   if (is_request_id(id)) request_id_ = id;
@@ -134,7 +134,7 @@ void Connection::answer_plainly(http::status status, std::string_view sentence,
                     });
 }
 
-// With bytes unread, closing would reset the connection and the answer be lost on its way.
+// Closing with unread bytes would reset the connection, and the response might be lost.
 void Connection::linger(std::size_t left) {
   ErrorCodeOf ignored;
   auto& tcp = beast::get_lowest_layer(socket_);
@@ -164,7 +164,7 @@ void Connection::accept(const Request& request) {
     self->parser_.reset();
     if (error) return self->hub_.metrics.refused("handshake");
     self->accepted_ = true;
-    // Larger than the largest message: Beast's own limit is the one that answers with a close code.
+    // Larger than the largest message, because Beast's own limit responds with a close code.
     self->buffer_ = beast::flat_buffer(2 * self->hub_.limits.message_bytes);
     self->redeem_ticket();
   });
@@ -181,7 +181,7 @@ void Connection::redeem_ticket() {
   });
   if (!taken) {
     hub_.metrics.refused("busy");
-    close(CloseCode::kBusy, "Busy; try again in a moment.");
+    close(CloseCode::kBusy, "The server is busy. Please try again in a moment.");
   }
 }
 
@@ -202,12 +202,13 @@ void Connection::on_ticket(Result<Attachment> redeemed) {
       default:
         hub_.metrics.refused("internal");
         log::error("ticket_failed", {{"message", error.message}});
-        return close(CloseCode::kInternal, "Something went wrong here; it has been noted.");
+        return close(CloseCode::kInternal,
+                     "Something went wrong on our side. The error has been logged.");
     }
   }
   if (!hub_.enter_user(*redeemed)) {
     hub_.metrics.refused("too_many");
-    return close(CloseCode::kTooMany, "You have too many open pictures; close one.");
+    return close(CloseCode::kTooMany, "You have too many open sessions. Close one of them.");
   }
   counted_for_user_ = true;
   attach(std::move(*redeemed));
@@ -260,7 +261,7 @@ void Connection::on_read(ErrorCodeOf error) {
                      // answered that)
   }
   if (closing_ || ended_) return;
-  if (!socket_.got_binary()) return close(CloseCode::kMalformed, "Messages are binary.");
+  if (!socket_.got_binary()) return close(CloseCode::kMalformed, "Messages must be binary.");
   if (too_fast()) return close(CloseCode::kTooMany, "Too many messages.");
   const std::size_t bytes = buffer_.size();
   ++messages_in_;
@@ -335,16 +336,16 @@ void Connection::link_ended(const grpc::Status& status) {
     case grpc::StatusCode::OK:
       return close(CloseCode::kDone, "");
     case grpc::StatusCode::INVALID_ARGUMENT:
-      return close(CloseCode::kMalformed, "The renderer refused a message.");
+      return close(CloseCode::kMalformed, "The renderer rejected a message.");
     case grpc::StatusCode::NOT_FOUND:
-      return close(CloseCode::kSessionGone, "The scan is not there any more.");
+      return close(CloseCode::kSessionGone, "This scan is no longer available.");
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      // Other workers may have the memory; what else is exhausted is nowhere else either.
+      // Another worker may have enough memory. Other resources are exhausted everywhere.
       if (refusal_of(status).no_memory()) return worker_has_no_memory();
       if (refusal_of(status).displaced()) {
-        return close(CloseCode::kDisplaced, "Someone with an account needs this place.");
+        return close(CloseCode::kDisplaced, "Your place was given to a signed-in user.");
       }
-      return close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
+      return close(CloseCode::kTooMany, "The renderer is full. Please try again in a moment.");
     case grpc::StatusCode::ABORTED:
       return session_was_taken();
     case grpc::StatusCode::UNAVAILABLE:
@@ -355,36 +356,39 @@ void Connection::link_ended(const grpc::Status& status) {
     default:
       log::error("attach_failed", {{"status", static_cast<int>(status.error_code())},
                                    {"session", attachment_->session.id}});
-      return close(CloseCode::kInternal, "Something went wrong here; it has been noted.");
+      return close(CloseCode::kInternal,
+                   "Something went wrong on our side. The error has been logged.");
   }
 }
 
-// Ended for another place to go on: another window, another worker, or nowhere. Redis knows which.
+// The session may continue in another window, on another worker, or not at all. Redis knows which.
 void Connection::session_was_taken() {
   const bool taken = hub_.run_blocking([self = shared_from_this()] {
     const auto found = self->hub_.placement.find(self->attachment_->session.id);
     const bool gone = !found && found.error().code == ErrorCode::kNotFound;
     const bool moved = found && found->worker_id != self->attachment_->session.worker_id;
     self->on_strand([gone, moved](Connection& on) {
-      if (gone) return on.close(CloseCode::kSessionGone, "The picture was closed.");
-      if (moved) return on.close(CloseCode::kWorkerLost, "The picture goes on elsewhere.");
-      on.close(CloseCode::kTakenOver, "The picture was opened in another window.");
+      if (gone) return on.close(CloseCode::kSessionGone, "This session was closed.");
+      if (moved)
+        return on.close(CloseCode::kWorkerLost, "This session is moving to another renderer.");
+      on.close(CloseCode::kTakenOver, "This session was opened in another window.");
     });
   });
-  if (!taken) close(CloseCode::kTakenOver, "The picture was opened in another window.");
+  if (!taken) close(CloseCode::kTakenOver, "This session was opened in another window.");
 }
 
-// Only after Redis knows: the viewer's next ticket must not lead to the same worker.
+// Only after Redis is updated, because the viewer's next ticket must not lead to the same worker.
 void Connection::worker_broke_off() {
   const bool taken = hub_.run_blocking([self = shared_from_this()] {
     self->hub_.worker_broke_off(*self->attachment_);
-    self->on_strand(
-        [](Connection& on) { on.close(CloseCode::kWorkerLost, "The renderer was lost."); });
+    self->on_strand([](Connection& on) {
+      on.close(CloseCode::kWorkerLost, "The connection to the renderer was lost.");
+    });
   });
-  if (!taken) close(CloseCode::kWorkerLost, "The renderer was lost.");
+  if (!taken) close(CloseCode::kWorkerLost, "The connection to the renderer was lost.");
 }
 
-// The same: the next ticket must lead to another worker.
+// As above, the next ticket must lead to another worker.
 void Connection::worker_has_no_memory() {
   const bool taken = hub_.run_blocking([self = shared_from_this()] {
     const Attachment& here = *self->attachment_;
@@ -392,11 +396,12 @@ void Connection::worker_has_no_memory() {
         self->hub_.placement.refused(here.session.id, here.session.worker_id, here.placement)
             .has_value();
     self->on_strand([noted](Connection& on) {
-      if (noted) return on.close(CloseCode::kWorkerLost, "The picture goes on elsewhere.");
-      on.close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
+      if (noted)
+        return on.close(CloseCode::kWorkerLost, "This session is moving to another renderer.");
+      on.close(CloseCode::kTooMany, "The renderer is full. Please try again in a moment.");
     });
   });
-  if (!taken) close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
+  if (!taken) close(CloseCode::kTooMany, "The renderer is full. Please try again in a moment.");
 }
 
 void Connection::worker_seen(bool alive) {
@@ -404,7 +409,7 @@ void Connection::worker_seen(bool alive) {
     if (!self.attachment_ || self.closing_ || self.ended_) return;
     self.misses_ = alive ? 0 : self.misses_ + 1;
     if (self.misses_ < 2) return;
-    self.close(CloseCode::kWorkerLost, "The renderer does not answer.");
+    self.close(CloseCode::kWorkerLost, "The renderer is not responding.");
     self.link_->cancel();
   });
 }
@@ -456,7 +461,7 @@ void Connection::ended() {
   ErrorCodeOf ignored;
   if (!writing_) beast::get_lowest_layer(socket_).socket().close(ignored);
   if (link_ && !link_over_) {
-    // What the viewer did last (a scene before a reload) reaches the worker still.
+    // The viewer's last messages (such as a scene before a reload) still reach the worker.
     link_->finish();
     link_timer_.expires_after(hub_.limits.goodbye);
     link_timer_.async_wait([self = shared_from_this()](ErrorCodeOf error) {

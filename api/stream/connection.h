@@ -19,25 +19,25 @@
 
 namespace diaphane::api::stream {
 
-/// One viewer: handshake, ticket, then messages both ways until one side ends it. Everything
-/// happens on the strand of its socket; what comes from gRPC's threads and from Redis is posted
-/// there.
+/// The connection of one viewer: handshake, ticket, then messages in both directions until one side
+/// ends it. Everything runs on the strand of its socket. Events from gRPC threads and from Redis
+/// are posted there.
 class Connection final : public LinkEvents, public std::enable_shared_from_this<Connection> {
  public:
   Connection(std::shared_ptr<Hub> hub, boost::asio::ip::tcp::socket socket);
 
   void start();
-  /// One of too many: answered and closed.
+  /// Responds to a connection over the limit and closes it.
   void refuse_busy();
-  /// Closes with a code the viewer understands, after what is queued; then without one.
+  /// Sends the queued messages, then closes with the code. Aborts if the handshake is not complete.
   void close(CloseCode code, std::string_view reason);
-  /// Closes the socket and ends the call, now.
+  /// Closes the socket and ends the call immediately.
   void abort();
-  /// Whether the worker of this stream is among those that live; two misses in a row end it.
+  /// Reports whether the worker of this stream is alive. Two misses in a row end the stream.
   void worker_seen(bool alive);
-  /// Worker id and incarnation, "|" between; empty before it is attached. For any thread.
+  /// Worker ID and incarnation, separated by "|"; empty before attaching. Callable from any thread.
   std::string worker_key() const;
-  /// Of a guest: the link that it came by; else empty. For any thread.
+  /// The link that a guest joined with, otherwise empty. Callable from any thread.
   std::string link_hash() const;
 
   void on_link_open() override;
@@ -49,7 +49,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   using ErrorCodeOf = boost::beast::error_code;
 
-  // Destroyed after the socket: only then is this connection gone for the gateway.
+  // Destroyed after the socket, so that the hub counts the connection until it is closed.
   struct Presence {
     std::shared_ptr<Hub> hub;
     Connection* connection;
@@ -84,7 +84,8 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
 
   Presence presence_;
   Hub& hub_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  // Without Beast's deflate, because pictures are compressed already.
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
   boost::asio::steady_timer write_timer_;
   boost::asio::steady_timer link_timer_;
   boost::beast::flat_buffer buffer_;
@@ -94,7 +95,8 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   std::string ticket_;
   std::optional<Attachment> attachment_;
   std::shared_ptr<WorkerLink> link_;
-  // While it is attached: with both directions held back, no operation would keep it.
+  // Keeps this object alive while it is attached, because with both directions paused no pending
+  // operation would.
   std::shared_ptr<Connection> alive_;
   mutable std::mutex key_mutex_;
   std::string worker_key_, link_hash_;

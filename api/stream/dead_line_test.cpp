@@ -1,5 +1,5 @@
-// A line to a worker that swallows everything: no end of the connection, no answer, and heartbeats
-// that go on.
+// A connection to a worker that silently drops everything: it does not close and gets no answer,
+// while heartbeats continue.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -21,7 +21,7 @@ namespace {
 
 using boost::asio::ip::tcp;
 
-/// Between a gateway and a worker: passes bytes on until it is told to swallow them.
+/// Forwards bytes between a gateway and a worker until it is set to drop them.
 class Line {
  public:
   explicit Line(const std::string& worker)
@@ -93,7 +93,7 @@ TEST(DeadLine, AWorkerThatBeatsAndAnswersNothingIsLeft) {
   ASSERT_TRUE(viewer.enter(places.issue(line.address())));
   viewer.send("hello");
   ASSERT_EQ(viewer.receive(), "hello");
-  // Nothing is said for longer than between two questions: a line that lives is kept.
+  // Nothing is sent for longer than the interval between two checks, and a live connection is kept.
   EXPECT_FALSE(viewer.tcp().available());
   std::this_thread::sleep_for(std::chrono::seconds(6));
   viewer.send("still here");

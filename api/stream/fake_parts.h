@@ -16,14 +16,13 @@
 #include "api/service/workers.h"
 #include "common/ids.h"
 
-// What the gateway's tests put in the place of Redis and of renderd, to force what those do not do
-// on demand.
+// Replacements for Redis and renderd in tests of the gateway, which produce faults on demand.
 namespace diaphane::api::stream {
 
 /// Tickets, sessions and workers in memory.
 class FakePlaces final : public Placement, public Tickets, public Workers {
  public:
-  /// A ticket for a session of `user` on the worker at `address`.
+  /// Issues a ticket for a session of `user` on the worker at `address`.
   std::string issue(const std::string& address, const std::string& user = new_id()) {
     const std::lock_guard lock(mutex_);
     Attachment attachment;
@@ -132,7 +131,7 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
   std::atomic<bool> away_ = false, alive_ = true;
 };
 
-/// A render worker whose Attach does what a test wants, on a real port.
+/// A render worker on a real port with the Attach behaviour that a test defines.
 class FakeWorker final : public diaphane::v1::RenderWorker::Service {
  public:
   using Stream = grpc::ServerReaderWriter<diaphane::v1::AttachReply, diaphane::v1::AttachRequest>;
@@ -147,7 +146,7 @@ class FakeWorker final : public diaphane::v1::RenderWorker::Service {
   ~FakeWorker() override { die(); }
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  /// Connections break and the port closes, as with a killed process.
+  /// Breaks all connections and closes the port, like a killed process.
   void die() {
     if (server_) server_->Shutdown(std::chrono::system_clock::now());
   }
@@ -180,7 +179,7 @@ class FakeWorker final : public diaphane::v1::RenderWorker::Service {
       return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "", why.SerializeAsString());
     };
   }
-  /// Writes messages of `bytes` for as long as the call lives.
+  /// Sends messages of `bytes` until the call ends.
   static Behaviour flood(std::size_t bytes) {
     return [bytes](grpc::ServerContext& context, Stream& stream) {
       diaphane::v1::AttachReply reply;
@@ -191,7 +190,7 @@ class FakeWorker final : public diaphane::v1::RenderWorker::Service {
     };
   }
 
-  /// What came, in order; waits until there are `count` or 5 s have passed.
+  /// Returns the received messages in order, once there are `count` or after 5 s.
   std::vector<std::string> received(std::size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::seconds(5), [&] { return received_.size() >= count; });

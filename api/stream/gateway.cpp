@@ -43,7 +43,7 @@ struct Gateway::Impl {
     acceptor.async_accept(asio::make_strand(io), [this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
       if (error) {
-        // Out of descriptors, most likely: those who are in are served, and one of them will leave.
+        // Probably out of descriptors. Existing connections continue, and one of them will close.
         pause.expires_after(std::chrono::milliseconds(100));
         pause.async_wait([this](error_code ended) {
           if (!ended) accept_next();
@@ -60,7 +60,7 @@ struct Gateway::Impl {
     });
   }
 
-  /// A worker that hangs, or whose machine has gone, breaks no connection: its heartbeat tells.
+  /// A hanging or lost worker does not break its connections, so its heartbeat is checked.
   void watch_workers() {
     watch.expires_after(hub->limits.watch);
     watch.async_wait([this](error_code ended) {
@@ -68,7 +68,7 @@ struct Gateway::Impl {
       hub->run_blocking([shared = hub] {
         shared->channels.drop_unused();
         const auto alive = shared->workers.alive();
-        if (!alive) return;  // Redis is away, which says nothing of the workers
+        if (!alive) return;  // Redis is unavailable, which says nothing about the workers
         std::set<std::string> keys;
         for (const WorkerInfo& one : *alive) keys.insert(one.id + "|" + one.incarnation);
         for (const auto& connection : shared->connections()) {
@@ -80,7 +80,7 @@ struct Gateway::Impl {
     });
   }
 
-  /// Guests whose link was ended are sent away, whichever gateway they came through.
+  /// Disconnects guests whose link was disabled, whichever gateway handled the request.
   void watch_links() {
     links.expires_after(hub->limits.links);
     links.async_wait([this](error_code ended) {
@@ -94,12 +94,12 @@ struct Gateway::Impl {
         hub->run_blocking(
             [shared = hub, asked = std::vector<std::string>(in_use.begin(), in_use.end())] {
               const auto over = shared->tickets.ended_links(asked);
-              if (!over) return;  // Redis is away: they stay until it says more
+              if (!over) return;  // Redis is unavailable, so guests stay until it answers again
               for (const auto& connection : shared->connections()) {
                 const std::string link = connection->link_hash();
                 if (link.empty() || std::find(over->begin(), over->end(), link) == over->end())
                   continue;
-                connection->close(CloseCode::kLinkEnded, "The link was ended.");
+                connection->close(CloseCode::kLinkEnded, "This link has been disabled.");
               }
             });
       }
@@ -131,7 +131,7 @@ struct Gateway::Impl {
             io.run();
             return;
           } catch (const std::exception& failure) {
-            // One connection's handler; the others go on.
+            // Only this connection fails, and the others continue.
             log::error("stream_handler_failed", {{"what", log::describe(failure)}});
           }
         }
@@ -149,7 +149,8 @@ struct Gateway::Impl {
       links.cancel();
     });
     for (const auto& connection : hub->connections()) {
-      connection->close(CloseCode::kGoingAway, "The server restarts; come back in a moment.");
+      connection->close(CloseCode::kGoingAway,
+                        "The server is restarting. Please reconnect in a moment.");
     }
     if (!hub->wait_until_empty(grace)) {
       for (const auto& connection : hub->connections()) connection->abort();
@@ -172,7 +173,8 @@ Result<std::unique_ptr<Gateway>> Gateway::start(Options options, const GatewayLi
                                                 Placement& placement, Tickets& tickets,
                                                 Workers& workers, prometheus::Registry& registry) {
   std::string origin = origin_of(options.public_url);
-  if (origin.empty()) return fail(ErrorCode::kInvalid, "must be an http address", "public-url");
+  if (origin.empty())
+    return fail(ErrorCode::kInvalid, "must be an http or https URL", "public-url");
   const unsigned threads = std::max(1u, options.threads);
   auto hub = std::make_shared<Hub>(limits, std::move(origin), placement, tickets, workers, registry,
                                    std::move(options.tls));

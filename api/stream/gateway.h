@@ -16,35 +16,35 @@ namespace diaphane::api::stream {
 
 struct GatewayLimits;
 
-/// The WebSocket port: joins each viewer to the render worker of its session and passes messages on
-/// unread (docs/contracts.md, "Stream"; docs/adr/0005). A few threads for all connections; each
-/// connection has a strand, bounded queues both ways and time-outs for everything that it waits
-/// for, so that nobody is slowed by another.
+/// The WebSocket server. Connects each viewer to the render worker of its session and forwards
+/// messages without parsing them (docs/contracts.md, "Stream"; docs/adr/0005). A few threads serve
+/// all connections. Each connection has a strand, bounded queues in both directions and a timeout
+/// for every wait, so that no viewer slows down another.
 class Gateway {
  public:
   struct Options {
-    std::string address = "127.0.0.1";  ///< the edge stands before it
-    std::uint16_t port = 0;             ///< 0: any free one
-    std::string public_url;             ///< pages of its origin may connect, no others
+    std::string address = "127.0.0.1";  ///< only the edge connects to it
+    std::uint16_t port = 0;             ///< 0 picks a free port
+    std::string public_url;             ///< only pages of this origin may connect
     unsigned threads = 2;
-    wire::InnerTls tls{};  ///< to the workers
+    wire::InnerTls tls{};  ///< for connections to the workers
   };
 
-  /// kInvalid: `public_url` is no http address. kUnavailable: the port cannot be opened. The
-  /// interfaces and the registry must outlive it.
+  /// Returns kInvalid if `public_url` is not an http URL, or kUnavailable if the port cannot be
+  /// opened. The interfaces and the registry must outlive it.
   static Result<std::unique_ptr<Gateway>> start(Options options, Placement& placement,
                                                 Tickets& tickets, Workers& workers,
                                                 prometheus::Registry& registry);
-  /// The same with other limits, for tests.
+  /// The same with custom limits, for tests.
   static Result<std::unique_ptr<Gateway>> start(Options options, const GatewayLimits& limits,
                                                 Placement& placement, Tickets& tickets,
                                                 Workers& workers, prometheus::Registry& registry);
-  /// As stop() with no grace.
+  /// Like stop() without grace.
   ~Gateway();
 
   std::uint16_t port() const;
-  /// Accepts nobody more, tells each viewer to come back (1001), and after `grace` closes what is
-  /// left. Idempotent.
+  /// Stops accepting connections, asks each viewer to reconnect (1001) and closes the remaining
+  /// ones after `grace`. Idempotent.
   void stop(std::chrono::milliseconds grace);
 
  private:

@@ -16,7 +16,7 @@
 
 namespace diaphane::api::stream {
 
-/// A gateway over parts that are made up, and viewers at it.
+/// A gateway with fake dependencies, and viewers connected to it.
 class GatewayTest : public testing::Test {
  protected:
   void start(const GatewayLimits& limits = {}) {
@@ -28,7 +28,7 @@ class GatewayTest : public testing::Test {
     gateway_ = std::move(*started);
   }
   TestViewer viewer(int receive_buffer = 0) { return TestViewer(gateway_->port(), receive_buffer); }
-  /// A viewer who has entered; its first message came back.
+  /// Returns a connected viewer that has received the echo of its first message.
   std::unique_ptr<TestViewer> attached(const FakeWorker& worker,
                                        const std::string& user = new_id()) {
     auto one = std::make_unique<TestViewer>(gateway_->port());

@@ -16,22 +16,22 @@ prometheus::Family<prometheus::Counter>& counters(prometheus::Registry& registry
 
 GatewayMetrics::GatewayMetrics(prometheus::Registry& registry)
     : connections_(gauge(registry, "diaphane_stream_connections",
-                         "Connections at the stream port, handshakes included")),
-      streams_(gauge(registry, "diaphane_stream_attached", "Viewers attached to a render worker")),
-      messages_(counters(registry, "diaphane_stream_messages_total", "Messages passed on")),
-      bytes_(counters(registry, "diaphane_stream_bytes_total", "Bytes of messages passed on")),
+                         "Open connections on the stream port, including handshakes.")),
+      streams_(gauge(registry, "diaphane_stream_attached", "Viewers attached to a render worker.")),
+      messages_(counters(registry, "diaphane_stream_messages_total", "Messages forwarded.")),
+      bytes_(counters(registry, "diaphane_stream_bytes_total", "Message bytes forwarded.")),
       messages_to_worker_(messages_.Add({{"direction", "to_worker"}})),
       messages_to_viewer_(messages_.Add({{"direction", "to_viewer"}})),
       bytes_to_worker_(bytes_.Add({{"direction", "to_worker"}})),
       bytes_to_viewer_(bytes_.Add({{"direction", "to_viewer"}})),
       refusals_(counters(registry, "diaphane_stream_refusals_total",
-                         "Connections refused before a stream began")),
-      closes_(counters(registry, "diaphane_stream_closes_total", "Streams closed by the gateway")),
+                         "Connections refused before a stream started.")),
+      closes_(counters(registry, "diaphane_stream_closes_total", "Streams closed by the gateway.")),
       workers_lost_(counters(registry, "diaphane_stream_workers_lost_total",
-                             "Workers that could not be reached")
+                             "Failed attempts to reach a worker.")
                         .Add({})),
       slow_viewers_(counters(registry, "diaphane_stream_slow_viewers_total",
-                             "Viewers closed because they stopped reading")
+                             "Viewers disconnected because they stopped reading.")
                         .Add({})) {}
 
 void GatewayMetrics::message(Direction direction, std::size_t bytes) {

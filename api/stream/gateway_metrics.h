@@ -14,7 +14,7 @@ namespace diaphane::api::stream {
 
 enum class Direction { kToWorker, kToViewer };
 
-/// What the gateway counts. Thread-safe.
+/// Metrics of the gateway. Thread-safe.
 class GatewayMetrics {
  public:
   explicit GatewayMetrics(prometheus::Registry& registry);
@@ -24,7 +24,8 @@ class GatewayMetrics {
   void stream_attached() { streams_.Increment(); }
   void stream_detached() { streams_.Decrement(); }
   void message(Direction direction, std::size_t bytes);
-  /// Before a stream began: "busy", "handshake", "origin", "ticket", "session", "too_many".
+  /// Refusals before a stream starts: "busy", "handshake", "origin", "ticket", "session",
+  /// "too_many".
   void refused(const std::string& reason);
   void closed(CloseCode code);
   void worker_lost() { workers_lost_.Increment(); }

@@ -108,7 +108,7 @@ TEST_F(GatewayTest, AHandshakeThatIsNotOurPagesIsRefused) {
   EXPECT_EQ(status(target, TestViewer::kOrigin, "diaphane.v2"), 400u);
   EXPECT_EQ(status("/other?ticket=" + ticket, TestViewer::kOrigin, "diaphane.v1"), 400u);
   EXPECT_EQ(status("/stream?ticket=abc", TestViewer::kOrigin, "diaphane.v1"), 400u);
-  // None of them used the ticket up.
+  // None of them used the ticket.
   EXPECT_TRUE(viewer().enter(ticket));
   wait_for_metric("diaphane_stream_refusals_total{reason=\"origin\"} 2");
 }
@@ -119,7 +119,7 @@ TEST_F(GatewayTest, ATicketThatIsUnknownOrUsedClosesWith4401) {
   const std::string ticket = places_.issue(worker.address());
   TestViewer first = viewer(), second = viewer(), third = viewer();
   ASSERT_TRUE(first.enter(ticket));
-  // The ticket is looked at after the handshake: only an answer says that the first has used it.
+  // The ticket is checked after the handshake, so only an answer shows that the first has used it.
   first.send("here");
   ASSERT_EQ(first.receive(), "here");
   ASSERT_TRUE(second.enter(ticket));
@@ -186,7 +186,7 @@ TEST_F(GatewayTest, ASessionForWhichAWorkerHasNoMemoryGoesElsewhere) {
   ASSERT_TRUE(three.enter(ticket));
   EXPECT_EQ(three.close_code(), 4503);
   EXPECT_EQ(places_.refused_sessions().size(), 2u);
-  EXPECT_TRUE(places_.lost_workers().empty()) << "it lives, and goes on with the others";
+  EXPECT_TRUE(places_.lost_workers().empty()) << "it lives, and continues with the others";
 }
 
 TEST_F(GatewayTest, ASessionThatMovedOrEndedIsNotCalledTakenOver) {

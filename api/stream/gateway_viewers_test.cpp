@@ -1,4 +1,5 @@
-// Viewers that read slowly, not at all, too much, are too many or vanish: nobody else notices.
+// Viewers that read slowly, stop reading, send too much, are too many, or vanish, without affecting
+// other viewers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -27,18 +27,18 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 
 Result<std::string> check_handshake(const Handshake& handshake, std::string_view public_origin) {
   if (!handshake.target.starts_with(kTargetStart)) {
-    return fail(ErrorCode::kInvalid, "This address is not a stream's.");
+    return fail(ErrorCode::kInvalid, "This is not a stream URL.");
   }
   const std::string_view ticket = handshake.target.substr(kTargetStart.size());
   if (ticket.size() != kTicketDigits ||
       ticket.find_first_not_of("0123456789abcdef") != std::string_view::npos) {
-    return fail(ErrorCode::kInvalid, "A ticket has 64 hexadecimal digits.");
+    return fail(ErrorCode::kInvalid, "The ticket must be 64 hexadecimal digits.");
   }
   if (public_origin.empty() || handshake.origin != public_origin) {
-    return fail(ErrorCode::kForbidden, "Streams are for the page of this address only.");
+    return fail(ErrorCode::kForbidden, "Streams are available only to pages of this origin.");
   }
   if (!offers(handshake.subprotocols, kSubprotocol)) {
-    return fail(ErrorCode::kInvalid, "The subprotocol diaphane.v1 was not offered.");
+    return fail(ErrorCode::kInvalid, "The client did not offer the subprotocol diaphane.v1.");
   }
   return std::string(ticket);
 }

@@ -9,19 +9,19 @@ namespace diaphane::api::stream {
 
 inline constexpr std::string_view kSubprotocol = "diaphane.v1";
 
-/// What the gateway reads of a WebSocket handshake. Views of the request's own buffer.
+/// The parts of a WebSocket handshake that the gateway reads, as views of the request's buffer.
 struct Handshake {
   std::string_view target;  ///< "/stream?ticket=<64 hex>"
   std::string_view origin;
   std::string_view subprotocols;  ///< as offered, separated by commas
 };
 
-/// The ticket, when the handshake may be accepted. kInvalid: target or subprotocol; kForbidden: a
-/// page of another origin (or none: browsers always send one).
+/// Returns the ticket if the handshake is acceptable, kInvalid for a wrong target or subprotocol,
+/// or kForbidden for a missing or different origin (browsers always send one).
 Result<std::string> check_handshake(const Handshake& handshake, std::string_view public_origin);
 
-/// "https://host[:port]" of an address, as a browser writes it in `Origin`: lower case, no default
-/// port. Empty when it is no http or https address.
+/// Returns the origin of a URL as a browser writes it: "https://host[:port]" in lower case without
+/// a default port. Returns an empty string for a URL that is not http or https.
 std::string origin_of(std::string_view url);
 
 }  // namespace diaphane::api::stream

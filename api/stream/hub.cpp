@@ -7,7 +7,7 @@ namespace diaphane::api::stream {
 bool Hub::enter(const std::shared_ptr<Connection>& connection) {
   const std::lock_guard lock(mutex_);
   const bool room = connections_.size() < limits.connections;
-  // Also one that is refused is waited for at the end.
+  // A refused connection is also waited for at shutdown.
   connections_.emplace(connection.get(), connection);
   metrics.connection_opened();
   return room;
@@ -37,7 +37,7 @@ bool Hub::wait_until_empty(std::chrono::milliseconds timeout) {
 
 namespace {
 
-// Guests are not counted as the person whose session it is, or they could shut him out.
+// Guests do not count as the owner of the session. Otherwise, they could lock the owner out.
 std::string counted_as(const Attachment& attachment) {
   return attachment.link.empty() ? attachment.session.user_id : "guests:" + attachment.session.id;
 }
@@ -62,7 +62,7 @@ void Hub::leave_user(const Attachment& attachment) {
 
 void Hub::worker_broke_off(const Attachment& attachment) {
   if (accepts_connections(attachment.address, limits.probe)) return;
-  // Redis away: then nobody is placed anyway.
+  // If Redis is unavailable, no session is placed anyway.
   if (!workers.lost(attachment.session.worker_id, attachment.incarnation).value_or(false)) return;
   metrics.worker_lost();
   log::warning("worker_lost", {{"worker", attachment.session.worker_id}});

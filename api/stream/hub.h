@@ -22,25 +22,26 @@ namespace diaphane::api::stream {
 
 class Connection;
 
-/// Bounds of one gateway; every one of them is a test.
+/// Limits of one gateway. Each has a test.
 struct GatewayLimits {
-  std::size_t connections = 4096;  ///< at once, handshakes included
+  std::size_t connections = 4096;  ///< simultaneous connections, including handshakes
   std::size_t connections_per_user = 16;
-  std::size_t guests_per_session = 60;  ///< who came by links
+  std::size_t guests_per_session = 60;  ///< guests who joined with links
   std::size_t header_bytes = 8 * 1024;
-  std::size_t message_bytes = 64 * 1024;  ///< of a viewer
+  std::size_t message_bytes = 64 * 1024;  ///< per viewer message
   unsigned messages_per_second = 1000;    ///< of a viewer
   std::chrono::milliseconds handshake{10'000};
-  std::chrono::milliseconds idle{40'000};    ///< a ping after half of it
-  std::chrono::milliseconds write{10'000};   ///< for one message to a viewer
-  std::chrono::milliseconds attach{3'000};   ///< for a worker to take the call
-  std::chrono::milliseconds goodbye{2'000};  ///< for what a viewer sent last to reach its worker
-  std::chrono::milliseconds probe{300};      ///< whether a worker that broke off can be reached
-  std::chrono::milliseconds watch{2'000};    ///< between two looks at who is alive
-  std::chrono::milliseconds links{500};      ///< between two looks at which links were ended
+  std::chrono::milliseconds idle{40'000};   ///< idle timeout; a ping is sent after half of it
+  std::chrono::milliseconds write{10'000};  ///< timeout for sending one message to a viewer
+  std::chrono::milliseconds attach{3'000};  ///< timeout for a worker to accept the call
+  /// Time for a viewer's last messages to reach the worker.
+  std::chrono::milliseconds goodbye{2'000};
+  std::chrono::milliseconds probe{300};    ///< timeout of the probe of a disconnected worker
+  std::chrono::milliseconds watch{2'000};  ///< interval between checks for live workers
+  std::chrono::milliseconds links{500};    ///< interval between checks for disabled links
 };
 
-/// What all connections of one gateway share. Thread-safe.
+/// State that all connections of one gateway share. Thread-safe.
 class Hub {
  public:
   Hub(const GatewayLimits& bounds, std::string origin, Placement& places, Tickets& entries,
@@ -61,7 +62,7 @@ class Hub {
   GatewayMetrics metrics;
   WorkerChannels channels;
 
-  /// Runs what waits for Redis; false, and not run, when too much waits already.
+  /// Runs a task that waits for Redis. Returns false without running it if too many are waiting.
   template <typename Job>
   bool run_blocking(Job job) {
     if (waiting_jobs_.fetch_add(1) >= kMostWaitingJobs) {
@@ -76,20 +77,20 @@ class Hub {
   }
   void join_blocking() { blocking_.join(); }
 
-  /// False when there are as many connections as there may be.
+  /// Returns false if the maximum number of connections is reached.
   bool enter(const std::shared_ptr<Connection>& connection);
-  /// Last of all; the connection must not use the hub afterwards.
+  /// The last call of a connection, which must not use the hub afterwards.
   void leave(Connection* connection);
   std::vector<std::shared_ptr<Connection>> connections() const;
-  /// True once nobody is left.
+  /// Returns true once no connection is left.
   bool wait_until_empty(std::chrono::milliseconds timeout);
 
-  /// One more connection of a person, or guest of a session; false when there are enough.
+  /// Counts another connection of a user or guest of a session. Returns false at the limit.
   bool enter_user(const Attachment& attachment);
   void leave_user(const Attachment& attachment);
 
-  /// A worker broke off: can it be reached? If not, nobody is placed on it any more. Blocks (probe,
-  /// Redis).
+  /// Checks whether a disconnected worker can be reached. If not, no more sessions are placed on
+  /// it. Blocks (probe, Redis).
   void worker_broke_off(const Attachment& attachment);
 
  private:

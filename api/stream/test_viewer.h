@@ -11,7 +11,7 @@
 
 namespace diaphane::api::stream {
 
-/// A browser's side of the stream: an ordinary WebSocket client, synchronous, with time-outs.
+/// The browser's side of the stream: a synchronous WebSocket client with timeouts.
 class TestViewer {
  public:
   static constexpr const char* kOrigin = "https://scans.example";
@@ -25,7 +25,7 @@ class TestViewer {
     tcp.connect({boost::asio::ip::make_address("127.0.0.1"), port});
   }
 
-  /// True when the stream began.
+  /// Returns whether the stream began.
   bool shake_hands(const std::string& target, const std::string& origin = kOrigin,
                    const std::string& subprotocol = "diaphane.v1") {
     namespace websocket = boost::beast::websocket;
@@ -40,7 +40,7 @@ class TestViewer {
     socket_.binary(true);
     return !error;
   }
-  /// The status of the answer to a handshake, by plain HTTP.
+  /// Returns the HTTP status of the response to a handshake.
   unsigned status_of_handshake(const std::string& target, const std::string& origin,
                                const std::string& subprotocol) {
     namespace http = boost::beast::http;
@@ -73,7 +73,7 @@ class TestViewer {
     send(message);
   }
 
-  /// The next message; nothing when the stream ended or `timeout` passed.
+  /// Returns the next message, or nullopt when the stream ended or after `timeout`.
   std::optional<std::string> receive(std::chrono::milliseconds timeout = std::chrono::seconds(5)) {
     buffer_.clear();
     std::optional<boost::beast::error_code> result;
@@ -81,7 +81,7 @@ class TestViewer {
                        [&](boost::beast::error_code error, std::size_t) { result = error; });
     io_.restart();
     io_.run_for(timeout);
-    if (!result) {  // the read is still under way: this viewer is of no more use
+    if (!result) {  // the read is still in progress, so this viewer is unusable
       socket_.next_layer().socket().close();
       io_.restart();
       io_.run();
@@ -90,7 +90,7 @@ class TestViewer {
     if (*result) return std::nullopt;
     return boost::beast::buffers_to_string(buffer_.data());
   }
-  /// Reads until the stream ends; the code it was closed with, 0 when it broke off, -1 after
+  /// Reads until the stream ends. Returns its close code, 0 if the connection was lost, or -1 after
   /// `timeout`.
   int close_code(std::chrono::milliseconds timeout = std::chrono::seconds(5)) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;

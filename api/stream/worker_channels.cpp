@@ -11,7 +11,7 @@
 namespace diaphane::api::stream {
 namespace {
 
-// A frame of 4096 x 4096 in one message, with room.
+// Large enough for a frame of 4096 x 4096 in one message.
 constexpr int kMostMessageBytes = 64 << 20;
 
 }  // namespace
@@ -26,14 +26,14 @@ std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
   if (!channel) {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
-    // Not shared with another incarnation's channel, nor through a proxy of the environment.
+    // Channels are not shared between incarnations, and do not use a proxy from the environment.
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
     arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
     arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-    // A worker that beats but answers nothing, or a line that swallows all: the calls end after 10
-    // s.
+    // If a worker sends heartbeats but does not respond, or the network drops all packets, the
+    // calls end after 10 s.
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
     arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
@@ -43,10 +43,10 @@ std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
 }
 
 void WorkerChannels::drop_unused() {
-  std::vector<std::shared_ptr<grpc::Channel>> dropped;  // declared first: ended after the lock
+  std::vector<std::shared_ptr<grpc::Channel>> dropped;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
   std::erase_if(channels_, [&](const auto& entry) {
-    // Under the lock nobody can get it who has not got it already.
+    // No other thread can obtain this channel while the lock is held.
     if (entry.second.use_count() > 1) return false;
     dropped.push_back(entry.second);
     return true;
@@ -57,7 +57,7 @@ WorkerChannels::~WorkerChannels() {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
   for (drop_unused(); !channels_.empty(); drop_unused()) {
     if (std::chrono::steady_clock::now() > deadline) {
-      // Better never ended than ended on a wrong thread; the process stops anyway.
+      // A leak is better than destruction on the wrong thread, and the process is exiting anyway.
       new (std::nothrow) auto(std::move(channels_));
       return;
     }

@@ -12,21 +12,21 @@
 
 namespace diaphane::api::stream {
 
-/// One gRPC channel for each worker that is in use. Keyed by incarnation too: a worker that was
-/// started again is tried at once, without the back-off of the one before. Thread-safe.
+/// One gRPC channel per worker in use. Keys include the incarnation, so a restarted worker is tried
+/// immediately without the back-off of its predecessor. Thread-safe.
 ///
-/// It holds them all until drop_unused(), because the last channel's end joins gRPC's callback
-/// threads, and so must never come about on one of these (grpc 1.51, CallbackAlternativeCQ).
+/// Keeps all channels until drop_unused(). Destroying the last channel joins gRPC's callback
+/// threads, so it must never happen on one of them (grpc 1.51, CallbackAlternativeCQ).
 class WorkerChannels {
  public:
   explicit WorkerChannels(wire::InnerTls tls = {});
-  /// Waits up to 2 s for the calls that still use a channel.
+  /// Waits up to 2 s for calls that still use a channel.
   ~WorkerChannels();
   WorkerChannels(const WorkerChannels&) = delete;
   WorkerChannels& operator=(const WorkerChannels&) = delete;
 
   std::shared_ptr<grpc::Channel> to(const std::string& address, const std::string& incarnation);
-  /// Forgets those that nobody uses. May block a little: not for the threads of connections.
+  /// Drops unused channels. It may block briefly, so do not call it on a connection's thread.
   void drop_unused();
 
  private:
@@ -36,7 +36,7 @@ class WorkerChannels {
   std::map<std::string, std::shared_ptr<grpc::Channel>> channels_;
 };
 
-/// Whether anybody listens at "host:port". Blocks for at most `timeout` (and a name's look-up).
+/// Whether a server listens at "host:port". Blocks for at most `timeout` plus the name lookup.
 bool accepts_connections(const std::string& address, std::chrono::milliseconds timeout);
 
 }  // namespace diaphane::api::stream

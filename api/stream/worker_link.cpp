@@ -37,7 +37,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   open.set_volume_id(attachment.session.data_set_id);
   open.set_placement(attachment.placement);
   if (!attachment.scene.empty()) {
-    // What cannot be read any more is as if there were none: the picture starts with the first
+    // A scene that cannot be parsed any more is ignored, and the session starts with the first
     // preset.
     if (open.mutable_scene()->ParseFromString(attachment.scene)) {
       open.set_input_seq(attachment.input_seq);
@@ -62,7 +62,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   link->reading_ = true;
   link->writing_ = true;
   link->stub_->async()->Attach(&link->context_, link.get());
-  link->AddHold();  // writes begin outside of gRPC's own calls
+  link->AddHold();  // writes begin outside gRPC's own callbacks
   link->StartRead(&link->reply_);
   link->StartWrite(&link->request_);
   link->StartCall();
@@ -72,7 +72,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
 WorkerLink::WorkerLink(const std::shared_ptr<grpc::Channel>& channel,
                        std::weak_ptr<LinkEvents> events)
     : stub_(v1::RenderWorker::NewStub(channel)), events_(std::move(events)) {
-  // A worker that is away is said at once; the viewer asks for another.
+  // An unavailable worker is reported immediately, and the viewer requests another one.
   context_.set_wait_for_ready(false);
 }
 
@@ -109,7 +109,7 @@ void WorkerLink::finish() {
     if (finishing_) return;
     finishing_ = true;
     step = next_write();
-    // Nobody takes messages any more: what comes is read and dropped, until the end of the call.
+    // Messages have no receiver any more, so they are read and dropped until the call ends.
     if (!reading_ && !reads_ended_) resume = reading_ = true;
   }
   if (resume) StartRead(&reply_);
@@ -142,8 +142,8 @@ void WorkerLink::OnReadDone(bool ok) {
     wanted = !finishing_;
     if (wanted) ++undelivered_;
   }
-  // Handed over while this read still counts as under way: were delivered() to start the next one
-  // before, its message could overtake this one on another of gRPC's threads.
+  // Delivered while this read still counts as in progress. Otherwise delivered() could start the
+  // next read on another of gRPC's threads, and its message could overtake this one.
   if (wanted) {
     if (const auto events = events_.lock()) {
       events->on_link_message(std::move(message));
@@ -212,7 +212,7 @@ WorkerLink::Step WorkerLink::next_write() {
     writing_ = writes_ended_ = true;
     return Step::kWritesDone;
   }
-  // Until the reads have ended somebody may start one; afterwards nothing is started any more.
+  // A read may still be started until the reads have ended; afterwards, none is started.
   if (reads_ended_ && !std::exchange(released_, true)) return Step::kRelease;
   return Step::kNone;
 }

@@ -14,45 +14,47 @@
 
 namespace diaphane::api::stream {
 
-/// What a link tells the connection that it serves. Called on gRPC's threads, one call at a time
-/// for messages, never after on_link_ended.
+/// Events from a link to its connection. Called on gRPC threads, one message at a time and never
+/// after on_link_ended.
 class LinkEvents {
  public:
   virtual ~LinkEvents() = default;
-  /// The worker took the call.
+  /// The worker accepted the call.
   virtual void on_link_open() = 0;
-  /// A serialised ServerMessage. No more than WorkerLink::kMostUndelivered come before delivered()
-  /// is called.
+  /// Delivers a serialised ServerMessage. At most WorkerLink::kMostUndelivered arrive before
+  /// delivered() is called.
   virtual void on_link_message(std::string message) = 0;
-  /// There is room for messages again after send() said that there is none.
+  /// More messages can be sent after send() returned false.
   virtual void on_link_writable() = 0;
-  /// Last of all.
+  /// The last event.
   virtual void on_link_ended(const grpc::Status& status) = 0;
 };
 
-/// One Attach call: messages of one viewer to and from its render worker, unread. Bounded both
-/// ways: it reads no more from the worker than the viewer takes, and says when no more may be sent
-/// to the worker. It holds itself until the call is over. Thread-safe; nothing blocks.
+/// One Attach call, which forwards messages between a viewer and its render worker without parsing
+/// them. Applies back-pressure in both directions: it reads from the worker only as fast as the
+/// viewer reads, and signals when the worker is full. Keeps itself alive until the call ends.
+/// Thread-safe and non-blocking.
 class WorkerLink final
     : public grpc::ClientBidiReactor<diaphane::v1::AttachRequest, diaphane::v1::AttachReply> {
  public:
-  /// Messages read and not yet written to the viewer.
+  /// Messages read from the worker but not yet written to the viewer.
   static constexpr std::size_t kMostUndelivered = 3;
-  /// Messages of the viewer not yet with the worker.
+  /// Messages of the viewer not yet sent to the worker.
   static constexpr std::size_t kMostUnsent = 16;
 
-  /// Begins the call with Open.
+  /// Starts the call with Open.
   static std::shared_ptr<WorkerLink> open(const std::shared_ptr<grpc::Channel>& channel,
                                           const Attachment& attachment,
                                           std::weak_ptr<LinkEvents> events);
 
-  /// Sends a serialised ClientMessage. False: stop reading from the viewer until on_link_writable.
+  /// Sends a serialised ClientMessage. On false, stop reading from the viewer until
+  /// on_link_writable.
   bool send(std::string client_message);
-  /// The viewer has got one of the messages: one more may be read.
+  /// The viewer has received a message, so another one may be read.
   void delivered();
-  /// No more is sent: what was sent goes out still, then the worker ends the call.
+  /// Ends sending. Messages in the queue are still sent, then the worker ends the call.
   void finish();
-  /// Ends the call now.
+  /// Ends the call immediately.
   void cancel();
 
   void OnReadDone(bool ok) override;
@@ -62,8 +64,8 @@ class WorkerLink final
 
  private:
   WorkerLink(const std::shared_ptr<grpc::Channel>& channel, std::weak_ptr<LinkEvents> events);
-  /// What is to be started on the call after a change of state; carried out without the lock,
-  /// because gRPC may call back from within.
+  /// The next operation on the call after a state change. Run it without the lock, because gRPC may
+  /// call back from within.
   enum class Step { kNone, kWrite, kWritesDone, kRelease };
   Step next_write();  // under the lock
   void carry_out(Step step);
@@ -79,14 +81,14 @@ class WorkerLink final
   std::mutex mutex_;
   std::deque<std::string> unsent_;
   std::size_t undelivered_ = 0;
-  bool open_ = false;     // the worker took Open
-  bool reading_ = false;  // a read is with gRPC
+  bool open_ = false;     // the worker accepted Open
+  bool reading_ = false;  // a read is in progress
   bool reads_ended_ = false;
-  bool writing_ = false;       // a write is with gRPC
+  bool writing_ = false;       // a write is in progress
   bool finishing_ = false;     // finish() was called
-  bool writes_ended_ = false;  // nothing is written any more
-  bool told_full_ = false;     // send() said false
-  bool released_ = false;      // the hold that keeps the call open for writes
+  bool writes_ended_ = false;  // writing has ended
+  bool told_full_ = false;     // send() returned false
+  bool released_ = false;      // the hold that keeps the call open for writes is released
 };
 
 }  // namespace diaphane::api::stream

@@ -6,6 +6,7 @@
 
 #include "api/proto/worker.grpc.pb.h"
 #include "common/log.h"
+#include "common/try.h"
 
 namespace diaphane::api::stream {
 namespace {
@@ -19,14 +20,15 @@ constexpr std::size_t kMostTries = 2;
 Error error_of(const grpc::Status& status) {
   switch (status.error_code()) {
     case grpc::StatusCode::NOT_FOUND:
-      return {ErrorCode::kNotFound, "The renderer has no such scan.", {}};
+      return {ErrorCode::kNotFound, "The renderer does not have this scan.", {}};
     case grpc::StatusCode::INVALID_ARGUMENT:
-      return {ErrorCode::kInvalid, "There is no such picture.", {}};
+      return {ErrorCode::kInvalid, "Image not found.", {}};
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
     case grpc::StatusCode::DEADLINE_EXCEEDED:
-      return {ErrorCode::kUnavailable, "The renderer is busy; try again in a moment.", {}};
+      return {ErrorCode::kUnavailable, "The renderer is busy. Please try again in a moment.", {}};
     default:
-      return {ErrorCode::kUnavailable, "No renderer answers; try again in a moment.", {}};
+      return {
+          ErrorCode::kUnavailable, "No renderer is responding. Please try again in a moment.", {}};
   }
 }
 
@@ -36,7 +38,7 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
   const auto deadline =
       std::chrono::system_clock::now() + (request.background ? kLongestInBackground : kLongest);
   Result<std::vector<WorkerInfo>> workers = workers_.alive();
-  if (!workers) return tl::unexpected(workers.error());
+  DIAPHANE_TRY(workers);
   std::erase_if(*workers, [](const WorkerInfo& one) { return one.draining; });
   std::sort(workers->begin(), workers->end(), [&](const WorkerInfo& a, const WorkerInfo& b) {
     const auto rank = [&](const WorkerInfo& one) {
@@ -53,14 +55,14 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
   if (request.scene.empty()) {
     wanted.set_preset(request.preset);
   } else if (!wanted.mutable_scene()->ParseFromString(request.scene)) {
-    return fail(ErrorCode::kInvalid, "This is no scene.");
+    return fail(ErrorCode::kInvalid, "This is not a valid scene.");
   }
   wanted.set_width(request.width);
   wanted.set_height(request.height);
   wanted.set_samples(request.samples);
   wanted.set_error(request.error);
   wanted.set_background(request.background);
-  Error last{ErrorCode::kUnavailable, "No renderer is running; try again in a moment.", {}};
+  Error last{ErrorCode::kUnavailable, "No renderer is running. Please try again in a moment.", {}};
   for (std::size_t i = 0; i < std::min(workers->size(), kMostTries); ++i) {
     const WorkerInfo& worker = (*workers)[i];
     const auto stub = v1::RenderWorker::NewStub(channels_.to(worker.address, worker.incarnation));

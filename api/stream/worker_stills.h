@@ -8,8 +8,8 @@
 
 namespace diaphane::api::stream {
 
-/// Thumbnails by RenderStill of a worker that lives: one that has the volume, else the least used.
-/// When it breaks off, the next is asked.
+/// Renders thumbnails with RenderStill on a live worker: one that has loaded the volume, otherwise
+/// the least loaded. Asks the next one if the call fails.
 class WorkerStills final : public Stills {
  public:
   explicit WorkerStills(Workers& workers, wire::InnerTls tls = {})

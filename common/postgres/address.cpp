@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/try.h"
 #include "common/wire/inner_tls.h"
 
 namespace diaphane::postgres {
@@ -17,7 +18,7 @@ struct FreeOptions {
 };
 using Options = std::unique_ptr<PQconninfoOption, FreeOptions>;
 
-/// libpq reads a service file only for its defaults, by this variable.
+/// libpq uses a service file only for its defaults, selected by this environment variable.
 class ServiceOfDefaults {
  public:
   explicit ServiceOfDefaults(const std::string& name) {
@@ -51,7 +52,7 @@ std::vector<std::string> listed(const std::string& text) {
   return parts;
 }
 
-/// The hosts that libpq may try: of several, an address goes before the name beside it.
+/// Returns the hosts that libpq may try. An address takes precedence over its host name.
 std::vector<std::string> hosts_of(const std::map<std::string, std::string>& settings) {
   const auto value = [&](const char* keyword) {
     const auto found = settings.find(keyword);
@@ -78,8 +79,8 @@ Result<std::map<std::string, std::string>> resolved(const std::string& url) {
   if (!given) {
     // libpq's own message may quote the password.
     return fail(ErrorCode::kInvalid,
-                "not a URL (postgresql://user@host/name) or list of settings (host=... dbname=...) "
-                "that libpq can read");
+                "not a valid connection URI (postgresql://user@host/name) or keyword/value string "
+                "(host=... dbname=...)");
   }
   std::map<std::string, std::string> settings;
   for (const PQconninfoOption* option = given.get(); option->keyword; ++option) {
@@ -88,7 +89,8 @@ Result<std::map<std::string, std::string>> resolved(const std::string& url) {
   const ServiceOfDefaults service(settings.contains("service") ? settings["service"] : "");
   const Options defaults(PQconndefaults());
   if (!defaults) {
-    return fail(ErrorCode::kInvalid, "the service file (PGSERVICEFILE) has no such service");
+    return fail(ErrorCode::kInvalid,
+                "the service file (PGSERVICEFILE) does not define this service");
   }
   for (const PQconninfoOption* option = defaults.get(); option->keyword; ++option) {
     if (option->val) settings.try_emplace(option->keyword, option->val);
@@ -98,22 +100,23 @@ Result<std::map<std::string, std::string>> resolved(const std::string& url) {
 
 Result<void> may_be_used(const std::string& url, bool plain_allowed) {
   auto settings = resolved(url);
-  if (!settings) return tl::unexpected(settings.error());
+  DIAPHANE_TRY(settings);
   const std::string mode = (*settings)["sslmode"];
   if (plain_allowed || mode == "verify-full" || mode == "verify-ca") return {};
   for (const std::string& host : hosts_of(*settings)) {
     if (is_socket(host) || wire::is_this_machine(host)) continue;
     return fail(ErrorCode::kInvalid,
                 host +
-                    " is another machine, and there is no TLS to it that checks its certificate "
-                    "(add sslmode=verify-full and sslrootcert=FILE; or --inner-plain 1 where the "
-                    "network itself is private)");
+                    " is a remote host, and the connection would not use verified TLS. Add "
+                    "sslmode=verify-full and sslrootcert=FILE, or set --inner-plain 1 if the "
+                    "network itself is private.");
   }
   return {};
 }
 
 std::string read_url(ConfigReader& in, bool plain_allowed) {
-  std::string url = in.text("postgres", "libpq URL; another machine needs sslmode=verify-full");
+  std::string url =
+      in.text("postgres", "libpq connection URI; a remote host requires sslmode=verify-full");
   if (url.empty()) return url;
   if (const auto usable = may_be_used(url, plain_allowed); !usable) {
     in.mistake("--postgres: " + usable.error().message);

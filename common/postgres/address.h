@@ -9,16 +9,17 @@
 
 namespace diaphane::postgres {
 
-/// A connection as libpq would make it: `url` (either form), filled up from the service file and
-/// the environment (PGHOST, PGSSLMODE, PGSERVICE, ...). kInvalid: libpq cannot read it. Call it
-/// before threads start: it sets an environment variable for a moment.
+/// Returns the connection settings that libpq would use: `url` (in either form), completed from the
+/// service file and the environment (PGHOST, PGSSLMODE, PGSERVICE, ...), or kInvalid if libpq
+/// cannot parse it. Call it before threads start, because it temporarily sets an environment
+/// variable.
 Result<std::map<std::string, std::string>> resolved(const std::string& url);
 
-/// kInvalid, and in words what to do, where `url` leads to another machine without TLS that checks
-/// the server's certificate. A Unix socket and the loopback addresses are this machine.
+/// Returns kInvalid, with advice, if `url` leads to a remote host without TLS that verifies the
+/// server's certificate. Unix sockets and loopback addresses count as local.
 Result<void> may_be_used(const std::string& url, bool plain_allowed);
 
-/// Setting `postgres`, with a mistake where it must not be used.
+/// Reads the setting `postgres` and reports a mistake if the URL must not be used.
 std::string read_url(ConfigReader& in, bool plain_allowed);
 
 }  // namespace diaphane::postgres

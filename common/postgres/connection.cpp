@@ -7,7 +7,7 @@
 namespace diaphane::postgres {
 namespace {
 
-struct FreeOptions {
+struct FreeParsed {
   void operator()(PQconninfoOption* options) const { PQconninfoFree(options); }
 };
 
@@ -24,9 +24,8 @@ std::string quoted(const std::string& value) {
 
 std::string with_settings(const std::string& url,
                           std::initializer_list<std::pair<const char*, std::string>> settings) {
-  const std::unique_ptr<PQconninfoOption, FreeOptions> parsed(
-      PQconninfoParse(url.c_str(), nullptr));
-  if (!parsed) return url;  // libpq refuses it when it connects
+  const std::unique_ptr<PQconninfoOption, FreeParsed> parsed(PQconninfoParse(url.c_str(), nullptr));
+  if (!parsed) return url;  // libpq reports the error when it connects
   std::map<std::string, std::string> all;
   for (const PQconninfoOption* option = parsed.get(); option->keyword; ++option) {
     if (option->val) all[option->keyword] = option->val;
@@ -41,7 +40,7 @@ std::string with_settings(const std::string& url,
 
 std::unique_ptr<pqxx::connection> connect(const std::string& url, const std::string& program,
                                           const Patience& patience, SocketDeadlines& deadlines) {
-  // Two seconds is the least that libpq can do. The rest finds a machine that is gone.
+  // Two seconds is libpq's minimum. The other settings detect a host that has disappeared.
   auto connection = std::make_unique<pqxx::connection>(
       with_settings(url, {{"application_name", "diaphane-" + program},
                           {"connect_timeout", "2"},
@@ -49,8 +48,8 @@ std::unique_ptr<pqxx::connection> connect(const std::string& url, const std::str
                           {"keepalives_interval", "5"},
                           {"keepalives_count", "3"},
                           {"tcp_user_timeout", std::to_string(patience.answer.count())}}));
-  // libpqxx 6 would quietly open a lost connection anew, without the settings below. (Deprecated
-  // because 7 no longer does that.)
+  // libpqxx 6 would silently reopen a lost connection without the settings below. (Deprecated,
+  // because version 7 no longer does that.)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
   connection->inhibit_reactivation(true);

@@ -10,8 +10,8 @@ bool is_name_part(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/// The first words of a statement ("UPDATE users SET"): keywords and names of tables alone, because
-/// it ends before anything that could be a value.
+/// Returns the first words of a statement ("UPDATE users SET"). It stops before anything that could
+/// be a value, so they are only keywords and names of tables.
 std::string first_words(std::string_view statement) {
   constexpr int kWords = 3;
   std::string words;
@@ -46,7 +46,8 @@ std::string to_string(CallSite where) {
 std::string constraint_in(std::string_view error, std::string_view sqlstate) {
   if (!sqlstate.starts_with("23")) return {};
   const std::string_view line = error.substr(0, error.find('\n'));
-  // 'new row for relation "users" violates check constraint "users_email_check"': the last name.
+  // Takes the last quoted name of 'new row for relation "users" violates check constraint
+  // "users_email_check"'.
   const std::size_t end = line.rfind('"');
   if (end == std::string_view::npos || end == 0) return {};
   const std::size_t begin = line.rfind('"', end - 1);

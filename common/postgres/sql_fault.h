@@ -8,7 +8,7 @@
 
 namespace diaphane::postgres {
 
-/// Where a statement was run from, as a person finds it in the source.
+/// The place in the source that ran a statement.
 struct CallSite {
   const char* file = "";
   int line = 0;
@@ -18,16 +18,16 @@ struct CallSite {
   }
 };
 
-/// "data_set_repository.cpp:40"
+/// Formats the place, for example "data_set_repository.cpp:40".
 std::string to_string(CallSite where);
 
-/// The constraint that an error of class 23 names, or "". `error` is Postgres's whole message; only
-/// its first line is read, because the lines below it quote rows.
+/// Returns the constraint that an error of class 23 names, or "". Of Postgres's message in `error`,
+/// only the first line is used, because the other lines quote rows.
 std::string constraint_in(std::string_view error, std::string_view sqlstate);
 
-/// An SQL error that is a defect. Its text has the SQLSTATE, the constraint, and the statement by
-/// its first words and the place of its transaction; Postgres's own message may quote what people
-/// typed and is dropped.
+/// An SQL error caused by a bug. Its text contains the SQLSTATE, the constraint, the first words of
+/// the statement and the place of its transaction. Postgres's own message is dropped, because it
+/// may quote user input.
 class SqlFault : public log::SafeError {
  public:
   SqlFault(const pqxx::sql_error& error, CallSite where);

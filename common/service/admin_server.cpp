@@ -26,13 +26,13 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using asio::ip::tcp;
 
-/// How long a request and its answer may each take on the way.
+/// Timeout for receiving a request and for sending its response.
 constexpr auto kPatience = std::chrono::seconds(2);
-/// Connections at once. One more ends the oldest whose request has not arrived, so that unfinished
-/// requests, however many, never keep a probe from its answer.
+/// Maximum number of connections. A further one closes the oldest connection whose request has not
+/// arrived, so that unfinished requests never block a probe.
 constexpr std::size_t kMostConnections = 64;
 constexpr std::size_t kMostHeaderBytes = 8192;
-/// Checks and metrics are answered by these, because a check may wait for a store.
+/// Number of threads for checks and metrics, because a check may wait for a store.
 constexpr std::size_t kAnswering = 2;
 
 using Request = http::request<http::empty_body>;
@@ -51,7 +51,7 @@ Response make_response(http::status status, const char* type, std::string body) 
 }  // namespace
 
 struct AdminServer::Impl {
-  /// One request and its answer.
+  /// One request and its response.
   struct Exchange {
     explicit Exchange(tcp::socket socket) : stream(std::move(socket)) {
       parser.header_limit(kMostHeaderBytes);
@@ -81,7 +81,7 @@ struct AdminServer::Impl {
   std::atomic<bool> draining{false};
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
-  Exchanges exchanges;  ///< of the io thread alone, oldest first
+  Exchanges exchanges;  ///< used only on the I/O thread, oldest first
   asio::thread_pool answering{kAnswering};
   std::jthread thread;
 };
@@ -89,7 +89,7 @@ struct AdminServer::Impl {
 void AdminServer::Impl::accept() {
   acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    // No descriptor is free: try again, but not in a loop that takes a whole core.
+    // No descriptor is free. Retry after a pause instead of busy-waiting.
     if (error) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (!error) begin(std::move(socket));
     accept();
@@ -182,7 +182,7 @@ Result<std::unique_ptr<AdminServer>> AdminServer::start(Options options) {
   auto impl = std::make_unique<Impl>(std::move(options));
   auto& up = prometheus::BuildGauge()
                  .Name("diaphane_start_time_seconds")
-                 .Help("When this program started, seconds since the epoch.")
+                 .Help("Start time of the process, in seconds since the Unix epoch.")
                  .Register(*impl->registry)
                  .Add({{"program", impl->options.program}});
   up.Set(static_cast<double>(std::chrono::duration_cast<std::chrono::seconds>(
@@ -209,7 +209,8 @@ AdminServer::AdminServer(std::unique_ptr<Impl> impl)
     : impl_(std::move(impl)), registry_(impl_->registry) {}
 
 AdminServer::~AdminServer() {
-  // The checks first: what they look at may end with whoever ends this. Their answers are not sent.
+  // Stops the checks first, because their dependencies may be destroyed next. Their responses are
+  // dropped.
   impl_->answering.stop();
   impl_->answering.join();
   impl_->io.stop();

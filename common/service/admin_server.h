@@ -12,17 +12,18 @@
 
 namespace diaphane::service {
 
-/// One thing a program needs in order to serve, checked when /readyz is asked (must answer within
-/// 100 ms).
+/// A dependency of the program, checked for each /readyz request. The check must return within
+/// 100 ms.
 struct ReadyCheck {
   std::string name;  ///< "postgres", "redis", "volume store"
   std::function<bool()> ok;
 };
 
-/// The operations port, 127.0.0.1 (or `address`) only, never behind the edge:
-///   /metrics  Prometheus text format
-///   /healthz  200 while the process lives and its main loop runs; says nothing of what it depends
-///   on /readyz   200 or 503, JSON {"ready": bool, "checks": {...}, plus `details`}
+/// The admin server. It listens on 127.0.0.1 (or `address`) and is never exposed by the edge proxy.
+///  - /metrics: Prometheus text format.
+///  - /healthz: 200 while the main loop of the process runs, whatever the state of its
+///  dependencies.
+///  - /readyz: 200 or 503, with the JSON {"ready": bool, "checks": {...}, plus `details`}.
 class AdminServer {
  public:
   struct Options {
@@ -30,15 +31,15 @@ class AdminServer {
     std::uint16_t port = 0;
     std::string program;  ///< "api", "ingestd", "renderd"
     std::vector<ReadyCheck> checks;
-    std::function<std::string()> details;  ///< a JSON object merged into /readyz, or empty
+    std::function<std::string()> details;  ///< JSON object to merge into /readyz, or empty
   };
 
-  /// kUnavailable when the port is taken.
+  /// Returns kUnavailable if the port is in use.
   static Result<std::unique_ptr<AdminServer>> start(Options options);
   ~AdminServer();
 
   prometheus::Registry& registry() { return *registry_; }
-  /// From now on /readyz answers 503: first step of a drain.
+  /// Makes /readyz return 503, the first step of draining.
   void set_draining();
 
  private:

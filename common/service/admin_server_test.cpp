@@ -15,7 +15,7 @@
 namespace diaphane::service {
 namespace {
 
-/// A connection on which this was sent; -1 when nobody listens.
+/// Returns a connection on which the text was sent, or -1 if nothing listens on the port.
 int send_to(std::uint16_t port, const std::string& request) {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -29,7 +29,7 @@ int send_to(std::uint16_t port, const std::string& request) {
   return -1;
 }
 
-/// All that comes until the other side closes.
+/// Returns everything that arrives until the peer closes the connection.
 std::string read_all(int fd) {
   std::string answer;
   char buffer[4096];
@@ -84,12 +84,13 @@ TEST(AdminServer, UnfinishedRequestsDoNotKeepAProbeFromItsAnswer) {
   const std::uint16_t port = options.port;
   auto server = AdminServer::start(std::move(options));
   ASSERT_TRUE(server.has_value());
-  // More than are held at once: the oldest give way.
+  // More connections than the server holds, so it closes the oldest.
   std::array<int, 100> unfinished{};
   for (int& fd : unfinished) fd = send_to(port, "GET /readyz HTTP/1.1\r\nHost: ");
   const auto before = std::chrono::steady_clock::now();
   EXPECT_NE(get(port, "/readyz").find("200 OK"), std::string::npos);
-  // With two threads that each wait for a request, it took as long as they waited, several times.
+  // A server with two threads that each wait for a request would take several times the request
+  // timeout.
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(2));
   for (const int fd : unfinished) EXPECT_EQ(read_all(fd), "") << "each of them is ended";
 }

@@ -6,7 +6,7 @@ namespace diaphane::service {
 
 void forbid_core_files() {
   const rlimit none{0, 0};
-  setrlimit(RLIMIT_CORE, &none);  // lowering a limit of one's own cannot fail
+  setrlimit(RLIMIT_CORE, &none);  // lowering one's own limit cannot fail
 }
 
 }  // namespace diaphane::service

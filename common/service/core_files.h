@@ -2,8 +2,8 @@
 
 namespace diaphane::service {
 
-/// From here on a crash of this process writes no core file: what is in its memory, uploads among
-/// it, would outlive their deletion. Irrevocable; also for the processes that it starts.
+/// Disables core files for this process and the processes that it starts. A core file would contain
+/// memory such as uploads and outlive their deletion. This cannot be undone.
 void forbid_core_files();
 
 }  // namespace diaphane::service

@@ -5,11 +5,11 @@
 namespace diaphane::service {
 
 void overwrite_freed_memory() {
-  // glibc: freed memory is filled with this byte, and memory that is handed out with its
-  // complement, zero. What calloc() hands out and what is mapped for one piece alone is neither.
+  // glibc fills freed memory with this byte and allocated memory with its complement, zero. It
+  // fills neither memory from calloc() nor blocks with a mapping of their own.
   mallopt(M_PERTURB, 0xff);
-  // Larger pieces are mapped one by one and unmapped when they are freed. By itself the library
-  // raises this bound, and each thread keeps the largest piece that it ever had.
+  // Larger blocks get a mapping of their own, which is unmapped when they are freed. By default,
+  // the library raises this threshold, and each thread keeps the largest block that it ever had.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
 }
 

@@ -18,7 +18,7 @@ constexpr bool kOwnAllocator = false;
 
 /// Whether `wanted` can be read at `place`.
 bool still_there(const void* place, const std::string& wanted) {
-  // Read through the kernel: the place may be unmapped by now.
+  // Reads through the kernel, because the place may be unmapped by now.
   std::FILE* const memory = std::fopen("/proc/self/mem", "rb");
   std::string found(wanted.size(), '\0');
   const bool mapped = std::fseek(memory, static_cast<long>(reinterpret_cast<std::uintptr_t>(place)),
@@ -31,7 +31,7 @@ bool still_there(const void* place, const std::string& wanted) {
 TEST(FreedMemory, HoldsNothingOfWhatItHeld) {
   if (kOwnAllocator) GTEST_SKIP() << "a sanitizer's allocator";
   overwrite_freed_memory();
-  // The middle of pieces of many sizes, as uploads and volumes have them.
+  // Tests the middle of blocks in sizes that uploads and volumes use.
   for (const std::size_t bytes : {2000U, 20000U, 200000U, 900000U, 8000000U}) {
     std::string mark = "canary";
     mark += std::to_string(bytes);

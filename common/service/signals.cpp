@@ -18,7 +18,8 @@ StopSignal::StopSignal() {
   const sigset_t set = stop_set();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
-  // A file that may not grow is a write that fails, as on a full disk, and no reason to die.
+  // Exceeding a file size limit should only fail the write, as on a full disk, and not end the
+  // process.
   std::signal(SIGXFSZ, SIG_IGN);
 }
 

@@ -4,15 +4,15 @@
 
 namespace diaphane::service {
 
-/// SIGTERM and SIGINT become a value that the main thread waits for. Construct it before any other
-/// thread starts: the mask is inherited, so that no library's thread is interrupted. SIGPIPE is
-/// ignored.
+/// Turns SIGTERM and SIGINT into a value that the main thread waits for, and ignores SIGPIPE.
+/// Construct it before any other thread starts. Threads inherit the signal mask, so no thread of a
+/// library is interrupted.
 class StopSignal {
  public:
   StopSignal();
-  /// Blocks until a signal came; its number.
+  /// Blocks until a signal arrives and returns its number.
   int wait();
-  /// True once a signal came within `timeout`.
+  /// Returns true if a signal arrives within `timeout`.
   bool wait_for(std::chrono::milliseconds timeout);
 };
 

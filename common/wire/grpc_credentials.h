@@ -8,14 +8,14 @@
 
 namespace diaphane::wire {
 
-/// Mutual TLS where `tls` is on, else none. The files are looked at again every `kLookedAt`.
+/// Mutual TLS if `tls` is on, otherwise plaintext. Reloads the files every `kLookedAt` seconds.
 std::shared_ptr<grpc::ServerCredentials> server_credentials(const InnerTls& tls);
 
-/// One object for all channels of a program: it watches the files.
+/// Watches the files; use one object for all channels of a program.
 std::shared_ptr<grpc::ChannelCredentials> channel_credentials(const InnerTls& tls);
 
-/// A channel to `address`; one that fails at once, with the reason in the log, where TLS is wanted
-/// and there is none. `credentials`: of the same `tls`.
+/// Returns a channel to `address`. If TLS is required but unavailable, the channel fails
+/// immediately and the log states the reason. `credentials` must come from the same `tls`.
 std::shared_ptr<grpc::Channel> open_channel(
     const std::string& address, const InnerTls& tls,
     const std::shared_ptr<grpc::ChannelCredentials>& credentials, grpc::ChannelArguments arguments);

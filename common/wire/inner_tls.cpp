@@ -17,7 +17,7 @@ struct FreeContext {
 
 std::string_view host_of(std::string_view address) {
   if (address.starts_with('[')) return address.substr(1, address.find(']') - 1);
-  // More than one colon without brackets: an address of IPv6 alone.
+  // More than one colon without brackets means an IPv6 address without a port.
   const std::size_t colon = address.find(':');
   const bool has_port =
       colon != std::string_view::npos && address.find(':', colon + 1) == std::string_view::npos;
@@ -28,38 +28,42 @@ std::string_view host_of(std::string_view address) {
 
 Result<void> check(const TlsFiles& files) {
   const std::unique_ptr<SSL_CTX, FreeContext> context(SSL_CTX_new(TLS_method()));
-  if (!context) return fail(ErrorCode::kInternal, "no TLS");
+  if (!context) return fail(ErrorCode::kInternal, "cannot initialise TLS");
   if (SSL_CTX_load_verify_locations(context.get(), files.ca.c_str(), nullptr) != 1) {
-    return fail(ErrorCode::kInvalid, files.ca + " has no certificates in PEM");
+    return fail(ErrorCode::kInvalid, files.ca + " contains no PEM certificates");
   }
   if (SSL_CTX_use_certificate_chain_file(context.get(), files.certificate.c_str()) != 1) {
-    return fail(ErrorCode::kInvalid, files.certificate + " has no certificate in PEM");
+    return fail(ErrorCode::kInvalid, files.certificate + " contains no PEM certificate");
   }
   if (SSL_CTX_use_PrivateKey_file(context.get(), files.key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return fail(ErrorCode::kInvalid, files.key + " is no key in PEM, or of another certificate");
+    return fail(ErrorCode::kInvalid,
+                files.key + " is not a PEM private key or does not match the certificate");
   }
   return {};
 }
 
 bool read_plain_allowed(ConfigReader& in) {
-  return in.one_of("inner-plain", "1: other machines may be reached without TLS", {"0", "1"},
+  return in.one_of("inner-plain", "1 allows connections to remote hosts without TLS", {"0", "1"},
                    "0") == "1";
 }
 
 InnerTls read_inner_tls(ConfigReader& in) {
   InnerTls tls;
-  tls.files.ca = in.text("inner-tls-ca", "PEM: who signs the certificates of our own programs", "");
-  tls.files.certificate = in.text("inner-tls-certificate", "PEM: this program's certificate", "");
-  tls.files.key = in.text("inner-tls-key", "PEM: its key", "");
-  tls.name =
-      in.text("inner-tls-name",
-              "name that a gRPC server's certificate must have; empty: its address's host", "");
+  tls.files.ca =
+      in.text("inner-tls-ca",
+              "PEM file with the CA that signs the certificates of Diaphane's services", "");
+  tls.files.certificate =
+      in.text("inner-tls-certificate", "PEM file with this service's certificate", "");
+  tls.files.key = in.text("inner-tls-key", "PEM file with this service's private key", "");
+  tls.name = in.text(
+      "inner-tls-name",
+      "name that a gRPC server's certificate must have; defaults to the host of its address", "");
   tls.plain_allowed = read_plain_allowed(in);
   const int given = static_cast<int>(!tls.files.ca.empty()) +
                     static_cast<int>(!tls.files.certificate.empty()) +
                     static_cast<int>(!tls.files.key.empty());
   if (given != 0 && given != 3) {
-    in.mistake("--inner-tls-ca, --inner-tls-certificate and --inner-tls-key belong together");
+    in.mistake("--inner-tls-ca, --inner-tls-certificate and --inner-tls-key must be set together");
   } else if (given == 3) {
     if (const auto usable = check(tls.files); !usable) {
       in.mistake("--inner-tls: " + usable.error().message);
@@ -80,16 +84,18 @@ Result<void> may_be_plain(std::string_view address, const InnerTls& tls) {
   if (tls.plain_allowed || is_this_machine(address)) return {};
   return fail(ErrorCode::kInvalid,
               std::string(address) +
-                  " is another machine, and there is no TLS to it (docs/security.md: "
-                  "--inner-tls-ca and those with it, rediss:// for Redis; or --inner-plain 1 "
-                  "where the network itself is private)");
+                  " is a remote host, and the connection would not use TLS. Set --inner-tls-ca, "
+                  "--inner-tls-certificate and --inner-tls-key (and use rediss:// for Redis), or "
+                  "set --inner-plain 1 if the network itself is private. See docs/security.md.");
 }
 
 void check_address(ConfigReader& in, std::string_view name, std::string_view address,
                    const InnerTls& tls) {
   const std::string setting = "--" + std::string(name) + ": ";
   if (wants_tls(address)) {
-    if (!tls.on()) in.mistake(setting + "rediss:// needs --inner-tls-ca and those with it");
+    if (!tls.on())
+      in.mistake(setting +
+                 "rediss:// requires --inner-tls-ca, --inner-tls-certificate and --inner-tls-key");
   } else if (const auto plain = may_be_plain(address, tls); !address.empty() && !plain) {
     in.mistake(setting + plain.error().message);
   }

@@ -8,44 +8,44 @@
 
 namespace diaphane::wire {
 
-/// PEM files: whom we trust, and who we are. Read again when they change, so that certificates can
-/// be renewed under a running program.
+/// PEM files with the trusted CA and our own identity. They are reloaded when they change, so that
+/// certificates can be renewed while the program runs.
 struct TlsFiles {
-  std::string ca;           ///< one or more certificates; everybody else is refused
-  std::string certificate;  ///< ours, with what is between it and the CA behind it
+  std::string ca;           ///< one or more trusted certificates
+  std::string certificate;  ///< our certificate, followed by the intermediate certificates
   std::string key;
 };
 
-/// How programs of Diaphane reach one another, and Redis.
+/// Transport security between Diaphane's services, and from them to Redis.
 struct InnerTls {
   TlsFiles files;
-  /// What the certificate of a gRPC server must be for; empty: for the host of its address.
+  /// Name that a gRPC server's certificate must have. Empty means the host of its address.
   std::string name;
-  /// Whoever runs it has said that another machine may be reached without TLS (the network itself
-  /// is private, or encrypted).
+  /// The operator has allowed connections to remote hosts without TLS, because the network itself
+  /// is private or encrypted.
   bool plain_allowed = false;
 
   bool on() const { return !files.ca.empty(); }
 };
 
-/// Setting inner-plain alone, of a program that has no TLS of its own.
+/// Reads only the setting inner-plain, for a program that does not use TLS itself.
 bool read_plain_allowed(ConfigReader& in);
 
-/// Settings inner-tls-ca, inner-tls-certificate, inner-tls-key, inner-tls-name, inner-plain. Files
-/// that are not there, are none, or do not fit together are mistakes.
+/// Reads the settings inner-tls-ca, inner-tls-certificate, inner-tls-key, inner-tls-name and
+/// inner-plain. Reports files that are missing, invalid or inconsistent as mistakes.
 InnerTls read_inner_tls(ConfigReader& in);
 
-/// kInvalid, with the file, when these cannot be used.
+/// Returns kInvalid with the name of the file if the files cannot be used.
 Result<void> check(const TlsFiles& files);
 
-/// 127.0.0.0/8, ::1, localhost or unix:/path. `address`: one of these, or host:port.
+/// Whether `address` (a host or host:port) is 127.0.0.0/8, ::1, localhost or unix:/path.
 bool is_this_machine(std::string_view address);
 
-/// kInvalid, and in words what to do, where `address` would be reached without TLS and must not be.
+/// Returns kInvalid, with advice, if `address` requires TLS but would be reached without it.
 Result<void> may_be_plain(std::string_view address, const InnerTls& tls);
 
-/// A mistake where setting `name` has an address that must not be plain, or wants TLS (rediss://)
-/// that there is none for.
+/// Reports a mistake if the setting `name` has an address that requires TLS (also by rediss://) and
+/// no TLS is configured.
 void check_address(ConfigReader& in, std::string_view name, std::string_view address,
                    const InnerTls& tls);
 

@@ -1,4 +1,5 @@
-// TLS between programs, with real certificates: who is let in, who is not, and renewal.
+// TLS between programs, with real certificates: which peers are accepted, which are refused, and
+// renewal.
 #include "common/wire/inner_tls.h"
 
 #include <grpcpp/generic/async_generic_service.h>
@@ -29,7 +30,7 @@ using asio::ip::tcp;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// A CA of its own, in a directory of its own; certificates by openssl's command.
+/// A CA in its own directory, which issues certificates with the openssl command.
 class Authority {
  public:
   Authority() : folder_(std::filesystem::temp_directory_path() / ("tls-" + random_hex(8))) {
@@ -41,8 +42,8 @@ class Authority {
   Authority(const Authority&) = delete;
   Authority& operator=(const Authority&) = delete;
 
-  /// For `names` ("DNS:renderd,IP:127.0.0.1"), trusting this CA.
-  /// Negative `days`: it has expired. `usage`: the only extended key usage that it is for.
+  /// Issues a certificate for `names` ("DNS:renderd,IP:127.0.0.1") with trust in this CA. With
+  /// negative `days`, it has expired. `usage` is its only extended key usage, if set.
   TlsFiles issue(const std::string& file, const std::string& names, int days = 2,
                  const std::string& usage = "") const {
     run("req " + key(file) + " -new -subj /CN=" + file + " -out " + path(file + ".csr"));
@@ -53,7 +54,7 @@ class Authority {
         " -extfile " + path(file + ".ext") + " -out " + path(file + ".pem"));
     return {path("ca.pem"), path(file + ".pem"), path(file + ".key")};
   }
-  /// Signed by itself, though this CA is what it trusts.
+  /// Issues a self-signed certificate with trust in this CA.
   TlsFiles issue_to_itself(const std::string& file, const std::string& names) const {
     run("req -x509 " + key(file) + " -days 2 -subj /CN=" + file +
         " -addext subjectAltName=" + names + " -out " + path(file + ".pem"));
@@ -162,14 +163,15 @@ TEST_F(GrpcTls, ACertificateThatIsReplacedByAForeignOneIsNotTrustedAnyMore) {
   EXPECT_FALSE(trusted);
 }
 
-// With TLS 1.3 a client learns of the refusal only behind its own handshake, so it is asked over.
+// With TLS 1.3, a client learns only after its own handshake that the server refuses its
+// certificate, so the connection is checked again a second later.
 bool is_answered(const std::string& address, const InnerTls& tls) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   const auto channel = open_channel(address, tls, channel_credentials(tls), arguments);
   const auto until = std::chrono::system_clock::now() + seconds(3);
   if (!channel->WaitForConnected(until)) return false;
-  // Still connected after the server had its say.
+  // The connection must survive the server's decision.
   grpc_connectivity_state state = channel->GetState(false);
   return state == GRPC_CHANNEL_READY &&
          !channel->WaitForStateChange(state, std::chrono::system_clock::now() + seconds(1));
@@ -230,7 +232,8 @@ TEST(InnerTlsSettings, AreTakenTogetherAndFitTogether) {
   EXPECT_EQ(mistakes({one.ca, one.key, one.key}), 1U);
 }
 
-/// Says back what it hears, over TLS, to whom the CA of `files` has signed; one after the other.
+/// Echoes data over TLS to clients with certificates of the CA in `files`, one client after the
+/// other.
 class Echo {
  public:
   explicit Echo(const TlsFiles& files) : context_(asio::ssl::context::tls_server) {
@@ -274,7 +277,7 @@ class Echo {
   std::thread thread_;
 };
 
-/// All of it comes back; nothing when the stream ends before.
+/// Returns whether all bytes come back before the stream ends.
 bool says_back(int local, std::size_t bytes) {
   const std::string said(bytes, 'x');
   std::thread writer([&] {

@@ -33,7 +33,7 @@ Result<RedisAddress> parse_redis_address(std::string_view text) {
   }
   if (host.empty() || wrong != std::errc() || end != port.data() + port.size() ||
       address.port == 0) {
-    return fail(ErrorCode::kInvalid, "must be unix:PATH, or host:port with a port from 1 to 65535");
+    return fail(ErrorCode::kInvalid, "must be unix:PATH or host:port with a port from 1 to 65535");
   }
   address.host = host;
   return address;

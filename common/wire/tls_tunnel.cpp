@@ -36,11 +36,11 @@ class Tunnel : public std::enable_shared_from_this<Tunnel> {
   void open(const std::string& host, int port) {
     outer_.set_verify_mode(asio::ssl::verify_peer);
     outer_.set_verify_callback(asio::ssl::host_name_verification(host));
-    // Some servers choose their certificate by it; it is no name where it is an address.
+    // Some servers select their certificate by SNI, which must be a host name and not an address.
     Fault no_address;
     (void)asio::ip::make_address(host, no_address);
     if (no_address) {
-      // SSL_set_tlsext_host_name, without the C cast of its macro.
+      // The same as SSL_set_tlsext_host_name, but without the C cast of its macro.
       SSL_ctrl(outer_.native_handle(), SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
                const_cast<char*>(host.c_str()));
     }
@@ -58,11 +58,11 @@ class Tunnel : public std::enable_shared_from_this<Tunnel> {
 
   std::future<Fault> when_open() { return open_.get_future(); }
 
-  /// The end that is ours, once it is open.
+  /// Starts relaying. `local` is this end of the socket pair.
   void carry(int local) {
     inner_.assign(asio::local::stream_protocol(), local);
-    // With TLS 1.3 a server refuses our certificate only after the handshake is over for us: then
-    // the first thing that is read is its end.
+    // With TLS 1.3, the server may refuse our certificate after our side of the handshake is
+    // complete. Then the first read returns the end of the stream.
     upwards();
     downwards();
   }
@@ -143,7 +143,7 @@ struct TlsTunnels::Impl {
 TlsTunnels::TlsTunnels(TlsFiles files) : impl_(std::make_unique<Impl>(std::move(files))) {}
 
 TlsTunnels::~TlsTunnels() {
-  // What was under way goes with the context, and closes its sockets.
+  // Pending operations are destroyed with the context, which closes their sockets.
   impl_->io.stop();
   impl_->thread.join();
 }
@@ -159,7 +159,7 @@ Result<int> TlsTunnels::open(const std::string& host, int port, std::chrono::mil
   asio::post(impl_->io, [tunnel, host, port] { tunnel->open(host, port); });
   if (open.wait_for(timeout) != std::future_status::ready) {
     asio::post(impl_->io, [tunnel] { tunnel->close(); });
-    return fail(ErrorCode::kUnavailable, "TLS: no answer");
+    return fail(ErrorCode::kUnavailable, "TLS: no response");
   }
   if (const Fault fault = open.get()) {
     return fail(ErrorCode::kUnavailable, "TLS: " + fault.message());
@@ -167,7 +167,7 @@ Result<int> TlsTunnels::open(const std::string& host, int port, std::chrono::mil
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     asio::post(impl_->io, [tunnel] { tunnel->close(); });
-    return fail(ErrorCode::kUnavailable, "TLS: no socket is left");
+    return fail(ErrorCode::kUnavailable, "TLS: cannot create a socket");
   }
   asio::post(impl_->io, [tunnel, ours = ends[0]] { tunnel->carry(ours); });
   return ends[1];

@@ -9,19 +9,19 @@
 
 namespace diaphane::wire {
 
-/// TLS for a library that knows none (Debian 12's hiredis): a local socket whose other end is
-/// carried over a TLS connection by one thread of this object's. Thread-safe.
+/// Adds TLS to a library without TLS support (Debian 12's hiredis). The library gets a local
+/// socket, and a thread of this object relays its other end over a TLS connection. Thread-safe.
 class TlsTunnels {
  public:
   explicit TlsTunnels(TlsFiles files);
-  /// Ends them all: whoever holds the other end of one reads the end of the stream.
+  /// Closes all tunnels. Readers of the local sockets then see the end of the stream.
   ~TlsTunnels();
   TlsTunnels(const TlsTunnels&) = delete;
   TlsTunnels& operator=(const TlsTunnels&) = delete;
 
-  /// A connected stream socket, the caller's to close. The certificate of the other side must be
-  /// signed by the CA, for `host` (a name or an address), and ours is shown to it. The files are
-  /// read each time. kUnavailable when it could not be had within `timeout`, with the reason.
+  /// Returns a connected stream socket, which the caller must close. The server's certificate must
+  /// be signed by the CA and issued for `host` (a name or an address). Sends our own certificate.
+  /// Reads the files for each call. Returns kUnavailable with a reason on failure or timeout.
   Result<int> open(const std::string& host, int port, std::chrono::milliseconds timeout);
 
  private:

@@ -6,36 +6,47 @@ import { readdir, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { runnerImport } from "vite";
 
-const load = async (name) => (await runnerImport(join(import.meta.dirname, "../src", name), { logLevel: "error" })).module;
-const [{ scan_files }, { part_blobs }, { make_bundle }, { reasons }] = await Promise.all(
+const load = async (name) =>
+  (await runnerImport(join(import.meta.dirname, "../src", name), { logLevel: "error" })).module;
+const [{ scanFiles }, { partBlobs }, { makeBundle }, { reasons }] = await Promise.all(
   ["scan/scan.ts", "scan/upload_plan.ts", "scan/bundle.ts", "texts/en/reasons.ts"].map(load),
 );
 
-async function files_below(folder) {
+async function filesBelow(folder) {
   const entries = await readdir(folder, { recursive: true, withFileTypes: true });
   const paths = entries.filter((entry) => entry.isFile()).map((entry) => join(entry.parentPath, entry.name));
   return Promise.all(paths.sort().map((path) => openAsBlob(path)));
 }
 
-const scan = async (files) => scan_files(files, () => undefined, () => false);
+const scan = async (files) =>
+  scanFiles(
+    files,
+    () => undefined,
+    () => false,
+  );
 
-function words_of({ series, not_slices, not_dicom, unreadable }) {
-  if (series.length === 0) return { outcomes: [not_slices > 0 ? "not listed" : "refused: nothing"], words: `${not_dicom} not DICOM, ${unreadable} unreadable` };
+function wordsOf({ series, notSlices, notDicom, unreadable }) {
+  if (series.length === 0)
+    return {
+      outcomes: [notSlices > 0 ? "not listed" : "refused: nothing"],
+      words: `${notDicom} not DICOM, ${unreadable} unreadable`,
+    };
   const outcomes = series.map(({ verdict }) => (verdict.suitable ? "built" : `refused: ${verdict.reason}`));
   const words = series.map(({ verdict }) =>
-    verdict.suitable ? JSON.stringify([verdict.repairs, verdict.left_out]) : reasons[verdict.reason](verdict.count));
+    verdict.suitable ? JSON.stringify([verdict.repairs, verdict.leftOut]) : reasons[verdict.reason](verdict.count),
+  );
   return { outcomes, words: words.join("; ") };
 }
 
 const [out, ...folders] = process.argv.slice(2);
 const judged = [];
 for (const [number, folder] of folders.entries()) {
-  const files = await files_below(folder);
+  const files = await filesBelow(folder);
   const result = await scan(files);
-  judged.push(words_of(result));
+  judged.push(wordsOf(result));
   const chosen = result.series.find(({ verdict }) => verdict.suitable);
   if (!chosen) continue;
-  const bundle = make_bundle(await part_blobs(chosen.upload, files));
+  const bundle = makeBundle(await partBlobs(chosen.upload, files));
   await writeFile(join(out, `${number}.tar`), Buffer.from(await bundle.arrayBuffer()));
 }
 process.stdout.write(JSON.stringify(judged));

@@ -15,7 +15,12 @@ function made(): Browsers {
 }
 
 it("keeps for as long as the page stands where the browser blocks storage or has no room", () => {
-  for (const browsers of [refused, () => ({ ...made(), setItem: refused }), () => ({ ...made(), setItem: () => undefined }), () => null as unknown as Storage]) {
+  for (const browsers of [
+    refused,
+    () => ({ ...made(), setItem: refused }),
+    () => ({ ...made(), setItem: () => undefined }),
+    () => null as unknown as Storage,
+  ]) {
     const store = keeping(browsers);
     expect(store.getItem("a")).toBeNull();
     store.setItem("a", "1");

@@ -20,10 +20,11 @@ export function keeping(browsers: () => Browsers): Keeping {
     }
   };
   const keep = (key: string, value: string): boolean => {
-    const lasts = possibly(() => {
-      browsers().setItem(key, value);
-      return browsers().getItem(key) === value;
-    })?.value === true;
+    const lasts =
+      possibly(() => {
+        browsers().setItem(key, value);
+        return browsers().getItem(key) === value;
+      })?.value === true;
     if (lasts) memory.delete(key);
     else memory.set(key, value);
     return lasts;

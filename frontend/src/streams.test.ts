@@ -1,9 +1,12 @@
 import { expect, it } from "vitest";
-import { read_at_most } from "./streams";
+import { readAtMost } from "./streams";
 
 const packed = async (bytes: Uint8Array<ArrayBuffer>) =>
-  new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new CompressionStream("deflate-raw"))).arrayBuffer());
-const unpacked = (bytes: Uint8Array<ArrayBuffer>, most: number) => read_at_most(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw")), most);
+  new Uint8Array(
+    await new Response(new Blob([bytes]).stream().pipeThrough(new CompressionStream("deflate-raw"))).arrayBuffer(),
+  );
+const unpacked = (bytes: Uint8Array<ArrayBuffer>, most: number) =>
+  readAtMost(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw")), most);
 
 it("reads all, or as much as is wanted, or what came before it broke", async () => {
   const bytes = Uint8Array.from({ length: 300_000 }, (_, i) => (i * 2_654_435_761) >>> 24);

@@ -5,7 +5,7 @@ export interface StreamEnd {
 }
 
 /** At most so many bytes: a short text may unpack to very many. Never throws. */
-export async function read_at_most(stream: ReadableStream<Uint8Array<ArrayBuffer>>, most: number): Promise<StreamEnd> {
+export async function readAtMost(stream: ReadableStream<Uint8Array<ArrayBuffer>>, most: number): Promise<StreamEnd> {
   const reader = stream.getReader();
   const parts: Uint8Array<ArrayBuffer>[] = [];
   let length = 0;

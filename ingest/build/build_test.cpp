@@ -4,6 +4,7 @@
 #include <fstream>
 #include <random>
 
+#include "common/try.h"
 #include "ingest/build/build_volume.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/dicom/test_series.h"
@@ -19,11 +20,11 @@ namespace fs = std::filesystem;
 Result<volume::Volume> built(std::vector<std::string> files) {
   MemorySource source(std::move(files));
   auto scan = dicom::scan(source, {});
-  if (!scan) return tl::unexpected(scan.error());
+  DIAPHANE_TRY(scan);
   const dicom::Choice choice = dicom::choose(*scan);
   if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
   auto built = build_volume(source, *scan, choice, {});
-  if (!built) return tl::unexpected(built.error());
+  DIAPHANE_TRY(built);
   return std::move(built->volume);
 }
 
@@ -44,9 +45,8 @@ void expect_the_picture(const volume::Volume& v, const std::string& what) {
 }
 
 TEST(BuildVolume, EveryVoxelIsWhereItsSliceSaysItIs) {
-  // In every way that a patient can be put to lie, and with rows or columns that run either way:
-  // the place of a voxel in the patient, computed from the volume's header, is the place that its
-  // slice gave.
+  // For every patient position, and rows or columns in either direction: the place of a voxel in
+  // the patient, computed from the volume's header, is the place in its slice.
   const std::array<double, 6> orientations[] = {
       {1, 0, 0, 0, 1, 0},  {1, 0, 0, 0, 0, -1}, {0, 1, 0, 0, 0, -1}, {-1, 0, 0, 0, -1, 0},
       {1, 0, 0, 0, -1, 0}, {-1, 0, 0, 0, 1, 0}, {0, 0, 1, 1, 0, 0},  {0.6, 0.8, 0, -0.8, 0.6, 0}};
@@ -54,7 +54,7 @@ TEST(BuildVolume, EveryVoxelIsWhereItsSliceSaysItIs) {
     Options options = plain_ct();
     options.series.orientation = orientation;
     const auto& o = orientation;
-    // Slices go against the normal: the volume must come out right-handed all the same.
+    // Slices run against the normal, and the volume must still be right-handed.
     options.step = {-(o[1] * o[5] - o[2] * o[4]), -(o[2] * o[3] - o[0] * o[5]),
                     -(o[0] * o[4] - o[1] * o[3])};
     auto v = built(files_of(options));
@@ -63,7 +63,7 @@ TEST(BuildVolume, EveryVoxelIsWhereItsSliceSaysItIs) {
     const double det = d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +
                        d[2] * (d[3] * d[7] - d[4] * d[6]);
     EXPECT_NEAR(det, 1, 1e-9);
-    std::array<double, 3> corner{};  // of voxel 0, 0, 0: the last slice that was written
+    std::array<double, 3> corner{};  // of voxel 0, 0, 0: the last slice written
     for (std::size_t i = 0; i < 3; ++i) corner[i] = options.origin[i] + 19 * 2 * options.step[i];
     for (const auto& [x, y, z] :
          {std::array{0, 0, 0}, std::array{5, 2, 7}, std::array{11, 9, 19}}) {
@@ -99,7 +99,8 @@ TEST(BuildVolume, ValuesAreHounsfieldUnitsUnderAnyPacking) {
   auto v = built(files_of(negative));
   ASSERT_TRUE(v.has_value());
   expect_the_picture(*v, "MONOCHROME1");
-  EXPECT_EQ(v->header.repairs, std::vector<std::string>{"the negative was inverted"});
+  EXPECT_EQ(v->header.repairs,
+            std::vector<std::string>{"the inverted (negative) image was converted back"});
 }
 
 TEST(BuildVolume, ANonLinearCompressionOfEightOrTwelveBitsIsClose) {
@@ -178,7 +179,7 @@ TEST(BuildVolume, ABrokenCompressedSliceIsAnErrorNotAPicture) {
   file.replace(scan + 14, 40, std::string(40, '\xFF'));
   auto v = built(files);
   if (v) {
-    // Some decoders fill up what is missing; then at least the other slices are untouched.
+    // Some decoders fill in missing data. Then at least the other slices are unchanged.
     EXPECT_EQ(at(*v, 3, 3, 0), value_at(3, 3, 0));
   } else {
     EXPECT_EQ(v.error().code, ErrorCode::kInvalid);

@@ -5,6 +5,7 @@
 #include <new>
 #include <unordered_map>
 
+#include "common/try.h"
 #include "ingest/build/image_volume.h"
 #include "ingest/build/resample.h"
 #include "ingest/dicom/read_slice.h"
@@ -15,12 +16,12 @@ namespace {
 constexpr std::int32_t kLow = std::numeric_limits<std::int16_t>::min();
 constexpr std::int32_t kHigh = std::numeric_limits<std::int16_t>::max();
 constexpr std::int32_t kHighUnsigned = std::numeric_limits<std::uint16_t>::max();
-/// Metal and the rims of detectors lie beyond what is kept, in few voxels. Where it is a larger
-/// share, the scale is wrong, and the picture would be of clipped values.
+/// Metal and the rims of detectors exceed the range of int16 in a few voxels. A larger share means
+/// that the scale is wrong, and the volume would consist of clipped values.
 constexpr double kLargestClippedShare = 0.1;
 
-/// Values go into int16 as their low 16 bits while slices come; what that costs is settled at the
-/// end.
+/// Stores the low 16 bits of each value while slices arrive. settle() corrects or rejects what
+/// overflowed.
 class Voxels {
  public:
   explicit Voxels(bool is_ct) : is_ct_(is_ct) {}
@@ -37,23 +38,24 @@ class Voxels {
 
   std::uint64_t padded() const { return padded_; }
 
-  /// MR and PT of 16 unsigned bits reach 65535: then all values are halved. kUnsupported where too
-  /// many values were clipped.
+  /// Halves all values of an MR or PT with 16 unsigned bits, which reach 65535. kUnsupported when
+  /// too many values were clipped.
   Result<void> settle(volume::Volume& volume) const {
     const auto voxels = static_cast<double>(volume.voxels.size());
     if (static_cast<double>(clamped_) > kLargestClippedShare * voxels) {
       return fail(ErrorCode::kUnsupported,
-                  "many of its values are too large to be kept; the scale in the files is wrong");
+                  "many of its values are too large to store, so the scale in the files is wrong");
     }
     if (clamped_ > 0) {
-      volume.header.repairs.emplace_back(is_ct_ ? "values beyond 32767 Hounsfield units were cut"
-                                                : "values beyond 65535 were cut");
+      volume.header.repairs.emplace_back(is_ct_
+                                             ? "values above 32,767 Hounsfield units were clipped"
+                                             : "values above 65,535 were clipped");
     }
     if (largest_ <= kHigh) return {};
     for (std::int16_t& voxel : volume.voxels) {
       voxel = static_cast<std::int16_t>(static_cast<std::uint16_t>(voxel) >> 1);
     }
-    volume.header.repairs.emplace_back("values were halved to be stored");
+    volume.header.repairs.emplace_back("values were halved for storage");
     return {};
   }
 
@@ -81,7 +83,7 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
                            const dicom::Choice& choice, const dicom::Limits& limits) {
   const dicom::Series& series = scan.series[choice.index];
   const dicom::Assessment& found = series.assessment;
-  std::unordered_map<std::size_t, std::vector<std::size_t>> places;  // file -> its slices' z
+  std::unordered_map<std::size_t, std::vector<std::size_t>> places;  // z of the slices by file
   for (std::size_t z = 0; z < found.order.size(); ++z) {
     places[series.slices[found.order[z]].file].push_back(z);
   }
@@ -99,23 +101,24 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
     const auto take = [&](std::size_t file, dicom::FileSource::Bytes bytes) -> Result<void> {
       const dicom::Precheck checked = dicom::precheck(bytes, limits);
       if (checked.state != dicom::FileState::kFit)
-        return fail(ErrorCode::kInvalid, "a file has changed");
+        return fail(ErrorCode::kInvalid, "a file has changed during processing");
       for (const std::size_t z : places[file]) {
         auto values = dicom::read_values(checked, series.slices[found.order[z]], found.unit);
-        if (!values) return tl::unexpected(values.error());
+        DIAPHANE_TRY(values);
         voxels.put(*values, volume.voxels.data() + z * picture);
         ++done;
       }
       return {};
     };
-    if (auto ok = source.visit(want, take); !ok) return tl::unexpected(ok.error());
-    if (done != found.order.size()) return fail(ErrorCode::kInvalid, "a file has gone");
-    if (auto ok = voxels.settle(volume); !ok) return tl::unexpected(ok.error());
+    DIAPHANE_TRY(source.visit(want, take));
+    if (done != found.order.size())
+      return fail(ErrorCode::kInvalid, "a file has disappeared during processing");
+    DIAPHANE_TRY(voxels.settle(volume));
     const auto air = static_cast<std::int16_t>(dicom::air_of(found.modality));
     built.filler = {air, voxels.padded()};
     if (!found.sources.empty()) resample(found, air, built);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "the volume needs more memory than is allowed");
+    return fail(ErrorCode::kOutOfMemory, "the volume needs more memory than allowed");
   }
   volume::measure(volume, built.filler);
   return built;

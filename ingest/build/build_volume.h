@@ -8,15 +8,15 @@
 namespace diaphane::ingest {
 
 struct Built {
-  volume::Volume volume;  ///< measured
-  volume::Filler filler;  ///< voxels of it that are air because nothing was there
+  volume::Volume volume;  ///< with measured statistics
+  volume::Filler filler;  ///< counts the voxels set to air because no pixel covers them
 };
 
-/// The volume of the series `choice.index` of `scan`: each slice decoded into its place, values as
-/// dicom::to_values gives them, clamped to int16, then resampled where the slices alone are no
-/// volume. kInvalid when a slice cannot be decoded; kUnsupported when many values do not fit into
-/// 16 bits; kOutOfMemory; what `source` fails with.
-/// Precondition: `choice.suitable`, and `source` has the files that it had when `scan` was made.
+/// Builds the volume of series `choice.index` of `scan`. It decodes each slice into its place,
+/// converts values with dicom::to_values, clamps them to int16, and resamples where the slices do
+/// not form a regular volume. kInvalid: a slice cannot be decoded. kUnsupported: many values do not
+/// fit into 16 bits. Also kOutOfMemory and the errors of `source`. Precondition: `choice.suitable`,
+/// and `source` still has the files that `scan` was made from.
 Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
                            const dicom::Choice& choice, const dicom::Limits& limits);
 

@@ -30,7 +30,7 @@ std::string trim(const std::string& text) {
   return begin < end ? std::string(begin, end) : std::string();
 }
 
-/// The lines "key<separator>value" at the beginning of a file, up to `last_key` or an empty line.
+/// Lines "key<separator>value" at the start of a file, up to `last_key` or an empty line.
 class HeaderText {
  public:
   HeaderText(const std::string& path, char separator, const std::string& last_key) {
@@ -54,7 +54,7 @@ class HeaderText {
     }
     return std::nullopt;
   }
-  /// Where the lines end and voxels may begin.
+  /// Offset in bytes where the lines end and voxels may begin.
   std::uint64_t end() const { return end_; }
 
  private:
@@ -62,7 +62,7 @@ class HeaderText {
   std::uint64_t end_ = 0;
 };
 
-/// Numbers between any of blanks, commas and brackets.
+/// Parses numbers separated by blanks, commas or brackets.
 std::vector<double> numbers(std::string text) {
   for (char& c : text) {
     if (c == '(' || c == ')' || c == ',') c = ' ';
@@ -96,11 +96,11 @@ Result<std::optional<Axes>> meta_image_axes(const std::string& path) {
       header.get("ElementSpacing") ? header.get("ElementSpacing") : header.get("ElementSize");
   const std::vector<double> spacing = numbers(spacing_text.value_or("1 1 1"));
   if (m.size() != 9 || spacing.size() != 3 || !all_finite(m) || !all_finite(spacing)) {
-    return fail(ErrorCode::kInvalid, "the axes of the image make no sense");
+    return fail(ErrorCode::kInvalid, "the axes of the image are invalid");
   }
   Axes axes{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // One axis after another, each a column of ours.
+    // Each axis of the file is a column of the result.
     for (std::size_t row = 0; row < 3; ++row) {
       axes[3 * row + axis] = m[3 * axis + row] * std::abs(spacing[axis]);
     }
@@ -113,12 +113,12 @@ Result<std::optional<Axes>> nrrd_axes(const std::string& path) {
   const auto directions = header.get("space directions");
   const auto space = header.get("space");
   if (!directions) {
-    if (space) return fail(ErrorCode::kUnsupported, "the axes of the image are not given");
+    if (space) return fail(ErrorCode::kUnsupported, "the axes of the image are missing");
     return std::nullopt;
   }
   const std::vector<double> m = numbers(*directions);
   if (m.size() != 9 || !all_finite(m)) {
-    return fail(ErrorCode::kUnsupported, "only images of three dimensions in space are read");
+    return fail(ErrorCode::kUnsupported, "only images with three spatial dimensions are supported");
   }
   Axes axes{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -128,7 +128,7 @@ Result<std::optional<Axes>> nrrd_axes(const std::string& path) {
   if (name == "left-posterior-superior" || name == "LPS") return axes;
   if (name == "right-anterior-superior" || name == "RAS") return ras_to_lps(axes);
   if (name.empty() || name == "3D-right-handed") return axes;
-  return fail(ErrorCode::kUnsupported, "images in this space are not read; LPS and RAS are");
+  return fail(ErrorCode::kUnsupported, "only images in LPS or RAS space are supported");
 }
 
 bool meta_image_is_whole(const std::string& path, std::uint64_t bytes) {
@@ -145,7 +145,7 @@ bool meta_image_is_whole(const std::string& path, std::uint64_t bytes) {
     const std::uintmax_t size = fs::file_size(path, error);
     return !error && size >= header.end() && size - header.end() >= bytes;
   }
-  // A list or a pattern of files is left to the reader.
+  // The reader checks lists and patterns of files itself.
   if (where.starts_with("LIST") || where.find('%') != std::string::npos) return true;
   const std::uintmax_t size = fs::file_size(fs::path(path).parent_path() / where, error);
   return !error && size >= bytes;
@@ -182,8 +182,8 @@ Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path) {
   if (type == kTypes.end() || sizes.size() != 3 || header.get("endian") == "big" ||
       header.get("data file") || header.get("datafile")) {
     return fail(ErrorCode::kUnsupported,
-                "packed NRRD files are read with three dimensions, 8 or 16 bits or floating point, "
-                "little endian, in one file");
+                "compressed NRRD files must be single little-endian files with three dimensions "
+                "and 8-bit, 16-bit or floating-point voxels");
   }
   PackedNrrd packed;
   packed.type = type->second.name;
@@ -215,7 +215,7 @@ Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path) {
     const auto want = static_cast<unsigned>(std::min(kAtOnce, bytes - at));
     if (in == nullptr ||
         gzread(in.get(), packed.voxels.data() + at, want) != static_cast<int>(want)) {
-      return fail(ErrorCode::kInvalid, "the image is damaged or ends too early");
+      return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
     }
     at += want;
   }

@@ -18,25 +18,24 @@ namespace {
 
 constexpr double kLargest = 32767;
 
-/// How numbers of the file become int16.
+/// How numbers of the file are converted to int16.
 struct Scaling {
   double slope = 1;
   double intercept = 0;
   std::string repair;
 };
 
-/// Integers that fit stay as they are. What does not fit, and floats that rounding would flatten,
-/// are scaled.
+/// Keeps integers that fit. Scales what does not fit, and floats that rounding would flatten.
 Scaling scaling_for(double low, double high, bool is_float) {
   Scaling scaling;
   const double reach = std::max(std::abs(low), std::abs(high));
   constexpr double kFewSteps = 255;
   const bool flat = is_float && reach > 0 && high - low < kFewSteps;
   if (reach <= kLargest + 0.5 && !flat) return scaling;
-  constexpr double kRound = 30000;  // room for what interpolation overshoots
+  constexpr double kRound = 30000;  // leaves room for overshoot by interpolation
   scaling.slope = flat || is_float ? kRound / reach : 0.5;
   char text[80];
-  std::snprintf(text, sizeof text, "values were multiplied by %.6g to be stored", scaling.slope);
+  std::snprintf(text, sizeof text, "values were multiplied by %.6g for storage", scaling.slope);
   scaling.repair = text;
   return scaling;
 }
@@ -45,7 +44,7 @@ template <typename T>
 void convert(const T* from, std::size_t count, double slope, double intercept, std::int16_t* to) {
   for (std::size_t i = 0; i < count; ++i) {
     const double value = slope * static_cast<double>(from[i]) + intercept;
-    // A voxel that is not a number is taken for nothing.
+    // NaN and infinity become 0.
     to[i] = std::isfinite(value)
                 ? static_cast<std::int16_t>(std::lround(std::clamp(value, -32768.0, kLargest)))
                 : std::int16_t{0};
@@ -99,7 +98,7 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
                                  double slope, double intercept, std::vector<std::string> repairs) {
   if (image->GetNumberOfScalarComponents() != 1) {
     return fail(ErrorCode::kUnsupported,
-                "this file holds several values a voxel (colours, vectors or times)");
+                "this file has several values per voxel (colours, vectors or time steps)");
   }
   volume::Volume volume;
   volume::Header& h = volume.header;
@@ -115,8 +114,8 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
   }
   vtkSmartPointer<vtkImageData> upright = image;
   if (vtkMatrix3x3::Determinant(h.direction.data()) < 0) {
-    // Left-handed: the slices in reverse order, with their axis turned, are the same picture
-    // unmirrored.
+    // For left-handed axes, reversing the slices and their axis gives the same image without
+    // mirroring.
     vtkNew<vtkImageFlip> flip;
     flip->SetInputData(image);
     flip->SetFilteredAxis(2);
@@ -149,7 +148,7 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
       break;
     default:
       return fail(ErrorCode::kUnsupported,
-                  "voxels of this type are not read; 8 and 16 bits and floating point are");
+                  "only 8-bit, 16-bit and floating-point voxels are supported");
   }
   volume::measure(volume);
   return volume;

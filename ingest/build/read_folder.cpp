@@ -1,5 +1,6 @@
 #include "ingest/build/read_folder.h"
 
+#include "common/try.h"
 #include "ingest/build/build_volume.h"
 
 namespace diaphane::ingest {
@@ -7,13 +8,13 @@ namespace diaphane::ingest {
 Result<volume::Volume> read_folder(const std::string& path) {
   const dicom::ScanLimits limits;
   auto source = dicom::FolderSource::open(path, limits.file.file_bytes);
-  if (!source) return tl::unexpected(source.error());
+  DIAPHANE_TRY(source);
   auto scan = dicom::scan(*source, limits);
-  if (!scan) return tl::unexpected(scan.error());
+  DIAPHANE_TRY(scan);
   const dicom::Choice choice = dicom::choose_largest(*scan);
   if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
   auto built = build_volume(*source, *scan, choice, limits.file);
-  if (!built) return tl::unexpected(built.error());
+  DIAPHANE_TRY(built);
   return std::move(built->volume);
 }
 

@@ -7,9 +7,9 @@
 
 namespace diaphane::ingest {
 
-/// The suitable series with the most slices among the DICOM files under `path`, as a measured
-/// Volume. kNotFound: no such folder; kInvalid, in the words that `diaphane scan` uses: nothing in
-/// it is a volume.
+/// Reads the suitable series with the most slices among the DICOM files under `path`, as a measured
+/// volume. kNotFound: the folder does not exist. kInvalid: no series forms a volume, with the same
+/// message as `diaphane scan`.
 Result<volume::Volume> read_folder(const std::string& path);
 
 }  // namespace diaphane::ingest

@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <new>
 
+#include "common/try.h"
 #include "ingest/build/image_header.h"
 #include "ingest/build/image_volume.h"
 #include "volume/header.h"
@@ -41,7 +42,7 @@ bool is_nifti(const std::string& name) {
 }
 bool is_nrrd(const std::string& name) { return name.ends_with(".nrrd"); }
 
-/// Runs a reader; VTK's complaints become an error instead of text on standard error.
+/// Runs a reader and turns VTK's messages into an error instead of text on standard error.
 class Reading {
  public:
   explicit Reading(vtkImageReader2* reader) : reader_(reader) {
@@ -55,11 +56,11 @@ class Reading {
 
   Result<void> read(const std::string& path) {
     if (reader_->CanReadFile(path.c_str()) == 0) {
-      return fail(ErrorCode::kInvalid, "the file is not what its name says");
+      return fail(ErrorCode::kInvalid, "the file type does not match its extension");
     }
     reader_->SetFileName(path.c_str());
     reader_->UpdateInformation();
-    if (failed_) return fail(ErrorCode::kInvalid, "the header of the image cannot be read");
+    if (failed_) return fail(ErrorCode::kInvalid, "cannot read the header of the image");
     const int* extent = reader_->GetDataExtent();
     std::uint64_t voxels = 1;
     for (int axis = 0; axis < 3; ++axis) {
@@ -76,7 +77,7 @@ class Reading {
     }
     if (failed_ || reader_->GetErrorCode() != 0 || reader_->GetOutput() == nullptr ||
         reader_->GetOutput()->GetScalarPointer() == nullptr) {
-      return fail(ErrorCode::kInvalid, "the image is damaged or ends too early");
+      return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
     }
     return {};
   }
@@ -91,7 +92,7 @@ Axes straight(const double* spacing) {
   return {std::abs(spacing[0]), 0, 0, 0, std::abs(spacing[1]), 0, 0, 0, std::abs(spacing[2])};
 }
 
-const char* const kNoAxes = "the file does not say how it lies in the patient";
+const char* const kNoAxes = "the file does not specify its orientation in the patient";
 
 std::uint64_t bytes_of(vtkImageData* image) {
   return static_cast<std::uint64_t>(image->GetNumberOfPoints()) *
@@ -101,12 +102,12 @@ std::uint64_t bytes_of(vtkImageData* image) {
 
 Result<volume::Volume> read_meta(const std::string& path) {
   vtkNew<vtkMetaImageReader> reader;
-  if (auto ok = Reading(reader).read(path); !ok) return tl::unexpected(ok.error());
+  DIAPHANE_TRY(Reading(reader).read(path));
   if (!meta_image_is_whole(path, bytes_of(reader->GetOutput()))) {
-    return fail(ErrorCode::kInvalid, "the image is damaged or ends too early");
+    return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
   }
   auto axes = meta_image_axes(path);
-  if (!axes) return tl::unexpected(axes.error());
+  DIAPHANE_TRY(axes);
   std::vector<std::string> repairs;
   if (!*axes) repairs.emplace_back(kNoAxes);
   auto volume = to_volume(reader->GetOutput(), axes->value_or(straight(reader->GetDataSpacing())),
@@ -119,9 +120,9 @@ Result<volume::Volume> read_meta(const std::string& path) {
 
 Result<volume::Volume> read_nifti(const std::string& path) {
   vtkNew<vtkNIFTIImageReader> reader;
-  if (auto ok = Reading(reader).read(path); !ok) return tl::unexpected(ok.error());
+  DIAPHANE_TRY(Reading(reader).read(path));
   if (reader->GetTimeDimension() > 1) {
-    return fail(ErrorCode::kUnsupported, "this is a series in time, not one volume");
+    return fail(ErrorCode::kUnsupported, "this is a time series, not a single volume");
   }
   vtkMatrix4x4* matrix =
       reader->GetSFormMatrix() != nullptr ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
@@ -143,10 +144,10 @@ Result<volume::Volume> read_nifti(const std::string& path) {
                    scaled ? reader->GetRescaleIntercept() : 0, std::move(repairs));
 }
 
-/// An image over voxels that were unpacked here.
+/// Returns an image over voxels that were unpacked by read_packed_nrrd.
 vtkSmartPointer<vtkImageImport> image_of(PackedNrrd& packed) {
   auto import = vtkSmartPointer<vtkImageImport>::New();
-  import->SetImportVoidPointer(packed.voxels.data(), 1);  // 1: it stays ours
+  import->SetImportVoidPointer(packed.voxels.data(), 1);  // 1: VTK does not free the memory
   const int type = packed.type == "int16"    ? VTK_SHORT
                    : packed.type == "uint16" ? VTK_UNSIGNED_SHORT
                    : packed.type == "uint8"  ? VTK_UNSIGNED_CHAR
@@ -163,22 +164,22 @@ vtkSmartPointer<vtkImageImport> image_of(PackedNrrd& packed) {
 
 Result<volume::Volume> read_nrrd(const std::string& path) {
   auto axes = nrrd_axes(path);
-  if (!axes) return tl::unexpected(axes.error());
+  DIAPHANE_TRY(axes);
   vtkNew<vtkNrrdReader> reader;
   if (reader->CanReadFile(path.c_str()) == 0) {
-    return fail(ErrorCode::kInvalid, "the file is not what its name says");
+    return fail(ErrorCode::kInvalid, "the file type does not match its extension");
   }
   auto packed = read_packed_nrrd(path);
-  if (!packed) return tl::unexpected(packed.error());
+  DIAPHANE_TRY(packed);
   if (*packed) {
     std::vector<std::string> said;
     if (!*axes) said.emplace_back(kNoAxes);
     return to_volume(image_of(**packed)->GetOutput(),
                      axes->value_or(straight((*packed)->spacing.data())), 1, 0, std::move(said));
   }
-  if (auto ok = Reading(reader).read(path); !ok) return tl::unexpected(ok.error());
+  DIAPHANE_TRY(Reading(reader).read(path));
   if (!nrrd_is_whole(path, bytes_of(reader->GetOutput()))) {
-    return fail(ErrorCode::kInvalid, "the image is damaged or ends too early");
+    return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
   }
   std::vector<std::string> repairs;
   if (!*axes) repairs.emplace_back(kNoAxes);
@@ -196,14 +197,14 @@ bool is_image_name(const std::string& path) {
 Result<volume::Volume> read_image(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return fail(ErrorCode::kNotFound, "there is no such file");
+    return fail(ErrorCode::kNotFound, "the file does not exist");
   }
   const std::string name = lower_name(path);
   if (is_meta(name)) return read_meta(path);
   if (is_nifti(name)) return read_nifti(path);
   if (is_nrrd(name)) return read_nrrd(path);
   return fail(ErrorCode::kUnsupported,
-              "files of this kind are not read; .mha, .mhd, .nii, .nii.gz and .nrrd are");
+              "unsupported file type; use .mha, .mhd, .nii, .nii.gz or .nrrd");
 }
 
 }  // namespace diaphane::ingest

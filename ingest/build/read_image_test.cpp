@@ -32,7 +32,7 @@ class ReadImage : public ::testing::Test {
 
 constexpr int kX = 4, kY = 3, kZ = 2;
 
-/// Voxels that differ, as T.
+/// Distinct voxels of type T.
 template <typename T>
 std::string voxels(double scale = 1) {
   std::string bytes;
@@ -111,7 +111,7 @@ TEST_F(ReadImage, OtherTypesAndShapesAreRefusedInWords) {
             ErrorCode::kUnsupported);
   EXPECT_EQ(code("c.mha", mha("MET_SHORT", voxels<std::int16_t>().substr(0, 30))),
             ErrorCode::kInvalid);
-  EXPECT_EQ(code("d.mha", "this is no image"), ErrorCode::kInvalid);
+  EXPECT_EQ(code("d.mha", "this is not an image"), ErrorCode::kInvalid);
   EXPECT_EQ(code("e.mha", ""), ErrorCode::kInvalid);
   EXPECT_EQ(code("f.nii", std::string(500, 'x')), ErrorCode::kInvalid);
   EXPECT_EQ(code("g.nii.gz", std::string(500, 'x')), ErrorCode::kInvalid);
@@ -158,7 +158,7 @@ std::string nifti(const std::array<float, 12>& rows, float slope = 0, std::int16
 }
 
 TEST_F(ReadImage, NiftiIsBroughtFromRasToLps) {
-  // x to the right, y to the front, z to the head: in LPS that is -x, -y, z, which is right-handed.
+  // x to the right, y to the front and z to the head are -x, -y, z in LPS, which is right-handed.
   auto v = read_image(put("a.nii", nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0})));
   ASSERT_TRUE(v.has_value()) << v.error().message;
   const std::array<double, 9> expected{-1, 0, 0, 0, -1, 0, 0, 0, 1};
@@ -168,16 +168,16 @@ TEST_F(ReadImage, NiftiIsBroughtFromRasToLps) {
 }
 
 TEST_F(ReadImage, ALeftHandedNiftiIsNotMirrored) {
-  // Stored with x to the left (radiological): voxel 0, 0, 0 lies at the right, front, foot corner.
+  // Stored with x to the left (radiological): voxel 0, 0, 0 is at the right, front, foot corner.
   auto v = read_image(put("a.nii", nifti({-0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0})));
   ASSERT_TRUE(v.has_value()) << v.error().message;
   const auto& d = v->header.direction;
   const double det = d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +
                      d[2] * (d[3] * d[7] - d[4] * d[6]);
   EXPECT_NEAR(det, 1, 1e-6);
-  // Wherever voxel number 0 went, going from it along the patient's axes finds the same neighbours
-  // as before: one step to the left (+x in LPS) is number 1, one to the front (-y) is 4, one to the
-  // head (+z) is 12.
+  // Wherever voxel 0 is, its neighbours along the patient's axes are the same as before: one step
+  // to the left (+x in LPS) is number 1, one to the front (-y) is 4, and one to the head (+z) is
+  // 12.
   std::size_t at = 0;
   while (v->voxels[at] != 0) ++at;
   const int x = static_cast<int>(at) % kX, y = static_cast<int>(at) / kX % kY,
@@ -220,7 +220,7 @@ std::string nrrd(const std::string& space, const std::string& directions, const 
          "\nspace origin: (0,0,0)\n\n" + data;
 }
 
-/// 12 x 3 x 2: VTK takes up to 9 columns for components of a vector.
+/// 12 x 3 x 2, because VTK takes up to 9 columns for the components of a vector.
 std::string long_rows() {
   std::string data;
   for (std::int16_t i = 0; i < 72; ++i) data.append(reinterpret_cast<const char*>(&i), 2);

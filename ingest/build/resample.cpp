@@ -15,7 +15,7 @@ namespace {
 
 bool is_whole(double value) { return std::abs(value - std::round(value)) < 1e-6; }
 
-/// Pixels that lie on the slice, as the filter has seen it.
+/// Number of pixels of the output that lie on the slice, according to the filter.
 std::uint64_t covered(vtkImageStencilData* stencil, int width, int height) {
   std::uint64_t count = 0;
   for (int y = 0; y < height; ++y) {
@@ -32,7 +32,7 @@ std::uint64_t covered(vtkImageStencilData* stencil, int width, int height) {
 void resample(const dicom::Assessment& found, std::int16_t air, Built& built) {
   volume::Volume& slices = built.volume;
   const auto image = borrow(slices);
-  image->SetSpacing(1, 1, 1);  // the plan counts pixels and slices
+  image->SetSpacing(1, 1, 1);  // the plan counts in pixels and slices
   image->SetDirectionMatrix(1, 0, 0, 0, 1, 0, 0, 0, 1);
   const auto [low, high] = std::minmax_element(slices.voxels.begin(), slices.voxels.end());
   const std::int16_t least = *low, most = *high;
@@ -50,12 +50,12 @@ void resample(const dicom::Assessment& found, std::int16_t air, Built& built) {
   reslice->SetNumberOfThreads(1);
   reslice->SetBackgroundLevel(air);
   reslice->GenerateStencilOutputOn();
-  reslice->SetBorder(false);  // nothing is made up beyond the outermost pixels' centres
+  reslice->SetBorder(false);  // no extrapolation beyond the centres of the outermost pixels
   reslice->SetOutputSpacing(1, 1, 1);
   reslice->SetOutputExtent(0, static_cast<int>(width) - 1, 0, static_cast<int>(height) - 1, 0, 0);
   for (std::size_t z = 0; z < found.sources.size(); ++z) {
     const dicom::Source& source = found.sources[z];
-    std::array<double, 2> from{};  // where the slice's first pixel comes to lie
+    std::array<double, 2> from{};  // position of the slice's first pixel
     for (std::size_t axis = 0; axis < 2; ++axis) {
       from[axis] = source.shift[axis] / found.spacing[axis] - found.corner[axis];
     }

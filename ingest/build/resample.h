@@ -7,11 +7,11 @@
 
 namespace diaphane::ingest {
 
-/// Carries out the plan `found.sources` on the slices in `built.volume`, with VTK's reslice filter:
-/// cubic within slices that are shifted (cut to the range of the slices), linear from slice to
-/// slice. What no slice covers becomes `air` and is counted in `built.filler`. The volume's size
-/// becomes `found.size`. One thread: the sandbox allows no more. Precondition: `found` is suitable,
-/// with sources; throws std::bad_alloc.
+/// Resamples the slices in `built.volume` according to `found.sources` with VTK's reslice filter.
+/// Interpolation is cubic within shifted slices (clamped to the slices' range) and linear between
+/// slices. Voxels that no slice covers become `air` and are counted in `built.filler`. The volume's
+/// size becomes `found.size`. It uses one thread, because the sandbox allows no more. Precondition:
+/// `found` is suitable and has sources. Throws std::bad_alloc.
 void resample(const dicom::Assessment& found, std::int16_t air, Built& built);
 
 }  // namespace diaphane::ingest

@@ -15,12 +15,8 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-std::string counted(std::size_t n, const char* one, const char* many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
-/// Scales of real scans lie far within. Beyond them, no value of a slice fits into 16 bits, or the
-/// numbers of the header overflow.
+/// Scales of real scans are far below these limits. Above them, no value of a slice fits into 16
+/// bits, or the numbers of the header overflow.
 constexpr double kLargestCtSlope = 1000;
 constexpr double kLargestCtIntercept = 1e5;
 constexpr double kSmallestSlope = 1e-12, kLargestSlope = 1e12;
@@ -34,7 +30,7 @@ bool is_plausible(const Rescale& scale, bool is_ct) {
   return slope <= kLargestCtSlope && std::abs(scale.intercept) <= kLargestCtIntercept;
 }
 
-/// One rule after another over the slices that are left; the first that objects decides.
+/// Applies one rule after another to the remaining slices. The first rule that objects decides.
 class Judge {
  public:
   Judge(const std::vector<Slice>& slices, std::uint64_t most_voxels)
@@ -73,11 +69,11 @@ class Judge {
   bool images_only() {
     drop([](const Slice& s) { return s.kind == Kind::kOther || !s.has_pixels; });
     if (kept_.empty()) {
-      return refuse("no_slices", "This series holds no slices of a CT, MR or PET scan.");
+      return refuse("no_slices", "This series contains no CT, MR or PET slices.");
     }
     result_.modality = first().modality;
     if (any([&](const Slice& s) { return s.modality != first().modality; })) {
-      return refuse("mixed", "The series mixes pictures of several kinds of scan.");
+      return refuse("mixed", "This series mixes images from several types of scan.");
     }
     return true;
   }
@@ -92,17 +88,17 @@ class Judge {
     if (any([&](const Slice& s) {
           return has_type(s, {"PROJECTION", "MIP", "MINIP", "ROTAT", "VRT"});
         })) {
-      return refuse("views_not_slices", "These are views of a scan, not slices.");
+      return refuse("views_not_slices", "These are rendered views of a scan, not slices.");
     }
     if (any([](const Slice& s) {
-          // "MIXED": of frames each of which says it for itself.
+          // "MIXED" means that each frame states its own type.
           const auto& type = s.image_type;
           const bool compressed = s.is_lossy && type.size() > 1 && type[1] == "PRIMARY";
           return !type.empty() && type[0] != "ORIGINAL" && type[0] != "MIXED" &&
                  !(type[0] == "DERIVED" && compressed);
         })) {
       return refuse("not_original",
-                    "These pictures were computed from a scan; only original slices are accepted.");
+                    "These images were computed from a scan. Only original slices are accepted.");
     }
     return true;
   }
@@ -118,11 +114,11 @@ class Judge {
       return true;
     });
     if (contradiction) {
-      return refuse("repeated_identifier", "Different slices carry the same identifier.");
+      return refuse("repeated_identifier", "Several different slices have the same identifier.");
     }
     if (copies > 0) {
       result_.repairs.push_back(counted(copies, "slice was", "slices were") +
-                                " there twice; one of each was kept");
+                                " duplicated; one copy of each was kept");
     }
     return true;
   }
@@ -130,17 +126,18 @@ class Judge {
   bool without_scouts() {
     scouts_ += drop([](const Slice& s) { return s.is_scout(); });
     if (kept_.empty()) {
-      return refuse("scout", "This is a scout (a picture to plan the scan by), not a volume.");
+      return refuse(
+          "scout",
+          "This is an overview image that was used to plan the scan, not the scan itself.");
     }
     return true;
   }
 
   bool single_frames() {
     if (any([](const Slice& s) { return s.frames != 1; })) {
-      return refuse(
-          "no_position",
-          "Several pictures are packed in one file, and it does not say where each lies in "
-          "the patient.");
+      return refuse("no_position",
+                    "Several images are stored in one file, and the file does not specify their "
+                    "positions in the body.");
     }
     return true;
   }
@@ -150,39 +147,39 @@ class Judge {
           return s.samples != 1 ||
                  (s.photometric != "MONOCHROME1" && s.photometric != "MONOCHROME2");
         })) {
-      return refuse("screenshots", "These are screenshots in colour, not slices of a scan.");
+      return refuse("screenshots", "These are colour screenshots, not slices of a scan.");
     }
     return true;
   }
 
   bool placed() {
     if (any([](const Slice& s) { return !s.position || !s.orientation; })) {
-      return refuse("no_position", "Some slices do not say where they lie in the patient.");
+      return refuse("no_position", "The position in the body is missing from some slices.");
     }
     if (any([](const Slice& s) {
           return !s.pixel_spacing || !((*s.pixel_spacing)[0] > 0) || !((*s.pixel_spacing)[1] > 0) ||
                  s.rows == 0 || s.columns == 0;
         })) {
-      return refuse("no_spacing", "Some slices do not say how large their pixels are.");
+      return refuse("no_spacing", "The pixel size is missing from some slices.");
     }
     if (any([](const Slice& s) {
           Axes axes;
           return !make_axes(*s.orientation, axes);
         })) {
-      return refuse("bad_orientation", "The orientation of some slices makes no sense.");
+      return refuse("bad_orientation", "Some slices have an invalid orientation.");
     }
     return true;
   }
 
-  /// Keeps the orientation that most slices share. A few others are scouts (thesis 5.2); many are
-  /// not.
+  /// Keeps the orientation that most slices share. A few other slices are scouts (thesis 5.2), but
+  /// many are not.
   bool one_orientation() {
     std::vector<std::pair<Axes, Indices>> groups;
     for (const std::size_t i : kept_) {
       Axes axes;
       make_axes(*slices_[i].orientation, axes);
       const auto same = [&](const std::pair<Axes, Indices>& group) {
-        constexpr double kCosine = 0.99999;  // a quarter of a degree
+        constexpr double kCosine = 0.99999;  // cosine of a quarter of a degree
         return dot(group.first.row, axes.row) > kCosine &&
                dot(group.first.column, axes.column) > kCosine;
       };
@@ -195,34 +192,37 @@ class Judge {
         [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     const std::size_t others = kept_.size() - largest->second.size();
     if (groups.size() > 3 && 2 * others > kept_.size()) {
-      return refuse("views_not_slices", "These are views from many sides, not slices.");
+      return refuse("views_not_slices",
+                    "These are views from many directions, not parallel slices.");
     }
     constexpr std::size_t kMostScouts = 3;
     if (others > kMostScouts && largest->second.size() >= kFewestSlices) {
-      return refuse("mixed", "The series mixes slices of several orientations.");
+      return refuse("mixed", "This series mixes slices in several orientations.");
     }
     scouts_ += others;
     axes_ = largest->first;
     kept_ = largest->second;
     if (scouts_ > 0) {
-      result_.repairs.push_back(counted(scouts_, "scout picture was", "scout pictures were") +
-                                " left out");
+      result_.repairs.push_back(counted(scouts_, "overview image was", "overview images were") +
+                                " skipped");
     }
     return true;
   }
 
   bool enough_slices() {
     if (kept_.size() < kFewestSlices && others_ > 0 && kept_.size() + others_ >= kFewestSlices) {
-      return refuse("mixed",
-                    "The series mixes slices of different sizes, too few of each for a volume.");
+      return refuse(
+          "mixed",
+          "This series mixes slices of different sizes, with too few of each size for a 3D image.");
     }
     if (kept_.size() >= kFewestSlices) return true;
-    return refuse("too_few_slices", "Too few slices: " + std::to_string(kept_.size()) + ", and " +
+    return refuse("too_few_slices", "Too few slices: this series has " +
+                                        std::to_string(kept_.size()) + ", and at least " +
                                         std::to_string(kFewestSlices) +
-                                        " are needed for a volume.");
+                                        " are needed for a 3D image.");
   }
 
-  /// Case 14: keeps the picture size that most slices share.
+  /// Case 14: keeps the image size that most slices share.
   bool one_picture_size() {
     const auto same = [](const Slice& s, const Slice& t) {
       const auto& a = *s.pixel_spacing;
@@ -244,51 +244,53 @@ class Judge {
     others_ = kept_.size() - largest->size();
     kept_ = Indices(*largest);
     if (others_ > 0) {
-      result_.repairs.push_back(counted(others_, "slice", "slices") + " of another size " +
-                                (others_ == 1 ? "was" : "were") + " left out");
+      result_.repairs.push_back(counted(others_, "slice", "slices") + " of a different size " +
+                                (others_ == 1 ? "was" : "were") + " skipped");
     }
     return true;
   }
 
   bool one_scale() {
     if (any([](const Slice& s) { return s.has_lookup_table; })) {
-      return refuse("lookup_table", "The slices are scaled by a table; this is not supported yet.");
+      return refuse("lookup_table",
+                    "The slices use a lookup table for their values, which is not supported yet.");
     }
     if (any([&](const Slice& s) { return s.photometric != first().photometric; })) {
-      return refuse("mixed", "The series mixes slices and negatives of slices.");
+      return refuse("mixed", "This series mixes normal and inverted slices.");
     }
     const Rescale& scale = first().rescale;
     const bool is_ct = result_.modality == volume::Modality::kCt;
     if (any([&](const Slice& s) { return !is_plausible(s.rescale, is_ct); })) {
-      return refuse("bad_rescale", "The scale of the slices makes no sense.");
+      return refuse("bad_rescale", "The slices have an invalid value scale.");
     }
     const bool varies = any([&](const Slice& s) {
       return s.rescale.slope != scale.slope || s.rescale.intercept != scale.intercept;
     });
     if (varies && result_.modality != volume::Modality::kCt) {
-      // Case 15. The slice with the largest scale keeps its numbers, the others' become smaller.
+      // Case 15: the slice with the largest scale keeps its values, and the values of the others
+      // become smaller.
       for (const std::size_t i : kept_) {
         result_.unit = std::max(result_.unit, std::abs(slices_[i].rescale.slope));
       }
       if (any([&](const Slice& s) {
             return std::abs(s.rescale.intercept) > kLargestStored * result_.unit;
           })) {
-        return refuse("bad_rescale", "The scale of the slices makes no sense.");
+        return refuse("bad_rescale", "The slices have an invalid value scale.");
       }
       result_.repairs.emplace_back(
-          "each slice had a scale of its own; all were brought to one scale");
+          "the slices had different value scales and were converted to a single one");
     }
     if (result_.modality == volume::Modality::kCt && !scale.present &&
         any([](const Slice& s) { return !s.layout.is_signed; })) {
       return refuse("no_rescale",
-                    "The slices do not say how their numbers become Hounsfield units.");
+                    "The slices do not specify how to convert their values to Hounsfield units.");
     }
     return true;
   }
 
   bool readable_pixels() {
     if (any([](const Slice& s) { return !is_readable(s.layout); })) {
-      return refuse("pixel_format", "The pixels are stored in a form that is not supported.");
+      return refuse("pixel_format", "The pixel format is not supported.");
     }
     return true;
   }
@@ -300,7 +302,7 @@ class Judge {
     Stack stack = arrange(positions, axes_, std::min(pixel[0], pixel[1]));
     if (!stack.is_volume) {
       const bool film = stack.code == "one_position" && first().one_of_frames;
-      if (film) return refuse("cine", "This is a film of one place, not a volume.");
+      if (film) return refuse("cine", "This is a film of a single location, not a 3D scan.");
       return refuse(stack.code.c_str(), std::move(stack.text));
     }
     const std::size_t slices = stack.sources.empty() ? kept_.size() : stack.sources.size();
@@ -308,13 +310,13 @@ class Judge {
     if (height < kShortestStack) {
       char text[96];
       std::snprintf(text, sizeof text,
-                    "Too few slices: together they are %.1f mm high, and %.0f mm are needed.",
+                    "Too few slices: together they cover %.1f mm, and at least %.0f mm are needed.",
                     height, kShortestStack);
       return refuse("too_few_slices", text);
     }
     for (const std::size_t i : stack.order) result_.order.push_back(kept_[i]);
     shape(stack, pixel, slices);
-    if (!fits()) return refuse("over_quota", "The volume would be larger than is allowed here.");
+    if (!fits()) return refuse("over_quota", "The 3D image would be larger than allowed.");
     describe(stack);
     result_.sources = std::move(stack.sources);
     return true;
@@ -326,7 +328,7 @@ class Judge {
            std::uint64_t{size[0]} * size[1] <= most_voxels_ / size[2];
   }
 
-  /// The volume's box: of straightened slices all that any of them covers.
+  /// Computes the box of the volume. For straightened slices, it contains the union of them all.
   void shape(const Stack& stack, const std::array<double, 2>& pixel, std::size_t slices) {
     result_.spacing = {pixel[1], pixel[0], stack.spacing};
     const Vec3* columns[] = {&axes_.row, &axes_.column, &axes_.normal};
@@ -335,7 +337,7 @@ class Judge {
         result_.direction[3 * row + axis] = (*columns[axis])[row];
       }
     }
-    std::array<double, 2> low{}, high{};  // pixels, of the first pixel of any slice
+    std::array<double, 2> low{}, high{};  // extent of the first pixels of all slices, in pixels
     for (const Source& source : stack.sources) {
       for (std::size_t axis = 0; axis < 2; ++axis) {
         const double at = source.shift[axis] / result_.spacing[axis];
@@ -363,7 +365,7 @@ class Judge {
     result_.window_center = middle.window_center;
     result_.window_width = middle.window_width;
     if (result_.modality != volume::Modality::kCt) {
-      // The window is in scaled units; the volume keeps stored ones, or those of `unit`.
+      // The window is in scaled units, but the volume keeps stored units, or those of `unit`.
       const Rescale& scale = middle.rescale;
       const double unit = result_.unit > 0 ? result_.unit : std::abs(scale.slope);
       const double offset = result_.unit > 0 ? 0 : scale.intercept;
@@ -373,35 +375,35 @@ class Judge {
     }
     char text[160];
     if (stack.tilt > 0) {
-      std::snprintf(text, sizeof text, "straightened %.1f degrees (gantry tilt)", stack.tilt);
+      std::snprintf(text, sizeof text, "gantry tilt of %.1f degrees corrected", stack.tilt);
       result_.repairs.emplace_back(text);
     }
     if (stack.missing > 0) {
       result_.repairs.push_back(counted(stack.missing, "slice was", "slices were") +
-                                " missing and filled in from the neighbours");
+                                " missing and interpolated from the neighbouring slices");
     }
     if (stack.varying[1] > 0) {
       std::snprintf(text, sizeof text,
-                    "the distance from slice to slice varies from %.2f to %.2f mm; slices were "
-                    "computed every %.2f mm, so small things may be blurred",
+                    "slice spacing varied from %.2f to %.2f mm and was resampled to %.2f mm, so "
+                    "small details may be blurred",
                     stack.varying[0], stack.varying[1], stack.spacing);
       result_.repairs.emplace_back(text);
     }
     if (stack.jitter > kJitterMm) {
       std::snprintf(text, sizeof text,
-                    "slices lie up to %.2f mm off their places; the mean distance was used",
+                    "slice positions deviated by up to %.2f mm; the mean spacing was used",
                     stack.jitter);
       result_.repairs.emplace_back(text);
     }
     if (first().photometric == "MONOCHROME1")
-      result_.repairs.emplace_back("the negative was inverted");
+      result_.repairs.emplace_back("the inverted (negative) image was converted back");
   }
 
   const std::vector<Slice>& slices_;
   std::uint64_t most_voxels_;
   Indices kept_;
   std::size_t scouts_ = 0;
-  std::size_t others_ = 0;  ///< slices of another size
+  std::size_t others_ = 0;  ///< number of slices of another size
   Axes axes_;
   Assessment result_;
 };
@@ -413,7 +415,7 @@ Assessment classify(const std::vector<Slice>& slices, std::uint64_t most_voxels)
 }
 
 std::string plane_name(const std::array<double, 9>& direction) {
-  constexpr double kNearly = 0.966;  // within 15 degrees
+  constexpr double kNearly = 0.966;  // cosine of 15 degrees
   const char* const names[] = {"sagittal", "coronal", "axial"};
   for (std::size_t row = 0; row < 3; ++row) {
     if (std::abs(direction[3 * row + 2]) > kNearly) return names[row];

@@ -8,8 +8,9 @@
 namespace diaphane::dicom {
 namespace {
 
-/// Behind a scan's header at `at`: where the next marker stands that does not belong to its data.
-/// T.81, B.1.1.5: 0xFF00 and restarts do; T.87, A.1: whatever is below 0xFF80 does.
+/// Returns the offset of the first marker after a scan's header at `at` that is not part of the
+/// scan's data. 0xFF00 and restart markers are part of it (T.81, B.1.1.5), and so is everything
+/// below 0xFF80 in JPEG-LS (T.87, A.1).
 std::size_t past_scan(const BigEndian& in, std::size_t at, bool is_ls) {
   for (; at + 1 < in.size(); ++at) {
     if (in.u8(at) != 0xFF) continue;
@@ -24,8 +25,8 @@ struct JpegFrame {
   std::uint32_t marker = 0, bits = 0, height = 0, width = 0, components = 0;
 };
 
-/// The process that a transfer syntax stands for. GDCM 3.0.21 ends the process over lossless
-/// pictures of fewer than eight bits (a failed assertion), and nobody makes such.
+/// Checks that the JPEG process matches the transfer syntax. GDCM 3.0.21 aborts with a failed
+/// assertion on lossless images of fewer than eight bits, which scanners do not produce.
 Fault fault_of_frame(const JpegFrame& frame, const TransferSyntax& syntax,
                      const PictureClaim& claim) {
   const std::string_view uid = syntax.uid;
@@ -35,7 +36,7 @@ Fault fault_of_frame(const JpegFrame& frame, const TransferSyntax& syntax,
   } else if (uid.ends_with(".50")) {
     fits = frame.marker == 0xFFC0 && frame.bits == 8;
   } else if (uid.ends_with(".51")) {
-    // 16 bits are beyond T.81, and GDCM writes and reads them all the same.
+    // T.81 does not allow 16 bits, but GDCM writes and reads them.
     fits = (frame.marker == 0xFFC0 || frame.marker == 0xFFC1) &&
            (frame.bits == 8 || frame.bits == 12 || frame.bits == 16);
   } else {
@@ -61,11 +62,11 @@ Fault fault_of_jpeg(const BigEndian& in, const TransferSyntax& syntax, const Pic
   constexpr std::uint32_t kMostSegments = 1000;
   for (std::size_t at = 2; at + 2 <= in.size();) {
     const std::uint32_t marker = in.u16(at);
-    if (marker == 0xFFFF) {  // fill
+    if (marker == 0xFFFF) {  // fill bytes
       ++at;
       continue;
     }
-    if (marker == 0xFFD9) break;  // the end; decoders look no further
+    if (marker == 0xFFD9) break;  // end of image, where decoders stop
     if (marker < 0xFFC0 || !in.has(at, 4) || in.u16(at + 2) < 2) return kBroken;
     const std::size_t length = in.u16(at + 2);
     if (!in.has(at, 2 + length)) return kBroken;
@@ -81,7 +82,8 @@ Fault fault_of_jpeg(const BigEndian& in, const TransferSyntax& syntax, const Pic
       const JpegFrame frame{marker, in.u8(at + 4), in.u16(at + 5), in.u16(at + 7), in.u8(at + 9)};
       if (auto fault = fault_of_frame(frame, syntax, claim)) return fault;
     }
-    // A height that comes later; arithmetic coding; another size, palettes.
+    // Not supported: a height that follows later, arithmetic coding, and presets with another size
+    // or palettes.
     const bool preset = is_ls && marker == 0xFFF8 && (length < 3 || in.u8(at + 4) != 1);
     if (marker == 0xFFDC || marker == 0xFFCC || preset) return kOtherKind;
     at += 2 + length;
@@ -89,7 +91,8 @@ Fault fault_of_jpeg(const BigEndian& in, const TransferSyntax& syntax, const Pic
   return frames == 1 && scans > 0 ? std::nullopt : Fault(kBroken);
 }
 
-/// How many bytes a segment unpacks to (PackBits), or `most` + 1 as soon as it is more.
+/// Returns the unpacked size of a segment in bytes (PackBits), or `most` + 1 as soon as it is
+/// larger.
 std::uint64_t unpacked(const BigEndian& in, std::size_t at, std::size_t end, std::uint64_t most) {
   std::uint64_t bytes = 0;
   while (at < end && bytes <= most) {
@@ -98,7 +101,7 @@ std::uint64_t unpacked(const BigEndian& in, std::size_t at, std::size_t end, std
       ++at;
     } else if (control < 0x80) {
       const std::size_t run = control + 1;
-      if (run > end - at - 1) break;  // cut off
+      if (run > end - at - 1) break;  // truncated
       bytes += run;
       at += 1 + run;
     } else {
@@ -124,7 +127,7 @@ Fault fault_of_rle(std::span<const std::byte> picture, const PictureClaim& claim
   for (std::uint32_t n = 1; n <= segments; ++n) {
     const std::size_t begin = word(n), end = n < segments ? word(n + 1) : picture.size();
     if (begin < kHeader || begin >= end || end > picture.size()) return kBroken;
-    // Some writers go on for a run.
+    // Some writers add the rest of a run.
     const std::uint64_t bytes = unpacked(in, begin, end, expected + 128);
     if (bytes < expected || bytes > expected + 128) return kOtherSize;
   }

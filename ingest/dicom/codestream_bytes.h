@@ -1,6 +1,6 @@
 #pragma once
 
-// For the readers of compressed pictures: big-endian numbers.
+// Big-endian numbers for the parsers of compressed images.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,14 +13,12 @@
 namespace diaphane::dicom {
 
 using Fault = std::optional<std::string_view>;
-inline constexpr std::string_view kBroken = "the compressed picture is broken";
-inline constexpr std::string_view kOtherSize =
-    "the compressed picture has another size than it should";
-inline constexpr std::string_view kOtherKind =
-    "the compressed picture is of another kind than it should";
-inline constexpr std::string_view kOverdone = "the compressed picture is cut into too many pieces";
+inline constexpr std::string_view kBroken = "the compressed image is corrupted";
+inline constexpr std::string_view kOtherSize = "the compressed image has an unexpected size";
+inline constexpr std::string_view kOtherKind = "the compressed image has an unexpected type";
+inline constexpr std::string_view kOverdone = "the compressed image consists of too many pieces";
 
-/// Numbers beyond the end are the caller's fault: ask has() first.
+/// Precondition of reads: has() returned true for the same range.
 class BigEndian {
  public:
   explicit BigEndian(std::span<const std::byte> data) : data_(data) {}

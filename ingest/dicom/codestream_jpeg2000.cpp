@@ -5,11 +5,11 @@
 namespace diaphane::dicom {
 namespace {
 
-// ITU-T T.800, A.2 to A.6. A decoder makes a record of some hundred bytes for each of these before
-// it reads a picture: honest ones have a few thousand at most (tiles of 128 x 128, blocks of 32 x
-// 32).
+// ITU-T T.800, A.2 to A.6. A decoder allocates some hundred bytes for each of these before it reads
+// an image. Honest images have a few thousand at most (tiles of 128 x 128, blocks of 32 x 32).
 constexpr std::uint64_t kMostTiles = 1024;
-constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 18;  ///< precincts; code-blocks
+constexpr std::uint64_t kMostPieces = std::uint64_t{1}
+                                      << 18;  ///< limit for precincts and for code-blocks
 constexpr std::uint32_t kMostLayers = 256;
 constexpr std::uint32_t kMostTileParts = 4096;
 
@@ -20,7 +20,7 @@ struct Picture {
   std::uint64_t tiles = 0;
 };
 
-/// SIZ at `at`, its marker before it.
+/// Reads the SIZ segment at `at`, after its marker.
 Fault read_size(const BigEndian& in, std::size_t at, const PictureClaim& claim, Picture& picture) {
   if (!in.has(at, 40)) return kBroken;
   const std::uint64_t x1 = in.u32(at + 6), y1 = in.u32(at + 10);
@@ -48,7 +48,7 @@ Fault read_size(const BigEndian& in, std::size_t at, const PictureClaim& claim, 
   return picture.tiles > kMostTiles ? Fault(kOverdone) : std::nullopt;
 }
 
-/// COD at `at`, `length` bytes with its length.
+/// Checks the COD segment at `at`. `length` includes the length field.
 Fault check_style(const BigEndian& in, std::size_t at, std::size_t length, const Picture& picture) {
   if (length < 12) return kBroken;
   const bool own_precincts = (in.u8(at + 4) & 1) != 0;
@@ -68,12 +68,13 @@ Fault check_style(const BigEndian& in, std::size_t at, std::size_t length, const
     const std::uint32_t px = size & 15, py = size >> 4;
     if (r > 0 && (px == 0 || py == 0)) return kBroken;
     precincts += ceil_div(w, std::uint64_t{1} << px) * ceil_div(h, std::uint64_t{1} << py);
-    // A block is no larger than its precinct, which a level up is twice as large as its bands.
+    // A block is at most as large as its precinct, which is twice as large as its bands one level
+    // up.
     const std::uint32_t bx = std::min(block_x, r > 0 ? px - 1 : px);
     const std::uint32_t by = std::min(block_y, r > 0 ? py - 1 : py);
     blocks += ceil_div(w, std::uint64_t{1} << bx) * ceil_div(h, std::uint64_t{1} << by);
   }
-  // Each tile rounds up for itself, and is decoded layer by layer.
+  // Each tile rounds up separately and is decoded layer by layer.
   const std::uint64_t rounding = picture.tiles * (levels + 1);
   if (precincts + rounding > kMostPieces || blocks + rounding > kMostPieces) return kOverdone;
   return (precincts + rounding) * layers > kMostPieces * 4 ? Fault(kOverdone) : std::nullopt;
@@ -92,7 +93,7 @@ class Reader {
     for (std::uint32_t parts = 0; in_.has(at_, 12) && in_.u16(at_) == 0xFF90; ++parts) {
       if (parts > kMostTileParts) return kOverdone;
       const std::size_t begin = at_;
-      const std::uint32_t length = in_.u32(at_ + 6);  // 0: to the end
+      const std::uint32_t length = in_.u32(at_ + 6);  // 0: to the end of the codestream
       if (in_.u16(at_ + 2) != 10 || (length != 0 && length < 14)) return kBroken;
       at_ += 12;
       if (auto fault = header(0xFF93)) return fault;
@@ -104,7 +105,7 @@ class Reader {
   }
 
  private:
-  /// Segments up to the marker `stop`, which stands at `at_` then.
+  /// Reads segments up to the marker `stop`, and leaves `at_` at that marker.
   Fault header(std::uint32_t stop) {
     while (in_.has(at_, 4)) {
       const std::uint32_t marker = in_.u16(at_);
@@ -112,8 +113,8 @@ class Reader {
       const std::size_t length = in_.u16(at_ + 2);
       if (marker < 0xFF30 || length < 2 || !in_.has(at_ + 2, length)) return kBroken;
       if (marker == 0xFF51) return kBroken;  // a second size
-      // A style of its own for the one component there is, and other lists of progressions: never
-      // seen in a scan, and not worth a second reader.
+      // A separate style for the only component and further progression lists do not occur in
+      // scans, so a second parser is not worth its cost.
       if (marker == 0xFF53 || marker == 0xFF5F) return kOtherKind;
       if (marker == 0xFF52) {
         ++styles_;
@@ -121,7 +122,7 @@ class Reader {
       }
       at_ += 2 + length;
     }
-    // T.800 lets the data of the last tile-part be empty.
+    // T.800 allows the last tile-part to have no data.
     return in_.has(at_, 2) && in_.u16(at_) == stop ? std::nullopt : Fault(kBroken);
   }
 
@@ -137,7 +138,7 @@ class Reader {
 Fault fault_of_jpeg2000(const BigEndian& in, const PictureClaim& claim) {
   constexpr std::uint32_t kBegin = 0xFF4FFF51;  // SOC, SIZ
   if (in.has(0, 42) && in.u32(0) == kBegin) return Reader(in, claim, 0).run();
-  // The box format (T.800, I.4): the codestream is in the first box of its kind.
+  // In the box format (T.800, I.4), the codestream is in the first box of its type.
   constexpr std::uint32_t kSignature = 0x6A502020, kCodestream = 0x6A703263;
   if (!in.has(0, 12) || in.u32(4) != kSignature) return kBroken;
   for (std::size_t at = 0; in.has(at, 8);) {

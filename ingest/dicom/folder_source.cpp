@@ -14,15 +14,15 @@ constexpr std::size_t kBeginning = 4096;
 
 Result<FolderSource> FolderSource::open(const std::string& path, std::uint64_t largest_file) {
   std::error_code error;
-  if (!fs::exists(path, error)) return fail(ErrorCode::kNotFound, "there is no such folder");
+  if (!fs::exists(path, error)) return fail(ErrorCode::kNotFound, "the folder does not exist");
   if (!fs::is_directory(path, error)) return fail(ErrorCode::kNotFound, "this is not a folder");
   FolderSource source;
   source.largest_file_ = largest_file;
   fs::recursive_directory_iterator entry(path, fs::directory_options::skip_permission_denied,
                                          error);
-  if (error) return fail(ErrorCode::kNotFound, "the folder cannot be opened");
+  if (error) return fail(ErrorCode::kNotFound, "cannot open the folder");
   for (const fs::recursive_directory_iterator end; entry != end; entry.increment(error)) {
-    if (error) return fail(ErrorCode::kUnavailable, "the folder cannot be read to its end");
+    if (error) return fail(ErrorCode::kUnavailable, "cannot read the whole folder");
     std::error_code ignored;
     if (entry->symlink_status(ignored).type() == fs::file_type::regular) {
       source.files_.push_back(entry->path().string());
@@ -39,7 +39,7 @@ Result<void> FolderSource::visit(const Want& want, const Take& take) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(files_[i], error);
     bytes.clear();
-    // Of what is larger than any slice the beginning is enough to say that it is none.
+    // The beginning of a file that is too large for a slice is enough to report it.
     if (!error) bytes.resize(size > largest_file_ ? kBeginning : static_cast<std::size_t>(size));
     std::ifstream in(files_[i], std::ios::binary);
     in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

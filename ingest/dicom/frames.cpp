@@ -1,4 +1,4 @@
-// One frame out of a file with several.
+// Extracts one frame from a file with several.
 #include <algorithm>
 #include <cstring>
 #include <string_view>
@@ -12,8 +12,7 @@ constexpr std::uint32_t kSopClass = 0x00080016;
 constexpr std::uint32_t kFrames = 0x00280008;
 constexpr std::uint32_t kBitsAllocated = 0x00280100;
 constexpr std::uint32_t kSamples = 0x00280002;
-constexpr std::uint32_t kPixelData = 0x7FE00010;
-/// A class without functional groups; which one does not matter to the decoder.
+/// A class without functional groups. The decoder does not care which.
 constexpr std::string_view kPlainClass{"1.2.840.10008.5.1.4.1.1.4\0", 26};
 
 void put16(std::vector<std::byte>& out, std::uint32_t value, bool big_endian) {
@@ -33,7 +32,7 @@ void put_tag(std::vector<std::byte>& out, std::uint32_t tag, bool big_endian) {
   put16(out, tag & 0xffff, big_endian);
 }
 
-/// The header of an element of the top level.
+/// Writes the header of a top-level element.
 void put_header(std::vector<std::byte>& out, const TransferSyntax& syntax, std::uint32_t tag,
                 const char* vr, std::uint32_t length) {
   put_tag(out, tag, syntax.big_endian);
@@ -51,8 +50,8 @@ std::uint32_t u16(const Precheck& in, std::size_t at) {
   return in.syntax.big_endian ? a << 8 | b : b << 8 | a;
 }
 
-/// A 16-bit number of the top level: its value is the last two bytes of the element (walk.cpp saw
-/// to its length).
+/// Returns a 16-bit number of the top level, which is the last two bytes of the element (walk.cpp
+/// checked its length).
 std::uint32_t number(const Precheck& in, std::uint32_t tag, std::uint32_t otherwise) {
   const auto found = std::find_if(in.elements.begin(), in.elements.end(),
                                   [&](const Range& r) { return r.tag == tag; });
@@ -82,7 +81,7 @@ void put_compressed(std::vector<std::byte>& out, const Precheck& in, std::uint64
   for (const auto part : own) length += part.size();
   put_header(out, in.syntax, kPixelData, "OB", kUndefined);
   put_tag(out, kItem, false);
-  put32(out, 0, false);  // no offset table
+  put32(out, 0, false);  // empty offset table
   put_tag(out, kItem, false);
   put32(out, static_cast<std::uint32_t>(length), false);
   for (const auto part : own) out.insert(out.end(), part.begin(), part.end());
@@ -95,7 +94,7 @@ void put_compressed(std::vector<std::byte>& out, const Precheck& in, std::uint64
 std::vector<std::byte> frame_file(const Precheck& checked, std::uint64_t frame) {
   if (frame >= checked.frames || checked.pixels.empty()) return {};
   if (checked.encapsulated && frame + 1 >= checked.frame_fragments.size()) return {};
-  // A class that has functional groups is of no use to one frame without them.
+  // A class with functional groups does not apply to a single frame without them.
   const bool one_of_many = checked.frames > 1 || checked.has_groups;
   std::vector<std::byte> out(
       checked.plain.begin(),

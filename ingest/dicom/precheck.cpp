@@ -31,10 +31,10 @@ Precheck refuse(FileState state, std::string text) {
   return result;
 }
 
-/// The group 0002 of a file, always explicit little endian (DICOM PS3.10, 7.1).
+/// The group 0002 of a file, which is always explicit little endian (DICOM PS3.10, 7.1).
 struct Meta {
-  std::size_t end = 0;  ///< where the data set begins
-  std::string syntax;   ///< empty: it does not say
+  std::size_t end = 0;  ///< start of the data set
+  std::string syntax;   ///< empty if not given
   bool broken = false;
 };
 
@@ -64,7 +64,8 @@ Meta read_meta(Bytes file, std::size_t at) {
   return meta;
 }
 
-/// What a data set without a header is written in, judged by its first element; nothing: not DICOM.
+/// Guesses the transfer syntax of a data set without a header from its first element. Returns
+/// nullopt if it is not DICOM.
 std::optional<std::string_view> guess_syntax(Bytes data) {
   if (data.size() < 8) return std::nullopt;
   const auto is_capital = [](std::uint32_t c) { return c >= 'A' && c <= 'Z'; };
@@ -76,7 +77,7 @@ std::optional<std::string_view> guess_syntax(Bytes data) {
   return std::nullopt;
 }
 
-/// Raw deflate (DICOM PS3.5, A.5), never more than `limit` bytes.
+/// Raw deflate (DICOM PS3.5, A.5), limited to `limit` bytes.
 struct Inflated {
   std::vector<std::byte> data;
   FileState state = FileState::kFit;
@@ -110,7 +111,7 @@ Inflated inflate_all(Bytes packed, std::uint64_t limit) {
   return result;
 }
 
-/// A file of the elements kept, behind the shortest header; `places`: where they stand in it.
+/// Builds a file of the kept elements after a minimal header. `places` receives their ranges in it.
 std::vector<std::byte> plain_file(Bytes data, const std::vector<Range>& kept,
                                   std::string_view syntax, std::vector<Range>& places) {
   std::string uid(syntax);
@@ -140,7 +141,7 @@ std::vector<std::byte> plain_file(Bytes data, const std::vector<Range>& kept,
   return file;
 }
 
-/// The values of functional groups as texts of their own.
+/// Copies the values of functional groups into texts that own their bytes.
 std::vector<GroupedText> texts_of(Bytes data, const std::vector<Range>& ranges) {
   std::vector<GroupedText> texts;
   texts.reserve(ranges.size());
@@ -152,19 +153,20 @@ std::vector<GroupedText> texts_of(Bytes data, const std::vector<Range>& ranges) 
   return texts;
 }
 
-/// a x b, or the largest number when that does not fit.
+/// Returns a x b, or the largest number on overflow.
 std::uint64_t times(std::uint64_t a, std::uint64_t b) {
   std::uint64_t product = 0;
   return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
 
-/// A compressed picture begins here, of JPEG or JPEG 2000.
+/// Whether a compressed image of JPEG or JPEG 2000 begins here.
 bool begins_picture(Bytes part) {
   return part.size() >= 2 && part[0] == std::byte{0xFF} &&
          (part[1] == std::byte{0xD8} || part[1] == std::byte{0x4F});
 }
 
-/// The numbers of an offset table, `bytes` each; nothing when it is not one for `count` frames.
+/// Returns the numbers of an offset table of `bytes` bytes each, or an empty vector if it is not a
+/// table for `count` frames.
 std::vector<std::uint64_t> offsets_of(Bytes data, const Range& table, std::uint64_t count,
                                       std::size_t bytes) {
   std::vector<std::uint64_t> offsets;
@@ -176,8 +178,9 @@ std::vector<std::uint64_t> offsets_of(Bytes data, const Range& table, std::uint6
   return offsets;
 }
 
-/// Where each frame begins among the fragments (from 1 in `walked`, from 0 here), and their number
-/// at the end; nothing when offsets do not all point at one, in order from the first.
+/// Returns the index of the first fragment of each frame (1-based in `walked`, 0-based here),
+/// followed by the number of fragments. Empty unless every offset points at a fragment, in order
+/// from the first.
 std::vector<std::size_t> firsts_by(const std::vector<std::uint64_t>& offsets,
                                    const Walked& walked) {
   std::vector<std::size_t> firsts;
@@ -193,8 +196,8 @@ std::vector<std::size_t> firsts_by(const std::vector<std::uint64_t>& offsets,
   return firsts;
 }
 
-/// Which fragments are which frame's (DICOM PS3.5, A.4): one each, all of the only one, or as a
-/// table of offsets says. Empty: it cannot be told.
+/// Assigns fragments to frames (DICOM PS3.5, A.4): one each, all to the only frame, or as an offset
+/// table specifies. Empty if the assignment is ambiguous.
 std::vector<std::size_t> firsts_of_frames(Bytes data, const Walked& walked,
                                           const Precheck& header) {
   const std::size_t fragments = walked.fragments.size() - 1;
@@ -211,15 +214,15 @@ std::vector<std::size_t> firsts_of_frames(Bytes data, const Walked& walked,
 }
 
 constexpr std::string_view kWhosePieces =
-    "compressed pictures come in pieces, and it is not said which are whose";
+    "the fragments of the compressed images cannot be assigned to frames";
 
-/// Compressed pictures against what the header says of them; notes which fragments are whose.
+/// Checks compressed images against the header and notes which fragments belong to which frame.
 std::optional<std::string_view> fault_of_fragments(Bytes data, const Walked& walked,
                                                    Precheck& header) {
-  constexpr std::string_view kOtherNumber = "there are more or fewer pictures than there should be";
+  constexpr std::string_view kOtherNumber = "the number of images does not match the header";
   const PictureClaim claim{header.columns, header.rows, walked.samples.value_or(1),
                            walked.bits_allocated.value_or(16)};
-  if (walked.fragments.size() < 2) return "compressed pixels are missing";
+  if (walked.fragments.size() < 2) return "compressed pixel data is missing";
   header.frame_fragments = firsts_of_frames(data, walked, header);
   if (header.frame_fragments.empty()) {
     const bool in_pieces = walked.fragments.size() - 1 > header.frames && header.frames > 0 &&
@@ -246,7 +249,7 @@ std::optional<std::string_view> fault_of_fragments(Bytes data, const Walked& wal
   return std::nullopt;
 }
 
-/// The picture against the limits and against the bytes that are there.
+/// Checks the image against the limits and against the bytes of the file.
 void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Precheck& result) {
   result.rows = walked.rows.value_or(0);
   result.columns = walked.columns.value_or(0);
@@ -263,28 +266,28 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
     result.text = text;
   };
   if (frame > limits.frame_bytes || bytes > limits.pixel_bytes) {
-    return refuse_with(FileState::kTooLarge, "the picture is larger than is allowed");
+    return refuse_with(FileState::kTooLarge, "the image is larger than allowed");
   }
   if (result.frames > limits.frames) {
-    return refuse_with(FileState::kTooLarge, "there are more frames than are allowed");
+    return refuse_with(FileState::kTooLarge, "there are more frames than allowed");
   }
   if (!walked.has_pixels) return;
-  // Without these no picture can be made. Nor is a header alone ever made of such a file, or of
-  // a frame of it: GDCM ends its program at one.
+  // An image needs these fields. GDCM aborts on a header or frame without them, so none is made of
+  // such a file.
   if (result.rows == 0 || result.columns == 0 || samples == 0) {
-    return refuse_with(FileState::kDamaged, "there are pixels, and nothing says of what picture");
+    return refuse_with(FileState::kDamaged, "the file has pixels but no description of the image");
   }
   if (!walked.encapsulated) {
     if (result.syntax.packing != Packing::kNative) {
-      return refuse_with(FileState::kDamaged, "compressed pixels are missing");
+      return refuse_with(FileState::kDamaged, "compressed pixel data is missing");
     }
     if (bits >= 8 && walked.native.end - walked.native.begin < bytes) {
-      return refuse_with(FileState::kDamaged, "pixels are missing");
+      return refuse_with(FileState::kDamaged, "pixel data is missing");
     }
     return;
   }
   if (result.syntax.packing == Packing::kNative) {
-    return refuse_with(FileState::kDamaged, "pixels are compressed in an unknown way");
+    return refuse_with(FileState::kDamaged, "the pixel data uses an unknown compression");
   }
   if (const auto fault = fault_of_fragments(data, walked, result)) {
     return refuse_with(*fault == kWhosePieces ? FileState::kUnsupported : FileState::kDamaged,
@@ -303,26 +306,25 @@ Precheck precheck(Bytes file, const Limits& limits) {
                          u16(file, 2) <= 0x0102 && byte(file, 4) >= 'A' && byte(file, 4) <= 'Z';
   Meta meta;
   if (with_preamble || bare_meta) meta = read_meta(file, with_preamble ? kPreamble + 4 : 0);
-  if (meta.broken) return refuse(FileState::kDamaged, "the file ends too early");
+  if (meta.broken) return refuse(FileState::kDamaged, "the file is incomplete");
   Bytes data = file.subspan(meta.end);
   if (meta.syntax.empty()) {
     const auto guessed = guess_syntax(data);
     if (!guessed) {
-      return with_preamble ? refuse(FileState::kDamaged, "the file has a header and no data")
+      return with_preamble ? refuse(FileState::kDamaged, "the file has a header but no data")
                            : refuse(FileState::kNotDicom, "this is not a DICOM file");
     }
     meta.syntax = *guessed;
   }
   const auto syntax = find_syntax(meta.syntax);
   if (!syntax) {
-    return refuse(FileState::kUnsupported,
-                  "the pictures are compressed in a way that is not supported (" +
-                      syntax_name(meta.syntax) + ")");
+    return refuse(FileState::kUnsupported, "the compression of the images is not supported (" +
+                                               syntax_name(meta.syntax) + ")");
   }
   Precheck result;
   result.state = FileState::kFit;
   result.syntax = *syntax;
-  // What it cost so far counts also of a file that is refused.
+  // The cost so far counts for a refused file, too.
   const auto give_up = [&](FileState state, std::string text) {
     Precheck refusal = refuse(state, std::move(text));
     refusal.unpacked_bytes = result.unpacked_bytes;
@@ -333,10 +335,10 @@ Precheck precheck(Bytes file, const Limits& limits) {
     Inflated inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
     result.unpacked_bytes = inflated.data.size();
     if (inflated.state == FileState::kTooLarge) {
-      return give_up(FileState::kTooLarge, "the file unpacks to more than is allowed");
+      return give_up(FileState::kTooLarge, "the decompressed file is larger than allowed");
     }
     if (inflated.state != FileState::kFit) {
-      return give_up(FileState::kDamaged, "the file cannot be unpacked");
+      return give_up(FileState::kDamaged, "the file cannot be decompressed");
     }
     result.inflated = std::move(inflated.data);
     data = result.inflated;
@@ -346,7 +348,8 @@ Precheck precheck(Bytes file, const Limits& limits) {
   check_pixels(data, walked, limits, result);
   if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
   result.has_lookup_table = walked.has_lookup_table;
-  if (syntax->deflated) result.syntax = *find_syntax(kExplicitLittle);  // as `plain` is
+  if (syntax->deflated)
+    result.syntax = *find_syntax(kExplicitLittle);  // because `plain` is inflated
   result.plain = plain_file(data, walked.kept, result.syntax.uid, result.elements);
   result.encapsulated = walked.encapsulated;
   const auto bytes_of = [&](const Range& at) { return data.subspan(at.begin, at.end - at.begin); };

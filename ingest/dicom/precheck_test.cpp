@@ -78,8 +78,8 @@ TEST(Precheck, ATinyFileThatClaimsAnEnormousPictureIsTooLarge) {
 }
 
 TEST(Precheck, FramesAndSamplesCannotOverflowTheProduct) {
-  // 65535 x 65535 x 65535 x (2^63 - 1) x 8192: far beyond 64 bits, and must not come round to
-  // something small.
+  // 65535 x 65535 x 65535 x (2^63 - 1) x 8192 exceeds 64 bits and must not wrap around to a small
+  // number.
   const std::string file = header() + element(0x28, 2, "US", u16(65535)) +
                            element(0x28, 8, "IS", "9223372036854775807 ") +
                            element(0x28, 0x10, "US", u16(65535)) +
@@ -107,7 +107,7 @@ TEST(Precheck, PixelsThatAreNotAllThereAreDamage) {
 }
 
 TEST(Precheck, EveryTruncationOfAFileIsNoticed) {
-  // Cut anywhere: never fit with pixels, unless only what stands behind them is missing.
+  // A truncated file is never fit with pixels, unless only data after the pixels is missing.
   Options options = plain_ct();
   options.series.with_patient = true;
   options.slices = 1;
@@ -143,12 +143,12 @@ TEST(Precheck, SequencesAreNestedAtMostSixteenDeep) {
 }
 
 TEST(Precheck, ABombOfNestedSequencesIsRefusedWithoutACrash) {
-  // 4 MB of beginnings only: what crashed a reader that follows them.
+  // 4 MB of sequence starts, which crashed a reader that recurses.
   std::string bomb = header();
   const std::string one = wide(8, 0x1111, "SQ", 0xFFFFFFFF, item(0xFFFFFFFF));
   while (bomb.size() < (4u << 20)) bomb += one;
   EXPECT_EQ(check(bomb).state, FileState::kTooLarge);
-  // The same hidden behind other representations that readers look into.
+  // The same hidden in other representations that readers inspect.
   std::string unknown = header();
   const std::string un = wide(9, 0x1001, "UN", 0xFFFFFFFF, "");
   const std::string implicit = u16(9) + u16(0x1001) + u32(0xFFFFFFFF) + item(0xFFFFFFFF);
@@ -206,7 +206,7 @@ TEST(Precheck, ADeflateBombIsStoppedAtItsCap) {
 }
 
 TEST(Precheck, ACompressedPictureOfAnotherSizeIsDamage) {
-  // A header that says 4 x 4 around a JPEG of 60000 x 60000: its decoder would believe the JPEG.
+  // A header of 4 x 4 around a JPEG of 60000 x 60000, whose decoder would believe the JPEG.
   const std::string sof("\xFF\xD8\xFF\xC3\x00\x0B\x10\xEA\x60\xEA\x60\x01\x01\x11\x00", 15);
   const std::string scan("\xFF\xDA\x00\x08\x01\x01\x00\x01\x00\x00 data \xFF\xD9", 18);
   const auto file = [&](const std::string& jpeg) {
@@ -289,11 +289,11 @@ TEST(Precheck, PixelsOfWhichNothingIsSaidAreDamage) {
   const std::string own = element(0x09, 0x10, "LO", "OF ITS OWN ");
   EXPECT_EQ(check(header() + own + pixels(2, "pq")).state, FileState::kDamaged);
   EXPECT_EQ(check(header() + own).state, FileState::kFit) << "no slice, and GDCM is not asked";
-  // One frame's file is without the number of frames: nothing would be left of this one's header.
+  // A single frame's file omits the number of frames, which would leave nothing of this header.
   EXPECT_EQ(check(header() + element(0x28, 8, "IS", "2 ") + pixels(2, "pq")).state,
             FileState::kDamaged);
   EXPECT_EQ(check(header() + sizes(0, 3) + pixels(2, "pq")).state, FileState::kDamaged);
-  // No samples do not make the largest picture one of no bytes.
+  // Zero samples do not turn the largest image into one of zero bytes.
   EXPECT_EQ(check(header() + sizes(65535, 65535, 0) + pixels(2, "pq")).state, FileState::kTooLarge);
   EXPECT_EQ(check(header() + sizes(1, 1, 0) + pixels(2, "pq")).state, FileState::kDamaged);
 }
@@ -308,7 +308,8 @@ TEST(Precheck, OtherFilesAreNotDicom) {
   EXPECT_EQ(check(std::string(128, '\0') + "DICM").state, FileState::kDamaged);
 }
 
-/// Flips, cuts, repeats and overwrites, from one seed: a small fuzzer that every test run repeats.
+/// Flips, truncates, repeats and overwrites bytes, from one seed: a small fuzzer that every test
+/// run repeats.
 std::string mutated(std::string file, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return random() % n; };
   const int changes = 1 + static_cast<int>(below(6));
@@ -336,7 +337,7 @@ std::string mutated(std::string file, std::mt19937& random) {
 }
 
 TEST(Precheck, WhatPassesItAfterAnyChangeIsReadOrRefusedWithoutACrash) {
-  // 20 000 changed files. What the pre-check lets through, GDCM must survive too, within this
+  // 20 000 changed files. GDCM must survive every file that passes the pre-check, within this
   // process.
   std::mt19937 random(20261121);
   std::vector<std::string> seeds;

@@ -15,7 +15,7 @@
 namespace diaphane::dicom {
 namespace {
 
-/// A stream over bytes that stay where they are.
+/// A stream over borrowed bytes.
 class ByteBuffer final : public std::streambuf {
  public:
   explicit ByteBuffer(std::span<const std::byte> data) {
@@ -39,7 +39,7 @@ class ByteBuffer final : public std::streambuf {
 };
 
 void silence_gdcm() {
-  // Its warnings quote the files.
+  // GDCM's warnings quote the contents of files.
   static const bool done = [] {
     gdcm::Trace::DebugOff();
     gdcm::Trace::WarningOff();
@@ -66,7 +66,7 @@ std::optional<double> number(std::string_view text) {
   return value;
 }
 
-/// The parts of a value of several, which stand between backslashes.
+/// Splits a value with several parts at its backslashes.
 std::vector<std::string> split(const std::string& all) {
   std::vector<std::string> parts;
   for (std::size_t from = 0; !all.empty() && from <= all.size();) {
@@ -77,7 +77,7 @@ std::vector<std::string> split(const std::string& all) {
   return parts;
 }
 
-/// Exactly N decimal strings, or nothing.
+/// Returns exactly N decimal strings as numbers, or nullopt.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers_of(const std::vector<std::string>& parts) {
   if (parts.size() != N) return std::nullopt;
@@ -108,13 +108,13 @@ class Elements {
     return numbers_of<N>(texts(group, element));
   }
 
-  /// The first of one or more decimal strings.
+  /// Returns the first of one or more decimal strings.
   std::optional<double> first(std::uint16_t group, std::uint16_t element) const {
     const std::vector<std::string> parts = texts(group, element);
     return parts.empty() ? std::nullopt : number(parts.front());
   }
 
-  /// A 16-bit number; GDCM has turned its bytes to this machine's order.
+  /// Returns a 16-bit number. GDCM has converted it to the byte order of this machine.
   std::optional<std::uint16_t> us(std::uint16_t group, std::uint16_t element) const {
     const gdcm::ByteValue* value = bytes(group, element);
     if (value == nullptr || value->GetLength() != 2) return std::nullopt;
@@ -160,8 +160,8 @@ std::optional<std::array<double, 2>> padding_of(const Elements& in, bool is_sign
   return std::array{std::min(from, to), std::max(from, to)};
 }
 
-/// Numbers in mm that a scanner can mean; others count as not there, like words. Beyond, sums and
-/// squares of them leave the numbers that there are.
+/// Returns numbers in mm that are plausible for a scanner, and treats others as missing, like text.
+/// Sums and squares of larger numbers would overflow.
 template <std::size_t N>
 std::optional<std::array<double, N>> within(std::optional<std::array<double, N>> values,
                                             double least, double most) {
@@ -172,7 +172,7 @@ std::optional<std::array<double, N>> within(std::optional<std::array<double, N>>
   return values;
 }
 
-constexpr double kFarthest = 1e5;  ///< of a position, mm
+constexpr double kFarthest = 1e5;  ///< mm, limit of a position
 constexpr double kFinest = 1e-4, kCoarsest = 1e3;
 
 Slice slice_of(const Elements& in) {
@@ -205,7 +205,7 @@ Slice slice_of(const Elements& in) {
   return slice;
 }
 
-/// Takes what a functional group says into the slice of a frame.
+/// Applies the values of a functional group to the slice of a frame.
 void apply(const std::vector<GroupedText>& said, Slice& slice) {
   for (const GroupedText& one : said) {
     const std::vector<std::string> parts = split(trimmed(one.value));
@@ -246,8 +246,8 @@ void apply(const std::vector<GroupedText>& said, Slice& slice) {
   }
 }
 
-/// The slices of an enhanced file. A frame of which nothing at all is said is passed over: that is
-/// how the browser marks what the person did not choose.
+/// Returns the slices of an enhanced file. Skips frames without any values, because the browser
+/// marks frames that the person did not choose in this way.
 std::vector<Slice> frames_of(const Precheck& checked, Slice common) {
   const std::uint64_t frames = common.frames;
   common.one_of_frames = true;
@@ -272,7 +272,8 @@ bool Slice::is_scout() const {
 
 Result<std::vector<Slice>> read_slices(const Precheck& checked) {
   silence_gdcm();
-  if (!checked.has_pixels) return std::vector{Slice{}};  // a report, a plan, a directory: no slice
+  if (!checked.has_pixels)
+    return std::vector{Slice{}};  // not a slice, but a report, a plan or a directory
   ByteBuffer buffer(checked.plain);
   std::istream stream(&buffer);
   gdcm::Reader reader;
@@ -281,13 +282,13 @@ Result<std::vector<Slice>> read_slices(const Precheck& checked) {
     if (!reader.ReadUpToTag(gdcm::Tag(0x7FE0, 0x0010), {})) {
       return fail(ErrorCode::kInvalid, "a file is damaged");
     }
-  } catch (const std::exception&) {  // gdcm::ParseException and what the standard library throws
+  } catch (const std::exception&) {  // gdcm::ParseException and exceptions of the standard library
     return fail(ErrorCode::kInvalid, "a file is damaged");
   }
   Slice slice = slice_of(Elements(reader.GetFile().GetDataSet()));
   if (slice.rows != checked.rows || slice.columns != checked.columns ||
       slice.frames != checked.frames) {
-    return fail(ErrorCode::kInvalid, "a file can be understood in two ways");
+    return fail(ErrorCode::kInvalid, "a file is ambiguous");
   }
   slice.has_pixels = checked.has_pixels;
   slice.has_lookup_table = checked.has_lookup_table;
@@ -301,19 +302,20 @@ Result<std::vector<Slice>> read_slices(const Precheck& checked) {
 
 Result<Values> read_values(const Precheck& checked, const Slice& slice, double unit) {
   silence_gdcm();
-  if (!checked.has_pixels) return fail(ErrorCode::kInvalid, "a slice has no pixels");
-  // One at a time: the file may be much larger than a slice.
+  if (!checked.has_pixels) return fail(ErrorCode::kInvalid, "a slice has no pixel data");
+  // One frame at a time, because the file can be much larger than a slice.
   const std::vector<std::byte> one = frame_file(checked, slice.frame);
-  if (one.empty()) return fail(ErrorCode::kInvalid, "the pixels of a slice are not all there");
+  if (one.empty()) return fail(ErrorCode::kInvalid, "the pixel data of a slice is incomplete");
   ByteBuffer buffer(one);
   std::istream stream(&buffer);
   gdcm::ImageReader reader;
   reader.SetStream(stream);
   try {
-    if (!reader.Read()) return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be read");
+    if (!reader.Read())
+      return fail(ErrorCode::kInvalid, "the pixel data of a slice cannot be read");
     const gdcm::Image& image = reader.GetImage();
     const gdcm::PixelFormat& format = image.GetPixelFormat();
-    // What the decoder made of it counts: a compressed picture may hold fewer bits than the header
+    // The decoder's layout counts, because a compressed image may hold fewer bits than the header
     // says.
     const PixelLayout layout{format.GetBitsAllocated(), format.GetBitsStored(), format.GetHighBit(),
                              format.GetPixelRepresentation() == 1};
@@ -322,17 +324,17 @@ Result<Values> read_values(const Precheck& checked, const Slice& slice, double u
     if (image.GetDimension(0) != slice.columns || image.GetDimension(1) != slice.rows ||
         format.GetSamplesPerPixel() != 1 || !is_readable(layout) ||
         image.GetBufferLength() != bytes) {
-      return fail(ErrorCode::kInvalid, "the pixels of a slice do not fit its header");
+      return fail(ErrorCode::kInvalid, "the pixel data of a slice does not match its header");
     }
     std::vector<std::byte> raw(bytes);
     if (!image.GetBuffer(reinterpret_cast<char*>(raw.data()))) {
-      return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be decoded");
+      return fail(ErrorCode::kInvalid, "the pixel data of a slice cannot be decoded");
     }
     return to_values(raw, layout, slice, unit);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "a slice needs more memory than is allowed");
+    return fail(ErrorCode::kOutOfMemory, "a slice needs more memory than allowed");
   } catch (const std::exception&) {
-    return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be decoded");
+    return fail(ErrorCode::kInvalid, "the pixel data of a slice cannot be decoded");
   }
 }
 

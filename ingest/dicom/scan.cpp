@@ -42,16 +42,17 @@ std::string sentence(std::string text) {
 
 Choice nothing_found(const Scan& scan) {
   const LeftOut& out = scan.left_out;
-  if (scan.files == 0) return refused("empty", "There are no files in it.");
+  if (scan.files == 0) return refused("empty", "It contains no files.");
   if (out.unsupported > 0)
     return refused("unsupported_compression", sentence(out.unsupported_text));
   if (out.too_large > 0) return refused("too_large", sentence(out.too_large_text));
-  if (out.damaged > 0) return refused("damaged", "The files are damaged; copy the disc again.");
+  if (out.damaged > 0)
+    return refused("damaged", "The files are damaged. Try copying the files from the disc again.");
   if (out.not_slices > 0) {
     return refused("no_slices",
-                   "There are only reports or screenshots in it, no slices of a scan.");
+                   "It contains only reports or screenshots, but no slices of a scan.");
   }
-  return refused("not_dicom", "There are no DICOM files in it.");
+  return refused("not_dicom", "It contains no DICOM files.");
 }
 
 Choice take(const Scan& scan, std::size_t index) {
@@ -63,7 +64,7 @@ Choice take(const Scan& scan, std::size_t index) {
       scan.left_out.damaged + scan.left_out.too_large + scan.left_out.unsupported;
   if (lost > 0) {
     choice.repairs.push_back(std::to_string(lost) + (lost == 1 ? " file was" : " files were") +
-                             " damaged or not readable and left out");
+                             " damaged or unreadable and skipped");
   }
   return choice;
 }
@@ -86,12 +87,12 @@ Choice refuse_largest(const Scan& scan) {
 
 Result<Scan> scan(FileSource& source, const ScanLimits& limits) {
   Scan result;
-  std::map<std::array<std::string, 3>, std::size_t> known;  // series, patient and stack
+  std::map<std::array<std::string, 3>, std::size_t> known;  // keyed by series, patient and stack
   std::size_t taken = 0;
   std::uint64_t packed = 0, unpacked = 0;
   const auto look = [&](std::size_t index, FileSource::Bytes bytes) -> Result<void> {
     if (++result.files > limits.most_files) {
-      return fail(ErrorCode::kTooLarge, "there are more files than are allowed");
+      return fail(ErrorCode::kTooLarge, "there are more files than allowed");
     }
     const Precheck checked = precheck(bytes, limits.file);
     if (checked.unpacked_bytes > 0) {
@@ -99,7 +100,7 @@ Result<Scan> scan(FileSource& source, const ScanLimits& limits) {
       packed += bytes.size();
       if (unpacked >
           std::min(limits.unpacked_bytes, limits.unpacked_free + limits.unpacked_ratio * packed)) {
-        return fail(ErrorCode::kTooLarge, "the files unpack to more than is allowed");
+        return fail(ErrorCode::kTooLarge, "the decompressed files are larger than allowed");
       }
     }
     if (checked.state != FileState::kFit) {
@@ -116,7 +117,7 @@ Result<Scan> scan(FileSource& source, const ScanLimits& limits) {
       return {};
     }
     if ((taken += slices->size()) > limits.most_files) {
-      return fail(ErrorCode::kTooLarge, "there are more slices than are allowed");
+      return fail(ErrorCode::kTooLarge, "there are more slices than allowed");
     }
     for (Slice& slice : *slices) {
       slice.file = index;
@@ -141,7 +142,7 @@ Choice choose(const Scan& scan) {
   const auto n = std::count_if(scan.series.begin(), scan.series.end(), suitable);
   if (n > 1) {
     return refused("several_series",
-                   "There are " + std::to_string(n) + " series in it; send one at a time.");
+                   "It contains " + std::to_string(n) + " series. Upload one at a time.");
   }
   if (n == 0) return refuse_largest(scan);
   const auto found = std::find_if(scan.series.begin(), scan.series.end(), suitable);

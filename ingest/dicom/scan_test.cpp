@@ -83,8 +83,8 @@ TEST(Case4, AGantryTiltIsStraightened) {
   const Assessment& a = only(scan);
   ASSERT_TRUE(a.suitable) << a.text;
   ASSERT_EQ(a.repairs.size(), 1u);
-  EXPECT_NE(a.repairs[0].find("straightened 18.5 degrees"), std::string::npos);
-  // 19 distances of 2 mm lean by 12.7 mm: 15.9 rows of 0.8 mm.
+  EXPECT_NE(a.repairs[0].find("gantry tilt of 18.5 degrees"), std::string::npos);
+  // 19 distances of 2 mm shift by 12.7 mm: 15.9 rows of 0.8 mm.
   EXPECT_EQ(a.size, (std::array<std::uint32_t, 3>{12, 10 + 16, 20}));
 }
 
@@ -129,7 +129,7 @@ TEST(Case7, ASliceThatIsThereTwiceIsKeptOnce) {
   ASSERT_TRUE(a.suitable) << a.text;
   EXPECT_EQ(a.size[2], 20u);
   ASSERT_EQ(a.repairs.size(), 1u);
-  EXPECT_NE(a.repairs[0].find("2 slices were there twice"), std::string::npos);
+  EXPECT_NE(a.repairs[0].find("2 slices were duplicated"), std::string::npos);
 }
 
 TEST(Case7, OneIdentifierForDifferentSlicesIsRefused) {
@@ -164,7 +164,7 @@ TEST(Case9, ScoutsInAGoodSeriesAreLeftOut) {
   scout.rows = 30;
   scout.series.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER";
   for (const std::string& file : files_of(scout)) files.push_back(file);
-  Options sagittal = options;  // not called a scout, but of another orientation
+  Options sagittal = options;  // not called a scout, but with another orientation
   sagittal.slices = 1;
   sagittal.series.orientation = {0, 1, 0, 0, 0, -1};
   for (const std::string& file : files_of(sagittal)) files.push_back(file);
@@ -173,7 +173,7 @@ TEST(Case9, ScoutsInAGoodSeriesAreLeftOut) {
   ASSERT_TRUE(a.suitable) << a.text;
   EXPECT_EQ(a.size[2], 20u);
   ASSERT_EQ(a.repairs.size(), 1u);
-  EXPECT_NE(a.repairs[0].find("3 scout pictures"), std::string::npos);
+  EXPECT_NE(a.repairs[0].find("3 overview images"), std::string::npos);
 }
 
 TEST(Case10, RotatingProjectionsAreViewsNotSlices) {
@@ -225,7 +225,7 @@ TEST(Case14, TheLargestGroupOfOneSizeIsKept) {
   ASSERT_TRUE(a.suitable) << a.text;
   EXPECT_EQ(a.size[2], 20u);
   ASSERT_EQ(a.repairs.size(), 1u);
-  EXPECT_NE(a.repairs[0].find("4 slices of another size"), std::string::npos);
+  EXPECT_NE(a.repairs[0].find("4 slices of a different size"), std::string::npos);
   options.change = [](int z, SeriesSpec& series, SliceSpec&) {
     if (z >= 12) series.pixel_spacing = {0.9, 0.9};
   };
@@ -275,7 +275,7 @@ TEST(Case18, ColourIsScreenshots) {
 TEST(Case19, AnUnsupportedCompressionIsNamed) {
   std::vector<std::string> files = files_of(plain_ct());
   for (std::string& file : files) {
-    // MPEG-2 in the place of explicit little endian, of the same length.
+    // MPEG-2 replaces explicit little endian, with the same length.
     const std::string from = std::string("1.2.840.10008.1.2.1") + '\0';
     const std::size_t at = file.find(from);
     ASSERT_NE(at, std::string::npos);

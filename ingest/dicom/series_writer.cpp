@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "common/ids.h"
+#include "common/try.h"
 
 namespace diaphane::dicom {
 namespace {
@@ -49,7 +50,7 @@ void put(gdcm::DataSet& set, const ExtraElement& extra) {
   set.Replace(element);
 }
 
-/// A decimal string: at most 16 characters (DICOM PS3.5, 6.2).
+/// Formats a decimal string, which has at most 16 characters (DICOM PS3.5, 6.2).
 std::string ds(double value) {
   char text[40];
   for (int digits = 10; digits > 0; --digits) {
@@ -111,12 +112,12 @@ void put_patient(gdcm::DataSet& set) {
             {{0x0040, 0x0007, "LO", "Request " + canary, {}},
              {0x0040, 0x1001, "SH", "Rq" + canary, {}},
              {0x0040, 0x0008, "SQ", "", {{0x0008, 0x0104, "LO", "Deep " + canary, {}}}}}});
-  // Private elements, one of them a sequence, one of unknown representation.
+  // Private elements, including a sequence and one of unknown representation.
   text(0x0009, 0x0010, "LO", "CREATOR ");
   text(0x0009, 0x1001, "LO", "Private ");
   text(0x0009, 0x1002, "UN", "Unknown ");
   put(set, {0x0009, 0x1003, "SQ", "", {{0x0010, 0x0010, "PN", kCanaryName, {}}}});
-  // An overlay of 8 x 16 bits, with a label.
+  // An overlay of 8 x 16 bits with a label.
   put(set, 0x6000, 0x0010, "US", us(8));
   put(set, 0x6000, 0x0011, "US", us(16));
   put(set, 0x6000, 0x0040, "CS", "G");
@@ -127,7 +128,7 @@ void put_patient(gdcm::DataSet& set) {
   std::string bits = canary;
   bits.resize(16);
   put(set, 0x6000, 0x3000, "OB", bits);
-  // Behind the pixels.
+  // Trailing data after the pixels.
   text(0xFFFC, 0xFFFC, "OB", "Tail ");
 }
 
@@ -167,24 +168,24 @@ void put_image(gdcm::DataSet& set, const SeriesSpec& series, const SliceSpec& sl
       std::string(slice.pixels.begin(), slice.pixels.end()));
 }
 
-/// Through GDCM's own encoder, for the compressed syntaxes.
+/// Transcodes with GDCM's own encoder, for compressed syntaxes.
 Result<std::string> transcode(const std::string& plain, const std::string& transfer_syntax) {
   std::istringstream in(plain);
   gdcm::ImageReader reader;
   reader.SetStream(in);
-  if (!reader.Read())
-    return fail(ErrorCode::kInvalid, "the picture to be compressed cannot be read");
+  if (!reader.Read()) return fail(ErrorCode::kInvalid, "cannot read the image to compress");
   gdcm::ImageChangeTransferSyntax change;
   change.SetTransferSyntax(
       gdcm::TransferSyntax(gdcm::TransferSyntax::GetTSType(transfer_syntax.c_str())));
   change.SetInput(reader.GetImage());
-  if (!change.Change()) return fail(ErrorCode::kInvalid, "the picture cannot be compressed so");
+  if (!change.Change())
+    return fail(ErrorCode::kInvalid, "cannot compress the image with this codec");
   gdcm::ImageWriter writer;
   writer.SetFile(reader.GetFile());
   writer.SetImage(change.GetOutput());
   std::ostringstream out;
   writer.SetStream(out);
-  if (!writer.Write()) return fail(ErrorCode::kInvalid, "the compressed picture cannot be written");
+  if (!writer.Write()) return fail(ErrorCode::kInvalid, "cannot write the compressed image");
   return out.str();
 }
 
@@ -195,7 +196,7 @@ std::string us(std::uint16_t value) {
 }
 
 std::string new_uid() {
-  // The random number in decimal, by repeated division of its 32 hexadecimal digits.
+  // Converts the random number to decimal by repeated division of its 32 hexadecimal digits.
   const std::string hex = random_hex(16);
   std::vector<int> digits;
   for (const char c : hex) digits.push_back(c <= '9' ? c - '0' : c - 'a' + 10);
@@ -230,7 +231,7 @@ Result<std::string> write_slice(const SeriesSpec& series, const SliceSpec& slice
   std::ostringstream out;
   writer.SetStream(out);
   writer.SetCheckFileMetaInformation(true);
-  if (!writer.Write()) return fail(ErrorCode::kInvalid, "the DICOM file cannot be written");
+  if (!writer.Write()) return fail(ErrorCode::kInvalid, "cannot write the DICOM file");
   std::string bytes = out.str();
   if (encapsulated) {
     auto compressed = transcode(bytes, series.transfer_syntax);
@@ -247,11 +248,11 @@ Result<std::string> write_slice(const SeriesSpec& series, const SliceSpec& slice
 Result<void> write_slice_file(const SeriesSpec& series, const SliceSpec& slice,
                               const std::string& path) {
   auto bytes = write_slice(series, slice);
-  if (!bytes) return tl::unexpected(bytes.error());
+  DIAPHANE_TRY(bytes);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out.write(bytes->data(), static_cast<std::streamsize>(bytes->size()));
   out.close();
-  if (!out) return fail(ErrorCode::kUnavailable, "a DICOM file cannot be written");
+  if (!out) return fail(ErrorCode::kUnavailable, "cannot write a DICOM file");
   return {};
 }
 

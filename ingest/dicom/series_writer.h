@@ -9,24 +9,24 @@
 
 namespace diaphane::dicom {
 
-/// A data element given by its bytes, to add what a test or the sample needs beyond the usual.
+/// A data element given by its bytes, for tests or samples that need unusual elements.
 struct ExtraElement {
   std::uint16_t group = 0;
   std::uint16_t element = 0;
   std::string vr;     ///< "LO", "US", ...; "SQ": one item that holds `items`
-  std::string value;  ///< raw bytes, little endian; padded to even length by the writer
+  std::string value;  ///< raw bytes, little endian; the writer pads them to even length
   std::vector<ExtraElement> items;
 };
 
 /// Little-endian bytes of a number, for ExtraElement::value.
 std::string us(std::uint16_t value);
 
-/// What all slices of a series have in common. The defaults are a plain CT.
+/// Attributes that all slices of a series share. The defaults describe a plain CT.
 struct SeriesSpec {
   std::string sop_class = "1.2.840.10008.5.1.4.1.1.2";  ///< CT Image Storage
   std::string transfer_syntax = "1.2.840.10008.1.2.1";  ///< explicit VR little endian
   std::string modality = "CT";
-  std::string image_type = "ORIGINAL\\PRIMARY\\AXIAL";        ///< empty: none is written
+  std::string image_type = "ORIGINAL\\PRIMARY\\AXIAL";        ///< not written if empty
   std::string study_uid, series_uid, frame_of_reference_uid;  ///< see new_uid()
   std::uint16_t rows = 0, columns = 0;
   std::array<double, 2> pixel_spacing{1, 1};  ///< mm: between rows, between columns
@@ -41,8 +41,8 @@ struct SeriesSpec {
   bool with_rescale = true;
   double slope = 1, intercept = 0;
   double window_center = 40, window_width = 400;
-  /// Every element of a made-up patient, of institutions and descriptions, nested and private ones
-  /// too.
+  /// Adds every element of an invented patient, of institutions and of descriptions, including
+  /// nested and private ones.
   bool with_patient = true;
   std::vector<ExtraElement> extra;
 };
@@ -50,23 +50,22 @@ struct SeriesSpec {
 struct SliceSpec {
   std::array<double, 3> position{};  ///< mm (LPS), centre of the first pixel
   int instance_number = 1;
-  std::string sop_uid;               ///< empty: a new one
-  std::vector<std::uint8_t> pixels;  ///< as stored: little endian, rows from the top
+  std::string sop_uid;               ///< generated if empty
+  std::vector<std::uint8_t> pixels;  ///< stored values: little endian, rows from the top
   std::vector<ExtraElement> extra;
 };
 
-/// The made-up patient. Every text of his or hers that a file of `write_slice` has holds kCanary,
-/// in the elements, in nested sequences, in private elements, in the preamble, in an overlay and
-/// behind the pixels.
+/// The invented patient. Every text about them in a file of `write_slice` contains kCanary: in
+/// elements, nested sequences, private elements, the preamble, an overlay, and after the pixels.
 inline constexpr const char* kCanary = "Canary7f3a";
 inline constexpr const char* kCanaryName = "Mustermann^Canary7f3a";
 
-/// "2.25." and a random 128-bit number (DICOM PS3.5, B.2).
+/// Returns "2.25." and a random 128-bit number (DICOM PS3.5, B.2).
 std::string new_uid();
 
-/// The bytes of one DICOM file. kInvalid when GDCM will not write it.
+/// Returns the bytes of one DICOM file. kInvalid when GDCM rejects it.
 Result<std::string> write_slice(const SeriesSpec& series, const SliceSpec& slice);
-/// The same into a file; kUnavailable when it cannot be written.
+/// Writes the bytes of write_slice to a file. kUnavailable if it cannot be written.
 Result<void> write_slice_file(const SeriesSpec& series, const SliceSpec& slice,
                               const std::string& path);
 

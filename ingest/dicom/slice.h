@@ -12,8 +12,8 @@ namespace diaphane::dicom {
 
 enum class Kind {
   kImage,       ///< CT, MR or PT image storage
-  kMultiFrame,  ///< their enhanced forms
-  kOther,       ///< screenshots, reports, PDF, structure sets, segmentations, dose: no slices
+  kMultiFrame,  ///< enhanced CT, MR or PT image storage
+  kOther,       ///< not slices: screenshots, reports, PDF, structure sets, segmentations, dose
 };
 
 /// How the stored numbers are packed (DICOM PS3.3, C.7.6.3).
@@ -25,7 +25,7 @@ struct PixelLayout {
   bool operator==(const PixelLayout&) const = default;
 };
 
-/// From stored numbers to values: slope x stored + intercept.
+/// Linear mapping from stored numbers to values: slope x stored + intercept.
 struct Rescale {
   double slope = 1;
   double intercept = 0;
@@ -33,26 +33,27 @@ struct Rescale {
   bool operator==(const Rescale&) const = default;
 };
 
-/// What one file says about itself, as far as a volume depends on it. Identifiers serve to tell
-/// slices apart while a folder is read; nothing of them is stored, logged or shown.
+/// The contents of one file that a volume depends on. Identifiers only distinguish slices while a
+/// folder is read. They are never stored, logged or shown.
 struct Slice {
   std::size_t file = 0;        ///< index in its FileSource
-  std::size_t frame = 0;       ///< of a file with several
-  bool one_of_frames = false;  ///< of an enhanced file, which says of each frame where it lies
+  std::size_t frame = 0;       ///< of a file with several frames
+  bool one_of_frames = false;  ///< of an enhanced file, which gives the position of each frame
   Kind kind = Kind::kOther;
   volume::Modality modality = volume::Modality::kOther;
   std::string patient, series_uid, sop_uid;
-  std::string stack;  ///< frames of one stack lie behind one another; empty outside enhanced files
+  std::string
+      stack;  ///< identifies frames that lie behind one another; empty outside enhanced files
   std::vector<std::string> image_type;
-  bool is_lossy = false;  ///< was compressed with loss, which alone makes it "DERIVED"
+  bool is_lossy = false;  ///< lossy compression, which alone makes it "DERIVED"
   std::uint16_t rows = 0, columns = 0;
-  std::uint64_t frames = 1;  ///< more than one: several pictures without a place each
+  std::uint64_t frames = 1;  ///< more than one: several images without individual positions
   std::uint16_t samples = 1;
   std::string photometric;
   PixelLayout layout;
   Rescale rescale;
-  bool has_lookup_table = false;                 ///< a Modality LUT instead of slope and intercept
-  std::optional<std::array<double, 2>> padding;  ///< stored values from - to that mean "no pixel"
+  bool has_lookup_table = false;  ///< has a Modality LUT instead of slope and intercept
+  std::optional<std::array<double, 2>> padding;  ///< range of stored values that mean "no pixel"
   bool has_pixels = false;
   std::optional<std::array<double, 3>> position;       ///< mm, LPS
   std::optional<std::array<double, 6>> orientation;    ///< along a row, along a column

@@ -10,25 +10,25 @@
 
 namespace diaphane::dicom {
 
-/// Some files, to be gone through more than once, always in the same order. Their names mean
-/// nothing.
+/// Files that can be visited repeatedly, always in the same order. Their names carry no meaning.
 class FileSource {
  public:
   using Bytes = std::span<const std::byte>;
-  /// Is the file with this index (from 0) wanted? What is not, is not read.
+  /// Whether to read the file with this index (from 0). Other files are not read.
   using Want = std::function<bool(std::size_t index)>;
-  /// The bytes of one file, valid during the call; an error ends the visit with it.
+  /// Receives the bytes of one file, valid during the call. An error ends the visit and is returned
+  /// by it.
   using Take = std::function<Result<void>(std::size_t index, Bytes bytes)>;
 
   virtual ~FileSource() = default;
   virtual Result<void> visit(const Want& want, const Take& take) = 0;
 };
 
-/// The regular files under a folder and its subfolders, in the order of their names; links are not
-/// followed. A file that cannot be read counts as empty.
+/// The regular files under a folder and its subfolders, in the order of their names. Links are not
+/// followed. An unreadable file counts as empty.
 class FolderSource final : public FileSource {
  public:
-  /// kNotFound when `path` is no folder that can be listed.
+  /// kNotFound when `path` is not a folder that can be listed.
   static Result<FolderSource> open(const std::string& path, std::uint64_t largest_file);
   Result<void> visit(const Want& want, const Take& take) override;
   std::size_t size() const { return files_.size(); }

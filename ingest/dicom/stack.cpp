@@ -15,30 +15,26 @@ constexpr double kRounding = 1e-6;  // mm
 
 double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 
-std::string counted(std::size_t n, const char* one, const char* many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
 Stack refused(Stack stack, const char* code, std::string text) {
   stack.code = code;
   stack.text = std::move(text);
   return stack;
 }
 
-/// Slices at places that others have already.
+/// Refuses a stack in which slices share positions.
 Stack repeated(Stack stack, std::size_t places) {
   const std::size_t n = stack.order.size();
   if (places == 1) {
     return refused(std::move(stack), "one_position",
-                   "All slices lie at one position: this is a series in time, not a volume.");
+                   "All slices are at the same position. This is a time series, not a 3D scan.");
   }
   if (n >= 2 * places - places / 10) {
     return refused(std::move(stack), "time_series",
-                   "Several volumes lie at the same positions (phases, echoes or weightings); "
-                   "a series in time is not shown.");
+                   "This series contains several scans of the same region (phases, echoes or "
+                   "weightings), which is not supported.");
   }
   return refused(std::move(stack), "repeated_position",
-                 "Some slices lie at the same position, and it is not known which of them counts.");
+                 "Some slices are at the same position, and it is unclear which of them to use.");
 }
 
 double tolerance_of(double spacing) { return std::max(kJitterMm, kJitterShare * spacing); }
@@ -47,8 +43,8 @@ bool alike(double a, double b) {
   return std::abs(a - b) <= 2 * tolerance_of(std::min(a, b)) + kRounding;
 }
 
-/// Distances that several slices in succession keep, by rising size: what the scanner was set to. A
-/// hole in an even series stands alone.
+/// Returns the distances, by rising size, that several successive slices keep. The scanner was set
+/// to these, while a hole in an even series occurs once.
 std::vector<double> main_gaps(const std::vector<double>& gaps) {
   constexpr std::size_t kSuccession = 3;
   std::vector<double> found;
@@ -67,7 +63,8 @@ std::vector<double> main_gaps(const std::vector<double>& gaps) {
   return found;
 }
 
-/// How many steps of `usual` each gap is; nothing where one is no whole number of them.
+/// Returns the number of steps of `usual` in each gap, or an empty vector if a gap is not a
+/// multiple of it.
 std::vector<std::size_t> whole_steps(const std::vector<double>& gaps, double usual) {
   std::vector<std::size_t> steps;
   for (const double gap : gaps) {
@@ -78,7 +75,8 @@ std::vector<std::size_t> whole_steps(const std::vector<double>& gaps, double usu
   return steps;
 }
 
-/// Whether holes alone are what is uneven: with them filled each slice is near its place.
+/// Whether holes are the only irregularity, so that each slice is near its place once they are
+/// filled.
 bool has_holes(const std::vector<std::size_t>& steps, const std::vector<double>& gaps,
                double height) {
   const std::size_t all = std::accumulate(steps.begin(), steps.end(), std::size_t{0});
@@ -93,7 +91,7 @@ bool has_holes(const std::vector<std::size_t>& steps, const std::vector<double>&
   return true;
 }
 
-/// Case 5: even but for holes, which are filled when they are few and small.
+/// Case 5: an even stack with holes, which are filled if they are few and small.
 Stack with_holes(Stack stack, const std::vector<std::size_t>& steps, double height) {
   std::size_t all = 1, largest = 1;
   for (const std::size_t n : steps) {
@@ -105,7 +103,7 @@ Stack with_holes(Stack stack, const std::vector<std::size_t>& steps, double heig
       largest > kLargestGap) {
     return refused(std::move(stack), "missing_slices",
                    counted(missing, "slice is missing", "slices are missing") +
-                       " within the series; copy the disc again.");
+                       " within the series. Try copying the files from the disc again.");
   }
   stack.missing = missing;
   stack.spacing = height / static_cast<double>(all - 1);
@@ -120,28 +118,28 @@ Stack with_holes(Stack stack, const std::vector<std::size_t>& steps, double heig
   return stack;
 }
 
-/// Case 6: computed anew at the smallest distance that counts.
+/// Case 6: resampled at the smallest distance that counts.
 Stack with_varying(Stack stack, const std::vector<double>& gaps, const std::vector<double>& mains,
                    double height) {
   const auto [least, most] = std::minmax_element(gaps.begin(), gaps.end());
   if (*most > kMostVarying * *least) {
     return refused(std::move(stack), "varying_spacing",
-                   "The distance from slice to slice varies too much for a volume.");
+                   "The slice spacing varies too much for a 3D image.");
   }
   stack.varying = {*least, *most};
   std::vector<double> sorted = gaps;
   std::sort(sorted.begin(), sorted.end());
   const double wanted = mains.empty() ? sorted[sorted.size() / 10] : mains.front();
-  // Both ends are kept, so the steps are a little finer than was wanted.
+  // Both ends are kept, so the steps are slightly finer than requested.
   const double steps = std::ceil(height / wanted - 0.01);
   stack.spacing = height / steps;
   std::size_t i = 0;
-  double below = 0;  // mm, the height of slice i
+  double below = 0;  // mm, height of slice i
   for (std::size_t k = 0; k <= static_cast<std::size_t>(steps); ++k) {
     const double at = std::min(static_cast<double>(k) * stack.spacing, height);
     while (i + 1 < gaps.size() && below + gaps[i] <= at) below += gaps[i++];
     double slice = static_cast<double>(i) + std::min((at - below) / gaps[i], 1.0);
-    // A slice that lies in its place is taken as it is.
+    // A slice that lies in its place is used unchanged.
     const double off = std::abs(slice - std::round(slice)) * gaps[i];
     if (off < tolerance_of(stack.spacing)) slice = std::round(slice);
     stack.sources.push_back({slice, {}});
@@ -150,7 +148,8 @@ Stack with_varying(Stack stack, const std::vector<double>& gaps, const std::vect
   return stack;
 }
 
-/// Uneven distances: another scheme, slices that are missing, or no order at all.
+/// Handles uneven distances, which come from another acquisition scheme, missing slices or a lack
+/// of order.
 Stack uneven(Stack stack, const std::vector<double>& gaps, double height) {
   const std::vector<double> mains = main_gaps(gaps);
   std::vector<double> sorted = gaps;
@@ -163,7 +162,7 @@ Stack uneven(Stack stack, const std::vector<double>& gaps, double height) {
   return with_varying(std::move(stack), gaps, mains, height);
 }
 
-/// Case 4: each slice of the volume lies where its place in the tilted stack puts it.
+/// Case 4: shifts each slice of the volume according to its place in the tilted stack.
 void straighten(Stack& stack, double degrees, double height, double x, double y) {
   stack.tilt = degrees;
   if (stack.sources.empty()) {
@@ -180,14 +179,14 @@ void straighten(Stack& stack, double degrees, double height, double x, double y)
 }  // namespace
 
 bool make_axes(const std::array<double, 6>& orientation, Axes& axes) {
-  constexpr double kTolerance = 0.01;  // written with few digits by some scanners
+  constexpr double kTolerance = 0.01;  // some scanners write few digits
   Vec3 row{orientation[0], orientation[1], orientation[2]};
   Vec3 column{orientation[3], orientation[4], orientation[5]};
   if (std::abs(length(row) - 1) > kTolerance || std::abs(length(column) - 1) > kTolerance ||
       std::abs(dot(row, column)) > kTolerance) {
     return false;
   }
-  // Gram-Schmidt takes the rounding away.
+  // Gram-Schmidt removes rounding errors.
   const double row_length = length(row);
   for (double& v : row) v /= row_length;
   const double along = dot(row, column);
@@ -215,7 +214,8 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
   }
   if (places < n) return repeated(std::move(stack), places);
 
-  // The way from the first slice to the last, in the slices' plane and along their normal.
+  // The vector from the first slice to the last, within the plane of the slices and along their
+  // normal.
   const Vec3& first = positions[stack.order.front()];
   const Vec3 whole = minus(positions[stack.order.back()], first);
   const double height = dot(whole, axes.normal);
@@ -223,7 +223,7 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
   const double shear = std::atan2(std::hypot(shift_x, shift_y), height) * 180 / std::numbers::pi;
   if (shear > kSteepestTilt) {
     return refused(std::move(stack), "tilted",
-                   "The slices are shifted against each other too far for a volume.");
+                   "The slices are shifted too far against each other for a 3D image.");
   }
   stack.spacing = height / static_cast<double>(n - 1);
   const double tolerance = tolerance_of(stack.spacing);
@@ -238,12 +238,11 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
     if (i > 0)
       largest_gap_error = std::max(largest_gap_error, std::abs(gaps[i - 1] - stack.spacing));
   }
-  // Positions are decimal text: a tenth of a pixel is more than rounding makes.
+  // Positions are rounded decimal text, but rounding moves them by less than a tenth of a pixel.
   if (largest_shift > std::max(kJitterMm, 0.1 * pixel)) {
-    return refused(std::move(stack), "shifted_slices",
-                   "Some slices are shifted sideways against the others.");
+    return refused(std::move(stack), "shifted_slices", "Some slices are shifted sideways.");
   }
-  // Small steps in one direction add up: a slice must also be near its place.
+  // Small steps in one direction add up, so a slice must also be near its place.
   const bool even =
       stack.jitter <= tolerance + kRounding ||
       (largest_gap_error <= tolerance + kRounding && stack.jitter <= stack.spacing / 4);

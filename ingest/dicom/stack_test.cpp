@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPixel = 0.7;
 
-/// Any rotation, from a random quaternion.
+/// Returns a random rotation, from a random quaternion.
 Axes turned(std::mt19937& random) {
   std::normal_distribution<double> normal;
   double q[4];
@@ -75,7 +75,8 @@ TEST(Stack, JitterWithinTwoPercentIsBuiltWithTheMeanSpacing) {
 }
 
 TEST(Stack, SmallStepsThatAddUpAreNoJitter) {
-  // Each distance is within 2% of the mean, but in the middle slices lie a slice off their place.
+  // Each distance is within 2% of the mean, but slices in the middle are a full slice off their
+  // place.
   std::mt19937 random(3);
   const Axes axes = turned(random);
   std::vector<Vec3> positions;
@@ -86,12 +87,12 @@ TEST(Stack, SmallStepsThatAddUpAreNoJitter) {
   }
   const Stack stack = arrange(positions, axes, kPixel);
   ASSERT_TRUE(stack.is_volume) << stack.text;
-  EXPECT_FALSE(stack.sources.empty()) << "computed anew, not taken as they are";
+  EXPECT_FALSE(stack.sources.empty()) << "resampled, not used unchanged";
   EXPECT_NEAR(stack.spacing * static_cast<double>(stack.sources.size() - 1), z - 1.015, 1e-6);
 }
 
-/// Where the plan says that each slice of the volume is taken, in mm along the normal from the
-/// first slice, against where it is to lie.
+/// Compares where the plan takes each slice of the volume, in mm along the normal from the first
+/// slice, with where it must lie.
 void expect_every_slice_in_its_place(const Stack& stack, const std::vector<Vec3>& positions,
                                      const Axes& axes) {
   for (std::size_t k = 0; k < stack.sources.size(); ++k) {
@@ -145,7 +146,7 @@ TEST(Stack, TooLargeAHoleIsMissingSlicesHoweverFewTheyAre) {
 TEST(Stack, VaryingDistancesAreComputedAnewAtTheSmallestThatCounts) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
-  // As of a head: fine below, twice as coarse above, which are no missing slices.
+  // As in a head scan: fine below and twice as coarse above, without missing slices.
   for (const double coarse : {2.0, 2.5, 7.9}) {
     std::vector<Vec3> positions;
     for (int i = 0; i < 20; ++i) positions.push_back(at(axes, 0, 0, i));
@@ -184,10 +185,10 @@ TEST(Stack, ATiltIsMeasuredByPositionAndOrientation) {
   for (int i = 0; i < 30; ++i)
     positions.push_back(at(axes, 0, i * 2 * std::tan(0.09 * M_PI / 180), i * 2));
   const Stack stack = arrange(positions, axes, kPixel);
-  EXPECT_TRUE(stack.is_volume && stack.sources.empty()) << "0.09 degrees is no tilt";
+  EXPECT_TRUE(stack.is_volume && stack.sources.empty()) << "0.09 degrees is not a tilt";
   positions.clear();
   for (int i = 0; i < 30; ++i) positions.push_back(at(axes, 0, i * 3, i * 2));
-  EXPECT_EQ(arrange(positions, axes, kPixel).code, "tilted") << "56 degrees is no gantry";
+  EXPECT_EQ(arrange(positions, axes, kPixel).code, "tilted") << "56 degrees is not a gantry tilt";
 }
 
 TEST(Stack, OneShiftedSliceIsRefused) {
@@ -229,7 +230,7 @@ TEST(Axes, DirectionsThatAreNoneAreRefused) {
   EXPECT_FALSE(make_axes({0, 0, 0, 0, 0, 0}, axes));
   EXPECT_FALSE(make_axes({1, 0, 0, 1, 0, 0}, axes));
   EXPECT_FALSE(make_axes({2, 0, 0, 0, 1, 0}, axes));
-  EXPECT_TRUE(make_axes({0.9999, 0.003, 0, -0.003, 0.9999, 0}, axes)) << "rounding is mended";
+  EXPECT_TRUE(make_axes({0.9999, 0.003, 0, -0.003, 0.9999, 0}, axes)) << "rounding is corrected";
   EXPECT_NEAR(dot(axes.row, axes.column), 0, 1e-12);
 }
 

@@ -49,11 +49,11 @@ std::string syntax_name(std::string_view uid) {
   for (const Named& named : kNames) {
     if (uid.starts_with(named.prefix)) return std::string(named.name);
   }
-  // A UID is digits and dots: anything else came from the file and is not repeated.
+  // A UID consists of digits and dots. Anything else is text from the file and is not repeated.
   const bool plain = !uid.empty() && uid.size() <= 64 &&
                      uid.find_first_not_of("0123456789.") == std::string_view::npos &&
                      uid.starts_with("1.2.840.10008.");
-  return plain ? std::string(uid) : "of an unknown kind";
+  return plain ? std::string(uid) : "unknown type";
 }
 
 }  // namespace diaphane::dicom

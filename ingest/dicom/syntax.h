@@ -15,13 +15,13 @@ struct TransferSyntax {
   bool explicit_vr = true;
   bool big_endian = false;
   bool deflated = false;
-  bool lossy = false;  ///< may lose something
+  bool lossy = false;  ///< allows lossy compression
 };
 
-/// The syntaxes that are read (DICOM PS3.5, annex A); nothing for any other.
+/// Returns a supported syntax (DICOM PS3.5, annex A), or nullopt for any other.
 std::optional<TransferSyntax> find_syntax(std::string_view uid);
 
-/// What a person may have heard of: "MPEG2", "HTJ2K"; the UID itself if it is unknown but
+/// Returns a well-known name such as "MPEG2" or "HTJ2K", or the UID itself if it is unknown but
 /// well-formed.
 std::string syntax_name(std::string_view uid);
 

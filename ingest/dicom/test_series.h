@@ -1,6 +1,6 @@
 #pragma once
 
-// For tests: series of generated DICOM files, in memory.
+// Series of generated DICOM files in memory, for tests.
 
 #include <cmath>
 #include <cstdint>
@@ -31,8 +31,8 @@ class MemorySource final : public FileSource {
   std::vector<std::string> files_;
 };
 
-/// The value (HU) of the generated picture: different at every voxel's neighbourhood and along
-/// every axis, so that whatever is turned or shifted is noticed.
+/// The value (HU) of the generated image. It differs between neighbouring voxels and along every
+/// axis, so that tests detect any rotation or shift.
 inline int value_at(int x, int y, int z) { return -900 + 3 * x + 40 * y + 11 * z; }
 
 struct Options {
@@ -42,7 +42,7 @@ struct Options {
   std::array<double, 3> step{0, 0, 1};          ///< direction from slice to slice
   std::function<double(int)> place;             ///< mm along `step`; empty: z x spacing
   SeriesSpec series;
-  std::function<void(int, SeriesSpec&, SliceSpec&)> change;  ///< of one slice
+  std::function<void(int, SeriesSpec&, SliceSpec&)> change;  ///< changes one slice
 };
 
 inline Options plain_ct() {
@@ -59,7 +59,8 @@ inline Options plain_ct() {
   return options;
 }
 
-/// Stored pixels of slice z under `series`' layout (8 or 16 bits), MONOCHROME1 as a negative.
+/// Returns the stored pixels of slice z in the layout of `series` (8 or 16 bits), inverted for
+/// MONOCHROME1.
 inline std::vector<std::uint8_t> pixels_of(const Options& options, const SeriesSpec& series,
                                            int z) {
   std::vector<std::uint8_t> pixels;
@@ -79,12 +80,12 @@ inline std::vector<std::uint8_t> pixels_of(const Options& options, const SeriesS
   return pixels;
 }
 
-/// The files in an order that nothing follows from.
+/// Returns the files in an order that carries no information.
 inline std::vector<std::string> files_of(const Options& options) {
   std::vector<std::string> files;
   for (int n = 0; n < options.slices; ++n) {
-    const int z =
-        (7 * n + 3) % options.slices;  // a permutation unless 7 divides the number of slices
+    const int z = (7 * n + 3) %
+                  options.slices;  // a permutation unless the number of slices is a multiple of 7
     SeriesSpec series = options.series;
     series.columns = static_cast<std::uint16_t>(options.columns);
     series.rows = static_cast<std::uint16_t>(options.rows);

@@ -29,7 +29,7 @@ Values to_values(std::span<const std::byte> raw, const PixelLayout& layout, cons
     std::uint32_t bits = std::to_integer<std::uint32_t>(raw[i * width]);
     if (width == 2) bits |= std::to_integer<std::uint32_t>(raw[i * width + 1]) << 8;
     bits = (bits >> shift) & mask;
-    // Two's complement of any width: flipping the sign bit and taking it off again extends it.
+    // Flipping the sign bit and subtracting it extends two's complement numbers of any width.
     auto stored = static_cast<std::int32_t>(bits ^ sign) - static_cast<std::int32_t>(sign);
     if (slice.padding && stored >= (*slice.padding)[0] && stored <= (*slice.padding)[1]) {
       result.values[i] = air_of(slice.modality);

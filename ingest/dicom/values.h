@@ -10,14 +10,14 @@
 
 namespace diaphane::dicom {
 
-/// Hounsfield units of what is not there (air).
+/// Hounsfield units for missing pixels (air).
 inline constexpr std::int32_t kAirHu = -1024;
 
-/// True when to_values handles pixels packed so: 8 or 16 bits allocated, the stored bits within
+/// Whether to_values supports this layout: 8 or 16 bits allocated, with the stored bits within
 /// them.
 bool is_readable(const PixelLayout& layout);
 
-/// What a pixel that is none (padding) becomes: air, which is nothing elsewhere than in CT.
+/// Returns the value for padding pixels: air for CT, 0 for other modalities.
 inline constexpr std::int32_t air_of(volume::Modality modality) {
   return modality == volume::Modality::kCt ? kAirHu : 0;
 }
@@ -25,18 +25,18 @@ inline constexpr std::int32_t air_of(volume::Modality modality) {
 /// Values of one slice.
 struct Values {
   std::vector<std::int32_t> values;
-  std::size_t padded = 0;  ///< so many of them are air because there was no pixel
+  std::size_t padded = 0;  ///< number of values set to air because the pixel was padding
 };
 
-/// Decoded pixels (little endian, `layout` says how packed) as values:
-/// - bits beyond those stored are cleared (overlays hide there), the sign is extended from the
-/// highest stored;
-/// - MONOCHROME1 is inverted within the range of the stored bits, before any rescale: its files
-/// hold the negative of the picture;
-/// - pixels that are padding become air;
-/// - for CT, value = round(slope x stored + intercept); for others stored units stay, or with a
-/// `unit` above 0, where each slice has a scale of its own, value = round((slope x stored +
-/// intercept) / unit).
+/// Converts decoded pixels (little endian, packed according to `layout`) to values:
+/// - It clears bits beyond those stored, where overlays may be, and extends the sign from the
+/// highest stored bit.
+/// - It inverts MONOCHROME1 within the range of the stored bits, before any rescale, because these
+/// files hold the negative of the image.
+/// - Padding pixels become air.
+/// - For CT, value = round(slope x stored + intercept). For other modalities, stored units are
+/// kept. If `unit` is above 0, because each slice has its own scale, value = round((slope x stored
+/// + intercept) / unit).
 /// Precondition: is_readable(slice.layout), and `raw` holds rows x columns pixels.
 Values to_values(std::span<const std::byte> raw, const PixelLayout& layout, const Slice& slice,
                  double unit = 0);

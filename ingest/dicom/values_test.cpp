@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-/// Values of the first file of a series as written and read back through GDCM.
+/// Returns the values of the first file of a series, written and read back through GDCM.
 std::vector<std::int32_t> read_back(const Options& options, int& z) {
   const std::vector<std::string> files = files_of(options);
   z = 3 % options.slices;

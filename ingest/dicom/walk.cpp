@@ -12,11 +12,10 @@ constexpr std::uint32_t kUndefined = 0xFFFFFFFF;
 constexpr std::uint32_t kItem = 0xFFFEE000;
 constexpr std::uint32_t kItemEnd = 0xFFFEE00D;
 constexpr std::uint32_t kSequenceEnd = 0xFFFEE0DD;
-constexpr std::uint32_t kPixelData = 0x7FE00010;
 constexpr std::uint32_t kModalityLookupTable = 0x00283000;
 constexpr std::uint32_t kExtendedOffsets = 0x7FE00001;
 
-/// All that is ever read of a file (dicom/slice.h): rising, for the search.
+/// All elements that are read (dicom/slice.h), sorted for the search.
 constexpr std::array<std::uint32_t, 27> kNeeded{
     0x00080008, 0x00080016, 0x00080018, 0x00080060, 0x00100010, 0x00100020, 0x0020000E,
     0x00200032, 0x00200037, 0x00280002, 0x00280004, 0x00280006, 0x00280008, 0x00280010,
@@ -24,7 +23,7 @@ constexpr std::array<std::uint32_t, 27> kNeeded{
     0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
 constexpr std::uint32_t kLongestNeeded = 1024;
 
-/// The same of the functional groups: each value with the group in which it counts.
+/// Elements of functional groups that are read: each value with the group in which it counts.
 constexpr std::uint32_t kSharedGroups = 0x52009229;
 constexpr std::uint32_t kFrameGroups = 0x52009230;
 struct Grouped {
@@ -44,7 +43,7 @@ constexpr std::array<Grouped, 11> kGrouped{{
     {0x00189751, 0x00089007},  // of PET
 }};
 
-/// Thrown inside this file only, to leave the recursion; walk() turns it into a value.
+/// Thrown only within this file to leave the recursion. walk() converts it to a result.
 struct Stop {
   FileState state;
   const char* text;
@@ -64,7 +63,7 @@ class Walker {
               [](const Range& a, const Range& b) { return a.tag < b.tag; });
     const auto same = [](const Range& a, const Range& b) { return a.tag == b.tag; };
     if (std::adjacent_find(kept.begin(), kept.end(), same) != kept.end()) {
-      damaged("an element is there twice");
+      damaged("an element occurs twice");
     }
   }
   Walked& result() { return result_; }
@@ -72,7 +71,7 @@ class Walker {
  private:
   struct Element {
     std::uint32_t tag = 0;
-    std::array<char, 2> vr{};  ///< zeros where the syntax has none
+    std::array<char, 2> vr{};  ///< zeros if the syntax has none
     std::uint32_t length = 0;
     bool is(const char* name) const { return vr[0] == name[0] && vr[1] == name[1]; }
   };
@@ -90,7 +89,7 @@ class Walker {
     return std::uint32_t{read16(at)} << 16 | read16(at + 2);
   }
   void need(std::uint64_t bytes, std::size_t end) const {
-    if (bytes > end - at_) damaged("the file ends too early");
+    if (bytes > end - at_) damaged("the file is incomplete");
   }
 
   Element next(std::size_t end, bool explicit_vr) {
@@ -111,7 +110,7 @@ class Walker {
     static constexpr std::string_view kLong = "OB OD OF OL OV OW SQ SV UC UN UR UT UV ";
     const char name[] = {e.vr[0], e.vr[1], ' ', '\0'};
     if (kKnown.find(name) == std::string_view::npos)
-      damaged("an element has no known representation");
+      damaged("an element has an unknown value representation");
     if (kLong.find(name) == std::string_view::npos) {
       e.length = read16(at_ + 6);
       at_ += 8;
@@ -123,24 +122,24 @@ class Walker {
     return e;
   }
 
-  /// Some writers fill their files up to whole blocks.
+  /// Some writers pad their files to whole blocks with zeros.
   bool only_zeros(std::size_t end) const {
     return std::all_of(data_.begin() + static_cast<std::ptrdiff_t>(at_),
                        data_.begin() + static_cast<std::ptrdiff_t>(end),
                        [](std::byte b) { return b == std::byte{0}; });
   }
 
-  /// Elements until `end`, or until the item's end mark when `open`.
+  /// Reads elements until `end`, or until the item's end mark if `open`.
   void data_set(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
     while (at_ < end) {
       if (depth == 0 && result_.has_pixels && only_zeros(end)) return;
       const std::size_t begin = at_;
       const Element e = next(end, explicit_vr);
       if (e.tag == kItemEnd && open) {
-        if (e.length != 0) damaged("an item ends with a length");
+        if (e.length != 0) damaged("an item delimiter has a length");
         return;
       }
-      if (e.tag >> 16 == 0xFFFE) damaged("an item stands where an element should");
+      if (e.tag >> 16 == 0xFFFE) damaged("an item appears in place of an element");
       if (depth == 0 && e.tag == kPixelData) {
         pixels(e, end);
       } else {
@@ -151,20 +150,21 @@ class Walker {
         if (depth == 2 && is_plain) note_grouped(e);
       }
     }
-    if (open) damaged("the file ends too early");
+    if (open) damaged("the file is incomplete");
   }
 
-  /// Goes past an element; false for one that holds others.
+  /// Skips an element and returns true, or returns false for one that contains others.
   bool element(const Element& e, std::size_t end, bool explicit_vr, std::uint32_t depth) {
     if (e.length == kUndefined) {
       if (explicit_vr && !e.is("SQ") && !e.is("UN")) damaged("an element has no length");
-      // Of unknown representation and without length: implicit inside (DICOM PS3.5, 6.2.2, note 2).
+      // An element of unknown representation and undefined length is implicit inside (DICOM PS3.5,
+      // 6.2.2, note 2).
       sequence(end, true, explicit_vr && e.is("SQ"), depth + 1);
       return false;
     }
     need(e.length, end);
     const std::size_t stop = at_ + e.length;
-    // Readers look for items also where the representation does not say "sequence".
+    // Readers look for items even if the representation is not "sequence".
     const bool hidden = (!explicit_vr || e.is("UN")) && e.length >= 8 && tag_at(at_) == kItem;
     const bool holds_others = e.is("SQ") || hidden;
     if (holds_others) sequence(stop, false, explicit_vr && e.is("SQ"), depth + 1);
@@ -173,14 +173,15 @@ class Walker {
   }
 
   void sequence(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
-    if (depth > limits_.nesting) throw Stop{FileState::kTooLarge, "sequences are nested too deep"};
+    if (depth > limits_.nesting)
+      throw Stop{FileState::kTooLarge, "sequences are nested too deeply"};
     while (at_ < end) {
       const Element item = next(end, false);
       if (item.tag == kSequenceEnd && open) {
-        if (item.length != 0) damaged("a sequence ends with a length");
+        if (item.length != 0) damaged("a sequence delimiter has a length");
         return;
       }
-      if (item.tag != kItem) damaged("something else stands between the items of a sequence");
+      if (item.tag != kItem) damaged("a sequence contains something other than items");
       if (depth == 1 && top_ == kFrameGroups) result_.each.emplace_back();
       if (depth == 1 && (top_ == kFrameGroups || top_ == kSharedGroups)) result_.has_groups = true;
       if (item.length == kUndefined) {
@@ -190,14 +191,14 @@ class Walker {
         data_set(at_ + item.length, false, explicit_vr, depth);
       }
     }
-    if (open) damaged("the file ends too early");
+    if (open) damaged("the file is incomplete");
   }
 
   void pixels(const Element& e, std::size_t end) {
-    if (result_.has_pixels) damaged("there are two sets of pixels");
+    if (result_.has_pixels) damaged("there are two sets of pixel data");
     result_.has_pixels = true;
-    // Of a sequence GDCM makes a failed assertion.
-    if (explicit_ && !e.is("OW") && !e.is("OB")) damaged("the pixels are no pixels");
+    // GDCM aborts with a failed assertion on a sequence.
+    if (explicit_ && !e.is("OW") && !e.is("OB")) damaged("the pixel data element is invalid");
     if (e.length != kUndefined) {
       need(e.length, end);
       result_.native = {e.tag, at_, at_ + e.length};
@@ -208,11 +209,12 @@ class Walker {
     while (true) {
       const Element fragment = next(end, false);
       if (fragment.tag == kSequenceEnd) {
-        if (fragment.length != 0) damaged("compressed pixels end with a length");
+        if (fragment.length != 0)
+          damaged("the delimiter of the compressed pixel data has a length");
         return;
       }
       if (fragment.tag != kItem || fragment.length == kUndefined)
-        damaged("compressed pixels are broken");
+        damaged("the compressed pixel data is corrupted");
       need(fragment.length, end);
       result_.fragments.push_back({fragment.tag, at_, at_ + fragment.length});
       at_ += fragment.length;
@@ -223,7 +225,7 @@ class Walker {
     if (e.tag == kModalityLookupTable) result_.has_lookup_table = true;
     if (e.tag == kExtendedOffsets && is_plain) result_.long_offsets = {e.tag, at_ - e.length, at_};
     if (!std::binary_search(kNeeded.begin(), kNeeded.end(), e.tag)) return;
-    if (!is_plain || e.length > kLongestNeeded) damaged("an element has an odd form");
+    if (!is_plain || e.length > kLongestNeeded) damaged("an element has an unexpected form");
     result_.kept.push_back({e.tag, begin, at_});
     switch (e.tag) {
       case 0x00280002:
@@ -241,22 +243,22 @@ class Walker {
     }
   }
 
-  /// A value of a functional group that was just passed.
+  /// Records the value of a functional group that was just passed.
   void note_grouped(const Element& e) {
     if (top_ != kFrameGroups && top_ != kSharedGroups) return;
     const bool wanted = std::any_of(kGrouped.begin(), kGrouped.end(), [&](const Grouped& g) {
       return g.group == group_ && g.tag == e.tag;
     });
     if (!wanted) return;
-    if (e.length > kLongestNeeded) damaged("an element has an odd form");
+    if (e.length > kLongestNeeded) damaged("an element has an unexpected form");
     auto& into = top_ == kFrameGroups ? result_.each.back() : result_.shared;
     into.push_back({e.tag, at_ - e.length, at_});
   }
 
-  /// The value that was just passed.
+  /// Reads the value that was just passed.
   void number(const Element& e, std::optional<std::uint16_t>& into) const {
-    // Of an odd form, two readers could see two different pictures.
-    if (e.length != 2 || (explicit_ && !e.is("US"))) damaged("the size of the picture is unclear");
+    // Two readers could derive two different sizes from an unusual form.
+    if (e.length != 2 || (explicit_ && !e.is("US"))) damaged("the size of the image is unclear");
     into = read16(at_ - 2);
   }
 
@@ -280,8 +282,8 @@ class Walker {
   const Limits& limits_;
   std::size_t at_ = 0;
   std::uint32_t elements_ = 0;
-  std::uint32_t top_ = 0;    ///< the element of the top level, and
-  std::uint32_t group_ = 0;  ///< the one below it, that are being walked
+  std::uint32_t top_ = 0;    ///< top-level element that is being walked
+  std::uint32_t group_ = 0;  ///< functional group within it
   Walked result_;
 };
 

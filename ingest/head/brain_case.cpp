@@ -5,19 +5,19 @@
 namespace diaphane::ingest {
 namespace {
 
-constexpr float kBone = 250;                      // HU; thin bone is blurred by what is around it
+constexpr float kBone = 250;  // HU; partial volume lowers the values of thin bone
 constexpr float kSoftLow = -30, kSoftHigh = 130;  // HU: brain, blood, fluid
-constexpr double kLeastArea = 3000;               // mm^2: an infant's brain a little above its base
+constexpr double kLeastArea = 3000;               // mm^2, an infant's brain slightly above its base
 constexpr double kLeastSide = 50, kMostSide = 220;  // mm
-constexpr double kLeastSoft = 0.6;                  // of what is enclosed
-constexpr int kLeastLevels = 8;                     // in a row: 24 mm
+constexpr double kLeastSoft = 0.6;                  // share of the enclosed area
+constexpr int kLeastCaseLevels = 8;                 // consecutive levels: 24 mm
 
-struct Level {
+struct CaseLevel {
   Mask enclosed;
   bool fits = false;
 };
 
-/// By a cell in all eight directions.
+/// Dilates a mask by one cell in all eight directions.
 Mask grown(const Mask& mask, int width, int height) {
   Mask larger(mask.size(), 0);
   for (int y = 0; y < height; ++y) {
@@ -33,7 +33,8 @@ Mask grown(const Mask& mask, int width, int height) {
   return larger;
 }
 
-/// Bone (not 0), grown by a cell: sutures, and the thin roof of the orbit, are no doors.
+/// Bone (not 0), dilated by one cell, so that sutures and the thin roof of the orbit do not count
+/// as openings.
 Mask grown_bone(const Coarse& coarse, int z) {
   Mask bone(coarse.cells_of_level());
   const std::size_t first = coarse.at(0, 0, z);
@@ -41,8 +42,8 @@ Mask grown_bone(const Coarse& coarse, int z) {
   return grown(bone, coarse.size[0], coarse.size[1]);
 }
 
-/// Cells from which one sees bone in nearly all directions of the level. A hole in the shell (a
-/// fracture, an operation) hides it in some, so that it may be open without being missed.
+/// Marks cells that see bone in nearly all directions of the level. A hole in the shell, from a
+/// fracture or an operation, hides bone in some directions, so a shell with a hole is still found.
 Mask enclosed_by(const Mask& bone, int width, int height) {
   constexpr std::array<std::array<int, 2>, 16> kDirections{{{1, 0},
                                                             {-1, 0},
@@ -64,7 +65,8 @@ Mask enclosed_by(const Mask& bone, int width, int height) {
   std::vector<int> seen(bone.size(), 0);
   Mask hit(bone.size());
   for (const auto& [dx, dy] : kDirections) {
-    // Against the direction, so that what the next cell sees is known: no ray is walked twice.
+    // Walks against the direction, so that the result of the next cell is known and no ray is
+    // walked twice.
     for (int row = 0; row < height; ++row) {
       const int y = dy > 0 ? height - 1 - row : row;
       for (int column = 0; column < width; ++column) {
@@ -83,10 +85,10 @@ Mask enclosed_by(const Mask& bone, int width, int height) {
   return enclosed;
 }
 
-Level look_at(const Coarse& coarse, int z) {
+CaseLevel look_at(const Coarse& coarse, int z) {
   const int width = coarse.size[0], height = coarse.size[1];
   const std::size_t first = coarse.at(0, 0, z);
-  Level level{enclosed_by(grown_bone(coarse, z), width, height), false};
+  CaseLevel level{enclosed_by(grown_bone(coarse, z), width, height), false};
   const std::size_t cells = keep_largest(level.enclosed, width, height);
   if (static_cast<double>(cells) * Coarse::kCellMm * Coarse::kCellMm < kLeastArea) return level;
 
@@ -112,7 +114,7 @@ Level look_at(const Coarse& coarse, int z) {
 }  // namespace
 
 std::optional<Brain> find_brain_case(const Coarse& coarse) {
-  std::vector<Level> levels;
+  std::vector<CaseLevel> levels;
   int begin = 0, best_begin = 0, best_count = 0;
   for (int z = 0; z < coarse.size[2]; ++z) {
     levels.push_back(look_at(coarse, z));
@@ -122,7 +124,7 @@ std::optional<Brain> find_brain_case(const Coarse& coarse) {
       best_count = z + 1 - begin;
     }
   }
-  if (best_count < kLeastLevels) return std::nullopt;
+  if (best_count < kLeastCaseLevels) return std::nullopt;
 
   Brain brain;
   const auto take = [&](int z, const Mask& allowed) {
@@ -140,14 +142,14 @@ std::optional<Brain> find_brain_case(const Coarse& coarse) {
   const auto mask = [&](int z) -> const Mask& {
     return levels[static_cast<std::size_t>(z)].enclosed;
   };
-  // From the vault down, each level at most a cell wider than the one above: what is enclosed
-  // beside the brain is an orbit or a mouth, and to keep that would keep the face.
+  // From the vault down, each level may be at most one cell wider than the one above. What is
+  // enclosed beside the brain is an orbit or a mouth, and keeping that would keep the face.
   const int top = best_begin + best_count - 1;
   take(top, Mask(coarse.cells_of_level(), 1));
   for (int z = top - 1; z >= best_begin; --z) {
     take(z, grown(mask(z + 1), coarse.size[0], coarse.size[1]));
   }
-  // Its caps, too small to be a sign of it.
+  // Adds the caps above, which are too small to be a sign of the brain.
   for (int z = top + 1; z < coarse.size[2] && take(z, mask(z - 1)); ++z) {
   }
   for (int z = best_begin - 1; z >= 0 && take(z, mask(z + 1)); --z) {

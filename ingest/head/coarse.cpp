@@ -6,7 +6,7 @@
 namespace diaphane::ingest {
 namespace {
 
-/// Calls `visit` with each of the four neighbours of a cell that there are.
+/// Calls `visit` with each of the up to four neighbours of a cell.
 template <typename Visit>
 void neighbours(int cell, int width, int height, Visit visit) {
   const int x = cell % width, y = cell / width;
@@ -16,7 +16,7 @@ void neighbours(int cell, int width, int height, Visit visit) {
   if (y + 1 < height) visit(cell + width);
 }
 
-/// From `start` over what is open and not yet marked; how many.
+/// Flood-fills open cells without a mark from `start` and returns their number.
 std::size_t fill(const Mask& open, Mask& marked, std::uint8_t mark, int start, int width,
                  int height) {
   if (!open[static_cast<std::size_t>(start)] || marked[static_cast<std::size_t>(start)]) return 0;

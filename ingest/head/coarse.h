@@ -9,14 +9,14 @@
 namespace diaphane::ingest {
 
 /// A volume resampled to cells of kCellMm along the patient's axes: x to the left, y to the back, z
-/// to the head. What lies outside of the volume is kNothing.
+/// to the head. Cells outside the volume are kNothing.
 struct Coarse {
   static constexpr double kCellMm = 3;
   static constexpr float kNothing = -32768;
 
   std::array<int, 3> size{};
-  std::array<double, 3> low{};  ///< mm in the world of scenes: the corner of cell (0, 0, 0)
-  std::vector<float> mean;      ///< of eight places in each cell
+  std::array<double, 3> low{};  ///< mm in world space: the corner of cell (0, 0, 0)
+  std::vector<float> mean;      ///< mean of eight samples per cell
   std::vector<float> most;
 
   std::size_t at(int x, int y, int z) const {
@@ -25,7 +25,7 @@ struct Coarse {
                (static_cast<std::size_t>(y) +
                 static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(z));
   }
-  /// The middle of a cell.
+  /// Returns the centre of a cell.
   std::array<double, 3> place(int x, int y, int z) const {
     return {low[0] + (x + 0.5) * kCellMm, low[1] + (y + 0.5) * kCellMm,
             low[2] + (z + 0.5) * kCellMm};
@@ -35,7 +35,7 @@ struct Coarse {
   }
 };
 
-/// The smallest box along the patient's axes around the volume, mm in the world of scenes.
+/// The smallest box along the patient's axes around the volume, in mm in world space.
 struct WorldBox {
   std::array<double, 3> low{}, high{};
 };
@@ -43,13 +43,14 @@ WorldBox world_box(const volume::Header& header);
 
 Coarse coarse_of(const volume::Volume& volume);
 
-/// Cells of one level, by [x + size x * y].
+/// Cells of one level, indexed by [x + size x * y].
 using Mask = std::vector<std::uint8_t>;
 
-/// What of `open` (not 0) can be reached over open cells, by their four neighbours, from the border
-/// of the level.
+/// Returns the cells of `open` (not 0) that can be reached from the border of the level over
+/// four-neighbours in `open`.
 Mask reached_from_border(const Mask& open, int width, int height);
-/// The largest piece (four neighbours) of what is not 0, alone; how many cells it has.
+/// Keeps only the largest four-connected component of non-zero cells, and returns its number of
+/// cells.
 std::size_t keep_largest(Mask& mask, int width, int height);
 
 }  // namespace diaphane::ingest

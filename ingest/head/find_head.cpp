@@ -10,15 +10,16 @@
 namespace diaphane::ingest {
 namespace {
 
-// Of the plane that takes the face: how far its normal points down from straight ahead, and how far
-// in front of the brain it passes. Chosen on the heads of docs/privacy.md.
+// Parameters of the plane that removes the face: how far its normal points down from straight
+// ahead, and how far in front of the brain it passes. Chosen on the heads of docs/privacy.md.
 constexpr double kDownDegrees = 50;
 constexpr double kBeforeBrainMm = 8;
-constexpr double kBeforeShapeMm = 0;  // an ellipsoid is fuller than a brain where the face begins
-// A brain's longest axis points so far up from straight ahead, in a head that is held upright: the
-// median of four brains without a skull (docs/privacy.md).
+// at the front of the face, an ellipsoid is fuller than a brain
+constexpr double kBeforeShapeMm = 0;
+// How far the longest axis of a brain points up from straight ahead in a head that is held upright:
+// the median of four brains without a skull (docs/privacy.md).
 constexpr double kLongAxisUpDegrees = 10;
-constexpr double kMostTurnedDegrees = 75;  // beyond, it is no axis of a head that lies as is said
+constexpr double kMostTurnedDegrees = 75;  // beyond this, the axis does not fit the stated position
 
 using volume::Vector;
 
@@ -35,7 +36,7 @@ Vector sum(double a, const Vector& u, double b, const Vector& v) {
 
 double dot(const Vector& u, const Vector& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
-/// `v` turned towards the feet, staying in the upright plane that it lies in.
+/// Rotates `v` towards the feet within the vertical plane that contains it.
 Vector lowered(const Vector& v, double degrees) {
   const Vector feet{0, 0, -1};
   const Vector down = unit(sum(1, feet, -dot(feet, v), v));
@@ -50,8 +51,8 @@ Vector middle_of(const Brain& brain) {
   return middle;
 }
 
-/// Where the head looks, by the longest axis of its brain: the axis of the covariance, applied
-/// again and again to straight ahead.
+/// Estimates where the head looks from the longest axis of its brain, which is the main axis of the
+/// covariance, by power iteration from straight ahead.
 Vector gaze_of(const Brain& brain) {
   const Vector ahead{0, -1, 0};
   const Vector middle = middle_of(brain);
@@ -92,10 +93,10 @@ HeadFinding find_head(const volume::Volume& volume) {
   if (!brain) return finding;
   finding.found = true;
   finding.sign = ct ? "brain_case" : "head_shape";
-  // The brain of an MR is guessed, and always looks straight ahead.
+  // The brain of an MR is an estimate that always looks straight ahead.
   volume::Region region = ct ? face_cut(*brain, gaze_of(*brain), kBeforeBrainMm, volume.header)
                              : face_cut(*brain, {0, -1, 0}, kBeforeShapeMm, volume.header);
-  // A cut that would take nothing is none to propose.
+  // A cut that removes nothing is not proposed.
   const auto cut = volume::plan_cut(volume.header, region);
   if (cut && cut->kept < volume.header.voxel_count()) finding.proposal = std::move(region);
   return finding;

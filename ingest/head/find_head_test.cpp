@@ -13,8 +13,8 @@ using volume::Modality;
 using volume::Vector;
 using volume::Volume;
 
-/// A volume of 2.5 mm voxels along the patient's axes, with a value for each place (mm, origin in
-/// its middle).
+/// Returns a volume of 2.5 mm voxels along the patient's axes, with a value per place (mm, origin
+/// at its centre).
 Volume made(Modality modality, const Vector& size_mm,
             const std::function<int(const Vector&)>& value, double turn = 0) {
   constexpr double kSpacing = 2.5;
@@ -58,7 +58,7 @@ double ellipse(double x, double y, double half_x, double half_y) {
 
 constexpr Vector kBrainMiddle{0, 10, 30};
 
-/// A brain case of an ellipsoid, a face and neck below and in front of it; HU.
+/// An ellipsoidal brain case, with a face and neck below and in front of it, in HU.
 int head_ct(const Vector& p) {
   const double brain = ellipsoid(p, kBrainMiddle, {66, 82, 62});
   if (brain < 1) return 35;
@@ -74,7 +74,7 @@ int head_ct(const Vector& p) {
 int abdomen_ct(const Vector& p) {
   if (ellipse(p[0], p[1], 165, 115) > 1) return -1000;
   if (std::hypot(p[0], p[1] - 70) < 22) return std::hypot(p[0], p[1] - 70) < 9 ? 30 : 500;
-  // Ribs: pieces of a ring that go down to the front.
+  // Ribs: pieces of a ring that slope down to the front.
   const double ring = ellipse(p[0], p[1], 150, 100);
   const double along = std::fmod(std::abs(p[2] + 0.5 * p[1]), 26);
   if (ring > 0.93 && ring < 1.0 && along < 9 && p[1] > -80) return 700;
@@ -88,7 +88,7 @@ int limb_ct(const Vector& p) {
   return bone < 75 ? 50 : -1000;
 }
 
-/// The ring of the pelvis: open in front but for a few levels.
+/// The ring of the pelvis, open in front except for a few levels.
 int pelvis_ct(const Vector& p) {
   if (ellipse(p[0], p[1], 180, 120) > 1) return -1000;
   const double ring = ellipse(p[0], p[1], 110, 80);
@@ -151,7 +151,7 @@ TEST(FindHead, TheProposedCutTakesTheFaceAndKeepsTheBrain) {
         }
       }
     }
-    // Of MR the brain is only guessed: a fiftieth of it may go.
+    // In MR, the brain is only an estimate, so a fiftieth of it may be lost.
     EXPECT_LE(lost, modality == Modality::kCt ? 0 : brain / 50) << brain;
   }
 }

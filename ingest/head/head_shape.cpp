@@ -7,23 +7,24 @@
 namespace diaphane::ingest {
 namespace {
 
-// mm, with scalp and hair: from a small child to a large man.
+// mm, with scalp and hair, from a small child to a large man.
 constexpr double kLeastAcross = 105, kMostAcross = 190;
 constexpr double kLeastDeep = 130, kMostDeep = 240;
-constexpr double kLeastRatio = 0.95, kMostRatio = 1.65;   // depth to width
-constexpr double kLeastFilled = 0.8, kMostFilled = 1.12;  // of the ellipse with those axes
-constexpr int kLeastLevels = 15;                          // in a row: 45 mm
-constexpr double kDomeBelow = 0.55;                       // of the largest area, near the top
-constexpr int kDomeLevels = 20;                           // within so many above the last that fits
+constexpr double kLeastRatio = 0.95, kMostRatio = 1.65;  // ratio of depth to width
+// share of the area of the ellipse with those axes
+constexpr double kLeastFilled = 0.8, kMostFilled = 1.12;
+constexpr int kLeastHeadLevels = 15;  // consecutive levels: 45 mm
+constexpr double kDomeBelow = 0.55;   // share of the largest area, near the top
+constexpr int kDomeLevels = 20;       // at most this many levels above the last one that fits
 
-/// Otsu's threshold between air and matter; air is the darker of the two.
+/// Returns Otsu's threshold between air and matter. Air is the darker of the two.
 float between_air_and_matter(const Coarse& coarse) {
   std::vector<float> values;
   for (const float v : coarse.mean) {
     if (v != Coarse::kNothing) values.push_back(v);
   }
   if (values.size() < 100) return 0;
-  // The brightest are fat, vessels and flow: they must not pull the threshold up.
+  // Fat, vessels and flow are the brightest and must not raise the threshold.
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 98 / 100);
   std::nth_element(values.begin(), place, values.end());
   const float high = *place, low = *std::min_element(values.begin(), values.end());
@@ -45,17 +46,17 @@ float between_air_and_matter(const Coarse& coarse) {
     const double between = below * (total - below) * apart * apart;
     if (between > best) best = between, threshold = i;
   }
-  // Half of it: dark matter (bone, fluid in T1) at the surface counts as matter too.
+  // Half of the threshold, so that dark matter at the surface (bone, fluid in T1) counts as matter.
   return low + (high - low) * static_cast<float>(threshold / (kBins - 1)) * 0.5F;
 }
 
-struct Level {
+struct BodyLevel {
   double area = 0;  // mm^2
   double across = 0, deep = 0, middle_x = 0, front = 0, back = 0;
   bool fits = false;
 };
 
-Level look_at(const Coarse& coarse, int z, float threshold) {
+BodyLevel look_at(const Coarse& coarse, int z, float threshold) {
   const int width = coarse.size[0], height = coarse.size[1];
   Mask air(coarse.cells_of_level());
   const std::size_t first = coarse.at(0, 0, z);
@@ -64,7 +65,7 @@ Level look_at(const Coarse& coarse, int z, float threshold) {
   Mask body(air.size());
   for (std::size_t i = 0; i < body.size(); ++i) body[i] = !outside[i];
   const std::size_t cells = keep_largest(body, width, height);
-  Level level;
+  BodyLevel level;
   level.area = static_cast<double>(cells) * Coarse::kCellMm * Coarse::kCellMm;
   if (cells == 0) return level;
   int low_x = width, high_x = -1, low_y = height, high_y = -1;
@@ -90,26 +91,26 @@ Level look_at(const Coarse& coarse, int z, float threshold) {
 
 std::optional<Brain> find_head_shape(const Coarse& coarse) {
   const float threshold = between_air_and_matter(coarse);
-  std::vector<Level> levels;
+  std::vector<BodyLevel> levels;
   for (int z = 0; z < coarse.size[2]; ++z) levels.push_back(look_at(coarse, z, threshold));
 
   int top = -1, run = 0;  // the last level of the topmost run that is long enough
   for (int z = 0; z < coarse.size[2]; ++z) {
     run = levels[static_cast<std::size_t>(z)].fits ? run + 1 : 0;
-    if (run >= kLeastLevels) top = z;
+    if (run >= kLeastHeadLevels) top = z;
   }
   if (top < 0) return std::nullopt;
   double largest = 0;
-  for (int z = top; z > top - kLeastLevels; --z) {
+  for (int z = top; z > top - kLeastHeadLevels; --z) {
     largest = std::max(largest, levels[static_cast<std::size_t>(z)].area);
   }
   int vertex = -1;
   for (int z = top + 1; z < coarse.size[2] && z <= top + kDomeLevels; ++z) {
-    const Level& level = levels[static_cast<std::size_t>(z)];
+    const BodyLevel& level = levels[static_cast<std::size_t>(z)];
     if (level.area > levels[static_cast<std::size_t>(z) - 1].area * 1.1) return std::nullopt;
     if (level.area > 0) vertex = z;
     if (level.area < kDomeBelow * largest) {
-      // It narrows: a dome, whether its very top is in the picture or not.
+      // The shape narrows to a dome, whether or not its very top is in the image.
       while (vertex + 1 < coarse.size[2] && levels[static_cast<std::size_t>(vertex) + 1].area > 0 &&
              vertex < top + kDomeLevels) {
         ++vertex;
@@ -120,11 +121,11 @@ std::optional<Brain> find_head_shape(const Coarse& coarse) {
   }
   if (vertex < 0) return std::nullopt;
 
-  // The brain as an ellipsoid under the vertex, within what scalp and skull leave of the widest
-  // level there.
-  const Level* widest = &levels[static_cast<std::size_t>(top)];
-  for (int z = top; z > top - kLeastLevels; --z) {
-    const Level& level = levels[static_cast<std::size_t>(z)];
+  // Estimates the brain as an ellipsoid under the vertex, inside scalp and skull at the widest
+  // level.
+  const BodyLevel* widest = &levels[static_cast<std::size_t>(top)];
+  for (int z = top; z > top - kLeastHeadLevels; --z) {
+    const BodyLevel& level = levels[static_cast<std::size_t>(z)];
     if (level.area > widest->area) widest = &level;
   }
   constexpr double kShell = 13;  // mm: scalp and skull

@@ -8,14 +8,15 @@
 
 namespace diaphane::ingest {
 
-/// Where the brain is, or must be: places that a cut has to keep, mm in the world of scenes.
+/// Where the brain is or must be: points that a cut has to keep, in mm in world space.
 using Brain = std::vector<std::array<double, 3>>;
 
-/// CT: a closed shell of bone around soft tissue, of the size of a brain, over 24 mm and more.
+/// CT: finds a closed shell of bone around soft tissue, of the size of a brain, over at least 24
+/// mm.
 std::optional<Brain> find_brain_case(const Coarse& coarse);
 
-/// MR and others: a body whose cross-sections are ellipses of a head's size and that ends above in
-/// a dome within the picture.
+/// MR and others: finds a body whose cross-sections are ellipses of the size of a head and that
+/// ends above in a dome within the image.
 std::optional<Brain> find_head_shape(const Coarse& coarse);
 
 }  // namespace diaphane::ingest

@@ -17,6 +17,7 @@
 #include <span>
 
 #include "common/fd.h"
+#include "common/try.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/supervisor.h"
@@ -27,18 +28,19 @@ namespace {
 
 constexpr std::uint64_t kMb = std::uint64_t{1} << 20;
 
-/// A file without a name, so that nothing is left of it however we end.
+/// Opens a file without a name, so that nothing remains of it however this process ends.
 int unnamed_file(const std::string& directory) {
   const int fd = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   const bool unknown = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL;
   if (fd >= 0 || !unknown) return fd;
-  std::string name = directory + "/voxels-XXXXXX";  // a file system that has no such thing
+  // the file system does not support unnamed files
+  std::string name = directory + "/voxels-XXXXXX";
   const int named = mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) unlink(name.c_str());
   return named;
 }
 
-/// The child has left the descriptor at the end.
+/// Reads from the start, because the child left the file offset at the end.
 bool read_from_start(int fd, char* data, std::size_t bytes) {
   off_t at = 0;
   while (bytes > 0) {
@@ -63,7 +65,7 @@ Verdict verdict_of(const ChildEnd& end) {
       }
       return unsafe();
     case ChildEnd::How::kTimedOut:
-      return refused("too_slow", "This upload took too long to read.");
+      return refused("too_slow", "This upload took too long to process.");
     case ChildEnd::How::kCrashed:
     case ChildEnd::How::kStopped:
       break;
@@ -71,13 +73,13 @@ Verdict verdict_of(const ChildEnd& end) {
   return unsafe();
 }
 
-/// The voxels that the child left. The header's numbers are the child's, which may lie: size and
-/// range of what is really there are checked and measured here.
+/// Reads the voxels that the child wrote. The child may lie in the header, so size and value range
+/// are checked and measured on the actual voxels.
 Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
   build.volume.header = std::move(build.verdict.header);
   const std::uint64_t count = build.volume.header.voxel_count();
   struct stat info {};
-  if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "the voxels cannot be read back");
+  if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "cannot read the voxels back");
   if (count > most_voxels ||
       static_cast<std::uint64_t>(info.st_size) != count * sizeof(std::int16_t)) {
     build.verdict = unsafe();
@@ -86,17 +88,18 @@ Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
   try {
     build.volume.voxels.resize(count);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "no memory for the volume");
+    return fail(ErrorCode::kOutOfMemory, "not enough memory for the volume");
   }
   if (!read_from_start(fd, reinterpret_cast<char*>(build.volume.voxels.data()),
                        count * sizeof(std::int16_t))) {
-    return fail(ErrorCode::kInternal, "the voxels cannot be read back");
+    return fail(ErrorCode::kInternal, "cannot read the voxels back");
   }
   volume::measure(build.volume, build.verdict.filler);
   return {};
 }
 
-/// Bytes that may still be written where `directory` lies, so that `reserve` stays free.
+/// Returns the bytes that may still be written on the disk of `directory` while `reserve` stays
+/// free.
 std::uint64_t free_bytes(const std::string& directory, std::uint64_t reserve) {
   struct statvfs info {};
   if (statvfs(directory.c_str(), &info) != 0) return 0;
@@ -106,29 +109,40 @@ std::uint64_t free_bytes(const std::string& directory, std::uint64_t reserve) {
 
 tl::unexpected<Error> no_room() { return fail(ErrorCode::kTooLarge, "the disk is full"); }
 
-/// A child that was ended by a signal that no fault of its own raises.
+/// Whether the child was ended by SIGKILL, which a fault of its own does not raise.
 bool was_killed(const ChildEnd& end) {
   return end.how == ChildEnd::How::kCrashed && end.signal == SIGKILL;
 }
 
 }  // namespace
 
-/// The voxels lie in the scratch directory first, and are gone from there when the volume is
-/// stored.
+/// Counts both disks, because the voxels are in the scratch directory until the volume is stored.
 std::uint64_t SandboxBuilder::room_bytes() const {
   const std::uint64_t reserve = options_.reserve_mb * kMb;
   return std::min(free_bytes(options_.scratch_dir, reserve),
                   free_bytes(options_.volume_dir, reserve));
 }
 
+std::optional<SandboxBuilder::DirectoryId> SandboxBuilder::directory_of(const std::string& path) {
+  struct stat info {};
+  if (stat(path.substr(0, path.rfind('/')).c_str(), &info) != 0) return std::nullopt;
+  return DirectoryId(info.st_dev, info.st_ino);
+}
+
 Result<Build> SandboxBuilder::build(const UploadInput& upload, const GoOn& go_on) {
   const Fd input(open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) {
-    if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "the upload cannot be opened");
+    if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "cannot open the upload");
+    // A directory in which no upload has been found may be a mount point whose disk is missing.
+    const auto here = directory_of(upload.path);
+    if (!here || here != uploads_) {
+      return fail(ErrorCode::kUnavailable, "the upload disk is not mounted");
+    }
     Build build;
-    build.verdict = refused("upload_gone", "The upload is gone; please send it again.");
+    build.file_missing = true;
     return build;
   }
+  uploads_ = directory_of(upload.path);
   const std::uint64_t room = room_bytes();
   if (room == 0) return no_room();
   const std::uint64_t light = options_.light_mb > 0 ? options_.light_mb * kMb : BuildBounds::kNone;
@@ -140,10 +154,10 @@ Result<Build> SandboxBuilder::build(const UploadInput& upload, const GoOn& go_on
 
 Result<Build> SandboxBuilder::cut(const CutInput& wanted, const GoOn& go_on) {
   auto header = volume::to_json(wanted.header);
-  if (!header) return tl::unexpected(header.error());
+  DIAPHANE_TRY(header);
   const std::string voxels = wanted.volume_directory + "/voxels.i16";
   const Fd input(open(voxels.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!input) return fail(ErrorCode::kUnavailable, "the stored voxels cannot be opened");
+  if (!input) return fail(ErrorCode::kUnavailable, "cannot open the stored voxels");
   if (const auto plan = volume::plan_cut(wanted.header, wanted.region)) {
     const std::uint64_t bytes =
         std::uint64_t{plan->size[0]} * plan->size[1] * plan->size[2] * sizeof(std::int16_t);
@@ -159,7 +173,7 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   const Fd output(unnamed_file(options_.scratch_dir));
   if (!output) {
     if (errno == ENOSPC || errno == EDQUOT) return no_room();
-    return fail(ErrorCode::kUnavailable, "the scratch directory cannot be written");
+    return fail(ErrorCode::kUnavailable, "the scratch directory is not writable");
   }
 
   ChildCommand command;
@@ -172,7 +186,7 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   command.time_limit = std::chrono::seconds(options_.time_limit_s);
   const auto began = std::chrono::steady_clock::now();
   auto end = run_child(command, go_on);
-  if (!end) return tl::unexpected(end.error());
+  DIAPHANE_TRY(end);
   build.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   build.peak_bytes = end->peak_bytes;
   if (end->how == ChildEnd::How::kStopped) {
@@ -183,16 +197,25 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
     build.killed = true;
     return build;
   }
+  // The child ended before it read a byte, so the machine ended it, for example for lack of memory
+  // at its start.
+  if (end->how == ChildEnd::How::kCrashed && end->report.empty()) {
+    return fail(ErrorCode::kInternal, "the child ended before it read its input");
+  }
   constexpr int kNoProgram = 127;
   if (end->how == ChildEnd::How::kExited) {
     switch (end->exit_code) {
       case kChildNoSandbox:
-      case kNoProgram:  // no sandbox on this machine, or too little memory to start in
-        return fail(ErrorCode::kInternal, "the child cannot start");
+      case kNoProgram:  // no sandbox on this machine, or too little memory to start
+        return fail(ErrorCode::kInternal, "cannot start the child process");
       case kChildNoRoom:
         return no_room();
       case kChildDiskFails:
-        return fail(ErrorCode::kUnavailable, "the child cannot write its output");
+        return fail(ErrorCode::kUnavailable,
+                    "the child process cannot read its input or write its output");
+      case kChildNoMemory:
+        build.no_memory = true;
+        return build;
       case kChildTooLarge:
         build.too_large = true;
         return build;
@@ -202,16 +225,14 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   }
   build.verdict = verdict_of(*end);
   if (build.verdict.ready) {
-    if (auto ok = take_voxels(output.get(), options_.quota_mb * kMb / 2, build); !ok) {
-      return tl::unexpected(ok.error());
-    }
+    DIAPHANE_TRY(take_voxels(output.get(), options_.quota_mb * kMb / 2, build));
   }
   return build;
 }
 
 namespace {
 
-/// `numbers.size()` of the arguments from `first` on.
+/// Parses `numbers.size()` arguments, starting at `first`.
 bool read_numbers(const std::vector<std::string>& arguments, std::size_t first,
                   std::span<std::uint64_t> numbers) {
   if (arguments.size() < first + numbers.size()) return false;
@@ -223,7 +244,7 @@ bool read_numbers(const std::vector<std::string>& arguments, std::size_t first,
   return true;
 }
 
-/// The limits that come first among a child's arguments.
+/// Parses the limits at the beginning of a child's arguments.
 bool read_limits(const std::vector<std::string>& arguments, SandboxLimits& sandbox,
                  std::uint64_t& quota_bytes) {
   std::array<std::uint64_t, 3> numbers{};

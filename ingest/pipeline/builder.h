@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/result.h"
@@ -15,53 +16,59 @@
 
 namespace diaphane::ingest {
 
-/// What came of reading one upload. At most one of the flags is set; with one, there is no verdict.
+/// The result of reading one upload. At most one of the flags is set, and then there is no verdict.
 struct Build {
   Verdict verdict;
-  volume::Volume volume;   ///< with verdict.ready, measured
-  bool stopped = false;    ///< `go_on` said no
-  bool killed = false;     ///< somebody, probably the kernel for want of memory, killed the child
-  bool too_large = false;  ///< for BuildBounds::light_bytes
+  volume::Volume volume;  ///< valid with verdict.ready, with measured statistics
+  bool stopped = false;   ///< `go_on` returned false
+  bool killed = false;    ///< something killed the child, probably the kernel for lack of memory
+  /// The child could not allocate memory although it was below its own limit.
+  bool no_memory = false;
+  bool too_large = false;  ///< exceeds BuildBounds::light_bytes
+  /// The upload's file is missing from a directory in which others were found.
+  bool file_missing = false;
   double seconds = 0;
   std::uint64_t peak_bytes = 0;  ///< of the child
 };
 
-/// An upload, and what its volume may take. A volume that may not be built is never written.
+/// An upload and the limits of its volume. A volume that exceeds them is never written.
 struct UploadInput {
   std::string path;
   std::optional<std::uint64_t> quota_left;  ///< bytes; a larger volume is refused ("over_quota")
 };
 
-/// A stored volume that is to be cut (docs/contracts.md, "Anonymising").
+/// A stored volume to cut (docs/contracts.md, "Anonymising").
 struct CutInput {
   std::string volume_directory;
-  volume::Header header;  ///< as it is stored there
+  volume::Header header;  ///< as stored
   volume::Region region;
 };
 
-/// Makes a volume of an upload, or what is to be kept of a stored one, somewhere safe.
+/// Builds a volume from an upload, or cuts a stored volume, isolated from the contents of both.
 class Builder {
  public:
   using GoOn = std::function<bool()>;
   virtual ~Builder() = default;
-  /// Never fails because of what is in the file: that is a refusal. An error is a condition that
-  /// passes: kTooLarge for a full disk, kOutOfMemory, kUnavailable and kInternal for the rest.
+  /// Returns a refusal for any problem with the contents of the file. An error is a temporary
+  /// condition: kTooLarge for a full disk, kOutOfMemory, and kUnavailable or kInternal for the
+  /// rest.
   virtual Result<Build> build(const UploadInput& upload, const GoOn& go_on) = 0;
-  /// What is left of a stored volume, which is not touched. A refusal: nothing would be left.
+  /// Returns the kept part of a stored volume, which is not changed. Refuses if nothing would be
+  /// left.
   virtual Result<Build> cut(const CutInput& input, const GoOn& go_on) = 0;
 };
 
-/// By a child process in a sandbox (child.h), one per upload. A child that crashes or takes too
-/// long is a refusal. Its exit codes for conditions that pass are errors, and a child that was
-/// killed gives no verdict.
+/// Builds in a sandboxed child process (child.h), one per upload. A child that crashes over its
+/// input or takes too long is a refusal. Its exit codes for temporary conditions are errors, and a
+/// child that was killed or got no memory gives no verdict. Not thread-safe.
 class SandboxBuilder final : public Builder {
  public:
   struct Options {
-    std::string program;             ///< this program, to be started as the child
+    std::string program;             ///< path of this program, which also runs as the child
     std::string scratch_dir;         ///< for unnamed files with voxels
-    std::string volume_dir;          ///< where the volume is kept afterwards
-    std::uint64_t reserve_mb = 256;  ///< of both disks, stays free
-    std::uint64_t light_mb = 0;      ///< larger volumes are left to another worker; 0: none is
+    std::string volume_dir;          ///< where the volume will be stored
+    std::uint64_t reserve_mb = 256;  ///< space to keep free on both disks
+    std::uint64_t light_mb = 0;      ///< larger volumes are left to another worker; 0: no limit
     std::uint32_t time_limit_s = 300;
     std::uint64_t memory_limit_mb = 6144;
     std::uint64_t quota_mb = 2048;  ///< the largest volume
@@ -73,10 +80,15 @@ class SandboxBuilder final : public Builder {
  private:
   Result<Build> run(int input, const char* word, std::vector<std::string> more, const GoOn& go_on);
   std::uint64_t room_bytes() const;
+  /// Identifies a directory and the file system that is mounted there. nullopt if it cannot be
+  /// determined.
+  using DirectoryId = std::pair<std::uint64_t, std::uint64_t>;
+  static std::optional<DirectoryId> directory_of(const std::string& path);
   Options options_;
+  std::optional<DirectoryId> uploads_;  ///< where the last upload was found
 };
 
-/// The child's side of the options above: `arguments` as SandboxBuilder passes them.
+/// Run in the child, with `arguments` as SandboxBuilder passes them.
 int run_child_with(const std::vector<std::string>& arguments);
 int run_cut_child_with(const std::vector<std::string>& arguments);
 

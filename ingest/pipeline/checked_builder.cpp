@@ -18,7 +18,7 @@ Build refusal(const char* code, const char* words) {
 
 Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on) {
   const int input = open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (input < 0) return inner_.build(upload, go_on);  // it knows what to say
+  if (input < 0) return inner_.build(upload, go_on);  // the inner builder reports the reason
   const auto found = clamd_.look_at(input, go_on);
   close(input);
   if (!found) {
@@ -26,7 +26,7 @@ Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on
     log::error("malware_not_looked_for", {{"reason", found.error().message},
                                           {"effect", pass_unchecked_ ? "passed" : "waits"}});
     if (pass_unchecked_) return inner_.build(upload, go_on);
-    return fail(ErrorCode::kUnavailable, "the virus check is away");
+    return fail(ErrorCode::kUnavailable, "the virus scanner is unavailable");
   }
   if (*found == Clamd::Found::kStopped) {
     Build stopped;
@@ -36,7 +36,7 @@ Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on
   if (*found == Clamd::Found::kInfected) {
     tell_("infected");
     return refusal("infected",
-                   "The check for viruses found harmful software in this upload. Nothing of it was "
+                   "The virus scanner found malicious software in this upload. Nothing of it was "
                    "kept.");
   }
   tell_("clean");

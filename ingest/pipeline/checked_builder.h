@@ -8,15 +8,15 @@
 
 namespace diaphane::ingest {
 
-/// Has every upload looked at for malware before anything reads it. What is infected is refused.
-/// What could not be looked at waits until it can be, unless `pass_unchecked`.
+/// Scans every upload for malware before anything reads it. Infected uploads are refused. An upload
+/// that cannot be scanned waits until it can be, unless `pass_unchecked` is set.
 class CheckedBuilder final : public Builder {
  public:
   struct Options {
     Clamd::Options clamd;
     bool pass_unchecked = false;
   };
-  /// `tell` hears "clean", "infected" or "unchecked" of each upload.
+  /// `tell` receives "clean", "infected" or "unchecked" for each upload.
   CheckedBuilder(Options options, Builder& inner, std::function<void(const std::string&)> tell)
       : clamd_(std::move(options.clamd)),
         pass_unchecked_(options.pass_unchecked),
@@ -24,7 +24,7 @@ class CheckedBuilder final : public Builder {
         tell_(std::move(tell)) {}
 
   Result<Build> build(const UploadInput& upload, const GoOn& go_on) override;
-  /// Of what was looked at when it came.
+  /// Not scanned again, because the upload of the volume was scanned.
   Result<Build> cut(const CutInput& input, const GoOn& go_on) override {
     return inner_.cut(input, go_on);
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ingest/build/build_volume.h"
+#include "ingest/pipeline/memory_shortage.h"
 #include "ingest/pipeline/report.h"
 #include "ingest/pipeline/supervisor.h"
 #include "ingest/pipeline/tar_source.h"
@@ -15,7 +16,7 @@ namespace diaphane::ingest {
 
 namespace {
 
-/// Zero, or the error that ended it.
+/// Returns 0, or the errno of the failure.
 int write_all(int fd, const char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t done = write(fd, data, bytes);
@@ -43,19 +44,36 @@ int send_report(const Verdict& verdict) {
   return write_all(kChildReport, report.data(), report.size()) == 0 ? 0 : kChildDiskFails;
 }
 
-namespace {
-
-Verdict out_of_memory() {
-  return refused("too_large", "This upload needs more memory than is allowed.");
+int run_in_sandbox(const SandboxLimits& sandbox, const char* refusal_for_memory,
+                   const std::function<int(Verdict&)>& work) {
+  try {
+    end_when_machine_is_short_of_memory(kChildNoMemory);
+    if (!enter_sandbox(sandbox)) return kChildNoSandbox;
+    if (write_all(kChildReport, &kChildBegins, 1) != 0) return kChildDiskFails;
+    Verdict verdict;
+    int exit_code = 0;
+    try {
+      exit_code = work(verdict);
+    } catch (const std::bad_alloc&) {
+      verdict = refused("too_large", refusal_for_memory);
+    }
+    return exit_code != 0 ? exit_code : send_report(verdict);
+  } catch (const std::bad_alloc&) {
+    return kChildNoMemory;  // not even a few hundred bytes are left
+  }
 }
 
+namespace {
+
+constexpr const char* kNeedsMore = "This upload needs more memory than allowed.";
+
 Verdict refusal_of(const Error& error) {
-  if (error.code == ErrorCode::kOutOfMemory) return out_of_memory();
+  if (error.code == ErrorCode::kOutOfMemory) return refused("too_large", kNeedsMore);
   if (error.code == ErrorCode::kTooLarge) {
-    return refused("too_large", "This upload is refused: " + error.message + ".");
+    return refused("too_large", "This upload was refused: " + error.message + ".");
   }
   if (error.code == ErrorCode::kUnsupported) {
-    return refused("values_out_of_range", "This scan cannot be shown: " + error.message + ".");
+    return refused("values_out_of_range", "This scan cannot be displayed: " + error.message + ".");
   }
   return refused("damaged", "This upload cannot be read: " + error.message + ".");
 }
@@ -64,7 +82,7 @@ std::uint64_t volume_bytes(const dicom::Assessment& found) {
   return std::uint64_t{found.size[0]} * found.size[1] * found.size[2] * sizeof(std::int16_t);
 }
 
-/// Leaves a verdict, or an exit code.
+/// Returns 0 and fills `verdict`, or returns an exit code.
 int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& verdict) {
   const auto refuse = [&](Verdict refusal) {
     verdict = std::move(refusal);
@@ -72,6 +90,7 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
   };
   TarSource source(kChildInput, limits.file.file_bytes);
   auto scan = dicom::scan(source, limits);
+  if (source.failed()) return kChildDiskFails;
   if (!scan) return refuse(refusal_of(scan.error()));
   const dicom::Choice choice = dicom::choose(*scan);
   if (!choice.suitable) return refuse(refused(choice.code, choice.text));
@@ -80,6 +99,7 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
   if (bytes > bounds.light_bytes) return kChildTooLarge;
   if (bytes > bounds.room_bytes) return kChildNoRoom;
   auto built = build_volume(source, *scan, choice, limits.file);
+  if (source.failed()) return kChildDiskFails;
   if (!built) return refuse(refusal_of(built.error()));
   volume::Volume& volume = built->volume;
   int exit_code = 0;
@@ -94,15 +114,8 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
 
 int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
                    const SandboxLimits& sandbox) {
-  if (!enter_sandbox(sandbox)) return kChildNoSandbox;
-  Verdict verdict;
-  int exit_code = 0;
-  try {
-    exit_code = build(limits, bounds, verdict);
-  } catch (const std::bad_alloc&) {
-    verdict = out_of_memory();
-  }
-  return exit_code != 0 ? exit_code : send_report(verdict);
+  return run_in_sandbox(sandbox, kNeedsMore,
+                        [&](Verdict& verdict) { return build(limits, bounds, verdict); });
 }
 
 }  // namespace diaphane::ingest

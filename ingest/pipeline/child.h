@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 
 #include "ingest/dicom/scan.h"
@@ -10,35 +11,46 @@
 
 namespace diaphane::ingest {
 
-/// The word that makes this program a child ("diaphane-ingestd build-series ..."): not for people.
+/// The internal argument that makes this program a child ("diaphane-ingestd build-series ...").
 inline constexpr const char* kChildWord = "build-series";
 
-/// Exit codes of a child that gives no verdict (the first two as in sysexits.h). All but the last
-/// are conditions that pass, so the upload is kept.
+/// Exit codes of a child that gives no verdict. The first three are as in sysexits.h. All but the
+/// last are temporary conditions, so the upload is kept.
 inline constexpr int kChildNoSandbox = 70;
-inline constexpr int kChildDiskFails = 74;  ///< the output cannot be written
-inline constexpr int kChildNoRoom = 75;     ///< the disk is full, or would be
+/// Below its own limit, so the machine has too little memory.
+inline constexpr int kChildNoMemory = 71;
+inline constexpr int kChildDiskFails = 74;  ///< cannot read the input or write the output
+inline constexpr int kChildNoRoom = 75;     ///< the disk is full or would become full
 inline constexpr int kChildTooLarge = 76;   ///< the volume is left to another worker
-inline constexpr int kChildBadReport = 77;  ///< its report would be longer than is allowed
+inline constexpr int kChildBadReport = 77;  ///< the report would exceed its limit
 
-/// Bytes that a volume may take. It is held against them as soon as its size is known, before any
-/// of it is decoded or written.
+/// Limits on the bytes of a volume, checked as soon as its size is known and before any of it is
+/// decoded or written.
 struct BuildBounds {
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t quota_left = kNone;   ///< beyond it: the refusal "over_quota"
-  std::uint64_t room_bytes = kNone;   ///< beyond it: kChildNoRoom
-  std::uint64_t light_bytes = kNone;  ///< beyond it: kChildTooLarge
+  std::uint64_t quota_left = kNone;   ///< above it: the refusal "over_quota"
+  std::uint64_t room_bytes = kNone;   ///< above it: kChildNoRoom
+  std::uint64_t light_bytes = kNone;  ///< above it: kChildTooLarge
 };
 
-/// The child: gives up everything it does not need, reads the upload behind kChildInput, writes
-/// voxels behind kChildOutput and a report behind kChildReport. The exit code; 0 also for a
-/// refusal.
+/// Sent by a child to kChildReport before it reads any of its input. JSON parsers ignore it as
+/// white space.
+inline constexpr char kChildBegins = '\n';
+
+/// Enters the sandbox, reports that the child begins, and runs `work`, which fills a verdict and
+/// returns an exit code. Returns the exit code of the child.
+int run_in_sandbox(const SandboxLimits& sandbox, const char* refusal_for_memory,
+                   const std::function<int(Verdict&)>& work);
+
+/// Runs as the child: drops all privileges that it does not need, reads the upload from
+/// kChildInput, writes voxels to kChildOutput and a report to kChildReport. Returns the exit code,
+/// which is 0 also for a refusal.
 int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
                    const SandboxLimits& sandbox);
 
-/// Voxels to kChildOutput. False: they cannot be written, and `exit_code` says why.
+/// Writes voxels to kChildOutput. Returns false if that fails, with the reason in `exit_code`.
 bool write_output(const std::int16_t* voxels, std::size_t count, int& exit_code);
-/// To kChildReport. The child's exit code.
+/// Sends the report to kChildReport and returns the child's exit code.
 int send_report(const Verdict& verdict);
 
 }  // namespace diaphane::ingest

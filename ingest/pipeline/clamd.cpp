@@ -25,11 +25,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::size_t kBlock = 512;
+constexpr std::size_t kTarBlock = 512;
 constexpr milliseconds kStep{100};
 constexpr milliseconds kConnecting{2000};
 
-/// A number of a tar header in octal digits.
+/// Parses a number of a tar header in octal digits.
 std::optional<std::uint64_t> octal(std::span<const char> field) {
   std::uint64_t value = 0;
   bool any = false;
@@ -44,9 +44,9 @@ std::optional<std::uint64_t> octal(std::span<const char> field) {
   return value;
 }
 
-/// How long the content is, if this is a header at all (POSIX.1-2001, ustar).
+/// Returns the length of the content if `header` is a tar header (POSIX.1-2001, ustar).
 std::optional<std::uint64_t> content_bytes(std::span<const char> header) {
-  if (header.size() != kBlock) return std::nullopt;
+  if (header.size() != kTarBlock) return std::nullopt;
   const auto sum_field = header.subspan(148, 8);
   const auto byte = [](std::uint64_t sum, char c) { return sum + static_cast<unsigned char>(c); };
   std::uint64_t sum = std::accumulate(header.begin(), header.end(), std::uint64_t{0}, byte);
@@ -83,7 +83,7 @@ class Talk {
     return Step::kDone;
   }
 
-  /// Up to the zero that ends it.
+  /// Reads up to the terminating zero byte.
   Step receive(std::string& answer) {
     constexpr std::size_t kLongest = 4096;
     std::array<char, 512> some{};
@@ -125,7 +125,8 @@ std::string length_word(std::uint32_t bytes) {
   return word;
 }
 
-/// INSTREAM of `piece`. kBroken also where clamd ends the stream early: then its answer is there.
+/// Sends `piece` with INSTREAM. Also returns kBroken when clamd ends the stream early, and then its
+/// answer is available.
 Step stream(Talk& talk, int fd, const Piece& piece, std::string& buffer) {
   constexpr std::string_view kCommand("zINSTREAM\0", 10);
   Step step = talk.send(kCommand);
@@ -147,20 +148,20 @@ std::string words_of(int error) { return std::string("clamd: ") + std::strerror(
 
 Piece piece_at(std::uint64_t at, std::span<const char> header, std::uint64_t end) {
   const auto bytes = content_bytes(header);
-  const std::uint64_t begin = at + kBlock;
+  const std::uint64_t begin = at + kTarBlock;
   if (!bytes || begin > end || *bytes > end - begin) return {at, end - at, end};
-  const std::uint64_t padded = (*bytes + kBlock - 1) / kBlock * kBlock;
+  const std::uint64_t padded = (*bytes + kTarBlock - 1) / kTarBlock * kTarBlock;
   return {begin, *bytes, begin + std::min(padded, end - begin)};
 }
 
 Result<Clamd::Found> Clamd::look_at(int fd, const GoOn& go_on) const {
   struct stat info {};
-  if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "the upload cannot be read");
+  if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "cannot read the upload");
   const auto end = static_cast<std::uint64_t>(info.st_size);
-  std::array<char, kBlock> header{};
+  std::array<char, kTarBlock> header{};
   for (std::uint64_t at = 0; at < end;) {
     const ssize_t got = pread(fd, header.data(), header.size(), static_cast<off_t>(at));
-    if (got <= 0) return fail(ErrorCode::kInternal, "the upload cannot be read");
+    if (got <= 0) return fail(ErrorCode::kInternal, "cannot read the upload");
     const Piece piece = piece_at(at, {header.data(), static_cast<std::size_t>(got)}, end);
     for (std::uint64_t done = 0; done < piece.bytes;) {
       const std::uint64_t bytes = std::min(piece.bytes - done, options_.most_bytes);
@@ -176,7 +177,7 @@ Result<Clamd::Found> Clamd::look_at(int fd, const GoOn& go_on) const {
 
 Result<Clamd::Found> Clamd::look_at(int fd, const Piece& piece, const GoOn& go_on) const {
   std::string buffer;
-  // It may be starting, or reading new signatures.
+  // clamd may be starting or loading new signatures.
   for (const auto until = Clock::now() + options_.silence;;) {
     if (!go_on()) return Found::kStopped;
     std::string why;
@@ -186,13 +187,13 @@ Result<Clamd::Found> Clamd::look_at(int fd, const Piece& piece, const GoOn& go_o
       std::string answer;
       if (step == Step::kDone || step == Step::kBroken) step = talk.receive(answer);
       if (step == Step::kStopped) return Found::kStopped;
-      if (step == Step::kSilent) return fail(ErrorCode::kUnavailable, "clamd does not answer");
+      if (step == Step::kSilent) return fail(ErrorCode::kUnavailable, "clamd does not respond");
       if (step == Step::kDone) {
         if (answer == "stream: OK") return Found::kClean;
         if (answer.ends_with(" FOUND")) return Found::kInfected;
         return fail(ErrorCode::kUnavailable, "clamd: " + answer);
       }
-      why = "clamd ended the connection";
+      why = "clamd closed the connection";
     } else {
       why = words_of(errno);
     }

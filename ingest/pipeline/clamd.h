@@ -10,27 +10,27 @@
 
 namespace diaphane::ingest {
 
-/// What of a file is looked at by itself, and where the next such part begins.
+/// A part of a file that is scanned by itself, and where the next part begins.
 struct Piece {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;
   std::uint64_t next = 0;
 };
 
-/// The content of the tar entry whose header is at `at`, of a file of `end` bytes; what is no
-/// header is one piece with all that follows, so that nothing is passed over that another reader
-/// might see. `header`: up to 512 bytes from `at` on.
+/// Returns the content of the tar entry whose header is at `at` in a file of `end` bytes. If there
+/// is no valid header, the piece contains everything that follows, so that nothing is skipped that
+/// another reader might see. `header` holds up to 512 bytes from `at`.
 Piece piece_at(std::uint64_t at, std::span<const char> header, std::uint64_t end);
 
-/// ClamAV's daemon, by its command INSTREAM (clamd(8)).
+/// A client of ClamAV's daemon that uses its command INSTREAM (clamd(8)).
 class Clamd {
  public:
   struct Options {
     std::string address;  ///< path of a Unix socket, or host:port
-    /// It may be as long without a word (none listens, nothing is taken, no answer comes).
+    /// Maximum time without a response (no listener, no progress in sending, no answer).
     std::chrono::milliseconds silence{30000};
-    /// Of one stream: no more than clamd's own StreamMaxLength. Longer files are sent in parts that
-    /// overlap by kOverlap.
+    /// Maximum size of one stream, which must not exceed clamd's own StreamMaxLength. Longer files
+    /// are sent in parts that overlap by kOverlap.
     std::uint64_t most_bytes = std::uint64_t{25} << 20;
   };
   static constexpr std::uint64_t kOverlap = 65536;
@@ -39,8 +39,9 @@ class Clamd {
 
   explicit Clamd(Options options) : options_(std::move(options)) {}
 
-  /// What it says of the contents of the tar behind `fd`; kStopped as soon as `go_on`, which is
-  /// asked several times a second, says no. kUnavailable: it could not be asked, with the reason.
+  /// Scans the contents of the tar behind `fd`. Returns kStopped as soon as `go_on`, which is
+  /// called several times per second, returns false. kUnavailable, with the reason, if clamd cannot
+  /// be used.
   Result<Found> look_at(int fd, const GoOn& go_on) const;
 
  private:

@@ -45,8 +45,8 @@ int file_of(const std::string& bytes) {
   return fd;
 }
 
-/// What clamd says of files is for tests/integration; this one listens, writes down each stream and
-/// does as it is told.
+/// A fake clamd that records each stream and gives prepared answers. tests/integration checks the
+/// real one's verdicts.
 class Listener {
  public:
   enum class Does { kAnswers, kSaysNothing, kHangsUp };
@@ -73,7 +73,7 @@ class Listener {
   }
   std::string path() const { return (folder_ / "s").string(); }
 
-  std::vector<std::string> streams;  ///< read when the other side has its answer
+  std::vector<std::string> streams;  ///< read after the other side has its answer
 
  private:
   static bool read_exactly(int fd, char* data, std::size_t bytes) {
@@ -135,7 +135,7 @@ TEST(Clamd, IsShownTheContentOfEachFileByItself) {
   const std::vector<std::string> contents{"one", std::string(700'000, 'x'), std::string(512, 'y')};
   const std::string tar = tar_of(contents);
   EXPECT_EQ(look(clamd.path(), tar), Clamd::Found::kClean);
-  // The last stream is what ends a tar: zeros.
+  // The last stream is the end of a tar, which consists of zeros.
   ASSERT_EQ(clamd.streams.size(), contents.size() + 1);
   EXPECT_TRUE(std::equal(contents.begin(), contents.end(), clamd.streams.begin()));
   EXPECT_EQ(clamd.streams.back().find_first_not_of('\0'), std::string::npos);

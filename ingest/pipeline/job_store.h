@@ -11,85 +11,93 @@
 
 namespace diaphane::ingest {
 
-/// What is to be kept of a stored volume.
+/// What to keep of a stored volume.
 struct CutOrder {
   volume::Region region;
-  std::string of;      ///< content hash of the volume that was seen when it was ordered
-  std::string result;  ///< of an earlier attempt, told by note_cut(): it may be in place already
+  std::string of;  ///< content hash of the volume at the time of the order
+  /// Hash from note_cut() in an earlier attempt; that volume may already be in place.
+  std::string result;
 };
 
-/// One upload to be made into a volume, or one volume to be cut, as claimed.
+/// A claimed job: one upload to build into a volume, or one volume to cut.
 struct Job {
-  std::string data_set_id;      ///< also the volume's directory
-  std::string upload_id;        ///< the file <upload-dir>/<upload_id>.tar
-  int attempts = 0;             ///< this one counted
-  std::optional<CutOrder> cut;  ///< then there is no upload
-  int waits = 0;                ///< how often in a row it has waited, see JobStore::wait
-  /// Bytes of storage that the owner's quota leaves for the volume; nothing: there is no limit.
+  std::string data_set_id;  ///< also the name of the volume's directory
+  std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar
+  int attempts = 0;  ///< earlier attempts that failed because the machine had too little memory
+  std::optional<CutOrder> cut;  ///< if set, there is no upload
+  int waits = 0;                ///< number of consecutive waits, see JobStore::wait
+  int interruptions = 0;        ///< how often its claimer ended without a result, see claim()
+  /// Bytes that the owner's quota leaves for the volume. nullopt: no limit.
   std::optional<std::uint64_t> quota_left = std::nullopt;
 };
 
-/// Jobs that are not done.
+/// Numbers of unfinished jobs.
 struct QueueState {
   std::int64_t jobs = 0;     ///< all of them
-  std::int64_t waiting = 0;  ///< of these, jobs for which JobStore::wait was called last
+  std::int64_t waiting = 0;  ///< of these, jobs that wait for a condition to pass
+  std::int64_t suspect = 0;  ///< of these, jobs that were interrupted more than once
 };
 
-/// What a job waits for. It passes without anybody's doing anything about the job itself.
+/// A temporary condition that a job waits for. It passes without a change to the job itself.
 enum class WaitReason {
   kRoom,     ///< a disk is full
-  kMemory,   ///< there is too little memory, or the child was killed
-  kService,  ///< a disk or a service that is needed is away
+  kMemory,   ///< too little memory, or the child was killed
+  kService,  ///< a required disk or service is unavailable
 };
 const char* to_string(WaitReason reason);
 
-/// How a job stands for its claimer.
+/// Whether the claimer still holds the job.
 enum class Hold {
   kOurs,
-  kLost,       ///< its lease went to somebody else, or it is done
-  kDeleted,    ///< its data set is gone
-  kOverQuota,  ///< it was refused instead: the owner's quota has no room for the volume
+  kLost,       ///< its lease went to another claimer, or it is done
+  kDeleted,    ///< its data set was deleted
+  kOverQuota,  ///< it was refused because the owner's quota has no room for the volume
 };
 
-/// The queue in Postgres (migrations/0002). Everything fails with kUnavailable while Postgres is
-/// away.
+/// The queue in Postgres (migrations/0002). Every call fails with kUnavailable while Postgres is
+/// unavailable.
 class JobStore {
  public:
   virtual ~JobStore() = default;
-  /// The oldest job, of those that nobody holds, of the account that was served longest ago and has
-  /// no job under way; what belongs to nobody comes first. It is held by this claimer for a lease;
-  /// its data set is "building".
+  /// Claims the oldest unheld job of the account that was served longest ago and has no job in
+  /// progress. Jobs without an owner come first. The claimer holds the job for one lease, and its
+  /// data set is "building".
+  ///
+  /// An expired lease shows that its claimer ended and says nothing about the upload, so the job is
+  /// requeued without counting an attempt. From the second time, it waits longer each time, and
+  /// jobs of others come first for a while. It then runs while its claimer's process does nothing
+  /// else, so that it interrupts no other job if it ends that process again.
   virtual Result<std::optional<Job>> claim() = 0;
-  /// Holds it for another lease.
+  /// Extends the lease.
   virtual Result<Hold> renew(const Job& job) = 0;
-  /// `head` is the JSON of what ingest/head found. The data set is "ready" and the job, the
-  /// upload's row and (soon) its file are gone: one transaction. kOverQuota: the owner's other data
-  /// sets leave no room for `bytes`, so the data set is "refused" and the volume is noted for
-  /// disposal.
+  /// `head` is the JSON of the head finding (ingest/head). In one transaction, the data set becomes
+  /// "ready", and the job and the upload's row are deleted and its file is noted for deletion.
+  /// kOverQuota: the owner's other data sets leave no room for `bytes`, so the data set becomes
+  /// "refused" and the volume is noted for disposal.
   virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
                                     std::uint64_t bytes, const std::string& head) = 0;
-  /// The data set is "refused" with a reason; the rest as above.
+  /// Marks the data set as "refused" with a reason, and otherwise does the same as finish_ready().
   virtual Result<Hold> finish_refused(const Job& job, const std::string& code,
                                       const std::string& text) = 0;
-  /// About to put what is left in the place of the volume: from here on the order says which hash
-  /// the new one has, and by how much its world has moved (volume/region.h, Cut::shift).
+  /// Announces that the kept part is about to replace the volume. From now on, the order contains
+  /// the hash of the new volume and the shift of its world origin (volume/region.h, Cut::shift).
   virtual Result<Hold> note_cut(const Job& job, const std::string& content_hash,
                                 const volume::Vector& shift) = 0;
-  /// The data set is "ready" again, anonymised, and the order done: pictures made of the old volume
-  /// are noted for disposal, presets moved along, the audit log told, in one transaction.
+  /// In one transaction, makes the data set "ready" again and anonymised, completes the order,
+  /// notes images of the old volume for disposal, moves presets along, and writes to the audit log.
   virtual Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t bytes,
                                   const std::string& head) = 0;
-  /// The data set is "ready" as it was before; why is told to its owner.
+  /// Makes the data set "ready" unchanged, and gives its owner the reason.
   virtual Result<Hold> finish_cut_refused(const Job& job, const std::string& text) = 0;
-  /// Gives it back unharmed: this attempt does not count.
+  /// Requeues the job without counting this attempt.
   virtual Result<void> release(const Job& job) = 0;
-  /// Gives it back to be tried again after `pause`, and says to its owner what it waits for. The
-  /// attempt counts only where the job itself may be the cause.
+  /// Requeues the job to be tried again after `pause`, and shows its owner what it waits for. The
+  /// attempt counts only if the job itself may be the cause.
   virtual Result<void> wait(const Job& job, WaitReason reason, std::chrono::milliseconds pause,
                             bool count_attempt) = 0;
-  /// Gives it back to a worker that has more memory. The attempt does not count.
+  /// Requeues the job for a worker with more memory. The attempt does not count.
   virtual Result<void> leave_to_large(const Job& job) = 0;
-  /// The upload's file is gone from disk.
+  /// Records that the upload's file was deleted from the disk.
   virtual Result<void> upload_removed(const std::string& upload_id) = 0;
   virtual Result<QueueState> queue() = 0;
 };

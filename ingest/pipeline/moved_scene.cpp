@@ -35,7 +35,7 @@ void move(v1::Light& light, const volume::Vector& shift) {
 Result<std::string> moved_scene(const std::string& text, const volume::Vector& shift) {
   v1::Scene scene;
   if (!google::protobuf::util::JsonStringToMessage(text, &scene).ok()) {
-    return fail(ErrorCode::kInvalid, "this is no scene");
+    return fail(ErrorCode::kInvalid, "this is not a valid scene");
   }
   if (scene.has_camera()) {
     move(*scene.mutable_camera()->mutable_eye(), shift);
@@ -59,7 +59,7 @@ Result<std::string> moved_scene(const std::string& text, const volume::Vector& s
   }
   std::string moved;
   if (!google::protobuf::util::MessageToJsonString(scene, &moved).ok()) {
-    return fail(ErrorCode::kInternal, "the scene cannot be written");
+    return fail(ErrorCode::kInternal, "cannot serialise the scene");
   }
   return moved;
 }

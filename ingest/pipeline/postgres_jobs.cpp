@@ -7,6 +7,7 @@
 #include "common/log.h"
 #include "common/postgres/connection.h"
 #include "common/postgres/sql_fault.h"
+#include "common/try.h"
 #include "ingest/pipeline/moved_scene.h"
 #include "ingest/pipeline/report.h"
 
@@ -27,9 +28,9 @@ const char* name_of(volume::Modality modality) {
   return "OTHER";
 }
 
-/// What people saved to look at the volume with stays where it was in the patient. What else the
-/// documents held that some of them were read from may speak of what is gone, and nobody knows in
-/// which coordinates: it goes. So does a preset that cannot be moved.
+/// Moves saved presets so that they stay in place relative to the patient. Documents that presets
+/// were imported from may describe removed parts in unknown coordinates, so they are deleted. So
+/// are presets that cannot be moved.
 void move_presets(pqxx::work& transaction, const std::string& data_set,
                   const volume::Vector& shift) {
   const auto presets = transaction.exec_params(
@@ -50,7 +51,11 @@ void move_presets(pqxx::work& transaction, const std::string& data_set,
   }
 }
 
-/// A text array as Postgres writes one.
+double seconds_of(std::chrono::milliseconds span) {
+  return static_cast<double>(span.count()) / 1000;
+}
+
+/// Formats an array of texts for Postgres.
 std::string array_of(const std::vector<std::string>& texts) {
   std::string array = "{";
   for (const std::string& text : texts) {
@@ -67,8 +72,8 @@ std::string array_of(const std::vector<std::string>& texts) {
 
 }  // namespace
 
-/// Bytes that the quota of $1's owner leaves for $1, counted as `api` does (lock_quota): volumes,
-/// and uploads under way by their length. No row for what belongs to nobody.
+/// Bytes that the quota of $1's owner leaves for $1, counted as in `api` (lock_quota): volumes, and
+/// the full length of uploads in progress. Returns no row without an owner.
 constexpr const char* kQuotaLeft = R"sql(
   SELECT GREATEST(0, o.quota_bytes - COALESCE((
            SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
@@ -82,17 +87,23 @@ struct PostgresJobs::Impl {
   explicit Impl(Options options)
       : url(std::move(options.url)),
         claimer(std::move(options.claimer)),
-        lease_seconds(static_cast<double>(options.lease.count()) / 1000),
+        process(std::move(options.process)),
+        lease_seconds(seconds_of(options.lease)),
+        first_pause_seconds(seconds_of(options.first_pause)),
+        longest_pause_seconds(seconds_of(options.longest_pause)),
         light_bytes(static_cast<std::int64_t>(options.light_bytes)) {}
 
   static constexpr postgres::Patience kPatience{};
   std::string url;
   std::string claimer;
+  std::string process;
   double lease_seconds;
+  double first_pause_seconds;
+  double longest_pause_seconds;
   std::int64_t light_bytes;
   SocketDeadlines deadlines{};  ///< outlives the connection
   std::unique_ptr<pqxx::connection> connection{};
-  std::string last_state{};  ///< of the last SQL error: each kind is said once in a row
+  std::string last_state{};  ///< of the last SQL error, so that a repeated error is logged once
 
   pqxx::connection& connected() {
     if (connection) return *connection;
@@ -100,8 +111,8 @@ struct PostgresJobs::Impl {
     return *connection;
   }
 
-  /// Runs `work` in a transaction of its own and commits it. Ends within seconds, also when
-  /// Postgres is frozen.
+  /// Runs `work` in its own transaction and commits it. Ends within seconds even if Postgres is
+  /// frozen.
   template <typename Work>
   auto transact(Work work, postgres::CallSite where = postgres::CallSite::current())
       -> Result<decltype(work(std::declval<pqxx::work&>()))> {
@@ -115,7 +126,8 @@ struct PostgresJobs::Impl {
       return value;
     } catch (const pqxx::broken_connection&) {
     } catch (const pqxx::in_doubt_error&) {
-      // Committed or not: the caller asks again, and every question here may be asked twice.
+      // The commit may or may not have succeeded. The caller retries, and every operation here is
+      // idempotent.
     } catch (const pqxx::sql_error& error) {
       const std::string& state = error.sqlstate();
       const bool passing = state.starts_with("57") || state.starts_with("53") ||
@@ -127,7 +139,7 @@ struct PostgresJobs::Impl {
     } catch (const pqxx::failure&) {
     }
     connection.reset();
-    return fail(ErrorCode::kUnavailable, "Postgres is away");
+    return fail(ErrorCode::kUnavailable, "Postgres is unavailable");
   }
 
   static void refuse(pqxx::work& transaction, const Job& job, const std::string& code,
@@ -140,7 +152,7 @@ struct PostgresJobs::Impl {
         job.data_set_id, code, text);
   }
 
-  /// Back into the queue after `pause`, unless it is not ours any more.
+  /// Requeues the job after `pause` if this claimer still holds it.
   Result<void> put_back(const Job& job, const char* waiting_for, std::chrono::milliseconds pause,
                         bool count_attempt, bool to_large) {
     auto done = transact([&](pqxx::work& transaction) {
@@ -150,12 +162,11 @@ struct PostgresJobs::Impl {
           R"sql(
           UPDATE ingest_jobs
              SET leased_by = NULL, leased_until = NULL,
-                 attempts = attempts - CASE WHEN $3::bool THEN 0 ELSE 1 END,
+                 attempts = attempts + CASE WHEN $3::bool THEN 1 ELSE 0 END,
                  waiting_for = $4::text, waits = CASE WHEN $4::text IS NULL THEN 0 ELSE waits + 1 END,
                  not_before = now() + make_interval(secs => $5), large = large OR $6::bool
            WHERE data_set_id = $1 AND leased_by = $2)sql",
-          job.data_set_id, claimer, count_attempt, waiting_for,
-          static_cast<double>(pause.count()) / 1000, to_large);
+          job.data_set_id, claimer, count_attempt, waiting_for, seconds_of(pause), to_large);
       if (given.affected_rows() > 0) {
         transaction.exec_params(
             "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1",
@@ -163,12 +174,38 @@ struct PostgresJobs::Impl {
       }
       return data_set.size();
     });
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     return {};
   }
 
-  /// Ours and to be changed now: the data set is locked first, as `api` does, so that nobody waits
-  /// in a ring.
+  /// Requeues jobs whose claimers ended.
+  void put_back_interrupted(pqxx::work& transaction) const {
+    const auto rows = transaction.exec_params(
+        R"sql(
+        WITH lost AS (
+          SELECT j.data_set_id,
+                 CASE WHEN j.interruptions = 0 THEN 0
+                      ELSE LEAST($1 * 2 ^ LEAST(j.interruptions - 1, 20), $2) END AS pause
+            FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
+           WHERE j.leased_until <= now() FOR UPDATE OF d, j SKIP LOCKED),
+        queued AS (
+          UPDATE data_sets d SET state = 'queued', updated_at = now() FROM lost
+           WHERE d.id = lost.data_set_id)
+        UPDATE ingest_jobs j
+           SET leased_by = NULL, leased_until = NULL, interruptions = interruptions + 1,
+               waiting_for = 'interruption', not_before = now() + make_interval(secs => lost.pause)
+          FROM lost WHERE j.data_set_id = lost.data_set_id
+        RETURNING j.data_set_id, j.interruptions, lost.pause)sql",
+        first_pause_seconds, longest_pause_seconds);
+    for (const pqxx::row& row : rows) {
+      log::warning("job_interrupted", {{"data_set", row[0].as<std::string>()},
+                                       {"interruptions", row[1].as<int>()},
+                                       {"pause_s", row[2].as<double>()}});
+    }
+  }
+
+  /// Locks the job for a change if this claimer holds it. Locks the data set first, as `api` does,
+  /// to avoid a deadlock.
   Hold take(pqxx::work& transaction, const Job& job) const {
     const auto data_set = transaction.exec_params(
         "SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", job.data_set_id);
@@ -191,20 +228,33 @@ PostgresJobs::~PostgresJobs() = default;
 
 Result<std::optional<Job>> PostgresJobs::claim() {
   return impl_->transact([&](pqxx::work& transaction) -> std::optional<Job> {
-    // One claim at a time, so that two workers never take jobs of one account at the same moment.
+    // Serialises claims, so that two workers never take jobs of one account at the same time.
     transaction.exec("SELECT pg_advisory_xact_lock(hashtext('diaphane ingest claim'))");
+    impl_->put_back_interrupted(transaction);
+    // A suspect was interrupted more than once. After ten minutes it is overdue, and no other job
+    // is claimed before it.
     const auto rows = transaction.exec_params(
         R"sql(
-        WITH next AS (
+        WITH held AS (
+          SELECT interruptions FROM ingest_jobs
+           WHERE leased_until > now() AND starts_with(leased_by, $4)),
+        overdue AS (
+          SELECT FROM ingest_jobs
+           WHERE leased_by IS NULL AND interruptions > 1 AND not_before < now() - interval '10 minutes'),
+        next AS (
           SELECT j.data_set_id, d.owner_id
             FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
             LEFT JOIN uploads u ON u.id = j.upload_id
             LEFT JOIN ingest_turns t ON t.user_id = d.owner_id
-           WHERE j.not_before <= now() AND (j.leased_until IS NULL OR j.leased_until <= now())
+           WHERE j.not_before <= now() AND j.leased_by IS NULL
+             AND NOT EXISTS (SELECT FROM held WHERE interruptions > 1)
+             AND CASE WHEN j.interruptions > 1 THEN NOT EXISTS (SELECT FROM held)
+                      ELSE NOT EXISTS (SELECT FROM overdue) END
              AND ($3::bigint = 0 OR (NOT j.large AND COALESCE(u.length, d.volume_bytes, 0) <= $3::bigint))
              AND NOT EXISTS (SELECT FROM ingest_jobs r JOIN data_sets o ON o.id = r.data_set_id
                               WHERE r.leased_until > now() AND o.owner_id = d.owner_id)
-           ORDER BY t.served_at NULLS FIRST, j.created_at LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
+           ORDER BY j.interruptions > 1, t.served_at NULLS FIRST, j.created_at
+           LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
         building AS (
           UPDATE data_sets d SET state = 'building', updated_at = now() FROM next
            WHERE d.id = next.data_set_id),
@@ -213,18 +263,24 @@ Result<std::optional<Job>> PostgresJobs::claim() {
           SELECT owner_id, clock_timestamp() FROM next WHERE owner_id IS NOT NULL
           ON CONFLICT (user_id) DO UPDATE SET served_at = excluded.served_at)
         UPDATE ingest_jobs j
-           SET leased_by = $1, leased_until = now() + make_interval(secs => $2), attempts = attempts + 1
+           SET leased_by = $1, leased_until = now() + make_interval(secs => $2)
           FROM next WHERE j.data_set_id = next.data_set_id
         RETURNING j.data_set_id, COALESCE(j.upload_id::text, ''), j.attempts,
-                  j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''), j.waits)sql",
-        impl_->claimer, impl_->lease_seconds, impl_->light_bytes);
+                  j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''), j.waits,
+                  j.interruptions)sql",
+        impl_->claimer, impl_->lease_seconds, impl_->light_bytes, impl_->process);
     if (rows.empty()) return std::nullopt;
     const pqxx::row row = rows[0];
-    Job job{
-        row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<int>(), {}, row[6].as<int>()};
+    Job job;
+    job.data_set_id = row[0].as<std::string>();
+    job.upload_id = row[1].as<std::string>();
+    job.attempts = row[2].as<int>();
+    job.waits = row[6].as<int>();
+    job.interruptions = row[7].as<int>();
     if (!row[3].is_null()) {
       auto region = volume::region_from_json(row[3].as<std::string>());
-      // `api` has read it the same way: what cannot be read now keeps nothing, and is refused.
+      // `api` validated the region with the same code. A region that is now invalid keeps nothing,
+      // so the cut is refused.
       job.cut = CutOrder{region.value_or(volume::Region{}), row[4].as<std::string>(),
                          row[5].as<std::string>()};
       return job;
@@ -252,7 +308,8 @@ Result<Hold> PostgresJobs::renew(const Job& job) {
 Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& header,
                                         std::uint64_t bytes, const std::string& head) {
   return impl_->transact([&](pqxx::work& transaction) {
-    // The owner first, as `api` does: of two volumes that end at once, the second sees the first.
+    // Locks the owner first, as `api` does. If two volumes finish at the same time, the second one
+    // sees the first.
     transaction.exec_params(
         R"sql(
         SELECT 1 FROM users WHERE id = (SELECT owner_id FROM data_sets WHERE id = $1)
@@ -332,7 +389,8 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
     transaction.exec_params(
         "INSERT INTO disposals (kind, id) VALUES ('pictures', $1) ON CONFLICT DO NOTHING",
         job.data_set_id);
-    if (order.empty()) throw std::logic_error("a cut was finished that was never noted");
+    if (order.empty())
+      throw std::logic_error("an anonymisation was finished without a recorded order");
     const pqxx::row row = order[0];
     move_presets(transaction, job.data_set_id,
                  {row[1].as<double>(), row[2].as<double>(), row[3].as<double>()});
@@ -377,14 +435,18 @@ Result<void> PostgresJobs::upload_removed(const std::string& upload_id) {
         .exec_params("DELETE FROM disposals WHERE kind = 'upload' AND id = $1", upload_id)
         .affected_rows();
   });
-  if (!done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(done);
   return {};
 }
 
 Result<QueueState> PostgresJobs::queue() {
   return impl_->transact([](pqxx::work& transaction) {
-    const auto row = transaction.exec1("SELECT count(*), count(waiting_for) FROM ingest_jobs");
-    return QueueState{row[0].as<std::int64_t>(), row[1].as<std::int64_t>()};
+    const auto row = transaction.exec1(
+        R"sql(
+        SELECT count(*), count(waiting_for), count(*) FILTER (WHERE interruptions > 1)
+          FROM ingest_jobs)sql");
+    return QueueState{row[0].as<std::int64_t>(), row[1].as<std::int64_t>(),
+                      row[2].as<std::int64_t>()};
   });
 }
 

@@ -8,16 +8,20 @@
 
 namespace diaphane::ingest {
 
-/// The queue by libpqxx; one connection, opened when needed and again after it was lost. For one
-/// thread.
+/// The queue over libpqxx. Uses one connection, which is opened on demand and reopened after a
+/// loss. Not thread-safe.
 class PostgresJobs final : public JobStore {
  public:
   struct Options {
     std::string url;
-    std::string claimer;  ///< names this worker in leases; a new name at each start
+    std::string claimer;  ///< identifies this worker in leases; different at each start
+    std::string process;  ///< common prefix of the names of all claimers in this process
     std::chrono::milliseconds lease{5000};
-    /// Only jobs whose uploads, and cuts whose volumes, are no larger; 0: all.
+    /// Claims only jobs whose uploads, or volumes to cut, are at most this large. 0: all jobs.
     std::uint64_t light_bytes = 0;
+    /// For a job that was interrupted twice. Doubled each further time.
+    std::chrono::milliseconds first_pause{1000};
+    std::chrono::milliseconds longest_pause{600000};
   };
   explicit PostgresJobs(Options options);
   ~PostgresJobs() override;

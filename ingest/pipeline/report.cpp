@@ -13,7 +13,7 @@ using nlohmann::json;
 
 constexpr std::size_t kLongestText = 400;
 constexpr std::size_t kMostRepairs = 20;
-/// Five values on two levels are written; the child may have been taken over.
+/// The writer produces five values on two levels, but the child may be compromised.
 constexpr JsonLimits kLimits{16, 4};
 
 bool is_code(std::string_view text) {
@@ -37,11 +37,11 @@ Verdict refused(std::string code, std::string text) {
 
 Verdict over_quota(std::uint64_t bytes, std::uint64_t left) {
   constexpr std::uint64_t kMegabyte = 1'000'000;
-  return refused("over_quota", "The 3D image of this scan takes " +
-                                   std::to_string((bytes + kMegabyte - 1) / kMegabyte) +
-                                   " MB, and " + std::to_string(left / kMegabyte) +
-                                   " MB of your storage are left. Delete other scans, then upload "
-                                   "this one again.");
+  return refused(
+      "over_quota",
+      "The 3D image of this scan takes " + std::to_string((bytes + kMegabyte - 1) / kMegabyte) +
+          " MB, and " + std::to_string(left / kMegabyte) +
+          " MB of your storage are left. Delete other scans, then upload this one again.");
 }
 
 std::string write_report(const Verdict& verdict) {
@@ -52,7 +52,7 @@ std::string write_report(const Verdict& verdict) {
 }
 
 Result<Verdict> read_report(const std::string& report) {
-  const auto bad = [] { return fail(ErrorCode::kInvalid, "the report makes no sense"); };
+  const auto bad = [] { return fail(ErrorCode::kInvalid, "the report is invalid"); };
   const auto parsed = parse_json(report, kLimits);
   if (!parsed || !parsed->is_object()) return bad();
   const json& body = *parsed;

@@ -21,24 +21,25 @@ constexpr std::uint64_t kStackBytes = std::uint64_t{8} << 20;
 bool limit(__rlimit_resource resource, std::uint64_t value) {
   rlimit now{};
   if (getrlimit(resource, &now) != 0) return false;
-  // A stricter limit from outside stays.
+  // Keeps a stricter limit that the environment sets.
   const rlim_t most = std::min<rlim_t>(now.rlim_max, value);
   const rlimit wanted{most, most};
   return setrlimit(resource, &wanted) == 0;
 }
 
-// All that reading an upload and making a volume of it takes (strace of every way to pack pixels).
+// System calls needed to read an upload and build a volume from it (from strace of every pixel
+// packing).
 constexpr std::array kAllowed{
     SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(futex),
-    // time, randomness, itself
+    // time, randomness, own process
     SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday), SCMP_SYS(getrandom), SCMP_SYS(getpid),
     SCMP_SYS(gettid), SCMP_SYS(sched_yield), SCMP_SYS(sched_getaffinity), SCMP_SYS(rt_sigaction),
     SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn), SCMP_SYS(close), SCMP_SYS(exit),
     SCMP_SYS(exit_group)};
 
-// Libraries ask for these and go on without: libarchive and iostreams look at what a descriptor is,
-// glibc looks for character sets (gconv), VTK counts processors. Whatever else is called ends the
-// process.
+// Libraries call these and continue on failure: libarchive and iostreams query the type of a
+// descriptor, glibc looks for character sets (gconv), and VTK counts processors. Any other call
+// ends the process.
 constexpr std::array kRefused{SCMP_SYS(openat),          SCMP_SYS(open),    SCMP_SYS(newfstatat),
                               SCMP_SYS(fstat),           SCMP_SYS(stat),    SCMP_SYS(lstat),
                               SCMP_SYS(statx),           SCMP_SYS(access),  SCMP_SYS(readlink),
@@ -63,7 +64,8 @@ bool filter_calls(const SandboxLimits& limits) {
   };
   for (const int call : kAllowed) allow(call);
   for (const int call : kRefused) add(SCMP_ACT_ERRNO(EACCES), call, {});
-  // Only the upload is read; only what was opened for it is written (0 to 2 are /dev/null).
+  // Only the upload may be read, and only the descriptors opened for output may be written (0 to 2
+  // are /dev/null).
   const auto input = static_cast<scmp_datum_t>(limits.input);
   const auto last = static_cast<scmp_datum_t>(limits.last_output);
   for (const int call : {SCMP_SYS(read), SCMP_SYS(lseek)}) {
@@ -72,11 +74,11 @@ bool filter_calls(const SandboxLimits& limits) {
   for (const int call : {SCMP_SYS(write), SCMP_SYS(writev)}) {
     allow(call, {SCMP_A0(SCMP_CMP_LE, last)});
   }
-  // Memory, but none that could be run.
+  // Allows memory, but not executable memory.
   for (const int call : {SCMP_SYS(mmap), SCMP_SYS(mprotect)}) {
     allow(call, {SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0)});
   }
-  // abort(3) signals its own thread. Other programs of the same user are not to be signalled.
+  // abort(3) signals its own thread. Signals to other programs of the same user are not allowed.
   allow(SCMP_SYS(tgkill),
         {SCMP_A0(SCMP_CMP_EQ, static_cast<scmp_datum_t>(getpid())), SCMP_A2(SCMP_CMP_EQ, SIGABRT)});
   return well && seccomp_load(filter.get()) == 0;
@@ -85,19 +87,19 @@ bool filter_calls(const SandboxLimits& limits) {
 }  // namespace
 
 Result<void> enter_sandbox(const SandboxLimits& limits) {
-  // No core file: it would hold the pictures.
+  // A core file would contain the images.
   const bool limited =
       limit(RLIMIT_CORE, 0) && limit(RLIMIT_AS, limits.memory_bytes) &&
       limit(RLIMIT_STACK, kStackBytes) && limit(RLIMIT_FSIZE, limits.output_bytes) &&
       limit(RLIMIT_CPU, limits.cpu_seconds) &&
       limit(RLIMIT_NOFILE, static_cast<std::uint64_t>(limits.last_output) + 1) &&
       limit(RLIMIT_NPROC, 0) && limit(RLIMIT_MEMLOCK, 0) && limit(RLIMIT_MSGQUEUE, 0);
-  if (!limited) return fail(ErrorCode::kInternal, "the limits of the sandbox cannot be set");
+  if (!limited) return fail(ErrorCode::kInternal, "cannot set the limits of the sandbox");
   if (prctl(PR_SET_DUMPABLE, 0) != 0 || prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) {
-    return fail(ErrorCode::kInternal, "privileges cannot be given up");
+    return fail(ErrorCode::kInternal, "cannot drop privileges");
   }
   if (!filter_calls(limits))
-    return fail(ErrorCode::kInternal, "the system calls cannot be filtered");
+    return fail(ErrorCode::kInternal, "cannot install the system call filter");
   return {};
 }
 

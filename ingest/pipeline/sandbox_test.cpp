@@ -23,18 +23,19 @@
 namespace diaphane::ingest {
 namespace {
 
-constexpr int kDid = 10;      // what was tried, worked
-constexpr int kRefused = 11;  // it failed, and the process goes on
+constexpr int kDid = 10;      // the attempt succeeded
+constexpr int kRefused = 11;  // the attempt failed, and the process continues
 constexpr int kNoSandbox = 12;
-/// No child lives longer, whatever a broken sandbox lets it wait for: it ends by SIGALRM.
+/// Limits each child's life with SIGALRM, whatever a broken sandbox lets it wait for.
 constexpr unsigned kChildSeconds = 60;
 
-/// What a child finds open as 3 and 4; -1: nothing.
+/// Descriptors that a child has as 3 and 4; -1: none.
 struct Placed {
   int input = -1, output = -1;
 };
 
-/// How a process ends that tries something inside the sandbox: an exit code, or minus the signal.
+/// Returns how a process ends that attempts something inside the sandbox: an exit code, or minus
+/// the signal.
 int inside(const std::function<int()>& act, const SandboxLimits& limits = {},
            const Placed& placed = {}) {
   const pid_t child = fork();
@@ -129,7 +130,7 @@ TEST_F(Sandbox, NoProgramCanBeStartedAndNoProcessMade) {
               return kRefused;
             }),
             -SIGSYS);
-  // fork(3) is clone: refused, and the process goes on.
+  // fork(3) is clone, which is refused, and the process continues.
   EXPECT_EQ(inside([] {
               const pid_t child = fork();
               if (child == 0) _exit(0);
@@ -180,7 +181,7 @@ TEST_F(Sandbox, MemoryIsNeverRun) {
 
 TEST_F(Sandbox, NoPrivilegeIsGainedNothingIsTracedAndNothingIsMounted) {
   EXPECT_EQ(inside([] { return refused_if(setuid(0) != 0); }), -SIGSYS);
-  // Each number by hand: what the C library has no function for counts, too.
+  // By number, to include calls without a function in the C library.
   for (const long call : {SYS_ptrace,
                           SYS_process_vm_readv,
                           SYS_mount,
@@ -224,7 +225,7 @@ TEST_F(Sandbox, NoPrivilegeIsGainedNothingIsTracedAndNothingIsMounted) {
 }
 
 TEST_F(Sandbox, WhatIsSetCannotBeTakenBack) {
-  // Read from outside, while it stands still inside.
+  // Read from outside while the child is stopped inside.
   int ready[2];
   ASSERT_EQ(pipe(ready), 0);
   const pid_t child = fork();
@@ -235,7 +236,7 @@ TEST_F(Sandbox, WhatIsSetCannotBeTakenBack) {
     if (write(4, "x", 1) != 1) _exit(kRefused);
     for (;;) sched_yield();
   }
-  close(ready[1]);  // a child that ends before it stands still is the end of the file
+  close(ready[1]);  // a child that ends before it stops closes the pipe
   char letter = 0;
   ASSERT_EQ(read(ready[0], &letter, 1), 1);
   const auto text_of = [&](const char* name) {

@@ -5,11 +5,11 @@
 
 namespace diaphane::ingest {
 
-/// Removes voxel files that a killed process left in the scratch directory (only on file systems
-/// without unnamed files do they have a name at all, and for an instant). How many.
+/// Removes voxel files that a killed process left in the scratch directory, and returns their
+/// number. Such files have a name, briefly, only on file systems without unnamed files.
 std::size_t sweep_scratch(const std::string& directory);
 
-/// True when a file can be made in `directory`.
+/// Whether a file can be created in `directory`.
 bool can_write(const std::string& directory);
 
 }  // namespace diaphane::ingest

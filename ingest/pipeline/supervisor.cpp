@@ -18,13 +18,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kTick{50};
 
-/// After fork: only calls that are safe between fork and exec in a process with threads.
+/// Runs after fork. Uses only calls that are safe between fork and exec in a process with threads.
 [[noreturn]] void become(const char* program, char* const* arguments, int input, int output,
                          int report, pid_t parent) {
   constexpr int kCannot = 127;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kCannot);  // it ended before the line above
-  // Away from the places that they are to have, then onto them.
+  if (getppid() != parent) _exit(kCannot);  // the parent ended before the line above
+  // Moves the descriptors out of the way, then to their final numbers.
   const int null = open("/dev/null", O_RDWR);
   constexpr int kAside = 16;
   const int from[] = {fcntl(null, F_DUPFD, kAside), fcntl(input, F_DUPFD, kAside),
@@ -46,7 +46,7 @@ constexpr std::chrono::milliseconds kTick{50};
   _exit(kCannot);
 }
 
-/// Whatever the pipe holds, without waiting.
+/// Reads what the pipe holds, without waiting.
 void drain(int fd, std::string& report) {
   std::array<char, 4096> part{};
   for (;;) {
@@ -57,7 +57,8 @@ void drain(int fd, std::string& report) {
   }
 }
 
-/// Processor time, with 100 ms of tolerance: the kernel counts a limit and a usage differently.
+/// Returns the processor time with 100 ms of tolerance, because the kernel measures a limit and a
+/// usage differently.
 std::chrono::milliseconds cpu_time(const rusage& usage) {
   const auto of = [](const timeval& time) {
     return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
@@ -75,7 +76,7 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
   }
   arguments.push_back(nullptr);
   std::array<int, 2> pipe{};
-  if (pipe2(pipe.data(), O_CLOEXEC) != 0) return fail(ErrorCode::kInternal, "no pipe can be made");
+  if (pipe2(pipe.data(), O_CLOEXEC) != 0) return fail(ErrorCode::kInternal, "cannot create a pipe");
   fcntl(pipe[0], F_SETFL, O_NONBLOCK);
   const pid_t self = getpid();
   const pid_t child = fork();
@@ -85,7 +86,7 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
   close(pipe[1]);
   if (child < 0) {
     close(pipe[0]);
-    return fail(ErrorCode::kInternal, "no child can be made");
+    return fail(ErrorCode::kInternal, "cannot create a child process");
   }
 
   ChildEnd end;
@@ -104,7 +105,8 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
     }
     pollfd wait{pipe[0], POLLIN, 0};
     poll(&wait, 1, static_cast<int>(kTick.count()));
-    // A closed pipe polls ready at once: the end is near, but not to be waited for in a hot loop.
+    // poll() returns at once for a closed pipe. The child is about to end, so this avoids a busy
+    // loop.
     if ((wait.revents & POLLHUP) != 0) usleep(2000);
   }
   drain(pipe[0], end.report);
@@ -116,7 +118,7 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
     end.exit_code = WEXITSTATUS(status);
   } else {
     end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    // The kernel ends a child by SIGKILL at RLIMIT_CPU, too (sandbox.cpp).
+    // The kernel also ends a child with SIGKILL at RLIMIT_CPU (sandbox.cpp).
     const bool used_up = end.signal == SIGKILL && cpu_time(usage) >= command.time_limit;
     end.how = used_up ? ChildEnd::How::kTimedOut : ChildEnd::How::kCrashed;
   }

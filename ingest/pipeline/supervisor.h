@@ -10,7 +10,7 @@
 
 namespace diaphane::ingest {
 
-/// Descriptors that a child finds open, besides 0, 1 and 2 (which are /dev/null).
+/// Descriptors that are open in a child, besides 0, 1 and 2 (/dev/null).
 inline constexpr int kChildInput = 3;   ///< the upload, read only
 inline constexpr int kChildOutput = 4;  ///< an unnamed file, for voxels
 inline constexpr int kChildReport = 5;  ///< a pipe, for at most kLongestReport bytes
@@ -19,7 +19,7 @@ inline constexpr std::size_t kLongestReport = 60000;
 struct ChildCommand {
   std::string program;                 ///< a path
   std::vector<std::string> arguments;  ///< without the name of the program
-  int input = -1;                      ///< descriptors of this process that become the child's
+  int input = -1;                      ///< descriptors of this process that the child inherits
   int output = -1;
   std::chrono::milliseconds time_limit{60000};
 };
@@ -30,12 +30,12 @@ struct ChildEnd {
   int exit_code = 0;
   int signal = 0;
   std::string report;
-  std::uint64_t peak_bytes = 0;  ///< the largest resident set
+  std::uint64_t peak_bytes = 0;  ///< maximum resident set size
 };
 
-/// Runs a child with an empty environment and nothing open but the descriptors above, and waits for
-/// its end. It is killed at its time limit, when `go_on` (asked every 50 ms) says false, and by the
-/// kernel when the calling thread ends. kInternal when it cannot be started.
+/// Runs a child with an empty environment and no open descriptors but those above, and waits for
+/// its end. It is killed at its time limit, when `go_on` (called every 50 ms) returns false, and by
+/// the kernel when the calling thread ends. kInternal when it cannot be started.
 Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool()>& go_on);
 
 }  // namespace diaphane::ingest

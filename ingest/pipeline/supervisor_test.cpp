@@ -16,7 +16,7 @@ namespace {
 
 using How = ChildEnd::How;
 
-/// A shell as the child: it stands for a child that does whatever it likes.
+/// Runs a shell as the child, in place of a child that does anything.
 ChildEnd shell(
     const std::string& script, std::chrono::milliseconds limit = std::chrono::seconds(20),
     const std::function<bool()>& go_on = [] { return true; }) {

@@ -14,11 +14,12 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 18;
 
-/// What libarchive reads through: of its own ways the one by descriptor asks the system what kind
-/// of file it is, which the sandbox does not let it.
+/// Input of libarchive. Its own reader for descriptors queries the type of the file, which the
+/// sandbox does not allow.
 struct Input {
   int fd;
   off_t length;
+  bool& failed;
   std::vector<char> block = std::vector<char>(kBlock);
 };
 
@@ -29,12 +30,13 @@ la_ssize_t read_block(archive* in, void* data, const void** block) {
     const ssize_t got = read(input.fd, input.block.data(), input.block.size());
     if (got >= 0) return got;
     if (errno == EINTR) continue;
-    archive_set_error(in, errno, "the upload cannot be read");
+    input.failed = true;
+    archive_set_error(in, errno, "cannot read the upload");
     return ARCHIVE_FATAL;
   }
 }
 
-/// Files that are not wanted are passed over without being read.
+/// Skips unwanted files without reading them.
 la_int64_t skip(archive* /*in*/, void* data, la_int64_t bytes) {
   const Input& input = *static_cast<Input*>(data);
   const off_t at = lseek(input.fd, 0, SEEK_CUR);
@@ -45,20 +47,21 @@ la_int64_t skip(archive* /*in*/, void* data, la_int64_t bytes) {
 constexpr std::uint64_t kBeginning = 4096;
 
 tl::unexpected<Error> broken() {
-  return fail(ErrorCode::kInvalid, "the upload is broken or cut off");
+  return fail(ErrorCode::kInvalid, "the upload is damaged or incomplete");
 }
 
 }  // namespace
 
 Result<void> TarSource::visit(const Want& want, const Take& take) {
-  // Nothing is unpacked here, so no file in it is longer than the archive.
+  // Nothing is decompressed here, so no file is longer than the archive.
   const off_t length = lseek(fd_, 0, SEEK_END);
   if (length < 0 || lseek(fd_, 0, SEEK_SET) != 0) {
-    return fail(ErrorCode::kUnavailable, "the upload cannot be read");
+    failed_ = true;
+    return fail(ErrorCode::kUnavailable, "cannot read the upload");
   }
   const std::unique_ptr<archive, int (*)(archive*)> in(archive_read_new(), archive_read_free);
-  archive_read_support_format_tar(in.get());  // and no filter: nothing is unpacked here
-  Input input{fd_, length};
+  archive_read_support_format_tar(in.get());  // no filter, because nothing is decompressed
+  Input input{fd_, length, failed_};
   if (archive_read_open2(in.get(), &input, nullptr, read_block, skip, nullptr) != ARCHIVE_OK) {
     return broken();
   }
@@ -73,11 +76,12 @@ Result<void> TarSource::visit(const Want& want, const Take& take) {
       continue;
     }
     const la_int64_t size = archive_entry_size(entry);
-    // A file with holes claims zeros that nobody sent.
+    // A sparse file claims zeros that were never sent.
     if (size < 0 || size > length || archive_entry_sparse_count(entry) > 0) return broken();
     const auto whole = static_cast<std::uint64_t>(size);
     const std::uint64_t wanted = whole > largest_file_ ? kBeginning : whole;
-    if (wanted > bytes.capacity()) bytes = {};  // else the old and the new would be held together
+    // frees the old buffer before the new one is allocated
+    if (wanted > bytes.capacity()) bytes = {};
     bytes.resize(wanted);
     if (archive_read_data(in.get(), bytes.data(), bytes.size()) !=
         static_cast<la_ssize_t>(bytes.size())) {

@@ -7,17 +7,20 @@
 namespace diaphane::ingest {
 
 /// The regular files of a tar archive behind an open file descriptor (docs/contracts.md, "Upload
-/// bundle"). Names, owners and times in it are not looked at; anything but regular files is passed
-/// over. Of files larger than `largest_file` only the beginning is read. kInvalid when the archive
-/// is broken or cut off, or has a file with holes (sparse).
+/// bundle"). Ignores names, owners, times, and everything but regular files. Reads only the
+/// beginning of files larger than `largest_file`. kInvalid when the archive is broken or truncated,
+/// or contains a sparse file.
 class TarSource final : public dicom::FileSource {
  public:
-  /// `fd` stays the caller's and must allow seeking.
+  /// Borrows `fd`, which must be seekable.
   TarSource(int fd, std::uint64_t largest_file) : fd_(fd), largest_file_(largest_file) {}
   Result<void> visit(const Want& want, const Take& take) override;
+  /// Whether the file could not be read, which says nothing about its contents.
+  bool failed() const { return failed_; }
 
  private:
   int fd_;
+  bool failed_ = false;
   std::uint64_t largest_file_;
 };
 

@@ -97,7 +97,7 @@ TEST(TarSource, AnArchiveThatIsCutOffIsAnError) {
 }
 
 TEST(TarSource, ACompressedArchiveIsNoArchive) {
-  // No filters: nobody can send a bomb as .tar.gz.
+  // No filters, so that nobody can send a bomb as .tar.gz.
   const int fd = memfd_create("gz", MFD_CLOEXEC);
   ASSERT_EQ(write(fd, "\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03 and more of it", 26), 26);
   TarSource source(fd, 1 << 20);

@@ -35,12 +35,22 @@ WaitReason reason_of(ErrorCode code) {
   return code == ErrorCode::kOutOfMemory ? WaitReason::kMemory : WaitReason::kService;
 }
 
+std::chrono::milliseconds doubled(std::chrono::milliseconds first, int times,
+                                  std::chrono::milliseconds longest) {
+  constexpr int kMostDoublings = 20;
+  return std::min<std::chrono::milliseconds>(first * (1LL << std::clamp(times, 0, kMostDoublings)),
+                                             longest);
+}
+
 }  // namespace
 
 std::chrono::milliseconds Worker::pause_after(int waits, const Options& options) {
-  constexpr int kMostDoublings = 20;
-  const auto pause = options.first_pause * (1LL << std::clamp(waits, 0, kMostDoublings));
-  return std::min<std::chrono::milliseconds>(pause, options.longest_pause);
+  return doubled(options.first_pause, waits, options.longest_pause);
+}
+
+std::chrono::milliseconds Worker::pause_for_memory(int attempts, const Options& options) {
+  // The job may be the cause, so the next attempt is late enough for another cause to pass.
+  return doubled(4 * options.first_pause, attempts, options.longest_pause_for_memory);
 }
 
 std::string Worker::upload_path(const Job& job) const {
@@ -58,7 +68,8 @@ void Worker::note_postgres(bool there) {
   if (there) {
     log::info("postgres_back");
   } else {
-    log::warning("postgres_away", {{"effect", "jobs wait; nothing is lost"}});
+    log::warning("postgres_away",
+                 {{"effect", "jobs wait until Postgres is available; nothing is lost"}});
   }
 }
 
@@ -69,7 +80,7 @@ void Worker::pause(std::chrono::milliseconds span) {
   }
 }
 
-/// A stop is wanted, and the time that a build may still have is over.
+/// Whether a stop was requested and the grace period of the current build is over.
 bool Worker::stop_is_due() {
   if (!stopping_) return false;
   if (stop_seen_ == SteadyTime{}) stop_seen_ = Clock::now();
@@ -102,28 +113,32 @@ Builder::GoOn Worker::keep_going(const Job& job, Hold& hold) {
     next_renewal = Clock::now() + options_.renew;
     auto renewed = jobs_.renew(job);
     note_postgres(renewed || renewed.error().code != ErrorCode::kUnavailable);
-    // While Postgres is away nobody else can claim it either.
+    // While Postgres is unavailable, no other worker can claim the job either.
     if (renewed) hold = *renewed;
     return hold == Hold::kOurs;
   };
 }
 
 void Worker::work(const Job& job) {
-  // Never: a path is made of them.
+  // Must not happen, but paths are made of these ids.
   if (!is_id(job.data_set_id) || (!job.cut && !is_id(job.upload_id))) return;
   try {
     job.cut ? work_cut(job) : work_upload(job);
   } catch (const std::bad_alloc&) {
-    wait(job, WaitReason::kMemory, "ingestd has too little memory", false);
+    wait(job, WaitReason::kMemory, "ingestd is short of memory", false);
   }
 }
 
 void Worker::work_upload(const Job& job) {
-  log::info("ingest_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
-  if (job.attempts > options_.most_attempts) {
+  log::info("ingest_begun", {{"data_set", job.data_set_id},
+                             {"killed", job.attempts},
+                             {"interrupted", job.interruptions}});
+  if (job.attempts >= options_.most_attempts) {
     Build given_up;
-    given_up.verdict =
-        refused("internal", "This upload could not be processed; please send it again.");
+    given_up.verdict = refused(
+        "no_memory",
+        "The server ran out of memory each time it read this upload, which is within the limits. "
+        "Upload the scan again later, or contact the people who run this server.");
     return finish(job, given_up);
   }
   fault_point("claimed");
@@ -139,7 +154,8 @@ void Worker::work_upload(const Job& job) {
     return;
   }
   if (build->stopped) return give_back(job);
-  if (build->killed) return child_was_killed(job);
+  if (build->killed || build->no_memory) return wait_for_memory(job, *build);
+  if (build->file_missing) return wait_for_file(job);
   if (build->too_large) {
     (void)insist([&] { return jobs_.leave_to_large(job); });
     return;
@@ -153,9 +169,8 @@ void Worker::wait(const Job& job, const Error& why) {
 }
 
 void Worker::wait(const Job& job, WaitReason reason, const std::string& why, bool count_attempt) {
-  // Where the job may be the cause, the next attempt is far enough away for another cause to pass.
-  constexpr int kLonger = 2;
-  const auto pause = pause_after(job.waits + (count_attempt ? kLonger : 0), options_);
+  const auto pause =
+      count_attempt ? pause_for_memory(job.attempts, options_) : pause_after(job.waits, options_);
   log::warning("job_waits", {{"data_set", job.data_set_id},
                              {"for", to_string(reason)},
                              {"reason", why},
@@ -165,17 +180,31 @@ void Worker::wait(const Job& job, WaitReason reason, const std::string& why, boo
   (void)insist([&] { return jobs_.wait(job, reason, pause, count_attempt); });
 }
 
-/// Memory was short, or somebody killed it. A job that has its child killed every time is given up
-/// after the usual number of attempts.
-void Worker::child_was_killed(const Job& job) {
-  wait(job, WaitReason::kMemory, "the child was killed", true);
+/// Memory was short, or the child was killed. The upload is not to blame but may be the cause, so
+/// the attempts are limited.
+void Worker::wait_for_memory(const Job& job, const Build& build) {
+  wait(job, WaitReason::kMemory,
+       build.killed ? "the child process was killed"
+                    : "the child process got no memory below its limit",
+       true);
+}
+
+/// The file is missing, but a replaced or restored disk may still bring it back.
+void Worker::wait_for_file(const Job& job) {
+  if (job.waits < options_.most_waits_for_file) {
+    return wait(job, WaitReason::kService, "the upload's file is missing", false);
+  }
+  Build gone;
+  gone.verdict =
+      refused("upload_gone", "The upload is no longer available. Please upload the scan again.");
+  finish(job, gone);
 }
 
 void Worker::finish(const Job& job, Build& build) {
   Verdict& verdict = build.verdict;
   const std::uint64_t bytes = build.volume.voxels.size() * sizeof(std::int16_t);
   if (verdict.ready) {
-    // Only with a fresh lease is the volume's directory ours to write.
+    // Only a fresh lease permits writing the volume's directory.
     const auto fresh = insist([&] { return jobs_.renew(job); });
     if (!fresh || *fresh != Hold::kOurs) {
       if (fresh && *fresh == Hold::kDeleted) remove_original(job);
@@ -190,13 +219,13 @@ void Worker::finish(const Job& job, Build& build) {
                          : jobs_.finish_refused(job, verdict.code, verdict.text);
   });
   fault_point("said");
-  if (!hold) return;  // stopping while Postgres is away: taken up again later
+  if (!hold) return;  // stopping while Postgres is unavailable; the job is resumed later
   if (*hold == Hold::kDeleted) {
     if (verdict.ready) discard_volume(job);
     return remove_original(job);
   }
   if (*hold == Hold::kLost)
-    return;  // somebody else's now, or said already by an answer that was lost
+    return;  // another worker has the job, or a lost answer already finished it
   if (*hold == Hold::kOverQuota) {
     discard_volume(job);
     verdict = refused("over_quota", {});
@@ -213,8 +242,8 @@ void Worker::finish(const Job& job, Build& build) {
 Result<void> Worker::store(const Job& job, volume::Volume& volume) {
   auto written = volume::write(volume, volume_path(job));
   if (written || written.error().code != ErrorCode::kConflict) return written;
-  // Left by a claimer that was killed between storing and saying so. Nobody reads it: it is not
-  // ready.
+  // Left by a claimer that was killed between storing and reporting. The volume is not ready, so
+  // nothing reads it.
   std::error_code error;
   fs::remove_all(volume_path(job), error);
   return volume::write(volume, volume_path(job));
@@ -230,7 +259,7 @@ void Worker::remove_original(const Job& job) {
   fs::remove(upload_path(job), error);
   if (error) {
     log::error("original_not_removed", {{"upload", job.upload_id}});
-    return;  // its row in `disposals` stays, and `api` tries again
+    return;  // its row in `disposals` stays, and `api` retries
   }
   fault_point("removed");
   (void)jobs_.upload_removed(job.upload_id);

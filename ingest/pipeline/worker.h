@@ -12,7 +12,7 @@
 
 namespace diaphane::ingest {
 
-/// What the worker tells about itself; called from its thread.
+/// Events that a worker reports, called from its thread.
 struct WorkerEvents {
   std::function<void(const std::string& code)> done = [](const std::string&) {};
   std::function<void(double seconds, std::uint64_t peak_bytes)> built = [](double, std::uint64_t) {
@@ -22,11 +22,12 @@ struct WorkerEvents {
   std::function<void(bool)> postgres = [](bool) {};
 };
 
-/// Takes one job after another: builds it, keeps the volume or says why not, and removes the
-/// original afterwards. A condition that passes (a full disk, too little memory, a part that is
-/// away) ends no job: the original stays, the job waits, longer each time, and is tried again
-/// without counting an attempt. While Postgres is away, the worker holds the result until it can
-/// say so.
+/// Processes one job after another: builds it, stores the volume or the reason for a refusal, and
+/// then removes the original. A temporary condition (a full disk, too little memory, an unavailable
+/// service) ends no job. The original stays, and the job waits, longer each time, and is tried
+/// again without counting an attempt. Only conditions that the upload itself may cause are limited:
+/// attempts for which the machine had too little memory, and waits for a missing file. While
+/// Postgres is unavailable, the worker keeps the result until it can report it.
 class Worker {
  public:
   struct Options {
@@ -34,22 +35,28 @@ class Worker {
     std::string volume_dir;
     std::chrono::milliseconds poll{200};
     std::chrono::milliseconds renew{1500};
-    std::chrono::milliseconds drain{1500};  ///< how long a build may go on once a stop is wanted
-    int most_attempts = 3;
-    std::chrono::milliseconds first_pause{1000};  ///< of a job that waits; doubled each time
+    /// How long a build may continue after a stop was requested.
+    std::chrono::milliseconds drain{1500};
+    int most_attempts = 12;  ///< attempts for which the machine had too little memory
+    int most_waits_for_file = 12;
+    std::chrono::milliseconds first_pause{1000};  ///< of a waiting job; doubled each time
     std::chrono::milliseconds longest_pause{60000};
+    std::chrono::milliseconds longest_pause_for_memory{600000};
   };
 
   Worker(Options options, JobStore& jobs, Builder& builder, WorkerEvents events)
       : options_(std::move(options)), jobs_(jobs), builder_(builder), events_(std::move(events)) {}
 
-  /// Until stop(); then a build has `drain` to end before it is given back.
+  /// Runs until stop(). A build then has `drain` to end before its job is requeued.
   void run();
-  /// One job, if there is one: true. For tests.
+  /// Processes one job if there is one, and returns whether there was. For tests.
   bool work_once();
   void stop() { stopping_ = true; }
-  /// How long a job pauses that has waited so often in a row before.
+  /// Returns the pause of a job after this number of consecutive waits.
   static std::chrono::milliseconds pause_after(int waits, const Options& options);
+  /// Returns the pause of a job after this number of attempts for which the machine had too little
+  /// memory.
+  static std::chrono::milliseconds pause_for_memory(int attempts, const Options& options);
 
  private:
   using SteadyTime = std::chrono::steady_clock::time_point;
@@ -60,19 +67,21 @@ class Worker {
   void work_cut(const Job& job);
   void finish_cut(const Job& job, const volume::Volume& volume);
   void refuse_cut(const Job& job, const std::string& text);
-  /// Says whether a job that is being worked on is to go on; renews its lease now and then.
+  /// Returns a callback that tells whether work on a job should continue and renews its lease
+  /// periodically.
   Builder::GoOn keep_going(const Job& job, Hold& hold);
   Result<void> store(const Job& job, volume::Volume& volume);
   void give_back(const Job& job);
   void wait(const Job& job, const Error& why);
   void wait(const Job& job, WaitReason reason, const std::string& why, bool count_attempt);
-  void child_was_killed(const Job& job);
+  void wait_for_memory(const Job& job, const Build& build);
+  void wait_for_file(const Job& job);
   void remove_original(const Job& job);
   void discard_volume(const Job& job);
   void note_postgres(bool there);
   void pause(std::chrono::milliseconds span);
   bool stop_is_due();
-  /// Asks until Postgres answers, or a stop is wanted.
+  /// Retries until Postgres answers or a stop is requested.
   template <typename Ask>
   auto insist(Ask ask) -> decltype(ask());
   std::string upload_path(const Job& job) const;

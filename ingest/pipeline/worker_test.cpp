@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A queue in memory that can be away, and that remembers what it was told.
+/// A queue in memory that can be unavailable and that records its calls.
 class FakeJobs final : public JobStore {
  public:
   Result<std::optional<Job>> claim() override {
@@ -96,7 +96,7 @@ class FakeJobs final : public JobStore {
   }
 
   std::deque<Job> waiting;
-  int away = 0;  ///< this many questions are not answered
+  int away = 0;  ///< number of calls that get no answer
   int renewals = 0;
   Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs, hold_at_note = Hold::kOurs;
   struct Wait {
@@ -119,6 +119,8 @@ class FakeBuilder final : public Builder {
     if (failure) return tl::unexpected(*failure);
     Build result;
     result.killed = killed;
+    result.no_memory = machine_short;
+    result.file_missing = file_missing;
     result.too_large = too_large;
     const auto until = std::chrono::steady_clock::now() + takes;
     while (std::chrono::steady_clock::now() < until) {
@@ -148,7 +150,8 @@ class FakeBuilder final : public Builder {
   }
   Verdict verdict;
   std::optional<Error> failure;
-  bool killed = false, too_large = false, no_memory = false;
+  bool killed = false, too_large = false, no_memory = false, machine_short = false,
+       file_missing = false;
   std::chrono::milliseconds takes{0};
   int builds = 0;
 };
@@ -170,11 +173,14 @@ class WorkerTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(root_); }
 
-  Job put(int attempts = 1) {
+  Job put(int attempts = 0) {
     const std::string id = new_id();
     std::ofstream(root_ / "uploads" / (id + ".tar")) << "original";
-    jobs_.waiting.push_back({id, id, attempts});
-    return jobs_.waiting.back();
+    Job job;
+    job.data_set_id = job.upload_id = id;
+    job.attempts = attempts;
+    jobs_.waiting.push_back(job);
+    return job;
   }
   bool original_there(const Job& job) const {
     return fs::exists(root_ / "uploads" / (job.upload_id + ".tar"));
@@ -220,13 +226,34 @@ TEST_F(WorkerTest, AResultIsHeldUntilPostgresIsBack) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, AFourthAttemptIsGivenUpWithoutReading) {
-  const Job job = put(4);
+TEST_F(WorkerTest, AJobThatNeverGetsMemoryIsGivenUpWithoutReading) {
+  const Job job = put(options_.most_attempts);
   EXPECT_TRUE(worker().work_once());
   EXPECT_EQ(builder_.builds, 0);
   ASSERT_EQ(jobs_.refusals.size(), 1u);
-  EXPECT_EQ(jobs_.refusals[0].second, "internal");
+  EXPECT_EQ(jobs_.refusals[0].second, "no_memory");
   EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, AJobThatWasInterruptedHoweverOftenIsBuilt) {
+  const Job job = put();
+  jobs_.waiting.front().interruptions = 1000;
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+}
+
+TEST_F(WorkerTest, AMissingFileIsWaitedForAndThenGivenUp) {
+  builder_.file_missing = true;
+  const Job job = put();
+  auto w = worker();
+  for (int i = 0; i < options_.most_waits_for_file; ++i) {
+    EXPECT_TRUE(w.work_once());
+    EXPECT_EQ(jobs_.waits.back().reason, WaitReason::kService);
+    EXPECT_TRUE(jobs_.refusals.empty());
+  }
+  EXPECT_TRUE(w.work_once());
+  ASSERT_EQ(jobs_.refusals.size(), 1u);
+  EXPECT_EQ(jobs_.refusals[0].second, "upload_gone");
 }
 
 TEST_F(WorkerTest, AConditionThatPassesKeepsTheOriginalAndCountsNoAttempt) {
@@ -274,16 +301,21 @@ TEST_F(WorkerTest, PausesDoubleUpToALimit) {
   EXPECT_EQ(Worker::pause_after(3, options), 8 * options.first_pause);
   EXPECT_EQ(Worker::pause_after(6, options), options.longest_pause);
   EXPECT_EQ(Worker::pause_after(1'000'000, options), options.longest_pause);
+  EXPECT_EQ(Worker::pause_for_memory(2, options), 16 * options.first_pause);
+  EXPECT_EQ(Worker::pause_for_memory(11, options), options.longest_pause_for_memory);
 }
 
 TEST_F(WorkerTest, AKilledChildIsTriedAgainAndGivenUpWhenItIsKilledEveryTime) {
-  builder_.killed = true;
   const Job job = put();
   auto w = worker();
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < options_.most_attempts; ++i) {
+    builder_.killed = i % 2 == 0;
+    builder_.machine_short = i % 2 != 0;
     EXPECT_TRUE(original_there(job));
     EXPECT_TRUE(w.work_once());
     EXPECT_TRUE(jobs_.waits.back().counted);
+    EXPECT_EQ(jobs_.waits.back().reason, WaitReason::kMemory);
+    EXPECT_EQ(jobs_.waits.back().pause, Worker::pause_for_memory(i, options_));
   }
   EXPECT_TRUE(w.work_once());
   ASSERT_EQ(jobs_.refusals.size(), 1u);
@@ -358,7 +390,7 @@ TEST_F(WorkerTest, AVolumeThatAKilledClaimerLeftIsReplaced) {
 /// A stored volume of ones with a row of markers, and an order to keep its lower half.
 class CutTest : public WorkerTest {
  protected:
-  Job order(int attempts = 1) {
+  Job order(int attempts = 0) {
     volume::Volume stored;
     stored.header.size = {16, 16, 16};
     stored.voxels.assign(16 * 16 * 16, 1);
@@ -418,7 +450,7 @@ TEST_F(CutTest, AChildThatFailsCutsNothing) {
   builder_.verdict = refused("too_large", "It needs too much.");
   EXPECT_TRUE(worker().work_once());
   ASSERT_EQ(jobs_.refusals.size(), 1U);
-  EXPECT_EQ(jobs_.refusals[0].second, "It needs too much. Nothing was cut.");
+  EXPECT_EQ(jobs_.refusals[0].second, "It needs too much. Nothing was removed.");
   expect_old(job);
 }
 
@@ -449,9 +481,9 @@ TEST_F(CutTest, AnAttemptThatWasKilledAfterTheExchangeIsOnlyFinished) {
   volume::Volume left = *volume::cut_volume(stored(job), job.cut->region);
   ASSERT_TRUE(volume::replace(left, volume_of(job).string(), []() -> Result<void> { return {}; }));
   fs::create_directory(root_ / "volumes" /
-                       ".tmp-old");  // what the killed one had no time to remove
+                       ".tmp-old");  // what the killed worker had no time to remove
   jobs_.waiting.front().cut->result = left.header.content_hash;
-  jobs_.waiting.front().attempts = 7;
+  jobs_.waiting.front().attempts = 70;
   EXPECT_TRUE(worker().work_once());
   EXPECT_EQ(builder_.builds, 0);
   EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});

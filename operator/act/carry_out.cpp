@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/log.h"
+#include "common/try.h"
 #include "operator/act/objects.h"
 #include "operator/kube/informer.h"
 #include "operator/plan/parts.h"
@@ -58,7 +59,7 @@ const T* find(const std::vector<T>& all, const std::string& uid) {
 }
 
 tl::unexpected<Error> not_seen() {
-  return fail(ErrorCode::kConflict, "it is not there any more", "NotSeen");
+  return fail(ErrorCode::kConflict, "the object no longer exists", "NotSeen");
 }
 
 }  // namespace
@@ -94,7 +95,7 @@ std::string Carrier::path(Kind kind, const std::string& name, const char* part) 
 }
 
 Result<void> Carrier::wrote(Kind kind, const Result<Json>& answer, Turn& turn) {
-  if (!answer) return tl::unexpected(answer.error());
+  DIAPHANE_TRY(answer);
   turn.version = kube::version_of(*answer);
   options_.wrote(kind, *answer);
   return {};
@@ -103,12 +104,13 @@ Result<void> Carrier::wrote(Kind kind, const Result<Json>& answer, Turn& turn) {
 Result<void> Carrier::created(Kind kind, const std::string& name, const Result<Json>& answer,
                               Turn& turn) {
   if (!answer && answer.error().field == "AlreadyExists") {
-    // Made by an operator before us, or by us without hearing of it: what it is decides.
+    // Another operator created it, or this one did without receiving the answer. The existing
+    // object decides.
     const auto there = api_.get(path(kind, name));
     if (there) {
       options_.wrote(kind, *there);
     } else {
-      log::warning("not_read_again",
+      log::warning("read_failed",
                    {{"object", key(kind, name)}, {"message", there.error().message}});
     }
   }
@@ -127,7 +129,7 @@ Result<void> Carrier::one(const CreateWorker& action, Turn& turn) {
                       api_.create(path(Kind::kWorker), worker_object(action, *pods->second)), turn);
   if (done) {
     events_.tell({"RenderFleet", action.fleet, action.fleet_uid, "Placed",
-                  action.name + " on node " + action.node});
+                  "Placed worker " + action.name + " on node " + action.node});
   }
   return done;
 }
@@ -141,12 +143,13 @@ Result<void> Carrier::one(const CreatePod& action, Turn& turn) {
     return found == turn.seen.pods_of.end() ? Template() : found->second;
   };
   Template pods = template_of(action.worker_uid);
-  // Changed by hand: its fleet may still have it as it was.
+  // The template on the worker was edited by hand, but its fleet may still have the original.
   if (!pods && of->spec.template_hash == action.template_hash) pods = template_of(of->uid);
   if (!pods) {
     events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
-                  "its pod template is not what its hash says; delete it", true});
-    return fail(ErrorCode::kInvalid, "the template was changed by hand", "TemplateChanged");
+                  "The pod template does not match its hash. Delete this worker", true});
+    return fail(ErrorCode::kInvalid, "the pod template was edited after the worker was created",
+                "TemplateChanged");
   }
   auto done = created(
       Kind::kPod, action.worker,
@@ -167,7 +170,7 @@ Result<void> Carrier::one(const SetDrain& action, Turn& turn) {
       turn);
   if (done) {
     events_.tell({"RenderWorker", action.worker, action.uid, "Draining",
-                  std::string(to_string(action.drain.reason))});
+                  "Draining, reason: " + std::string(to_string(action.drain.reason))});
   }
   return done;
 }
@@ -188,15 +191,15 @@ Result<void> Carrier::one(const DeleteWorker& action, Turn& turn) {
 Result<void> Carrier::one(const RemoveFinalizer& action, Turn& turn) {
   const auto there = api_.get(path(action.kind, action.name));
   if (!there && there.error().code == ErrorCode::kNotFound) return {};
-  if (!there) return tl::unexpected(there.error());
+  DIAPHANE_TRY(there);
   const Target target = turn.target(action.name, action.uid, action.version);
   const std::string uid = there->value("/metadata/uid"_json_pointer, "");
   if (uid != target.uid || kube::version_of(*there) != target.version) {
     options_.wrote(action.kind, *there);
-    return fail(ErrorCode::kConflict, "it changed since", "Conflict");
+    return fail(ErrorCode::kConflict, "the object has changed since it was read", "Conflict");
   }
   const auto answer = api_.replace(path(action.kind, action.name), without_finalizer(*there));
-  // With its last finalizer it goes: the answer is what it was.
+  // Removing the last finalizer deletes the object.
   if (!answer) return gone(tl::unexpected(answer.error()));
   return {};
 }
@@ -211,8 +214,8 @@ Result<void> Carrier::one(const Restore& action, Turn& turn) {
                                             turn.target(action.name, action.uid, fleet->version))),
                  turn);
   }
-  events_.tell({kind_name(action.kind), action.name, action.uid, "PutBack",
-                "labels, owner or finalizer had been changed", true});
+  events_.tell({kind_name(action.kind), action.name, action.uid, "Restored",
+                "Restored labels, owner or finalizer that had been changed", true});
   if (action.kind == Kind::kPod) {
     const Pod* pod = find(turn.seen.world.pods, action.uid);
     const Worker* worker = pod ? turn.worker(pod->owner_uid) : nullptr;

@@ -8,10 +8,10 @@
 
 namespace diaphane::fleet {
 
-/// The object that an action is about ("worker/skull-3"): actions on one are carried out one after
-/// the other.
+/// Returns the key of the object that an action concerns ("worker/skull-3"). Actions on one object
+/// are executed in sequence.
 std::string key_of(const Action& action);
-/// As metrics and logs call it.
+/// Returns the name of an action in metrics and logs.
 const char* name_of(const Action& action);
 
 /// Sends actions to the API server. Thread-safe.
@@ -19,18 +19,18 @@ class Carrier {
  public:
   struct Options {
     std::string name_space;
-    /// What the API server answered to a write, before the watch tells it.
+    /// Receives the API server's answer to a write before the watch reports it.
     std::function<void(Kind, const Json&)> wrote;
   };
   Carrier(Options options, kube::Api& api, Events& events)
       : options_(std::move(options)), api_(api), events_(events) {}
 
-  /// Those of one object, in their order; ends with the first that fails. kConflict: it changed
-  /// since, or is there already: what there is was read again.
+  /// Executes the actions on one object in order, up to the first failure. kConflict: the object
+  /// changed or already exists, and its current state was read.
   Result<void> carry_out(const std::vector<const Action*>& actions, const Snapshot& seen);
 
  private:
-  struct Turn;  ///< of one object: its version moves on with each write
+  struct Turn;  ///< state of one object, whose version advances with each write
   Result<void> one(const CreateWorker& action, Turn& turn);
   Result<void> one(const CreatePod& action, Turn& turn);
   Result<void> one(const SetDrain& action, Turn& turn);

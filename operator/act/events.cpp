@@ -13,7 +13,7 @@ double wall() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// Of Events: whole seconds.
+/// Formats the time of an Event, which has whole seconds.
 std::string second_text(double time) { return kube::time_text(time).substr(0, 19) + "Z"; }
 
 }  // namespace
@@ -67,7 +67,7 @@ void Events::write(const Waiting& one) {
                                 {"firstTimestamp", now},
                                 {"lastTimestamp", now},
                                 {"count", 1}});
-  if (!written) log::info("event_not_written", {{"message", written.error().message}});
+  if (!written) log::info("event_write_failed", {{"message", written.error().message}});
 }
 
 }  // namespace diaphane::fleet

@@ -11,8 +11,8 @@
 
 namespace diaphane::fleet {
 
-/// Writes Events in a thread of its own: what is told holds up nothing, and what cannot be written
-/// is left.
+/// Writes Events in a separate thread, so that a slow API server delays no caller. Events that
+/// cannot be written are dropped.
 class Events {
  public:
   Events(kube::Api& api, std::string name_space);
@@ -33,7 +33,7 @@ class Events {
   std::condition_variable_any changed_;
   kube::EventLog log_;
   std::deque<Waiting> waiting_;
-  std::jthread thread_;  // last: it uses the rest
+  std::jthread thread_;  // last member, because it uses the others
 };
 
 }  // namespace diaphane::fleet

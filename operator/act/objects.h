@@ -4,24 +4,25 @@
 
 #include "operator/plan/plan.h"
 
-// What is sent to the API server for an action: pure.
+// Pure functions that build the objects sent to the API server for an action.
 
 namespace diaphane::fleet {
 
 using Json = nlohmann::json;
 
-/// What server-side apply and an own write have to name of an object.
+/// What identifies an object in server-side apply and in conditional writes.
 struct Target {
   std::string name, uid, version;
 };
 
 Json worker_object(const CreateWorker& action, const Json& pods);
-/// `pods`: with_slots. `selector`: of the fleet, beside the node.
+/// `pods` comes from with_slots(). `selector` is the fleet's node selector, to which the node is
+/// added.
 Json pod_object(const CreatePod& action, const std::string& fleet, const Labels& selector,
                 Json pods);
 
-/// Applied, each by its own part of the field manager's name: what one does not name it does not
-/// take away from another.
+/// Objects for server-side apply, each with its own part of the field manager's name, so that one
+/// patch does not remove the fields of another.
 Json finalizer_patch(Kind kind, const Target& target);
 Json worker_patch(const Target& target, const Worker& worker);
 Json pod_patch(const Target& target, const std::string& fleet, const std::string& worker);
@@ -29,12 +30,12 @@ Json drain_patch(const Target& target, const Drain& drain);
 Json worker_status_patch(const Target& target, const WorkerStatus& status);
 Json fleet_status_patch(const Target& target, const FleetStatus& status);
 
-/// "renderfleets"
+/// Returns the plural of a kind, for example "renderfleets".
 const char* collection(Kind kind);
-/// At the API server; without a name of the whole collection.
+/// Returns the path of an object at the API server, or of the whole collection without a name.
 std::string path_of(const std::string& name_space, Kind kind, const std::string& name = {});
 
-/// The object as it was read, without our finalizer.
+/// Returns the object without this operator's finalizer.
 Json without_finalizer(Json object);
 
 }  // namespace diaphane::fleet

@@ -94,7 +94,7 @@ TEST(Objects, AWorkersStatusIsReadAsItWasWritten) {
   status.failures = 1;
   status.failed_pod = "p";
   status.failed_at = 1795359845.25;
-  status.conditions = {{"Ready", Truth::kFalse, "NotYet", "", 1795359840.5},
+  status.conditions = {{"Ready", Truth::kFalse, "Starting", "", 1795359840.5},
                        {"Scheduled", Truth::kUnknown, "NoPod", "", 1795359841}};
   Json object = worker_object(kWorker, pods());
   object["status"] = worker_status_patch({"skull-0", "w", "9"}, status)["status"];
@@ -156,7 +156,7 @@ TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
   EXPECT_EQ(read->pod.epoch, 3);
   EXPECT_EQ(read->gpus, 0);
 
-  // Somebody else's with our label: seen, never ours, and its GPU is gone.
+  // A foreign pod with Diaphane's label is observed but never owned, and its GPU is in use.
   object["metadata"].erase("ownerReferences");
   object["spec"]["nodeName"] = "node-1";
   read = read_pod(object, "home");
@@ -164,7 +164,7 @@ TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
   EXPECT_FALSE(read->pod.owned);
   EXPECT_EQ(read->gpus, 1);
 
-  // Another group's kind of that name owns nothing of ours.
+  // A kind of that name in another API group does not make the pod owned.
   object["metadata"]["ownerReferences"] = {{{"apiVersion", "other.dev/v1"},
                                             {"kind", "RenderWorker"},
                                             {"controller", true},

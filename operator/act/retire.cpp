@@ -1,6 +1,7 @@
 #include "operator/act/retire.h"
 
 #include "common/log.h"
+#include "common/try.h"
 #include "operator/kube/fields.h"
 #include "operator/observe/objects.h"
 
@@ -11,7 +12,8 @@ using kube::part;
 using kube::text;
 
 void add_steps(std::vector<RetireStep>& steps, Kind kind, const Json& object, bool let_go) {
-  // Its finalizer goes after: an operator that is there would put it back before.
+  // The finalizer is removed after deletion starts, because a running operator would restore it
+  // before.
   if (text(part(object, "metadata"), "deletionTimestamp").empty()) {
     steps.push_back({RetireStep::What::kDelete, kind, object});
   } else if (let_go && has_finalizer(part(object, "metadata"))) {
@@ -27,10 +29,11 @@ Result<Remains> look(kube::Api& api, const RetireOptions& options, bool in_time)
   } else if (fleet.error().code != ErrorCode::kNotFound) {
     return tl::unexpected(fleet.error());
   }
-  // Thousands of them: not read while nothing would be done about them.
+  // There may be thousands of workers, so they are read only when something will be done about
+  // them.
   if (left.fleet && in_time) return left;
   auto list = api.get(path_of(options.name_space, Kind::kWorker));
-  if (!list) return tl::unexpected(list.error());
+  DIAPHANE_TRY(list);
   for (const Json& worker : part(*list, "items")) {
     if (text(part(worker, "spec"), "fleetName") == options.fleet) left.workers.push_back(worker);
   }
@@ -44,7 +47,7 @@ Result<void> carry_out(kube::Api& api, const RetireOptions& options, const Retir
     return api.remove(path, {text(metadata, "uid"), {}});
   }
   const auto answer = api.replace(path, without_finalizer(step.object));
-  if (!answer) return tl::unexpected(answer.error());
+  DIAPHANE_TRY(answer);
   return {};
 }
 
@@ -59,7 +62,7 @@ std::vector<RetireStep> retire_steps(const Remains& left, bool in_time) {
   if (!in_time) {
     for (const Json& worker : left.workers) add_steps(steps, Kind::kWorker, worker, true);
   }
-  // The last to go: while it is there, what it had is found by its name.
+  // The fleet is deleted last, because its workers are found by its name.
   if (left.fleet) add_steps(steps, Kind::kFleet, *left.fleet, !in_time && left.workers.empty());
   return steps;
 }
@@ -72,7 +75,7 @@ Result<void> retire(kube::Api& api, const RetireOptions& options) {
     const auto left = look(api, options, in_time);
     if (!left && never(left.error())) return tl::unexpected(left.error());
     if (!left) {
-      log::warning("not_read", {{"message", left.error().message}});
+      log::warning("read_failed", {{"message", left.error().message}});
       continue;
     }
     if (!left->fleet && left->workers.empty()) return {};
@@ -83,7 +86,7 @@ Result<void> retire(kube::Api& api, const RetireOptions& options) {
     for (const RetireStep& step : retire_steps(*left, in_time)) {
       const auto done = carry_out(api, options, step);
       if (!done && never(done.error())) return done;
-      // Gone meanwhile, changed meanwhile: the next look tells.
+      // A conflict or a missing object is resolved at the next poll.
     }
   }
 }

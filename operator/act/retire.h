@@ -7,12 +7,12 @@
 #include "operator/act/objects.h"
 #include "operator/kube/api.h"
 
-// The end of a fleet whose operator goes with it: deleted while an operator is there to drain it,
-// and let go of when that takes too long or nobody is there.
+// Deletes a fleet whose operator is uninstalled with it. A running operator drains it first. If
+// that takes too long, or no operator runs, the finalizers are removed.
 
 namespace diaphane::fleet {
 
-/// As they were read; workers are those of that fleet.
+/// Objects as they were read. The workers belong to the fleet.
 struct Remains {
   std::optional<Json> fleet;
   std::vector<Json> workers;
@@ -25,8 +25,8 @@ struct RetireStep {
   Json object;
 };
 
-/// What is done now. `in_time`: the operator may still drain them. Nothing to do, and something
-/// left: it is waited for.
+/// Returns the next steps. `in_time`: the operator may still drain the fleet. No steps while
+/// something is left: wait.
 std::vector<RetireStep> retire_steps(const Remains& left, bool in_time);
 
 struct RetireOptions {
@@ -34,11 +34,11 @@ struct RetireOptions {
   std::string fleet;
   Seconds grace = 0;
   std::function<Seconds()> clock;
-  std::function<void()> pause;  ///< between two looks
+  std::function<void()> pause;  ///< waits between two polls
 };
 
-/// Returns when neither the fleet nor a worker of it is left. kForbidden, kUnauthenticated: it
-/// never will be; whatever else fails is tried again.
+/// Returns when neither the fleet nor any of its workers is left. Fails with kForbidden or
+/// kUnauthenticated, which cannot recover, and retries all other errors.
 Result<void> retire(kube::Api& api, const RetireOptions& options);
 
 }  // namespace diaphane::fleet

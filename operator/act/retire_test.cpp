@@ -41,7 +41,7 @@ TEST(Retire, OutOfTimeWorkersAreLetGoOfAndThenTheFleet) {
   EXPECT_EQ(words(retire_steps(left, false)), (Words{"delete a", "let go b"}));
   EXPECT_EQ(words(retire_steps({object("skull", true, true), {}}, false)), Words{"let go skull"});
   EXPECT_EQ(words(retire_steps({object("skull", false, true), {}}, false)), Words{"delete skull"});
-  // Somebody else's finalizer is his.
+  // Foreign finalizers are kept.
   EXPECT_EQ(words(retire_steps({object("skull", true, false), {}}, false)), Words{});
 }
 

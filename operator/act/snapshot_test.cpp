@@ -99,7 +99,7 @@ TEST_F(ObserverTest, WhatIsBroughtUpToDateIsWhatIsThere) {
       default:
         stores_.nodes.deleted(at, next());
     }
-    if (random.below(3) == 0) continue;  // several at once
+    if (random.below(3) == 0) continue;  // sometimes several changes at once
     expect_same(kept.look(step), stores_.observer().look(step));
     ASSERT_FALSE(HasFailure()) << "step " << step;
   }
@@ -109,7 +109,7 @@ TEST_F(ObserverTest, NothingIsCopiedWhileNothingChanges) {
   stores_.workers.changed(worker("w", "n"));
   Observer kept = stores_.observer();
   const char* before = kept.look(1).world.workers[0].uid.data();
-  kept.look(1).world.workers[0].uid += "!";  // would be gone if it were copied anew
+  kept.look(1).world.workers[0].uid += "!";  // would be lost if it were copied again
   stores_.nodes.changed(node("n", 8));
   EXPECT_EQ(kept.look(2).world.workers[0].uid, "u-w!");
   EXPECT_EQ(kept.look(2).world.workers[0].uid.data(), before);
@@ -145,7 +145,7 @@ TEST_F(ObserverTest, OnlyWhatSaysSomethingNewIsNews) {
   EXPECT_TRUE(stores_.pods.deleted("p", next()));
   EXPECT_FALSE(stores_.pods.deleted("p", next()));
   EXPECT_TRUE(stores_.fleets.changed(fleet("f")));
-  EXPECT_FALSE(stores_.fleets.changed(fleet("f"))) << "the same template, read anew";
+  EXPECT_FALSE(stores_.fleets.changed(fleet("f"))) << "the same template, read again";
 }
 
 }  // namespace

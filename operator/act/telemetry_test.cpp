@@ -5,34 +5,31 @@
 namespace diaphane::fleet {
 namespace {
 
-using api::redis::Reply;
+using directory::FleetPage;
+using directory::WorkerReport;
 
-Reply list(const std::vector<std::string>& words) {
-  Reply reply;
-  reply.kind = Reply::Kind::kList;
-  for (const std::string& word : words) {
-    reply.list.emplace_back();
-    reply.list.back().kind = Reply::Kind::kText;
-    reply.list.back().text = word;
-  }
-  return reply;
+/// One page with the demand of one fleet.
+FleetPage page(const std::vector<WorkerReport>& workers = {}) {
+  return {.next = "0", .demand = {{.refused = 2, .idle_s = 10}}, .workers = workers};
 }
 
-Reply page(const std::string& workers, const std::string& next = "0") {
-  Reply reply = list({next, "5000000", "", "", workers});
-  reply.list[2] = list({"2"});
-  reply.list[3] = list({"4990000"});
-  return reply;
-}
-
-Reading read(const std::vector<Reply>& pages, Seconds now = 100) {
+Reading read(const std::vector<FleetPage>& pages, Seconds now = 100) {
   TelemetryReader reader({"skull"});
-  for (const Reply& one : pages) EXPECT_TRUE(reader.add(one, now));
+  for (const FleetPage& one : pages) reader.add(one, now);
   return reader.take();
 }
 
 TEST(TelemetryOfRedis, TakesAgesNotTimesFromItsClock) {
-  const Reading reading = read({page("skull/w/3 500 0.25 0.5 3 5 16 1.5 1 4940000")});
+  const Reading reading = read({page({{.owner = "skull/w/3",
+                                       .age_s = 0.5,
+                                       .busy = 0.25,
+                                       .memory = 0.5,
+                                       .sessions = 3,
+                                       .used = 5,
+                                       .slots = 16,
+                                       .error = 1.5,
+                                       .draining = true,
+                                       .idle_s = 60}})});
   ASSERT_EQ(reading.telemetry.size(), 1U);
   const Telemetry& sample = reading.telemetry[0];
   EXPECT_EQ(sample.worker_uid, "w");
@@ -54,13 +51,13 @@ TEST(TelemetryOfRedis, TakesAgesNotTimesFromItsClock) {
 }
 
 TEST(TelemetryOfRedis, AllPagesAreOneReadingAndWhoComesTwiceCountsOnce) {
-  const std::string of_v = "skull/v/1 0 0 0 1 1 16 0 0 0";
-  const std::string of_w = "skull/w/3 0 0 0 2 2 16 0 0 0";
-  const std::string before = "skull/w/2 0 0 0 4 4 16 0 0 0";
+  const WorkerReport of_v{.owner = "skull/v/1", .sessions = 1, .used = 1};
+  const WorkerReport of_w{.owner = "skull/w/3", .sessions = 2, .used = 2};
+  const WorkerReport before{.owner = "skull/w/2", .sessions = 4, .used = 4};
   TelemetryReader reader({"skull"});
-  EXPECT_EQ(reader.add(page(of_v + "\n" + of_w, "17"), 100), "17");
-  EXPECT_EQ(reader.add(page("", "5"), 100), "5");
-  EXPECT_EQ(reader.add(page(of_w + "\n" + before), 101), kFirstPage);
+  reader.add(page({of_v, of_w}), 100);
+  reader.add(page(), 100);
+  reader.add(page({of_w, before}), 101);
   const Reading reading = reader.take();
   EXPECT_EQ(reading.telemetry.size(), 3U);
   EXPECT_EQ(reading.demand[0].used, 1 + 2 + 4);
@@ -68,33 +65,20 @@ TEST(TelemetryOfRedis, AllPagesAreOneReadingAndWhoComesTwiceCountsOnce) {
   EXPECT_EQ(reading.demand[0].sampled, 101);
 }
 
-TEST(TelemetryOfRedis, WhoIsOfNoFleetOrSaysNonsenseIsLeftOut) {
-  const std::string good = "skull/w/3 0 0 0 1 1 16 0 0 0";
-  for (const char* line : {"", " 0 0 0 0 0 1 0 0 0", "x 0 0 0 0 0 1 0 0 0", "x/y 0 0 0 0 0 1 0 0 0",
-                           "/ 0 0 0 0 0 1 0 0 0", "skull/v/1 0 0 0 0 0 1 0 0",
-                           "skull/v/1 0 0 0 0 0 1 0 0 0 0", "skull/v/1", "          "}) {
-    const Reading reading = read({page(std::string(line) + "\n" + good)});
-    ASSERT_EQ(reading.telemetry.size(), 1U) << line;
+TEST(TelemetryOfRedis, WhoIsOfNoFleetIsLeftOut) {
+  for (const char* owner : {"", "x", "x/y", "/"}) {
+    const Reading reading = read({page({{.owner = owner}, {.owner = "skull/w/3"}})});
+    ASSERT_EQ(reading.telemetry.size(), 1U) << owner;
     EXPECT_EQ(reading.telemetry[0].worker_uid, "w");
   }
-  const Reading odd = read({page("skull/w/x nan x 1e999 -5 1e300 -1 nan 2 x")});
-  ASSERT_EQ(odd.telemetry.size(), 1U);
-  EXPECT_EQ(odd.telemetry[0].sessions, 0);
-  EXPECT_EQ(odd.telemetry[0].slots, 0);
-}
-
-TEST(TelemetryOfRedis, WhatIsNoAnswerIsSaid) {
-  TelemetryReader reader({"skull"});
-  EXPECT_FALSE(reader.add(Reply(), 100));
-  EXPECT_FALSE(reader.add(list({"", "1", "", "", ""}), 100));
 }
 
 TEST(TelemetryBook, KeepsTheLastSampleOfWhoHasGoneSilent) {
   TelemetryBook book;
   World world;
   world.workers.emplace_back().uid = "w";
-  book.note(read({page("skull/w/3 0 0 0 1 1 16 0 0 0")}), 100);
-  book.note(read({page("")}, 102), 102);
+  book.note(read({page({{.owner = "skull/w/3", .sessions = 1}})}), 100);
+  book.note(read({page()}, 102), 102);
   world.now = 120;
   for (int again = 0; again < 2; ++again) {
     book.fill(world);
@@ -122,7 +106,7 @@ TEST(TelemetryBook, ListensAnewAfterAGap) {
   EXPECT_EQ(since(), 100);
   book.note({}, 104);
   EXPECT_EQ(since(), 104);
-  book.note({}, 108);  // it stood still itself
+  book.note({}, 108);  // the operator itself was suspended
   EXPECT_EQ(since(), 108);
 }
 

@@ -4,12 +4,13 @@
 #include <chrono>
 #include <cmath>
 
+#include "directory/constants.h"
+
 namespace diaphane::fleet::bench {
 namespace {
 
 constexpr const char* kFleet = "render";
 constexpr int kGpusANode = 8;
-constexpr int kSample = 64;  // as place.lua
 
 struct Spread {
   double count = 0, sum = 0, squares = 0;
@@ -20,7 +21,7 @@ struct Spread {
     squares += value * value;
   }
   double mean() const { return sum / count; }
-  /// Standard deviation over mean.
+  /// Returns the standard deviation divided by the mean.
   double deviation() const {
     return std::sqrt(std::max(0.0, squares / count - mean() * mean())) / mean();
   }
@@ -100,7 +101,7 @@ void FleetModel::put(Session& session, int device) {
   ++on.sessions;
   ++on.given;
   on.shares += session.share;
-  session.expected = {};  // nobody tells a worker what another has seen
+  session.expected = {};  // a worker does not learn what another one measured
   if (session.looks) on.wants += session.share;
 }
 
@@ -133,9 +134,9 @@ int FleetModel::place(int but) {
     }
     return best;
   }
-  // As often as until one is found where most are full.
+  // Samples again in case most devices are full.
   for (int tried = 0; best < 0 && tried < 8; ++tried) {
-    for (int i = 0; i < kSample; ++i) {
+    for (int i = 0; i < directory::kSampledWorkers; ++i) {
       take_better(static_cast<int>(random_.below(devices_.size())),
                   [&](int d) { return score(d); });
     }
@@ -145,7 +146,7 @@ int FleetModel::place(int but) {
 
 double FleetModel::score(int device) const {
   const Device& one = devices_[static_cast<std::size_t>(device)];
-  // Who was given since the last heartbeat is not in it yet.
+  // Sessions placed since the last heartbeat are not included in the expectation.
   return one.expected + double(one.given) / setting_.slots;
 }
 
@@ -300,7 +301,7 @@ void FleetModel::run_pods() {
 void FleetModel::run_sessions(Figures& figures, bool measured, int target) {
   const double active =
       setting_.looking_seconds / (setting_.looking_seconds + setting_.resting_seconds);
-  // The mean of a log-normal is exp(mu + sigma^2 / 2).
+  // The mean of a log-normal distribution is exp(mu + sigma^2 / 2).
   const double mean = setting_.wanted * setting_.devices / (setting_.sessions * active);
   const double mu = std::log(mean) - setting_.spread * setting_.spread / 2;
   std::normal_distribution<double> normal(mu, setting_.spread);
@@ -336,7 +337,7 @@ void FleetModel::run_sessions(Figures& figures, bool measured, int target) {
     put(sessions_[i], device);
   }
   waiting_ = again;
-  for (Session& session : sessions_) {  // of workers that drain, within their grace
+  for (Session& session : sessions_) {  // sessions of draining workers, within their grace period
     if (session.device < 0 || !devices_[static_cast<std::size_t>(session.device)].told) continue;
     const int device = place(session.device);
     if (device < 0) continue;
@@ -369,7 +370,7 @@ void FleetModel::take_samples() {
   for (Session& session : sessions_) {
     if (session.device < 0) continue;
     Device& device = devices_[static_cast<std::size_t>(session.device)];
-    // A device that is asked for more than there is gives each his part.
+    // An overloaded device gives each session a proportional part.
     session.expected.watch(1, session.looks ? session.share / std::max(1.0, device.wants) : 0);
     device.expected += session.expected.value(1.0 / setting_.slots);
   }
@@ -390,7 +391,7 @@ void FleetModel::take_samples() {
     sample.memory = 0.03 * device.sessions;
     sample.sessions = device.sessions;
     sample.slots = setting_.slots;
-    // Who waits has a noisier picture: the sum grows with what is wanted.
+    // Waiting sessions have noisier images, so the sum of errors grows with demand.
     sample.error = device.wants;
     sample.draining = device.told;
     sample.idle_since = device.idle_since;
@@ -429,7 +430,7 @@ void FleetModel::measure(Figures& figures) const {
     nodes[one.node].second.add(one.shares);
   }
   if (wants == 0) return;
-  late -= std::max(0.0, wants - loads.count);  // that no placing could have helped
+  late -= std::max(0.0, wants - loads.count);  // excludes what no placement could have avoided
   for (const auto& [node, its] : nodes) {
     loads_by_node.add(its.first.mean());
     stays_by_node.add(its.second.mean());
@@ -453,7 +454,7 @@ void FleetModel::measure(Figures& figures) const {
 
 Figures FleetModel::run() {
   Figures figures;
-  // A fleet that is there before the people come.
+  // The fleet is complete before the first users arrive.
   constexpr int kSetUp = 60;
   for (int second = -kSetUp; second < setting_.ramp_seconds + setting_.seconds; ++second) {
     world_.now += 1;

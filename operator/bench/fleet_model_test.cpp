@@ -41,9 +41,8 @@ TEST(FleetModel, WithTroubleNoNodeIsOverCommitted) {
 }
 
 TEST(FleetModel, WhatIsExpectedOfSessionsPlacesThemMoreEvenlyThanTheirNumber) {
-  // Ten pairs of runs with the same troubles. Were the ways alike, the mean of the differences
-  // would be 4.3 times its own standard deviation once in a thousand (Student, 9 degrees of
-  // freedom).
+  // Ten pairs of runs with the same faults. If the policies were equal, the mean difference would
+  // exceed 4.3 times its own standard deviation once in a thousand (Student, 9 degrees of freedom).
   constexpr int kPairs = 10;
   double sum = 0, squares = 0;
   for (std::uint64_t seed = 1; seed <= kPairs; ++seed) {

@@ -6,8 +6,8 @@
 namespace diaphane::fleet::bench {
 namespace {
 
-constexpr std::size_t kAtRandom = 16;  // as lender.cpp
-constexpr int kRounds = 6;             // of sharing out; a further one moves less than a thousandth
+constexpr std::size_t kAtRandom = 16;  // as in lender.cpp
+constexpr int kRounds = 6;             // of distribution; one more moves less than a thousandth
 
 std::size_t number(const std::string& id) { return static_cast<std::size_t>(std::stoul(id)); }
 
@@ -31,7 +31,7 @@ void LendingModel::decide(const std::vector<Device>& devices) {
       lendings_[i] = {};
       continue;
     }
-    // Nobody else is asked while the device is enough and none is held.
+    // A device that is sufficient and has no helpers asks none.
     if (devices[i].wants < rules_.borrows && lendings_[i].helpers.empty()) continue;
     question.asked = devices[i].wants;
     question.helped = helped_[i];
@@ -70,8 +70,8 @@ void LendingModel::share_out(const std::vector<Device>& devices) {
   std::vector<double> taken(devices.size());
   std::vector<int> open(devices.size());
   std::vector<double> wanted(devices.size());
-  // Who lacks asks its helpers for even parts; who is asked for more than it has left gives each
-  // the same part of it.
+  // A device that lacks time asks its helpers for equal parts. A helper that is asked for more than
+  // it has left serves every request in the same proportion.
   for (int round = 0; round < kRounds; ++round) {
     std::fill(open.begin(), open.end(), 0);
     std::fill(wanted.begin(), wanted.end(), 0.0);

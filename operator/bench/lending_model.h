@@ -2,42 +2,48 @@
 
 #include <vector>
 
-#include "common/lending.h"
+#include "directory/lending.h"
 #include "operator/plan/random.h"
 
 namespace diaphane::fleet::bench {
 
+using directory::Helper;
+using directory::Lending;
+using directory::LendingQuestion;
+using directory::LendingRules;
+using directory::Neighbour;
+
 struct LendingCosts {
-  /// Of what a helper does, that goes into handing parts over: the most that `part_due` allows.
+  /// Share of a helper's work spent on transferring results: the maximum that `part_due` allows.
   double handing = 0.125;
-  /// Of the one who is helped, to merge what a helper's whole device brings. No more was measured
-  /// by way of the host's memory than that it may be as long as rendering (docs/figures.md,
-  /// `many`).
+  /// Share of the helped device's time for merging the output of a helper's whole device. It is an
+  /// upper bound: measurements through host memory show only that merging may take up to as long as
+  /// rendering (docs/figures.md, `many`).
   double merging = 0.125;
-  /// Until a helper has the volume; nobody has it before he is asked.
+  /// Time until a helper has loaded the volume, which it does not have before it is asked.
   double load_seconds = 1;
 };
 
-/// What devices do for each other's sessions, in steps of a second: each decides by
-/// common/lending.h, from what its neighbours said a second ago.
+/// Simulates what devices render for each other's sessions, in steps of one second. Each device
+/// decides with directory/lending.h from the loads that its peers reported one second ago.
 class LendingModel {
  public:
   struct Device {
-    bool there = false;  ///< alive, and takes part
+    bool there = false;  ///< running and taking part
     bool draining = false;
-    double wants = 0;  ///< asked for by its own sessions
+    double wants = 0;  ///< demand of its own sessions
   };
 
   LendingModel(LendingRules rules, LendingCosts costs, std::uint64_t seed)
       : rules_(rules), costs_(costs), random_(seed) {}
 
   void step(const std::vector<Device>& devices);
-  /// What is asked of a device after that: by its sessions, less what others do for them, and by
-  /// its neighbours' sessions. What helping costs is in it.
+  /// Returns the load of a device after lending: its own sessions, less what others render for
+  /// them, plus its peers' sessions and the cost of helping.
   double load(std::size_t device) const { return loads_[device]; }
-  double lent() const { return lent_; }  ///< by all, devices
+  double lent() const { return lent_; }  ///< over all devices, in devices
   std::size_t helpers() const { return helpers_; }
-  std::size_t begun() const { return begun_; }  ///< helpers that were asked in this step
+  std::size_t begun() const { return begun_; }  ///< helpers engaged in this step
 
  private:
   struct Said {
@@ -53,7 +59,7 @@ class LendingModel {
   Random random_;
   std::vector<Lending> lendings_;
   std::vector<Said> said_;
-  std::vector<double> helped_;  ///< in the step before
+  std::vector<double> helped_;  ///< in the previous step
   std::vector<double> loads_;
   double lent_ = 0;
   std::size_t helpers_ = 0, begun_ = 0;

@@ -1,5 +1,5 @@
-// diaphane-operator-bench: the plan on a simulated fleet, three ways of placing
-// sessions, and devices lent to neighbours' sessions.
+// diaphane-operator-bench runs the plan on a simulated fleet, with several policies for placing
+// sessions and with lending between devices.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -69,7 +69,9 @@ int main(int argc, char** argv) {
     return kUsage;
   }
   if (setting.sessions < 1 || setting.devices < 1 || setting.slots < 1 || setting.seconds < 1) {
-    std::fprintf(stderr, "diaphane-operator-bench: sessions, devices, slots, seconds from 1 on\n");
+    std::fprintf(
+        stderr,
+        "diaphane-operator-bench: sessions, devices, slots and seconds must each be at least 1\n");
     return kUsage;
   }
   std::printf("%d sessions, %d devices, %d slots each, %d s\n", setting.sessions, setting.devices,
@@ -95,7 +97,8 @@ int main(int argc, char** argv) {
         figures.moved_alive, figures.over_committed, p50, p99);
     if (figures.helpers > 0) {
       std::printf(
-          "  lent: %.1f%% of all devices' time, %.2f helpers a device, %.1f asked a minute\n",
+          "  lent: %.1f%% of the time of all devices, %.2f helpers per device, %.1f requests per "
+          "minute\n",
           100 * figures.lent, figures.helpers, figures.begun);
     }
     std::fflush(stdout);

@@ -22,7 +22,8 @@ Result<Access> access_of_pod(const std::map<std::string, std::string>& environme
   const auto host = environment.find("KUBERNETES_SERVICE_HOST");
   const auto port = environment.find("KUBERNETES_SERVICE_PORT");
   if (host == environment.end() || host->second.empty()) {
-    return fail(ErrorCode::kUnavailable, "not in a pod: KUBERNETES_SERVICE_HOST is not set");
+    return fail(ErrorCode::kUnavailable,
+                "not running in a pod: KUBERNETES_SERVICE_HOST is not set");
   }
   Access access;
   const bool v6 = host->second.find(':') != std::string::npos;

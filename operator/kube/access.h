@@ -10,28 +10,29 @@
 
 namespace diaphane::kube {
 
-/// How an API server is reached, and as whom.
+/// Address and credentials of an API server.
 struct Access {
   std::string server;      ///< "https://host:port"
-  std::string token_file;  ///< bound tokens are exchanged under it; empty: none
-  std::string ca_file;     ///< empty: the system's
+  std::string token_file;  ///< file with the bound token, which Kubernetes rotates; empty: none
+  std::string ca_file;     ///< empty: the system's CAs
   std::string name_space;
 };
 
-/// As a pod has it (KUBERNETES_SERVICE_HOST and the mounted service account).
-/// kUnavailable: this is no pod.
+/// Reads the access of a pod (KUBERNETES_SERVICE_HOST and the mounted service account).
+/// kUnavailable: not running in a pod.
 Result<Access> access_of_pod(const std::map<std::string, std::string>& environment,
                              const std::string& account_dir);
 
-/// The token of a file, read again every minute. Thread-safe.
+/// The token in a file, reread every minute. Thread-safe.
 class Token {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::seconds kAge{60};
   explicit Token(std::string file) : file_(std::move(file)) {}
-  /// Empty when there is none. A file that cannot be read for once leaves the token before.
+  /// Returns the token, or an empty string if there is none. If the file is temporarily unreadable,
+  /// returns the previous token.
   std::string at(Time now);
-  /// It was refused: the next is read from the file.
+  /// The server rejected the token, so the next call rereads the file.
   void refused();
 
  private:

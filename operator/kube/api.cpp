@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "common/try.h"
 #include "operator/kube/fields.h"
 
 namespace diaphane::kube {
@@ -46,20 +47,21 @@ Error error_of(int status, const json& body) {
   Error error;
   error.code = code_of(status);
   error.message = text(body, "message");
-  if (error.message.empty()) error.message = "the API server answered " + std::to_string(status);
+  if (error.message.empty())
+    error.message = "the API server responded with status " + std::to_string(status);
   error.field = text(body, "reason");
   return error;
 }
 
 Result<json> Api::send(const Request& request) {
   auto answer = transport_.call(request, kTimeout);
-  if (!answer) return tl::unexpected(answer.error());
+  DIAPHANE_TRY(answer);
   json body = json::parse(answer->body, nullptr, false);
   if (answer->status < 200 || answer->status >= 300) {
     return tl::unexpected(error_of(answer->status, body));
   }
   if (!body.is_object()) {
-    return fail(ErrorCode::kUnavailable, "the API server's answer is no JSON");
+    return fail(ErrorCode::kUnavailable, "the response of the API server is not valid JSON");
   }
   return body;
 }
@@ -94,7 +96,7 @@ Result<void> Api::remove(const std::string& path, const Precondition& preconditi
     options["preconditions"]["resourceVersion"] = precondition.version;
   }
   const auto done = send({"DELETE", path, "", options.dump(), "application/json"});
-  if (!done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(done);
   return {};
 }
 

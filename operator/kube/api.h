@@ -8,8 +8,8 @@
 
 namespace diaphane::kube {
 
-/// What a write is held against, so that nothing is done to another object of the same name, nor to
-/// one that changed since it was looked at.
+/// Precondition of a write, which protects another object of the same name, and an object that has
+/// changed since it was read.
 struct Precondition {
   std::string uid;
   std::string version;  ///< empty: any
@@ -18,8 +18,8 @@ struct Precondition {
 /// Verbs of the Kubernetes API on JSON. Errors have the API's reason ("AlreadyExists", "Conflict",
 /// "Forbidden", ...) as their `field`.
 ///
-/// kConflict: AlreadyExists, or it changed since. kNotFound. kForbidden. kInvalid: refused for what
-/// it is. kTooMany and kUnavailable: later. A thread may call it with others.
+/// kConflict: AlreadyExists, or the object has changed. kNotFound. kForbidden. kInvalid: the object
+/// was rejected. kTooMany and kUnavailable: try again later. Thread-safe.
 class Api {
  public:
   using Json = nlohmann::json;
@@ -28,10 +28,11 @@ class Api {
 
   Result<Json> get(const std::string& path);
   Result<Json> create(const std::string& collection, const Json& object);
-  /// Server-side apply: what is in `object` is ours, whoever changed it before. Its metadata names
-  /// uid and resourceVersion. `part` is a part of our manager's name, for what is applied apart.
+  /// Server-side apply, which takes ownership of all fields in `object`. Its metadata contains uid
+  /// and resourceVersion. `part` is appended to the name of the field manager, so that separate
+  /// parts of an object can be applied separately.
   Result<Json> apply(const std::string& path, const Json& object, const std::string& part = "");
-  /// `object` with the resourceVersion that was read.
+  /// Replaces the object. `object` contains the resourceVersion that was read.
   Result<Json> replace(const std::string& path, const Json& object);
   Result<Json> merge(const std::string& path, const Json& patch);
   Result<void> remove(const std::string& path, const Precondition& precondition);
@@ -42,10 +43,10 @@ class Api {
   const std::string manager_;
 };
 
-/// What a Status says that came with `status`.
+/// Converts a Status object that came with HTTP status `status`.
 Error error_of(int status, const nlohmann::json& body);
 
-/// RFC 3339 in UTC with microseconds, and back; nothing for what is none.
+/// Formats and parses RFC 3339 in UTC with microseconds. time_of returns nullopt for invalid text.
 std::string time_text(double seconds_since_epoch);
 std::optional<double> time_of(const std::string& text);
 

@@ -16,14 +16,16 @@ namespace {
 using std::chrono::milliseconds;
 namespace http = web::http;
 
-/// Of cpprestsdk's own, for connections: ours block elsewhere.
+/// Threads of cpprestsdk for connections. The operator's calls block in their own threads.
 constexpr int kThreads = 4;
-/// The largest answer that is taken: a page of a list is far below it.
+/// Largest accepted response, far above the size of one page of a list.
 constexpr std::size_t kLargest = 256U << 20;
 
-/// It throws where there is no answer: its own exceptions, and the standard's of a closed body.
+/// Converts exceptions for a missing response: those of cpprestsdk, and standard ones for a closed
+/// body.
 tl::unexpected<Error> away(const std::exception& why) {
-  return fail(ErrorCode::kUnavailable, std::string("no answer of the API server: ") + why.what());
+  return fail(ErrorCode::kUnavailable,
+              std::string("no response from the API server: ") + why.what());
 }
 
 class CpprestTransport final : public Transport {
@@ -53,7 +55,8 @@ class CpprestTransport final : public Transport {
       std::array<std::uint8_t, 16384> piece{};
       if (!bytes({})) return response;
       for (;;) {
-        // What is asked for is waited for: no more than is there, and at least one byte.
+        // A read blocks until the requested size arrives, so it requests only what is available,
+        // and at least one byte.
         const std::size_t there = std::clamp<std::size_t>(body.in_avail(), 1, piece.size());
         const std::size_t got = body.getn(piece.data(), there).get();
         if (got == 0) return response;
@@ -68,7 +71,8 @@ class CpprestTransport final : public Transport {
   }
 
  private:
-  /// One for each time limit, with the connections that it keeps: the limit is a client's.
+  /// Returns the client for a time limit, with its kept connections. A client has a single time
+  /// limit.
   std::shared_ptr<http::client::http_client> client(milliseconds timeout) {
     const std::lock_guard lock(mutex_);
     auto& client = clients_[timeout];
@@ -76,7 +80,7 @@ class CpprestTransport final : public Transport {
       http::client::http_client_config config;
       config.set_timeout(timeout);
       config.set_max_redirects(0);
-      // Called for each new connection, so that a certificate authority that was exchanged counts.
+      // Called for each new connection, so that a rotated certificate authority takes effect.
       config.set_ssl_context_callback([file = access_.ca_file](boost::asio::ssl::context& context) {
         if (!file.empty()) context.load_verify_file(file);
       });
@@ -88,7 +92,7 @@ class CpprestTransport final : public Transport {
   template <typename Read>
   Result<Response> perform(const Request& request, milliseconds timeout, const Read& read) {
     if (stopped_) return fail(ErrorCode::kUnavailable, "stopping");
-    // Ends this call's own way out, when it ends before its answer does.
+    // Cancels this call alone if the stream ends before its response.
     auto source = pplx::cancellation_token_source::create_linked_source(stopping_token_);
     try {
       http::http_request out(request.method);
@@ -102,7 +106,7 @@ class CpprestTransport final : public Transport {
       http::http_response answer = client(timeout)->request(out, source.get_token()).get();
       if (answer.headers().content_length() > kLargest) {
         source.cancel();
-        return fail(ErrorCode::kTooLarge, "the answer of the API server is too large");
+        return fail(ErrorCode::kTooLarge, "the response of the API server is too large");
       }
       if (answer.status_code() == 401) token_.refused();
       Response response = read(answer);

@@ -7,7 +7,7 @@
 
 namespace diaphane::kube {
 
-/// cpprestsdk's client. The only file of the operator that names it.
+/// A transport over cpprestsdk. No other file of the operator depends on that library.
 std::unique_ptr<Transport> make_cpprest_transport(const Access& access);
 
 }  // namespace diaphane::kube

@@ -9,16 +9,17 @@
 
 namespace diaphane::kube {
 
-/// Something that is told of an object to whoever asks `kubectl describe`.
+/// An event of an object, as shown by `kubectl describe`.
 struct Happened {
   std::string kind, name, uid;  ///< of the object
-  std::string reason;           ///< CamelCase, few
+  std::string reason;           ///< CamelCase, from a small set
   std::string message;
   bool warning = false;
 };
 
-/// The same said again is one Event with a count, written no more often than every `kBetween`; and
-/// no object has more than `kBurst` at once, one more every `kRefill`. Pure; times are arguments.
+/// Merges repeated events into one Event with a count, which is written at most once per
+/// `kBetween`. Limits each object to a burst of `kBurst` events, refilled by one per `kRefill`.
+/// Pure. Times are arguments.
 class EventLog {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -29,11 +30,11 @@ class EventLog {
 
   struct Write {
     std::string name;  ///< of the Event
-    int count = 1;     ///< 1: it is to be created; more: its count is to be changed
+    int count = 1;     ///< 1: create the Event; more: update its count
   };
-  /// `run` is in the Events' names, so that those of another run have others.
+  /// `run` is part of the Events' names, so that they differ between runs.
   explicit EventLog(std::string run) : run_(std::move(run)) {}
-  /// Nothing: it is counted and not told now.
+  /// Returns nullopt if the event is only counted for now.
   std::optional<Write> note(const Happened& what, Time now);
   std::size_t remembered() const { return told_.size(); }
 

@@ -9,14 +9,14 @@
 
 namespace diaphane::kube {
 
-/// Answers in the order in which they were put in; a call that has none waits until it is stopped.
-/// For faults that a real server cannot be made to show at will.
+/// Returns prepared responses in order. A call without one blocks until stop(). For faults that a
+/// real server cannot produce on demand.
 class FakeTransport final : public Transport {
  public:
   struct Answer {
-    int status = 200;  ///< 0: the connection breaks
+    int status = 200;  ///< 0: connection broken
     std::string body;
-    bool stays_open = false;  ///< of a stream: it goes on, without a byte
+    bool stays_open = false;  ///< a stream that stays open without sending a byte
   };
 
   void put(Answer answer) {

@@ -6,7 +6,7 @@
 
 namespace diaphane::kube {
 
-/// What others wrote, read without trust: what is not there, or of another type, is the fallback.
+/// Readers for untrusted JSON. A missing value, or one of another type, yields the fallback.
 inline const nlohmann::json& part(const nlohmann::json& object, const char* key) {
   static const nlohmann::json none = nlohmann::json::object();
   if (!object.is_object()) return none;

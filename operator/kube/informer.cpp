@@ -16,15 +16,14 @@ using std::chrono::seconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kListTimeout{30000};
-/// A watch that ends sooner, without an event, is a failure: else it would be asked for in a
-/// circle.
+/// A watch that ends sooner without an event counts as a failure, to avoid a busy loop.
 constexpr milliseconds kTooShort{1000};
 
 std::string metadata(const json& object, const char* key) {
   return text(part(object, "metadata"), key);
 }
 
-/// Of a token for the next page.
+/// URL-encodes a token for the next page.
 std::string encoded(const std::string& text) {
   static constexpr char kHex[] = "0123456789ABCDEF";
   std::string out;
@@ -144,8 +143,8 @@ Reflector::Outcome Reflector::watch(std::string& version) {
   });
   if (outcome != Outcome::kGoOn) return outcome;
   if (!answer && answered && steady_clock::now() - heard >= options_.silence / 2) {
-    // Its connection is gone, or its server sends no bookmarks. Nothing is known to have failed:
-    // the next one, over another connection, begins at once and finds out.
+    // The connection is broken, or the server sends no bookmarks. This is not known to be a
+    // failure, so the next watch starts at once over another connection.
     connected_ = false;
     ++counts_.silent;
     log::warning("watch_silent", {{"kind", options_.kind}});

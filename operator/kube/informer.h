@@ -15,13 +15,13 @@
 
 namespace diaphane::kube {
 
-/// What an object is called in a store: its name, with its namespace where that is another than
-/// `home` ("other/name").
+/// Returns the name of an object in a store, prefixed with its namespace if that is not `home`
+/// ("other/name").
 std::string key_of(const nlohmann::json& object, const std::string& home);
 std::string version_of(const nlohmann::json& object);
 
-/// Lists a kind and then watches it, for ever: what fails is tried again, later and later; what was
-/// missed (410) is listed again. Calls its sink from a thread of its own.
+/// Lists a kind and then watches it until it is stopped. It retries failures with backoff and lists
+/// again after missed events (410). Calls its sink from its own thread.
 class Reflector {
  public:
   struct Sink {
@@ -29,19 +29,19 @@ class Reflector {
     virtual void list_begins() = 0;
     virtual void listed(const nlohmann::json& object) = 0;
     virtual void list_ends(const std::string& version) = 0;
-    /// Added, modified, deleted or a bookmark.
+    /// Reports an addition, modification, deletion or bookmark.
     virtual void event(const WatchEvent& event) = 0;
   };
   struct Options {
     std::string path;      ///< of the collection
     std::string selector;  ///< encoded query, or empty
-    std::string kind;      ///< as logs and metrics say it
-    std::string home;      ///< namespace whose objects are called by their name alone; see key_of
+    std::string kind;      ///< name in logs and metrics
+    std::string home;      ///< namespace whose objects are named without a prefix, see key_of
     Backoff::Options backoff;
-    std::chrono::seconds shortest_watch{300};  ///< how long one watch is, at random between these
+    std::chrono::seconds shortest_watch{300};  ///< duration of one watch, random between these
     std::chrono::seconds longest_watch{600};
-    /// Of a watch, at most. The API server sends a bookmark each minute, so who hears less has lost
-    /// his connection without being told.
+    /// Maximum silence of a watch. The API server sends a bookmark every minute, so a longer
+    /// silence means that the connection is lost.
     std::chrono::milliseconds silence{75'000};
     int page = 500;
   };
@@ -50,12 +50,12 @@ class Reflector {
   };
 
   Reflector(Options options, Transport& transport, Sink& sink);
-  /// After the transport was stopped its end comes at once.
+  /// Returns immediately once the transport is stopped.
 
   const Counts& counts() const { return counts_; }
   const std::string& kind() const { return options_.kind; }
   const std::string& home() const { return options_.home; }
-  /// The last list or watch was answered.
+  /// Whether the last list or watch succeeded.
   bool connected() const { return connected_; }
 
  private:
@@ -71,12 +71,13 @@ class Reflector {
   Counts counts_;
   std::atomic<bool> connected_{false};
   std::mt19937_64 random_{std::random_device{}()};
-  std::jthread thread_;  // last: it uses the rest
+  std::jthread thread_;  // last member, because it uses the others
 };
 
-/// A reflector and the store that it fills. `read` makes a T of an object; nothing: not of
-/// interest. `changed` is called when there is anything to think about: not for what a write of our
-/// own has told before its watch did, nor where but a version is another (a node's heartbeat).
+/// A reflector and the store that it fills. `read` converts an object to a T, or returns nullopt
+/// for objects without interest. `changed` is called only if the plan may differ: not for a write
+/// of this operator that is already in the store, and not if only the version changed (a node's
+/// heartbeat).
 template <typename T>
 class Informer final : private Reflector::Sink {
  public:
@@ -90,7 +91,7 @@ class Informer final : private Reflector::Sink {
   Store<T>& store() { return store_; }
   const Store<T>& store() const { return store_; }
   const Reflector& reflector() const { return reflector_; }
-  /// The answer to a write of ours.
+  /// Stores the answer to a write of this operator.
   void wrote(const nlohmann::json& object) {
     auto one = read_(object);
     if (one && store_.wrote(std::move(*one))) changed_();
@@ -118,8 +119,8 @@ class Informer final : private Reflector::Sink {
   Read read_;
   std::function<void()> changed_;
   Store<T> store_;
-  std::vector<T> listing_;  // of the reflector's thread
-  Reflector reflector_;     // last: it calls
+  std::vector<T> listing_;  // used by the reflector's thread
+  Reflector reflector_;     // last member, because it calls back into this object
 };
 
 }  // namespace diaphane::kube

@@ -72,7 +72,7 @@ class InformerTest : public testing::Test {
   std::chrono::milliseconds silence_{75'000};
   std::mutex mutex_;
   std::condition_variable changed_;
-  int told_ = 0;  // that something changed
+  int told_ = 0;  // number of change notifications
   std::unique_ptr<Informer<Thing>> informer_;
 };
 

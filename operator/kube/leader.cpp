@@ -91,7 +91,7 @@ void Leader::look() {
   } else if (read.error().code == ErrorCode::kNotFound) {
     decision_.observed(std::nullopt, steady_clock::now());
   } else {
-    log::warning("lease_not_read", {{"message", read.error().message}});
+    log::warning("lease_read_failed", {{"message", read.error().message}});
   }
 }
 
@@ -121,13 +121,13 @@ void Leader::write(bool held) {
       decision_.written(lease_record(*written), begun);
     }
     if (!held) {
-      log::info("lease_won", {{"identity", options_.lease.identity}});
+      log::info("lease_acquired", {{"identity", options_.lease.identity}});
       options_.won();
     }
     return;
   }
-  log::warning("lease_not_written", {{"message", written.error().message}});
-  // Changed by somebody, or not known whether it was: who holds it is read.
+  log::warning("lease_write_failed", {{"message", written.error().message}});
+  // Another process changed the lease, or the result is unknown, so it is read again.
   if (held) look();
 }
 
@@ -142,7 +142,7 @@ void Leader::give_back() {
   record.duration = std::chrono::seconds(1);
   record.renewed = kube::time_text(wall());
   if (api_.replace(options_.path + "/" + options_.name, lease_object(options_.name, record))) {
-    log::info("lease_given_back");
+    log::info("lease_released");
   }
 }
 

@@ -13,23 +13,24 @@
 
 namespace diaphane::kube {
 
-/// Holds a Lease, or waits for it, in a thread of its own.
+/// Acquires and renews a Lease in its own thread.
 class Leader {
  public:
   struct Options {
-    std::string path;  ///< of the leases of a namespace
+    std::string path;  ///< path of the leases of a namespace
     std::string name;
     LeaseDecision::Options lease;
     std::function<void()> won;
-    std::function<void()> lost;  ///< the program is to end, now
+    std::function<void()> lost;  ///< called when the lease is lost; the program must exit at once
   };
   Leader(Options options, Api& api);
-  /// Gives the lease back, so that the next need not wait for its end.
+  /// Releases the lease, so that the next leader need not wait for it to expire.
   ~Leader();
   Leader(const Leader&) = delete;
   Leader& operator=(const Leader&) = delete;
 
-  /// Asked before each write: a process that stood still finds out here, not by its thread.
+  /// To be checked before each write, because a process that was suspended may have lost the lease
+  /// before its thread notices.
   bool leads() const;
 
  private:
@@ -44,10 +45,10 @@ class Leader {
   LeaseDecision decision_;
   std::condition_variable_any wake_;
   std::mt19937_64 random_{std::random_device{}()};
-  std::jthread thread_;  // last: it uses the rest
+  std::jthread thread_;  // last member, because it uses the others
 };
 
-/// The Lease's resource of a record, and back.
+/// Converts between a record and the Lease resource.
 nlohmann::json lease_object(const std::string& name, const LeaseRecord& record);
 LeaseRecord lease_record(const nlohmann::json& object);
 

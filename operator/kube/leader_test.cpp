@@ -50,7 +50,7 @@ class LeaderTest : public testing::Test {
 TEST_F(LeaderTest, WhoIsNotAnsweredInTimeHasLost) {
   transport_.put({404, "{}"});
   transport_.put({201, lease("me", "1")});
-  // Broken again and again: neither renewed nor read.
+  // Repeatedly broken: neither renewed nor read.
   std::atomic<bool> ended{false};
   start();
   ASSERT_TRUE(wait_until([&] { return won_ == 1; }));

@@ -20,12 +20,12 @@ LeaseDecision::Step LeaseDecision::step(Time now) const {
   const bool ours = record_ && record_->holder == options_.identity;
   if (leading_) {
     if (now - renewed_ >= options_.renew_deadline) return Step::kLost;
-    // Gone, or another's: taken while we stood still.
+    // The lease was deleted, or another process took it while this one was suspended.
     return ours ? Step::kRenew : Step::kLost;
   }
   if (!known_) return Step::kWait;
   if (!record_) return Step::kCreate;
-  // Our own name from a life before is no reason to wait.
+  // A lease that this identity held before a restart can be taken immediately.
   if (record_->holder.empty() || ours) return Step::kAcquire;
   return now - changed_ >= record_->duration ? Step::kAcquire : Step::kWait;
 }

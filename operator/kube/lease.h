@@ -6,47 +6,47 @@
 
 namespace diaphane::kube {
 
-/// A coordination.k8s.io Lease as far as leading needs it.
+/// The fields of a coordination.k8s.io Lease that leader election uses.
 struct LeaseRecord {
-  std::string holder;  ///< empty: given back
+  std::string holder;  ///< empty: released
   std::string version;
   std::chrono::seconds duration{15};
   int transitions = 0;
-  std::string acquired;  ///< as it was written: kept while the holder is the same
+  std::string acquired;  ///< text as written, unchanged while the holder stays the same
   std::string renewed;
   bool operator==(const LeaseRecord&) const = default;
 };
 
-/// Who leads, decided by a Lease. Clocks of different machines are never compared: a holder is
-/// taken for lost when the record has not changed for its duration by our own clock. Pure.
+/// Leader election by a Lease. It never compares clocks of different machines: the holder counts as
+/// lost when the record has not changed for its duration by the local clock. Pure.
 class LeaseDecision {
  public:
   using Time = std::chrono::steady_clock::time_point;
   struct Options {
     std::string identity;
     std::chrono::seconds duration{15};
-    std::chrono::seconds renew_deadline{10};  ///< a leader that could not renew for so long, exits
+    std::chrono::seconds renew_deadline{10};  ///< a leader that could not renew for this long exits
     std::chrono::seconds retry{2};
-    double jitter = 1.2;  ///< of a retry, by who does not lead
+    double jitter = 1.2;  ///< factor for the retry interval of a follower
   };
   enum class Step {
-    kWait,     ///< somebody else leads, or renewing is not due
+    kWait,     ///< another process leads, or the renewal is not due
     kCreate,   ///< there is no lease yet
-    kAcquire,  ///< write ourselves into it, with the version that was read
+    kAcquire,  ///< write our identity into it, with the version that was read
     kRenew,
-    kLost  ///< whoever led does no more, and exits
+    kLost  ///< this process led and lost the lease, and exits
   };
 
   explicit LeaseDecision(Options options) : options_(std::move(options)) {}
 
-  /// What was read (nothing: it is not there).
+  /// Records what was read. nullopt: the lease does not exist.
   void observed(const std::optional<LeaseRecord>& record, Time now);
-  /// A write of ours that had begun at `begun` was taken. The lease runs from then, not from the
-  /// answer.
+  /// Records a successful write. The lease runs from `begun`, when the write started, and not from
+  /// its answer.
   void written(const LeaseRecord& record, Time begun);
 
   Step step(Time now) const;
-  /// How long until the next look; `random` in [0, 1).
+  /// Time until the next step. `random` in [0, 1).
   std::chrono::milliseconds pause(double random) const;
   bool leads(Time now) const { return leading_ && now - renewed_ < options_.renew_deadline; }
   bool has_led() const { return leading_; }

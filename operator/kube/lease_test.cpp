@@ -92,7 +92,8 @@ TEST(Lease, ThoseWhoWaitDoNotAllComeAtOnce) {
   EXPECT_EQ(decision.pause(0.9), 2s);
 }
 
-// Two who decide by the same record, each by its own clock, one of which stands still: never both.
+// Two candidates with the same record, each with its own clock, one of which stops: they never lead
+// at the same time.
 TEST(Lease, TwoNeverLeadTogetherWhateverTheirClocksSay) {
   for (int still = 0; still < 40; ++still) {
     LeaseDecision::Options a = me(), b = me();

@@ -12,12 +12,12 @@
 
 namespace diaphane::kube {
 
-/// What a watched kind looks like now, as far as it was told. `T` has `name`, `uid` and `version`,
-/// and `alike(a, b)` says whether two of it differ in nothing but their version. Thread-safe.
+/// The current objects of a watched kind, as last reported. `T` has `name`, `uid` and `version`,
+/// and `alike(a, b)` says whether two objects differ only in their version. Thread-safe.
 template <typename T>
 class Store {
  public:
-  /// All of them, as listed at `version`.
+  /// Replaces all objects by a list at `version`.
   void replace(std::vector<T> all, std::string version) {
     const std::lock_guard lock(mutex_);
     objects_.clear();
@@ -29,7 +29,7 @@ class Store {
     listed_ = true;
     ++revision_;
   }
-  /// Each of the three: whether there is anything to think about, or but a version is another.
+  /// Returns whether anything but the version changed. So do deleted() and wrote().
   bool changed(T object) {
     const std::lock_guard lock(mutex_);
     version_ = object.version;
@@ -42,26 +42,26 @@ class Store {
     ++revision_;
     return true;
   }
-  /// Nothing changed up to there.
+  /// Records that nothing changed up to `version`.
   void bookmark(std::string version) {
     const std::lock_guard lock(mutex_);
     version_ = std::move(version);
   }
-  /// The answer to a write of ours, which the watch tells later. What the watch has gone past it
-  /// has told already, and may since have told the end of.
+  /// Stores the answer to a write of this operator before the watch reports it. Ignores versions
+  /// that the watch has passed, because the object may have been deleted since.
   bool wrote(T object) {
     const std::lock_guard lock(mutex_);
     if (!listed_ || compare_versions(object.version, version_) <= 0) return false;
     return put(std::move(object));
   }
 
-  /// Hands all of them to `take`, by name.
+  /// Passes all objects to `take`, by name.
   template <typename Take>
   void visit(const Take& take) const {
     const std::lock_guard lock(mutex_);
     take(objects_);
   }
-  /// The same where anything is other than at revision `seen`, which becomes that of now.
+  /// Like visit, but only if anything changed since revision `seen`, which is then updated.
   template <typename Take>
   bool newer(std::uint64_t& seen, const Take& take) const {
     const std::lock_guard lock(mutex_);
@@ -103,7 +103,7 @@ class Store {
   mutable std::mutex mutex_;
   std::map<std::string, T> objects_;
   std::string version_;
-  std::uint64_t revision_ = 1;  ///< of what is here; counts up
+  std::uint64_t revision_ = 1;  ///< of the contents; increases
   bool listed_ = false;
 };
 

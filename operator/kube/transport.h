@@ -22,19 +22,18 @@ struct Response {
   std::string body;
 };
 
-/// The wire to an API server. Thread-safe; a call blocks. kUnavailable: there was no answer, and
-/// whether a write was done is not known.
+/// Connection to an API server. Thread-safe, and calls block. kUnavailable: there was no response,
+/// so it is unknown whether a write took effect.
 class Transport {
  public:
   virtual ~Transport() = default;
   virtual Result<Response> call(const Request& request, std::chrono::milliseconds timeout) = 0;
-  /// An answer without end: `bytes` is told that it begins, by nothing, and then each piece as it
-  /// comes, while it returns true. The body
-  /// of an answer that is not 200 is in the response, as of a call. `silence` without a byte ends
-  /// it.
+  /// An endless response. Calls `bytes` with an empty view once headers arrive, then per chunk.
+  /// `bytes` returns false to stop. `silence` without a byte ends the stream. If the status is not
+  /// 200, the body is in the response, as for call().
   virtual Result<Response> stream(const Request& request, std::chrono::milliseconds silence,
                                   const std::function<bool(std::string_view)>& bytes) = 0;
-  /// Ends what is under way; whatever comes after fails at once.
+  /// Ends all calls in progress. Later calls fail immediately.
   virtual void stop() = 0;
 };
 

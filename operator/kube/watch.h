@@ -10,13 +10,13 @@ namespace diaphane::kube {
 struct WatchEvent {
   enum class Type { kAdded, kModified, kDeleted, kBookmark, kExpired, kError };
   Type type = Type::kError;
-  nlohmann::json object;  ///< of kExpired and kError: a Status
+  nlohmann::json object;  ///< a Status for kExpired and kError
 };
 
-/// Cuts the bytes of a watch into its events, one JSON object a line.
+/// Splits the bytes of a watch into events, one JSON object per line.
 class WatchReader {
  public:
-  /// kError for a line that is none; nothing after it is of use.
+  /// Returns kError for an invalid line. The rest of the stream is unusable.
   std::vector<WatchEvent> feed(std::string_view bytes);
 
  private:
@@ -26,11 +26,12 @@ class WatchReader {
 
 WatchEvent read_event(std::string_view line);
 
-/// An answer to a list or a watch that says that what we know is too old, or, by a server that is
-/// behind, too new: everything is listed again. `body` is a Status.
+/// Whether the answer to a list or watch says that the known version is too old, or too new for a
+/// server that lags behind. Then everything must be listed again. `body` is a Status.
 bool must_list_again(int status, const nlohmann::json& body);
 
-/// Resource versions are numbers that grow (KEP-5504), of any length. Negative, 0, positive.
+/// Compares resource versions, which are increasing numbers of any length (KEP-5504). Returns a
+/// negative number, 0 or a positive number.
 int compare_versions(std::string_view a, std::string_view b);
 
 }  // namespace diaphane::kube

@@ -33,7 +33,7 @@ void WorkQueue::done(const std::string& key) {
 void WorkQueue::failed(const std::string& key, Time now) {
   Failure& failure = failures_[key];
   auto pause = kLongest;
-  // Doubled so often it is past the longest.
+  // With more doublings, the pause exceeds the maximum.
   if (failure.count < 18) pause = std::min(kLongest, kFirst * (1 << failure.count));
   ++failure.count;
   failure.until = now + pause;

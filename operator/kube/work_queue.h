@@ -8,28 +8,27 @@
 
 namespace diaphane::kube {
 
-/// Keys of objects that something is to be done about. A key is with one worker at a time; put
-/// again meanwhile it comes once more when that one is done; put twice before it is taken it
-/// comes once. What fails comes back later and later, each key by its own count. Times are
-/// arguments.
+/// Keys of objects that need work. Only one worker has a key at a time. A key that is put while it
+/// is taken comes again afterwards, and a key that is put twice before it is taken comes once.
+/// Failed keys are delayed with a backoff per key. Times are arguments.
 class WorkQueue {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::milliseconds kFirst{5};
   static constexpr std::chrono::milliseconds kLongest{1000000};
 
-  /// Due at `due`, whenever it was to come before. A key that failed keeps its pause.
+  /// Makes the key due at `due`, which replaces an earlier time. A key that failed keeps its pause.
   void put(const std::string& key, Time due);
-  /// What has been due for longest; whoever takes it says done, failed or both.
+  /// The key that has been due for longest. The caller must then call done(), failed() or both.
   std::optional<std::string> take(Time now);
-  /// Not taken any more. Comes again if it was put in meanwhile.
+  /// Marks a key as no longer taken. It comes again if it was put meanwhile.
   void done(const std::string& key);
-  /// It is to be tried again after its pause: 5 ms, doubled up to 1000 s.
+  /// Schedules a retry after a pause of 5 ms, doubled with each failure up to 1000 s.
   void failed(const std::string& key, Time now);
-  /// It went well: the next failure is its first.
+  /// Resets the backoff of a key after success.
   void forget(const std::string& key) { failures_.erase(key); }
 
-  /// When something is due next.
+  /// Returns when the next key is due.
   std::optional<Time> next() const;
   std::size_t waiting() const { return due_.size(); }
   int failures(const std::string& key) const;
@@ -41,7 +40,7 @@ class WorkQueue {
   };
   std::map<std::string, Time> due_;
   std::set<std::string> taken_;
-  std::map<std::string, Time> again_;  ///< put in while taken
+  std::map<std::string, Time> again_;  ///< put while taken
   std::map<std::string, Failure> failures_;
 };
 

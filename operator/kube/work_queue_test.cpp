@@ -61,7 +61,7 @@ TEST(WorkQueue, WhatFailsComesBackLaterAndLater) {
     ASSERT_EQ(queue.take(now), "a");
     queue.failed("a", now);
     queue.done("a");
-    // Neither a new reason nor looking often makes it come before its pause is over.
+    // Neither a new reason nor frequent polling shortens its pause.
     queue.put("a", now);
     EXPECT_EQ(queue.next(), now + pause) << i;
     EXPECT_EQ(queue.take(now + pause - 1ms), std::nullopt);

@@ -34,7 +34,7 @@ struct Owner {
   std::string name, uid;
 };
 
-/// Its controller, if that is of our group and this kind.
+/// Returns the controller of an object if it is of this kind and of Diaphane's API group.
 std::optional<Owner> owner(const Json& metadata, const char* kind) {
   const Json& all = part(metadata, "ownerReferences");
   if (!all.is_array()) return std::nullopt;
@@ -47,7 +47,7 @@ std::optional<Owner> owner(const Json& metadata, const char* kind) {
   return std::nullopt;
 }
 
-/// A quantity of GPUs: whole, or with a suffix that nobody writes for them.
+/// Parses a quantity of GPUs: an integer, or one with a suffix, which is unusual for GPUs.
 int quantity(const Json& value) {
   if (value.is_number_integer()) return value.get<int>();
   if (!value.is_string()) return 0;
@@ -182,7 +182,7 @@ Template Templates::intern(const std::string& hash, const Json& pods) {
   const std::lock_guard lock(mutex_);
   std::erase_if(known_, [](const auto& one) { return one.second.expired(); });
   auto& known = known_[hash];
-  // By its hash alone two could be mixed up that somebody wrote by hand.
+  // A hash alone could match two templates that were written by hand.
   if (Template there = known.lock(); there && *there == pods) return there;
   auto made = std::make_shared<const Json>(pods);
   known = made;
@@ -284,7 +284,7 @@ std::optional<PodObject> read_pod(const Json& object, const std::string& home) {
   read.ours = at_home && (pod.owned || is(kFleetLabel, ""));
   const bool ended = pod.phase == Phase::kSucceeded || pod.phase == Phase::kFailed;
   read.gpus = pod.owned || ended || pod.node.empty() ? 0 : gpus_of(spec);
-  // Of the others only what takes GPUs is of interest.
+  // Other pods matter only if they use GPUs.
   if (!read.ours && read.gpus == 0) return std::nullopt;
   return read;
 }
@@ -339,7 +339,7 @@ Json with_slots(Json pods, int slots) {
 }
 
 std::string template_hash(const Json& pods) {
-  // FNV-1a over the sorted keys: equal for equal templates, whoever wrote them.
+  // FNV-1a over the sorted keys, so that equal templates have equal hashes.
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char one : pods.dump()) {
     hash = (hash ^ static_cast<unsigned char>(one)) * 1099511628211ULL;

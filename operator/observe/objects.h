@@ -9,36 +9,38 @@
 
 #include "operator/plan/world.h"
 
-// Objects of the Kubernetes API as the plan knows them. What is missing or odd in one is left at
-// its default: the API server has checked what it stored, and one strange object stops nothing.
+// Conversion of Kubernetes objects to the plan's data. Missing or malformed fields get their
+// defaults, because the API server has validated what it stores and a single odd object must not
+// stop anything.
 
 namespace diaphane::fleet {
 
 using Json = nlohmann::json;
 using Template = std::shared_ptr<const Json>;
 
-/// Whether an object of this metadata waits for us before it goes.
+/// Whether an object with this metadata has this operator's finalizer.
 bool has_finalizer(const Json& metadata);
 
 struct FleetObject {
   std::string name, uid, version;
   Fleet fleet;
-  Template pods;  ///< with_slots
+  Template pods;  ///< from with_slots()
   bool operator==(const FleetObject&) const = default;
 };
 struct WorkerObject {
   std::string name, uid, version;
   Worker worker;
-  /// That it was made with: its fleet may have another by now. Nothing where it is not what its
-  /// hash says: the API server does not look into it, and somebody may have changed it.
+  /// The template that the worker was created with. Its fleet may have another one by now. Empty if
+  /// it does not match its hash, because the API server does not check it and it may have been
+  /// edited.
   Template pods;
   bool operator==(const WorkerObject&) const = default;
 };
 struct PodObject {
   std::string name, uid, version;
   Pod pod;
-  bool ours = false;  ///< with our label, or owned by a RenderWorker
-  int gpus = 0;       ///< that it holds on `pod.node`, when nobody of ours owns it
+  bool ours = false;  ///< has Diaphane's label or is owned by a RenderWorker
+  int gpus = 0;       ///< number that it uses on `pod.node` if no RenderWorker owns it
   bool operator==(const PodObject&) const = default;
 };
 struct NodeObject {
@@ -47,13 +49,13 @@ struct NodeObject {
   bool operator==(const NodeObject&) const = default;
 };
 
-/// They differ in nothing but their version.
+/// Whether two objects differ only in their version.
 bool alike(FleetObject a, const FleetObject& b);
 bool alike(WorkerObject a, const WorkerObject& b);
 bool alike(PodObject a, const PodObject& b);
 bool alike(NodeObject a, const NodeObject& b);
 
-/// The same template is held once, however many workers were made with it. Thread-safe.
+/// Stores each template once, however many workers use it. Thread-safe.
 class Templates {
  public:
   Template intern(const std::string& hash, const Json& pods);
@@ -68,16 +70,17 @@ std::optional<WorkerObject> read_worker(const Json& object, Templates& templates
 std::optional<PodObject> read_pod(const Json& object, const std::string& home);
 std::optional<NodeObject> read_node(const Json& object);
 
-/// The template with the number of slots in it: what a worker is made with, and all that its pod is
-/// made of.
+/// Returns the pod template with the number of slots. A worker is created with it, and its pod is
+/// built only from it.
 Json with_slots(Json pods, int slots);
-/// Of that: workers with another are outdated.
+/// Returns the hash of such a template. Workers with another hash are outdated.
 std::string template_hash(const Json& pods);
-/// The container that renders: "renderd", else the first; one is made where there is none.
+/// Returns the container that renders: "renderd", or else the first one, which is created if there
+/// is none.
 Json& render_container(Json& pods);
-/// Its environment, with one more variable, first, so that others may refer to it.
+/// Sets a variable at the front of the environment, so that other variables may refer to it.
 void set_environment(Json& container, const char* name, const std::string& value);
-/// "90s", "1h30m", "250ms"; nothing for what is none.
+/// Parses durations such as "90s", "1h30m" or "250ms". Returns nullopt for anything else.
 std::optional<Seconds> duration_of(const std::string& text);
 
 }  // namespace diaphane::fleet

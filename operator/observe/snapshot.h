@@ -7,22 +7,22 @@
 
 namespace diaphane::fleet {
 
-/// What the plan is made of, and what it does not need but whoever carries it out does.
+/// The input of the plan, and the data that only the execution of its actions needs.
 struct Snapshot {
   World world;
-  std::unordered_map<std::string, Template> pods_of;  ///< by uid of fleet or RenderWorker
-  std::unordered_map<std::string, int> index;         ///< uid of a RenderWorker in world.workers
+  std::unordered_map<std::string, Template> pods_of;  ///< by uid of the fleet or RenderWorker
+  std::unordered_map<std::string, int> index;  ///< index in world.workers by uid of a RenderWorker
 };
 
-/// A snapshot that is brought up to date by the kinds that changed: of thousands of workers none is
-/// copied while nothing happens. Of one thread; the stores outlive it.
+/// Keeps a snapshot current by updating only the kinds that changed, so that thousands of workers
+/// are not copied when nothing happens. Not thread-safe. The stores must outlive it.
 class Observer {
  public:
   Observer(const kube::Store<FleetObject>& fleets, const kube::Store<WorkerObject>& workers,
            const kube::Store<PodObject>& pods, const kube::Store<NodeObject>& nodes)
       : fleets_(fleets), workers_(workers), pods_(pods), nodes_(nodes) {}
 
-  /// As it is now. What is of Redis in its world is left as it was.
+  /// Returns the current state. Leaves the data from Redis unchanged.
   Snapshot& look(Seconds now);
 
  private:
@@ -33,10 +33,11 @@ class Observer {
   const kube::Store<PodObject>& pods_;
   const kube::Store<NodeObject>& nodes_;
   struct Seen {
-    std::uint64_t fleets = 0, workers = 0, pods = 0, nodes = 0;  ///< revisions
+    std::uint64_t fleets = 0, workers = 0, pods = 0, nodes = 0;  ///< revisions of the stores
   } seen_;
-  std::unordered_map<std::string, Template> of_fleets_;  ///< their part of pods_of
-  std::unordered_map<std::string, int> foreign_;  ///< GPUs of pods that are not ours, by node
+  std::unordered_map<std::string, Template> of_fleets_;  ///< the fleets' entries of pods_of
+  /// GPUs of pods that no RenderWorker owns, by node.
+  std::unordered_map<std::string, int> foreign_;
   Snapshot snapshot_;
 };
 

@@ -1,59 +1,30 @@
 #include "operator/observe/telemetry.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
+#include <optional>
 #include <utility>
 
-#include "operator/observe/fleets_script.h"
 #include "operator/plan/plan.h"
 
 namespace diaphane::fleet {
 namespace {
 
-using api::redis::Reply;
-
-/// Of so many workers that nobody has them.
+/// More pages than any real number of workers has.
 constexpr int kMostPages = 100'000;
 
-enum Field { kOwner, kAge, kBusy, kMemory, kSessions, kUsed, kSlots, kError, kDrains, kIdle };
-constexpr std::size_t kFields = kIdle + 1;
-
-double number(std::string_view text) {
-  double value = 0;
-  std::from_chars(text.data(), text.data() + text.size(), value);
-  return value;
-}
-
-/// 0 for what is none.
-int whole(std::string_view text) {
-  const double value = number(text);
-  return value > 0 ? static_cast<int>(std::min(value, 1e9)) : 0;
-}
-
-struct Owner {
+struct OwnerText {
   std::string_view fleet, uid;
   std::int64_t epoch = 0;
 };
 
-std::optional<Owner> owner_of(std::string_view text) {
+std::optional<OwnerText> owner_of(std::string_view text) {
   const auto first = text.find('/');
   const auto last = text.rfind('/');
   if (first == std::string_view::npos || last == first) return std::nullopt;
-  Owner owner{text.substr(0, first), text.substr(first + 1, last - first - 1)};
+  OwnerText owner{text.substr(0, first), text.substr(first + 1, last - first - 1)};
   std::from_chars(text.data() + last + 1, text.data() + text.size(), owner.epoch);
   return owner;
-}
-
-std::optional<std::array<std::string_view, kFields>> split(std::string_view line) {
-  std::array<std::string_view, kFields> fields;
-  for (std::size_t i = 0; i < kFields; ++i) {
-    const auto end = line.find(' ');
-    if ((end == std::string_view::npos) != (i + 1 == kFields)) return std::nullopt;
-    fields[i] = line.substr(0, end);
-    if (i + 1 < kFields) line.remove_prefix(end + 1);
-  }
-  return fields;
 }
 
 }  // namespace
@@ -62,40 +33,31 @@ TelemetryReader::TelemetryReader(const std::vector<std::string>& fleets) {
   for (const std::string& name : fleets) reading_.demand.emplace_back().fleet = name;
 }
 
-std::optional<std::string> TelemetryReader::add(const Reply& page, Seconds now) {
-  if (page.list.size() != 5 || page.at(0).empty()) return std::nullopt;
-  const double theirs = number(page.at(1));
-  for (std::size_t i = 0; i < reading_.demand.size(); ++i) {
+void TelemetryReader::add(const directory::FleetPage& page, Seconds now) {
+  for (std::size_t i = 0; i < std::min(reading_.demand.size(), page.demand.size()); ++i) {
     Demand& demand = reading_.demand[i];
-    demand.refused = whole(page.list[2].at(i));
-    demand.last_used = now - (theirs - number(page.list[3].at(i))) / 1000;
+    demand.refused = page.demand[i].refused;
+    demand.last_used = now - page.demand[i].idle_s;
     demand.sampled = now;
   }
-  std::string_view lines = page.at(4);
-  while (!lines.empty()) {
-    const auto end = std::min(lines.find('\n'), lines.size());
-    add_worker(lines.substr(0, end), theirs, now);
-    lines.remove_prefix(std::min(end + 1, lines.size()));
-  }
-  return page.at(0);
+  for (const directory::WorkerReport& report : page.workers) add_worker(report, now);
 }
 
-void TelemetryReader::add_worker(std::string_view line, double theirs, Seconds now) {
-  const auto fields = split(line);
-  const auto owner = fields ? owner_of((*fields)[kOwner]) : std::nullopt;
-  if (!owner || !seen_.emplace((*fields)[kOwner]).second) return;
+void TelemetryReader::add_worker(const directory::WorkerReport& report, Seconds now) {
+  const auto owner = owner_of(report.owner);
+  if (!owner || !seen_.insert(report.owner).second) return;
   Telemetry sample;
   sample.worker_uid = owner->uid;
   sample.epoch = owner->epoch;
-  sample.sampled = now - number((*fields)[kAge]) / 1000;
-  sample.busy = number((*fields)[kBusy]);
-  sample.memory = number((*fields)[kMemory]);
-  sample.sessions = whole((*fields)[kSessions]);
-  sample.reserved = std::max(0, whole((*fields)[kUsed]) - sample.sessions);
-  sample.slots = whole((*fields)[kSlots]);
-  sample.error = number((*fields)[kError]);
-  sample.draining = (*fields)[kDrains] == "1";
-  sample.idle_since = now - (theirs - number((*fields)[kIdle])) / 1000;
+  sample.sampled = now - report.age_s;
+  sample.busy = report.busy;
+  sample.memory = report.memory;
+  sample.sessions = report.sessions;
+  sample.reserved = std::max(0, report.used - report.sessions);
+  sample.slots = report.slots;
+  sample.error = report.error;
+  sample.draining = report.draining;
+  sample.idle_since = now - report.idle_s;
   for (Demand& demand : reading_.demand) {
     if (demand.fleet != owner->fleet) continue;
     demand.used += sample.sessions;
@@ -124,9 +86,9 @@ void TelemetryBook::fill(World& world) {
   const std::lock_guard lock(mutex_);
   std::unordered_set<std::string_view> there(world.workers.size());
   for (const Worker& worker : world.workers) there.insert(worker.uid);
-  // Of workers that a list left out for once the next sample comes within a second.
+  // If a list omits a worker once, its next sample arrives within a second.
   std::erase_if(samples_, [&](const auto& one) { return !there.contains(one.first); });
-  // Assigned, not made anew: what is there has its memory already.
+  // Assigns in place to reuse the memory of the elements.
   std::size_t count = 0;
   for (const auto& [uid, epochs] : samples_) {
     for (const auto& [epoch, sample] : epochs) {
@@ -140,30 +102,20 @@ void TelemetryBook::fill(World& world) {
   world.listened_until = listened_until_ == 0 ? world.now : listened_until_;
 }
 
-Result<Reading> ask_fleets(api::redis::Client& redis, const std::vector<std::string>& fleets,
-                           const std::vector<Draining>& draining,
+Result<Reading> ask_fleets(directory::Client& redis, const std::vector<std::string>& fleets,
+                           const std::vector<directory::DrainRequest>& draining,
                            const std::function<Seconds()>& now) {
-  const std::string count = std::to_string(fleets.size());
-  std::string cursor(kFirstPage);
-  api::redis::Arguments arguments{cursor, count};
-  for (const std::string& fleet : fleets) arguments.emplace_back(fleet);
-  const std::size_t without_draining = arguments.size();
-  for (const Draining& one : draining) {
-    arguments.emplace_back(one.worker);
-    arguments.emplace_back(one.owner);
-  }
   TelemetryReader reader(fleets);
+  std::string cursor(directory::kFirstPage);
   for (int pages = 0; pages < kMostPages; ++pages) {
-    const auto page = redis.run(api::redis::kFleets, arguments);
+    static const std::vector<directory::DrainRequest> kNone;
+    const auto page = directory::read_fleets(redis, cursor, fleets, pages == 0 ? draining : kNone);
     if (!page) return tl::unexpected(page.error());
-    const auto next = reader.add(*page, now());
-    if (!next) break;
-    if (*next == kFirstPage) return reader.take();
-    cursor = *next;
-    arguments.resize(without_draining);
-    arguments[0] = cursor;
+    reader.add(*page, now());
+    if (page->next == directory::kFirstPage) return reader.take();
+    cursor = page->next;
   }
-  return fail(ErrorCode::kInternal, "fleets.lua answers something else");
+  return fail(ErrorCode::kInternal, "fleets.lua returned too many pages");
 }
 
 }  // namespace diaphane::fleet

@@ -11,18 +11,18 @@
 #include "operator/plan/scale.h"
 #include "operator/plan/view.h"
 
-// The parts of a plan, in the order in which they decide. Each adds to the draft.
+// The parts of a plan, in the order in which they run. Each adds to the draft.
 
 namespace diaphane::fleet {
 
-/// A plan that is being made.
+/// A plan under construction.
 struct Draft {
   Plan plan;
   Seconds now = 0;
-  std::set<std::string_view> drained;  ///< workers' uids that this plan drains
+  std::set<std::string_view> drained;  ///< uids of workers that this plan drains
 
   void add(Action action) { plan.actions.push_back(std::move(action)); }
-  /// There will be something to do at `due`; what has passed is done with.
+  /// Requests another plan at `due`. Ignores times in the past.
   void wake(Seconds due) {
     if (due <= now) return;
     const Seconds after = due - now;
@@ -34,28 +34,28 @@ struct Draft {
   }
 };
 
-/// What scaling came to, for the fleet's conditions.
+/// The outcome of scaling, for the fleet's conditions.
 struct Scaling {
   int wanted = 0;
-  int missing = 0;       ///< wanted, but no node has room for them
-  int outdated = 0;      ///< of an earlier template, not draining
-  bool waiting = false;  ///< an outdated one has sessions that have nowhere to go
-  std::string why;       ///< nodes were left out
+  int missing = 0;       ///< required workers for which no node has room
+  int outdated = 0;      ///< workers with an earlier template that do not drain
+  bool waiting = false;  ///< an outdated worker has sessions that cannot go elsewhere
+  std::string why;       ///< why nodes were excluded
 };
 
-/// One worker from its reservation to its end.
+/// Plans one worker from its reservation to its end.
 void plan_worker(const WorkerView& view, Draft& draft);
-/// How many workers, and where. `nodes` lose what is taken of them.
+/// Plans the number of workers and their nodes. Reserves GPUs in `nodes`.
 Scaling plan_scale(const FleetView& fleet, const View& world, std::vector<NodeView>& nodes,
                    Random& random, Draft& draft);
-/// Nodes that were found not to take a worker of this fleet, this time included.
+/// Returns the nodes that failed to run a worker of this fleet, including new ones.
 std::vector<Refusal> refusals_of(const FleetView& fleet, Seconds now);
 void plan_worker_status(const WorkerView& view, Draft& draft);
 void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, Draft& draft);
 
-/// After its last refusal a node is not asked for so long.
+/// Returns how long a node is avoided after its last refusal.
 Seconds backoff_of(const Refusal& refusal);
-/// So many failures of pods, and the worker is given up.
+/// A worker is given up after this many failures of its pods.
 inline constexpr int kMostFailures = 5;
 inline constexpr Seconds kIdleBeforeDown = 60;
 

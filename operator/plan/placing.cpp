@@ -9,8 +9,8 @@
 namespace diaphane::fleet {
 namespace {
 
-constexpr std::array kReasons{"not ready",         "cordoned",      "not selected", "tainted",
-                              "without telemetry", "tried in vain", "full"};
+constexpr std::array kReasons{"not ready",         "cordoned",          "not selected", "tainted",
+                              "without telemetry", "rejected recently", "full"};
 
 bool tolerated(const Taint& taint, const std::vector<Toleration>& tolerations) {
   if (taint.effect != "NoSchedule" && taint.effect != "NoExecute") return true;
@@ -116,7 +116,7 @@ bool Placing::room() const {
 }
 
 std::string Placing::why() const {
-  std::string words = "0 of " + std::to_string(nodes_.size()) + " nodes";
+  std::string words = "0 of " + std::to_string(nodes_.size()) + " nodes have room";
   const char* between = ": ";
   for (std::size_t i = 0; i < kReasons.size(); ++i) {
     if (unfit_[i] == 0) continue;

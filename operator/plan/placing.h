@@ -8,47 +8,48 @@
 #include "operator/plan/random.h"
 #include "operator/plan/view.h"
 
-// Which node takes a worker, which worker a session: the same question.
+// Chooses a node for a worker, or a worker for a session.
 
 namespace diaphane::fleet {
 
 struct Candidate {
   double load = 0;  ///< 1: full
-  int free = 0;     ///< places
+  int free = 0;     ///< free slots
 };
 
-/// So much more load makes no difference.
+/// A difference in load up to this is ignored.
 inline constexpr double kHysteresis = 0.1;
 
-/// Of those with a place. Least loaded: two at random of those that differ from the least loaded by
-/// no more than the hysteresis, the better of the two: whoever decides at the same moment, by the
-/// same loads, decides otherwise (Mitzenmacher 2001). Packed: the one with fewest places left.
+/// Chooses among the candidates with a free slot. Least loaded: draws two at random from those
+/// within the hysteresis of the lowest load and takes the better one, so that concurrent decisions
+/// from the same loads differ (Mitzenmacher 2001). Packed: takes the one with the fewest free
+/// slots.
 std::optional<std::size_t> choose(std::span<const Candidate> candidates, Strategy strategy,
                                   Random& random);
 
-/// Why a node cannot take a worker of the fleet, whatever its load; nothing: it can.
+/// Why a node cannot run a worker of the fleet, regardless of its load. nullopt: it can.
 enum class Unfit { kNotReady, kCordoned, kSelector, kTaint, kSilent, kRefused, kFull };
 std::optional<Unfit> unfit(const NodeView& node, const FleetSpec& spec,
                            const std::vector<Refusal>& refusals, Seconds now);
 
-/// Chooses nodes one after the other, and takes a GPU of each.
+/// Chooses nodes one after the other and reserves a GPU on each.
 class Placing {
  public:
   Placing(const Fleet& fleet, const std::vector<Refusal>& refusals, std::vector<NodeView>& nodes,
           Seconds now);
-  /// The name of a node, or nothing where none has room.
+  /// Returns the name of a node, or nullptr if none has room.
   const std::string* next(Strategy strategy, Random& random);
   bool room() const;
-  /// "0 of 12 nodes: 3 cordoned, 9 full".
+  /// Explains the result: "0 of 12 nodes: 3 cordoned, 9 full".
   std::string why() const;
-  /// When the first of the nodes that were refused is asked again.
+  /// When the next refused node may be tried again.
   std::optional<Seconds> again() const { return again_; }
 
  private:
   std::vector<NodeView>& nodes_;
-  std::vector<std::size_t> fit_;  ///< of nodes_, one for each candidate
+  std::vector<std::size_t> fit_;  ///< index in nodes_ per candidate
   std::vector<Candidate> candidates_;
-  std::vector<int> unfit_;  ///< nodes for each reason
+  std::vector<int> unfit_;  ///< number of nodes per reason
   std::optional<Seconds> again_;
 };
 

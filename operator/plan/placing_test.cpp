@@ -1,4 +1,4 @@
-// Where a worker goes: each sentence of "Placing" a case.
+// Where a worker is placed: one case per sentence of "Placing".
 #include "operator/plan/placing.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ std::string node_of(const World& world, std::uint64_t seed = 1) {
   return made.empty() ? "" : made.front().node;
 }
 
-/// How often each node gets the next worker.
+/// Returns how often each node gets the next worker.
 std::map<std::string, int> drawn(const World& world) {
   std::map<std::string, int> counts;
   for (std::uint64_t seed = 0; seed < 200; ++seed) ++counts[node_of(world, seed)];
@@ -30,7 +30,7 @@ World wanting_one(int nodes) {
   return world;
 }
 
-/// Another fleet's worker that runs there, with this sample.
+/// Another fleet's worker on that node, with this sample.
 void occupy(World& world, const std::string& node, double busy, double memory, int sessions,
             double error, Seconds age = 1) {
   if (world.fleets.size() == 1) {
@@ -89,7 +89,7 @@ TEST(Placing, TelemetryOverSixtySecondsOldExcludesTheNode) {
   EXPECT_EQ(node_of(world), "a");
   world.telemetry[0].sampled = world.now - 61;
   EXPECT_EQ(node_of(world), "");
-  world.listening_since = world.now - 20;  // an operator that has just begun knows nothing yet
+  world.listening_since = world.now - 20;  // an operator that has just started knows nothing yet
   EXPECT_EQ(node_of(world), "a");
 }
 
@@ -112,7 +112,7 @@ TEST(Placing, TwoRandomOfThoseWithinATenthOfTheLeastLoadedAreCompared) {
   std::map<std::size_t, int> counts;
   Random random(3);
   for (int i = 0; i < 9000; ++i) ++counts[*choose(nodes, Strategy::kLeastLoaded, random)];
-  // Of three, two draws: the best is among them in 5 of 9 cases, the worst is taken in 1.
+  // Two draws of three nodes: the best is among them in 5 of 9 cases, and the worst is taken in 1.
   EXPECT_EQ(counts.size(), 3u);
   EXPECT_NEAR(counts[0], 5000, 250);
   EXPECT_NEAR(counts[1], 3000, 250);
@@ -148,21 +148,21 @@ TEST(Placing, ANodeThatCannotTakeItIsLeftOutAndSaidWhy) {
     const char* why;
     void (*change)(World&);
   } cases[] = {
-      {"0 of 1 nodes: 1 not ready", [](World& w) { w.nodes[0].ready = false; }},
-      {"0 of 1 nodes: 1 cordoned", [](World& w) { w.nodes[0].cordoned = true; }},
-      {"0 of 1 nodes: 1 not selected",
+      {"0 of 1 nodes have room: 1 not ready", [](World& w) { w.nodes[0].ready = false; }},
+      {"0 of 1 nodes have room: 1 cordoned", [](World& w) { w.nodes[0].cordoned = true; }},
+      {"0 of 1 nodes have room: 1 not selected",
        [](World& w) { w.fleets[0].spec.node_selector["zone"] = "north"; }},
-      {"0 of 1 nodes: 1 tainted",
+      {"0 of 1 nodes have room: 1 tainted",
        [](World& w) {
          w.nodes[0].taints.push_back({"gpu", "yes", "NoSchedule"});
        }},
-      {"0 of 1 nodes: 1 full", [](World& w) { w.nodes[0].foreign_gpus = 2; }},
-      {"0 of 1 nodes: 1 full", [](World& w) { w.nodes[0].gpus = 0; }},
-      {"0 of 1 nodes: 1 tried in vain",
+      {"0 of 1 nodes have room: 1 full", [](World& w) { w.nodes[0].foreign_gpus = 2; }},
+      {"0 of 1 nodes have room: 1 full", [](World& w) { w.nodes[0].gpus = 0; }},
+      {"0 of 1 nodes have room: 1 rejected recently",
        [](World& w) {
          w.fleets[0].status.refusals.push_back({"a", 1, w.now - 1});
        }},
-      {"0 of 0 nodes", [](World& w) { w.nodes.clear(); }},
+      {"0 of 0 nodes have room", [](World& w) { w.nodes.clear(); }},
   };
   for (const auto& one : cases) {
     World world = wanting_one(1);
@@ -175,7 +175,7 @@ TEST(Placing, ANodeThatCannotTakeItIsLeftOutAndSaidWhy) {
     for (const Condition& is : status[0].status.conditions) {
       if (is.type != "CapacityLimited") continue;
       limited = is.status == Truth::kTrue;
-      EXPECT_EQ(is.message, std::string("1 workers missing; ") + one.why);
+      EXPECT_EQ(is.message, std::string("Missing workers: 1. ") + one.why);
     }
     EXPECT_TRUE(limited) << one.why;
   }

@@ -7,7 +7,7 @@
 namespace diaphane::fleet {
 namespace {
 
-/// Ages grow without being observed.
+/// Seconds until the next plan without any change, because ages grow unobserved.
 constexpr Seconds kLookAgain = 3;
 
 void plan_fleet(const FleetView& view, Draft& draft) {
@@ -39,7 +39,7 @@ Plan plan(const World& world, std::uint64_t seed) {
     if (worker.fleet) plan_worker_status(worker, draft);
   }
   if (!world.fleets.empty() || !world.workers.empty()) draft.wake(world.now + kLookAgain);
-  // What frees and what is remembered comes before what takes.
+  // Actions that release or record something come before actions that reserve.
   std::stable_sort(draft.plan.actions.begin(), draft.plan.actions.end(),
                    [](const Action& a, const Action& b) { return a.index() < b.index(); });
   return std::move(draft.plan);

@@ -6,26 +6,27 @@
 #include <variant>
 #include <vector>
 
+#include "directory/constants.h"
 #include "operator/plan/world.h"
 
-// What is done next to bring the cluster to what its fleets ask for. Pure (docs/adr/0024): it
-// remembers nothing, so whoever leads next goes on where another ended. Actions are carried out in
-// their order, each by itself; one that fails is left out, and what follows from that is seen in
-// the next world. All of them may be carried out twice.
+// The next actions that bring the cluster to the state that its fleets specify. The plan is a pure
+// function (docs/adr/0024) without memory, so a new leader continues where the last one stopped.
+// Actions are executed in order and independently. A failed action is skipped, and the next world
+// shows the consequences. Every action can safely be executed twice.
 
 namespace diaphane::fleet {
 
 enum class Kind { kFleet, kWorker, kPod };
 
-/// Answered by AlreadyExists where another operator was faster: names are the lowest free number
-/// of the fleet, so that the same need never makes two.
+/// Fails with AlreadyExists if another operator was faster. The name is the lowest free number of
+/// the fleet, so that one need never creates two workers.
 struct CreateWorker {
   std::string name, fleet, fleet_uid, node, template_hash;
   bool operator==(const CreateWorker&) const = default;
 };
 
-/// Of the worker's name and owned by that uid, so that there is one at most; bound to the node by
-/// affinity. It tells its epoch with its telemetry.
+/// The pod has the worker's name and owner uid, so that there is at most one, and is bound to the
+/// node by affinity. It reports its epoch with its telemetry.
 struct CreatePod {
   std::string worker, worker_uid, node, template_hash;
   std::int64_t epoch = 0;
@@ -38,13 +39,13 @@ struct SetDrain {
   bool operator==(const SetDrain&) const = default;
 };
 
-/// Of a node that is gone Kubernetes' own collector takes it.
+/// Kubernetes' garbage collector removes the pods of a node that no longer exists.
 struct DeletePod {
   std::string name, uid;
   bool operator==(const DeletePod&) const = default;
 };
 
-/// The resource stays until its finalizer goes.
+/// The resource remains until its finalizer is removed.
 struct DeleteWorker {
   std::string name, uid;
   bool operator==(const DeleteWorker&) const = default;
@@ -56,7 +57,7 @@ struct RemoveFinalizer {
   bool operator==(const RemoveFinalizer&) const = default;
 };
 
-/// Puts back what we own of an object, by server-side apply: finalizer, labels, owner.
+/// Restores the fields that the operator owns by server-side apply: finalizer, labels, owner.
 struct Restore {
   Kind kind = Kind::kWorker;
   std::string name, uid;
@@ -79,18 +80,18 @@ using Action = std::variant<SetFleetStatus, RemoveFinalizer, Restore, SetDrain, 
 
 struct Plan {
   std::vector<Action> actions;
-  /// After so long there is something to do though nothing is observed.
+  /// Time after which to plan again even if nothing changes.
   std::optional<Seconds> requeue_after;
 };
 
-/// Nothing before the world is complete. The same world and seed get the same plan.
+/// Empty until the world is complete. The same world and seed give the same plan.
 Plan plan(const World& world, std::uint64_t seed);
 
-/// The operator's opinion of a worker's heartbeat and of telemetry, by age.
-inline constexpr Seconds kHeartbeat = 3;
-inline constexpr Seconds kFresh = 10;  ///< older: by counts
-/// What is missing in one read may be there all the same: it is believed when it has been so long.
+/// Maximum age of a worker's heartbeat, and of its telemetry.
+inline constexpr Seconds kHeartbeat = directory::kHeartbeatMs / 1000.0;
+inline constexpr Seconds kFresh = 10;  ///< older: only counts are used
+/// An object that is missing in one read may still exist, so its absence counts after this long.
 inline constexpr Seconds kConfirmed = 5;
-inline constexpr Seconds kExcluded = 60;  ///< older: no new worker on that node
+inline constexpr Seconds kExcluded = 60;  ///< older: no new worker on the node
 
 }  // namespace diaphane::fleet

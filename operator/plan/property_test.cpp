@@ -1,5 +1,5 @@
-// Laws of the plan over random worlds, carried out by the simulated cluster with every fault that
-// it knows. Each seed is a world of its own.
+// Properties of the plan in random worlds, executed by the simulated cluster with all of its
+// faults. Each seed gives another world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 class Worlds : public testing::TestWithParam<int> {};
 
-/// What one plan reserves beside what its world holds must fit.
+/// What one plan reserves must fit beside what its world contains.
 void expect_room(const World& world, const Plan& plan) {
   std::map<std::string, int> taken;
   for (const Worker& worker : world.workers) ++taken[worker.node];
@@ -33,7 +33,7 @@ void expect_room(const World& world, const Plan& plan) {
   }
 }
 
-/// A cluster with an operator whose caches lag, whose writes fail, and which dies between them.
+/// A cluster and an operator whose caches lag, whose writes fail, and which dies between them.
 class Chaos {
  public:
   explicit Chaos(int seed) : cluster_(static_cast<std::uint64_t>(seed)), seed_(seed) {
@@ -60,7 +60,7 @@ class Chaos {
     }
   }
 
-  /// One round of the operator, `lag` rounds behind in all but its own resources.
+  /// One round of the operator, with all but its own resources `lag` rounds old.
   Plan reconcile(bool faults) {
     World world = cluster_.observed();
     past_.push_back(world);
@@ -73,10 +73,10 @@ class Chaos {
     const Plan made = plan(world, random_++);
     if (checks_room) expect_room(world, made);
     for (const Action& action : made.actions) {
-      if (faults && cluster_.chance(0.05)) break;    // it dies, another leads
+      if (faults && cluster_.chance(0.05)) break;    // the operator dies, and another leads
       if (faults && cluster_.chance(0.1)) continue;  // this write failed
       cluster_.apply(action);
-      if (faults && cluster_.chance(0.2)) cluster_.apply(action);  // answered twice
+      if (faults && cluster_.chance(0.2)) cluster_.apply(action);  // executed twice
     }
     return made;
   }
@@ -137,7 +137,7 @@ class Chaos {
         ++fleet.generation;
         break;
       }
-      default: {  // a name is taken by somebody else's pod with our label
+      default: {  // a foreign pod with Diaphane's label takes a name
         Pod pod;
         pod.name = fleets_.front() + "-" + std::to_string(cluster_.up_to(3));
         pod.uid = "foreign-" + std::to_string(world.now);
@@ -155,7 +155,7 @@ class Chaos {
     }
   }
 
-  /// All faults end; who wants a session goes on to want it.
+  /// Ends all faults. Users still want their sessions.
   void mend() {
     for (const std::string& node : nodes_) {
       cluster_.return_node(node);
@@ -194,7 +194,7 @@ std::string said(const std::vector<std::string>& violations) {
   return words;
 }
 
-/// Ready, current, as many as wanted, or as many as there is room for.
+/// All workers are ready and current, and there are as many as desired or as fit.
 void expect_settled(const World& world, int room) {
   const Plan next = plan(world, 1);
   EXPECT_EQ(deeds(next), 0u) << "action " << next.actions.front().index();
@@ -224,7 +224,7 @@ void expect_settled(const World& world, int room) {
     const bool limited = std::any_of(
         fleet.status.conditions.begin(), fleet.status.conditions.end(),
         [](const Condition& c) { return c.type == "CapacityLimited" && c.status == Truth::kTrue; });
-    // Whoever has somebody's session stays, though it is not needed.
+    // A worker with a session stays, even if it is not needed.
     EXPECT_TRUE(ready <= wanted.most || !idle) << fleet.name;
     if (ready < wanted.least) {
       EXPECT_TRUE(limited && (room == 0 || !fleet.spec.node_selector.empty()))
@@ -297,7 +297,7 @@ TEST_P(Worlds, APlanIsTheSameTwiceAndInAnyOrderAndDoneTwiceIsDoneOnce) {
     SimulatedCluster one = chaos.cluster();
     for (const Action& action : once.actions) one.apply(action);
     const std::size_t workers = one.world().workers.size(), pods = one.world().pods.size();
-    // Whoever leads next has other random numbers, and the same needs.
+    // The next leader has other random numbers, but the same needs.
     for (const Action& action : plan(world, 6).actions) one.apply(action);
     EXPECT_EQ(one.world().workers.size(), workers);
     EXPECT_EQ(one.world().pods.size(), pods);
@@ -308,7 +308,7 @@ TEST_P(Worlds, AnOperatorPausedBeyondItsLeaseDoesNoHarm) {
   Chaos chaos(GetParam());
   chaos.run(60, false);
   for (int i = 0; i < 6; ++i) {
-    // It planned, was stopped, and carries out what it planned when another has led for a while.
+    // It planned, was suspended, and executes its plan after another one has led for a while.
     const Plan paused = plan(chaos.cluster().observed(), 77);
     for (int second = 0; second < 5 * (i + 1); ++second) {
       if (chaos.cluster().chance(0.3)) chaos.people();
@@ -328,7 +328,7 @@ TEST_P(Worlds, AnOperatorPausedBeyondItsLeaseDoesNoHarm) {
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }
 
-/// More worlds than each run has: DIAPHANE_WORLDS.
+/// DIAPHANE_WORLDS sets a larger number of worlds.
 int worlds() {
   const char* many = std::getenv("DIAPHANE_WORLDS");
   return many ? std::max(1, std::atoi(many)) : 60;

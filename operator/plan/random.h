@@ -4,7 +4,7 @@
 
 namespace diaphane::fleet {
 
-/// Random numbers of one plan: a pure function of the seed (SplitMix64: Steele, Lea, Flood 2014).
+/// Random numbers for one plan: a pure function of the seed (SplitMix64: Steele, Lea, Flood 2014).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -15,9 +15,9 @@ class Random {
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
     return x ^ (x >> 31);
   }
-  /// In [0, 1).
+  /// Returns a number in [0, 1).
   double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-  /// In [0, count); the bias is below count / 2^64.
+  /// Returns a number in [0, count). The bias is below count / 2^64.
   std::size_t below(std::size_t count) { return bits() % count; }
 
  private:

@@ -9,13 +9,13 @@
 namespace diaphane::fleet {
 namespace {
 
-/// Of a fleet's workers, as many as are outdated at once beside those that are wanted.
+/// How many outdated workers of a fleet may be replaced at the same time.
 int surge_of(int wanted) { return std::max(1, wanted / 10); }
 
-/// Its slots count: it takes sessions or will soon.
+/// Whether a worker's slots count, because it accepts sessions or soon will.
 bool counts(const WorkerView& view) {
   if (view.health == Health::kReady) return true;
-  // What has ended again and again may not come.
+  // A worker whose pods failed repeatedly may never start.
   return view.health == Health::kComing && view.worker->status.failures < 3;
 }
 
@@ -23,10 +23,10 @@ int sessions_on(const WorkerView& view) {
   return view.telemetry ? view.telemetry->sessions + view.telemetry->reserved : 0;
 }
 
-/// Nobody looks through it, and has not for `since` seconds.
+/// Whether the worker has had no sessions for `since` seconds.
 bool idle(const WorkerView& view, Seconds now, Seconds since) {
   const Telemetry* sample = view.telemetry;
-  // Not there yet, or no more: not just left out of a read.
+  // Not running yet or any more, and not only missing from one read.
   if (!view.pod || view.health == Health::kComing) {
     return !sample || now - sample->sampled > kFresh;
   }
@@ -34,7 +34,7 @@ bool idle(const WorkerView& view, Seconds now, Seconds since) {
          now - sample->idle_since >= since;
 }
 
-/// Those that cost least to lose first.
+/// Sorts the workers whose loss costs least to the front.
 void sort_to_drain(std::vector<const WorkerView*>& workers, const FleetSpec& spec,
                    const std::vector<NodeView>& nodes) {
   struct Key {
@@ -65,11 +65,11 @@ void sort_to_drain(std::vector<const WorkerView*>& workers, const FleetSpec& spe
 }
 
 struct Tally {
-  std::vector<const WorkerView*> active;  ///< do not leave
-  int usable = 0;                         ///< of these, that count
+  std::vector<const WorkerView*> active;  ///< not leaving
+  int usable = 0;                         ///< of these, workers whose slots count
   int ready = 0;
   int outdated = 0;
-  int upgrading = 0;  ///< leave for their template's sake
+  int upgrading = 0;  ///< leaving because of an outdated template
 };
 
 Tally tally(const FleetView& fleet, const Draft& draft) {
@@ -88,7 +88,7 @@ Tally tally(const FleetView& fleet, const Draft& draft) {
   return tally;
 }
 
-/// Drains one, which is active no more.
+/// Drains a worker, which then no longer counts as active.
 void take(Tally& tally, std::size_t i, DrainReason reason, const FleetSpec& spec, Draft& draft) {
   const WorkerView& view = *tally.active[i];
   draft.drain(view, reason);
@@ -101,7 +101,7 @@ void take(Tally& tally, std::size_t i, DrainReason reason, const FleetSpec& spec
   tally.active.erase(tally.active.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
-/// Outdated workers go when others take their place, so that their sessions have somewhere to go.
+/// Drains outdated workers once others replace them, so that their sessions have somewhere to go.
 void upgrade(const FleetView& fleet, int wanted, bool room, Tally& tally, Scaling& scaling,
              Draft& draft) {
   const FleetSpec& spec = fleet.fleet->spec;
@@ -117,7 +117,8 @@ void upgrade(const FleetView& fleet, int wanted, bool room, Tally& tally, Scalin
     const bool started = view.health == Health::kReady;
     const bool never = view.health == Health::kComing;
     const bool replaced = tally.ready - started >= wanted;
-    // Where no node has room for another beside it, one at a time, if the others have its slots.
+    // If no node has room for a surge, replaces one worker at a time, provided that the others have
+    // enough slots.
     const bool alone = !room && tally.upgrading == 0 && fleet.metrics_fresh &&
                        (tally.ready - started) * spec.sessions_per_worker >= taken;
     if (tally.upgrading < surge_of(wanted) && (replaced || alone || never)) {
@@ -131,7 +132,7 @@ void upgrade(const FleetView& fleet, int wanted, bool room, Tally& tally, Scalin
 
 void scale_down(const FleetView& fleet, int most, Tally& tally, Draft& draft) {
   const FleetSpec& spec = fleet.fleet->spec;
-  // What was asked for in so many words does not wait until it is idle.
+  // An explicit number of replicas applies at once, without waiting for idle workers.
   const int bound = spec.replicas ? std::min(*spec.replicas, spec.max_replicas) : spec.max_replicas;
   for (std::size_t i = 0; i < tally.active.size();) {
     const WorkerView& view = *tally.active[i];
@@ -194,8 +195,8 @@ Wanted wanted_workers(const FleetSpec& spec, const Demand* demand, int usable, S
       now - demand->last_used >= *spec.scale_to_zero_after) {
     return {bounded(0), bounded(0)};
   }
-  // One more than is taken, that nobody finds the last slot gone; one worker where nobody asked for
-  // none.
+  // Keep one spare slot, so that the last one is never handed out, and at least one worker unless
+  // scale-to-zero applies.
   const double slots = busy + std::max(spec.min_idle_slots, 1);
   const double each = std::max(spec.sessions_per_worker, 1);
   return {bounded(std::ceil(slots / each)), bounded(std::ceil(slots * (1 + kHysteresis) / each))};
@@ -208,14 +209,14 @@ Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds no
   double count = most;
   Seconds last = created.empty() ? now : created.front();
   for (const Seconds at : created) {
-    // Another clock's future is now.
+    // A timestamp in the future comes from another clock.
     const Seconds when = std::min(at, now);
     count = std::min(most, count + (when - last) * per_second);
     count = std::max(0.0, count - 1);
     last = when;
   }
   count = std::min(most, count + (now - last) * per_second);
-  // Of thirds three are one.
+  // Rounding errors, for example of three thirds, must not prevent a whole token.
   if (count > 1 - 1e-6 && count < 1) count = 1;
   return {count, now + std::max(0.0, 1 - count) / per_second};
 }
@@ -240,11 +241,11 @@ Scaling plan_scale(const FleetView& fleet, const View& world, std::vector<NodeVi
     const Seconds due = fleet.demand->last_used + *spec.scale_to_zero_after;
     if (due > draft.now) draft.wake(due);
   }
-  // What is lost may come back, and holds its place until it is known not to.
+  // Lost workers may return, so they count until they are known to be gone.
   const int beside = spec.max_replicas + surge - static_cast<int>(have.active.size());
   const int short_of = std::min(wanted.least + surge - have.usable, beside);
   if (short_of > 0) scale_up(fleet, world, placing, short_of, random, scaling, draft);
-  // Without room for a surge an upgrade goes on one by one.
+  // If there is no room for a surge, an upgrade replaces workers one by one.
   scaling.missing = std::min(scaling.missing, std::max(0, wanted.least - have.usable));
   return scaling;
 }

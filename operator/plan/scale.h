@@ -4,24 +4,24 @@
 
 #include "operator/plan/world.h"
 
-// How many workers a fleet has, and how fast it gets them.
+// How many workers a fleet needs, and how fast they are created.
 
 namespace diaphane::fleet {
 
-/// From `least` on none is added, up to `most` none is taken away.
+/// Below `least`, workers are added. Above `most`, workers are removed.
 struct Wanted {
   int least = 0;
   int most = 0;
 };
 
-/// `usable`: workers that take sessions or will soon. Without fresh demand it stays at these.
+/// `usable`: workers that accept sessions or soon will. Without fresh demand, their number stays.
 Wanted wanted_workers(const FleetSpec& spec, const Demand* demand, int usable, Seconds now);
 
-/// A token bucket that holds a second's worth, at least one, whose history is the workers' own
-/// times of creation: nothing to remember, and the same for whoever leads.
+/// A token bucket with a capacity of one second, at least one token. Its state follows from the
+/// creation times of the workers, so there is nothing to store, and every leader computes the same.
 struct Tokens {
   double count = 0;
-  Seconds next = 0;  ///< when there is a whole one
+  Seconds next = 0;  ///< when the next whole token is available
 };
 Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds now);
 

@@ -24,7 +24,7 @@ TEST(Scale, IsWhatDemandAndBoundsSay) {
   demand.sampled = kNow;
   demand.last_used = kNow;
   const auto least = [&] { return wanted_workers(spec, &demand, 3, kNow).least; };
-  EXPECT_EQ(least(), 1);  // one, where nobody asked for none
+  EXPECT_EQ(least(), 1);  // one, without any demand
   demand.used = 3;
   EXPECT_EQ(least(), 1);
   demand.used = 4;  // before the last slot is taken
@@ -63,7 +63,7 @@ TEST(Scale, ToZeroOnlyIfAskedAndAfterItsTime) {
   EXPECT_EQ(wanted_workers(spec, &demand, 1, kNow).most, 1);
   demand.last_used -= 1;
   EXPECT_EQ(wanted_workers(spec, &demand, 1, kNow).most, 0);
-  demand.refused = 1;  // somebody comes
+  demand.refused = 1;  // a user is refused
   EXPECT_EQ(wanted_workers(spec, &demand, 0, kNow).least, 1);
 }
 
@@ -74,7 +74,7 @@ TEST(Scale, TheBucketIsRebuiltFromTimesOfCreation) {
   EXPECT_EQ(refill_tokens(2, {kNow, kNow}, kNow + 0.5).count, 1);
   EXPECT_EQ(refill_tokens(2, {kNow, kNow}, kNow + 100).count, 2);
   EXPECT_EQ(refill_tokens(0.25, {kNow}, kNow + 1).next, kNow + 4);
-  EXPECT_EQ(refill_tokens(2, {kNow + 50, kNow + 50}, kNow).count, 0);  // another's clock
+  EXPECT_EQ(refill_tokens(2, {kNow + 50, kNow + 50}, kNow).count, 0);  // from another clock
   EXPECT_GT(refill_tokens(0, {kNow}, kNow).count, 1000);
 }
 
@@ -111,7 +111,7 @@ TEST(Scale, DownAfterIdleAndOnlyTheIdle) {
   add_running(world, 0, "a", 1);
   add_running(world, 1, "a", 0);
   add_running(world, 2, "b", 0);
-  world.telemetry[0].idle_since = 0;  // of the time before its session
+  world.telemetry[0].idle_since = 0;  // from before its session
   world.telemetry[2].idle_since = world.now - 59;
   const auto drained = all<SetDrain>(plan(world, 1));
   ASSERT_EQ(drained.size(), 1u);
@@ -121,7 +121,7 @@ TEST(Scale, DownAfterIdleAndOnlyTheIdle) {
   for (Telemetry& sample : world.telemetry) sample.sampled = world.now;
   world.demand[0].sampled = world.now;
   EXPECT_EQ(drains(world).size(), 2u);
-  world.demand[0].sampled = world.now - 11;  // nothing known of demand: nobody goes
+  world.demand[0].sampled = world.now - 11;  // without known demand, no worker is drained
   EXPECT_TRUE(drains(world).empty());
 }
 
@@ -130,7 +130,7 @@ TEST(Scale, WhileDemandIsOldNobodyIsAddedForTheLostToo) {
   for (int i = 0; i < 3; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
   world.telemetry[0].sampled = world.now - 5;
   world.demand[0].sampled = world.now - 11;
-  EXPECT_EQ(created(world), 0u);  // else one more at each look
+  EXPECT_EQ(created(world), 0u);  // otherwise one more with each plan
 }
 
 TEST(Scale, ASurplusWithinTheHysteresisStays) {
@@ -168,7 +168,7 @@ TEST(Scale, AnUpgradePutsANewOneBesideFirst) {
   world.workers[2].template_hash = "two";
   const auto drained = all<SetDrain>(plan(world, 1));
   ASSERT_EQ(drained.size(), 1u);
-  EXPECT_EQ(drained[0].worker, "render-1");  // with fewer sessions
+  EXPECT_EQ(drained[0].worker, "render-1");  // the one with fewer sessions
   EXPECT_EQ(drained[0].drain.reason, DrainReason::kUpgrade);
   world.workers[1].drain = drained[0].drain;
   EXPECT_TRUE(drains(world).empty());  // one after the other

@@ -11,10 +11,6 @@ T* find_if(std::vector<T>& all, const Match& match) {
   return found == all.end() ? nullptr : &*found;
 }
 
-bool finished(const Pod& pod) {
-  return pod.phase == Phase::kFailed || pod.phase == Phase::kSucceeded;
-}
-
 void bump(std::string& version) { version = std::to_string(std::stoll("0" + version) + 1); }
 
 }  // namespace
@@ -101,8 +97,8 @@ bool SimulatedCluster::carry_out(const CreatePod& action) {
 bool SimulatedCluster::carry_out(const SetDrain& action) {
   Worker* drained = worker(action.worker, action.uid);
   if (!drained || drained->version != action.version) return false;
-  // Who was there before the sample that the decision was made on would have been seen. (Carried
-  // out late by a paused operator it sends people away who came since, within their grace.)
+  // The decision's sample must have contained any older session. (A paused operator may execute the
+  // drain late, and newer sessions then move within their grace period.)
   for (const Session& session : sessions_) {
     if (action.drain.reason == DrainReason::kIdle && session.worker_uid == action.uid &&
         session.placed < action.drain.since - 5) {
@@ -274,7 +270,7 @@ int SimulatedCluster::waiting(const std::string& name) const {
 
 int SimulatedCluster::pods_on(const std::string& name) const {
   return static_cast<int>(std::count_if(world_.pods.begin(), world_.pods.end(), [&](const Pod& p) {
-    return p.node == name && !finished(p) && p.owned;
+    return p.node == name && !p.finished() && p.owned;
   }));
 }
 
@@ -320,7 +316,7 @@ void SimulatedCluster::run_kubelets() {
   for (Pod& one : world_.pods) {
     if (one.node.empty() || !alive(one.node)) continue;
     if (one.terminating) {
-      if (finished(one) || chance(0.5)) gone.push_back(one.uid);
+      if (one.finished() || chance(0.5)) gone.push_back(one.uid);
       continue;
     }
     if (one.phase == Phase::kPending && chance(0.5)) one.phase = Phase::kRunning;
@@ -339,7 +335,7 @@ bool SimulatedCluster::takes_sessions(const Worker& one) {
 void SimulatedCluster::run_sessions() {
   std::map<std::string, int> slots;
   for (const Fleet& of : world_.fleets) slots[of.name] = of.spec.sessions_per_worker;
-  // renderd hears of its drain with the next look at its resource.
+  // renderd notices its drain the next time it reads its resource.
   for (const Worker& one : world_.workers) {
     if (one.drain && chance(0.7)) told_.emplace(one.uid, world_.now);
   }
@@ -359,7 +355,7 @@ void SimulatedCluster::run_sessions() {
     }
     return silent_ ? nullptr : best;
   };
-  // Those of a worker that drains are placed again where there is room.
+  // Sessions of a draining worker are placed again where there is room.
   for (Session& session : sessions_) {
     if (!told_.contains(session.worker_uid) || !chance(0.3)) continue;
     if (const Worker* other = place(session.fleet)) {

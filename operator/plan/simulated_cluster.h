@@ -8,8 +8,8 @@
 #include "operator/plan/plan.h"
 #include "operator/plan/world.h"
 
-// For tests: an API server with its preconditions, garbage collectors, scheduler, kubelets, renderd
-// and the placing of sessions, in steps of a second.
+// A simulation for tests of an API server with its preconditions, garbage collectors, scheduler,
+// kubelets, renderd and the placement of sessions, in steps of one second.
 
 namespace diaphane::fleet {
 
@@ -17,35 +17,36 @@ class SimulatedCluster {
  public:
   explicit SimulatedCluster(std::uint64_t seed) : random_(seed) { world_.now = 1'000'000; }
 
-  // What it holds now. Tests change it at will.
+  // The actual state, which tests may change.
   World& world() { return world_; }
-  /// As somebody sees it whose caches are whole and new.
+  /// The state as observed through complete and current caches.
   World observed() const;
 
-  /// False: refused, as the API server would (exists, gone, another uid or version).
+  /// Returns false if the API server would reject the action (exists, not found, another uid or
+  /// version).
   bool apply(const Action& action);
-  /// A second passes.
+  /// Advances the time by one second.
   void step();
 
   Fleet& add_fleet(const std::string& name);
   Node& add_node(const std::string& name, int gpus);
-  /// So many people want a session of the fleet; who has none asks each second.
+  /// Sets how many users want a session of the fleet. Users without one ask every second.
   void want_sessions(const std::string& fleet, int count) { people_[fleet] = count; }
 
   // Faults.
-  void crash_pod(const std::string& name);  ///< its containers end, and it with them
-  void lose_node(const std::string& name);  ///< neither heard of nor running anything
+  void crash_pod(const std::string& name);  ///< its containers terminate
+  void lose_node(const std::string& name);  ///< the node is unreachable and runs nothing
   void return_node(const std::string& name);
   void delete_node(const std::string& name);
-  void hang(const std::string& worker, bool hangs);    ///< no heartbeat, pod goes on
-  void silence(bool silent) { silent_ = silent; }      ///< no telemetry from anybody (Redis down)
-  void refuse(const std::string& node, bool refuses);  ///< the scheduler finds no GPU there
+  void hang(const std::string& worker, bool hangs);  ///< no heartbeat, but the pod continues
+  void silence(bool silent) { silent_ = silent; }    ///< no telemetry from any worker (Redis down)
+  void refuse(const std::string& node, bool refuses);  ///< the scheduler finds no GPU on the node
 
   int sessions_on(const std::string& worker_uid) const;
   int sessions_of(const std::string& fleet) const;
-  int waiting(const std::string& fleet) const;  ///< want one and have none
-  int pods_on(const std::string& node) const;   ///< bound
-  /// What must never happen, in words.
+  int waiting(const std::string& fleet) const;  ///< number of users without a session
+  int pods_on(const std::string& node) const;   ///< number of bound pods
+  /// Violated invariants, in words.
   const std::vector<std::string>& violations() const { return violations_; }
 
   bool chance(double p) { return std::uniform_real_distribution<>(0, 1)(random_) < p; }
@@ -89,7 +90,7 @@ class SimulatedCluster {
   std::map<std::string, int> people_;
   std::map<std::string, bool> lost_, hangs_, refuses_;
   std::map<std::string, Seconds> idle_since_;  // by worker uid
-  std::map<std::string, Seconds> told_;        // to drain, by worker uid
+  std::map<std::string, Seconds> told_;        // workers to drain, by uid
   std::map<std::string, Seconds> last_used_;   // by fleet
   bool silent_ = false;
   std::vector<std::string> violations_;

@@ -6,12 +6,12 @@
 namespace diaphane::fleet {
 namespace {
 
-/// The numbers of a fleet are written no more often.
+/// Minimum seconds between two writes of a fleet's numbers.
 constexpr Seconds kBetweenWrites = 1;
-/// Ready for so long, a worker's failures are forgotten.
+/// The failures of a worker are forgotten after it was ready for this long.
 constexpr Seconds kForgiven = 120;
 
-/// With the time of `before` where the status is the same.
+/// Keeps the transition time of `before` if the status is unchanged.
 Condition condition(const std::vector<Condition>& before, std::string type, Truth status,
                     std::string reason, std::string message, Seconds now) {
   const Condition* same = find(before, type);
@@ -59,20 +59,22 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
   };
   const std::string of = std::to_string(counts.ready) + " of " + std::to_string(scaling.wanted);
   const bool available = counts.ready > 0 || scaling.wanted == 0;
-  add("Available", available, available ? "Ready" : "NoWorkerReady", of + " workers are ready");
+  add("Available", available, available ? "WorkersReady" : "NoWorkersReady",
+      of + " workers are ready");
   std::string progress = "Settled";
   if (fleet.fleet->deleted) {
     progress = "Deleting";
   } else if (scaling.outdated > 0) {
-    progress = scaling.waiting ? "WaitingForRoom" : "Upgrading";
+    progress = scaling.waiting ? "WaitingForCapacity" : "Upgrading";
   } else if (counts.leaving > 0) {
     progress = "Draining";
   } else if (counts.coming > 0 || scaling.missing > 0 || counts.ready < scaling.wanted) {
     progress = "Scaling";
   }
   add("Progressing", progress != "Settled", progress, "");
-  add("Degraded", counts.sick > 0, counts.sick > 0 ? "WorkersFail" : "AllWell",
-      counts.sick > 0 ? std::to_string(counts.sick) + " workers are lost, not heard of or ended"
+  add("Degraded", counts.sick > 0, counts.sick > 0 ? "WorkersFailing" : "AsExpected",
+      counts.sick > 0 ? "Workers that are lost, unresponsive or have failed recently: " +
+                            std::to_string(counts.sick)
                       : "");
   const bool asked = fleet.demand && now - fleet.demand->sampled <= kFresh;
   const bool metrics = fleet.metrics_fresh && asked;
@@ -80,11 +82,28 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
       metrics               ? "Fresh"
       : fleet.metrics_fresh ? "NoDemand"
                             : "NoTelemetry",
-      metrics ? "" : "no worker is taken away until it is");
-  add("CapacityLimited", scaling.missing > 0, scaling.missing > 0 ? "NoNodeHasRoom" : "Enough",
-      scaling.missing > 0 ? std::to_string(scaling.missing) + " workers missing; " + scaling.why
-                          : "");
+      metrics ? "" : "No worker is removed until the metrics are fresh again");
+  add("CapacityLimited", scaling.missing > 0,
+      scaling.missing > 0 ? "InsufficientNodeCapacity" : "SufficientCapacity",
+      scaling.missing > 0
+          ? "Missing workers: " + std::to_string(scaling.missing) + ". " + scaling.why
+          : "");
   return all;
+}
+
+std::string ready_reason(const WorkerView& view) {
+  if (view.leaving()) return "Draining";
+  switch (view.health) {
+    case Health::kReady:
+      return "AcceptingSessions";
+    case Health::kUnhealthy:
+      return "NoHeartbeat";
+    case Health::kNodeLost:
+      return "NodeUnreachable";
+    case Health::kComing:
+      break;
+  }
+  return "Starting";
 }
 
 }  // namespace
@@ -117,7 +136,7 @@ void plan_worker_status(const WorkerView& view, Draft& draft) {
     status.conditions.push_back(
         condition(worker.status.conditions, type, truth(holds), std::move(reason), "", now));
   };
-  // Unknown for how long no pod was seen: that is what a release waits for.
+  // Unknown while there is no pod. The release of a worker waits for this condition.
   const bool bound = view.beats || (pod && !pod->node.empty());
   status.conditions.push_back(condition(worker.status.conditions, "Scheduled",
                                         !pod && !bound ? Truth::kUnknown : truth(bound),
@@ -127,18 +146,18 @@ void plan_worker_status(const WorkerView& view, Draft& draft) {
                                                              : "Waiting",
                                         "", now));
   const bool ready = view.health == Health::kReady && !view.leaving();
-  add("Ready", ready, ready ? "TakesSessions" : view.leaving() ? "Draining" : "NotYet");
-  // Who took the drain out by hand is told here until it is put back.
+  add("Ready", ready, ready_reason(view));
+  // If someone removed the drain by hand, the condition still shows it until it is restored.
   const Condition* draining = find(worker.status.conditions, "Draining");
   const bool was = draining && draining->status == Truth::kTrue;
   add("Draining", worker.drain || was,
       worker.drain ? std::string(to_string(worker.drain->reason))
       : was        ? draining->reason
-                   : "InUse");
+                   : "Active");
   add("Unhealthy", view.health == Health::kUnhealthy,
-      view.health == Health::kUnhealthy ? "NoHeartbeat" : "Heard");
+      view.health == Health::kUnhealthy ? "NoHeartbeat" : "HeartbeatReceived");
   add("NodeLost", view.health == Health::kNodeLost,
-      view.health == Health::kNodeLost ? "NodeSilent" : "Heard");
+      view.health == Health::kNodeLost ? "NodeUnreachable" : "NodeReachable");
   if (status != worker.status) draft.add(SetWorkerStatus{worker.name, worker.uid, status});
 }
 
@@ -157,7 +176,8 @@ void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, Draft& dr
   status.refusals = refusals_of(fleet, draft.now);
   status.conditions = conditions_of(fleet, scaling, counts, draft.now);
   if (same_status(status, before)) return;
-  // A node's refusal is waited for, and so is that a change was seen.
+  // The plan waits for refusals, and clients for the observed generation, so both are written at
+  // once.
   const bool urgent = status.refusals != before.refusals ||
                       status.observed_generation != before.observed_generation;
   if (!urgent && draft.now - before.written < kBetweenWrites) {

@@ -6,13 +6,13 @@
 
 #include "operator/plan/plan.h"
 
-// Small worlds for tables of cases.
+// Small worlds for table-driven tests.
 
 namespace diaphane::fleet {
 
 inline constexpr Seconds kNow = 1'000'000;
 
-/// A fleet `render` with its finalizer, demand for nothing, and nodes `a`, `b`, ... of two GPUs.
+/// A fleet `render` with its finalizer, no demand, and nodes `a`, `b`, ... with two GPUs each.
 inline World test_world(int nodes = 2) {
   World world;
   world.now = kNow;
@@ -80,7 +80,7 @@ inline Telemetry& add_sample(World& world, const Worker& worker, int sessions, S
   return world.telemetry.back();
 }
 
-/// A worker whose pod runs and is heard of.
+/// Adds a worker whose pod runs and sends heartbeats.
 inline void add_running(World& world, int ordinal, const std::string& node, int sessions) {
   add_worker(world, ordinal, node);
   const Worker worker = world.workers.back();
@@ -98,7 +98,7 @@ std::vector<T> all(const Plan& plan) {
   return found;
 }
 
-/// What changes anything but status.
+/// Counts the actions that change anything but status.
 inline std::size_t deeds(const Plan& plan) {
   std::size_t count = 0;
   for (const Action& action : plan.actions) {

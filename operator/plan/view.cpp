@@ -6,7 +6,7 @@
 namespace diaphane::fleet {
 namespace {
 
-/// A pod that has never been heard of starts for so long.
+/// Grace period for the first heartbeat of a new pod.
 constexpr Seconds kStarting = 120;
 
 template <typename T>
@@ -18,15 +18,11 @@ std::vector<const T*> by_name(const std::vector<T>& all) {
   return sorted;
 }
 
-bool finished(const Pod& pod) {
-  return pod.phase == Phase::kSucceeded || pod.phase == Phase::kFailed;
-}
-
 Health judge(const WorkerView& view, const World& world) {
   const Pod* pod = view.pod;
-  // Whoever beats is there, whatever a single read says of its pod or its node.
+  // A worker with a heartbeat is alive, whatever a single read says about its pod or its node.
   if (view.beats) return Health::kReady;
-  if (!pod || finished(*pod)) return Health::kComing;
+  if (!pod || pod->finished()) return Health::kComing;
   if (!pod->node.empty() && (!view.node || !view.node->ready || out_of_service(*view.node))) {
     return Health::kNodeLost;
   }
@@ -36,7 +32,7 @@ Health judge(const WorkerView& view, const World& world) {
   return Health::kUnhealthy;
 }
 
-/// So long it was listened for and not heard.
+/// Returns how long no heartbeat arrived although telemetry was available.
 Seconds silence(const WorkerView& view, const World& world) {
   Seconds last = world.listening_since;
   if (view.pod) last = std::max(last, view.pod->created);
@@ -44,13 +40,14 @@ Seconds silence(const WorkerView& view, const World& world) {
   return world.listened_until - last;
 }
 
-/// Who was heard of since we listen is missed at once, others when they had time to come back.
+/// Returns how much silence is tolerated. A worker that has sent a heartbeat since telemetry became
+/// available has less time than one that must reconnect.
 Seconds patience(const WorkerView& view, const World& world) {
   const bool heard = view.telemetry && view.telemetry->sampled >= world.listening_since;
   return heard ? kHeartbeat : kFresh;
 }
 
-/// Of ready pods that have run for a moment half are heard of.
+/// Whether at least half of the pods that have been ready for a while send telemetry.
 bool fresh(const FleetView& fleet, const World& world) {
   std::size_t expected = 0, heard = 0;
   for (const WorkerView* view : fleet.workers) {
@@ -68,7 +65,8 @@ void weigh(NodeView& node, const std::vector<const WorkerView*>& workers, const 
   for (const WorkerView* view : workers) {
     const std::optional<double> sample =
         view->telemetry ? load_of(*view->telemetry, world.now) : std::nullopt;
-    // Without one it counts as a whole GPU: so does a reservation younger than the last sample.
+    // A worker without a sample counts as a whole GPU, and so does a reservation newer than the
+    // last sample.
     load += sample.value_or(1);
     if (view->telemetry) newest = std::max(newest, view->telemetry->sampled);
     expected |= view->pod && view->pod->phase == Phase::kRunning && !view->pod->terminating &&
@@ -130,7 +128,8 @@ View look(const World& world) {
   for (const Pod& pod : world.pods) {
     view.names.insert(pod.name);
     const auto owner = pod.owned ? owners.find(pod.owner_uid) : owners.end();
-    // Of another name it was not made by us, whatever it says; its GPU is taken all the same.
+    // A pod with another name is not the worker's pod, whatever its owner reference says, but its
+    // GPU is in use.
     if (owner != owners.end() && view.workers[owner->second].worker->name == pod.name) {
       view.workers[owner->second].pod = &pod;
       continue;
@@ -138,14 +137,14 @@ View look(const World& world) {
     if (const auto found = named.find(pod.name); found != named.end()) {
       view.workers[found->second].in_the_way = &pod;
     }
-    if (!pod.owned || finished(pod)) continue;
+    if (!pod.owned || pod.finished()) continue;
     if (NodeView* node = node_of(pod.node)) ++node->reserved;
   }
   for (const Telemetry& sample : world.telemetry) {
     const auto found = owners.find(sample.worker_uid);
     if (found == owners.end()) continue;
     WorkerView& worker = view.workers[found->second];
-    // An earlier pod of the worker may still be heard, or be repeated.
+    // Ignore delayed or repeated samples of an earlier pod of the worker.
     if (worker.pod ? sample.epoch != worker.pod->epoch || sample.sampled < worker.pod->created
                    : sample.epoch < worker.worker->status.epoch) {
       continue;

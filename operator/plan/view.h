@@ -8,27 +8,27 @@
 #include "operator/plan/plan.h"
 #include "operator/plan/world.h"
 
-// A world with everything found that belongs together, and judged.
+// The world with its objects linked to each other and assessed.
 
 namespace diaphane::fleet {
 
 enum class Health {
-  kComing,     ///< its pod is to be made, starts, or has ended and is made again
-  kReady,      ///< takes sessions
-  kUnhealthy,  ///< its pod should run and is not heard of
-  kNodeLost    ///< neither its node nor it is heard of
+  kComing,     ///< its pod will be created, is starting, or has ended and will be recreated
+  kReady,      ///< accepts sessions
+  kUnhealthy,  ///< its pod should be running, but sends no heartbeat
+  kNodeLost    ///< neither its node nor its pod sends a heartbeat
 };
 
 struct WorkerView {
   const Worker* worker = nullptr;
-  const Fleet* fleet = nullptr;  ///< of its uid
+  const Fleet* fleet = nullptr;  ///< with the worker's fleet uid
   const Node* node = nullptr;
-  const Pod* pod = nullptr;              ///< its own
-  const Pod* in_the_way = nullptr;       ///< another's, of its name
-  const Telemetry* telemetry = nullptr;  ///< of its last pod
+  const Pod* pod = nullptr;              ///< its own pod
+  const Pod* in_the_way = nullptr;       ///< another worker's pod of the same name
+  const Telemetry* telemetry = nullptr;  ///< last sample of its pod
   bool beats = false;
-  Seconds silent = 0;          ///< so long it was listened for and not heard
-  bool silence_counts = true;  ///< that is too long, and others are heard of
+  Seconds silent = 0;          ///< seconds without a heartbeat while listening
+  bool silence_counts = true;  ///< `silent` is too long, and other pods do send heartbeats
   Health health = Health::kComing;
 
   bool leaving() const { return worker->drain || worker->deleted; }
@@ -36,9 +36,9 @@ struct WorkerView {
 
 struct NodeView {
   const Node* node = nullptr;
-  int reserved = 0;     ///< by workers, and by pods whose worker has gone
-  double load = 0;      ///< of its GPUs, 1: all of them full (more where pictures are noisy)
-  bool silent = false;  ///< telemetry is older than kExcluded where there should be some
+  int reserved = 0;     ///< GPUs in use by workers and by pods whose worker no longer exists
+  double load = 0;      ///< relative to its GPUs, 1: all full (more if pictures are noisy)
+  bool silent = false;  ///< expected telemetry is older than kExcluded
 
   int free() const { return node->gpus - node->foreign_gpus - reserved; }
 };
@@ -47,26 +47,27 @@ struct FleetView {
   const Fleet* fleet = nullptr;
   const Demand* demand = nullptr;
   std::vector<const WorkerView*> workers;  ///< by name
-  /// Most of its ready pods are heard of. Where not, it is not they who are away, but what carries
-  /// their telemetry.
+  /// Most of its ready pods send heartbeats. If they do not, the fault is in the telemetry and not
+  /// in the pods.
   bool metrics_fresh = true;
 };
 
 struct View {
   Seconds now = 0;
-  std::vector<WorkerView> workers;  ///< by name, as all of these
+  std::vector<WorkerView> workers;  ///< sorted by name, like the other lists
   std::vector<NodeView> nodes;
   std::vector<FleetView> fleets;
-  std::unordered_set<std::string_view> names;  ///< of workers and pods: taken
+  std::unordered_set<std::string_view> names;  ///< names of workers and pods in use
 };
 
-/// Points into `world`.
+/// Returns a view whose pointers refer to `world`.
 View look(const World& world);
 
-/// max(busy, memory, slots taken, summed error); nothing of a sample that is old or makes no sense.
+/// Returns max(busy, memory, slots taken, summed error), or nullopt for an old or implausible
+/// sample.
 std::optional<double> load_of(const Telemetry& sample, Seconds now);
 
-/// No kubelet of that node will ever end a pod.
+/// Whether the node is marked as out of service, so that no kubelet will ever end its pods.
 bool out_of_service(const Node& node);
 
 }  // namespace diaphane::fleet

@@ -7,28 +7,25 @@ namespace diaphane::fleet {
 namespace {
 
 constexpr Seconds kUnhealthyBeforeDrain = 60;
-/// Of a worker that ends again and again, and of a node that does not take one.
+/// Longest pause for a worker whose pods fail repeatedly, and for a node that refuses workers.
 constexpr Seconds kLongestPause = 300;
-/// Of a worker whose fleet has gone before it.
+/// Grace period of a worker whose fleet was deleted first.
 constexpr Seconds kDefaultGrace = 300;
 
-bool finished(const Pod& pod) {
-  return pod.phase == Phase::kSucceeded || pod.phase == Phase::kFailed;
-}
-
-/// Its status has said so for long enough to be no single odd read.
+/// Whether the status has reported this for long enough that it is not a single odd read.
 bool confirmed(const WorkerView& view, std::string_view type, Truth status, Seconds now) {
   const Condition* is = find(view.worker->status.conditions, type);
   return is && is->status == status && now - is->since >= kConfirmed;
 }
 
-/// It runs no more, whatever its pod says: the node was deleted or marked so, and it is silent.
+/// Whether the worker no longer runs, whatever its pod's status says, because its node was deleted
+/// or marked as out of service and it sends no heartbeat.
 bool beyond_reach(const WorkerView& view, Seconds now) {
   if (view.beats || !confirmed(view, "NodeLost", Truth::kTrue, now)) return false;
   return view.node ? out_of_service(*view.node) : view.silence_counts;
 }
 
-/// Neither seen nor heard of, also not in the moment before.
+/// Whether the pod has been neither listed nor sent telemetry for a while.
 bool pod_gone(const WorkerView& view, Draft& draft) {
   if (view.pod) return false;
   const Worker& worker = *view.worker;
@@ -41,13 +38,13 @@ bool pod_gone(const WorkerView& view, Draft& draft) {
   return draft.now >= since + kConfirmed;
 }
 
-/// Nobody loses a picture by its end: it runs no more or not yet, it said itself since it was told
-/// to drain that it has no session, or its sessions' grace is over.
+/// Whether ending the worker interrupts no session: it does not run, or it has reported after the
+/// start of its drain that it has no sessions, or the grace period is over.
 bool may_end(const WorkerView& view, Draft& draft) {
   const Pod& pod = *view.pod;
-  if (finished(pod) || beyond_reach(view, draft.now)) return true;
+  if (pod.finished() || beyond_reach(view, draft.now)) return true;
   const Drain& drain = *view.worker->drain;
-  // Not begun; and if that read was old, it would have been heard of by now.
+  // The pod has not started. If that read was old, telemetry would have arrived by now.
   if (pod.phase == Phase::kPending && !view.telemetry && draft.now >= drain.since + kFresh) {
     return true;
   }
@@ -63,7 +60,8 @@ void end_pod(const WorkerView& view, Draft& draft) {
   if (!view.pod->terminating) draft.add(DeletePod{view.pod->name, view.pod->uid});
 }
 
-/// deletionTimestamp is set: whoever asked for it, its sessions have their grace.
+/// Handles a worker with a deletionTimestamp. Whatever the cause, its sessions get their grace
+/// period.
 void plan_deleted(const WorkerView& view, Draft& draft) {
   const Worker& worker = *view.worker;
   if (!view.pod) {
@@ -100,7 +98,7 @@ DrainReason reason_named(std::string_view name) {
 
 std::optional<DrainReason> why_drain(const WorkerView& view, Draft& draft) {
   const Worker& worker = *view.worker;
-  // Taken out by hand while it drained: put back.
+  // The drain was removed by hand and is restored.
   if (const Condition* draining = find(worker.status.conditions, "Draining");
       draining && draining->status == Truth::kTrue) {
     return reason_named(draining->reason);
@@ -120,8 +118,8 @@ void make_pod(const WorkerView& view, Draft& draft) {
   const Worker& worker = *view.worker;
   if (view.beats) return draft.wake(view.telemetry->sampled + kHeartbeat);
   if (view.in_the_way) {
-    // Of an earlier worker of this name: it goes by itself. Somebody else's stays, and so this
-    // reservation is of no use.
+    // A pod of an earlier worker of this name will disappear. A foreign pod stays, so the
+    // reservation is useless.
     if (!view.in_the_way->owned) draft.add(DeleteWorker{worker.name, worker.uid});
     return;
   }
@@ -148,7 +146,7 @@ void Draft::drain(const WorkerView& view, DrainReason reason) {
 void plan_worker(const WorkerView& view, Draft& draft) {
   const Worker& worker = *view.worker;
   if (worker.deleted) return plan_deleted(view, draft);
-  // Without its fleet it waits for the garbage collector, which looks twice.
+  // Without its fleet, the worker waits for the garbage collector, which checks twice.
   if (!view.fleet) return;
   if (!worker.finalizer || !worker.labelled) {
     draft.add(Restore{Kind::kWorker, worker.name, worker.uid});
@@ -161,8 +159,8 @@ void plan_worker(const WorkerView& view, Draft& draft) {
   if (const auto reason = why_drain(view, draft)) return draft.drain(view, *reason);
   if (!view.pod) return make_pod(view, draft);
   if (view.pod->terminating) return;
-  if (finished(*view.pod)) {
-    // Counted first, so that what ends again and again has its pause.
+  if (view.pod->finished()) {
+    // The failure is counted before the pod is deleted, so that repeated failures get their pause.
     if (worker.status.failed_pod == view.pod->uid) return end_pod(view, draft);
     return;
   }
@@ -173,7 +171,7 @@ void plan_worker(const WorkerView& view, Draft& draft) {
 }
 
 std::vector<Refusal> refusals_of(const FleetView& fleet, Seconds now) {
-  // A node that has been good for so long after its pause begins anew.
+  // A node without refusals for this long after its pause starts over.
   constexpr Seconds kForgotten = 120;
   constexpr std::size_t kMost = 256;
   std::vector<Refusal> refusals;

@@ -1,4 +1,4 @@
-// One worker's life, and each row of "When things fail" that is a decision.
+// The life of one worker, and each row of "When things fail" that is a decision of the plan.
 #include <gtest/gtest.h>
 
 #include "operator/plan/parts.h"
@@ -7,7 +7,7 @@
 namespace diaphane::fleet {
 namespace {
 
-/// A fleet of one worker, on node a, whose pod runs.
+/// A fleet with one worker on node a, whose pod runs.
 World one_running(int sessions = 0) {
   World world = test_world(2);
   world.fleets[0].spec.replicas = 1;
@@ -15,7 +15,7 @@ World one_running(int sessions = 0) {
   return world;
 }
 
-/// As status says it after `seconds` of the same.
+/// Writes statuses as they are after `seconds` without a change.
 void settle(World& world, Seconds seconds = 0) {
   for (const SetWorkerStatus& one : all<SetWorkerStatus>(plan(world, 1))) {
     for (Worker& worker : world.workers) {
@@ -101,7 +101,7 @@ TEST(WhenThingsFail, APodThatEndsAgainAndAgainIsGivenUpAndItsNodeLeftAlone) {
   world.pods[0].phase = Phase::kFailed;
   world.workers[0].status.failures = kMostFailures;
   world.workers[0].status.failed_pod = world.pods[0].uid;
-  EXPECT_EQ(drained(world), std::nullopt);  // its refusal is written down first
+  EXPECT_EQ(drained(world), std::nullopt);  // its refusal is recorded first
   settle(world);
   ASSERT_EQ(world.fleets[0].status.refusals.size(), 1u);
   EXPECT_EQ(world.fleets[0].status.refusals[0].node, "a");
@@ -136,7 +136,7 @@ TEST(WhenThingsFail, ALostNodeIsReplacedAndItsPlaceHeldUntilItIsKnownToBeGone) {
   EXPECT_EQ(deeds(next), 1u);
   ASSERT_EQ(all<CreateWorker>(next).size(), 1u);
   EXPECT_EQ(all<CreateWorker>(next)[0].node, "b");
-  // Marked by hand, or deleted: then it drains, without waiting for its sessions.
+  // When it is marked by hand or deleted, it drains without waiting for its sessions.
   for (const bool deleted : {false, true}) {
     World gone = world;
     add_running(gone, 1, "b", 0);
@@ -218,14 +218,14 @@ TEST(WhenThingsFail, WhileRedisIsAwayWhoeverWasHeardOfBeforeIsThere) {
   World world = test_world(2);
   for (int i = 0; i < 2; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
   world.fleets[0].spec.replicas = 2;
-  // Their pods have begun just now; so soon nobody can say that they are many.
+  // Their pods are too new to judge whether many are silent.
   for (Pod& pod : world.pods) pod.created = kNow - 5;
   settle(world, 0);
   for (const Seconds away : {4.0, 9.0, 30.0, 300.0}) {
     world.now = kNow + away;
     EXPECT_EQ(deeds(plan(world, 1)), 0u) << away;
   }
-  // Back, and empty: they have their time to come back. Who does not was heard of before.
+  // Redis is back and empty, so workers get time to reconnect. One that does not was known before.
   world.listening_since = world.listened_until = world.now;
   EXPECT_EQ(deeds(plan(world, 1)), 0u);
   world.now = world.listened_until += 9;
@@ -241,7 +241,7 @@ TEST(WhenThingsFail, TheNextLeaderFindsReservationsInTheWorkers) {
   World world = test_world(1);
   world.fleets[0].spec.replicas = 2;
   add_worker(world, 0, "a");
-  add_worker(world, 1, "a");  // the one before died before it made their pods
+  add_worker(world, 1, "a");  // the previous leader died before it created their pods
   world.telemetry.clear();
   world.listening_since = world.now;
   const Plan next = plan(world, 99);
@@ -258,7 +258,7 @@ TEST(WhenThingsFail, WhatAnEarlierPodSaidIsNotTakenForThisOnes) {
   world.pods[0].epoch = 2;
   EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());
   world.pods[0].epoch = 1;
-  world.pods[0].created = world.now;  // of the same number, but made since
+  world.pods[0].created = world.now;  // with the same number, but created later
   EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());
 }
 
@@ -273,7 +273,7 @@ TEST(WhenThingsFail, UnschedulableReleasesBacksOffAndTakesTheNextNode) {
   settle(world);
   ASSERT_EQ(world.fleets[0].status.refusals.size(), 1u);
   EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
-  World two = world;  // refused at the same moment: one refusal
+  World two = world;  // refused at the same time: one refusal
   add_worker(two, 1, "a");
   const Worker second = two.workers[1];
   Pod refused = two.pods[0];
@@ -301,7 +301,7 @@ TEST(WhenThingsFail, SomebodyElsesPodIsLeftAlone) {
   world.pods.push_back(foreign);
   settle(world);
   EXPECT_TRUE(plan(world, 1).actions.empty());
-  // In the way of ours: another name is taken.
+  // A foreign pod is in the way, so another name is used.
   world.pods.clear();
   world.telemetry.clear();
   foreign.name = "render-0";
@@ -324,7 +324,7 @@ TEST(WhenThingsFail, AnEditedOrDeletedChildIsPutBack) {
   world.workers[0].finalizer = false;
   world.pods[0].labelled = false;
   world.fleets[0].finalizer = false;
-  EXPECT_EQ(all<Restore>(plan(world, 1)).size(), 2u);  // the pod's when the finalizer is back
+  EXPECT_EQ(all<Restore>(plan(world, 1)).size(), 2u);  // the pod's, once the finalizer is restored
   world.workers[0].finalizer = true;
   const auto restored = all<Restore>(plan(world, 1));
   ASSERT_EQ(restored.size(), 2u);
@@ -346,7 +346,8 @@ TEST(WhenThingsFail, AnEditedOrDeletedChildIsPutBack) {
   EXPECT_TRUE(all<DeletePod>(plan(deleted, 1)).empty());
 
   World evicted = one_running(1);
-  evicted.pods[0].terminating = evicted.now;  // kubectl delete pod: waited for, then made again
+  // kubectl delete pod: waits for its end, then creates it again
+  evicted.pods[0].terminating = evicted.now;
   EXPECT_EQ(deeds(plan(evicted, 1)), 0u);
 }
 
@@ -361,14 +362,15 @@ TEST(WhenThingsFail, ACordonDrainsAndSessionsHaveTheirGrace) {
   world.now += 10;
   beat(world);
   world.telemetry[0].draining = true;
-  EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());  // two look still
+  EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());  // two users are still viewing
   World empty = world;
   empty.telemetry[0].sessions = 0;
   EXPECT_EQ(all<DeleteWorker>(plan(empty, 1)).size(), 1u);
   empty.telemetry[0].reserved = 1;
   EXPECT_TRUE(all<DeleteWorker>(plan(empty, 1)).empty());
   empty.telemetry[0].reserved = 0;
-  empty.telemetry[0].draining = false;  // it has not heard of it yet, and may take somebody
+  // it does not know of its drain yet, and may accept a session
+  empty.telemetry[0].draining = false;
   EXPECT_TRUE(all<DeleteWorker>(plan(empty, 1)).empty());
   world.now += 50;
   EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);

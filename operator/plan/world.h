@@ -6,61 +6,60 @@
 #include <string>
 #include <vector>
 
-// What the operator sees of a cluster, as plain data. Whoever fills it in has it from several
-// caches, so parts may be older than others, and one read may be wrong. The order within the lists
-// is of no meaning.
+// The operator's view of a cluster, as plain data. It comes from several caches, so some parts can
+// be older than others, and a single read can be wrong. The order of the lists has no meaning.
 
 namespace diaphane::fleet {
 
-/// Since 1970, by the clock of whoever observes.
+/// Seconds since 1970 by the clock of the observer.
 using Seconds = double;
 using Labels = std::map<std::string, std::string>;
 
 enum class Truth { kTrue, kFalse, kUnknown };
 
-/// Of a status, as Kubernetes has them.
+/// A condition of a status, as in Kubernetes.
 struct Condition {
   std::string type;
   Truth status = Truth::kUnknown;
   std::string reason;
   std::string message;
-  Seconds since = 0;  ///< lastTransitionTime: of `status`
+  Seconds since = 0;  ///< lastTransitionTime of `status`
   bool operator==(const Condition&) const = default;
 };
 
 enum class Strategy {
   kLeastLoaded,  ///< spread
-  kPacked        ///< fill nodes, so that others can be given back
+  kPacked        ///< fill nodes, so that others can be released
 };
 
 struct Toleration {
-  std::string key;     ///< empty: every taint
-  std::string value;   ///< empty: every value
-  std::string effect;  ///< empty: every effect
+  std::string key;     ///< empty: any taint
+  std::string value;   ///< empty: any value
+  std::string effect;  ///< empty: any effect
   bool operator==(const Toleration&) const = default;
 };
 
 struct FleetSpec {
   int sessions_per_worker = 16;  ///< slots
   Strategy strategy = Strategy::kLeastLoaded;
-  int min_idle_slots = 0;            ///< warm
-  double max_refill_per_second = 0;  ///< workers; 0: no limit
+  int min_idle_slots = 0;            ///< spare slots
+  double max_refill_per_second = 0;  ///< workers to create; 0: no limit
   std::optional<Seconds> scale_to_zero_after;
-  Seconds drain_timeout = 300;  ///< grace of sessions, from the drain's begin
+  Seconds drain_timeout = 300;  ///< grace period of sessions from the start of the drain
   int min_replicas = 0;
   int max_replicas = 1 << 20;
-  std::optional<int> replicas;  ///< by the scale subresource: so many, whatever the demand
+  std::optional<int> replicas;  ///< set by the scale subresource: this number, regardless of demand
   Labels node_selector;
   std::vector<Toleration> tolerations;
   std::string template_hash;  ///< of the pod template
   bool operator==(const FleetSpec&) const = default;
 };
 
-/// A node that did not take a worker, and is not asked again for a while.
+/// A node that failed to run a worker and is avoided for a while.
 struct Refusal {
   std::string node;
-  int count = 0;      ///< each after the pause of the one before
-  Seconds since = 0;  ///< of the last
+  int count = 0;      ///< refusals, each after the pause of the previous one
+  Seconds since = 0;  ///< of the last refusal
   bool operator==(const Refusal&) const = default;
 };
 
@@ -71,8 +70,8 @@ struct FleetStatus {
   int slots_total = 0;
   int slots_used = 0;
   int slots_reserved = 0;
-  std::vector<Refusal> refusals;      ///< by node name
-  std::vector<Condition> conditions;  ///< each type once
+  std::vector<Refusal> refusals;      ///< sorted by node name
+  std::vector<Condition> conditions;  ///< each type at most once
   Seconds written = 0;
   bool operator==(const FleetStatus&) const = default;
 };
@@ -99,8 +98,8 @@ enum class DrainReason {
   kFailing
 };
 
-/// Once set it stays: a worker that drains never takes sessions again. So a decision of an operator
-/// that has meanwhile lost its lease is late, and not wrong.
+/// Never unset, because a draining worker never accepts sessions again. A decision by an operator
+/// that has lost its lease is therefore late, but not wrong.
 struct Drain {
   DrainReason reason = DrainReason::kDeleted;
   Seconds since = 0;
@@ -109,15 +108,15 @@ struct Drain {
 
 struct WorkerStatus {
   std::int64_t observed_generation = 0;
-  std::int64_t epoch = 0;  ///< of its last pod: how many were made
-  int failures = 0;        ///< pods that ended, since the last that was ready for two minutes
-  std::string failed_pod;  ///< uid of the last of them: counted once
-  Seconds failed_at = 0;   ///< when that was seen
+  std::int64_t epoch = 0;  ///< of its last pod; counts the pods created
+  int failures = 0;        ///< pods that ended since the last one that was ready for two minutes
+  std::string failed_pod;  ///< uid of the last failed pod, so that it is counted once
+  Seconds failed_at = 0;   ///< when that failure was observed
   std::vector<Condition> conditions;
   bool operator==(const WorkerStatus&) const = default;
 };
 
-/// RenderWorker: the reservation of one GPU of `node`, until the resource has gone.
+/// RenderWorker: the reservation of one GPU of `node` until the resource is deleted.
 struct Worker {
   std::string name, uid, version;
   std::int64_t generation = 1;
@@ -128,26 +127,27 @@ struct Worker {
   Seconds created = 0;
   std::optional<Seconds> deleted;  ///< deletionTimestamp
   bool finalizer = true;
-  bool labelled = true;  ///< labels and owner are as they were made
+  bool labelled = true;  ///< labels and owner are unchanged
   WorkerStatus status;
   bool operator==(const Worker&) const = default;
 };
 
 enum class Phase { kPending, kRunning, kSucceeded, kFailed, kUnknown };
 
-/// Every pod that has our label or is owned by a RenderWorker.
+/// Any pod that has Diaphane's label or is owned by a RenderWorker.
 struct Pod {
   std::string name, uid, version;
   bool owned = false;     ///< its controller is a RenderWorker
-  std::string owner_uid;  ///< of that
+  std::string owner_uid;  ///< uid of that RenderWorker
   std::int64_t epoch = 0;
-  bool labelled = true;  ///< labels are as they were made
+  bool labelled = true;  ///< labels are unchanged
   Phase phase = Phase::kPending;
-  std::string node;  ///< bound to; empty before
+  std::string node;  ///< node that the pod is bound to; empty before
   bool ready = false;
   Seconds created = 0;
-  std::optional<Seconds> unschedulable;  ///< since when the scheduler says so
+  std::optional<Seconds> unschedulable;  ///< since when the scheduler reports this
   std::optional<Seconds> terminating;    ///< deletionTimestamp
+  bool finished() const { return phase == Phase::kSucceeded || phase == Phase::kFailed; }
   bool operator==(const Pod&) const = default;
 };
 
@@ -158,8 +158,9 @@ struct Taint {
 
 struct Node {
   std::string name;
-  int gpus = 0;          ///< allocatable nvidia.com/gpu
-  int foreign_gpus = 0;  ///< of pods that no RenderWorker owns, with our label or without
+  int gpus = 0;  ///< allocatable nvidia.com/gpu
+  /// Used by pods that no RenderWorker owns, with or without Diaphane's label.
+  int foreign_gpus = 0;
   Labels labels;
   std::vector<Taint> taints;
   bool cordoned = false;
@@ -167,37 +168,38 @@ struct Node {
   bool operator==(const Node&) const = default;
 };
 
-/// The last sample that a pod pushed; it stays until there is another.
+/// The last sample that a pod sent, kept until the next one.
 struct Telemetry {
   std::string worker_uid;
   std::int64_t epoch = 0;  ///< of the pod
   Seconds sampled = 0;
-  double busy = 0;    ///< of the device, 0 to 1
-  double memory = 0;  ///< of the device, 0 to 1
+  double busy = 0;    ///< share of the device's time, 0 to 1
+  double memory = 0;  ///< share of the device's memory, 0 to 1
   int sessions = 0;
-  int reserved = 0;  ///< slots given away whose viewer has not come yet
+  int reserved = 0;  ///< slots assigned to viewers that have not connected yet
   int slots = 0;
-  double error = 0;  ///< of all its sessions' pictures, summed
+  double error = 0;  ///< summed over the pictures of all sessions
   bool draining = false;
-  Seconds idle_since = 0;  ///< without sessions and reservations since; of use while it has none
+  /// Since when it has had no sessions or reservations; meaningful while it has none.
+  Seconds idle_since = 0;
 };
 
-/// Of one fleet, by Redis.
+/// Demand for one fleet, from Redis.
 struct Demand {
   std::string fleet;
   int used = 0;
   int reserved = 0;
-  int refused = 0;        ///< in the last seconds, for want of a slot
-  Seconds last_used = 0;  ///< when a slot was last used or asked for
+  int refused = 0;        ///< requests in the last seconds that found no free slot
+  Seconds last_used = 0;  ///< when a slot was last used or requested
   Seconds sampled = 0;
 };
 
 struct World {
   Seconds now = 0;
   bool complete = false;  ///< every kind has been listed once
-  /// To telemetry, without a gap; its absence before means nothing.
+  /// Start of uninterrupted telemetry. Missing telemetry before this time means nothing.
   Seconds listening_since = 0;
-  Seconds listened_until = 0;  ///< since then nobody could be heard (Redis is away)
+  Seconds listened_until = 0;  ///< since then no heartbeat could arrive (Redis is unavailable)
   std::vector<Fleet> fleets;
   std::vector<Worker> workers;
   std::vector<Pod> pods;

@@ -5,7 +5,7 @@
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
 #include "renderd/bench/made_volume.h"
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/math/random.h"
 #include "renderd/scene/test_scenes.h"
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "common/try.h"
 #include "renderd/bench/timing.h"
 
 namespace diaphane::render::bench {
@@ -14,7 +15,7 @@ namespace {
 struct Shot {
   double milliseconds = 0;
   double estimate = 0;
-  double rmse = 0;  ///< with the reference's noise in it
+  double rmse = 0;  ///< includes the reference's noise
   std::uint64_t dropped = 0;
   std::uint64_t non_finite = 0;
 };
@@ -25,10 +26,10 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(squared / static_cast<double>(values.size()));
 }
 
-/// On CUDA also until the kernel for this scene is compiled, where another stands in for it so
-/// long: it is taken into use when a picture is begun. Where kernels are chosen otherwise it never
-/// comes.
-Result<void> warm_up(FrameRenderer& renderer, const Subject& subject, double seconds) {
+/// On CUDA, also waits until the kernel for this scene has been compiled. Until then, a general
+/// kernel is used; the compiled one is used from the next picture. If kernels are chosen in another
+/// way, none is compiled, and the wait ends after 15 s.
+Result<void> warm_up(ProgressiveRenderer& renderer, const Subject& subject, double seconds) {
   constexpr double kLongestCompilation = 15;
   const bool compiles = subject.engine->info().engine == "cuda" && seconds > 0;
   const auto begin = Clock::now();
@@ -50,35 +51,31 @@ Result<std::unique_ptr<FrameRenderer>> renderer_of(const Subject& subject, std::
                                                    Method method) {
   auto renderer = subject.engine->renderer(subject.volume, seed, 0, method);
   if (!renderer) return renderer;
-  if (auto set = (*renderer)->set_scene(subject.scene, subject.canvas); !set) {
-    return tl::unexpected(set.error());
-  }
+  DIAPHANE_TRY((*renderer)->set_scene(subject.scene, subject.canvas));
   return renderer;
 }
 
-/// The smallest error that a choice will show, as it estimates it itself.
+/// Returns the smallest error that a method will reach, by its own estimate.
 Result<double> smallest_error(const Subject& subject, const ConvergenceWish& wish, Method method) {
   auto renderer = renderer_of(subject, 0, method);
-  if (!renderer) return tl::unexpected(renderer.error());
+  DIAPHANE_TRY(renderer);
   auto batch = (*renderer)->render(std::max(wish.most, 2u), [] { return false; });
-  if (!batch) return tl::unexpected(batch.error());
+  DIAPHANE_TRY(batch);
   return (*renderer)->progress().error;
 }
 
 Result<Shot> shoot(FrameRenderer& renderer, const Subject& subject, std::uint32_t samples,
                    const Reference& reference) {
-  if (auto set = renderer.set_scene(subject.scene, subject.canvas); !set) {
-    return tl::unexpected(set.error());
-  }
+  DIAPHANE_TRY(renderer.set_scene(subject.scene, subject.canvas));
   Shot shot;
   const auto begin = Clock::now();
   auto batch = renderer.render(samples, [] { return false; });
   shot.milliseconds = seconds_since(begin) * 1e3;
-  if (!batch) return tl::unexpected(batch.error());
+  DIAPHANE_TRY(batch);
   shot.dropped = batch->dropped_samples;
   shot.estimate = renderer.progress().error;
   PictureRgbF picture;
-  if (auto done = renderer.radiance(picture); !done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(renderer.radiance(picture));
   const PictureError error = error_against(reference, picture);
   shot.rmse = error.rmse;
   shot.non_finite = error.non_finite;
@@ -105,20 +102,20 @@ CurvePoint summarise(std::uint32_t samples, const std::vector<Shot>& shots,
   return point;
 }
 
-/// Fills a curve; repetition by repetition, so that what else the machine does in some minute is
-/// spread over all numbers of samples.
+/// Measures a curve repetition by repetition, so that disturbances on the machine affect all
+/// numbers of samples equally.
 Result<void> measure(const Subject& subject, const ConvergenceWish& wish,
                      const Reference& reference, Curve& curve) {
   std::vector<std::vector<Shot>> shots;
   for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
     auto renderer = renderer_of(subject, 1 + repeat, curve.method);
-    if (!renderer) return tl::unexpected(renderer.error());
+    DIAPHANE_TRY(renderer);
     if (auto warm = warm_up(**renderer, subject, repeat == 0 ? wish.warm_up : 0); !warm)
       return warm;
     std::size_t power = 0;
     for (std::uint32_t n = 1; n <= wish.most; n *= 2, ++power) {
       auto shot = shoot(**renderer, subject, n, reference);
-      if (!shot) return tl::unexpected(shot.error());
+      DIAPHANE_TRY(shot);
       if (repeat == 0) shots.emplace_back();
       shots[power].push_back(*shot);
     }
@@ -146,7 +143,7 @@ Result<Convergence> measure_convergence(const Subject& subject, const Convergenc
     if (wish.say) wish.say(words);
   };
   Convergence result;
-  // How good the reference must be follows from what it is to judge.
+  // The required quality of the reference follows from the smallest error that it must judge.
   double smallest = std::numeric_limits<double>::infinity();
   for (const Method& method : wish.methods) {
     Curve curve{method, {}, {}, {}, {}};
@@ -160,20 +157,18 @@ Result<Convergence> measure_convergence(const Subject& subject, const Convergenc
     }
     result.curves.push_back(std::move(curve));
   }
-  // Infinity where there is nothing to judge: the first piece will do.
+  // Infinity if there is nothing to judge, so that the first piece suffices.
   const double wanted = wish.reference_share * smallest;
   say(in_words("smallest estimated error %.3g: reference to %.3g", smallest, wanted));
   auto reference = reference_of(
       subject, {wanted, wish.reference_seconds, wish.cache, wish.fresh, [&](const Reference& r) {
                   say(in_words("reference: %.0f samples, its own error %.3g", r.samples, r.error));
                 }});
-  if (!reference) return tl::unexpected(reference.error());
+  DIAPHANE_TRY(reference);
   result.reference = *std::move(reference);
   for (Curve& curve : result.curves) {
     if (curve.left_out) continue;
-    if (auto done = measure(subject, wish, result.reference, curve); !done) {
-      return tl::unexpected(done.error());
-    }
+    DIAPHANE_TRY(measure(subject, wish, result.reference, curve));
   }
   return result;
 }
@@ -207,7 +202,7 @@ std::optional<Crossing> crossing(const Curve& curve, double error, double CurveP
   while (above + 2 < points.size() && points[above + 1].*of > error) ++above;
   const CurvePoint &a = points[above], &b = points[above + 1];
   const double t = std::log(a.*of / error) / std::log(a.*of / b.*of);
-  if (!(t >= 0) || !std::isfinite(t)) return std::nullopt;  // it does not fall
+  if (!(t >= 0) || !std::isfinite(t)) return std::nullopt;  // the error does not fall
   const auto between = [t](double from, double to) { return from * std::pow(to / from, t); };
   return Crossing{between(a.samples, b.samples), between(a.milliseconds, b.milliseconds),
                   t > 1 ? Crossing::How::kProlonged : Crossing::How::kBetween};

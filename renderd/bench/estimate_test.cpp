@@ -1,10 +1,10 @@
-// The error that the renderer reports beside each picture, against the true one.
+// The error that the renderer reports with each picture, compared with the true one.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "renderd/bench/convergence.h"
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/scene/test_scenes.h"
 
 namespace diaphane::render::bench {
@@ -32,9 +32,10 @@ const Convergence& measured() {
   return result;
 }
 
-/// Some 400 pixels count, their colours go together, in 8 pictures: a root mean square of half
-/// differences has a spread of 1 / sqrt(2 * 400 * 8) = 1.3%, the true error as much, the reference
-/// less. 0.1 is five of the sum's, so a significance of 1e-5 with all six comparisons.
+/// About 400 pixels count, their colours are correlated, and there are 8 pictures, so a root mean
+/// square of half differences has a spread of 1 / sqrt(2 * 400 * 8) = 1.3%. The true error has the
+/// same spread, and the reference less. 0.1 is five times the combined spread, which gives a
+/// significance of 1e-5 for all six comparisons.
 TEST(Estimate, IsWithinATenthOfTheTruthPast64SamplesForBothKindsOfPoints) {
   for (const Curve& curve : measured().curves) {
     for (const CurvePoint& point : curve.points) {
@@ -47,10 +48,11 @@ TEST(Estimate, IsWithinATenthOfTheTruthPast64SamplesForBothKindsOfPoints) {
   }
 }
 
-/// Where matter scatters strongly forward, again and again, a few samples are tens of times as
-/// bright as white, and the display cuts them off. Over 32 pictures the ratio is known to about 1%:
-/// 0.92 at 64 samples, 0.97 at 128. These seeds give the same each time; with others it would fail
-/// once in forty. Without the bias of the display curve it is 0.88, below by two spreads as well.
+/// With repeated strong forward scattering, a few samples are tens of times as bright as white, and
+/// the display clips them. Over 32 pictures, the ratio is known to about 1%: 0.92 at 64 samples and
+/// 0.97 at 128. With these seeds the result is always the same; with others the test would fail
+/// once in forty runs. Without the bias of the display curve the ratio is 0.88, which is also two
+/// spreads too low.
 TEST(Estimate, IsWithinATenthOfTheTruthAlsoWhereTheDisplayCutsOffBrightSamples) {
   v1::Scene scene = test::skull_scene();
   scene.mutable_phase()->set_g(0.8);
@@ -66,8 +68,8 @@ TEST(Estimate, IsWithinATenthOfTheTruthAlsoWhereTheDisplayCutsOffBrightSamples) 
   }
 }
 
-/// From 16 to 256 samples a slope has a spread of 1.3% / (ln 2 sqrt(10)) = 0.006; the curve of the
-/// display bends the line by less than 0.02 there.
+/// From 16 to 256 samples, a slope has a spread of 1.3% / (ln 2 sqrt(10)) = 0.006. The display
+/// curve bends the line by less than 0.02 in this range.
 TEST(Estimate, TheTrueErrorFallsAsTheRootOfTheSamplesAndNoSlowerWithLowDiscrepancy) {
   const auto& curves = measured().curves;
   EXPECT_NEAR(*slope(curves[0], &CurvePoint::rmse, 16), -0.5, 0.03);

@@ -11,15 +11,16 @@
 #include <sstream>
 #include <thread>
 
+#include "common/try.h"
 #include "renderd/bench/farm_device.h"
 
 namespace diaphane::render::bench {
 namespace {
 
-/// Far more samples than a device ever draws of one picture.
+/// Far more samples than a device ever renders for one picture.
 constexpr std::uint64_t kRangeOfADevice = std::uint64_t{1} << 40;
 
-/// The environment's own choice of devices is kept: the k-th of those.
+/// Keeps an existing choice of devices in the environment, and selects the k-th of those.
 void see_only_device(unsigned k) {
   const char* given = std::getenv("CUDA_VISIBLE_DEVICES");
   std::string name = std::to_string(k);
@@ -36,7 +37,7 @@ struct Worker {
   pid_t process;
 };
 
-/// The processes of a farm; they end when this does.
+/// The processes of a farm, which end with this object.
 class Workers {
  public:
   Workers() = default;
@@ -57,7 +58,9 @@ class Workers {
       const pid_t process = ::fork();
       if (process < 0) return no_process();
       if (process == 0) {
-        workers_.clear();  // the others' wires: a process must see when the first one hangs up
+        // Closes the sockets of other processes, so that each process notices when its own is
+        // closed.
+        workers_.clear();
         ::close(ends[0]);
         see_only_device(k);
         serve_farm_device(FarmWire(ends[1]), choice, threads, volume);
@@ -71,7 +74,7 @@ class Workers {
 
   std::size_t count() const { return workers_.size(); }
 
-  /// Asks all at once, each with words of its own, and waits for every answer.
+  /// Sends all requests at once, each with its own payload, and waits for every answer.
   Result<std::vector<std::string>> ask(FarmWord word, const std::vector<std::string>& payloads) {
     for (std::size_t k = 0; k < workers_.size(); ++k) {
       if (!workers_[k].wire.send(word, payloads[k])) return gone();
@@ -121,7 +124,7 @@ class FarmRenderer final : public FrameRenderer {
 
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
     auto done = workers_->ask(FarmWord::kScene, packed(canvas) + scene.SerializeAsString());
-    if (!done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(done);
     canvas_ = canvas;
     seconds_ = 0;
     return {};
@@ -135,7 +138,7 @@ class FarmRenderer final : public FrameRenderer {
       shares.push_back(packed(samples / devices + (k < samples % devices ? 1 : 0)));
     }
     auto answers = workers_->ask(FarmWord::kRender, shares);
-    if (!answers) return tl::unexpected(answers.error());
+    DIAPHANE_TRY(answers);
     Batch batch;
     batch.samples = samples;
     for (std::string_view answer : *answers) {
@@ -146,7 +149,7 @@ class FarmRenderer final : public FrameRenderer {
     return batch;
   }
 
-  /// Independent pictures: the squares of their errors add up, weighted by count.
+  /// The pictures are independent, so squared errors add up, weighted by sample count.
   Progress progress() const override {
     Progress progress;
     progress.seconds = seconds_;
@@ -166,7 +169,7 @@ class FarmRenderer final : public FrameRenderer {
   Result<void> radiance(PictureRgbF& out) override {
     const std::vector<Progress> counts = all_progress();
     auto answers = workers_->ask(FarmWord::kRadiance);
-    if (!answers) return tl::unexpected(answers.error());
+    DIAPHANE_TRY(answers);
     const std::size_t numbers = std::size_t{3} * canvas_.width * canvas_.height;
     std::vector<double> sum(numbers, 0.0);
     double total = 0;
@@ -186,7 +189,7 @@ class FarmRenderer final : public FrameRenderer {
 
   Result<void> contents(std::vector<std::uint8_t>& out) override {
     auto answers = workers_->ask(FarmWord::kContents);
-    if (!answers) return tl::unexpected(answers.error());
+    DIAPHANE_TRY(answers);
     out.assign(std::size_t{canvas_.width} * canvas_.height, 0);
     for (const std::string& met : *answers) {
       for (std::size_t i = 0; i < out.size(); ++i) out[i] |= static_cast<std::uint8_t>(met[i]);
@@ -233,12 +236,8 @@ class Farm final : public Engine {
 
   Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
     workers_ = std::make_shared<Workers>();
-    if (auto started = workers_->start(choice_, devices_, threads_, volume); !started) {
-      return tl::unexpected(started.error());
-    }
-    if (auto answers = workers_->ask(FarmWord::kInfo); !answers) {
-      return tl::unexpected(answers.error());
-    }
+    DIAPHANE_TRY(workers_->start(choice_, devices_, threads_, volume));
+    DIAPHANE_TRY(workers_->ask(FarmWord::kInfo));
     return std::make_shared<FarmVolume>(volume.header);
   }
 
@@ -252,7 +251,7 @@ class Farm final : public Engine {
       wishes.push_back(packed(RendererWish{seed, first_sample + k * kRangeOfADevice, method}));
     }
     auto made = workers_->ask(FarmWord::kRenderer, wishes);
-    if (!made) return tl::unexpected(made.error());
+    DIAPHANE_TRY(made);
     return std::make_unique<FarmRenderer>(workers_);
   }
 

@@ -6,12 +6,12 @@
 
 namespace diaphane::render::bench {
 
-/// An engine made of several devices, each in a process of its own, as workers are: for measuring
-/// what more devices give. Device k sees the k-th CUDA device that this process may see, or its
-/// part of the CPU's threads. A picture's samples are spread over them in ranges that never
-/// overlap, and the pictures are merged weighted by count. One volume and one renderer at a time.
+/// Creates an engine of several devices, each in its own process like a worker, to measure the gain
+/// of more devices. Device k uses the k-th CUDA device that is visible to this process, or its part
+/// of the CPU's threads. A picture's samples are distributed in disjoint ranges, and the pictures
+/// are merged with weights by count. Supports one volume and one renderer at a time.
 ///
-/// Must be made before this process has threads or has touched CUDA.
+/// Must be called before this process creates threads or uses CUDA.
 Result<std::unique_ptr<Engine>> make_farm(EngineChoice choice, unsigned devices, unsigned threads);
 
 }  // namespace diaphane::render::bench

@@ -1,9 +1,11 @@
 #include "renderd/bench/farm_device.h"
 
+#include "common/try.h"
+
 namespace diaphane::render::bench {
 namespace {
 
-/// The device of one process and what it renders.
+/// The device of one process and its renderer.
 class FarmDevice {
  public:
   FarmDevice(EngineChoice choice, unsigned threads, const volume::Volume& volume) {
@@ -51,7 +53,7 @@ class FarmDevice {
   Result<std::string> make(const RendererWish& wish) {
     renderer_.reset();
     auto renderer = engine_->renderer(volume_, wish.seed, wish.first_sample, wish.method);
-    if (!renderer) return tl::unexpected(renderer.error());
+    DIAPHANE_TRY(renderer);
     renderer_ = *std::move(renderer);
     return std::string();
   }
@@ -61,23 +63,23 @@ class FarmDevice {
     if (!scene.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
       return fail(ErrorCode::kInternal, "no scene came");
     }
-    if (auto set = renderer_->set_scene(scene, canvas); !set) return tl::unexpected(set.error());
+    DIAPHANE_TRY(renderer_->set_scene(scene, canvas));
     return std::string();
   }
   Result<std::string> render(std::uint32_t samples) {
     auto batch = renderer_->render(samples, [] { return false; });
-    if (!batch) return tl::unexpected(batch.error());
+    DIAPHANE_TRY(batch);
     return packed(*batch);
   }
   Result<std::string> radiance() {
     PictureRgbF picture;
-    if (auto done = renderer_->radiance(picture); !done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(renderer_->radiance(picture));
     return std::string(reinterpret_cast<const char*>(picture.pixels.data()),
                        picture.pixels.size() * sizeof picture.pixels[0]);
   }
   Result<std::string> contents() {
     std::vector<std::uint8_t> met;
-    if (auto done = renderer_->contents(met); !done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(renderer_->contents(met));
     return std::string(met.begin(), met.end());
   }
   Result<std::string> features() {

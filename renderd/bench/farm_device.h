@@ -10,8 +10,8 @@ struct RendererWish {
   Method method;
 };
 
-/// What a process of a farm does: makes an engine, loads the volume, and answers until the other
-/// end hangs up.
+/// Runs a process of a farm: creates an engine, loads the volume, and answers requests until the
+/// other end closes the connection.
 void serve_farm_device(const FarmWire& wire, EngineChoice choice, unsigned threads,
                        const volume::Volume& volume);
 

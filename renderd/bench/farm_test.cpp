@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/math/test_statistics.h"
 #include "renderd/scene/test_scenes.h"
 
@@ -25,7 +25,7 @@ PictureRgbF picture_by(Engine& engine, std::uint64_t seed, std::uint64_t first,
   return picture;
 }
 
-/// Three devices' pictures, each of a range of its own, weighted by count.
+/// The pictures of three devices, each with its own range of samples, weighted by count.
 TEST(Farm, ItsPictureIsTheMeanOfItsDevicesWeightedByCount) {
   const auto farm = make_farm(EngineChoice::kCpu, 3, 1).value();
   Progress progress;

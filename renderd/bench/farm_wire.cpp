@@ -15,7 +15,7 @@ struct Head {
   std::uint64_t bytes;
 };
 
-/// A socket whose other end has gone is an error, not a signal.
+/// Returns an error, without a signal, if the other end has closed the socket.
 bool send_all(int descriptor, const char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t n = ::send(descriptor, data, bytes, MSG_NOSIGNAL);

@@ -13,7 +13,7 @@ namespace diaphane::render::bench {
 
 enum class FarmWord : std::uint32_t {
   kDone,
-  kFailed,  ///< an error's code and message
+  kFailed,  ///< code and message of an error
   kInfo,
   kRenderer,
   kScene,
@@ -29,7 +29,7 @@ struct FarmMessage {
   std::string payload;
 };
 
-/// One end; owns the descriptor.
+/// One end of a connection, which owns its descriptor.
 class FarmWire {
  public:
   explicit FarmWire(int descriptor) : descriptor_(descriptor) {}
@@ -38,7 +38,7 @@ class FarmWire {
   FarmWire& operator=(FarmWire&&) = delete;
 
   bool send(FarmWord word, std::string_view payload) const;
-  /// Nothing when the other end has gone.
+  /// Returns nullopt when the other end has closed the connection.
   std::optional<FarmMessage> receive() const;
 
  private:
@@ -50,7 +50,7 @@ std::string packed(const T& value) {
   static_assert(std::is_trivially_copyable_v<T>);
   return {reinterpret_cast<const char*>(&value), sizeof value};
 }
-/// Takes the value from the front of `from`.
+/// Removes the value from the front of `from`.
 template <typename T>
 T unpacked(std::string_view& from) {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
+#include "common/try.h"
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/timing.h"
 
@@ -11,11 +12,11 @@ namespace {
 
 const std::function<bool()> kOnAndOn = [] { return false; };
 
-/// Milliseconds of one call that may fail.
+/// Returns the milliseconds of one call that may fail.
 template <typename Call>
 Result<double> timed(const Call& call) {
   const auto begin = Clock::now();
-  if (auto done = call(); !done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(call());
   return seconds_since(begin) * 1e3;
 }
 
@@ -24,54 +25,55 @@ Result<Timing> timed(std::uint32_t repeats, const Call& call) {
   std::vector<double> runs;
   for (std::uint32_t i = 0; i < repeats; ++i) {
     const auto one = call(i);
-    if (!one) return tl::unexpected(one.error());
+    DIAPHANE_TRY(one);
     runs.push_back(*one);
   }
   return Timing{median_of(runs), deviation_of(runs)};
 }
 
-/// `samples` from an empty film.
-Result<double> shoot(FrameRenderer& renderer, const diaphane::v1::Scene& scene, Canvas canvas,
+/// Renders `samples` from an empty film.
+Result<double> shoot(ProgressiveRenderer& renderer, const diaphane::v1::Scene& scene, Canvas canvas,
                      std::uint32_t samples) {
-  if (auto set = renderer.set_scene(scene, canvas); !set) return tl::unexpected(set.error());
+  DIAPHANE_TRY(renderer.set_scene(scene, canvas));
   return timed([&] { return renderer.render(samples, kOnAndOn); });
 }
 
-/// Another transfer function that shows the same: its tables, bounds and structures are made anew.
+/// Returns an equivalent scene with another transfer function, so that its tables, bounds and
+/// structures are rebuilt.
 diaphane::v1::Scene edited(diaphane::v1::Scene scene, std::uint32_t i) {
   auto* function = scene.mutable_transfer_function();
   function->set_extinction_per_mm(function->extinction_per_mm() * (1 + 1e-4 * (i + 1)));
   return scene;
 }
 
-/// Kernels are compiled, threads and the device awake: by a small volume, so that nothing of the
-/// measured ones is there before its time.
+/// Compiles kernels and wakes threads and the device with a small volume, so that nothing of the
+/// measured volumes is prepared early.
 Result<void> wake(Engine& engine, const GrowthWish& wish) {
   const auto volume = engine.load(made_volume(64));
-  if (!volume) return tl::unexpected(volume.error());
+  DIAPHANE_TRY(volume);
   for (const Walk walk : wish.walks) {
     const auto renderer = engine.renderer(*volume, 1, 0, {.walk = walk});
-    if (!renderer) return tl::unexpected(renderer.error());
+    DIAPHANE_TRY(renderer);
     for (int i = 0; i < 3; ++i) {
       const auto shot = shoot(**renderer, wish.scene, {64, 64}, 1);
       if (!shot && shot.error().code == ErrorCode::kUnsupported) break;
-      if (!shot) return tl::unexpected(shot.error());
+      DIAPHANE_TRY(shot);
     }
   }
   return {};
 }
 
-Result<void> measure_points(FrameRenderer& renderer, const GrowthWish& wish, GrowthRow& row) {
+Result<void> measure_points(ProgressiveRenderer& renderer, const GrowthWish& wish, GrowthRow& row) {
   const auto begin = Clock::now();
   Curve curve;
-  // Two points at least: what is between them, or behind them, follows from their slope.
+  // At least two points, because values between or beyond them follow from their slope.
   for (std::uint32_t n = 2; n <= std::max(wish.most, 4u); n *= 2) {
     CurvePoint point;
     point.samples = n;
     std::vector<double> runs;
     do {
       const auto shot = shoot(renderer, wish.scene, row.canvas, n);
-      if (!shot) return tl::unexpected(shot.error());
+      DIAPHANE_TRY(shot);
       runs.push_back(*shot);
     } while (runs.size() < wish.repeats && seconds_since(begin) < wish.seconds / 4);
     point.milliseconds = median_of(runs);
@@ -84,7 +86,7 @@ Result<void> measure_points(FrameRenderer& renderer, const GrowthWish& wish, Gro
   row.points = curve.points;
   row.in_a_row = row.points.back().milliseconds / row.points.back().samples;
   row.to_target = crossing(curve, wish.target, &CurvePoint::estimate);
-  // Two times, of which one was disturbed, say little of a third.
+  // With two times, of which one may be disturbed, an extrapolated time is unreliable.
   if (row.to_target && row.to_target->how == Crossing::How::kProlonged) {
     row.to_target->milliseconds = row.to_target->samples * row.in_a_row;
   }
@@ -94,20 +96,18 @@ Result<void> measure_points(FrameRenderer& renderer, const GrowthWish& wish, Gro
 Result<void> measure_row(Engine& engine, const std::shared_ptr<const DeviceVolume>& volume,
                          const GrowthWish& wish, GrowthRow& row) {
   const auto made = engine.renderer(volume, 1, 0, {.walk = row.walk});
-  if (!made) return tl::unexpected(made.error());
+  DIAPHANE_TRY(made);
   FrameRenderer& renderer = **made;
   const auto prepare = timed([&] { return renderer.set_scene(wish.scene, row.canvas); });
-  if (!prepare) return tl::unexpected(prepare.error());
+  DIAPHANE_TRY(prepare);
   row.prepare = *prepare;
   const auto edit = timed(wish.repeats, [&](std::uint32_t i) {
     const diaphane::v1::Scene scene = edited(wish.scene, i);
     return timed([&] { return renderer.set_scene(scene, row.canvas); });
   });
-  if (!edit) return tl::unexpected(edit.error());
+  DIAPHANE_TRY(edit);
   row.edit = *edit;
-  if (auto warm = shoot(renderer, wish.scene, row.canvas, 1); !warm) {
-    return tl::unexpected(warm.error());
-  }
+  DIAPHANE_TRY(shoot(renderer, wish.scene, row.canvas, 1));
   std::vector<double> processors;
   const auto pass = timed(wish.repeats, [&](std::uint32_t) {
     if (auto set = renderer.set_scene(wish.scene, row.canvas); !set) {
@@ -118,7 +118,7 @@ Result<void> measure_row(Engine& engine, const std::shared_ptr<const DeviceVolum
     processors.push_back(1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
     return one;
   });
-  if (!pass) return tl::unexpected(pass.error());
+  DIAPHANE_TRY(pass);
   row.pass = *pass;
   row.processors = median_of(processors);
   if (auto points = measure_points(renderer, wish, row); !points) return points;
@@ -134,14 +134,14 @@ Result<void> measure_row(Engine& engine, const std::shared_ptr<const DeviceVolum
 Result<std::vector<GrowthRow>> measure_growth(Engine& engine,
                                               const std::vector<GrowthSubject>& subjects,
                                               const GrowthWish& wish) {
-  if (auto awake = wake(engine, wish); !awake) return tl::unexpected(awake.error());
+  DIAPHANE_TRY(wake(engine, wish));
   std::vector<GrowthRow> rows;
   for (const GrowthSubject& subject : subjects) {
     auto volume = subject.make();
-    if (!volume) return tl::unexpected(volume.error());
+    DIAPHANE_TRY(volume);
     const auto begin = Clock::now();
     const auto loaded = engine.load(*volume);
-    if (!loaded) return tl::unexpected(loaded.error());
+    DIAPHANE_TRY(loaded);
     const double load = seconds_since(begin) * 1e3;
     volume->voxels = {};
     for (const Canvas canvas : subject.canvases) {

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMega = 1e6;  // MB, not MiB, as everywhere in docs/
+constexpr double kMega = 1e6;  // MB, not MiB, as in docs/
 
 template <typename... Values>
 std::string in_words(const char* form, Values... values) {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "renderd/bench/made_volume.h"
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/scene/test_scenes.h"
 
 namespace diaphane::render::bench {
@@ -33,7 +33,8 @@ TEST(MadeVolume, IsTheSameObjectInACube) {
     EXPECT_NEAR(tall.header.size[i] * tall.header.spacing[i],
                 flat.header.size[i] * flat.header.spacing[i], 1e-9);
   }
-  // Shares of filled voxels: of 64 x 64 x 27 places, and what the noise of a shell turns over.
+  // The tolerance covers the coarser grid of 64 x 64 x 27 voxels, and the voxels of the shell that
+  // the noise changes.
   const auto filled = [](const volume::Volume& v) {
     double n = 0;
     for (const std::int16_t voxel : v.voxels) n += voxel != 0;

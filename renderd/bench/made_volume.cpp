@@ -15,7 +15,7 @@ namespace {
 constexpr double kExtent = 244.992;                 // mm, along x and y
 constexpr double kHeight = kExtent * 0.6612244898;  // along z
 
-/// 0 to 1 for a place in units of the volume's extent, from -1 to 1 along each axis.
+/// Returns 0 to 1 for a place in units of the volume's extent, from -1 to 1 along each axis.
 double head(double x, double y, double z) {
   const double r = std::sqrt(x * x / 0.58 + y * y / 0.72 + z * z / 0.82);
   const double shell = 1 - std::abs(r - 0.9) / 0.07;
@@ -47,7 +47,8 @@ volume::Volume made(std::array<std::uint32_t, 3> size) {
       }
     }
   };
-  // 1024^3 take a minute on one core; every row has random numbers of its own.
+  // 1024^3 takes a minute on one core. Each row has its own random numbers, so rows are
+  // independent.
   const std::uint32_t workers = std::clamp(std::thread::hardware_concurrency(), 1u, size[2]);
   {
     std::vector<std::jthread> threads;

@@ -1,6 +1,6 @@
-// diaphane-renderd-bench: error against run time (convergence), how cost grows with volume and
-// picture (growth), the table of stiff cases (stability), the scheduler's policies (schedule), one
-// picture by several devices (many).
+// diaphane-renderd-bench measures error against run time (convergence), the growth of cost with
+// volume and picture (growth), stiff cases (stability), the scheduler's policies (schedule), and
+// one picture rendered by several devices (many).
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +8,7 @@
 #include <exception>
 #include <iostream>
 
+#include "common/try.h"
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
 #include "renderd/bench/farm.h"
@@ -26,7 +27,7 @@ namespace bench = diaphane::render::bench;
 using diaphane::ErrorCode;
 using diaphane::Result;
 
-constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as diaphane-render
+constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as in diaphane-render
 
 struct Options {
   std::string volume = "made", scene, engine = "cpu", size = "512x512";
@@ -53,7 +54,7 @@ int complain(const diaphane::Error& error) {
 
 Result<diaphane::v1::Scene> scene_of(const std::string& path) {
   const auto text = bench::read_text(path);
-  if (!text) return tl::unexpected(text.error());
+  DIAPHANE_TRY(text);
   return render::scene_from_json(*text);
 }
 
@@ -89,7 +90,7 @@ std::vector<render::Method> methods_of(const Options& options) {
   return methods;
 }
 
-/// The last part of a path, without its ending.
+/// Returns the last part of a path without its extension.
 std::string short_name(std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   path = path.substr(path.find_last_of('/') + 1);
@@ -105,15 +106,15 @@ Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
 
 Result<bench::Convergence> converge(Options& options) {
   auto engine = engine_of(options);
-  if (!engine) return tl::unexpected(engine.error());
+  DIAPHANE_TRY(engine);
   auto volume = bench::named_volume(options.volume);
-  if (!volume) return tl::unexpected(volume.error());
+  DIAPHANE_TRY(volume);
   auto scene = scene_of(options.scene);
-  if (!scene) return tl::unexpected(scene.error());
+  DIAPHANE_TRY(scene);
   auto canvas = canvas_of(options.size);
-  if (!canvas) return tl::unexpected(canvas.error());
+  DIAPHANE_TRY(canvas);
   auto loaded = (*engine)->load(*volume);
-  if (!loaded) return tl::unexpected(loaded.error());
+  DIAPHANE_TRY(loaded);
   options.head.engine = (*engine)->info();
   options.head.volume = short_name(options.volume);
   options.head.scene = short_name(options.scene);
@@ -135,7 +136,7 @@ int run(Options& options) {
   return all ? 0 : kFailed;
 }
 
-/// 1: a case is wrong.
+/// Returns 1 if a case fails.
 int run_stability(Options& options) {
   auto engine = engine_of(options);
   if (!engine) return complain(engine.error());
@@ -148,8 +149,8 @@ int run_stability(Options& options) {
     all = all && row.passed;
   };
   const auto rows = bench::measure_stability(**engine, options.stability);
-  std::cout << (all ? "all as they should be" : "some are wrong") << ": " << rows.size()
-            << " cases on " << info.device << '\n';
+  std::cout << (all ? "all passed" : "some failed") << ": " << rows.size() << " cases on "
+            << info.device << '\n';
   if (!bench::written(options.json, bench::stability_json(rows, info)) ||
       !bench::written(options.csv, bench::stability_csv(rows, info.engine))) {
     return kFailed;
@@ -157,14 +158,14 @@ int run_stability(Options& options) {
   return all ? 0 : 1;
 }
 
-/// Cubes at one canvas, and one of them and the volumes named at every canvas.
+/// Returns cubes at one canvas, and one cube and the named volumes at every canvas.
 Result<std::vector<bench::GrowthSubject>> subjects_of(const Options& options) {
   auto one = canvas_of(options.size);
-  if (!one) return tl::unexpected(one.error());
+  DIAPHANE_TRY(one);
   std::vector<render::Canvas> all;
   for (const std::string& text : options.canvases) {
     auto canvas = canvas_of(text);
-    if (!canvas) return tl::unexpected(canvas.error());
+    DIAPHANE_TRY(canvas);
     all.push_back(*canvas);
   }
   std::vector<bench::GrowthSubject> subjects;
@@ -212,76 +213,87 @@ int run_growth(Options& options) {
 }
 
 void add_shared(CLI::App& c, Options& o) {
-  c.add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
-  c.add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
-  c.add_option("--json", o.json, "results");
-  c.add_option("--csv", o.csv, "results");
+  c.add_option("--engine", o.engine, "rendering engine")->check(CLI::IsMember({"cpu", "cuda"}));
+  c.add_option("--threads", o.threads, "threads of the CPU engine (0 = one per core)");
+  c.add_option("--json", o.json, "write the results to this file as JSON");
+  c.add_option("--csv", o.csv, "write the results to this file as CSV");
 }
 
 CLI::App* add_stability(CLI::App& app, Options& o) {
-  auto* c = app.add_subcommand("stability", "the table of stiff and extreme cases");
+  auto* c = app.add_subcommand("stability", "Run numerically stiff and extreme cases");
   add_shared(*c, o);
-  c->add_flag("--quick", o.stability.quick, "a tenth of the samples");
-  c->add_option("--only", o.stability.only, "cases whose name holds this");
+  c->add_flag("--quick", o.stability.quick, "use a tenth of the samples");
+  c->add_option("--only", o.stability.only, "only cases whose name contains this text");
   return c;
 }
 
 CLI::App* add_growth(CLI::App& app, Options& o) {
-  auto* c = app.add_subcommand("growth", "how cost grows with the volume and with the picture");
+  auto* c = app.add_subcommand(
+      "growth", "Measure how the cost grows with the size of the volume and of the picture");
   add_shared(*c, o);
   c->add_option("--scene", o.scene, "scene file (JSON)")->required();
-  c->add_option("--cubes", o.cubes, "voxels along an edge of made volumes, at --size")
+  c->add_option(
+       "--cubes", o.cubes,
+       "edge lengths in voxels of the synthetic volumes to render at --size, comma-separated")
       ->delimiter(',')
       ->check(CLI::Range(16, 2048));
   c->add_option("--size", o.size, "picture size in pixels, WxH");
-  c->add_option("--canvas-cube", o.canvas_cube, "made volume for all of --canvases; 0: none")
+  c->add_option("--canvas-cube", o.canvas_cube,
+                "edge length of the synthetic volume to render at all --canvases (0 = none)")
       ->check(CLI::Range(0, 2048));
-  c->add_option("--volume", o.others, "further volumes for all of --canvases (repeatable)");
-  c->add_option("--canvases", o.canvases, "picture sizes, with commas")->delimiter(',');
-  c->add_option("--walk", o.growth_walks, "exact, tracking: any, with commas")
+  c->add_option("--volume", o.others, "another volume to render at all --canvases (repeatable)");
+  c->add_option("--canvases", o.canvases, "picture sizes, comma-separated")->delimiter(',');
+  c->add_option("--walk", o.growth_walks, "exact or tracking; comma-separated for several")
       ->delimiter(',')
       ->check(CLI::IsMember({"exact", "tracking"}));
-  c->add_option("--repeats", o.growth.repeats)->check(CLI::Range(1, 1000));
-  c->add_option("--target", o.growth.target, "estimated error to which the time is given");
-  c->add_option("--most", o.growth.most, "samples at most")->check(CLI::Range(4, 1 << 20));
-  c->add_option("--seconds", o.growth.seconds, "in each row, about, on the way to the target");
+  c->add_option("--repeats", o.growth.repeats, "repetitions per measurement")
+      ->check(CLI::Range(1, 1000));
+  c->add_option("--target", o.growth.target, "estimated error up to which the time is measured");
+  c->add_option("--most", o.growth.most, "maximum number of samples")
+      ->check(CLI::Range(4, 1 << 20));
+  c->add_option("--seconds", o.growth.seconds,
+                "approximate seconds per row until the target is reached");
   return c;
 }
 
 CLI::App* add_convergence(CLI::App& app, Options& o) {
   auto* c = app.add_subcommand(
-      "convergence", "per power of two of samples: milliseconds, true error, estimated error");
+      "convergence",
+      "Measure time, true error and estimated error at each power of two of samples");
   c->add_option("--volume", o.volume,
-                "directory of the volume store, or made:N (a made head of N voxels across)");
+                "directory of the volume store, or made:N (a synthetic head, N voxels wide)");
   c->add_option("--scene", o.scene, "scene file (JSON)")->required();
   add_shared(*c, o);
-  c->add_option("--devices", o.devices, "spread over so many, each in a process of its own")
+  c->add_option("--devices", o.devices, "number of devices, each in its own process")
       ->check(CLI::Range(1, 64));
   c->add_option("--size", o.size, "picture size in pixels, WxH");
-  c->add_option("--most", o.wish.most, "samples of the last point, a power of two")
+  c->add_option("--most", o.wish.most, "samples of the last measured point, a power of two")
       ->check(CLI::Range(1, 1 << 20));
-  c->add_option("--repeats", o.wish.repeats, "with seeds of their own")->check(CLI::Range(1, 1000));
-  c->add_option("--walk", o.walks, "auto, exact, tracking: any, with commas")
+  c->add_option("--repeats", o.wish.repeats, "repetitions, each with its own seed")
+      ->check(CLI::Range(1, 1000));
+  c->add_option("--walk", o.walks, "auto, exact or tracking; comma-separated for several")
       ->delimiter(',')
       ->check(CLI::IsMember({"auto", "exact", "tracking"}));
-  c->add_option("--points", o.points, "low-discrepancy, independent")
+  c->add_option("--points", o.points, "low-discrepancy or independent; comma-separated for several")
       ->delimiter(',')
       ->check(CLI::IsMember({"low-discrepancy", "independent"}));
-  c->add_option("--mis", o.mis, "both, light, scatter")
+  c->add_option("--mis", o.mis, "both, light or scatter; comma-separated for several")
       ->delimiter(',')
       ->check(CLI::IsMember({"both", "light", "scatter"}));
-  c->add_option("--roulette", o.roulette, "on, off")
+  c->add_option("--roulette", o.roulette, "on or off; comma-separated for several")
       ->delimiter(',')
       ->check(CLI::IsMember({"on", "off"}));
-  c->add_option("--target", o.head.target, "error to which the time is given");
-  c->add_option("--slope-from", o.head.slope_from, "samples from which slopes are fitted");
-  c->add_option("--warm-up", o.wish.warm_up, "seconds rendered and thrown away first");
+  c->add_option("--target", o.head.target, "error up to which the time is measured");
+  c->add_option("--slope-from", o.head.slope_from,
+                "number of samples from which the slope is fitted");
+  c->add_option("--warm-up", o.wish.warm_up, "seconds to render before measuring");
   c->add_option("--reference-share", o.wish.reference_share,
-                "the reference's own error, of the smallest measured");
-  c->add_option("--reference-seconds", o.wish.reference_seconds, "at most, about");
-  c->add_option("--cache", o.wish.cache, "folder where references are kept");
-  c->add_flag("--fresh", o.wish.fresh, "take no reference from there");
-  c->add_flag("--quiet", o.quiet, "no progress on standard error");
+                "error of the reference, as a share of the smallest measured error");
+  c->add_option("--reference-seconds", o.wish.reference_seconds,
+                "approximate time limit in seconds for the reference");
+  c->add_option("--cache", o.wish.cache, "directory in which references are cached");
+  c->add_flag("--fresh", o.wish.fresh, "do not use cached references");
+  c->add_flag("--quiet", o.quiet, "show no progress on standard error");
   return c;
 }
 
@@ -290,7 +302,7 @@ CLI::App* add_convergence(CLI::App& app, Options& o) {
 int main(int argc, char** argv) {
   try {
     Options options;
-    CLI::App app("Measures the renderer.", "diaphane-renderd-bench");
+    CLI::App app("Benchmarks for the renderer.", "diaphane-renderd-bench");
     app.option_defaults()->always_capture_default();
     app.require_subcommand(1);
     add_convergence(app, options);

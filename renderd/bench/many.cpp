@@ -4,12 +4,13 @@
 #include <cmath>
 #include <thread>
 
+#include "common/try.h"
 #include "renderd/bench/timing.h"
 
 namespace diaphane::render::bench {
 namespace {
 
-/// Renders so many passes of its task, once.
+/// Renders a fixed number of passes of its task, once.
 class PassesAssistant final : public Assistant {
  public:
   PassesAssistant(std::unique_ptr<FrameRenderer> renderer, std::uint32_t passes)
@@ -38,7 +39,7 @@ class PassesAssistant final : public Assistant {
   bool ready_ = false, lost_ = false;
 };
 
-/// The picture of `count` devices, each of which drew `passes`.
+/// Returns the picture of `count` devices that each rendered `passes`.
 Result<std::unique_ptr<CompositeRenderer>> composited(const ManyDevices& devices,
                                                       const Subject& subject, unsigned count,
                                                       std::uint32_t passes, std::uint64_t seed,
@@ -46,7 +47,7 @@ Result<std::unique_ptr<CompositeRenderer>> composited(const ManyDevices& devices
   std::vector<std::unique_ptr<FrameRenderer>> renderers;
   for (unsigned d = 0; d < count; ++d) {
     auto made = devices.engines[d]->renderer(devices.volumes[d], seed, 0, method);
-    if (!made) return tl::unexpected(made.error());
+    DIAPHANE_TRY(made);
     renderers.push_back(std::move(*made));
   }
   std::vector<std::unique_ptr<Assistant>> assistants;
@@ -55,11 +56,9 @@ Result<std::unique_ptr<CompositeRenderer>> composited(const ManyDevices& devices
   }
   auto many = std::make_unique<CompositeRenderer>(std::move(renderers[0]), std::move(assistants),
                                                   CompositeOptions{.division = Division::kAverage});
-  if (auto set = many->set_scene(subject.scene, subject.canvas); !set) {
-    return tl::unexpected(set.error());
-  }
+  DIAPHANE_TRY(many->set_scene(subject.scene, subject.canvas));
   const auto batch = many->render(passes, [] { return false; });
-  if (!batch) return tl::unexpected(batch.error());
+  DIAPHANE_TRY(batch);
   if (many->progress().samples != std::uint64_t{count} * passes) {
     return fail(ErrorCode::kInternal, "a device did not deliver its passes");
   }
@@ -71,15 +70,15 @@ Result<std::unique_ptr<CompositeRenderer>> composited(const ManyDevices& devices
 Result<ManyDevices> open_devices(EngineChoice choice, unsigned count, unsigned threads,
                                  const volume::Volume& volume) {
   auto options = engine_options_from_environment();
-  if (!options) return tl::unexpected(options.error());
+  DIAPHANE_TRY(options);
   if (threads == 0) threads = std::thread::hardware_concurrency();
   ManyDevices devices;
   for (unsigned d = 0; d < count; ++d) {
     options->device = static_cast<int>(d);
     auto engine = make_engine(choice, std::max(1U, threads / count), *options);
-    if (!engine) return tl::unexpected(engine.error());
+    DIAPHANE_TRY(engine);
     auto loaded = (*engine)->load(volume);
-    if (!loaded) return tl::unexpected(loaded.error());
+    DIAPHANE_TRY(loaded);
     devices.engines.push_back(std::move(*engine));
     devices.volumes.push_back(std::move(*loaded));
   }
@@ -98,9 +97,9 @@ Result<std::vector<ErrorRow>> measure_errors(const ManyDevices& devices, const S
         for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
           auto many = composited(devices, subject, count, passes, 1 + repeat,
                                  {.walk = wish.walk, .low_discrepancy = low_discrepancy});
-          if (!many) return tl::unexpected(many.error());
+          DIAPHANE_TRY(many);
           PictureRgbF picture;
-          if (auto done = (*many)->radiance(picture); !done) return tl::unexpected(done.error());
+          DIAPHANE_TRY((*many)->radiance(picture));
           squared += std::pow(error_against(reference, picture).rmse, 2);
           estimated += std::pow((*many)->progress().error, 2);
         }
@@ -124,9 +123,9 @@ Result<PictureRgb8> side_by_side(const ManyDevices& devices, const Subject& subj
   for (std::size_t i = 0; i < passes.size(); ++i) {
     for (const unsigned right : {0U, 1U}) {
       auto many = composited(devices, subject, right == 1 ? count : 1, passes[i], 1, {});
-      if (!many) return tl::unexpected(many.error());
+      DIAPHANE_TRY(many);
       PictureRgb8 picture;
-      if (auto shown = (*many)->display(picture); !shown) return tl::unexpected(shown.error());
+      DIAPHANE_TRY((*many)->display(picture));
       for (std::uint32_t y = 0; y < one.height; ++y) {
         std::copy_n(&picture.pixels[std::size_t{3} * one.width * y], std::size_t{3} * one.width,
                     &all.pixels[3 * (std::size_t{right} * one.width +

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "common/try.h"
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/text.h"
 #include "renderd/scene/presets.h"
@@ -11,7 +12,7 @@
 namespace diaphane::render::bench {
 namespace {
 
-constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as the other subcommands
+constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as in the other subcommands
 
 Result<Canvas> canvas_of(const std::string& text) {
   Canvas canvas;
@@ -22,7 +23,7 @@ Result<Canvas> canvas_of(const std::string& text) {
   return canvas;
 }
 
-/// Binary PPM: read by whatever reads pictures.
+/// Returns a binary PPM, which most image programs can read.
 std::string ppm_of(const PictureRgb8& picture) {
   std::string text = "P6\n" + std::to_string(picture.size.width) + " " +
                      std::to_string(picture.size.height) + "\n255\n";
@@ -82,34 +83,43 @@ struct ManyCommand::Options {
 ManyCommand::ManyCommand(CLI::App& app) : options_(std::make_unique<Options>()) {
   Options& o = *options_;
   o.times.targets = {0.05, 0.01};
-  command_ = app.add_subcommand("many", "several devices of this process make one picture");
+  command_ = app.add_subcommand("many", "Measure several devices that render one picture together");
   CLI::App& c = *command_;
-  c.add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
-  c.add_option("--devices", o.devices, "GPUs, or CPU engines that share the threads")
+  c.add_option("--engine", o.engine, "rendering engine")->check(CLI::IsMember({"cpu", "cuda"}));
+  c.add_option("--devices", o.devices, "number of GPUs, or of CPU engines that share the threads")
       ->check(CLI::Range(1, 64));
-  c.add_option("--threads", o.threads, "of all CPU engines; 0: the cores");
-  c.add_option("--volume", o.volume, "directory of the volume store, or made:N");
+  c.add_option("--threads", o.threads, "threads of all CPU engines together (0 = one per core)");
+  c.add_option("--volume", o.volume,
+               "directory of the volume store, or made:N (a synthetic head, N voxels wide)");
   c.add_option("--scene", o.scene, "scene file (JSON)")->required();
-  c.add_option("--counts", o.counts, "devices whose error is compared, with commas, from 1 on")
+  c.add_option("--counts", o.counts,
+               "numbers of devices whose error is compared, comma-separated, each 1 or more")
       ->delimiter(',');
-  c.add_option("--passes", o.passes, "of each device, even, with commas")->delimiter(',');
-  c.add_option("--repeats", o.errors.repeats, "of the errors, with seeds of their own");
-  c.add_option("--walk", o.walk, "of the errors")
+  c.add_option("--passes", o.passes, "passes per device, even numbers, comma-separated")
+      ->delimiter(',');
+  c.add_option("--repeats", o.errors.repeats,
+               "repetitions of the error measurements, each with its own seed");
+  c.add_option("--walk", o.walk, "estimator of the error measurements")
       ->check(CLI::IsMember({"auto", "exact", "tracking"}));
-  c.add_option("--size", o.size, "of the pictures whose errors are compared, WxH");
-  c.add_option("--sizes", o.sizes, "of those whose time is measured, with commas")->delimiter(',');
-  c.add_option("--targets", o.times.targets, "errors until which time is measured, with commas")
+  c.add_option("--size", o.size, "size of the pictures whose errors are compared, WxH");
+  c.add_option("--sizes", o.sizes, "sizes of the pictures whose time is measured, comma-separated")
       ->delimiter(',');
-  c.add_option("--time-repeats", o.times.repeats);
-  c.add_option("--warm-up", o.times.warm_up, "seconds");
-  c.add_option("--longest", o.times.longest, "seconds for one picture");
-  c.add_option("--reference-seconds", o.reference_seconds, "at most, about");
-  c.add_option("--cache", o.cache, "folder where references are kept");
-  c.add_option("--figure12", o.figure12, "the thesis's Figure 12, as PPM to this file");
-  c.add_option("--snapshots", o.snapshots, "passes of its rows, even, with commas")->delimiter(',');
-  c.add_option("--json", o.json, "results");
-  c.add_flag("--no-errors", o.no_errors, "times only");
-  c.add_flag("--no-times", o.no_times, "errors only");
+  c.add_option("--targets", o.times.targets,
+               "errors up to which the time is measured, comma-separated")
+      ->delimiter(',');
+  c.add_option("--time-repeats", o.times.repeats, "repetitions of the time measurements");
+  c.add_option("--warm-up", o.times.warm_up, "seconds to render before measuring");
+  c.add_option("--longest", o.times.longest, "maximum seconds per picture");
+  c.add_option("--reference-seconds", o.reference_seconds,
+               "approximate time limit in seconds for the reference");
+  c.add_option("--cache", o.cache, "directory in which references are cached");
+  c.add_option("--figure12", o.figure12, "write Figure 12 of the thesis to this file as PPM");
+  c.add_option("--snapshots", o.snapshots,
+               "passes per row of Figure 12, even numbers, comma-separated")
+      ->delimiter(',');
+  c.add_option("--json", o.json, "write the results to this file as JSON");
+  c.add_flag("--no-errors", o.no_errors, "measure times only");
+  c.add_flag("--no-times", o.no_times, "measure errors only");
 }
 
 ManyCommand::~ManyCommand() = default;
@@ -129,26 +139,28 @@ Result<void> ManyCommand::measure() {
   for (const auto* list : {&o.passes, &o.snapshots}) {
     for (const std::uint32_t passes : *list) {
       if (passes == 0 || passes % 2 != 0) {
-        return fail(ErrorCode::kInvalid, "parts are of pairs of passes", "--passes");
+        return fail(ErrorCode::kInvalid,
+                    "must contain even numbers above 0, because passes are divided in pairs",
+                    "--passes");
       }
     }
   }
   const auto text = read_text(o.scene, "--scene");
-  if (!text) return tl::unexpected(text.error());
+  DIAPHANE_TRY(text);
   const auto scene = scene_from_json(*text);
-  if (!scene) return tl::unexpected(scene.error());
+  DIAPHANE_TRY(scene);
   auto volume = named_volume(o.volume);
-  if (!volume) return tl::unexpected(volume.error());
+  DIAPHANE_TRY(volume);
   const auto size = canvas_of(o.size);
-  if (!size) return tl::unexpected(size.error());
+  DIAPHANE_TRY(size);
   for (const std::string& one : o.sizes) {
     const auto canvas = canvas_of(one);
-    if (!canvas) return tl::unexpected(canvas.error());
+    DIAPHANE_TRY(canvas);
     o.times.canvases.push_back(*canvas);
   }
   const auto choice = o.engine == "cuda" ? EngineChoice::kCuda : EngineChoice::kCpu;
   auto devices = open_devices(choice, o.devices, o.threads, *volume);
-  if (!devices) return tl::unexpected(devices.error());
+  DIAPHANE_TRY(devices);
   const EngineInfo info = devices->engines[0]->info();
   std::cout << o.devices << " x " << info.device << ", " << o.scene << ", " << o.volume << '\n';
   nlohmann::json report{{"devices", o.devices}, {"device", info.device}, {"engine", info.engine}};
@@ -156,7 +168,7 @@ Result<void> ManyCommand::measure() {
                         *size};
   if (!o.figure12.empty()) {
     const auto picture = side_by_side(*devices, subject, o.devices, o.snapshots);
-    if (!picture) return tl::unexpected(picture.error());
+    DIAPHANE_TRY(picture);
     if (!written(o.figure12, ppm_of(*picture))) return fail(ErrorCode::kUnavailable, "not written");
   }
   if (!o.no_errors) {
@@ -168,12 +180,12 @@ Result<void> ManyCommand::measure() {
                     : o.walk == "tracking" ? Walk::kTracking
                                            : Walk::kAuto;
     const auto reference = reference_of(subject, {1e-4, o.reference_seconds, o.cache, false, {}});
-    if (!reference) return tl::unexpected(reference.error());
+    DIAPHANE_TRY(reference);
     std::printf("reference: %.0f samples, its own error %.5f\n", reference->samples,
                 reference->error);
     std::cout << "passes  devices  points                RMSE  from 1/sqrt(k)  estimate\n";
     const auto rows = measure_errors(*devices, subject, *reference, o.errors);
-    if (!rows) return tl::unexpected(rows.error());
+    DIAPHANE_TRY(rows);
     for (const ErrorRow& row : *rows) {
       std::cout << text_of(row) << std::flush;
       report["errors"].push_back(json_of(row));
@@ -184,7 +196,7 @@ Result<void> ManyCommand::measure() {
                  "   MB moved  the last by\n";
     o.times.each = [](const TimeRow& row) { std::cout << text_of(row) << std::flush; };
     const auto rows = measure_times(std::move(*devices), *volume, *scene, o.times);
-    if (!rows) return tl::unexpected(rows.error());
+    DIAPHANE_TRY(rows);
     for (const TimeRow& row : *rows) report["times"].push_back(json_of(row));
   }
   return written(o.json, report.dump(1) + "\n") ? Result<void>{}

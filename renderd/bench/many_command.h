@@ -13,7 +13,7 @@ class ManyCommand {
   explicit ManyCommand(CLI::App& app);
   ~ManyCommand();
   bool chosen() const;
-  /// Exit code.
+  /// Returns the exit code.
   int run();
 
  private:

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/try.h"
 #include "renderd/bench/many.h"
 #include "renderd/bench/timing.h"
 #include "renderd/composite/composite_engine.h"
@@ -8,7 +9,7 @@
 namespace diaphane::render::bench {
 namespace {
 
-/// As the scheduler gives turns to a session that is alone.
+/// The quantum that the scheduler gives to a session that is alone.
 constexpr double kQuantumSeconds = 0.005;
 
 struct Shot {
@@ -21,7 +22,7 @@ struct Way {
   std::optional<Division> division;
 };
 
-/// The engines live on when one composite of them has gone.
+/// An engine that is only borrowed, because the engines outlive each composite of them.
 class Borrowed final : public Engine {
  public:
   explicit Borrowed(Engine& engine) : engine_(engine) {}
@@ -40,17 +41,17 @@ class Borrowed final : public Engine {
   Engine& engine_;
 };
 
-Result<Shot> shoot(FrameRenderer& renderer, const diaphane::v1::Scene& scene, Canvas canvas,
+Result<Shot> shoot(ProgressiveRenderer& renderer, const diaphane::v1::Scene& scene, Canvas canvas,
                    double target, double longest) {
   Shot shot;
   double per_sample = 0;
   const auto begin = Clock::now();
-  if (auto set = renderer.set_scene(scene, canvas); !set) return tl::unexpected(set.error());
+  DIAPHANE_TRY(renderer.set_scene(scene, canvas));
   for (;;) {
     const double fitting = per_sample > 0 ? kQuantumSeconds / per_sample : 1;
     const auto batch = renderer.render(static_cast<std::uint32_t>(std::clamp(fitting, 1.0, 1024.0)),
                                        [] { return false; });
-    if (!batch) return tl::unexpected(batch.error());
+    DIAPHANE_TRY(batch);
     if (batch->samples > 0) per_sample = batch->seconds / batch->samples;
     const Progress progress = renderer.progress();
     if (shot.first == 0 && progress.samples > 0) shot.first = seconds_since(begin) * 1e3;
@@ -102,23 +103,23 @@ Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Vo
     const auto engine =
         make_composite_engine(std::move(borrowed), nullptr, {.division = way.division});
     const auto loaded = engine->load(volume);
-    if (!loaded) return tl::unexpected(loaded.error());
+    DIAPHANE_TRY(loaded);
     for (const Canvas canvas : wish.canvases) {
       for (const double target : wish.targets) {
-        // Speeds and the cost of rows are learned by what was rendered before, as in a session,
-        // whose pictures go on: of one that ends with its first pair no part ever comes.
+        // The renderer learns speeds and the cost of rows from earlier pictures, as in a session.
+        // If a picture ended with its first pair of samples, no part would ever arrive.
         const auto renderer = engine->renderer(*loaded, 1, 0, kLiveMethod);
-        if (!renderer) return tl::unexpected(renderer.error());
+        DIAPHANE_TRY(renderer);
         const auto begin = Clock::now();
         int shown = 0;
         do {
           const auto warm = shoot(**renderer, scene, canvas, furthest, wish.longest);
-          if (!warm) return tl::unexpected(warm.error());
+          DIAPHANE_TRY(warm);
         } while (++shown < 3 || seconds_since(begin) < wish.warm_up);
         std::vector<Shot> shots;
         for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
           const auto shot = shoot(**renderer, scene, canvas, target, wish.longest);
-          if (!shot) return tl::unexpected(shot.error());
+          DIAPHANE_TRY(shot);
           shots.push_back(*shot);
         }
         TimeRow row = summarise(shots);

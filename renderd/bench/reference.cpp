@@ -10,15 +10,17 @@
 #include <limits>
 #include <sstream>
 
+#include "common/try.h"
 #include "renderd/math/random.h"
 #include "renderd/scene/presets.h"
 
 namespace diaphane::render::bench {
 namespace {
 
-/// The pictures that are measured have small seeds.
+/// Differs from the small seeds of the measured pictures.
 constexpr std::uint64_t kSeed = 0x7265'6665'7265'6e63ULL;
-constexpr std::uint64_t kMagic = 0x3120'6665'7220'6a64ULL;  // of the file; its last digit: the form
+// Magic number of the file. Its last digit is the version of the format.
+constexpr std::uint64_t kMagic = 0x3120'6665'7220'6a64ULL;
 constexpr Method kPlainest{Walk::kTracking, false, Mis::kBoth};
 
 std::uint64_t hash(std::uint64_t h, const void* data, std::size_t bytes) {
@@ -66,7 +68,7 @@ bool read_cached(const std::filesystem::path& path, Reference& reference) {
   return true;
 }
 
-/// A cache that cannot be written costs the next run time, nothing else.
+/// Ignores errors, because a missing cache costs only time in the next run.
 void write_cached(const std::filesystem::path& path, const Reference& reference) {
   std::error_code ignored;
   std::filesystem::create_directories(path.parent_path(), ignored);
@@ -85,7 +87,7 @@ void write_cached(const std::filesystem::path& path, const Reference& reference)
   std::filesystem::rename(temporary, path, ignored);
 }
 
-/// The two are of disjoint samples: weights by count, errors in quadrature.
+/// Merges pictures with disjoint samples, with weights by count and errors in quadrature.
 void merge(Reference& into, const PictureRgbF& picture, const std::vector<std::uint8_t>& contents,
            const Progress& progress) {
   const double added = static_cast<double>(progress.samples);
@@ -102,7 +104,7 @@ void merge(Reference& into, const PictureRgbF& picture, const std::vector<std::u
   into.seconds += progress.seconds;
 }
 
-/// What the merged error will be after `progress` is added.
+/// Returns the merged error after `progress` is added.
 double merged_error(const Reference& old, const Progress& progress) {
   const double added = static_cast<double>(progress.samples);
   return std::hypot(old.error * old.samples, progress.error * added) / (old.samples + added);
@@ -126,16 +128,14 @@ Result<Reference> reference_of(const Subject& subject, const ReferenceWish& wish
   if (!found || reference.error > wish.error) {
     auto renderer = subject.engine->renderer(
         subject.volume, kSeed, static_cast<std::uint64_t>(reference.samples), kPlainest);
-    if (!renderer) return tl::unexpected(renderer.error());
-    if (auto set = (*renderer)->set_scene(subject.scene, subject.canvas); !set) {
-      return tl::unexpected(set.error());
-    }
-    // Pieces that grow: the error is asked for between them, and that takes time of its own.
+    DIAPHANE_TRY(renderer);
+    DIAPHANE_TRY((*renderer)->set_scene(subject.scene, subject.canvas));
+    // Pieces grow, because the error estimate between them takes time too.
     std::uint32_t piece = 16;
     Progress progress;
     do {
       auto batch = (*renderer)->render(piece, [] { return false; });
-      if (!batch) return tl::unexpected(batch.error());
+      DIAPHANE_TRY(batch);
       piece = std::min(piece * 2, 4096u);
       progress = (*renderer)->progress();
       if (wish.progress) {
@@ -147,8 +147,8 @@ Result<Reference> reference_of(const Subject& subject, const ReferenceWish& wish
     } while (merged_error(reference, progress) > wish.error && progress.seconds < wish.seconds);
     PictureRgbF picture;
     std::vector<std::uint8_t> contents;
-    if (auto done = (*renderer)->radiance(picture); !done) return tl::unexpected(done.error());
-    if (auto done = (*renderer)->contents(contents); !done) return tl::unexpected(done.error());
+    DIAPHANE_TRY((*renderer)->radiance(picture));
+    DIAPHANE_TRY((*renderer)->contents(contents));
     merge(reference, picture, contents, progress);
     if (cached) write_cached(path, reference);
   }

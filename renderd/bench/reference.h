@@ -8,11 +8,11 @@
 
 namespace diaphane::render::bench {
 
-/// What the reference of a measurement is taken from, and where it is kept.
+/// The subject of a measurement, from which its reference is rendered.
 struct Subject {
   Engine* engine;
   std::shared_ptr<const DeviceVolume> volume;
-  std::uint64_t voxels_hash = 0;  ///< hash_of the volume
+  std::uint64_t voxels_hash = 0;  ///< hash_of() of the volume
   diaphane::v1::Scene scene;
   Canvas canvas;
 };
@@ -20,16 +20,16 @@ struct Subject {
 std::uint64_t hash_of(const volume::Volume& volume);
 
 struct ReferenceWish {
-  double error;                                    ///< at most this, of its own
-  double seconds;                                  ///< but not much longer than this
-  std::string cache;                               ///< folder; empty: none
-  bool fresh = false;                              ///< takes nothing from the cache
+  double error;                                    ///< target error of the reference
+  double seconds;                                  ///< approximate limit on the time
+  std::string cache;                               ///< folder of cached references; empty: none
+  bool fresh = false;                              ///< ignores cached references
   std::function<void(const Reference&)> progress;  ///< may be empty
 };
 
-/// By tracking with independent points and a seed of its own: the plainest estimator there is. One
-/// in the cache is refined by further samples, whose range does not overlap its own, until it is
-/// good enough; which engine made it does not matter.
+/// Renders by tracking with independent points and its own seed, which is the simplest estimator. A
+/// cached reference is refined with samples from a disjoint range until it is good enough. It may
+/// come from any engine.
 Result<Reference> reference_of(const Subject& subject, const ReferenceWish& wish);
 
 }  // namespace diaphane::render::bench

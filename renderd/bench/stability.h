@@ -7,28 +7,28 @@
 
 #include "renderd/engine/frame_renderer.h"
 
-// The stiff and extreme cases (design: renderer, "Stiff and extreme cases") on one engine: each is
-// rendered through the engine's public interface alone and compared with an analytic value, or with
-// an independent evaluation in double precision.
+// The stiff and extreme cases (design: renderer, "Stiff and extreme cases") on one engine. Each is
+// rendered through the engine's public interface and compared with an analytic value, or with an
+// independent evaluation in double precision.
 
 namespace diaphane::render::bench {
 
 /// One line of the table.
 struct StabilityRow {
   std::string about;
-  double samples = 0;            ///< rays through all pixels, of all pictures of the case
-  std::uint64_t non_finite = 0;  ///< numbers in pictures, and samples dropped
+  double samples = 0;            ///< rays through all pixels, over all pictures of the case
+  std::uint64_t non_finite = 0;  ///< non-finite values in pictures, and dropped samples
   double deviation = 0;          ///< the largest of the case
-  std::string unit;              ///< of it: "sigma", "relative", "absolute", "ms", "fields"
-  double limit = 0;              ///< of the deviation
+  std::string unit;  ///< of the deviation: "sigma", "relative", "absolute", "ms", "fields"
+  double limit = 0;  ///< limit of the deviation
   bool passed = false;
   std::string note;
 };
 
 struct StabilityWish {
   bool quick = false;                             ///< a tenth of the samples
-  std::string only;                               ///< cases whose name holds this
-  std::function<void(const StabilityRow&)> each;  ///< as they come
+  std::string only;                               ///< runs only cases whose name contains this
+  std::function<void(const StabilityRow&)> each;  ///< called for each row as it is finished
 };
 
 std::vector<StabilityRow> measure_stability(Engine& engine, const StabilityWish& wish);

@@ -17,7 +17,7 @@ Look look(Engine& engine, const volume::Volume& volume, const diaphane::v1::Scen
   };
   auto loaded = engine.load(volume);
   if (!loaded) return refuse(loaded.error());
-  // Numbers of its own for every picture of the table.
+  // Each picture of the table has its own random numbers.
   const std::uint64_t seed =
       mix64(std::hash<std::string>{}(row.about) + static_cast<std::uint64_t>(row.samples));
   auto renderer = engine.renderer(*loaded, seed, 0);
@@ -55,7 +55,7 @@ void note_deviation(double deviation, double limit, const std::string& unit, Sta
   row.unit = unit;
   row.limit = limit;
   row.deviation = std::max(row.deviation, std::abs(deviation));
-  if (!(std::abs(deviation) <= limit)) {  // NaN too
+  if (!(std::abs(deviation) <= limit)) {  // also true for NaN
     row.passed = false;
     row.deviation = std::isfinite(deviation) ? row.deviation : deviation;
   }
@@ -64,7 +64,7 @@ void note_deviation(double deviation, double limit, const std::string& unit, Sta
 void compare(const Look& seen, double expected, StabilityRow& row) {
   if (!seen.refused.empty()) return;
   const double off = std::max(std::abs(seen.mean - expected) - kRounding * std::abs(expected), 0.0);
-  // Where every pixel is the same number there is nothing to excuse a difference.
+  // If every pixel has the same value, no difference is tolerated.
   const double sigmas = off == 0 ? 0.0 : off / std::max(seen.deviation, 1e-30);
   note_deviation(std::isfinite(seen.mean) ? sigmas : seen.mean, kMostSigmas, "sigma", row);
 }
@@ -82,7 +82,7 @@ diaphane::v1::Scene beam(Double3 from, Double3 to, double width) {
   test::set(camera.mutable_eye(), from.x, from.y, from.z);
   test::set(camera.mutable_target(), to.x, to.y, to.z);
   const Double3 view = to - from;
-  // The world's axis that is least along the view.
+  // The world axis that is least aligned with the view.
   const double x = std::abs(view.x), y = std::abs(view.y), z = std::abs(view.z);
   test::set(camera.mutable_up(), x <= y && x <= z ? 1 : 0, y < x && y <= z ? 1 : 0,
             z < x && z < y ? 1 : 0);

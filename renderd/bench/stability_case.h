@@ -9,11 +9,11 @@
 #include "renderd/math/vector.h"
 #include "renderd/scene/test_scenes.h"
 
-// What the cases of the stability table share.
+// Helpers of the stability table's cases.
 
 namespace diaphane::render::bench {
 
-/// A case of the table; it fills a row.
+/// A case of the table, which fills a row.
 struct StabilityCase {
   std::string about;
   std::function<void(Engine&, const StabilityWish&, StabilityRow&)> measure;
@@ -25,12 +25,12 @@ std::vector<StabilityCase> light_cases();
 std::vector<StabilityCase> run_cases();
 std::vector<StabilityCase> input_cases();
 
-/// More standard deviations than chance gives in some hundred comparisons (7e-6 each, both sides).
+/// More standard deviations than chance gives in some hundred comparisons (7e-6 each, two-sided).
 inline constexpr double kMostSigmas = 4.5;
-/// fp32 along a ray of some hundred steps.
+/// Rounding of fp32 along a ray of some hundred steps.
 inline constexpr double kRounding = 2e-5;
 
-/// One picture, each pixel of which has the same expectation.
+/// Statistics of a picture whose pixels all have the same expectation.
 struct Look {
   double mean = 0;       ///< over pixels and colours
   double deviation = 0;  ///< standard deviation of `mean`, from the spread of the pixels
@@ -38,26 +38,27 @@ struct Look {
   std::vector<float> pixels;
   std::string refused;  ///< why there is no picture
 };
-/// Adds its samples and what was not finite to the row.
+/// Renders a picture, and adds its samples and non-finite values to the row.
 Look look(Engine& engine, const volume::Volume& volume, const diaphane::v1::Scene& scene,
           Canvas canvas, std::uint32_t samples, StabilityRow& row);
 
-/// Compares with what is known, and keeps the largest deviation: in sigmas, where within rounding
-/// of the truth 0.
+/// Compares with a known value in standard deviations and keeps the largest deviation. A difference
+/// within rounding counts as 0.
 void compare(const Look& seen, double expected, StabilityRow& row);
-/// Two estimates of the same.
+/// Compares two estimates of the same value.
 void compare(const Look& a, const Look& b, StabilityRow& row);
-/// A relative or absolute deviation against a limit.
+/// Compares a relative or absolute deviation with a limit.
 void note_deviation(double deviation, double limit, const std::string& unit, StabilityRow& row);
 
-/// A thin parallel beam that sees how much gets through: no light, white behind, so that the mean
-/// of a pixel is the transmittance along `from` to `to` (world, mm). `width` mm.
+/// Returns a scene with a thin parallel beam that measures transmittance: no light, and white
+/// behind, so that the mean of a pixel is the transmittance from `from` to `to` (world, mm).
+/// `width` in mm.
 diaphane::v1::Scene beam(Double3 from, Double3 to, double width);
 void set_medium(diaphane::v1::Scene& scene,
                 std::initializer_list<std::pair<double, double>> opacity, double extinction);
 
-/// Length in mm of the ray from `from` towards `to` (world) inside a volume's box; by slabs, in
-/// double precision, apart from the renderer's code.
+/// Returns the length in mm of the ray from `from` towards `to` (world) inside a volume's box.
+/// Computed with slabs in double precision, independently of the renderer's code.
 double length_inside(const volume::Header& header, Double3 from, Double3 to);
 
 inline Double3 along(int axis, double x) {

@@ -1,4 +1,5 @@
-// NaN and infinity in every number of a scene: refused by name, and the picture stays.
+// NaN and infinity in every number of a scene must be refused with the field's name, and the
+// picture must stay.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
@@ -17,7 +18,7 @@ using google::protobuf::Message;
 
 constexpr Canvas kCanvas{16, 16};
 
-/// All there is but light.
+/// A scene that uses every feature but light.
 diaphane::v1::Scene full_scene() {
   diaphane::v1::Scene scene = test::skull_scene();
   auto* channel = scene.mutable_transfer_function()->mutable_channels(0);
@@ -77,7 +78,7 @@ std::vector<diaphane::v1::Light> lights_of_all_shapes() {
   return lights;
 }
 
-/// Every double that a message of this type can hold.
+/// Lists every double that a message of this type can hold.
 void list_numbers(const Descriptor* type, std::set<const Descriptor*>& seen,
                   std::set<const FieldDescriptor*>& numbers) {
   if (!seen.insert(type).second) return;
@@ -91,7 +92,7 @@ void list_numbers(const Descriptor* type, std::set<const Descriptor*>& seen,
   }
 }
 
-/// Sets each double of `message` in turn, calls `check` with its path and sets it back.
+/// Sets each double of `message` in turn, calls `check` with its path, and restores it.
 void for_each_number(Message& message, const std::string& path, double value,
                      std::set<const FieldDescriptor*>& met,
                      const std::function<void(const std::string&)>& check) {
@@ -124,7 +125,7 @@ struct Tally {
   std::set<const FieldDescriptor*> met;
 };
 
-/// `renderer` shows a picture already; every bad scene must leave it as it is.
+/// Offers a bad scene to `renderer`, which already has a picture that must not change.
 void offer(FrameRenderer& renderer, diaphane::v1::Scene scene, Tally& tally, StabilityRow& row) {
   PictureRgbF before, after;
   const auto broken = [&](const std::string& what) {
@@ -142,13 +143,13 @@ void offer(FrameRenderer& renderer, diaphane::v1::Scene scene, Tally& tally, Sta
         if (tally.accepted++ == 0) tally.first_accepted = field;
         return;
       }
-      // The path of the field itself, or of the message it is in.
+      // The path of the field itself, or of the message that contains it.
       const std::string& named = set.error().field;
       if (named.empty() || field.compare(0, named.size(), named) != 0) {
         broken(field + " was refused as '" + named + "'");
       }
     });
-    if (tally.accepted > 0) return;  // what follows would be a picture of another scene
+    if (tally.accepted > 0) return;  // later pictures would show another scene
   }
   if (!renderer.radiance(after) || renderer.progress().samples != samples ||
       after.pixels != before.pixels) {

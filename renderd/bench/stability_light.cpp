@@ -1,4 +1,4 @@
-// Light and scattering at their ends: a furnace in which everything has radiance 1, and single
+// Extremes of light and scattering: a furnace in which everything has radiance 1, and single
 // scattering of a small lamp against quadrature.
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ std::uint32_t samples_of(const StabilityWish& wish, std::uint32_t full) {
   return std::max(wish.quick ? full / 10 : full, 2u);
 }
 
-/// Matter that absorbs nothing in a sky of 1: every pixel is 1, whatever scatters and however.
+/// Matter without absorption in a sky of 1: every pixel is 1, whatever the scattering.
 void furnace(Engine& engine, const StabilityWish& wish, const volume::Volume& volume, double g,
              diaphane::v1::Shading::Mode mode, StabilityRow& row) {
   diaphane::v1::Scene scene;
@@ -29,8 +29,8 @@ void furnace(Engine& engine, const StabilityWish& wish, const volume::Volume& vo
   compare(look(engine, volume, scene, {24, 24}, samples_of(wish, 100), row), 1, row);
 }
 
-/// A cube of 16 mm, one value, albedo 0.8, extinction 0.1 per mm; a beam along -y through its
-/// middle; light from above.
+/// A cube of 16 mm with one value, albedo 0.8 and extinction 0.1 per mm. A beam runs along -y
+/// through its centre, and light comes from above.
 struct LitBox {
   static constexpr double kHalf = 8, kExtinction = 0.1, kAlbedo = 0.8;
   volume::Volume volume = test::constant_volume(16, 100);
@@ -66,7 +66,7 @@ void tiny_lamp(Engine& engine, const StabilityWish& wish, double side, Stability
           LitBox::from_point(20), row);
 }
 
-/// The same random numbers, so the pictures are the same but for the factor, if nothing is clamped.
+/// With the same random numbers, the pictures differ only by the factor if nothing is clamped.
 void brighter(Engine& engine, const StabilityWish& wish, bool near, StabilityRow& row) {
   Look seen[2];
   for (int i = 0; i < 2; ++i) {
@@ -87,7 +87,8 @@ void brighter(Engine& engine, const StabilityWish& wish, bool near, StabilityRow
   if (seen[0].mean <= 0) row.passed = false;
 }
 
-/// Lights where the camera is, that are none to it: the same picture as from 20 mm further away.
+/// Lights at the camera that are invisible to it: the picture is the same as from 20 mm further
+/// away.
 void camera_in_light(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
   Look seen[2];
   for (int i = 0; i < 2; ++i) {
@@ -133,8 +134,8 @@ void black_beside_bright(Engine& engine, const StabilityWish& wish, StabilityRow
           LitBox::from_point(20), row);
 }
 
-/// Lamps that touch the matter or lie in it: 1 / distance^2 without bound. What is known is that
-/// the picture is finite and positive.
+/// Lamps that touch the matter or lie in it, where 1 / distance^2 is unbounded. The picture must be
+/// finite and positive.
 void lamp_inside(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
   for (const double z : {8.0, 7.999, 1e-3, 0.0}) {
     for (const double side : {1e-5, 1.0, 100.0}) {
@@ -147,7 +148,7 @@ void lamp_inside(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
   note_deviation(static_cast<double>(row.non_finite), 0, "absolute", row);
 }
 
-/// The sampler at the very ends of its numbers.
+/// The sampler at the limits of its range.
 void unit_ends(Engine&, const StabilityWish&, StabilityRow& row) {
   std::uint64_t bad = 0;
   const float ends[] = {0.0f, 0x1p-33f, 0.5f, 0x1.fffffep-1f, 1.0f};

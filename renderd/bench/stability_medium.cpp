@@ -1,4 +1,4 @@
-// Extinction: how much of a beam gets through, against Beer and Lambert.
+// Extinction: the transmittance of a beam against Beer and Lambert.
 #include <algorithm>
 #include <cmath>
 
@@ -13,10 +13,11 @@ std::uint32_t samples_of(const StabilityWish& wish, std::uint32_t full) {
   return std::max(wish.quick ? full / 10 : full, 2u);
 }
 
-/// A box of one value that a beam crosses off its middle, along all axes but none of them.
+/// A box of one value that a beam crosses off its centre, in a direction that is parallel to no
+/// axis.
 void through_a_box(Engine& engine, const StabilityWish& wish, double extinction, double depth,
                    std::uint32_t samples, StabilityRow& row) {
-  constexpr double kSmallestVoxel = 1e-6;  // mm, that the renderer takes
+  constexpr double kSmallestVoxel = 1e-6;  // mm, the smallest that the renderer accepts
   const double edge = std::max(depth / extinction, kSmallestVoxel);
   const auto n = static_cast<std::uint32_t>(std::min(edge / kSmallestVoxel, 16.0));
   const volume::Volume v = test::constant_volume(n, 100, edge / n);
@@ -28,20 +29,20 @@ void through_a_box(Engine& engine, const StabilityWish& wish, double extinction,
           std::exp(-extinction * length), row);
 }
 
-/// Columns of the densest matter in matter of a millionth of it, seen between the columns.
+/// Columns of the densest matter in matter of a millionth of its density, seen between the columns.
 void between_spikes(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
   const volume::Volume v =
       test::make_volume({48, 48, 48}, {1, 1, 1}, [](double x, double y, double) {
         return std::fmod(x, 4) < 1 && std::fmod(y, 4) < 1 ? 30000 : 0;
       });
-  // Voxel (2, 2) of each four has no column beside it.
+  // In each block of four voxels, voxel (2, 2) has no column beside it.
   const Double3 from{2.5 - 24 + 20, 2.5 - 24 + 20, 60};
   diaphane::v1::Scene scene = beam(from, {from.x, from.y, 0}, 0.2);
   set_medium(scene, {{0, 1e-6}, {30000, 1}}, 1e4);
   compare(look(engine, v, scene, kCanvas, samples_of(wish, 40), row), std::exp(-1e-2 * 48), row);
 }
 
-/// Interpolated in double precision, as the model is stated.
+/// Interpolates in double precision, by the definition of the model.
 double value_at(const volume::Volume& v, Double3 p) {
   double weight[3][2];
   std::int64_t first[3];
@@ -69,7 +70,8 @@ double value_at(const volume::Volume& v, Double3 p) {
   return sum;
 }
 
-/// Thin spikes in the function and in the volume; optical depth by the midpoint rule in double.
+/// Thin spikes in the transfer function and in the volume, with the optical depth by the midpoint
+/// rule in double precision.
 void through_random_spikes(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
   Random random(77, 1, 2);
   const volume::Volume v =
@@ -104,7 +106,8 @@ void through_random_spikes(Engine& engine, const StabilityWish& wish, StabilityR
       depth += 20 * opacity(value_at(v, index)) * 120 / kSteps;
     }
     const Look seen = look(engine, v, scene, {32, 32}, samples_of(wish, 200), row);
-    // The renderer's table has nodes of finite width: a bend of the function is off by some 1e-3.
+    // The renderer's table has nodes of finite width, so a bend of the function is off by about
+    // 1e-3.
     const double expected = std::exp(-depth);
     const double off = std::max(std::abs(seen.mean - expected) - 2e-3 * expected, 0.0);
     note_deviation(off / std::max(seen.deviation, 1e-9), kMostSigmas, "sigma", row);
@@ -115,7 +118,7 @@ void of_spacing(Engine& engine, const StabilityWish& wish, std::array<double, 3>
                 bool oblique, double far, StabilityRow& row) {
   volume::Volume v = test::constant_volume(16, 100);
   v.header.spacing = spacing;
-  if (oblique) {  // a turn by 50 degrees about (1, 2, 3)
+  if (oblique) {  // rotated by 50 degrees about (1, 2, 3)
     const Double3 axis = normalize(Double3{1, 2, 3});
     const double c = std::cos(0.8727), s = std::sin(0.8727);
     const double k[3] = {axis.x, axis.y, axis.z};
@@ -242,7 +245,7 @@ std::vector<StabilityCase> ray_cases() {
     }
   }
   inside.emplace_back(Double3{0.3, 0.2, -0.1}, Double3{5, 4, 7});
-  // On voxel borders, cell borders and their crossings, exactly.
+  // Exactly on voxel borders, cell borders and their intersections.
   Rays borders = {{{0, 0, 30}, {0, 0, 0}}, {{0, 4, 30}, {0, 4, 0}}, {{30, -4, 4}, {0, -4, 4}}};
   const Rays corners = {{{30, 30, 30}, {0, 0, 0}},
                         {{-30, 30, -30}, {0, 0, 0}},
@@ -255,7 +258,7 @@ std::vector<StabilityCase> ray_cases() {
       {"rays through corners and edges", rays_through(corners, 1e-4)},
       {"coordinates of -0", rays_through(negative_zero, 1e-4)},
       {"rays in the faces of the box", [](Engine& e, const StabilityWish& w, StabilityRow& row) {
-         // Of measure zero: what is seen is some transmittance, and finite.
+         // Cases of measure zero, in which any finite transmittance is valid.
          const volume::Volume v = test::constant_volume(16, 100);
          for (const Double3 p : {Double3{8, 0, 30}, Double3{8, 8, 30}, Double3{-8, 8, 30}}) {
            diaphane::v1::Scene scene = beam(p, {p.x, p.y, 0}, 1e-9);

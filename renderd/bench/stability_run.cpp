@@ -1,4 +1,4 @@
-// Long runs, and runs that are stopped.
+// Long runs, and interrupted runs.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,16 +19,16 @@ void many_samples(Engine& engine, const StabilityWish& wish, StabilityRow& row) 
   const std::uint32_t samples = wish.quick ? 1'000'000 : 12'000'000;
   const Look seen = look(engine, v, scene, {2, 2}, samples, row);
   if (!seen.refused.empty()) return;
-  // Four pixels say little of their own spread: that of a yes or no is known. An engine that finds
-  // the transmittance without chance is nearer still.
+  // Four pixels are too few to measure their own spread, but that of a binary value is known. An
+  // engine that computes the transmittance without random numbers is closer still.
   const double expected = 1e-3;
   const double sigma = std::sqrt(expected * (1 - expected) / row.samples);
   const double off = std::max(std::abs(seen.mean - expected) - kRounding * expected, 0.0);
   note_deviation(off / sigma, kMostSigmas, "sigma", row);
 }
 
-/// From when `stop` first says so until render() returns.
-double stop_takes(FrameRenderer& renderer, double after_seconds, std::uint32_t samples,
+/// Returns the time from the moment `stop` first returns true until render() returns.
+double stop_takes(ProgressiveRenderer& renderer, double after_seconds, std::uint32_t samples,
                   StabilityRow& row) {
   const auto begin = Clock::now();
   auto asked = Clock::time_point::max();
@@ -51,8 +51,8 @@ double stop_takes(FrameRenderer& renderer, double after_seconds, std::uint32_t s
              : std::chrono::duration<double, std::milli>(end - asked).count();
 }
 
-/// Paths of a thousand collisions in dense matter, on a large canvas: minutes a sample, were it one
-/// launch. The bound is generous: this machine may be busy.
+/// Paths of a thousand collisions in dense matter on a large canvas would take minutes per sample
+/// in a single launch. The limit is generous, because the machine may be busy.
 void stopped(Engine& engine, const StabilityWish&, StabilityRow& row) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(1e4);

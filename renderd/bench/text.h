@@ -8,12 +8,13 @@
 
 namespace diaphane::render::bench {
 
-/// Appends to `to`, 319 characters at most.
+/// Appends at most 319 characters to `to`.
 [[gnu::format(printf, 2, 3)]] void print(std::string& to, const char* form, ...);
 
-/// kNotFound names `field`.
+/// kNotFound with `field` as the field.
 Result<std::string> read_text(const std::string& path, const std::string& field = {});
-/// Nothing without a path; says on standard error when it cannot.
+/// Returns true without writing if the path is empty. Prints to standard error and returns false on
+/// failure.
 bool written(const std::string& path, const std::string& text);
 
 }  // namespace diaphane::render::bench

@@ -17,16 +17,16 @@
 namespace diaphane::render::cli {
 namespace {
 
-/// A scene file larger than this is none; textures are in it.
+/// A larger file is not a scene file. Textures are included in it.
 constexpr std::streamsize kLargestScene = 64 << 20;
-/// Seconds between two lines of progress.
+/// Seconds between two progress lines.
 constexpr double kShowEvery = 0.2;
 
 Result<std::string> read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file) {
-    // A piece at a time: most files are small.
+    // Reads in pieces, because most files are small.
     char piece[1 << 16];
     while (std::ssize(text) <= kLargestScene && file) {
       file.read(piece, sizeof piece);
@@ -35,7 +35,7 @@ Result<std::string> read_text(const std::string& path) {
   }
   if (file.bad() || !file.is_open()) return fail(ErrorCode::kNotFound, "cannot read " + path);
   if (std::ssize(text) > kLargestScene) {
-    return fail(ErrorCode::kInvalid, path + " is too large for a scene file");
+    return fail(ErrorCode::kInvalid, path + " is too large to be a scene file");
   }
   return text;
 }
@@ -43,7 +43,7 @@ Result<std::string> read_text(const std::string& path) {
 Result<diaphane::v1::Scene> scene_of(const Options& options, const volume::Header& header) {
   if (!options.preset.empty()) {
     auto preset = preset_for(header, options.preset);
-    // Wrong words are no missing file.
+    // An unknown preset is not a missing file.
     if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
     return preset->scene();
   }
@@ -57,8 +57,8 @@ struct Ending {
   StopReason reason = StopReason::kSamples;
 };
 
-/// Shows progress where a person looks on.
-Result<Ending> render_all(FrameRenderer& renderer, const Options& options) {
+/// Shows progress on a terminal.
+Result<Ending> render_all(ProgressiveRenderer& renderer, const Options& options) {
   using Clock = std::chrono::steady_clock;
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
   const auto begin = Clock::now();
@@ -98,8 +98,8 @@ struct Encoded {
   bool denoised = false;
 };
 
-/// The picture as it stands; smoothed if `denoise`, where it was prepared for that.
-Result<Encoded> encode(FrameRenderer& renderer, PictureFormat format, bool denoise) {
+/// Encodes the current picture, denoised if `denoise` is set and the renderer was prepared for it.
+Result<Encoded> encode(PictureSource& renderer, PictureFormat format, bool denoise) {
   const auto no = [] { return false; };
   if (format == PictureFormat::kExr) {
     PictureRgbF picture;
@@ -126,8 +126,7 @@ struct Rendered {
 };
 
 Result<Rendered> render(const Options& options) {
-  // The engine before the input: that there is no device is known at once, a series takes seconds
-  // to read.
+  // The engine first: a missing device is known at once, while reading a series takes seconds.
   auto engine = make_engine(options.engine, options.threads);
   if (!engine) return tl::make_unexpected(engine.error());
   auto input = read_input(options.input);

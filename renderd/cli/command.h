@@ -4,7 +4,8 @@
 
 namespace diaphane::render::cli {
 
-/// Reads, renders, writes. The exit code; what went wrong is on standard error.
+/// Reads the input, renders and writes the picture. Prints errors to standard error and returns the
+/// exit code.
 int run(const Options& options);
 
 }  // namespace diaphane::render::cli

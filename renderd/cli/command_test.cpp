@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A small volume and a scene file in a directory of their own.
+/// A small volume and a scene file in a separate directory.
 class Command : public testing::Test {
  protected:
   void SetUp() override {

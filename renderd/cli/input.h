@@ -7,9 +7,9 @@
 
 namespace diaphane::render::cli {
 
-/// Reads INPUT by what it is: a directory of the volume store, a folder of DICOM files, or a file
-/// of a format that the image readers know. kNotFound: nothing there; kUnsupported: no reader for
-/// it in this build.
+/// Reads INPUT by its type: a directory of the volume store, a folder of DICOM files, or a file in
+/// a format that the image readers support. kNotFound: it does not exist. kUnsupported: this build
+/// has no reader for it.
 Result<volume::Volume> read_input(const std::string& path);
 
 }  // namespace diaphane::render::cli

@@ -15,48 +15,53 @@ constexpr std::uint32_t kLongestSide = 8192;
 constexpr std::uint32_t kDefaultSamples = 64;
 
 constexpr const char* kAbout =
-    "Renders a scan to a picture file, by the same renderer as the server's, without a server.\n"
-    "\n"
-    "INPUT is a folder of DICOM files, a file .mha, .mhd, .nii, .nii.gz or .nrrd, or a directory "
-    "of\n"
-    "the volume store (with volume.json). What the picture shows is a scene file (JSON: "
-    "docs/scenes.md\n"
-    "has every field and an example of each; lengths in millimetres, origin at the centre of the\n"
-    "volume's box, x to the patient's left, y to the back, z to the head) or a preset fitted to "
-    "the scan.\n"
-    "\n"
-    "It renders until the first of --samples, --error and --seconds is reached; with none of them, "
-    "64\n"
-    "samples.";
+    R"(Renders a scan to a picture file with the server's renderer, but needs no server.
 
-constexpr const char* kFooter =
-    "\nExamples:\n"
-    "  diaphane-render head/ --preset bone --out head.png\n"
-    "  diaphane-render ct.nii.gz --scene scene.json --size 1920x1080 --samples 256 \\\n"
-    "      --out ct.exr --json ct.json\n"
-    "  diaphane-render ct.nrrd --scene scene.json --error 0.02 --seconds 60 --out ct.png --json "
-    "-\n"
-    "\n"
-    "The report (--json) holds: samples (per pixel), milliseconds (of rendering alone), "
-    "estimated_error\n"
-    "(relative RMSE of the picture against the converged one, null below two samples), "
-    "stopped_by\n"
-    "(samples, error or seconds), dropped_samples (not finite), samples_per_second (of all "
-    "pixels),\n"
-    "engine, device, features (what the scene needs of the renderer: compiled in), left_out (what "
-    "it does\n"
-    "not need), kernel (the program's code for it: compiled_in, left_out, registers, empty_cells "
-    "skipped,\n"
-    "bytes on the device), denoised (whether the picture was smoothed; the error is the raw "
-    "one's), "
-    "width,\n"
-    "height, seed.\n"
-    "The same engine, seed, size and samples give the same picture, bit by bit; --seconds depends "
-    "on the\n"
-    "machine.\n"
-    "\n"
-    "Exit codes: 0 done, 64 wrong command line, 65 input or scene is wrong, 66 it cannot be read,\n"
-    "69 no such device, 70 a defect of ours, 71 not enough memory, 73 cannot write.";
+INPUT is a folder of DICOM files, a .mha, .mhd, .nii, .nii.gz or .nrrd file, or a directory of the
+volume store (with volume.json). Describe the picture with a scene file or choose a preset, which is
+fitted to the scan. docs/scenes.md documents every field of a scene file (JSON) with an example.
+Lengths are in millimetres. The origin is the centre of the volume's box, x points to the patient's
+left, y to the back, z to the head.
+
+Rendering stops at the first of --samples, --error and --seconds that is reached. If none of them is
+given, it stops after 64 samples per pixel.)";
+
+constexpr const char* kFooter = R"(
+Examples:
+  diaphane-render head/ --preset bone --out head.png
+  diaphane-render ct.nii.gz --scene scene.json --size 1920x1080 --samples 256 \
+      --out ct.exr --json ct.json
+  diaphane-render ct.nrrd --scene scene.json --error 0.02 --seconds 60 --out ct.png --json -
+
+The report (--json) contains these fields:
+  samples             samples per pixel
+  milliseconds        time spent rendering
+  estimated_error     relative RMSE against the converged picture; null below two samples. For a
+                      denoised picture, this is the error before denoising
+  stopped_by          samples, error or seconds
+  dropped_samples     samples that were not finite
+  samples_per_second  of all pixels together
+  engine, device      what rendered the picture
+  features            renderer features that the scene needs
+  left_out            renderer features that the scene does not need
+  kernel              the kernel used: features compiled in and left out, registers, number of empty
+                      cells skipped, bytes on the device
+  denoised            whether the picture was denoised
+  width, height       of the picture, in pixels
+  seed                of the random numbers
+
+The same engine, seed, size and number of samples always give the same picture, bit for bit. With
+--seconds, the picture depends on the speed of the machine.
+
+Exit codes:
+  0   success
+  64  invalid command line
+  65  invalid input or scene
+  66  input or scene cannot be read
+  69  device not available
+  70  internal error
+  71  out of memory
+  73  output cannot be written)";
 
 std::string parse_size(const std::string& text, Canvas& canvas) {
   const std::size_t cross = text.find_first_of("xX");
@@ -67,21 +72,21 @@ std::string parse_size(const std::string& text, Canvas& canvas) {
   };
   if (cross == std::string::npos || !number(0, cross, canvas.width) ||
       !number(cross + 1, text.size(), canvas.height)) {
-    return "WIDTHxHEIGHT in pixels, each 1 to " + std::to_string(kLongestSide) + ": not '" + text +
-           "'";
+    return "must be WIDTHxHEIGHT in pixels, each from 1 to " + std::to_string(kLongestSide) +
+           ", but got '" + text + "'";
   }
   return {};
 }
 
-/// A validator of its own, because CLI11 takes "-1" for a very large unsigned number.
+/// CLI11's own validator accepts "-1" as a very large unsigned number.
 std::function<std::string(const std::string&)> whole_number(std::uint64_t low, std::uint64_t high) {
   return [low, high](const std::string& text) -> std::string {
     std::uint64_t number = 0;
     const char* last = text.data() + text.size();
     const auto [end, error] = std::from_chars(text.data(), last, number);
     if (error == std::errc{} && end == last && number >= low && number <= high) return {};
-    return "a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
-           ": not '" + text + "'";
+    return "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
+           ", but got '" + text + "'";
   };
 }
 
@@ -92,17 +97,17 @@ std::function<std::string(const std::string&)> positive_number(double most) {
     const auto [end, error] = std::from_chars(text.data(), last, number);
     if (error == std::errc{} && end == last && number > 0 && number <= most) return {};
     std::ostringstream out;
-    out << "a number above 0, " << most << " at most: not '" << text << "'";
+    out << "must be a number above 0 and at most " << most << ", but got '" << text << "'";
     return out.str();
   };
 }
 
 std::string engine_name(const std::string& text) {
   if (text == "auto" || text == "cpu" || text == "cuda") return {};
-  return "auto, cpu or cuda: not '" + text + "'";
+  return "must be auto, cpu or cuda, but got '" + text + "'";
 }
 
-/// The words of an option and what each means.
+/// The values of an option with their meanings.
 template <typename T>
 using Words = std::vector<std::pair<std::string, T>>;
 const Words<Walk> kWalks{
@@ -121,7 +126,7 @@ std::function<std::string(const std::string&)> one_of(const Words<T>& words, T& 
       }
       known += (known.empty() ? "" : ", ") + word;
     }
-    return known + ": not '" + text + "'";
+    return "must be one of " + known + ", but got '" + text + "'";
   };
 }
 
@@ -151,66 +156,66 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
   auto* scene =
       app.add_option("--scene", options.scene_file, "scene file (JSON)")->type_name("FILE");
   auto* preset =
-      app.add_option("--preset", options.preset, "skin, muscle, vessels, bone or airways")
+      app.add_option("--preset", options.preset, "preset: skin, muscle, vessels, bone or airways")
           ->type_name("NAME")
           ->excludes(scene);
   std::string size;
-  app.add_option("--size", size, "picture size in pixels, default 512x512")
+  app.add_option("--size", size, "size of the picture in pixels (default: 512x512)")
       ->type_name("WxH")
       ->check([&](const std::string& text) { return parse_size(text, options.canvas); }, "");
   app.add_option("--samples", options.samples,
-                 "samples per pixel at most; default 64, or no limit with --error or --seconds")
+                 "maximum samples per pixel (default: 64, or no limit with --error or --seconds)")
       ->type_name("N")
       ->check(whole_number(1, StopRule::kMostSamples), "");
   app.add_option("--error", options.error,
-                 "stop when the estimated error is at most this; 0.05 is 5% of the way from black "
-                 "to white")
+                 "stop at this estimated error; 0.05 is 5% of the range from black to white")
       ->type_name("E")
       ->check(positive_number(1), "");
   app.add_option("--seconds", options.seconds,
-                 "stop after so many seconds of rendering (one sample at least)")
+                 "stop after this many seconds of rendering (but not before the first sample)")
       ->type_name("S")
       ->check(positive_number(1e6), "");
   app.add_option("--bounces", options.bounces,
-                 "collisions of a light path at most, 1 to 1024, instead of the scene's")
+                 "maximum collisions per light path, 1 to 1024 (default: the scene's value)")
       ->type_name("N")
       ->check(whole_number(1, 1024), "");
   std::string engine = "auto";
-  app.add_option("--engine", engine, "auto, cpu or cuda; auto takes CUDA when a device answers")
+  app.add_option("--engine", engine, "auto, cpu or cuda; auto uses CUDA if a device is available")
       ->type_name("NAME")
       ->check(engine_name, "");
-  app.add_option("--threads", options.threads, "of the CPU engine; 0, the default: one a core")
+  app.add_option("--threads", options.threads,
+                 "threads of the CPU engine (default: 0, one per core)")
       ->type_name("N")
       ->check(whole_number(0, 4096), "");
-  app.add_option("--seed", options.seed, "of the random numbers, default 1")
+  app.add_option("--seed", options.seed, "seed of the random numbers (default: 1)")
       ->type_name("N")
       ->check(whole_number(0, ~std::uint64_t{0}), "");
   std::string walk, points, mis;
-  app.add_option("--estimator", walk,
-                 "auto, exact or tracking: how collisions and shadows are found; all have the same "
-                 "mean")
+  app.add_option(
+         "--estimator", walk,
+         "how collisions and shadows are found: auto, exact or tracking; all converge to the "
+         "same picture")
       ->type_name("NAME")
       ->check(one_of(kWalks, options.method.walk), "");
-  app.add_option("--points", points, "low-discrepancy (default) or independent")
+  app.add_option("--points", points, "sample points: low-discrepancy (default) or independent")
       ->type_name("NAME")
       ->check(one_of(kPoints, options.method.low_discrepancy), "");
-  app.add_option("--mis", mis, "direct light from samples of the light, of the scatter or both")
+  app.add_option("--mis", mis, "how direct light is sampled: light, scatter or both")
       ->type_name("NAME")
       ->check(one_of(kMis, options.method.mis), "");
-  app.add_option(
-         "--out", options.picture,
-         "picture: .png or .ppm (8 bits, tone-mapped) or .exr (linear radiance, 32-bit float)")
+  app.add_option("--out", options.picture,
+                 "output picture: .png or .ppm (8 bits, tone-mapped), or .exr (linear radiance, "
+                 "32-bit float)")
       ->required()
       ->type_name("FILE")
       ->check(check_picture, "")
       ->check(check_folder_of, "");
-  app.add_option("--json", options.report, "report; - is standard output")
+  app.add_option("--json", options.report, "write a report to FILE; - means standard output")
       ->type_name("FILE")
       ->check(check_folder_of, "");
-  app.add_flag(
-      "--denoise", options.denoise,
-      "smooth what is still noise, as the server does with the first pictures of a session");
-  app.add_flag("--quiet", options.quiet, "no progress on standard error");
+  app.add_flag("--denoise", options.denoise,
+               "denoise the picture, as the server does with the first pictures of a session");
+  app.add_flag("--quiet", options.quiet, "show no progress on standard error");
 
   try {
     app.parse(argc, argv);

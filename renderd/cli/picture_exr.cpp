@@ -14,7 +14,7 @@ namespace diaphane::render::cli {
 
 Result<std::string> encode_exr(const PictureRgbF& picture) {
   const std::size_t pixels = std::size_t{picture.size.width} * picture.size.height;
-  // Readers expect the channels in the order of their names.
+  // Readers expect the channels in alphabetical order.
   constexpr std::array<const char*, 3> kNames{"B", "G", "R"};
   std::array<std::vector<float>, 3> planes;
   std::array<unsigned char*, 3> pointers{};

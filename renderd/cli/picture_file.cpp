@@ -28,7 +28,7 @@ std::optional<PictureFormat> picture_format(std::string_view path) {
 
 std::optional<std::string> unwritable_picture(std::string_view path) {
   const auto format = picture_format(path);
-  if (!format) return "a picture's name ends in .png, .exr or .ppm";
+  if (!format) return "the name of the picture must end in .png, .exr or .ppm";
 #ifndef DIAPHANE_HAVE_PNG
   if (*format == PictureFormat::kPng) return "this program was built without libpng: use .ppm";
 #endif

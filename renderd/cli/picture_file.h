@@ -15,21 +15,21 @@ enum class PictureFormat {
   kExr,  ///< linear radiance, 32-bit float, ZIP
 };
 
-/// By the file name's ending, or nothing.
+/// Returns the format for a file name's extension, or nullopt.
 std::optional<PictureFormat> picture_format(std::string_view path);
 
-/// Why a picture cannot be written as `path`'s ending says: unknown, or this program was built
-/// without its library.
+/// Returns why a picture cannot be written with `path`'s extension: the extension is unknown, or
+/// this program was built without the library for it.
 std::optional<std::string> unwritable_picture(std::string_view path);
 
-/// The file's bytes. kUnsupported when built without the library; kInternal with the library's
-/// message.
+/// Return the bytes of the file. kUnsupported when built without the library. kInternal with the
+/// library's message.
 Result<std::string> encode_png(const PictureRgb8& picture);
 std::string encode_ppm(const PictureRgb8& picture);
 Result<std::string> encode_exr(const PictureRgbF& picture);
 
-/// Writes under a temporary name and renames, so that an old file stays whole until the new one is.
-/// kForbidden says what the system said.
+/// Writes to a temporary file and renames it, so that an existing file stays complete until then.
+/// kForbidden with the system's message.
 Result<void> write_file(const std::string& path, std::string_view bytes);
 
 }  // namespace diaphane::render::cli

@@ -8,7 +8,7 @@
 
 namespace diaphane::render::cli {
 
-/// What a run did.
+/// The outcome of a run.
 struct Outcome {
   EngineInfo engine;
   Progress progress;
@@ -19,8 +19,8 @@ struct Outcome {
   bool denoised = false;
 };
 
-/// The JSON of `--json`; its keys are listed by `--help`. Holds nothing of the input but what the
-/// options say of the picture: no path, no name.
+/// Returns the JSON of `--json`, whose keys are listed by `--help`. It contains no paths or names
+/// from the input, only the options that describe the picture.
 std::string report_json(const Options& options, const Outcome& outcome);
 
 }  // namespace diaphane::render::cli

@@ -7,7 +7,7 @@
 
 namespace diaphane::render::cli {
 
-/// The readers of ingest/, where they are built in; else kUnsupported (scan_readers_none.cpp).
+/// The readers of ingest/ if they are built in, otherwise kUnsupported (scan_readers_none.cpp).
 Result<volume::Volume> read_dicom_folder(const std::string& path);
 Result<volume::Volume> read_image_file(const std::string& path);
 

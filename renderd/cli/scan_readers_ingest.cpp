@@ -1,4 +1,5 @@
-// The same readers as ingestd's, so that a scan which one accepts is what the other shows.
+// Uses the readers of ingestd, so that both programs accept the same scans and show the same
+// volumes.
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
 #include "renderd/cli/scan_readers.h"
@@ -11,9 +12,10 @@ Result<volume::Volume> read_dicom_folder(const std::string& path) {
 
 Result<volume::Volume> read_image_file(const std::string& path) {
   if (ingest::is_image_name(path)) return ingest::read_image(path);
-  return fail(ErrorCode::kUnsupported,
-              "the file is not named .mha, .mhd, .nii, .nii.gz or .nrrd; of DICOM files give the "
-              "folder that holds the series");
+  return fail(
+      ErrorCode::kUnsupported,
+      "the name of the file must end in .mha, .mhd, .nii, .nii.gz or .nrrd; for DICOM files, "
+      "give the folder that contains the series");
 }
 
 }  // namespace diaphane::render::cli

@@ -1,15 +1,14 @@
-// On machines without GDCM and VTK (-DDIAPHANE_INGEST=OFF) only volumes that are stored already can
-// be rendered.
+// Without GDCM and VTK (-DDIAPHANE_INGEST=OFF), only stored volumes can be rendered.
 #include "renderd/cli/scan_readers.h"
 
 namespace diaphane::render::cli {
 namespace {
 
 tl::unexpected<Error> without_readers() {
-  return fail(
-      ErrorCode::kUnsupported,
-      "this program was built without the readers of scans (DIAPHANE_INGEST): it reads only "
-      "directories of the volume store");
+  return fail(ErrorCode::kUnsupported,
+              "this program was built without support for scan files (DIAPHANE_INGEST), so it can "
+              "read only "
+              "directories of the volume store");
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 namespace diaphane::render::cli {
 namespace {
 
-/// A piece at most: a person who looks on sees it move.
+/// Largest piece, so that a watching user sees progress.
 constexpr std::uint64_t kPiece = 32;
-/// The error is unknown below.
+/// The error is unknown with fewer samples.
 constexpr std::uint64_t kFirstLook = 2;
 
 }  // namespace
@@ -27,7 +27,7 @@ const char* name_of(StopReason reason) {
 Pace::Pace(const StopRule& rule) : rule_(rule), next_look_(kFirstLook) {}
 
 std::uint32_t Pace::piece() const {
-  // One sample makes a picture, however short the time.
+  // Renders one sample even without any time, because a picture needs one.
   if (rule_.seconds && done_ == 0) return 1;
   std::uint64_t piece = std::min<std::uint64_t>(kPiece, rule_.samples - done_);
   if (rule_.error) piece = std::min(piece, next_look_ - done_);

@@ -7,33 +7,33 @@
 
 namespace diaphane::render::cli {
 
-/// What was reached first.
+/// The limit that was reached first.
 enum class StopReason { kSamples, kError, kSeconds };
 const char* name_of(StopReason reason);
 
-/// When rendering ends: at whichever of these comes first.
+/// Rendering ends at the first of these limits.
 struct StopRule {
   static constexpr std::uint32_t kMostSamples = 1 << 24;
 
   std::uint32_t samples = kMostSamples;  ///< per pixel
-  std::optional<double> error;           ///< estimated (Progress::error)
-  std::optional<double> seconds;         ///< of rendering
+  std::optional<double> error;           ///< estimated error (Progress::error)
+  std::optional<double> seconds;         ///< rendering time
 };
 
-/// Decides how many samples to render before the next look at clock and error. Touches nothing.
+/// Decides how many samples to render before the next check of clock and error. Pure.
 class Pace {
  public:
   explicit Pace(const StopRule& rule);
 
-  /// Samples to render now, at least 1. Depends on nothing measured, since the size of a piece can
-  /// decide how sums are rounded.
+  /// Returns the number of samples to render now, at least 1. It does not depend on measurements,
+  /// because the size of a piece can affect rounding.
   std::uint32_t piece() const;
-  /// After a piece was rendered, with the samples that there are now.
+  /// To be called after a piece, with the total number of samples.
   void advance(std::uint64_t samples);
-  /// Whether the error is to be looked at now: at intervals that grow by a quarter, so that
-  /// estimating costs little beside rendering, and no more than a quarter too much is rendered.
+  /// Whether to check the error now. Intervals grow by a quarter, so that estimates cost little
+  /// compared with rendering and at most a quarter too much is rendered.
   bool error_is_due() const;
-  /// `error`: as of now when it is due.
+  /// `error` is the current error if it was due.
   std::optional<StopReason> reached(double seconds, std::optional<double> error) const;
 
  private:

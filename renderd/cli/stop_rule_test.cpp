@@ -14,7 +14,7 @@ struct Course {
   StopReason reason{};
 };
 
-/// A renderer whose error is 1 / sqrt(samples) and that takes `cost` seconds a sample.
+/// A renderer with the error 1 / sqrt(samples) that takes `cost` seconds per sample.
 Course follow(const StopRule& rule, double cost) {
   Pace pace(rule);
   Course course;

@@ -4,12 +4,13 @@
 #include <limits>
 #include <utility>
 
+#include "common/try.h"
 #include "renderd/composite/plan.h"
 
 namespace diaphane::render {
 namespace {
 
-/// The runner may be at a scene two tasks ago when the next one comes.
+/// The runner may still use the scene of two tasks ago when the next task arrives.
 constexpr std::size_t kTasksKept = 4;
 
 }  // namespace
@@ -21,7 +22,7 @@ void AssistDesk::put(AssistTask task) {
   if (tasks_.size() > kTasksKept) tasks_.erase(tasks_.begin());
   news_ = {};
   held_ = delivered_ = 0;
-  // Nobody has sent it: nobody will say that it was taken.
+  // The part was not sent, so no acknowledgement will come for it.
   if (std::exchange(part_, std::nullopt)) on_its_way_ = false;
 }
 
@@ -98,7 +99,7 @@ Result<void> AssistRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas 
 }
 
 Result<Batch> AssistRenderer::render(std::uint32_t samples, const std::function<bool()>& stop) {
-  // Parts are of pairs.
+  // Parts contain pairs of samples.
   auto batch = own_->render(samples + static_cast<std::uint32_t>((held_ + samples) % 2), stop);
   if (!batch) return batch;
   drawn_ += batch->samples;
@@ -123,7 +124,7 @@ Result<void> AssistRenderer::display(PictureRgb8&) {
   AssistPart part;
   auto taken = own_->take_film(part.film);
   if (taken && !*taken) {
-    // A stopped batch left half a pair, or rows of different numbers.
+    // An interrupted batch leaves half a pair, or rows with different numbers of samples.
     for (int tries = 0; tries < 2 && taken && !*taken; ++tries) {
       if (auto batch = render(1, [] { return false; }); !batch) {
         return tl::unexpected(batch.error());
@@ -131,7 +132,7 @@ Result<void> AssistRenderer::display(PictureRgb8&) {
       taken = own_->take_film(part.film);
     }
   }
-  if (!taken) return tl::unexpected(taken.error());
+  DIAPHANE_TRY(taken);
   if (!*taken) return {};
   part.epoch = task_->epoch;
   part.sequence = task_->share.sequence;

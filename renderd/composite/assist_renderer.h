@@ -11,10 +11,10 @@
 
 namespace diaphane::render {
 
-/// Where an assistant's connection and its renderer meet. Thread-safe.
+/// Passes tasks and parts between an assistant's connection and its renderer. Thread-safe.
 class AssistDesk {
  public:
-  /// The newest task, numbered from 1; 0 and null: none yet.
+  /// The newest task. Versions count from 1; before the first task they are 0 and null.
   struct Order {
     std::uint64_t version = 0;
     std::shared_ptr<const AssistTask> task;
@@ -22,37 +22,39 @@ class AssistDesk {
 
   void put(AssistTask task);
   Order newest() const;
-  /// The task whose scene this is, by its place in memory, while the runner may still ask for it.
+  /// Returns the task with this scene, compared by address. Works for as long as the runner may
+  /// still use the scene.
   std::shared_ptr<const AssistTask> of(const diaphane::v1::Scene& scene) const;
 
-  /// The compositor took the part; how far its picture is.
+  /// Records that the compositor took the part, and the progress of its picture.
   void taken(const AssistNews& news);
   AssistNews news() const;
-  /// No part is on its way.
+  /// Whether no part is in transit.
   bool room() const;
-  /// Whether rendering on is of use: not while twice what was delivered waits.
+  /// Whether further rendering is useful. It is not while as many samples as were delivered wait
+  /// behind a part in transit (may_render).
   bool wants_more() const;
 
-  // Of the renderer.
+  // Called by the renderer.
   void began(const AssistTask& task);
   void drew(std::uint64_t held);
   void hand_over(AssistPart part);
-  /// What hand_over() got, once.
+  /// Returns the part from hand_over() once.
   std::optional<AssistPart> collect();
 
  private:
   mutable std::mutex mutex_;
   std::uint64_t version_ = 0;
-  std::vector<std::shared_ptr<const AssistTask>> tasks_;  ///< the newest last
+  std::vector<std::shared_ptr<const AssistTask>> tasks_;  ///< newest last
   AssistNews news_;
   std::uint64_t held_ = 0, delivered_ = 0;
   bool on_its_way_ = false;
   std::optional<AssistPart> part_;
 };
 
-/// A renderer for a Runner whose pictures are parts of films: where the runner would have a picture
-/// shown, a part goes to the desk. So an assistant gets its turns among the sessions of its device
-/// by the same policy. Its progress is that of the picture that it helps with.
+/// A renderer for a Runner whose pictures are parts of films. Instead of showing a picture it hands
+/// a part to the desk. So the policy schedules an assistant among the sessions of its device. The
+/// progress it reports is that of the picture it assists.
 class AssistRenderer final : public FrameRenderer {
  public:
   AssistRenderer(std::unique_ptr<FrameRenderer> own, std::shared_ptr<AssistDesk> desk)
@@ -61,7 +63,7 @@ class AssistRenderer final : public FrameRenderer {
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
   Progress progress() const override;
-  /// Nothing is put into `out`.
+  /// Leaves `out` unchanged.
   Result<void> display(PictureRgb8& out) override;
   Result<void> radiance(PictureRgbF&) override { return no_picture(); }
   Result<void> contents(std::vector<std::uint8_t>&) override { return no_picture(); }

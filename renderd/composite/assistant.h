@@ -9,9 +9,9 @@
 
 namespace diaphane::render {
 
-/// What an assistant is to render, until it gets another task.
+/// The work of an assistant until it gets another task.
 struct AssistTask {
-  /// Of the compositor's: rises with each new picture. Parts of older ones are of no use.
+  /// Epoch of the compositor, which rises with each new picture. Parts of older epochs are useless.
   std::uint64_t epoch = 0;
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas canvas;
@@ -20,32 +20,34 @@ struct AssistTask {
 
 struct AssistPart {
   std::uint64_t epoch = 0;
-  std::uint64_t sequence = 0;  ///< of the task's share
+  std::uint64_t sequence = 0;  ///< sequence of the share that it belongs to
   FilmPart film;
-  double seconds = 0;       ///< that its samples took on the device
-  std::uint64_t bytes = 0;  ///< as it was moved
+  double seconds = 0;       ///< device time of its samples
+  std::uint64_t bytes = 0;  ///< number of bytes transferred
 };
 
-/// How far the picture is that an assistant helps with.
+/// Progress of the picture that an assistant helps to render.
 struct AssistNews {
   std::uint64_t samples = 0;
   double error = 0;
 };
 
-/// Another device that renders for a picture: of this process or of another. Never blocks; called
-/// by one thread at a time. What it has delivered stays valid when it is lost: it is samples.
+/// Another device, of this process or another one, that helps to render a picture. Never blocks;
+/// called by one thread at a time. Its delivered parts remain valid if it is lost, because they are
+/// samples.
 class Assistant {
  public:
   virtual ~Assistant() = default;
-  /// Replaces the task before.
+  /// Replaces the previous task.
   virtual void begin(const AssistTask& task) = 0;
-  /// The part that waits, if one does. There is at most one: taking it makes room for the next, and
-  /// an assistant whose part is not taken comes to rest.
+  /// Returns the part that waits, if any. There is at most one: taking it makes room for the next,
+  /// and an assistant whose part is not taken stops rendering.
   virtual std::optional<AssistPart> take(const AssistNews& news) = 0;
-  /// For good, or for now: nothing will come of the task. One that can comes back when asked.
+  /// Whether the assistant is lost, permanently or temporarily, so that it will not deliver parts
+  /// of the task. A temporarily lost one can be asked to return by this call.
   virtual bool lost() = 0;
-  /// That its parts come over, before they can be merged. Within a process they stay where they are
-  /// until then, and merging reads them there.
+  /// Throughput at which its parts are transferred before they can be merged. Within a process
+  /// parts are not transferred; merging reads them where they are.
   virtual double bytes_per_second() const { return 1e12; }
 };
 

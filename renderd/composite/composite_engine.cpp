@@ -8,13 +8,13 @@
 namespace diaphane::render {
 namespace {
 
-/// One copy on each device.
+/// One copy of the volume on each device.
 class CompositeVolume final : public DeviceVolume {
  public:
   CompositeVolume(std::string id, std::vector<std::shared_ptr<const DeviceVolume>> copies)
       : id_(std::move(id)), copies_(std::move(copies)) {}
   const volume::Header& header() const override { return copies_.front()->header(); }
-  /// Of the device where it takes most: each has a memory of its own.
+  /// The bytes on the device where it takes most, because each device has its own memory.
   std::uint64_t device_bytes() const override {
     std::uint64_t most = 0;
     for (const auto& copy : copies_) most = std::max(most, copy->device_bytes());
@@ -91,7 +91,7 @@ class CompositeEngine final : public Engine {
   }
 
   const std::vector<std::unique_ptr<Engine>> devices_;
-  std::vector<std::unique_ptr<DeviceThread>> threads_;  ///< end before the devices
+  std::vector<std::unique_ptr<DeviceThread>> threads_;  ///< destroyed before the devices
   AssistSource* const source_;
   const CompositeOptions options_;
 };

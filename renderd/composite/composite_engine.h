@@ -8,30 +8,32 @@
 
 namespace diaphane::render {
 
-/// What an assistant in another process must know before its first task.
+/// Data that an assistant in another process needs before its first task.
 struct AssistOrder {
-  std::string volume_id;  ///< in the volume store
+  std::string volume_id;  ///< id in the volume store
   std::uint64_t seed = 0;
   std::uint64_t first_sample = 0;
   Method method;
 };
 
-/// Where assistants of other processes come from. Thread-safe.
+/// Provides assistants of other processes. Thread-safe.
 class AssistSource {
  public:
   virtual ~AssistSource() = default;
-  /// One for each that is known, there or not: it says itself when it is lost.
+  /// Returns one assistant per known worker, whether it is reachable or not; Assistant::lost()
+  /// tells.
   virtual std::vector<std::unique_ptr<Assistant>> assistants(const AssistOrder& order) = 0;
 };
 
-/// An engine whose pictures are rendered by several devices: those of this process, of which the
-/// first shows the picture and the others take turns between all pictures, and those of `source`
-/// (may be null; outlives the engine). To its caller it is the first device.
+/// Makes an engine whose pictures are rendered by several devices. The first of `devices` shows the
+/// pictures, and the others take turns between all pictures. `source` adds assistants of other
+/// processes; it may be null and must outlive the engine. To its caller the engine looks like the
+/// first device.
 std::unique_ptr<Engine> make_composite_engine(std::vector<std::unique_ptr<Engine>> devices,
                                               AssistSource* source, CompositeOptions options = {});
 
-/// For another worker's picture: of the first device alone, so that assistants ask nobody to assist
-/// them. `engine` may be any.
+/// Makes a renderer for another worker's picture. It uses only the first device, so that assistants
+/// do not request assistants themselves. `engine` may be any engine.
 Result<std::unique_ptr<FrameRenderer>> renderer_of_one_device(
     Engine& engine, const std::shared_ptr<const DeviceVolume>& volume, std::uint64_t seed,
     std::uint64_t first_sample, Method method);

@@ -5,19 +5,19 @@
 #include <thread>
 #include <utility>
 
+#include "common/try.h"
+
 namespace diaphane::render {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The error for which the way of dividing is chosen.
+/// The error to be reached soonest when the division is chosen.
 constexpr double kChosenFor = 0.05;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
-
-double pixels_of(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
 
 double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
 
@@ -55,7 +55,7 @@ Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canv
 
 Division CompositeRenderer::choose() const {
   if (options_.division) return *options_.division;
-  // The smoothing of first pictures needs to know what is seen in all of their rows.
+  // Denoising the first pictures needs the guides of all rows.
   if (guided_) return Division::kAverage;
   DivisionQuestion question;
   question.canvas = task_.canvas;
@@ -75,7 +75,7 @@ Division CompositeRenderer::choose() const {
 }
 
 Result<void> CompositeRenderer::deal(Division division) {
-  // An unknown speed is as good as the others'.
+  // A device of unknown speed is assumed to be as fast as the fastest known one.
   double known = own_speed_ > 0 ? own_speed_ : 1;
   for (const Helper& helper : helpers_) known = std::max(known, helper.speed);
   std::vector<double> speeds{own_speed_ > 0 ? own_speed_ : known};
@@ -87,10 +87,10 @@ Result<void> CompositeRenderer::deal(Division division) {
   report_.assistants = 0;
   auto taken = own_->set_share(*shares.front());
   if (!taken && taken.error().code == ErrorCode::kConflict) {
-    // A stopped batch left half a pair.
+    // An interrupted batch leaves half a pair.
     for (int tries = 0; tries < 2 && !taken; ++tries) {
       const auto batch = own_->render(1, [] { return false; });
-      if (!batch) return tl::unexpected(batch.error());
+      DIAPHANE_TRY(batch);
       learn_own(*batch);
       taken = own_->set_share(*shares.front());
     }
@@ -124,7 +124,7 @@ Result<void> CompositeRenderer::settle_changes() {
       report_.assistants -= helper.share ? 1 : 0;
       helper.share.reset();
     } else if (!helper.share) {
-      // Of a sequence of its own: those of the others are under way.
+      // The new share gets a new sequence, because those of the other devices are in use.
       helper.share = Share{.sequence = ++sequence_};
       task_.share = *helper.share;
       helper.assistant->begin(task_);
@@ -137,12 +137,12 @@ Result<void> CompositeRenderer::settle_changes() {
 Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
   ++report_.parts;
   report_.bytes += part.bytes;
-  helped_seconds_ += std::max(part.seconds, 0.0);  // also when it comes too late to be of use
+  helped_seconds_ += std::max(part.seconds, 0.0);  // also for parts that come too late
   if (part.epoch != epoch_) {
     ++report_.dropped_parts;
     if (options_.drop_older_epochs) return {};
   }
-  if (!fits(part.film, task_.canvas)) return {};  // of an older picture, or nonsense
+  if (!fits(part.film, task_.canvas)) return {};  // from an older picture, or malformed
   const auto begin = Clock::now();
   if (auto merged = own_->merge_film(part.film); !merged) return merged;
   const double seconds = seconds_since(begin);
@@ -154,7 +154,7 @@ Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
   for (std::uint32_t row = film.first_row; row < last; row += kShareRows) {
     drawn_[row / kShareRows] += film.samples;
   }
-  // Of a part that came in bands of rows, each has its share of the seconds.
+  // If a part is sent in bands of rows, each band has its share of the seconds.
   if (part.seconds <= 0 || !helper.share || helper.share->sequence != part.sequence) return {};
   const Share& share = *helper.share;
   if (whole(share, task_.canvas)) {
@@ -164,7 +164,7 @@ Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
     const double rows = end - share.first_row;
     costs_.learn(share.first_row, end, task_.canvas.height,
                  part.seconds / static_cast<double>(film.samples) * rows / film.rows,
-                 pixels_of(task_.canvas) / helper.speed);
+                 task_.canvas.pixels() / helper.speed);
   }
   return {};
 }
@@ -188,10 +188,10 @@ void CompositeRenderer::learn_own(const Batch& batch) {
   if (batch.seconds <= 0) return;
   const double per_sample = batch.seconds / batch.samples;
   if (whole(own_share_, task_.canvas)) {
-    own_speed_ = mean(own_speed_, pixels_of(task_.canvas) / per_sample);
+    own_speed_ = mean(own_speed_, task_.canvas.pixels() / per_sample);
   } else if (own_speed_ > 0) {
     costs_.learn(own_share_.first_row, last, task_.canvas.height, per_sample,
-                 pixels_of(task_.canvas) / own_speed_);
+                 task_.canvas.pixels() / own_speed_);
   }
 }
 
@@ -214,15 +214,16 @@ Result<void> CompositeRenderer::await_bands(const std::function<bool()>& stop) {
       lost |= !can_help(helper);
     }
     if (lost) {
-      // The rows of those that do not answer, by those that do.
+      // Deals the rows of devices that do not respond to those that do.
       if (auto dealt = deal(Division::kTiles); !dealt) return dealt;
       const auto batch = own_->render(2, stop);
-      if (!batch) return tl::unexpected(batch.error());
+      DIAPHANE_TRY(batch);
       learn_own(*batch);
     } else if (drawn_[own_share_.first_row / kShareRows] < 2) {
-      // The others draw a pair before they hand over their first part: so does this one.
+      // The other devices render a pair of samples before they deliver their first part, so this
+      // one does too.
       const auto batch = own_->render(1, stop);
-      if (!batch) return tl::unexpected(batch.error());
+      DIAPHANE_TRY(batch);
       learn_own(*batch);
       own_extra_ += batch->samples;
     } else {
@@ -233,16 +234,16 @@ Result<void> CompositeRenderer::await_bands(const std::function<bool()>& stop) {
 }
 
 Result<Batch> CompositeRenderer::render(std::uint32_t samples, const std::function<bool()>& stop) {
-  if (drawn_.empty()) return own_->render(samples, stop);  // says that there is no scene
-  if (auto settled = settle_changes(); !settled) return tl::unexpected(settled.error());
+  if (drawn_.empty()) return own_->render(samples, stop);  // fails because there is no scene
+  DIAPHANE_TRY(settle_changes());
   auto batch = own_->render(samples, stop);
   if (!batch) return batch;
   learn_own(*batch);
   const auto begin = Clock::now();
   own_extra_ = 0;
-  if (auto done = absorb(); !done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(absorb());
   if (batch->samples > 0) {
-    if (auto done = await_bands(stop); !done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(await_bands(stop));
   }
   batch->samples += own_extra_;
   batch->seconds += seconds_since(begin);

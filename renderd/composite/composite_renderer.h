@@ -12,29 +12,30 @@
 namespace diaphane::render {
 
 struct CompositeOptions {
-  /// Nothing: chosen for each picture by what it gains (plan.h).
+  /// If empty, the division is chosen for each picture by its predicted time (plan.h).
   std::optional<Division> division;
-  /// False: parts of older pictures are merged too, as if nobody counted them. They are ghosts
-  /// (thesis 5.1.2): for the test that shows it.
+  /// If false, parts of older pictures are merged too, as if epochs did not exist. They appear as
+  /// ghosts (thesis 5.1.2). For the test that shows this.
   bool drop_older_epochs = true;
-  /// How long bands of a first picture are waited for, beside what they take; then their rows are
-  /// rendered by those that answer.
+  /// How long to wait for bands of a first picture, in addition to the time they take. Afterwards
+  /// the devices that respond render the missing rows.
   std::chrono::milliseconds patience{100};
 };
 
-/// What was moved for a picture, since its scene was set.
+/// Data transferred for a picture since its scene was set.
 struct CompositeReport {
   Division division = Division::kAverage;
   std::uint64_t parts = 0;
-  std::uint64_t dropped_parts = 0;  ///< of older epochs
-  std::uint64_t bytes = 0;          ///< moved, dropped ones included
+  std::uint64_t dropped_parts = 0;  ///< parts of older epochs
+  std::uint64_t bytes = 0;          ///< transferred, including dropped parts
   double merge_seconds = 0;
-  std::size_t assistants = 0;  ///< that have a share now
+  std::size_t assistants = 0;  ///< number with a share now
 };
 
-/// A picture that several devices render: its own renderer shows it and merges what assistants
-/// deliver, by numbers of samples. Whoever is lost costs its share, no more: its parts stay, and
-/// its rows, if it had some of its own, go to the others. Whoever comes back gets a share.
+/// Renders a picture on several devices. Its own renderer shows the picture and merges the parts of
+/// the assistants, weighted by their numbers of samples. A lost assistant costs only its share: its
+/// parts stay, and its rows, if it had some, go to the others. An assistant that comes back gets a
+/// share again.
 class CompositeRenderer final : public FrameRenderer {
  public:
   CompositeRenderer(std::unique_ptr<FrameRenderer> own,
@@ -47,7 +48,7 @@ class CompositeRenderer final : public FrameRenderer {
   Result<void> radiance(PictureRgbF& out) override { return own_->radiance(out); }
   Result<void> contents(std::vector<std::uint8_t>& out) override { return own_->contents(out); }
   void prepare_denoising(bool wanted) override;
-  void hurry(bool urgent) override { own_->hurry(urgent); }
+  void set_precedence(unsigned precedence) override { own_->set_precedence(precedence); }
   Result<bool> display_denoised(PictureRgb8& out) override { return own_->display_denoised(out); }
   Result<bool> radiance_denoised(PictureRgbF& out) override { return own_->radiance_denoised(out); }
   std::vector<std::string> features() const override { return own_->features(); }
@@ -56,18 +57,18 @@ class CompositeRenderer final : public FrameRenderer {
   const CompositeReport& composite() const { return report_; }
 
  private:
-  /// An assistant, and what is known of it.
+  /// An assistant and its state.
   struct Helper {
     std::unique_ptr<Assistant> assistant;
-    std::optional<Share> share;  ///< nothing: it has none in this picture
-    double speed = 0;            ///< pixels' samples a second; 0: unknown
-    bool silent = false;         ///< it delivered nothing in time: without a share in this epoch
+    std::optional<Share> share;  ///< empty if it has no share in this picture
+    double speed = 0;            ///< pixel samples per second; 0 if unknown
+    bool silent = false;         ///< delivered nothing in time, and has no share in this epoch
   };
 
   Division choose() const;
-  /// Gives everybody a share of what is rendered from now on.
+  /// Gives each device a share of the remaining work.
   Result<void> deal(Division division);
-  /// Shares for who came, and for the rows of who went.
+  /// Gives shares to new assistants and redistributes the rows of lost ones.
   Result<void> settle_changes();
   Result<void> absorb();
   Result<void> merge(Helper& helper, const AssistPart& part);
@@ -80,21 +81,22 @@ class CompositeRenderer final : public FrameRenderer {
   const CompositeOptions options_;
   std::vector<Helper> helpers_;
 
-  AssistTask task_;  ///< of this epoch, but for the share
+  AssistTask task_;  ///< task of this epoch, without the share
   std::uint64_t epoch_ = 0;
-  std::uint64_t sequence_ = 0;  ///< of the last shares dealt in this epoch
+  std::uint64_t sequence_ = 0;  ///< sequence of the last shares dealt in this epoch
   Share own_share_;
   double own_speed_ = 0;
   bool guided_ = false;
-  std::vector<std::uint64_t> drawn_;  ///< samples that the film has, each kShareRows rows
+  std::vector<std::uint64_t> drawn_;  ///< samples in the film, per kShareRows rows
   RowCosts costs_;
   double merge_seconds_per_pixel_ = 0;  ///< 0: unknown
-  double turn_seconds_ = 0;             ///< of a call of render(); 0: unknown
-  std::optional<Division> before_;      ///< of the picture before this one
-  std::uint32_t own_extra_ = 0;         ///< samples beyond those asked for, in this call
-  double helped_seconds_ = 0;           ///< by devices whose parts were merged since the last batch
-  mutable double samples_needed_ = 16;  ///< to 5%, as the last picture was seen to need
-  mutable double told_error_ = 0;       ///< of the last progress()
+  double turn_seconds_ = 0;             ///< duration of a call of render(); 0: unknown
+  std::optional<Division> before_;      ///< division of the previous picture
+  std::uint32_t own_extra_ = 0;         ///< samples beyond those requested in this call
+  double helped_seconds_ = 0;           ///< device time of parts merged since the last batch
+  /// Samples to an error of 5%, estimated from the last picture.
+  mutable double samples_needed_ = 16;
+  mutable double told_error_ = 0;  ///< error returned by the last progress()
   CompositeReport report_;
 };
 

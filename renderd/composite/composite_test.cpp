@@ -1,5 +1,5 @@
-// Several devices that make one picture, with assistants that answer when the test says so, and
-// with those of a real engine's threads.
+// Several devices that render one picture, with assistants controlled by the test and with those of
+// a real engine's threads.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "renderd/composite/composite_engine.h"
 #include "renderd/composite/device_thread.h"
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/scene/test_scenes.h"
 
 namespace diaphane::render {
@@ -17,13 +17,14 @@ namespace {
 
 constexpr Canvas kCanvas{61, 77};
 
-/// Renders `each` samples of its task whenever it is asked for a part.
+/// The behaviour of a fake assistant, which renders `each` samples of its task whenever a part is
+/// requested.
 struct Script {
   std::uint32_t each = 4;
   bool lost = false;
   bool silent = false;
   int tasks = 0;
-  std::deque<AssistPart> late;  ///< delivered before all else
+  std::deque<AssistPart> late;  ///< delivered before any other part
   AssistTask task;
   std::unique_ptr<FrameRenderer> renderer;
 };
@@ -45,7 +46,7 @@ class ScriptedAssistant final : public Assistant {
       s.late.pop_front();
       return part;
     }
-    // One part a question: the next one is not there yet.
+    // Every second call returns nothing, as if the next part were not ready yet.
     if ((asked_ = !asked_) == false || s.lost || s.silent || s.each == 0) return std::nullopt;
     AssistPart part;
     EXPECT_TRUE(s.renderer->render(s.each, nullptr));
@@ -79,7 +80,8 @@ class Composite : public ::testing::Test {
     EXPECT_TRUE(renderer.radiance(picture));
     return picture.pixels;
   }
-  /// Of one device, `samples` of sequence 1, which is the first that is dealt.
+  /// Returns the picture of one device with `samples` samples of sequence 1, the first that is
+  /// dealt.
   std::vector<float> alone(std::uint32_t samples, const diaphane::v1::Scene& scene) {
     const auto one = renderer();
     EXPECT_TRUE(one->set_scene(scene, kCanvas));
@@ -95,7 +97,7 @@ class Composite : public ::testing::Test {
     }
     return most;
   }
-  /// Rounding of packed means.
+  /// Rounding error of packed means.
   static constexpr double kRounding = 0x1p-11 + 1e-5;
 
   std::unique_ptr<Engine> engine_ = make_cpu_engine(2);
@@ -120,13 +122,14 @@ TEST_F(Composite, AveragesAndTilesOfKDevicesAreThePictureOfOne) {
   }
 }
 
-/// Render time: what assistants worked is the picture's, also of parts that come too late.
+/// The time that assistants worked counts as render time of the picture, even for parts that come
+/// too late.
 TEST_F(Composite, ABatchSaysHowLongOthersWorkedForIt) {
   const auto many = composite(3, {.division = Division::kAverage});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   const auto first = many->render(4, nullptr);
   ASSERT_TRUE(first);
-  EXPECT_NEAR(first->helped_seconds, 3e-3, 1e-12);  // a part of a millisecond of each
+  EXPECT_NEAR(first->helped_seconds, 3e-3, 1e-12);  // a part of 1 ms from each assistant
   scripts_[0]->silent = scripts_[1]->silent = scripts_[2]->silent = true;
   const auto second = many->render(4, nullptr);
   ASSERT_TRUE(second);
@@ -140,8 +143,7 @@ TEST_F(Composite, ABatchSaysHowLongOthersWorkedForIt) {
   EXPECT_NEAR(third->helped_seconds, 5e-3, 1e-12);
 }
 
-/// Thesis 5.1.2: without the count of interactions, what was rendered of the picture before would
-/// shine through the new one.
+/// Thesis 5.1.2: without the epoch, samples of the previous picture would appear in the new one.
 TEST_F(Composite, PartsOfOlderEpochsAreDroppedOrThereWouldBeGhosts) {
   auto turned = test::skull_scene();
   turned.mutable_camera()->mutable_eye()->set_x(turned.camera().eye().x() + 300);
@@ -149,7 +151,7 @@ TEST_F(Composite, PartsOfOlderEpochsAreDroppedOrThereWouldBeGhosts) {
     scripts_.clear();
     const auto many = composite(1, {.division = Division::kAverage, .drop_older_epochs = drop});
     ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
-    // It is on its way when the camera turns.
+    // The part is in transit when the camera turns.
     AssistPart late;
     ASSERT_TRUE(scripts_[0]->renderer->render(4, nullptr));
     ASSERT_TRUE(*scripts_[0]->renderer->take_film(late.film));
@@ -181,7 +183,7 @@ TEST_F(Composite, AnAssistantLostInMidPictureCostsOnlyItsShare) {
   ASSERT_TRUE(many->render(4, nullptr));
   EXPECT_EQ(many->progress().samples, 4u * 3 + 4u * 2) << "what it delivered stays";
   EXPECT_EQ(many->composite().assistants, 1u);
-  // It comes back: a share of its own, in the same picture.
+  // It returns and gets a share of the same picture.
   scripts_[0]->lost = false;
   ASSERT_TRUE(many->render(4, nullptr));
   EXPECT_EQ(many->progress().samples, 4u * 3 + 4u * 2 + 4u * 3);
@@ -200,7 +202,7 @@ TEST_F(Composite, TheRowsOfALostAssistantAreTheOthers) {
   ASSERT_TRUE(goes_on) << goes_on.error().message;
   ASSERT_TRUE(many->render(5, nullptr));
   EXPECT_GE(many->progress().samples, 8u) << "its rows too";
-  // It is the same picture: within the noise of 8 samples, by the renderer's own estimate.
+  // The picture is the same within the noise of 8 samples, as estimated by the renderer.
   const auto truth = alone(64, test::skull_scene());
   const auto picture = radiance(*many);
   double squared = 0;
@@ -219,7 +221,7 @@ TEST_F(Composite, ABandThatNeverComesIsRenderedByWhoAnswers) {
   scripts_[1]->silent = true;
   ASSERT_TRUE(many->render(2, nullptr));
   EXPECT_GE(many->progress().samples, 2u) << "the first picture is whole";
-  // Who waits can be called away.
+  // Waiting for bands can be interrupted.
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   ASSERT_TRUE(many->render(2, [] { return true; }));
 }
@@ -248,12 +250,13 @@ TEST_F(Composite, TheWayOfDividingIsChosenOnceSpeedsAreKnown) {
   EXPECT_EQ(many->composite().division, Division::kAverage) << "smoothing needs all rows' guides";
 }
 
-/// Devices of this process, as a renderd with several GPUs has them.
+/// Devices of one process, as in a renderd with several GPUs.
 TEST(CompositeEngine, DevicesOfOneProcessRenderOnePictureAndComeToRestWithIt) {
   for (const Division division : {Division::kAverage, Division::kTiles}) {
     std::vector<std::unique_ptr<Engine>> devices;
     for (int i = 0; i < 3; ++i) devices.push_back(make_cpu_engine(1));
-    // However slow the machine is: who is late for the first picture loses its share of it.
+    // The patience is long because a device that is late for the first picture would lose its share
+    // on a slow test machine.
     const auto engine = make_composite_engine(
         std::move(devices), nullptr, {.division = division, .patience = std::chrono::hours(1)});
     EXPECT_EQ(engine->info().device.substr(0, 4), "3 x ");
@@ -281,7 +284,7 @@ TEST(CompositeEngine, DevicesOfOneProcessRenderOnePictureAndComeToRestWithIt) {
   }
 }
 
-/// Counts what is asked of it.
+/// Counts the calls that it gets.
 class CountingRenderer final : public FrameRenderer {
  public:
   explicit CountingRenderer(std::shared_ptr<std::atomic<int>> samples)
@@ -328,7 +331,7 @@ TEST(DeviceThread, RestsWhenNobodyTakesItsPartsAndGoesOnWhenSomebodyDoes) {
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   const int rested = *samples;
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(*samples, rested) << "a picture that nobody looks at costs nothing";
+  EXPECT_EQ(*samples, rested) << "a picture without viewers costs nothing";
   ASSERT_TRUE(assistant->take({}));
   for (int i = 0; i < 5000 && *samples == rested; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -11,18 +11,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Between two looks at whether somebody else wants a turn.
+/// Time between two checks whether another picture needs a turn.
 constexpr double kTurnSeconds = 0.005;
 constexpr double kMostSamples = 1024;
 
-double seconds_since(Clock::time_point begin) {
+double elapsed_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 }  // namespace
 
-/// One picture that the device renders for. Task and part are of both threads, the rest is of the
-/// device's.
+/// A picture that the device helps to render. The task and the part are shared by both threads; the
+/// rest belongs to the device's thread.
 class DeviceThread::Job {
  public:
   explicit Job(std::unique_ptr<FrameRenderer> renderer) : renderer_(std::move(renderer)) {}
@@ -46,7 +46,7 @@ class DeviceThread::Job {
   bool gone() const { return gone_; }
   void leave() { gone_ = true; }
 
-  /// One turn; false when there is nothing to do.
+  /// Takes one turn. Returns false if there is nothing to do.
   bool turn(const std::atomic<bool>& stopping) {
     if (!adopt()) return false;
     PartQuestion question = asked();
@@ -54,7 +54,7 @@ class DeviceThread::Job {
     const auto stop = [&] { return stopping || gone_ || version_ != applied_; };
     auto samples = static_cast<std::uint32_t>(
         per_sample_ > 0 ? std::clamp(kTurnSeconds / per_sample_, 1.0, kMostSamples) : 1);
-    // Somebody waits for the first pair, and parts are of pairs.
+    // The first pair of samples is awaited, and parts contain pairs.
     if (delivered_ == 0 && held_ < 2) samples = 2;
     samples += (held_ + samples) % 2;
     const auto batch = renderer_->render(samples, stop);
@@ -70,7 +70,8 @@ class DeviceThread::Job {
   }
 
  private:
-  /// Takes a new task up; false when there is none at all, or it cannot be rendered.
+  /// Starts a new task if there is one. Returns false if there is no task at all or it cannot be
+  /// rendered.
   bool adopt() {
     {
       const std::lock_guard lock(mutex_);
@@ -87,7 +88,7 @@ class DeviceThread::Job {
     return true;
   }
 
-  PartQuestion asked() { return {held_, delivered_, seconds_since(since_), cost_, !waits()}; }
+  PartQuestion asked() { return {held_, delivered_, elapsed_since(since_), cost_, !waits()}; }
 
   bool hand_over() {
     const auto begin = Clock::now();
@@ -102,7 +103,7 @@ class DeviceThread::Job {
     delivered_ += held_;
     held_ = 0;
     seconds_ = 0;
-    cost_ = seconds_since(begin);
+    cost_ = elapsed_since(begin);
     since_ = Clock::now();
     const std::lock_guard lock(mutex_);
     if (version_ == applied_) part_ = std::move(part);
@@ -126,9 +127,9 @@ class DeviceThread::Job {
   AssistTask current_;
   std::uint64_t applied_ = 0;
   std::uint64_t held_ = 0, delivered_ = 0;
-  double seconds_ = 0;     // of what is held
+  double seconds_ = 0;     // device time of the samples that are held
   double per_sample_ = 0;  // 0: unknown
-  double cost_ = 0;        // of handing over
+  double cost_ = 0;        // time to deliver a part
   Clock::time_point since_{};
 };
 

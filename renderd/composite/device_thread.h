@@ -12,17 +12,18 @@
 
 namespace diaphane::render {
 
-/// A device of this process that renders for others' pictures: one thread, which takes turns
-/// between the pictures that want more.
+/// A device of this process that helps to render pictures of other devices. It has one thread,
+/// which takes turns between the pictures that need more samples.
 class DeviceThread {
  public:
   DeviceThread();
-  /// Its assistants do nothing from then on.
+  /// Its assistants do nothing afterwards.
   ~DeviceThread();
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
 
-  /// Renders with `renderer`, which is of this device. The thread outlives the assistant.
+  /// Makes an assistant that renders with `renderer`, which must belong to this device. The thread
+  /// must outlive the assistant.
   std::unique_ptr<Assistant> assistant(std::unique_ptr<FrameRenderer> renderer);
 
  private:

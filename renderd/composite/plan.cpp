@@ -7,13 +7,11 @@
 namespace diaphane::render {
 namespace {
 
-double pixels_of(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
-
 /// Parts come in pairs of samples.
 constexpr double kPair = 2;
 
-/// Parts of an epoch in which a device hands over so many samples: as part_due() has them, in
-/// pairs, with each fourth of what was handed over before.
+/// Returns the number of parts in which a device delivers this many samples in one epoch. As in
+/// part_due(), parts contain pairs, and each has a quarter of the samples delivered before.
 double parts_for(double samples) {
   double parts = 0;
   for (double delivered = 0; delivered < samples; ++parts) {
@@ -28,7 +26,7 @@ void RowCosts::learn(std::uint32_t first, std::uint32_t last, std::uint32_t heig
                      double whole) {
   if (!(seconds > 0) || !(whole > 0) || first >= last || last > height) return;
   const double expected = share_of(first, last, height);
-  // Of one measurement not everything is believed.
+  // The clamp limits the effect of a single measurement.
   const double off = std::clamp(seconds / whole / expected, 0.25, 4.0);
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const double middle = (static_cast<double>(bin) + 0.5) / kBins * height;
@@ -75,7 +73,7 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
   std::uint32_t first = 0;
   for (std::size_t d = 0; d < speeds.size() && first < units; ++d) {
     if (!takes_part(d)) continue;
-    // Of the rows that are left, as much of the cost as its speed is of the speeds that are left.
+    // The device's fraction of the remaining cost is its fraction of the remaining speed.
     const double wanted = costs.share_of(row_of(first), canvas.height, canvas.height) *
                           std::min(1.0, speeds[d] / left);
     const std::uint32_t others = --devices;
@@ -96,23 +94,24 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
 }
 
 DivisionGain predict(Division division, const DivisionQuestion& question) {
-  const double pixels = pixels_of(question.canvas);
+  const double pixels = question.canvas.pixels();
   const double speed = std::accumulate(question.speeds.begin(), question.speeds.end(), 0.0);
   const auto others = static_cast<double>(question.speeds.size() - 1);
   if (others == 0) return {question.samples * pixels / speed, 0};
   const bool average = division == Division::kAverage;
-  // Of all that is merged in one turn.
+  // Pixels merged in one turn from all parts.
   const double merged = average ? others * pixels : pixels * (1 - question.speeds.front() / speed);
   const double part =
       others * question.part_seconds +
       merged * (sizeof(PackedPixel) / question.bytes_per_second + question.merge_seconds);
-  // Of an average each device draws pairs; of tiles the slowest band is waited for.
+  // With an average, each device renders pairs. With tiles, the slowest band determines the time.
   const double each = question.samples / (average ? others + 1 : 1);
   const double rendering = average ? kPair * std::ceil(each / kPair) * (others + 1) * pixels / speed
                                    : each * pixels / speed * (1 + kBandsUneven * others);
   double parts = parts_for(each);
   if (question.turn_seconds > 0) {
-    // As many as turns end, which are more the more parts there are.
+    // Parts are taken at the ends of turns. More parts take longer, which makes more turns, so this
+    // iterates.
     double fitting = 1;
     for (int i = 0; i < 8; ++i) {
       fitting = std::max(1.0, std::round((rendering + fitting * part) / question.turn_seconds));
@@ -121,8 +120,8 @@ DivisionGain predict(Division division, const DivisionQuestion& question) {
   }
   double seconds = rendering + parts * part;
   if (average) {
-    // In the turn of the device that shows it nobody else's samples come in; and where a pair of
-    // each is more than is needed, it is as fast alone.
+    // No samples of other devices arrive during a turn of the device that shows the picture. If a
+    // pair from each device exceeds the samples needed, that device alone is as fast.
     const double alone = question.samples * pixels / question.speeds.front();
     seconds = std::min(std::max(seconds, question.turn_seconds), alone);
   }
@@ -134,7 +133,7 @@ Division choose_division(const DivisionQuestion& question) {
   for (const double speed : question.speeds) {
     if (!(speed > 0)) return Division::kAverage;
   }
-  // Less than a unit each is no division.
+  // There must be at least one unit of rows per device.
   if (question.canvas.height < kShareRows * question.speeds.size()) return Division::kAverage;
   const double average = predict(Division::kAverage, question).seconds;
   const double tiles = predict(Division::kTiles, question).seconds;

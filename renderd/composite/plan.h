@@ -6,89 +6,94 @@
 
 #include "renderd/film/part.h"
 
-// Who renders what of one picture, and by which of the two ways it is divided. Pure: what was
-// measured goes in, shares come out.
+// Decides how one picture is divided among devices, and which share each device renders. Pure
+// functions of measurements.
 
 namespace diaphane::render {
 
-/// How several devices make one picture.
+/// How several devices render one picture together.
 enum class Division {
-  kAverage,  ///< each the whole picture, of samples of its own (thesis 5.1.2)
-  kTiles     ///< each a band of rows (thesis 8.2)
+  kAverage,  ///< each renders the whole picture with different samples (thesis 5.1.2)
+  kTiles     ///< each renders a band of rows (thesis 8.2)
 };
 
-/// What rows cost against each other, learned from bands: a head's middle takes longer than the air
-/// above it. Kept for a picture of any height.
+/// The relative costs of rows, learned from bands: the middle of a head takes longer than the air
+/// above it. Independent of the height of the picture.
 class RowCosts {
  public:
   static constexpr std::size_t kBins = 64;
 
   RowCosts() : bins_(kBins, 1.0) {}
-  /// A band [first, last) of `height` rows took `seconds` (of one sample per pixel) on a device
-  /// that needs `whole` for all rows.
+  /// Learns from a band [first, last) of a picture of `height` rows that took `seconds` per sample
+  /// on a device that needs `whole` seconds for all rows.
   void learn(std::uint32_t first, std::uint32_t last, std::uint32_t height, double seconds,
              double whole);
-  /// The part of the whole picture's cost that rows [first, last) are.
+  /// Returns the fraction of the whole picture's cost that rows [first, last) have.
   double share_of(std::uint32_t first, std::uint32_t last, std::uint32_t height) const;
 
  private:
   std::vector<double> bins_;  ///< from the top; their mean is about 1
 };
 
-/// One share for each device, nothing for one that is left without. Averaging: parts of the
-/// sequence `sequence`. Tiles: bands that take equally long at these speeds, all with a unit of
-/// rows at least while there are units; every row is in one of them. `speeds`: of the devices in
-/// any unit; 0 is one that takes no part. At least one takes part.
+/// Returns one share per device, or nullopt for a device that gets none. With kAverage, shares are
+/// parts of the sequence `sequence`. With kTiles, they are bands that take equally long at these
+/// speeds and contain every row once. Each device gets at least one unit of rows if there are
+/// enough units. `speeds` has the speed of each device in any unit, or 0 for one that takes no
+/// part. At least one device must take part.
 std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
                                               const std::vector<double>& speeds,
                                               const RowCosts& costs, std::uint64_t sequence);
 
-/// What parts cost where their pixels lie on another GPU of the host, measured with two and with
-/// four H200 (docs/figures.md, `many`): seconds of each part, and of each of its pixels.
+/// Costs of parts whose pixels are on another GPU of the host, in seconds per part and per pixel.
+/// Measured with two and with four H200 (docs/figures.md, `many`).
 inline constexpr double kPartSeconds = 0.6e-3;
 inline constexpr double kMergeSeconds = 0.03e-9;
-/// There too: how much longer than its even share the slowest band takes, for each further device.
+/// By how much the slowest band exceeds its even share of the time, per additional device. Measured
+/// there too.
 inline constexpr double kBandsUneven = 0.15;
 
-/// What decides between the two.
+/// The input of choose_division().
 struct DivisionQuestion {
   Canvas canvas;
-  double samples = 16;             ///< per pixel, that the picture needs
-  std::vector<double> speeds;      ///< pixels' samples a second; the first device shows the picture
-  double bytes_per_second = 1e12;  ///< of what parts come over, all together
-  double merge_seconds = kMergeSeconds;  ///< of one pixel, on the device that shows the picture
-  double part_seconds = kPartSeconds;    ///< of one part, beside its pixels
-  /// Parts are taken between the turns of the device that shows the picture, each so long; 0: at
-  /// once.
+  double samples = 16;             ///< samples per pixel that the picture needs
+  std::vector<double> speeds;      ///< pixel samples per second; the first device shows the picture
+  double bytes_per_second = 1e12;  ///< throughput for all parts together
+  double merge_seconds = kMergeSeconds;  ///< per pixel, on the device that shows the picture
+  double part_seconds = kPartSeconds;    ///< per part, without its pixels
+  /// Length of a turn of the device that shows the picture, which takes parts between its turns; 0:
+  /// it takes them at once.
   double turn_seconds = 0;
-  /// How the picture before was divided: kept unless the other way is faster.
+  /// Division of the previous picture, which is kept unless the other one is faster.
   std::optional<Division> before;
 };
 
 struct DivisionGain {
-  double seconds = 0;  ///< to a picture of so many samples
+  double seconds = 0;  ///< until the picture has DivisionQuestion::samples
   double bytes_moved = 0;
 };
 
-/// The time until the devices together have drawn the samples and the last of them are merged.
+/// Predicts the time until the devices have drawn all samples and the last part is merged.
 DivisionGain predict(Division division, const DivisionQuestion& question);
-/// Tiles where they are a tenth faster: a device that is lost takes a band with it, which others
-/// must render again, and costs an average nothing but its speed. Once taken they stay until an
-/// average is faster: measurements scatter, and each change costs. Unknown speeds: an average.
+/// Chooses tiles if they are a tenth faster. A lost device takes its band with it, which others
+/// must render again; with an average only its speed is lost. Once chosen, tiles stay until an
+/// average is faster, because measurements scatter and each change costs time. Chooses an average
+/// while speeds are unknown.
 Division choose_division(const DivisionQuestion& question);
 
-/// Whether a device hands its part over now.
+/// The input of the decision whether a device delivers its part now.
 struct PartQuestion {
-  std::uint64_t held = 0;       ///< samples that it has drawn since the last part
-  std::uint64_t delivered = 0;  ///< of this task before
-  double seconds_since = 0;     ///< since the last part or the task's begin
-  double seconds_cost = 0;      ///< what handing one over took last; 0: unknown
+  std::uint64_t held = 0;       ///< samples rendered since the last part
+  std::uint64_t delivered = 0;  ///< samples of this task delivered before
+  double seconds_since = 0;     ///< since the last part or the start of the task
+  double seconds_cost = 0;      ///< time that the last delivery took; 0: unknown
   bool room = true;             ///< the last part was taken
 };
-/// The first pair at once; then with each fourth of what was delivered, but never so often that
-/// more than an eighth of the time goes into it; at least each 100 ms.
+/// Whether a part is due. The first pair of samples is due at once, and later parts whenever the
+/// samples held are a quarter of those delivered. Deliveries take at most an eighth of the time. A
+/// part is due at the latest after 100 ms.
 bool part_due(const PartQuestion& question);
-/// A device whose part is not taken goes on until it has as much again: nobody waits for more.
+/// Whether a device may continue while its part has not been taken. It stops after as many samples
+/// again, because no one waits for more.
 bool may_render(const PartQuestion& question);
 
 }  // namespace diaphane::render

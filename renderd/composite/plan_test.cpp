@@ -11,8 +11,8 @@
 namespace diaphane::render {
 namespace {
 
-/// For any number of devices, of any speeds, some of which have gone, and any picture: each pixel
-/// and each sample of the sequence is somebody's, and nobody else's.
+/// For any number of devices of any speeds, some of them lost, and for any picture, each pixel and
+/// each sample of the sequence belongs to exactly one device.
 TEST(SharesPlan, CoversEveryPixelAndEverySampleOnce) {
   std::mt19937_64 random(1);
   for (int round = 0; round < 3'000; ++round) {
@@ -22,7 +22,7 @@ TEST(SharesPlan, CoversEveryPixelAndEverySampleOnce) {
     for (double& s : speeds) {
       s = random() % 4 == 0 ? 0 : std::exp2(static_cast<double>(random() % 20));
     }
-    speeds[random() % speeds.size()] = 1;  // somebody is there
+    speeds[random() % speeds.size()] = 1;  // at least one device takes part
     RowCosts costs;
     for (int i = 0; i < 5; ++i) {
       const auto first = static_cast<std::uint32_t>(random() % canvas.height);
@@ -72,7 +72,7 @@ TEST(SharesPlan, CoversEveryPixelAndEverySampleOnce) {
   }
 }
 
-/// Bands take equally long, to a unit of rows.
+/// Bands take equally long within one unit of rows.
 TEST(SharesPlan, TilesAreSizedBySpeed) {
   const Canvas canvas{1280, 1600};
   const auto shares = plan_shares(Division::kTiles, canvas, {1, 2, 5}, {}, 0);
@@ -80,7 +80,7 @@ TEST(SharesPlan, TilesAreSizedBySpeed) {
   EXPECT_NEAR(shares[1]->last_row, 600, kShareRows);
 }
 
-/// The middle rows cost ten times as much. After some pictures whose bands were measured, bands
+/// The middle rows cost ten times as much. After a few pictures whose bands were measured, bands
 /// take equally long within a fifth.
 TEST(SharesPlan, TilesLearnWhatRowsCost) {
   const Canvas canvas{64, 1024};
@@ -129,9 +129,9 @@ TEST(DivisionChoice, AFewSamplesOfALargePictureOverASlowWireAreTilesAndManyAreAn
   EXPECT_EQ(choose_division(few), Division::kAverage);
 }
 
-/// H200 of one host, joined by NVLink (docs/figures.md, `many`): milliseconds to an error, and
-/// parts moved. The samples follow from the times of one device, of which a pass of all pixels
-/// took 1.19 ms at 1280 x 720 and 10.75 at 3840 x 2160.
+/// Measurements of H200 GPUs in one host, connected by NVLink (docs/figures.md, `many`):
+/// milliseconds to an error, and parts transferred. The samples follow from the times of one
+/// device, for which a pass over all pixels took 1.19 ms at 1280 x 720 and 10.75 ms at 3840 x 2160.
 struct Measured {
   std::size_t devices;
   Canvas canvas;
@@ -148,7 +148,7 @@ constexpr Measured kMeasured[] = {
     {4, {3840, 2160}, 10.75, 21.5, 21.5, 13.4, 0, 1},
     {4, {3840, 2160}, 10.75, 151.8, 46.7, 72.5, 2, 7},
 };
-constexpr double kTurnMs = 5;  // of that bench
+constexpr double kTurnMs = 5;  // in that benchmark
 
 DivisionQuestion question_of(const Measured& row) {
   DivisionQuestion question;
@@ -160,10 +160,10 @@ DivisionQuestion question_of(const Measured& row) {
   return question;
 }
 
-/// A picture's end is seen at the end of a turn, so that both sides are within one of each other:
-/// 5 ms, or a pass where that is longer. Tiles of four to 1% at 1280 x 720 take a turn and a tenth
-/// more than is predicted: whoever waits for a band also shows its parts a turn later. Nothing
-/// depends on that one: an average is far ahead there.
+/// The end of a picture is observed at the end of a turn, so prediction and measurement agree
+/// within one turn: 5 ms, or a pass if that is longer. Four devices with tiles at 1280 x 720 take
+/// 1.1 turns longer to 1% than predicted, because parts that are awaited are also shown a turn
+/// later. This case does not matter, since an average is much faster there.
 TEST(DivisionChoice, PredictsWhatTwoAndFourDevicesWereMeasuredToTake) {
   for (const Measured& row : kMeasured) {
     const DivisionQuestion question = question_of(row);
@@ -184,8 +184,8 @@ TEST(DivisionChoice, PredictsWhatTwoAndFourDevicesWereMeasuredToTake) {
   }
 }
 
-/// By no more slower than the tenth for which an average is preferred, and what the figures
-/// scatter.
+/// The choice is slower by at most the tenth for which an average is preferred, plus the scatter of
+/// the measurements.
 TEST(DivisionChoice, IsTheFasterOneOfThoseMeasured) {
   constexpr double kScatterMs = 0.3;
   for (const Measured& row : kMeasured) {
@@ -199,7 +199,7 @@ TEST(DivisionChoice, IsTheFasterOneOfThoseMeasured) {
 TEST(DivisionChoice, StaysWithTilesUntilAnAverageIsFaster) {
   int changes = 0;
   std::optional<Division> before;
-  // A speed that scatters by a twentieth about where tiles are just a tenth faster.
+  // The speed varies by a twentieth around the value at which tiles are exactly a tenth faster.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> off(0.95, 1.05);
   for (int picture = 0; picture < 200; ++picture) {

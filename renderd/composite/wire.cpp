@@ -12,7 +12,7 @@ void put_number(std::string& to, std::size_t number) {
   to.push_back(static_cast<char>(number));
 }
 
-/// False where there is none, or one of more than 35 bits.
+/// Reads a varint. Returns false if there is none or it has more than 35 bits.
 bool take_number(std::string_view& from, std::size_t& number) {
   number = 0;
   for (unsigned shift = 0; shift < 35 && !from.empty(); shift += 7) {
@@ -49,7 +49,7 @@ PackedPixel pixel_at(const char* bytes) {
 std::string pixels_to_wire(const PackedPixel* pixels, std::size_t count) {
   std::string out;
   out.reserve(count * kPixelBytes + 16);
-  std::size_t begin = 0;  // of the pixels that are not written yet
+  std::size_t begin = 0;  // first pixel that is not written yet
   const auto flush = [&](std::size_t end) {
     if (end == begin) return;
     put_number(out, 2 * (end - begin));
@@ -58,7 +58,7 @@ std::string pixels_to_wire(const PackedPixel* pixels, std::size_t count) {
   for (std::size_t i = 0; i < count;) {
     std::size_t same = i + 1;
     while (same < count && pixels[same] == pixels[i]) ++same;
-    // A run ends the pixels before it: worth it from three on.
+    // A run interrupts the pixels before it, which pays off from a length of three.
     if (same - i >= 3) {
       flush(i);
       put_number(out, 2 * (same - i) + 1);
@@ -72,7 +72,9 @@ std::string pixels_to_wire(const PackedPixel* pixels, std::size_t count) {
 }
 
 Result<std::vector<PackedPixel>> pixels_from_wire(std::string_view bytes, std::size_t count) {
-  const auto wrong = [] { return fail(ErrorCode::kInvalid, "these are no pixels", "pixels"); };
+  const auto wrong = [] {
+    return fail(ErrorCode::kInvalid, "these bytes are not pixels", "pixels");
+  };
   std::vector<PackedPixel> pixels;
   pixels.reserve(count);
   while (!bytes.empty()) {

@@ -35,7 +35,7 @@ TEST(PartsOnTheWire, ComeBackAsTheyWere) {
   EXPECT_LT(pixels_to_wire(black.data(), black.size()).size(), 20u);
 }
 
-/// Bytes of anybody: an error or pixels, never more than were asked for.
+/// Arbitrary bytes give an error or pixels, but never more pixels than requested.
 TEST(PartsOnTheWire, NonsenseIsRefused) {
   std::mt19937_64 random(2);
   const auto pixels = made(random, 200);

@@ -13,8 +13,8 @@ void EncodeLane::submit(RenderedPicture picture) {
   std::unique_lock lock(mutex_);
   if (slot_) {
     ++skipped_;
-    // It takes over the place of the one it replaces: should it wait until it is of an older epoch,
-    // it is no longer the first that anybody would have seen.
+    // The replacement of the first picture of an epoch becomes the first, which is still of use
+    // after the next epoch has begun.
     if (slot_->info.epoch == picture.info.epoch) {
       picture.info.first_of_epoch = picture.info.first_of_epoch || slot_->info.first_of_epoch;
     }
@@ -46,8 +46,11 @@ void EncodeLane::schedule(std::unique_lock<std::mutex>& lock) {
   if (!slot_) return;
   scheduled_ = true;
   const bool waited_for = slot_->info.moving || slot_->info.first_of_epoch;
+  const bool large = slot_->picture.pixels.size() > 3 * EncodePool::kSmallPixels;
   lock.unlock();
-  pool_.post(waited_for ? EncodePool::Urgency::kNow : EncodePool::Urgency::kLater,
+  const std::shared_ptr<FrameSink> sink = sink_.lock();
+  const auto now = large ? EncodePool::Urgency::kNowLarge : EncodePool::Urgency::kNow;
+  pool_.post(waited_for && sink && !sink->gives_way() ? now : EncodePool::Urgency::kLater,
              [self = shared_from_this()] { self->run(); });
 }
 
@@ -65,7 +68,7 @@ void EncodeLane::run() {
   const Admitted admitted = sink->admit(asked);
   lock.lock();
   if (admitted.admission == Admission::kGo) {
-    // The slot may have got a newer picture meanwhile: that one goes.
+    // The slot may hold a newer picture by now, which is sent instead.
     RenderedPicture picture = std::move(*slot_);
     slot_.reset();
     lock.unlock();
@@ -86,7 +89,7 @@ void EncodeLane::run() {
     slot_.reset();
     ++skipped_;
   } else if (admitted.admission == Admission::kDrop) {
-    poked_ = true;  // a newer one came while the old one was judged
+    poked_ = true;  // a newer picture arrived during the decision about the old one
   }
   scheduled_ = false;
   if (poked_) schedule(lock);

@@ -11,29 +11,31 @@
 
 namespace diaphane::render {
 
-/// Who receives a session's frames. Called from an encoding thread, one call at a time.
+/// Receives a session's frames. Called from an encoding thread, one call at a time.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  /// kGo: encode and hand over by `coded` or `dropped`. kWait: keep it until `poke`.
+  /// kGo: encode it and pass it to `coded` or `dropped`. kWait: keep it until `poke`.
   virtual Admitted admit(const FrameInfo& frame) = 0;
   virtual void coded(const FrameInfo& frame, CodedFrame data, double seconds) = 0;
   virtual void dropped(const FrameInfo& frame, const Error& why) = 0;
+  /// Whether even moving pictures of this session yield to those of other sessions.
+  virtual bool gives_way() const { return false; }
 };
 
-/// One session's way to the encoder: a slot for one picture, in which the latest wins, and the
-/// session's own encoder. A picture waits in the slot while its viewer has no room, so nobody's
-/// slow connection fills a queue or holds a thread.
+/// Encodes the pictures of one session with its own encoder. A slot holds one picture, and the
+/// latest replaces it. A picture waits in the slot while its viewer has no room, so that a slow
+/// connection neither fills a queue nor blocks a thread.
 class EncodeLane : public std::enable_shared_from_this<EncodeLane> {
  public:
   EncodeLane(EncodePool& pool, std::unique_ptr<Encoder> encoder, std::weak_ptr<FrameSink> sink);
 
-  /// Replaces whatever waits.
+  /// Replaces the waiting picture.
   void submit(RenderedPicture picture);
-  /// Room may have been made.
+  /// To be called when the viewer may have room again.
   void poke();
   bool slot_free() const;
-  /// Pictures replaced by a newer one, or dropped as out of date, before they were encoded.
+  /// Number of pictures that were replaced or became outdated before they were encoded.
   std::uint64_t skipped() const;
 
  private:
@@ -45,8 +47,8 @@ class EncodeLane : public std::enable_shared_from_this<EncodeLane> {
   const std::weak_ptr<FrameSink> sink_;
   mutable std::mutex mutex_;
   std::optional<RenderedPicture> slot_;
-  bool scheduled_ = false;  // a job of this lane is queued or running
-  bool poked_ = false;      // while it ran
+  bool scheduled_ = false;  // whether a job of this lane is queued or running
+  bool poked_ = false;      // called while the job ran
   std::uint64_t skipped_ = 0;
 };
 

@@ -1,11 +1,20 @@
 #include "renderd/encode/encode_pool.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
+#include <utility>
 
 namespace diaphane::render {
 
 EncodePool::EncodePool(unsigned threads) {
-  for (unsigned i = 0; i < std::max(threads, 1U); ++i) threads_.emplace_back([this] { work(); });
+  for (unsigned i = 0; i < std::max(threads, 1U); ++i) {
+    for (const auto urgency : {Urgency::kNow, Urgency::kNowLarge, Urgency::kLater}) {
+      Queue& queue = queue_of(urgency);
+      const int nice = urgency == Urgency::kLater ? kLaterNice : 0;
+      queue.threads.emplace_back([this, &queue, nice] { work(queue, nice); });
+    }
+  }
 }
 
 EncodePool::~EncodePool() {
@@ -13,38 +22,44 @@ EncodePool::~EncodePool() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  ready_.notify_all();
-  for (std::thread& thread : threads_) thread.join();
+  for (Queue& queue : queues_) queue.ready.notify_all();
+  for (Queue& queue : queues_) {
+    for (std::thread& thread : queue.threads) thread.join();
+  }
 }
 
 void EncodePool::post(Urgency urgency, std::function<void()> job) {
+  Queue& queue = queue_of(urgency);
   {
     const std::lock_guard lock(mutex_);
-    (urgency == Urgency::kNow ? now_ : later_).push_back(std::move(job));
+    queue.jobs.push_back(std::move(job));
   }
-  ready_.notify_one();
+  queue.ready.notify_one();
 }
 
-// Under the lock; one of the two has some.
-std::function<void()> EncodePool::take() {
-  const bool now = !now_.empty() && (later_.empty() || in_a_row_ < kUrgentInARow);
-  in_a_row_ = now && !later_.empty() ? in_a_row_ + 1 : 0;
-  auto& jobs = now ? now_ : later_;
-  std::function<void()> job = std::move(jobs.front());
-  jobs.pop_front();
-  return job;
+bool EncodePool::ended() const {
+  return stopping_ && running_ == 0 &&
+         std::ranges::all_of(queues_, [](const Queue& queue) { return queue.jobs.empty(); });
 }
 
-void EncodePool::work() {
+void EncodePool::work(Queue& queue, int nice) {
+  // On Linux the priority is per thread. The pool also works without it.
+  if (nice != 0) (void)setpriority(PRIO_PROCESS, 0, nice);
+  std::unique_lock lock(mutex_);
   for (;;) {
-    std::function<void()> job;
+    queue.ready.wait(lock, [&] { return !queue.jobs.empty() || ended(); });
+    if (queue.jobs.empty()) return;
     {
-      std::unique_lock lock(mutex_);
-      ready_.wait(lock, [this] { return stopping_ || !now_.empty() || !later_.empty(); });
-      if (now_.empty() && later_.empty()) return;
-      job = take();
+      const std::function<void()> job = std::move(queue.jobs.front());
+      queue.jobs.pop_front();
+      ++running_;
+      lock.unlock();
+      job();
     }
-    job();
+    lock.lock();
+    --running_;
+    if (!ended()) continue;
+    for (Queue& each : queues_) each.ready.notify_all();
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -9,19 +11,26 @@
 
 namespace diaphane::render {
 
-/// Threads that code pictures, apart from the rendering thread. Jobs of a kind run in the order
-/// given; what keeps the queue short is that each session has at most one job in it (EncodeLane).
+/// Threads that encode pictures, apart from the rendering thread. Each urgency has its own threads,
+/// so that an urgent job never waits for a long one, nor a small picture for a large one. Jobs of
+/// one urgency start in the order given; the queues stay short because each session has at most one
+/// job in them (EncodeLane).
 class EncodePool {
  public:
   enum class Urgency {
-    kNow,    ///< somebody's hand waits for it: pictures that move, the first of an epoch
-    kLater,  ///< what gets better at rest: a lossless tile takes as long as ten moving pictures
+    kNow,       ///< a user waits for it: moving pictures and the first picture of an epoch
+    kNowLarge,  ///< the same, but it takes long (more than `kSmallPixels`)
+    kLater,     ///< refinement at rest, and all work for visitors; runs at a lower CPU priority
   };
-  /// Of those that are urgent, at most so many in a row while others wait.
-  static constexpr int kUrgentInARow = 7;
+  /// About what one thread encodes in 5 ms.
+  static constexpr std::size_t kSmallPixels = std::size_t{640} * 400;
+  /// Nice value of the threads for kLater, which gives them a third of the weight of other threads
+  /// when the CPU is contended.
+  static constexpr int kLaterNice = 5;
 
+  /// `threads` per urgency.
   explicit EncodePool(unsigned threads);
-  /// Runs what is queued, then ends.
+  /// Runs the queued jobs before it returns.
   ~EncodePool();
   EncodePool(const EncodePool&) = delete;
   EncodePool& operator=(const EncodePool&) = delete;
@@ -29,15 +38,20 @@ class EncodePool {
   void post(Urgency urgency, std::function<void()> job);
 
  private:
-  void work();
-  std::function<void()> take();
+  struct Queue {
+    std::condition_variable ready{};
+    std::deque<std::function<void()>> jobs{};
+    std::vector<std::thread> threads{};
+  };
+
+  Queue& queue_of(Urgency urgency) { return queues_[static_cast<std::size_t>(urgency)]; }
+  void work(Queue& queue, int nice);
+  bool ended() const;  // requires the lock: stopping, and no remaining job can post another
 
   std::mutex mutex_;
-  std::condition_variable ready_;
-  std::deque<std::function<void()>> now_, later_;
-  int in_a_row_ = 0;  // urgent ones, while others waited
+  std::array<Queue, 3> queues_;  // by urgency
+  unsigned running_ = 0;
   bool stopping_ = false;
-  std::vector<std::thread> threads_;
 };
 
 }  // namespace diaphane::render

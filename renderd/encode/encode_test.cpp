@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <atomic>
+#include <functional>
 #include <future>
 #include <latch>
+#include <memory>
+#include <vector>
 
 #include "renderd/encode/encode_lane.h"
 #include "renderd/encode/test_pictures.h"
@@ -96,30 +101,60 @@ RenderedPicture of_epoch(std::uint64_t epoch) {
   return rendered;
 }
 
-TEST(EncodePool, WhatAHandWaitsForGoesFirstAndTheRestIsNotForgotten) {
-  constexpr int kEach = 16, kTogether = EncodePool::kUrgentInARow + 1;
-  std::vector<bool> urgent;
+TEST(EncodePool, AnUrgentJobDoesNotWaitForALongOne) {
+  EncodePool pool(1);
+  std::latch long_one_begun(1), urgent_one_ended(1), all(1);
+  pool.post(EncodePool::Urgency::kLater, [&] {
+    long_one_begun.count_down();
+    urgent_one_ended.wait();
+    all.count_down();
+  });
+  long_one_begun.wait();
+  pool.post(EncodePool::Urgency::kNow, [&] { urgent_one_ended.count_down(); });
+  all.wait();
+}
+
+TEST(EncodePool, JobsOfOneUrgencyStartInTheirOrder) {
+  for (const auto urgency :
+       {EncodePool::Urgency::kNow, EncodePool::Urgency::kNowLarge, EncodePool::Urgency::kLater}) {
+    std::vector<int> order;
+    {
+      EncodePool pool(1);
+      for (int i = 0; i < 100; ++i) pool.post(urgency, [&order, i] { order.push_back(i); });
+    }
+    ASSERT_EQ(order.size(), 100U);
+    EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  }
+}
+
+TEST(EncodePool, WhatIsQueuedAndWhatThatPostsRunsBeforeItEnds) {
+  std::atomic<int> done{0};
+  auto pool = std::make_unique<EncodePool>(2);
+  EncodePool& there = *pool;  // valid until its destructor ends
+  const auto other = [](EncodePool::Urgency urgency) {
+    return urgency == EncodePool::Urgency::kNow ? EncodePool::Urgency::kLater
+                                                : EncodePool::Urgency::kNow;
+  };
+  const std::function<void(EncodePool::Urgency, int)> hand_on = [&](auto urgency, int left) {
+    there.post(urgency, [&, urgency, left] {
+      ++done;
+      if (left > 0) hand_on(other(urgency), left - 1);
+    });
+  };
+  hand_on(EncodePool::Urgency::kNow, 50);
+  hand_on(EncodePool::Urgency::kLater, 50);
+  pool = nullptr;
+  EXPECT_EQ(done, 102);
+}
+
+TEST(EncodePool, WorkThatCanWaitRunsAtALowerPriority) {
+  int now = -1, later = -1;
   {
     EncodePool pool(1);
-    std::latch begun(1), all_there(1);
-    pool.post(EncodePool::Urgency::kNow, [&] {
-      begun.count_down();
-      all_there.wait();
-    });
-    begun.wait();
-    for (int i = 0; i < kEach; ++i) {
-      pool.post(EncodePool::Urgency::kLater, [&] { urgent.push_back(false); });
-    }
-    for (int i = 0; i < kEach; ++i) {
-      pool.post(EncodePool::Urgency::kNow, [&] { urgent.push_back(true); });
-    }
-    all_there.count_down();
+    pool.post(EncodePool::Urgency::kNow, [&] { now = getpriority(PRIO_PROCESS, 0); });
+    pool.post(EncodePool::Urgency::kLater, [&] { later = getpriority(PRIO_PROCESS, 0); });
   }
-  ASSERT_EQ(urgent.size(), std::size_t{2 * kEach});
-  for (std::size_t i = 0; i < urgent.size(); ++i) {
-    const bool turn_of_others = i < 2 * kTogether && (i + 1) % kTogether == 0;
-    EXPECT_EQ(urgent[i], i < kEach + 2 && !turn_of_others) << i;
-  }
+  EXPECT_EQ(later, std::max(now, EncodePool::kLaterNice));
 }
 
 struct LaneTest : testing::Test {
@@ -127,9 +162,39 @@ struct LaneTest : testing::Test {
   std::unique_ptr<EncodePool> pool = std::make_unique<EncodePool>(2);
   std::shared_ptr<EncodeLane> lane =
       std::make_shared<EncodeLane>(*pool, *make_encoder(v1::JPEG), sink);
-  // The pool runs what is queued before it ends.
+  // The pool runs its queue before it ends.
   void settle() { pool = nullptr; }
 };
+
+TEST_F(LaneTest, ASmallPictureDoesNotWaitForALargeOne) {
+  // The sink blocks the large picture until the small one of another session is encoded.
+  struct Blocking final : FrameSink {
+    Admitted admit(const FrameInfo&) override {
+      begun.count_down();
+      small_one_ended.wait();
+      return {Admission::kDrop};
+    }
+    void coded(const FrameInfo&, CodedFrame, double) override {}
+    void dropped(const FrameInfo&, const Error&) override {}
+    std::latch begun{1}, small_one_ended{1};
+  };
+  pool = std::make_unique<EncodePool>(1);
+  lane = std::make_shared<EncodeLane>(*pool, *make_encoder(v1::JPEG), sink);
+  const auto blocking = std::make_shared<Blocking>();
+  const auto other = std::make_shared<EncodeLane>(*pool, *make_encoder(v1::JPEG), blocking);
+  RenderedPicture large = of_epoch(1);
+  large.info.moving = true;
+  large.picture = smooth_picture(1280, 720);
+  other->submit(std::move(large));
+  blocking->begun.wait();
+  sink->after = [&] { blocking->small_one_ended.count_down(); };
+  RenderedPicture small = of_epoch(1);
+  small.info.moving = true;
+  lane->submit(std::move(small));
+  blocking->small_one_ended.wait();
+  settle();
+  EXPECT_EQ(sink->sent.size(), 1U);
+}
 
 TEST_F(LaneTest, WhatWaitsIsReplacedByTheLatest) {
   sink->answer = Admission::kWait;

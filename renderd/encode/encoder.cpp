@@ -10,7 +10,7 @@ Result<void> check_picture(const PictureRgb8& picture) {
   const Canvas size = picture.size;
   if (size.width == 0 || size.height == 0 ||
       picture.pixels.size() != std::size_t{3} * size.width * size.height) {
-    return fail(ErrorCode::kInternal, "A picture does not have the size that it says.");
+    return fail(ErrorCode::kInternal, "The size of an image does not match its pixels.");
   }
   return {};
 }
@@ -33,7 +33,7 @@ Result<std::unique_ptr<Encoder>> make_encoder(v1::Codec codec) {
   if (codec == v1::H264) {
     if (const auto device = choose_h264(h264_probe())) return make_h264_encoder(*device);
   }
-  return fail(ErrorCode::kUnsupported, "This server does not have that picture format.");
+  return fail(ErrorCode::kUnsupported, "The server does not support this image format.");
 }
 
 }  // namespace diaphane::render

@@ -12,40 +12,40 @@
 namespace diaphane::render {
 
 enum class Quality {
-  kMoving,   ///< small and quick: it is on the screen for a moment
+  kMoving,   ///< small and quick, because it is shown only briefly
   kSettled,  ///< full chroma, no visible loss
 };
 
 struct EncodeRequest {
   Quality quality = Quality::kMoving;
-  bool key = false;              ///< it must be decodable without any before it
-  std::uint32_t most_bytes = 0;  ///< about so many, however it looks; 0: as many as it needs
+  bool key = false;              ///< decodable without any earlier frame
+  std::uint32_t most_bytes = 0;  ///< approximate maximum, whatever the quality; 0: no limit
 };
 
 struct CodedFrame {
   diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
   bool key = true;
-  Canvas size;  ///< to be shown: the picture's, or smaller where the codec has a largest side
+  Canvas size;  ///< size to show: the picture's, or smaller if the codec limits sides
   std::string data;
-  std::string decoder;  ///< H264, of a key frame: what its decoder is configured with (RFC 6381)
+  std::string decoder;  ///< for a key frame of H264: the decoder's configuration (RFC 6381)
 };
 
-/// Codes the pictures of one session, in order. It may keep state between pictures (a video codec's
-/// references); sizes may change from one to the next. Used by one thread at a time.
+/// Encodes the pictures of one session in order. It may keep state between pictures, such as a
+/// video codec's references. Sizes may change between pictures. Not thread-safe.
 class Encoder {
  public:
   virtual ~Encoder() = default;
   virtual Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) = 0;
 };
 
-/// kInternal when the pixels are not those of its size.
+/// kInternal when the number of pixels does not match the size.
 Result<void> check_picture(const PictureRgb8& picture);
 
-/// Whether this process has it. Of H.264 the first call tries the encoders out, for some
-/// milliseconds.
+/// Whether this process supports the codec. For H.264, the first call tests the encoders, which
+/// takes some milliseconds.
 bool can_encode(diaphane::v1::Codec codec);
 
-/// kUnsupported for a codec that this program does not have.
+/// kUnsupported for a codec that this program does not support.
 Result<std::unique_ptr<Encoder>> make_encoder(diaphane::v1::Codec codec);
 
 }  // namespace diaphane::render

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "common/try.h"
+
 namespace diaphane::render::ffmpeg {
 
 std::string error_text(int error) {
@@ -17,7 +19,7 @@ Result<void> YuvConverter::prepare(Canvas from, Canvas to) {
   if (frame_ && from == from_ && to == to_) {
     // The encoder may still hold a reference to the planes.
     if (av_frame_make_writable(frame_.get()) < 0) {
-      return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+      return fail(ErrorCode::kOutOfMemory, "There is not enough memory to encode an image.");
     }
     return {};
   }
@@ -27,7 +29,8 @@ Result<void> YuvConverter::prepare(Canvas from, Canvas to) {
   scaler_.reset(sws_getContext(static_cast<int>(from.width), static_cast<int>(from.height),
                                AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUV420P,
                                SWS_AREA | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
-  if (!frame || !scaler_) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+  if (!frame || !scaler_)
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory to encode an image.");
   const bool bt709 = matrix_ == Matrix::kBt709;
   const int* matrix = sws_getCoefficients(bt709 ? SWS_CS_ITU709 : SWS_CS_ITU601);
   sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
@@ -37,7 +40,7 @@ Result<void> YuvConverter::prepare(Canvas from, Canvas to) {
   frame->color_range = AVCOL_RANGE_MPEG;
   frame->colorspace = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
   if (av_frame_get_buffer(frame.get(), 0) < 0) {
-    return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory to encode an image.");
   }
   frame_ = std::move(frame);
   from_ = from;
@@ -48,7 +51,7 @@ Result<void> YuvConverter::prepare(Canvas from, Canvas to) {
 Result<AVFrame*> YuvConverter::convert(const PictureRgb8& picture, Canvas to) {
   const Canvas from = picture.size;
   const Canvas padded = even(from);
-  if (const auto ready = prepare(padded, to); !ready) return tl::unexpected(ready.error());
+  DIAPHANE_TRY(prepare(padded, to));
   const std::uint8_t* pixels = picture.pixels.data();
   const std::size_t row = std::size_t{3} * from.width;
   const std::size_t stride = std::size_t{3} * padded.width;
@@ -86,7 +89,7 @@ Result<std::string> code(AVCodecContext& context, const AVFrame& frame, AVPacket
   int result = avcodec_send_frame(&context, &frame);
   if (result >= 0) result = avcodec_receive_packet(&context, &packet);
   if (result < 0) {
-    return fail(ErrorCode::kInternal, "A picture could not be coded: " + error_text(result) + ".");
+    return fail(ErrorCode::kInternal, "An image could not be encoded: " + error_text(result) + ".");
   }
   std::string data(reinterpret_cast<const char*>(packet.data),
                    static_cast<std::size_t>(packet.size));

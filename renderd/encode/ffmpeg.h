@@ -1,6 +1,6 @@
 #pragma once
 
-// What the two video encoders share of FFmpeg. Only .cpp files of this folder include this.
+// FFmpeg helpers for the video encoders. To be included only by .cpp files of this folder.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -34,25 +34,26 @@ using Context = std::unique_ptr<AVCodecContext, FreeContext>;
 using Frame = std::unique_ptr<AVFrame, FreeFrame>;
 using Packet = std::unique_ptr<AVPacket, FreePacket>;
 
-/// FFmpeg's words for one of its error numbers.
+/// Returns FFmpeg's text for one of its error numbers.
 std::string error_text(int error);
 
-/// The size with each side rounded up to the next even number: chroma is subsampled by two.
+/// Rounds each side up to an even number, because chroma is subsampled by two.
 Canvas even(Canvas size);
 
 enum class Matrix { kBt709, kBt601 };
 
-/// RGB to planar YUV 4:2:0, limited range (16 to 235), chroma averaged over 2 x 2. A picture with
-/// an odd side is padded to an even one by its last column or row, then scaled where a smaller one
-/// is wanted.
+/// Converts RGB to planar YUV 4:2:0 in limited range (16 to 235) with chroma averaged over 2 x 2.
+/// Pads a picture with an odd side by repeating its last column or row, then scales it if a smaller
+/// one is requested.
 class YuvConverter {
  public:
   explicit YuvConverter(Matrix matrix) : matrix_(matrix) {}
-  /// Writes a frame of `even(picture.size)`; it stays the converter's, valid until the next call.
+  /// Converts to a frame of `even(picture.size)`. The converter owns the frame, which is valid
+  /// until the next call.
   Result<AVFrame*> convert(const PictureRgb8& picture) {
     return convert(picture, even(picture.size));
   }
-  /// Of size `to`, both sides even.
+  /// Converts to size `to`, whose sides are even.
   Result<AVFrame*> convert(const PictureRgb8& picture, Canvas to);
 
  private:
@@ -65,13 +66,13 @@ class YuvConverter {
   std::vector<std::uint8_t> padded_;
 };
 
-/// Tells a coder, before it is opened, what YuvConverter gives it by kBt709, so that players show
-/// the right colours, and that it has one thread: pictures of several sessions are coded side by
-/// side.
+/// Configures a coder, before it is opened, for the output of YuvConverter with kBt709, so that
+/// players show the right colours. Limits it to one thread, because pictures of several sessions
+/// are encoded in parallel.
 void set_bt709(AVCodecContext& coder, Canvas size, int frames_per_second);
 
-/// Sends one frame and takes the one packet that it must yield: an encoder that holds a frame back
-/// is an error, since a viewer would wait for it.
+/// Encodes one frame into exactly one packet. An encoder that holds a frame back is an error,
+/// because a viewer would wait for it.
 Result<std::string> code(AVCodecContext& context, const AVFrame& frame, AVPacket& packet,
                          bool& key);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "common/try.h"
 #include "renderd/encode/encoder.h"
 #include "renderd/encode/ffmpeg.h"
 
@@ -14,16 +15,16 @@ namespace diaphane::render {
 namespace {
 
 constexpr double kRateFactor = 18;                     // no visible loss
-constexpr std::int64_t kMostBitsASecond = 24'000'000;  // what phones play
-constexpr double kForFrames = 0.9;                     // of the bytes; the rest is the index
+constexpr std::int64_t kMostBitsASecond = 24'000'000;  // limit of phones
+constexpr double kForFrames = 0.9;                     // share of the bytes; the rest is the index
 constexpr int kBufferBytes = 1 << 16;
 
 tl::unexpected<Error> failed(int error) {
   return fail(ErrorCode::kInternal,
-              "The film could not be coded: " + ffmpeg::error_text(error) + ".");
+              "The film could not be encoded: " + ffmpeg::error_text(error) + ".");
 }
 tl::unexpected<Error> no_memory() {
-  return fail(ErrorCode::kOutOfMemory, "No memory to code a film.");
+  return fail(ErrorCode::kOutOfMemory, "There is not enough memory to encode the film.");
 }
 
 std::int64_t most_bits_a_second(const FilmFormat& format) {
@@ -32,7 +33,7 @@ std::int64_t most_bits_a_second(const FilmFormat& format) {
   return std::min(kMostBitsASecond, static_cast<std::int64_t>(bits / std::max(seconds, 1.0)));
 }
 
-/// A place in a file that lies in memory, as FFmpeg reads and writes one.
+/// A position in a file in memory, for FFmpeg's I/O callbacks.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string& bytes) : bytes_(bytes) {}
@@ -94,7 +95,7 @@ Io open_io(std::string& bytes, bool writes) {
     av_free(buffer);
     return nullptr;
   }
-  (void)file.release();  // free_io's
+  (void)file.release();  // released by free_io
   return Io(io);
 }
 
@@ -112,18 +113,18 @@ class Mp4File final : public FilmFile {
   }
 
   Result<void> add(const PictureRgb8& picture) override {
-    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    DIAPHANE_TRY(check_picture(picture));
     if (picture.size != format_.size) {
-      return fail(ErrorCode::kInternal, "A frame is not of its film's size.");
+      return fail(ErrorCode::kInternal, "The size of a frame does not match its film.");
     }
     auto converted = converter_.convert(picture);
-    if (!converted) return tl::unexpected(converted.error());
+    DIAPHANE_TRY(converted);
     (*converted)->pts = next_++;
     return code(*converted);
   }
 
   Result<std::string> finish() override {
-    if (auto flushed = code(nullptr); !flushed) return tl::unexpected(flushed.error());
+    DIAPHANE_TRY(code(nullptr));
     if (const int error = av_write_trailer(container_.get()); error < 0) return failed(error);
     avio_flush(io_.get());
     return std::move(bytes_);
@@ -132,14 +133,15 @@ class Mp4File final : public FilmFile {
  private:
   Result<void> open_coder() {
     const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
-    if (!codec) return fail(ErrorCode::kUnsupported, "This FFmpeg has no libx264.");
+    if (!codec)
+      return fail(ErrorCode::kUnsupported, "The server's FFmpeg does not include libx264.");
     coder_.reset(avcodec_alloc_context3(codec));
     packet_.reset(av_packet_alloc());
     if (!coder_ || !packet_) return no_memory();
     AVCodecContext& coder = *coder_;
     const int rate = static_cast<int>(format_.frames_per_second);
     ffmpeg::set_bt709(coder, format_.size, rate);
-    coder.gop_size = rate;  // a player finds any second at once
+    coder.gop_size = rate;  // one key frame per second makes seeking fast
     coder.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
     coder.rc_max_rate = most_bits_a_second(format_);
     coder.rc_buffer_size = static_cast<int>(coder.rc_max_rate / 2);
@@ -159,7 +161,8 @@ class Mp4File final : public FilmFile {
     if (!io_ || !stream) return no_memory();
     container->pb = io_.get();
     container->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_BITEXACT;
-    // For faststart all is moved once to make room for the index: it is read by another context.
+    // For faststart, FFmpeg moves the whole file to make room for the index and reads it through
+    // another context.
     container->opaque = this;
     container->io_open = [](AVFormatContext* of, AVIOContext** io, const char*, int,
                             AVDictionary**) {
@@ -180,7 +183,7 @@ class Mp4File final : public FilmFile {
     return begun < 0 ? failed(begun) : Result<void>();
   }
 
-  /// Nothing: what the encoder holds back is fetched.
+  /// Encodes a frame, or with nullptr flushes the encoder.
   Result<void> code(const AVFrame* frame) {
     int result = avcodec_send_frame(coder_.get(), frame);
     while (result >= 0) {
@@ -200,7 +203,7 @@ class Mp4File final : public FilmFile {
   ffmpeg::YuvConverter converter_{ffmpeg::Matrix::kBt709};
   ffmpeg::Packet packet_;
   ffmpeg::Context coder_;
-  Io io_;  // outlives the container
+  Io io_;  // must outlive the container
   std::unique_ptr<AVFormatContext, FreeFormat> container_;
   std::int64_t next_ = 0;
 };
@@ -208,9 +211,9 @@ class Mp4File final : public FilmFile {
 }  // namespace
 
 Result<std::unique_ptr<FilmFile>> make_film_file(const FilmFormat& format) {
-  av_log_set_level(AV_LOG_QUIET);  // its errors come back as values
+  av_log_set_level(AV_LOG_QUIET);  // errors are returned as values instead
   auto file = std::make_unique<Mp4File>(format);
-  if (const auto opened = file->open(); !opened) return tl::unexpected(opened.error());
+  DIAPHANE_TRY(file->open());
   return std::unique_ptr<FilmFile>(std::move(file));
 }
 

@@ -1,4 +1,4 @@
-// Films are read by libavformat and libavcodec and held against what went in.
+// Films are decoded with libavformat and libavcodec and compared with the input.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -38,7 +38,7 @@ struct TemporaryFile {
   std::string path;
 };
 
-/// What a player finds: frames in the order in which they are shown, by their mean luma.
+/// What a player finds: frames in display order, by their mean luma.
 struct Seen {
   int streams = 0;
   AVCodecID codec = AV_CODEC_ID_NONE;
@@ -134,7 +134,7 @@ TEST(FilmFile, WhatAPlayerNeedsFirstStandsFirst) {
   EXPECT_LT(index, pictures);
 }
 
-// Noise is what compresses least.
+// Noise compresses least.
 TEST(FilmFile, IsBoundedWhateverItShows) {
   constexpr Canvas kSize{320, 240};
   std::mt19937 random(1);
@@ -153,7 +153,7 @@ TEST(FilmFile, RefusesAFrameOfAnotherSize) {
   EXPECT_FALSE((*file)->add(smooth_picture(48, 64)));
 }
 
-// What it held is looked for by the sanitizers.
+// The sanitizers detect leaks.
 TEST(FilmFile, MayBeGivenUpHalfWay) {
   auto file = make_film_file(format_of({64, 48}, 30));
   ASSERT_TRUE(file);

@@ -15,7 +15,7 @@ std::uint64_t checksum(std::uint64_t number) {
   return (number >> 16 ^ number >> 8 ^ number) & 0xff;
 }
 
-// The cells as bits, the first cell the highest of 40.
+// Returns the cells as bits, with the first cell in the highest of 40.
 std::uint64_t cells_of(std::uint64_t number) {
   return ((kSync << kNumberBits | number) << kChecksumBits | checksum(number)) << kQuietBits;
 }

@@ -1,12 +1,13 @@
 #include "renderd/encode/h264_device.h"
 
 #include "common/log.h"
+#include "common/try.h"
 #include "renderd/encode/h264_encoder.h"
 
 namespace diaphane::render {
 namespace {
 
-// Grey, of a size that every encoder takes (NVENC's smallest is 145 x 49).
+// Grey, in a size that every encoder accepts (the minimum of NVENC is 145 x 49).
 PictureRgb8 test_frame() {
   PictureRgb8 picture;
   picture.size = {256, 256};
@@ -16,11 +17,11 @@ PictureRgb8 test_frame() {
 
 Result<void> try_device(H264Device device) {
   auto encoder = make_h264_encoder(device);
-  if (!encoder) return tl::unexpected(encoder.error());
+  DIAPHANE_TRY(encoder);
   const auto coded = (*encoder)->encode(test_frame(), {Quality::kMoving, true, 0});
-  if (!coded) return tl::unexpected(coded.error());
+  DIAPHANE_TRY(coded);
   if (!coded->key || coded->decoder.empty()) {
-    return fail(ErrorCode::kUnsupported, "The first frame is no key frame with its headers.");
+    return fail(ErrorCode::kUnsupported, "The first frame is not a key frame with headers.");
   }
   return {};
 }

@@ -7,20 +7,20 @@ namespace diaphane::render {
 
 enum class H264Device {
   kX264,   ///< on the CPU
-  kNvenc,  ///< on an NVIDIA GPU's encoder; the large ones for computing (H100, H200) have none
+  kNvenc,  ///< on an NVIDIA GPU's encoder, which data-centre GPUs (H100, H200) do not have
 };
 
-/// What is known of this process's encoders.
+/// The encoders that this process can use.
 struct H264Probe {
-  bool x264 = false;          ///< FFmpeg has it
-  bool nvenc = false;         ///< a session opened and coded a frame
-  std::string nvenc_why_not;  ///< empty when it did
+  bool x264 = false;          ///< whether FFmpeg includes it
+  bool nvenc = false;         ///< whether a session encoded a frame
+  std::string nvenc_why_not;  ///< reason, empty if it works
 };
 
-/// NVENC when it really works, else x264, else nothing. Pure.
+/// Returns NVENC if it works, else x264 if available, else nullopt. Pure.
 std::optional<H264Device> choose_h264(const H264Probe& probe);
 
-/// Tries each encoder with a real frame, once a process, and logs what it found.
+/// Tests each encoder with a real frame, once per process, and logs the result.
 const H264Probe& h264_probe();
 
 }  // namespace diaphane::render

@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/try.h"
 #include "renderd/encode/ffmpeg.h"
 #include "renderd/encode/h264_stream.h"
 
 namespace diaphane::render {
 namespace {
 
-// Frames have no duration here: the bound is bytes a frame, which FFmpeg is told as a rate.
+// Frames have no fixed duration. This rate converts the limit in bytes per frame to the bit rate
+// that FFmpeg expects.
 constexpr int kFramesPerSecond = 30;
-constexpr std::int64_t kUnbounded = std::int64_t{1} << 22;  // bytes; more than any settled 4K frame
-constexpr std::int64_t kFewestBytes = 1024;                 // below it headers are all there is
+constexpr std::int64_t kUnbounded = std::int64_t{1} << 22;  // bytes, more than any settled 4K frame
+constexpr std::int64_t kFewestBytes = 1024;                 // smaller frames consist of headers
 constexpr double kMovingRateFactor = 25;
 constexpr double kSettledRateFactor = 17;
 
@@ -27,16 +29,16 @@ class H264Encoder final : public Encoder {
       : device_(device), codec_(codec), packet_(std::move(packet)) {}
 
   Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
-    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    DIAPHANE_TRY(check_picture(picture));
     const Canvas size = ffmpeg::even(picture.size);
     const bool open = !context_ || size != size_;
     if (open) {
-      if (const auto done = start(size, request); !done) return tl::unexpected(done.error());
+      DIAPHANE_TRY(start(size, request));
     } else if (const auto done = set_bound(request); !done) {
       return tl::unexpected(done.error());
     }
     auto converted = converter_.convert(picture);
-    if (!converted) return tl::unexpected(converted.error());
+    DIAPHANE_TRY(converted);
     AVFrame& frame = **converted;
     frame.pts = next_++;
     frame.pict_type = open || request.key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
@@ -45,14 +47,14 @@ class H264Encoder final : public Encoder {
     coded.size = picture.size;
     auto data = ffmpeg::code(*context_, frame, *packet_, coded.key);
     if (!data) {
-      context_.reset();  // what it holds is unknown: the next frame begins anew
+      context_.reset();  // its state is unknown, so the next frame starts a new encoder
       return tl::unexpected(data.error());
     }
     coded.data = std::move(*data);
     if (coded.key) {
       coded.decoder = h264_decoder_name(coded.data).value_or("");
       if (coded.decoder.empty()) {
-        return fail(ErrorCode::kInternal, "A key frame has no sequence parameter set.");
+        return fail(ErrorCode::kInternal, "A key frame lacks a sequence parameter set.");
       }
     }
     return coded;
@@ -61,7 +63,8 @@ class H264Encoder final : public Encoder {
  private:
   Result<void> start(Canvas size, const EncodeRequest& request) {
     context_.reset(avcodec_alloc_context3(codec_));
-    if (!context_) return fail(ErrorCode::kOutOfMemory, "No memory for an H.264 encoder.");
+    if (!context_)
+      return fail(ErrorCode::kOutOfMemory, "There is not enough memory for the H.264 encoder.");
     AVCodecContext& context = *context_;
     ffmpeg::set_bt709(context, size, kFramesPerSecond);
     context.max_b_frames = 0;
@@ -84,13 +87,13 @@ class H264Encoder final : public Encoder {
     av_opt_set(options, "profile", "high", 0);
     av_opt_set(options, "forced-idr", "1", 0);
     if (device_ == H264Device::kX264) {
-      context.gop_size = 1 << 30;  // x264's "infinite"
+      context.gop_size = 1 << 30;  // "infinite" for x264
       av_opt_set(options, "preset", "superfast", 0);
       av_opt_set(options, "tune", "zerolatency", 0);
       av_opt_set(options, "x264-params", "scenecut=0", 0);
       set_rate_factor(request.quality);
     } else {
-      context.gop_size = -1;  // NVENC's
+      context.gop_size = -1;  // "infinite" for NVENC
       av_opt_set(options, "preset", "p2", 0);
       av_opt_set(options, "tune", "ull", 0);
       av_opt_set(options, "rc", "cbr", 0);
@@ -113,13 +116,13 @@ class H264Encoder final : public Encoder {
     if (device_ == H264Device::kNvenc) context_->bit_rate = context_->rc_max_rate;
   }
 
-  // FFmpeg compares these with what the encoder has at each frame.
+  // FFmpeg applies changes of these fields at each frame.
   Result<void> set_bound(const EncodeRequest& request) {
     const std::int64_t wanted = bound(request);
     if (device_ == H264Device::kX264) {
       set_rate_factor(request.quality);
     } else if (std::abs(wanted - bytes_) * 4 < bytes_) {
-      return {};  // a new rate costs NVENC a key frame
+      return {};  // NVENC needs a key frame for each new rate
     }
     if (wanted != bytes_) {
       bytes_ = wanted;
@@ -141,14 +144,15 @@ class H264Encoder final : public Encoder {
 }  // namespace
 
 Result<std::unique_ptr<Encoder>> make_h264_encoder(H264Device device) {
-  av_log_set_level(AV_LOG_QUIET);  // its errors come back as values
+  av_log_set_level(AV_LOG_QUIET);  // errors are returned as values instead
   const char* name = device == H264Device::kNvenc ? "h264_nvenc" : "libx264";
   const AVCodec* codec = avcodec_find_encoder_by_name(name);
   if (!codec) {
     return fail(ErrorCode::kUnsupported, std::string("This FFmpeg has no ") + name + ".");
   }
   ffmpeg::Packet packet(av_packet_alloc());
-  if (!packet) return fail(ErrorCode::kOutOfMemory, "No memory for an H.264 encoder.");
+  if (!packet)
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for the H.264 encoder.");
   return std::make_unique<H264Encoder>(device, codec, std::move(packet));
 }
 

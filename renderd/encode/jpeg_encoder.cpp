@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/try.h"
+
 namespace diaphane::render {
 namespace {
 
@@ -18,8 +20,8 @@ constexpr int kMovingQuality = 80;
 constexpr int kSettledQuality = 95;
 constexpr int kLowestQuality = 25;
 
-// libjpeg scales its tables by 5000 / quality below 50 and by 200 - 2 quality above; bytes fall
-// about as that scale rises.
+// libjpeg scales its tables by 5000 / quality below 50 and by 200 - 2 quality above. The size is
+// roughly inversely proportional to that scale.
 int lower_quality(int quality, std::size_t bytes, std::size_t most) {
   const double scale = quality < 50 ? 5000.0 / quality : 200.0 - 2 * quality;
   const double wanted = scale * 1.3 * static_cast<double>(bytes) / static_cast<double>(most);
@@ -32,9 +34,10 @@ class JpegEncoder final : public Encoder {
   explicit JpegEncoder(tjhandle handle) : handle_(handle) {}
 
   Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
-    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    DIAPHANE_TRY(check_picture(picture));
     const bool settled = request.quality == Quality::kSettled;
-    // What fitted last time, and a little more: seldom coded twice, and soon as good as it may be.
+    // Starts slightly above the last quality that fitted, so that few pictures are encoded twice
+    // and quality recovers quickly.
     int& last = settled ? settled_quality_ : moving_quality_;
     const int best = settled ? kSettledQuality : kMovingQuality;
     for (int quality = request.most_bytes == 0 ? best : std::min(best, last + 3);;) {
@@ -57,14 +60,15 @@ class JpegEncoder final : public Encoder {
     if (most > capacity_) {
       buffer_.reset(tjAlloc(static_cast<int>(most)));
       capacity_ = buffer_ ? most : 0;
-      if (!buffer_) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+      if (!buffer_)
+        return fail(ErrorCode::kOutOfMemory, "There is not enough memory to encode an image.");
     }
     unsigned char* data = buffer_.get();
     unsigned long bytes = capacity_;
     const int flags = TJFLAG_NOREALLOC | (settled ? TJFLAG_ACCURATEDCT : TJFLAG_FASTDCT);
     if (tjCompress2(handle_.get(), picture.pixels.data(), width, 0, height, TJPF_RGB, &data, &bytes,
                     chroma, quality, flags) != 0) {
-      return fail(ErrorCode::kInternal, "A picture could not be coded.");
+      return fail(ErrorCode::kInternal, "An image could not be encoded as JPEG.");
     }
     return CodedFrame{
         v1::JPEG, true, picture.size, std::string(reinterpret_cast<const char*>(data), bytes), {}};

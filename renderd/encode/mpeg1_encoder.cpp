@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/try.h"
 #include "renderd/encode/ffmpeg.h"
 
 namespace diaphane::render {
@@ -12,9 +13,9 @@ constexpr int kFinest = 2;
 constexpr int kCoarsest = 31;
 constexpr int kMovingQuantiser = 5;
 constexpr int kSettledQuantiser = 2;
-constexpr std::uint32_t kLargestSide = 4094;  // twelve bits, and even
+constexpr std::uint32_t kLargestSide = 4094;  // twelve bits, rounded down to even
 
-/// As large as MPEG-1 can say, of the same shape.
+/// Scales a size down to the limits of MPEG-1, keeping its aspect ratio.
 Canvas fitted(Canvas size) {
   const double scale = double(kLargestSide) / std::max({size.width, size.height, kLargestSide});
   const auto side = [scale](std::uint32_t of) {
@@ -29,17 +30,18 @@ class Mpeg1Encoder final : public Encoder {
       : codec_(codec), packet_(std::move(packet)) {}
 
   Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
-    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    DIAPHANE_TRY(check_picture(picture));
     const Canvas shown = fitted(picture.size);
     const Canvas size = ffmpeg::even(shown);
     const bool open = !context_ || size != size_;
     if (open) {
-      if (const auto done = start(size); !done) return tl::unexpected(done.error());
+      DIAPHANE_TRY(start(size));
     }
     auto converted = converter_.convert(picture, size);
-    if (!converted) return tl::unexpected(converted.error());
+    DIAPHANE_TRY(converted);
     const int best = request.quality == Quality::kSettled ? kSettledQuantiser : kMovingQuantiser;
-    // Bytes go about as the pixels; what is known of another size is still a beginning.
+    // The size in bytes is roughly proportional to the pixels, so a value from another size is a
+    // usable start.
     quantiser_ = next_quantiser(quantiser_, bytes_, request.most_bytes, best);
     AVFrame& frame = **converted;
     frame.pts = next_++;
@@ -61,19 +63,21 @@ class Mpeg1Encoder final : public Encoder {
  private:
   Result<void> start(Canvas size) {
     context_.reset(avcodec_alloc_context3(codec_));
-    if (!context_) return fail(ErrorCode::kOutOfMemory, "No memory for an MPEG-1 encoder.");
+    if (!context_)
+      return fail(ErrorCode::kOutOfMemory, "There is not enough memory for the MPEG-1 encoder.");
     AVCodecContext& context = *context_;
     context.width = static_cast<int>(size.width);
     context.height = static_cast<int>(size.height);
     context.pix_fmt = AV_PIX_FMT_YUV420P;
     context.time_base = {1, 30};
-    context.gop_size = 600;  // FFmpeg's most
+    context.gop_size = 600;  // maximum of FFmpeg
     context.max_b_frames = 0;
     context.thread_count = 1;
-    // FFmpeg holds a frame back, as if B frames might follow, unless it is allowed not to.
+    // Without this flag, FFmpeg delays each frame in case B frames follow.
     context.strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
     context.flags |= AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_LOW_DELAY;
-    av_opt_set_int(context.priv_data, "sc_threshold", 1000000000, 0);  // no key frames of its own
+    // disables key frames at scene changes
+    av_opt_set_int(context.priv_data, "sc_threshold", 1000000000, 0);
     context.global_quality = kMovingQuantiser * FF_QP2LAMBDA;
     context.qmin = kFinest;
     context.qmax = kCoarsest;
@@ -100,19 +104,21 @@ class Mpeg1Encoder final : public Encoder {
 
 int next_quantiser(int before, std::size_t bytes, std::size_t most, int best) {
   if (most == 0 || bytes == 0) return best;
-  // A frame's bytes fall about as the quantiser rises. A quarter is left for what moves more.
+  // The size of a frame is roughly inversely proportional to the quantiser. A margin of a quarter
+  // allows for more motion.
   const double wanted = 1.25 * before * static_cast<double>(bytes) / static_cast<double>(most);
-  // Coarser at once, finer in small steps: near the noise's own size a step changes much.
+  // Coarser at once, finer in small steps, because near the noise level a step changes much.
   const int finer = before - std::max(1, before / 12);
   return std::clamp(std::max(static_cast<int>(std::ceil(wanted)), finer), best, kCoarsest);
 }
 
 Result<std::unique_ptr<Encoder>> make_mpeg1_encoder() {
-  av_log_set_level(AV_LOG_QUIET);  // its errors come back as values
+  av_log_set_level(AV_LOG_QUIET);  // errors are returned as values instead
   const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_MPEG1VIDEO);
   if (!codec) return fail(ErrorCode::kUnsupported, "This FFmpeg has no MPEG-1 encoder.");
   ffmpeg::Packet packet(av_packet_alloc());
-  if (!packet) return fail(ErrorCode::kOutOfMemory, "No memory for an MPEG-1 encoder.");
+  if (!packet)
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for the MPEG-1 encoder.");
   return std::make_unique<Mpeg1Encoder>(codec, std::move(packet));
 }
 

@@ -4,15 +4,17 @@
 
 namespace diaphane::render {
 
-/// MPEG-1 video by FFmpeg as an elementary stream, for jsmpeg: 30 frames a second by name, no B
-/// frames, a sequence header with the size before each key frame. Key frames come on request, when
-/// the size changes, and each 600 frames. MPEG-1 can say neither matrix nor range: they are those
-/// that jsmpeg assumes, BT.601 limited. Sides are at most 4094 pixels: a larger
-/// picture is scaled down, and CodedFrame says so. Odd sides as with H.264.
+/// Creates an MPEG-1 video encoder (FFmpeg) that writes an elementary stream for jsmpeg: nominally
+/// 30 frames per second, no B frames, and a sequence header with the size before each key frame.
+/// Key frames are sent on request, when the size changes, and every 600 frames. MPEG-1 cannot
+/// signal matrix and range, so the stream uses those that jsmpeg assumes: BT.601, limited range.
+/// Sides are at most 4094 pixels. A larger picture is scaled down and CodedFrame gives the new
+/// size. Odd sides are handled as in H.264.
 Result<std::unique_ptr<Encoder>> make_mpeg1_encoder();
 
-/// The quantiser (1 to 31) for the next frame, after one with quantiser `before` took `bytes`,
-/// where it may take `most` (0: as many as it likes) and would look as it should with `best`. Pure.
+/// Returns the quantiser (1 to 31) for the next frame after a frame with quantiser `before` took
+/// `bytes`. The limit is `most` (0: none), and `best` is the quantiser of the desired quality.
+/// Pure.
 int next_quantiser(int before, std::size_t bytes, std::size_t most, int best);
 
 }  // namespace diaphane::render

@@ -4,11 +4,13 @@
 
 #include <utility>
 
+#include "common/try.h"
+
 namespace diaphane::render {
 namespace {
 
 tl::unexpected<Error> failed() {
-  return fail(ErrorCode::kInternal, "A picture could not be coded as PNG.");
+  return fail(ErrorCode::kInternal, "An image could not be encoded as PNG.");
 }
 
 class LibpngRows final : public PngRows {
@@ -21,7 +23,8 @@ class LibpngRows final : public PngRows {
   Result<void> open() {
     png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
     if (png_) info_ = png_create_info_struct(png_);
-    if (!info_) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+    if (!info_)
+      return fail(ErrorCode::kOutOfMemory, "There is not enough memory to encode an image.");
     return begin() ? Result<void>() : failed();
   }
 
@@ -29,7 +32,7 @@ class LibpngRows final : public PngRows {
     const std::size_t row = std::size_t{3} * size_.width;
     const std::size_t rows = rgb.size() / row;
     if (rgb.size() % row != 0 || rows > size_.height - written_) {
-      return fail(ErrorCode::kInternal, "These rows are of another picture.");
+      return fail(ErrorCode::kInternal, "The rows do not match the image.");
     }
     if (!write(rgb.data(), rows)) return failed();
     written_ += static_cast<std::uint32_t>(rows);
@@ -42,7 +45,8 @@ class LibpngRows final : public PngRows {
   }
 
  private:
-  // libpng leaves each of these three by longjmp: nothing with a destructor is made in them.
+  // libpng leaves each of these three functions by longjmp, so they must not create objects with
+  // destructors.
   bool begin() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_write_fn(
@@ -84,7 +88,7 @@ class LibpngRows final : public PngRows {
 
 Result<std::unique_ptr<PngRows>> make_png_rows(Canvas size, int level) {
   auto rows = std::make_unique<LibpngRows>(size, level);
-  if (const auto opened = rows->open(); !opened) return tl::unexpected(opened.error());
+  DIAPHANE_TRY(rows->open());
   return std::unique_ptr<PngRows>(std::move(rows));
 }
 

@@ -10,14 +10,14 @@
 
 namespace diaphane::render {
 
-/// A PNG that is written row by row: RGB without alpha, without colour profile and without text.
-/// It holds a few rows, whatever the picture's height. Used by one thread at a time.
+/// Writes an RGB PNG row by row, without alpha, colour profile or text. Holds only a few rows in
+/// memory. Not thread-safe.
 class PngRows {
  public:
   virtual ~PngRows() = default;
-  /// The next rows, whole ones. The bytes of the file that are ready.
+  /// Appends complete rows, and returns the bytes of the file that are ready.
   virtual Result<std::string> add(std::span<const std::uint8_t> rgb) = 0;
-  /// After all rows, once: the rest of the file.
+  /// Returns the rest of the file. To be called once, after all rows.
   virtual Result<std::string> finish() = 0;
 };
 

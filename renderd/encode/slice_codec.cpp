@@ -14,12 +14,12 @@ Result<std::string> code_slice(std::span<const std::int16_t> values) {
   }
   uLongf length = compressBound(static_cast<uLong>(bytes.size()));
   std::string coded(length, '\0');
-  // The quickest: somebody turns the wheel.
+  // The fastest level, because a user is scrolling through slices.
   constexpr int kLevel = 1;
   if (compress2(reinterpret_cast<Bytef*>(coded.data()), &length,
                 reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
                 kLevel) != Z_OK) {
-    return fail(ErrorCode::kInternal, "The slice could not be coded.");
+    return fail(ErrorCode::kInternal, "The slice could not be encoded.");
   }
   coded.resize(length);
   return coded;

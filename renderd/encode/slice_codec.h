@@ -8,7 +8,7 @@
 
 namespace diaphane::render {
 
-/// The bytes of ExactSlice.data (api/proto/stream.proto).
+/// Encodes values as the bytes of ExactSlice.data (api/proto/stream.proto).
 Result<std::string> code_slice(std::span<const std::int16_t> values);
 
 }  // namespace diaphane::render

@@ -9,7 +9,7 @@
 namespace diaphane::render {
 namespace {
 
-// As the protocol says it, and nothing of ours.
+// Decodes as the protocol specifies, without the project's code.
 std::vector<std::int16_t> decoded(const std::string& coded, std::size_t pixels) {
   std::vector<unsigned char> bytes(2 * pixels);
   auto length = static_cast<uLongf>(bytes.size());

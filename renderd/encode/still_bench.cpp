@@ -1,6 +1,7 @@
-// diaphane-still-bench FIRST.ppm ... LAST.ppm: pictures of one scene as it converges. What the last
-// costs without loss, by each codec in tiles and by the thesis's way (8.1): differences to what the
-// viewer has as JPEG, then the residual as PNG. One JSON line a row.
+// diaphane-still-bench FIRST.ppm ... LAST.ppm measures the lossless size of the last of several
+// pictures of a converging scene: with each codec in tiles, and with the method of the thesis
+// (8.1), which sends differences to the viewer's picture as JPEG and then the residual as PNG.
+// Prints one JSON line per row.
 #include <turbojpeg.h>
 
 #include <algorithm>
@@ -36,20 +37,21 @@ PictureRgb8 read_ppm(const std::string& path) {
   in.read(reinterpret_cast<char*>(picture.pixels.data()),
           static_cast<std::streamsize>(picture.pixels.size()));
   if (!in || magic != "P6" || most != 255) {
-    std::cerr << path << " is no 8-bit PPM\n";
+    std::cerr << path << " is not an 8-bit PPM file\n";
     std::exit(65);
   }
   return picture;
 }
 
-/// Of this thread's processor alone: what else runs on the machine does not count.
+/// CPU time of this thread, which excludes other work on the machine.
 double cpu_milliseconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-/// Runs it some times; bytes of the last, and the median of the milliseconds.
+/// Runs `code` several times and prints the bytes of the last run and the median of the
+/// milliseconds.
 void row(const std::string& name, const std::function<std::size_t()>& code) {
   std::vector<double> milliseconds;
   std::size_t bytes = 0;
@@ -108,7 +110,7 @@ Jpeg through_jpeg(const PictureRgb8& picture, int quality) {
   return out;
 }
 
-/// a - b + offset of each byte; cut to 0 .. 255 or modulo 256.
+/// Returns a - b + offset per byte, clamped to 0 to 255 or modulo 256.
 PictureRgb8 difference(const PictureRgb8& a, const PictureRgb8& b, int offset, bool cut) {
   PictureRgb8 out = a;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
@@ -118,7 +120,8 @@ PictureRgb8 difference(const PictureRgb8& a, const PictureRgb8& b, int offset, b
   return out;
 }
 
-/// Each picture as its difference to what the viewer has: the bytes, and what he has at the end.
+/// Encodes each picture as its difference to what the viewer has. Returns the bytes and the
+/// viewer's final picture.
 Jpeg difference_chain(const std::vector<PictureRgb8>& pictures, int quality) {
   Jpeg viewer = through_jpeg(pictures.front(), quality);
   for (std::size_t i = 1; i < pictures.size(); ++i) {
@@ -136,7 +139,7 @@ Jpeg difference_chain(const std::vector<PictureRgb8>& pictures, int quality) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::cerr << "diaphane-still-bench FIRST.ppm ... LAST.ppm\n";
+    std::cerr << "usage: diaphane-still-bench FIRST.ppm ... LAST.ppm\n";
     return 64;
   }
   std::vector<PictureRgb8> pictures;
@@ -158,7 +161,7 @@ int main(int argc, char** argv) {
       return bytes;
     });
     row("differences-jpeg-" + q, [&] { return difference_chain(pictures, quality).bytes; });
-    // What is left of the last picture after its own JPEG frame, and after the chain.
+    // The residuals of the last picture after its own JPEG frame and after the chain.
     const PictureRgb8 after_frame = difference(last, through_jpeg(last, quality).shown, 128, false);
     const PictureRgb8 after_chain =
         difference(last, difference_chain(pictures, quality).shown, 128, false);

@@ -6,7 +6,7 @@
 
 namespace diaphane::render {
 
-/// Gradients and a wave: what a codec keeps well.
+/// A smooth picture of gradients and a wave, which codecs preserve well.
 inline PictureRgb8 smooth_picture(std::uint32_t width, std::uint32_t height, double phase = 0) {
   PictureRgb8 picture;
   picture.size = {width, height};
@@ -21,7 +21,7 @@ inline PictureRgb8 smooth_picture(std::uint32_t width, std::uint32_t height, dou
   return picture;
 }
 
-/// One colour all over.
+/// A picture of a single colour.
 inline PictureRgb8 plain_picture(Canvas size, std::uint8_t red, std::uint8_t green,
                                  std::uint8_t blue) {
   PictureRgb8 picture;
@@ -32,7 +32,7 @@ inline PictureRgb8 plain_picture(Canvas size, std::uint8_t red, std::uint8_t gre
   return picture;
 }
 
-/// Root of the mean squared difference, in steps of 8 bits.
+/// Root of the mean squared difference, in 8-bit steps.
 inline double rms(const PictureRgb8& a, const PictureRgb8& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {

@@ -12,17 +12,17 @@
 
 namespace diaphane::render {
 
-/// The tiles of one finished picture, each coded once for all who receive it, when the first of
-/// them is about to need it. What is still to be coded is given up with the source. Thread-safe.
+/// The tiles of one finished picture, each encoded once for all receivers when the first of them is
+/// about to need it. Destroying the source cancels the rest of the encoding. Thread-safe.
 class TileSource : public std::enable_shared_from_this<TileSource> {
  public:
-  /// `ready` is called from a coding thread, without a lock held, when a tile has been coded.
+  /// `ready` is called without a lock from an encoding thread when a tile has been encoded.
   TileSource(EncodePool& pool, PictureRgb8 picture, std::function<void()> ready);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
-  /// The tile, or null: then it is being coded, or could not be (kept in `failed`).
+  /// Returns the tile, or null while it is being encoded or if it could not be (see failed()).
   std::shared_ptr<const CodedTile> get(std::size_t index, diaphane::v1::StillFormat format);
-  /// A tile could not be coded: there will be no lossless end.
+  /// Whether a tile could not be encoded, so that there will be no lossless picture.
   bool failed() const;
 
  private:

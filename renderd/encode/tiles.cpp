@@ -7,13 +7,14 @@
 #include <array>
 #include <memory>
 
+#include "common/try.h"
 #include "renderd/encode/png_rows.h"
 #include "renderd/encode/tile_codecs.h"
 
 namespace diaphane::render {
 namespace {
 
-// The pixels of a tile without those beside it, as they are hashed.
+// Copies the pixels of a tile into contiguous rows, as they are hashed.
 std::string cut(const PictureRgb8& picture, const Tile& tile) {
   std::string pixels;
   pixels.reserve(std::size_t{3} * tile.width * tile.height);
@@ -47,7 +48,7 @@ std::vector<Tile> plan_tiles(Canvas size) {
 
 Result<std::string> encode_png(const std::string& rgb, Canvas size, int level) {
   auto rows = make_png_rows(size, level);
-  if (!rows) return tl::unexpected(rows.error());
+  DIAPHANE_TRY(rows);
   auto file = (*rows)->add({reinterpret_cast<const std::uint8_t*>(rgb.data()), rgb.size()});
   if (!file) return file;
   auto end = (*rows)->finish();
@@ -61,7 +62,8 @@ Result<std::string> encode_webp(const std::string& rgb, Canvas size, int level) 
   WebPPicture picture;
   if (!WebPConfigInit(&config) || !WebPConfigLosslessPreset(&config, level) ||
       !WebPPictureInit(&picture)) {
-    return fail(ErrorCode::kInternal, "WebP is of another version than was compiled against.");
+    return fail(ErrorCode::kInternal,
+                "The version of libwebp differs from the one that the server was built with.");
   }
   const std::unique_ptr<WebPPicture, void (*)(WebPPicture*)> free_picture(&picture,
                                                                           WebPPictureFree);
@@ -77,24 +79,25 @@ Result<std::string> encode_webp(const std::string& rgb, Canvas size, int level) 
   const auto* pixels = reinterpret_cast<const std::uint8_t*>(rgb.data());
   if (!WebPPictureImportRGB(&picture, pixels, static_cast<int>(3 * size.width)) ||
       !WebPEncode(&config, &picture)) {
-    return fail(ErrorCode::kInternal, "A picture could not be coded as WebP.");
+    return fail(ErrorCode::kInternal, "An image could not be encoded as WebP.");
   }
   return std::string(reinterpret_cast<const char*>(written.mem), written.size);
 }
 
 Result<CodedTile> encode_tile(const PictureRgb8& picture, const Tile& tile,
                               v1::StillFormat format) {
-  if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+  DIAPHANE_TRY(check_picture(picture));
   const Canvas size{tile.width, tile.height};
   if (size.width == 0 || size.height == 0 || tile.x + size.width > picture.size.width ||
       tile.y + size.height > picture.size.height) {
-    return fail(ErrorCode::kInternal, "A tile is not within its picture.");
+    return fail(ErrorCode::kInternal, "A tile lies outside its image.");
   }
   const std::string pixels = cut(picture, tile);
   auto data = format == v1::WEBP  ? encode_webp(pixels, size, kWebpLevel)
               : format == v1::PNG ? encode_png(pixels, size, kPngLevel)
-                                  : fail(ErrorCode::kUnsupported, "No such lossless format.");
-  if (!data) return tl::unexpected(data.error());
+                                  : fail(ErrorCode::kUnsupported,
+                                         "The server does not support this lossless format.");
+  DIAPHANE_TRY(data);
   return CodedTile{format, std::move(*data), sha256(pixels)};
 }
 

@@ -12,7 +12,7 @@ namespace diaphane::render {
 
 inline constexpr std::uint32_t kTileSide = 256;
 
-/// A part of a picture, pixels.
+/// A part of a picture, in pixels.
 struct Tile {
   std::uint32_t x = 0;
   std::uint32_t y = 0;
@@ -22,17 +22,17 @@ struct Tile {
   bool operator==(const Tile&) const = default;
 };
 
-/// Tiles of 256 x 256 that cover a picture once, row by row from the top left; those at the right
-/// and lower border are smaller.
+/// Returns tiles of 256 x 256 that cover a picture once, row by row from the top left. Tiles at the
+/// right and lower border are smaller.
 std::vector<Tile> plan_tiles(Canvas size);
 
 struct CodedTile {
   diaphane::v1::StillFormat format = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
-  std::string data;  ///< a file of that format, RGB without alpha and without colour profile
-  std::string hash;  ///< SHA-256 of the pixels: RGB, rows from the top, 32 bytes
+  std::string data;  ///< a file of that format, RGB without alpha or colour profile
+  std::string hash;  ///< 32-byte SHA-256 of the pixels: RGB, rows from the top
 };
 
-/// Codes a part of a picture without loss. kInternal when the tile is not within the picture.
+/// Encodes a part of a picture losslessly. kInternal when the tile is not within the picture.
 Result<CodedTile> encode_tile(const PictureRgb8& picture, const Tile& tile,
                               diaphane::v1::StillFormat format);
 

@@ -1,4 +1,4 @@
-// What the video encoders make is decoded by libavcodec and held against what went in.
+// The output of the video encoders is decoded with libavcodec and compared with the input.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -17,7 +17,7 @@ extern "C" {
 namespace diaphane::render {
 namespace {
 
-/// A decoder as a viewer has it: it is fed one frame and must show it before the next comes.
+/// A decoder like a viewer's: it gets one frame and must show it before the next one.
 class Viewer {
  public:
   explicit Viewer(AVCodecID codec) : context_(avcodec_alloc_context3(nullptr)) {
@@ -36,7 +36,7 @@ class Viewer {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  /// Null when nothing could be shown.
+  /// Returns null if nothing could be shown.
   const AVFrame* show(const std::string& data) {
     EXPECT_EQ(av_new_packet(packet_, static_cast<int>(data.size())), 0);
     std::copy(data.begin(), data.end(), packet_->data);
@@ -186,8 +186,8 @@ TEST_P(Video, ARequestedKeyFrameIsDecodedByANewViewer) {
   }
 }
 
-// The bound is a buffer of one frame: what a noisy picture takes is held within a half of it, and
-// moves with it, up and down, without a key frame.
+// The limit is a buffer of one frame: the size of a noisy picture stays within a half of it, and
+// follows it up and down without a key frame.
 TEST_P(Video, ABoundOfBytesHoldsFromFrameToFrameWithoutAKeyFrame) {
   const auto coder = encoder();
   unsigned seed = 0;
@@ -198,7 +198,7 @@ TEST_P(Video, ABoundOfBytesHoldsFromFrameToFrameWithoutAKeyFrame) {
       const auto coded = coder->encode(noise({640, 360}, ++seed), {Quality::kMoving, false, most});
       ASSERT_TRUE(coded);
       EXPECT_FALSE(coded->key);
-      if (i >= 4) bytes = std::max(bytes, coded->data.size());  // some to get there
+      if (i >= 4) bytes = std::max(bytes, coded->data.size());  // a few frames to adapt
     }
     EXPECT_LT(bytes, most + most / 2) << most;
     EXPECT_GT(bytes, most / 4) << most;

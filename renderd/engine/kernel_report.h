@@ -9,34 +9,35 @@
 
 namespace diaphane::render {
 
-/// Which kernel an engine takes for a scene, where it can compile one for just the scene's features
-/// (CUDA). Every kernel gives the same estimate, but not the same bits (docs/adr/0010).
+/// Which kernel an engine uses for a scene if it can compile one for exactly the features of the
+/// scene (CUDA). Every kernel gives the same estimate, but not the same bits (docs/adr/0010).
 enum class KernelChoice : std::uint8_t {
-  kExact,        ///< the scene's own, compiled before the first sample: the bits depend on the
-                 ///< scene alone
-  kStandIn,      ///< what is there now, while the scene's own is compiled; a picture keeps the
-                 ///< kernel with which it began
-  kAheadOfTime,  ///< the smallest of those in the program
-  kGeneral,      ///< the one that has all features
+  kExact,    ///< the scene's own, compiled before the first sample, so that the bits depend only on
+             ///< the scene
+  kStandIn,  ///< the best available one while the scene's own is compiled; a picture keeps the
+             ///< kernel with which it began
+  kAheadOfTime,  ///< the smallest suitable one in the program
+  kGeneral,      ///< the one with all features
 };
 
 enum class KernelOrigin : std::uint8_t { kGeneral, kAheadOfTime, kForThisScene };
 
-/// What the kernel that renders a picture is, and what the picture takes. Plain data for reports.
+/// Describes the kernel that renders a picture, and the memory that the picture takes.
 struct KernelReport {
   std::vector<std::string> compiled_in, left_out;  ///< names of features
   KernelOrigin origin = KernelOrigin::kAheadOfTime;
-  double compile_milliseconds = 0;  ///< compiling or reading and loading; 0 ahead of time
+  double compile_milliseconds = 0;  ///< time to compile, or to read and load; 0 if ahead of time
   bool from_cache = false;          ///< read from disk instead of compiled
-  /// Of a GPU's kernel: registers a thread, and bytes a thread that do not fit into them.
+  /// For a GPU: registers per thread, and bytes per thread that do not fit into them.
   std::optional<int> registers;
   std::optional<std::uint64_t> local_bytes;
-  /// The denoiser's kernels for the last picture, on the device's clock; nothing where none ran.
+  /// Duration of the denoiser's kernels for the last picture, measured by the device; empty if none
+  /// ran.
   std::optional<double> denoise_milliseconds;
-  double empty_cells = 0;  ///< share of the macrocells that are skipped as empty
+  double empty_cells = 0;  ///< fraction of the macrocells that are skipped as empty
   std::uint64_t volume_bytes = 0, acceleration_bytes = 0, film_bytes = 0;  ///< on the device
-  std::uint64_t shared_bytes = 0;  ///< working memory there, one for all sessions
-  std::string note;                ///< why no kernel was compiled though one should have been
+  std::uint64_t shared_bytes = 0;  ///< working memory on the device, shared by all sessions
+  std::string note;                ///< why no kernel was compiled although one should have been
 };
 
 inline const char* name_of(KernelOrigin origin) {
@@ -51,7 +52,7 @@ inline const char* name_of(KernelOrigin origin) {
   return "";
 }
 
-/// Fills in what `features` has and has not.
+/// Fills in the names of the features that `features` has and of those that it lacks.
 inline void list_features(Features features, KernelReport& report) {
   for (std::uint32_t i = 0; i < kFeatureCount; ++i) {
     auto& list = features.has(static_cast<Feature>(i)) ? report.compiled_in : report.left_out;

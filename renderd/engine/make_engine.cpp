@@ -1,9 +1,10 @@
 #include <cstdlib>
 
-#include "renderd/engine/cpu_engine.h"
+#include "common/try.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/engine/frame_renderer.h"
 #if defined(DIAPHANE_HAVE_CUDA)
-#include "renderd/engine/cuda_engine.h"
+#include "renderd/engine/cuda/engine.h"
 #endif
 
 namespace diaphane::render {
@@ -13,7 +14,7 @@ Result<std::unique_ptr<Engine>> cuda_engine([[maybe_unused]] const EngineOptions
 #if defined(DIAPHANE_HAVE_CUDA)
   return make_cuda_engine(options);
 #else
-  return fail(ErrorCode::kUnavailable, "this build has no CUDA engine", "engine");
+  return fail(ErrorCode::kUnavailable, "this program was built without the CUDA engine", "engine");
 #endif
 }
 
@@ -60,17 +61,19 @@ Result<EngineOptions> engine_options_from_environment() {
 }
 
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads,
-                                            const EngineOptions& options) {
+                                            const EngineOptions& options,
+                                            const FallbackReport& on_fallback) {
   if (choice != EngineChoice::kCpu) {
     auto engine = cuda_engine(options);
     if (engine || choice == EngineChoice::kCuda) return engine;
+    if (on_fallback) on_fallback(engine.error());
   }
-  return make_cpu_engine(threads);
+  return make_cpu_engine(threads, options.film_bytes);
 }
 
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads) {
   const auto options = engine_options_from_environment();
-  if (!options) return tl::unexpected(options.error());
+  DIAPHANE_TRY(options);
   return make_engine(choice, threads, *options);
 }
 

@@ -4,21 +4,23 @@
 
 namespace diaphane::render {
 
-/// Size of a picture in pixels; each of 1 .. kLongestCanvas. It may be a band of rows of a larger
-/// one: then its pixels are that one's, bit by bit, wherever they are rendered.
+/// The size of a picture in pixels; both sides are 1 to kLongestCanvas. A canvas may be a band of
+/// rows of a larger picture. Its pixels are then bit for bit those of the larger picture.
 struct Canvas {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::uint32_t first_row = 0;     ///< in the picture that it is a band of
-  std::uint32_t whole_height = 0;  ///< of that picture; 0: it is a picture by itself
+  std::uint32_t first_row = 0;     ///< row of the whole picture where the band begins
+  std::uint32_t whole_height = 0;  ///< height of the whole picture; 0 if this is not a band
 
   std::uint32_t picture_height() const { return whole_height == 0 ? height : whole_height; }
+  double pixels() const { return double(width) * double(height); }
   bool operator==(const Canvas&) const = default;
 };
 inline constexpr std::uint32_t kLongestCanvas = 16384;
-inline constexpr std::uint64_t kMostCanvasPixels = std::uint64_t{1} << 26;  ///< of one film
+/// The maximum for one film.
+inline constexpr std::uint64_t kMostCanvasPixels = std::uint64_t{1} << 26;
 
-/// Whether a film can be made of it.
+/// Whether a film can have this canvas.
 inline bool is_sound(Canvas canvas) {
   return canvas.width > 0 && canvas.height > 0 && canvas.width <= kLongestCanvas &&
          canvas.picture_height() <= kLongestCanvas &&

@@ -6,56 +6,58 @@
 #include "renderd/film/guides.h"
 #include "renderd/math/half.h"
 
-// Smooths the first pictures of an epoch, when they are still noise: an edge-avoiding a-trous
-// filter (Dammertz et al. 2010) that is steered by the guides and by the picture's own variance
-// (Schied et al. 2017, without time), and then as much of the raw picture as makes the error least.
+// Denoises the first pictures of an epoch, which are still noisy. An edge-avoiding a-trous filter
+// (Dammertz et al. 2010) is steered by the guides and by the variance of the picture (Schied et al.
+// 2017, without the temporal part). The result is then blended with the raw picture so that the
+// error is minimal.
 //
-// How much: with M the raw picture, F the filtered one and d the deviation of M (film.h: E[d^2] =
-// Var[M], independent of M's mean), the squared error of M + w (F - M) is least at
+// The blend: let M be the raw picture, F the filtered one and d the deviation of M (film.h: E[d^2]
+// = Var[M], independent of the mean of M). The squared error of M + w (F - M) is minimal at
 //   w = E[(M - truth) (M - F)] / E[(F - M)^2]   and   E[(M - truth) (M - F)] = E[d (d - F_d)],
-// F_d the filtered d: exact for a filter whose weights do not depend on the noise. Both means are
-// taken over a tile and its neighbours. The numerator falls as 1 / samples, the denominator goes to
-// what the filter is wrong by: w goes to 0, and the picture ends as the raw one.
+// where F_d is the filtered d. This is exact for a filter whose weights do not depend on the noise.
+// Both means are taken over a tile and its neighbours. The numerator falls as 1 / samples, and the
+// denominator approaches the squared bias of the filter. So w approaches 0, and the final picture
+// is the raw one.
 //
-// Every function is of one pixel or of a pair of pixels; the executors bring loops and memory.
+// Every function works on one pixel or on a pair of pixels; the executors supply loops and memory.
 
 namespace diaphane::render {
 
-/// Passes of 5 x 5 taps, 1, 2, 4, ... pixels apart.
+/// Each pass has 5 x 5 taps, which are 1, 2, 4, ... pixels apart.
 inline constexpr std::uint32_t kDenoisePasses = 4;
 inline constexpr std::int32_t kDenoiseReach = 2;
 
-/// The variance is the mean of d^2 over so many pixels each way: of one pixel it says next to
-/// nothing.
+/// The variance is the mean of d^2 over this many pixels in each direction, because d^2 of one
+/// pixel says very little.
 inline constexpr std::int32_t kVarianceReach = 3;
 
-/// Along one axis, by distance: the B3 spline.
+/// The weight along one axis at a distance of `tap`, from the B3 spline.
 HOST_DEVICE float spline_weight(std::int32_t tap) {
   constexpr float kWeights[] = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
   return kWeights[tap < 0 ? -tap : tap];
 }
 
-/// What is filtered. In units of the picture's white.
+/// The filtered quantities, in units of the picture's white.
 struct Smoothed {
   Float3 mean;
   float deviation;  ///< of the luminance
 };
 
-/// What steers the filter at a pixel.
+/// The data that steers the filter at a pixel.
 struct Steering {
-  float takes_part;  ///< 1; 0: nothing of it goes to other pixels
+  float takes_part;  ///< 1, or 0 if the pixel contributes nothing to other pixels
   float opacity, depth;
   Float3 albedo, normal;
 };
 
 HOST_DEVICE float luminance(Float3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
-/// Brighter pixels are clipped: one lost path must not light up its surroundings. In units of
-/// white.
+/// Brighter pixels are clipped, in units of white, so that a single bright path does not light up
+/// its surroundings.
 inline constexpr float kBrightest = 16.0f;
 
 HOST_DEVICE float bounded(float x, float low, float high) {
-  return larger(smaller(x, high), low);  // NaN becomes `high`, but is asked for before
+  return larger(smaller(x, high), low);  // NaN becomes `high`, but callers test for it before
 }
 
 HOST_DEVICE Smoothed to_be_smoothed(const PixelEstimate& e, float inverse_white) {
@@ -80,8 +82,8 @@ HOST_DEVICE Steering steering_of(const Guides& g, bool takes_part) {
   return s;
 }
 
-/// 16 bytes of half floats; what takes no part has a negative opacity. Both engines steer by the
-/// packed numbers.
+/// Steering data in 16 bytes of half floats. A pixel that takes no part has a negative opacity.
+/// Both engines steer by the packed numbers.
 struct alignas(16) PackedSteering {
   std::uint32_t pairs[4];
 };
@@ -103,7 +105,7 @@ HOST_DEVICE Steering unpack(const PackedSteering& p) {
           {high(2), low(3), high(3)}};
 }
 
-/// About exp(-x) for x >= 0; 0 from 8 on.
+/// An approximation of exp(-x) for x >= 0, which is 0 for x >= 8.
 HOST_DEVICE float falloff(float x) {
   const float t = larger(1.0f - 0.125f * x, 0.0f);
   const float t2 = t * t, t4 = t2 * t2;
@@ -120,7 +122,8 @@ struct DenoiseTuning {
   float luminance = 1.0f / (2.5f * 2.5f);
 };
 
-/// How unlike two pixels are in what the guides know. `depth_step`: mm of depth that are no edge.
+/// Returns how much the guides of two pixels differ. `depth_step` is the difference in depth, in
+/// mm, that does not count as an edge.
 HOST_DEVICE float unlikeness(const Steering& p, const Steering& q, float depth_step,
                              const DenoiseTuning& tuning) {
   const float both = smaller(p.opacity, q.opacity);
@@ -130,19 +133,19 @@ HOST_DEVICE float unlikeness(const Steering& p, const Steering& q, float depth_s
          both * squared((p.depth - q.depth) / depth_step);
 }
 
-/// How far the picture's own luminance steers a pass, by the distance of its taps. Before
-/// neighbours have been averaged a lone bright path looks like a detail, and would stay one.
+/// How much the luminance of the picture steers a pass, by the distance between its taps. Before
+/// neighbours have been averaged, a single bright path looks like a detail and would be preserved.
 HOST_DEVICE float luminance_trust(std::int32_t stride) {
   return stride == 1 ? 0.0f : stride == 2 ? 0.1f : stride == 4 ? 0.5f : 1.0f;
 }
 
-/// mm of depth from a pixel to one `distance` pixels on that are no edge: a voxel's, and what the
-/// surface's `slope` (mm a pixel) says.
+/// Returns the difference in depth, in mm, between two pixels `distance` apart that does not count
+/// as an edge: one voxel plus the `slope` of the surface (mm per pixel).
 HOST_DEVICE float depth_step(float voxel, float slope, float distance) {
   return voxel + slope * distance;
 }
 
-/// Weight of pixel q in the sum for pixel p. `trust`: luminance_trust().
+/// Returns the weight of pixel q in the sum for pixel p. `trust` comes from luminance_trust().
 HOST_DEVICE float tap_weight(const Smoothed& p, float variance, float trust, const Steering& at_p,
                              float slope, const Smoothed& q, const Steering& at_q, float spline,
                              float distance, float voxel) {
@@ -153,14 +156,15 @@ HOST_DEVICE float tap_weight(const Smoothed& p, float variance, float trust, con
   return spline * at_q.takes_part * falloff(apart);
 }
 
-/// Smaller steps in depth to the two sides of a pixel: the slope of the surface that it is on.
+/// Returns the smaller of the steps in depth to the two sides of a pixel, which is the slope of its
+/// surface.
 HOST_DEVICE float slope_of(float before, float here, float after) {
   return smaller(fabsf(here - before), fabsf(after - here));
 }
 
-/// What one pixel adds to the two means that decide how much is smoothed; by luminance, weighted by
-/// about the square of the tone curve's slope, since the error is that of the picture on the
-/// screen.
+/// The contribution of one pixel to the two means that decide the blend. It uses luminance,
+/// weighted by about the square of the tone curve's slope, because the error is that of the picture
+/// on the screen.
 struct Gain {
   float less_noise;  ///< d (d - F_d)
   float change;      ///< (F - M)^2
@@ -185,8 +189,8 @@ struct GainsView {
   std::uint32_t across, down;
 };
 
-/// At a pixel: bilinear between the middles of the four nearest tiles, so that no tile's border is
-/// seen.
+/// Interpolates bilinearly between the centres of the four nearest tiles, so that tile borders are
+/// invisible.
 HOST_DEVICE Gain gain_around(const GainsView& gains, std::uint32_t x, std::uint32_t y) {
   const float u = bounded((static_cast<float>(x) + 0.5f) / kGainTile - 0.5f, 0.0f,
                           static_cast<float>(gains.across - 1));
@@ -208,30 +212,30 @@ HOST_DEVICE Gain gain_around(const GainsView& gains, std::uint32_t x, std::uint3
   return sum;
 }
 
-/// The raw picture untouched where nothing of the filtered one is taken.
+/// Returns the raw picture unchanged if `share` is 0.
 HOST_DEVICE Float3 blended(Float3 raw, Float3 filtered, float share) {
   if (!(share > 0.0f)) return raw;
   if (!is_finite(raw)) return filtered;
   return raw + (filtered - raw) * share;
 }
 
-/// A picture whose estimated error (film/error.h) is at most this is raw: a session that converges
-/// ends with it.
+/// A picture whose estimated error (film/error.h) is at most this is not denoised, so that a
+/// converged picture is the raw one.
 inline constexpr double kNeverDenoised = 0.01;
-/// Above it the filter is trusted as far as it gains; in between less and less, so that no step is
-/// seen.
+/// Above this error the filter is fully used. Its share falls gradually between the two limits, so
+/// that no step is visible.
 inline constexpr double kFullyDenoised = 0.03;
 
-/// What the share of the filtered picture is multiplied by. `error`: of the raw picture, infinite
-/// when unknown. Squared errors are convex in the share, so that less of it is never worse than
-/// both the raw and the best.
+/// Returns the factor for the share of the filtered picture. `error` is that of the raw picture, or
+/// infinite if unknown. The squared error is convex in the share, so a smaller share than
+/// the best never makes the picture worse than the raw one.
 inline float denoiser_fade(double error) {
   const double x = (error - kNeverDenoised) / (kFullyDenoised - kNeverDenoised);
   return static_cast<float>(x > 1 ? 1 : x > 0 ? x : 0);
 }
 
-/// Whether a pixel is smoothed and smooths others: something is seen through it, no slice, and a
-/// sample of it was good.
+/// Whether a pixel is smoothed and smooths others. This requires that something is visible through
+/// it, that it shows no slice, and that at least one of its samples was finite.
 HOST_DEVICE bool takes_part(const ConstFilmView& film, std::uint64_t pixel, std::uint64_t samples,
                             const Guides& guides) {
   const std::uint32_t state = film.state[pixel];
@@ -241,8 +245,8 @@ HOST_DEVICE bool takes_part(const ConstFilmView& film, std::uint64_t pixel, std:
   return dropped < samples;
 }
 
-/// For the deviation of a picture of one sample, which has no halves: its difference to a
-/// neighbour, the one most like it by the guides, stands for the difference of the halves.
+/// Estimates the deviation of a picture of one sample, which has no halves. The difference to the
+/// neighbour whose guides are most similar replaces the difference of the halves.
 struct NeighbourDeviation {
   float value = 0.0f;
   float apart = 3.4e38f;

@@ -7,34 +7,36 @@
 #include "renderd/film/film.h"
 #include "renderd/film/tone.h"
 
-// How far the accumulated picture is from the converged one, estimated without knowing that one.
+// Estimates how far the accumulated picture is from the converged one without knowing the latter.
 //
-// Definition: the root mean square, over the pixels whose samples met contents of the volume and
-// over the three colours, of tone(x / white) - tone(truth / white), tone(x) = clip(x, 0,
-// 1)^(1/2.2), white the 99th percentile of the picture's values over the same pixels. It does not
-// depend on exposure, and a picture error of 0.05 is 5% of the way from black to white on the
-// screen.
+// Definition: the error is the root mean square of tone(x / white) - tone(truth / white) over the
+// three colours and over the pixels whose samples hit contents of the volume. Here tone(x) =
+// clip(x, 0, 1)^(1/2.2), and white is the 99th percentile of the values of the picture over the
+// same pixels. The error does not depend on the exposure. An error of 0.05 is 5% of the way from
+// black to white on the screen.
 //
-// Estimate: with m the mean of n samples and d the scaled half difference of its two independent
-// halves (film.h: E[d^2] = Var[m]), the steps from tone(m) to tone(m + d) and to tone(m - d) stand
-// for the one to tone(truth): the mean of their squares. That is
-//   ((tone(m + d) - tone(m - d)) / 2)^2 + ((tone(m + d) + tone(m - d)) / 2 - tone(m))^2,
-// half the variance of a displayed half, and beside it the square of the jackknife's bias: curve
-// and clipping make noisy values too dark. Without the second term 17% of the error are missing
-// where the truth is white. What both halves have as black is not seen by either: where light comes
-// in less than one sample of a half, the estimate is too low.
+// Estimate: let m be the mean of n samples and d the scaled half difference of its two independent
+// halves (film.h: E[d^2] = Var[m]). The steps from tone(m) to tone(m + d) and to tone(m - d)
+// replace the step to tone(truth). The mean of their squares is
+//   ((tone(m + d) - tone(m - d)) / 2)^2 + ((tone(m + d) + tone(m - d)) / 2 - tone(m))^2.
+// The first term is half the variance of a displayed half. The second is the square of the
+// jackknife bias, because the curve and the clipping make noisy values too dark. Without the second
+// term, 17% of the error is missing where the truth is white. Light that neither half has received
+// yet is unknown to both, so where light arrives in less than one sample per half, the estimate is
+// too low.
 //
-// White: noise spreads the values, and so their percentile is too high, the more the fewer samples.
-// The halves have twice the variance; what their percentile is above that of the mean, the mean's
-// is above the truth's: the square of the one over the other.
+// White: noise spreads the values and so raises their percentile, the more so the fewer samples
+// there are. The halves have twice the variance of the mean. Their percentile therefore exceeds
+// that of the mean by as much as that of the mean exceeds that of the truth. The estimate is the
+// square of the mean's percentile divided by that of the halves.
 
 namespace diaphane::render {
 
-inline constexpr std::uint32_t kTileSize =
-    16;  ///< pixels; the error is known per tile of this edge
+/// Edge of a tile in pixels; the error is known per tile.
+inline constexpr std::uint32_t kTileSize = 16;
 
-/// Histogram of radiance for the percentile: 16 steps an octave from 2^-32 to 2^32, by the bits of
-/// the float.
+/// Histogram of radiance for the percentile, with 16 steps per octave from 2^-32 to 2^32, taken
+/// from the bits of the float.
 inline constexpr std::uint32_t kWhiteBins = 1024;
 
 HOST_DEVICE std::uint32_t white_bin(float radiance) {
@@ -45,15 +47,15 @@ HOST_DEVICE std::uint32_t white_bin(float radiance) {
   return (b.u >> 19) - ((127u - 32u) << 4);
 }
 
-/// Of the pixels' means, and of one half of each: of one pixel the even samples', of the next the
-/// odd ones'.
+/// Bins for the means of the pixels and for one half of each pixel: the even samples of one pixel,
+/// the odd samples of the next.
 inline constexpr std::uint32_t kWhiteCounts = 2 * kWhiteBins;
 
 struct WhiteHistogram {
-  std::uint64_t counts[kWhiteCounts] = {};  ///< the means' bins, then the halves'
+  std::uint64_t counts[kWhiteCounts] = {};  ///< bins of the means, then bins of the halves
 };
 
-/// The counts of WhiteHistogram that a pixel which met contents adds one to, each.
+/// The counts of WhiteHistogram that a pixel which hit contents increments by one.
 struct WhiteEntries {
   std::uint32_t of[6];
 };
@@ -64,12 +66,12 @@ HOST_DEVICE WhiteEntries white_entries(const PixelEstimate& e, std::uint64_t pix
            kWhiteBins + white_bin(half.z)}};
 }
 
-/// Adds the pixels [first, last) that met contents, each with its three colours.
+/// Adds those of the pixels [first, last) that hit contents, with three colours each.
 void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t last,
                  std::uint64_t samples, WhiteHistogram& histogram);
 
-/// The value below which 99% of the pixels' colours would lie without noise; 1 when there are none
-/// or all are black.
+/// Returns the value below which 99% of the colours of the pixels would lie without noise. Returns
+/// 1 if there are no pixels or all are black.
 float white_from_histogram(const WhiteHistogram& histogram);
 
 HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white) {
@@ -78,7 +80,7 @@ HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white
   const float down = at - tone((mean - deviation) * inverse_white);
   return 0.5f * (up * up + down * down);
 }
-/// Of one pixel, summed over the colours; divide by 3 for the mean.
+/// Returns the squared error of one pixel, summed over the colours. Divide it by 3 for the mean.
 HOST_DEVICE float squared_error(const PixelEstimate& e, float inverse_white) {
   return squared_error(e.mean.x, e.deviation.x, inverse_white) +
          squared_error(e.mean.y, e.deviation.y, inverse_white) +
@@ -86,8 +88,8 @@ HOST_DEVICE float squared_error(const PixelEstimate& e, float inverse_white) {
 }
 
 struct TileError {
-  float squared = 0;         ///< sum over the tile's counted pixels and colours
-  std::uint32_t pixels = 0;  ///< counted: met contents
+  float squared = 0;         ///< sum over the counted pixels of the tile and their colours
+  std::uint32_t pixels = 0;  ///< counted pixels, which are those that hit contents
 };
 
 struct ErrorMap {
@@ -96,12 +98,12 @@ struct ErrorMap {
   float white = 1;
 };
 
-/// On the host; one tile. An engine spreads the tiles over its threads.
+/// Computes the error of one tile on the host. An engine distributes the tiles over its threads.
 TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_x,
                      std::uint32_t tile_y, std::uint64_t samples, float white);
 
-/// Of the whole picture, sqrt of the mean over the tiles' pixels and colours: infinity below two
-/// samples, 0 when no pixel meets contents.
+/// Returns the error of the whole picture: the square root of the mean over the pixels of the tiles
+/// and their colours. It is infinity below two samples and 0 if no pixel hits contents.
 double total_error(const std::vector<TileError>& tiles, std::uint64_t samples);
 
 }  // namespace diaphane::render

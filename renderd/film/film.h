@@ -4,23 +4,23 @@
 
 #include "renderd/math/vector.h"
 
-// The accumulated picture. A launch sums its samples of a pixel in fp32 (a Batch) and folds them
-// once into fp64: an fp32 running mean of a sparse signal is 2.4% off at 1e7 samples. Two halves,
-// the even and the odd samples, are independent pictures; what they differ by says how far the
-// whole is from the truth.
+// The accumulated picture. A launch sums its samples of a pixel in fp32 (a PixelBatch) and adds
+// them once to an fp64 sum, because an fp32 running mean of a sparse signal is off by 2.4% at 1e7
+// samples. The two halves, the even and the odd samples, are independent pictures. Their difference
+// shows how far the whole is from the truth.
 
 namespace diaphane::render {
 
-/// What one launch adds to a pixel.
+/// The contribution of one launch to a pixel.
 struct PixelBatch {
-  Float3 even{}, odd{};            ///< sums over the samples of even and of odd number
-  std::uint32_t dropped_even = 0;  ///< not finite, left out of the sums
+  Float3 even{}, odd{};            ///< sums over the even and over the odd samples
+  std::uint32_t dropped_even = 0;  ///< samples that were not finite and are not in the sums
   std::uint32_t dropped_odd = 0;
   bool met_matter = false;
   bool met_slice = false;
 
-  /// `sample` is the number of the sample since the film was cleared, not of the random stream.
-  /// `slice`: it shows a cross-section.
+  /// `sample` is the number of the sample since the film was cleared, and not its number in the
+  /// random stream. `slice` says that the sample shows a slice.
   HOST_DEVICE void add(Float3 radiance, bool met, std::uint64_t sample, bool slice = false) {
     met_matter |= met;
     met_slice |= slice;
@@ -33,13 +33,13 @@ struct PixelBatch {
   }
 };
 
-/// Three arrays over the pixels, rows from the top. 40 bytes a pixel: the sum needs fp64, the
-/// difference of the halves does not (it is noise).
+/// Three arrays over the pixels, rows from the top, 40 bytes per pixel. The sum needs fp64. The
+/// difference of the halves does not, because it is noise.
 struct FilmView {
-  double* sum;           ///< 3 a pixel: even + odd
-  float* difference;     ///< 3 a pixel: even - odd
-  std::uint32_t* state;  ///< bit 31: met matter; bit 30: shows a slice; bits 0-14, 15-29: dropped
-                         ///< samples, even and odd, saturating
+  double* sum;           ///< 3 per pixel: even + odd
+  float* difference;     ///< 3 per pixel: even - odd
+  std::uint32_t* state;  ///< bit 31: hit matter; bit 30: shows a slice; bits 0-14 and 15-29:
+                         ///< dropped even and odd samples, saturating
 };
 struct ConstFilmView {
   const double* sum;
@@ -47,7 +47,8 @@ struct ConstFilmView {
   const std::uint32_t* state;
 };
 inline constexpr std::uint32_t kMetMatter = 1u << 31;
-inline constexpr std::uint32_t kShowsSlice = 1u << 30;  ///< in any sample: is never smoothed
+/// Any sample of the pixel shows a slice, so the pixel is never smoothed.
+inline constexpr std::uint32_t kShowsSlice = 1u << 30;
 inline constexpr std::uint32_t kDroppedMask = 0x7fff;
 
 HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatch& batch) {
@@ -71,8 +72,8 @@ HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatc
   }
 }
 
-/// A pixel's estimate, and beside it half the distance of the two halves scaled so that its square
-/// is, in the mean, the variance of the estimate.
+/// The estimate of a pixel, and half the difference of its two halves, scaled so that the expected
+/// value of its square is the variance of the estimate.
 struct PixelEstimate {
   Float3 mean;
   Float3 deviation;
@@ -84,7 +85,7 @@ HOST_DEVICE float scaled_difference(double sum, float difference, double to_even
                             (sum - static_cast<double>(difference)) * to_odd);
 }
 
-/// `samples`: per pixel, dropped ones included. `deviation` is 0 below two samples.
+/// `samples` is per pixel and includes dropped samples. `deviation` is 0 below two samples.
 HOST_DEVICE PixelEstimate estimate_of(const ConstFilmView& film, std::uint64_t pixel,
                                       std::uint64_t samples) {
   const std::uint32_t state = film.state[pixel];
@@ -100,7 +101,7 @@ HOST_DEVICE PixelEstimate estimate_of(const ConstFilmView& film, std::uint64_t p
   e.mean = {static_cast<float>(s[0] * per_sample), static_cast<float>(s[1] * per_sample),
             static_cast<float>(s[2] * per_sample)};
   if (even > 0 && odd > 0) {
-    // (A - B) sqrt(a b) / (a + b) for halves of a and b samples.
+    // The scaled deviation is (A - B) sqrt(a b) / (a + b) for halves A and B of a and b samples.
     const double scale = sqrt(even * odd) * per_sample;
     const double to_even = scale * 0.5 / even, to_odd = scale * 0.5 / odd;
     e.deviation = {scaled_difference(s[0], d[0], to_even, to_odd),

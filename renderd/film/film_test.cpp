@@ -52,8 +52,8 @@ TEST(Film, MeanIsThatOfTheSamplesHoweverTheyAreBatched) {
 }
 
 TEST(Film, ASparseSignalKeepsItsMeanOverTenMillionSamples) {
-  // One sample in a thousand is 1: an fp32 running sum would have stopped growing evenly long
-  // before.
+  // One sample in a thousand is 1. An fp32 running sum would have lost precision long before the
+  // end.
   HostFilm film(1);
   constexpr std::uint64_t kBatches = 10'000, kBatch = 1000;
   for (std::uint64_t b = 0; b < kBatches; ++b) {
@@ -101,7 +101,7 @@ TEST(Film, APixelOfWhichEverySampleWasDroppedIsBlack) {
   EXPECT_EQ(estimate_of(film.read(), 0, 3).mean.x, 0);
 }
 
-/// E[deviation^2] = Var[mean], for even and odd numbers of samples.
+/// E[deviation^2] = Var[mean] holds for even and odd numbers of samples.
 TEST(Film, TheSquaredDeviationIsTheVarianceOfTheMean) {
   for (const std::uint64_t samples : {2ull, 3ull, 7ull, 16ull}) {
     test::Moments squared, mean;
@@ -116,7 +116,8 @@ TEST(Film, TheSquaredDeviationIsTheVarianceOfTheMean) {
       squared.add(double{e.deviation.x} * e.deviation.x);
       mean.add(e.mean.x);
     }
-    const double exact = 1.0 / static_cast<double>(samples);  // an exponential's variance is 1
+    // The variance of an exponential variable is 1.
+    const double exact = 1.0 / static_cast<double>(samples);
     const double limit = test::critical_z(test::sidak(kAlpha, 4));
     EXPECT_NEAR(squared.mean, exact, limit * squared.error_of_mean()) << samples;
   }
@@ -153,9 +154,9 @@ TEST(White, IsThe99thPercentileWithinABin) {
   EXPECT_EQ(white_from_histogram(WhiteHistogram{}), 1.0f);
 }
 
-/// Of exponential samples 64 a pixel over a ramp the percentile of the means is 13% too high, of
-/// the halves 21%; what is left is of second order. 40,000 pixels know a percentile to 0.5%, and
-/// 0.09 is five of that above the 6.2% that are left.
+/// With 64 exponential samples per pixel over a ramp, the percentile of the means is 13% too high
+/// and that of the halves is 21% too high. The correction leaves 6.2%, which is of second order.
+/// 40,000 pixels determine a percentile to 0.5%, and 0.09 is five times that above the 6.2%.
 TEST(White, IsRidOfMostOfWhatNoiseAddsToIt) {
   constexpr std::uint64_t kPixels = 40'000, kSamples = 64;
   HostFilm film(kPixels);
@@ -186,7 +187,7 @@ TEST(White, BinsRiseWithRadianceAndNeverLeaveTheHistogram) {
 }
 
 /// Over pictures of many pixels with noise of a known size, in the linear part of the curve, the
-/// estimate is the root mean square of what the displayed picture is off by.
+/// estimate is the root mean square error of the displayed picture.
 TEST(Error, EstimatesWhatADisplayedPictureIsOffBy) {
   constexpr std::uint32_t kWidth = 100, kHeight = 90;
   constexpr std::uint64_t kSamples = 64;
@@ -221,9 +222,10 @@ TEST(Error, EstimatesWhatADisplayedPictureIsOffBy) {
   EXPECT_EQ(total_error({}, 10), 0);
 }
 
-/// Around white the display clips one of the two halves more often than their mean. By an
-/// independent calculation the ratio is 1.02 here; from the halves' difference alone it would be
-/// 0.89. The pixels know it to 0.014: 0.08 is four of that above 1.02, a significance of 5e-5.
+/// Around white, the display clips one of the two halves more often than their mean. According to
+/// an independent calculation the ratio is 1.02 here; from the difference of the halves alone it
+/// would be 0.89. The standard error over the pixels is 0.014, and 0.08 is four times that above
+/// 1.02, a significance of 5e-5.
 TEST(Error, IsThatOfTheDisplayedPictureAlsoWhereNoiseReachesBeyondWhite) {
   constexpr std::uint32_t kWidth = 96, kHeight = 96;
   constexpr std::uint64_t kSamples = 16;
@@ -250,7 +252,7 @@ TEST(Error, IsThatOfTheDisplayedPictureAlsoWhereNoiseReachesBeyondWhite) {
   EXPECT_NEAR(total_error(tiles, kSamples) / std::sqrt(squared / (kWidth * kHeight)), 1, 0.08);
 }
 
-/// Guides as along a ray: all but the opacity weighted by it.
+/// Guides as they are along a ray: all except the opacity are weighted by it.
 Guides guides_of(Random& random, float opacity) {
   const Random::Pair a = random.two(), b = random.two(), c = random.two();
   const Float3 albedo{a.a, a.b, b.a};
@@ -269,7 +271,7 @@ TEST(Guides, PackedAreWithinHalfAStepOfWhatTheyWere) {
     ASSERT_NEAR(p.albedo.y, g.albedo.y, step / 63);
     ASSERT_NEAR(p.albedo.z, g.albedo.z, step / 31);
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(p.normal[c], g.normal[c], step / 7);
-    // Where the matter is seen does not depend on how much of it: half floats have 11 bits.
+    // The depth of the matter does not depend on how much of it there is. Half floats have 11 bits.
     ASSERT_NEAR(p.depth / p.opacity, g.depth / g.opacity, 5e-4f * g.depth / g.opacity + 1e-4f);
     const Guides again = unpack(pack(p));
     ASSERT_EQ(again.opacity, p.opacity);
@@ -289,7 +291,8 @@ TEST(Guides, WhatIsSeenAtAllStaysSeenAndNothingStaysNothing) {
   }
 }
 
-/// Four roundings, each to half a step and then averaged away in part: 1 + 3/4 + 2/4 + 1/4 halves.
+/// Each of four roundings is off by up to half a step and is then partly averaged away: 1 + 3/4 +
+/// 2/4 + 1/4 half steps.
 TEST(Guides, TheMeanOfFourSamplesOneByOneIsTheirMean) {
   Random random(6, 0, 0);
   for (int i = 0; i < 5'000; ++i) {

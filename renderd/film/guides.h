@@ -5,39 +5,40 @@
 #include "renderd/math/half.h"
 #include "renderd/math/vector.h"
 
-// What is seen through a pixel, for the denoiser: known after a few samples, when the picture is
-// still noise.
+// Features of the matter that is visible through a pixel, for the denoiser. They are known after a
+// few samples, when the picture is still noisy.
 
 namespace diaphane::render {
 
-/// Samples of a film, from its first, that record guides. They say where edges are; more of them
-/// would only say it again.
+/// Number of samples of a film, counted from its first, that record guides. Guides show where edges
+/// are, and further samples would add little.
 inline constexpr std::uint64_t kGuidedSamples = 4;
 
-/// Along one camera ray, or the mean over a pixel's. Zero where nothing is seen. All but the
-/// opacity are weighted by it, so that means over the samples of a pixel on an edge are right.
+/// The guides of one camera ray, or the mean over those of a pixel. All are zero where nothing is
+/// visible. All except the opacity are weighted by it, so that means over the samples of a pixel on
+/// an edge are right.
 struct Guides {
   float opacity;  ///< 1 - transmittance
-  float depth;    ///< mm from where camera rays begin: the mean over the matter seen
+  float depth;    ///< mm from the start of the camera ray: the mean over the visible matter
   Float3 albedo;
-  Float3 normal;  ///< unit gradient of the voxel values where most is seen
+  Float3 normal;  ///< unit gradient of the voxel values where visibility is highest
 };
 
-/// 6 bytes, of which each session has one a pixel while its pictures are smoothed. In order, from
-/// the lowest bit: depth over opacity as a half without its sign (15 bits), opacity in 31 steps
-/// (5), albedo in 31, 63 and 31 (16), normal in 14 steps from -1 to 1 each (12). Far finer than
-/// what the filter takes for an edge (DenoiseTuning).
+/// The guides of a pixel in 6 bytes, which a session keeps while its pictures are denoised. From
+/// the lowest bit up they are depth over opacity as a half without its sign (15 bits), opacity in
+/// 31 steps (5), albedo in 31, 63 and 31 steps (16), and normal in 14 steps from -1 to 1 each (12).
+/// This is far finer than the differences that the filter treats as edges (DenoiseTuning).
 struct PackedGuides {
   std::uint16_t words[3];
 };
 
-/// `x` in [0, 1], to nearest.
+/// Rounds `x` in [0, 1] to the nearest step.
 HOST_DEVICE std::uint32_t in_steps(float x, float steps) {
   return static_cast<std::uint32_t>(smaller(larger(x, 0.0f), 1.0f) * steps + 0.5f);
 }
 
 HOST_DEVICE PackedGuides pack(const Guides& g) {
-  // What is seen at all stays so.
+  // Rounding must not make visible matter invisible.
   const std::uint32_t opacity = g.opacity > 0.0f ? larger(in_steps(g.opacity, 31.0f), 1u) : 0u;
   const float depth = g.opacity > 0.0f ? larger(g.depth / g.opacity, 0.0f) : 0.0f;
   const auto side = [](float x) { return in_steps(0.5f + 0.5f * x, 14.0f); };
@@ -61,7 +62,7 @@ HOST_DEVICE Guides unpack(const PackedGuides& p) {
   Guides g{opacity, from_half(p.words[0] & 0x7fffu) * opacity, {}, {}};
   g.albedo = {steps(albedo & 31u, 31.0f), steps(albedo >> 5 & 63u, 63.0f),
               steps(albedo >> 11, 31.0f)};
-  // All zero is a pixel of which nothing is known yet.
+  // All zero marks a pixel of which nothing is known yet.
   if (opacity > 0.0f) g.normal = {side(normal), side(normal >> 4), side(normal >> 8)};
   return g;
 }
@@ -80,7 +81,8 @@ HOST_DEVICE bool is_finite(const Guides& g) {
   return is_finite(Float3{g.opacity, g.depth, 0.0f} + g.albedo + g.normal);
 }
 
-/// The mean of `before` samples, packed, and `more` whose sum is `sum`.
+/// Returns the mean of `before` samples, whose packed mean is `mean`, and `more` samples, whose sum
+/// is `sum`.
 HOST_DEVICE PackedGuides with_samples(const PackedGuides& mean, std::uint32_t before,
                                       const Guides& sum, std::uint32_t more) {
   if (!is_finite(sum)) return mean;

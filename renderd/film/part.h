@@ -7,59 +7,61 @@
 #include "renderd/film/canvas.h"
 #include "renderd/film/film.h"
 
-// Several devices that make one picture (thesis 5.1.2, 8.2): what one of them is to render, and
-// what it hands over.
+// Data types for several devices that render one picture (thesis 5.1.2, 8.2): the share that a
+// device renders, and the part of the film that it hands over.
 
 namespace diaphane::render {
 
-/// Bands of rows begin at multiples of it: a multiple of every engine's unit of work.
+/// Bands of rows begin at multiples of this, which is a multiple of every engine's unit of work.
 inline constexpr std::uint32_t kShareRows = 16;
 
-/// What one of several devices renders of a picture: some of the rows and some of the samples. The
-/// whole of it by default.
+/// The share of a picture that one of several devices renders: some of the rows and some of the
+/// samples. The default is the whole picture.
 struct Share {
   std::uint32_t first_row = 0;              ///< a multiple of kShareRows
-  std::uint32_t last_row = kLongestCanvas;  ///< one beyond; likewise, or the picture's height
-  std::uint32_t part = 0, parts = 1;        ///< of the sequence (SampleNumbers)
-  std::uint64_t sequence = 0;               ///< below 2^20: others are independent of it
+  std::uint32_t last_row = kLongestCanvas;  ///< one past the last row; also a multiple of
+                                            ///< kShareRows, or the picture's height
+  std::uint32_t part = 0, parts = 1;  ///< which part of how many in the sequence (SampleNumbers)
+  std::uint64_t sequence = 0;         ///< below 2^20; different sequences are independent
 
   bool operator==(const Share&) const = default;
 };
 
-/// Far more samples than are ever drawn of one picture: where sequences begin.
+/// Distance between the starts of two sequences, far more than the samples of any one picture.
 inline constexpr std::uint64_t kSequenceSamples = std::uint64_t{1} << 40;
 
-/// A pixel of some samples, packed: 10 bytes.
+/// The accumulated samples of a pixel, packed into 10 bytes.
 ///
-/// `mean` of the samples that were finite: without a sign (radiance has none), 6 bits of exponent
-/// (2^-40 to 2^23) and 10 of mantissa, to nearest: at most 2^-11 of the value off. On the display
-/// that is x^(1/2.2) 2^-11 / 2.2 < 2.3e-4 of white, 1.3e-4 in the root mean square, which a picture
-/// that is converged to 1% does not show; parts' roundings are independent, so merging makes it
-/// less.
+/// `mean` is the mean of the finite samples. It has no sign, because radiance is not negative, 6
+/// bits of exponent (2^-40 to 2^23) and 10 bits of mantissa. It is rounded to nearest, so its
+/// relative error is at most 2^-11. On the display this is x^(1/2.2) 2^-11 / 2.2 < 2.3e-4 of white
+/// and 1.3e-4 in the root mean square, which is invisible in a picture that is converged to 1%. The
+/// roundings of different parts are independent, so merging reduces the error.
 ///
-/// `half` is half the distance of the two halves' means over twice the mean, within [-1, 1]: a
-/// sign, 5 bits of exponent and 2 of mantissa. It tells how noisy a pixel is, to 9% one pixel and
-/// to 0.2% over a picture.
+/// `half` is half the difference of the means of the two halves divided by twice the mean, within
+/// [-1, 1]: a sign, 5 bits of exponent and 2 bits of mantissa. It tells how noisy a pixel is, to 9%
+/// for one pixel and to 0.2% over a picture.
 struct alignas(2) PackedPixel {
   std::uint16_t mean[3];
   std::uint8_t half[3];
-  std::uint8_t state;  ///< bit 7: met matter; bit 6: slice; 0-2, 3-5: dropped, even and odd
+  std::uint8_t
+      state;  ///< bit 7: hit matter; bit 6: slice; bits 0-2 and 3-5: dropped even and odd samples
 
   bool operator==(const PackedPixel&) const = default;
 };
 
-/// Pixels that have stayed on a device.
+/// Pixels that remain in the memory of a device.
 struct PixelsOnDevice {
   virtual ~PixelsOnDevice() = default;
 };
 
-/// What was drawn of a band of rows since it was last taken.
+/// The samples of a band of rows since they were last taken.
 struct FilmPart {
   std::uint32_t width = 0;
   std::uint32_t first_row = 0, rows = 0;
-  std::uint64_t samples = 0;  ///< of each pixel; even: as many of one half as of the other
+  std::uint64_t samples = 0;  ///< per pixel; even, with the same number in both halves
   std::vector<PackedPixel> pixels;
-  /// Instead of `pixels`: for engines of the same kind in this process.
+  /// Replaces `pixels` between engines of the same kind in this process.
   std::shared_ptr<const PixelsOnDevice> on_device = nullptr;
 };
 
@@ -68,7 +70,7 @@ inline bool is_band(std::uint32_t first_row, std::uint32_t last_row, std::uint32
   return first_row % kShareRows == 0 && first_row < last_row && last_row <= height &&
          (last_row % kShareRows == 0 || last_row == height);
 }
-/// Whether `part` can be of a picture of this size.
+/// Whether `part` can belong to a picture of this size.
 inline bool fits(const FilmPart& part, Canvas size) {
   return part.width == size.width && part.rows <= size.height &&
          is_band(part.first_row, part.first_row + part.rows, size.height) &&
@@ -76,7 +78,8 @@ inline bool fits(const FilmPart& part, Canvas size) {
          (part.on_device || part.pixels.size() == std::size_t{part.width} * part.rows);
 }
 
-/// x >= 0 as PackedPixel::mean; below 2^-40 it is 0, beyond 2^24 the largest.
+/// Packs x >= 0 as PackedPixel::mean. Below 2^-40 the result is 0, and from 2^24 it is the largest
+/// number.
 HOST_DEVICE std::uint16_t pack_mean(float x) {
   union Bits {
     float f;
@@ -85,7 +88,7 @@ HOST_DEVICE std::uint16_t pack_mean(float x) {
   constexpr std::uint32_t kBase = (127u - 40u) << 23;
   if (!(x >= 0x1p-40f)) return 0;
   const std::uint32_t rounded = b.u + 0xfffu + (b.u >> 13 & 1u);
-  const std::uint32_t steps = ((rounded - kBase) >> 13) + 1;  // 0 is kept for nothing
+  const std::uint32_t steps = ((rounded - kBase) >> 13) + 1;  // 0 is reserved for zero
   return static_cast<std::uint16_t>(smaller(steps, 0xffffu));
 }
 HOST_DEVICE float unpack_mean(std::uint16_t packed) {
@@ -97,7 +100,7 @@ HOST_DEVICE float unpack_mean(std::uint16_t packed) {
   return b.f;
 }
 
-/// x in [-1, 1] as PackedPixel::half; nearer to 0 than 2^-31 it is 0.
+/// Packs x in [-1, 1] as PackedPixel::half. The result is 0 if |x| is below 2^-31.
 HOST_DEVICE std::uint8_t pack_half(float x) {
   union Bits {
     float f;
@@ -127,7 +130,7 @@ HOST_DEVICE std::uint8_t pack_relative_half(double even, double odd, float mean)
   return pack_half(smaller(larger(r, -1.0f), 1.0f));
 }
 
-/// Of a pixel of `samples`, an even number.
+/// Packs a pixel of `samples` samples, an even number.
 HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixel,
                                    std::uint64_t samples) {
   const std::uint32_t state = film.state[pixel];
@@ -154,8 +157,8 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
   return p;
 }
 
-/// Adds `p`, of `samples`, to a pixel. A pixel that dropped more than 7 samples of a half weighs a
-/// little too much; its mean is right.
+/// Adds `p`, which has `samples` samples, to a pixel. A pixel that dropped more than 7 samples of a
+/// half is weighted slightly too high; its mean is right.
 HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const PackedPixel& p,
                              std::uint64_t samples) {
   const std::uint32_t lost_even = p.state & 7u, lost_odd = p.state >> 3 & 7u;

@@ -20,7 +20,7 @@ TEST(FilmPart, APackedMeanIsWithinHalfAStepOfElevenBits) {
   EXPECT_GT(unpack_mean(pack_mean(1e30f)), 1e7f) << "too bright is the brightest";
 }
 
-/// What the comment of PackedPixel says of the display.
+/// Verifies the display error that the comment of PackedPixel states.
 TEST(FilmPart, ThePackingIsBelowASixteenthOfADisplayLevel) {
   double squared = 0;
   int count = 0;
@@ -57,8 +57,8 @@ struct OnePixel {
   ConstFilmView view() const { return {sum, difference, &state}; }
 };
 
-/// Samples of which some are not finite, in two films that are packed and merged: mean, noise,
-/// marks and counts of dropped ones are those of one film that had them all.
+/// Samples, some of which are not finite, are added to two films that are packed and merged. Mean,
+/// noise, marks and counts of dropped samples are those of one film with all of them.
 TEST(FilmPart, MergedPixelsAreThePixelOfAllSamples) {
   std::mt19937_64 random(3);
   std::exponential_distribution<float> light(1.0f);

@@ -6,9 +6,9 @@
 
 namespace diaphane::render {
 
-/// x^(1/2.2) for x in [0, 1]; absolute error below 3e-6. powf costs more than a sample where the
-/// whole picture goes through it several times a second; this has no branch and vectorises. 0 gives
-/// 0.
+/// Returns x^(1/2.2) for x in [0, 1], with an absolute error below 3e-6 and 0 for 0. It has no
+/// branch and vectorises. powf would cost more than a sample, because the whole picture is
+/// converted several times per second.
 HOST_DEVICE float gamma_encode(float x) {
   union Bits {
     float f;
@@ -21,8 +21,8 @@ HOST_DEVICE float gamma_encode(float x) {
   const float q = s * s;
   const float log2_m =
       s * (2.88539008f + q * (0.961796694f + q * (0.577078016f + q * 0.412198583f)));
-  const float y =
-      (static_cast<float>(e) + log2_m) * (1.0f / 2.2f);  // log2 of the result, in [-27.3, 0]
+  // The log2 of the result, in [-27.3, 0].
+  const float y = (static_cast<float>(e) + log2_m) * (1.0f / 2.2f);
   // 2^y = 2^k 2^f, f in [-0.5, 0.5].
   const std::int32_t k = static_cast<std::int32_t>(y - 0.5f);
   const float f = y - static_cast<float>(k);
@@ -37,7 +37,7 @@ HOST_DEVICE float gamma_encode(float x) {
 /// The display curve: clip(x, 0, 1)^(1/2.2).
 HOST_DEVICE float tone(float x) { return gamma_encode(smaller(larger(x, 0.0f), 1.0f)); }
 
-/// `radiance` times `scale` (2^exposure, say), through the tone curve, as 8 bits.
+/// Converts `radiance` times `scale`, for example 2^exposure, to 8 bits by the tone curve.
 HOST_DEVICE std::uint8_t to_display(float radiance, float scale) {
   return static_cast<std::uint8_t>(tone(radiance * scale) * 255.0f + 0.5f);
 }

@@ -3,28 +3,28 @@
 #include "renderd/kernel/phase.h"
 #include "renderd/math/vector.h"
 
-// How a surface reflects: Lambert under a GGX microfacet lobe (Walter et al. 2007; Smith's
+// Reflection of a surface: Lambert under a GGX microfacet lobe (Walter et al. 2007; Smith's
 // height-correlated masking: Heitz 2014; visible normals by spherical caps: Dupuy and Benyoub
-// 2023). Functions of unit directions that point away from the surface, to the viewer's side of it.
+// 2023). All directions are unit vectors that point away from the surface, on the viewer's side.
 //
-// Fresnel by Schlick, its value at grazing incidence min(1, 50 F0), so that no lobe is the limit of
-// a faint one. What the lobe does not reflect goes on to the Lambert part, in and out:
-// (1 - F(view)) (1 - F(light)) diffuse / pi. That is reciprocal, and with a white diffuse colour
-// the surface reflects at most all light. What is lost is what light scattered twice between facets
-// would give, and up to 1/21 of the light that enters, because the view's and the light's factor
-// are taken alone (Ashikhmin and Shirley 2000 divide by their mean; that would exceed 1).
+// The Fresnel term is Schlick's with the value min(1, 50 F0) at grazing incidence, so that no lobe
+// is the limit of a faint one. What the lobe does not reflect reaches the Lambert part, on the way
+// in and out: (1 - F(view)) (1 - F(light)) diffuse / pi. This is reciprocal, and with a white
+// diffuse colour the surface reflects at most all light. It loses the light that facets would
+// scatter twice, and up to 1/21 of the light that enters, because the factors of view and light are
+// used alone (Ashikhmin and Shirley 2000 divide by their mean, which would exceed 1 here).
 
 namespace diaphane::render {
 
 struct Brdf {
-  Float3 normal;    ///< unit, mm, turned to the viewer
-  Float3 viewer;    ///< unit, mm, towards where the path came from
+  Float3 normal;    ///< unit, mm, on the viewer's side
+  Float3 viewer;    ///< unit, mm, towards the origin of the path
   Float3 diffuse;   ///< reflectance
   Float3 specular;  ///< reflectance of the lobe at normal incidence; black: no lobe
   float roughness;  ///< GGX alpha, at least kLeastRoughness with a lobe
 };
 
-/// Below it the peak of the lobe is beyond what fp32 directions resolve.
+/// Below this roughness fp32 directions cannot resolve the peak of the lobe.
 inline constexpr float kLeastRoughness = 1e-3f;
 
 HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
@@ -35,8 +35,8 @@ HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
   return {one(at_normal.x), one(at_normal.y), one(at_normal.z)};
 }
 
-/// 1 over the mean of 1 - F over the directions of a Lambert surface, and a little less: a lobe of
-/// roughness 0.1 would otherwise bring the sum to 1.0018 at 50 degrees.
+/// The reciprocal of the mean of 1 - F over the directions of a Lambert surface, slightly reduced.
+/// Otherwise a lobe of roughness 0.1 would bring the sum to 1.0018 at 50 degrees.
 HOST_DEVICE Float3 shared(Float3 at_normal) {
   const auto one = [](float f) {
     const float grazing = smaller(1.0f, 50.0f * f);
@@ -47,7 +47,7 @@ HOST_DEVICE Float3 shared(Float3 at_normal) {
 }
 
 /// Distribution of the facets' normals, per steradian and projected area. The sine comes from the
-/// cross product: 1 - cos^2 would have no digits left in a narrow lobe.
+/// cross product, because 1 - cos^2 would lose all digits in a narrow lobe.
 HOST_DEVICE float ggx(float roughness, Float3 normal, Float3 facet) {
   const Float3 c = cross(normal, facet);
   const float a2 = roughness * roughness;
@@ -56,13 +56,13 @@ HOST_DEVICE float ggx(float roughness, Float3 normal, Float3 facet) {
   return a2 / (kPi * d * d);
 }
 
-/// sqrt(a^2 + (1 - a^2) cos^2) of Smith's masking.
+/// The term sqrt(a^2 + (1 - a^2) cos^2) of Smith's masking.
 HOST_DEVICE float ggx_masking(float roughness, float cosine) {
   const float a2 = roughness * roughness;
   return sqrtf(a2 + (1.0f - a2) * cosine * cosine);
 }
 
-/// The share of samples that the lobe gets.
+/// The fraction of samples that the lobe gets.
 HOST_DEVICE float lobe_share(const Brdf& b, float cosine) {
   const Float3 f = fresnel(b.specular, cosine);
   const float lobe = largest(f);
@@ -70,7 +70,7 @@ HOST_DEVICE float lobe_share(const Brdf& b, float cosine) {
   return lobe > 0.0f ? lobe / (lobe + rest) : 0.0f;
 }
 
-/// A normal of a facet that the viewer sees, so distributed.
+/// Samples the normal of a facet from the distribution of those visible to the viewer.
 HOST_DEVICE Float3 sample_visible_normal(const Brdf& b, float u, float v) {
   Float3 s, t;
   basis_around(b.normal, s, t);
@@ -84,7 +84,7 @@ HOST_DEVICE Float3 sample_visible_normal(const Brdf& b, float u, float v) {
   return normalize(s * (a * h.x) + t * (a * h.y) + b.normal * larger(h.z, 1e-7f));
 }
 
-/// The BRDF times the cosine, per steradian. `Lobe`: there may be one.
+/// The BRDF times the cosine, per steradian. `Lobe`: there may be a specular lobe.
 template <bool Lobe>
 HOST_DEVICE Float3 evaluate_brdf(const Brdf& b, Float3 light) {
   const float out = dot(b.normal, light);
@@ -105,8 +105,8 @@ HOST_DEVICE Float3 evaluate_brdf(const Brdf& b, Float3 light) {
   }
 }
 
-/// Of sample_brdf in the direction `light`, per steradian. Its integral is below 1 where the lobe
-/// is wide: a path that goes below the surface ends.
+/// The density of sample_brdf() in the direction `light`, per steradian. Its integral is below 1 if
+/// the lobe is wide, because a path that goes below the surface ends.
 template <bool Lobe>
 HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
   const float out = dot(b.normal, light);
@@ -125,7 +125,8 @@ HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
   }
 }
 
-/// A direction for the path to go on; below the surface (the path ends there) only by the lobe.
+/// Samples the direction in which the path continues. It can lie below the surface, where the path
+/// ends, only if the lobe was sampled.
 template <bool Lobe>
 HOST_DEVICE Float3 sample_brdf(const Brdf& b, float u, float v) {
   if constexpr (Lobe) {

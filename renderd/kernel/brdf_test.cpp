@@ -21,7 +21,7 @@ Float3 grey(double x) {
   return {f, f, f};
 }
 
-/// The viewer at the cosine given from a normal that is along no axis.
+/// A surface whose normal is along no axis, with the viewer at the given cosine.
 Brdf surface(double diffuse, double specular, double roughness, double cosine) {
   const Float3 n = normalize(Float3{0.3f, -0.5f, 0.8f});
   Float3 s, t;
@@ -36,8 +36,8 @@ Float3 mirrored(const Brdf& b) {
   return normalize(b.normal * (2 * dot(b.normal, b.viewer)) - b.viewer);
 }
 
-/// Around the mirror direction, where a narrow lobe is: bins in the logarithm of 1 - cos, down to
-/// where fp32 directions end.
+/// Bins in the logarithm of 1 - cos around the mirror direction, where a narrow lobe is, down to
+/// the resolution of fp32 directions.
 constexpr double kLeastLog = -20;
 double log_width() { return (std::log(2.0) - kLeastLog) / kBins; }
 
@@ -45,7 +45,7 @@ struct Probabilities {
   std::array<double, kBins> polar{}, azimuth{};
 };
 
-/// The midpoint rule over brdf_density.
+/// Integrates brdf_density() by the midpoint rule.
 Probabilities integrated(const Brdf& b) {
   constexpr int kSub = 24, kAround = kBins * 12;
   const Float3 pole = mirrored(b);
@@ -109,7 +109,7 @@ TEST(Brdf, SamplerHasItsDensity) {
   }
 }
 
-/// The mean weight of the sampler is the share of light from all around that comes back.
+/// The mean weight of the sampler is the fraction of uniform light that is reflected.
 test::Moments reflected(const Brdf& b, std::uint64_t samples) {
   test::Moments m;
   Random random(4, 5, 6);
@@ -122,8 +122,8 @@ test::Moments reflected(const Brdf& b, std::uint64_t samples) {
   return m;
 }
 
-/// White furnace of a surface. Without a lobe nothing is lost, under a smooth one 1% at most; a
-/// rough one loses what its facets would scatter a second time.
+/// White furnace test of a surface. Nothing is lost without a lobe, and at most 1% under a smooth
+/// one. A rough one loses the light that its facets would scatter a second time.
 TEST(Brdf, GivesBackAtMostAllLightAndLosesLittle) {
   int settings = 0;
   for (double specular : {0.0, 0.001, 0.02, 0.04, 0.2, 0.6, 1.0}) {
@@ -143,7 +143,7 @@ TEST(Brdf, GivesBackAtMostAllLightAndLosesLittle) {
   EXPECT_EQ(settings, 175);
 }
 
-/// Light may go either way (Helmholtz).
+/// Helmholtz reciprocity.
 TEST(Brdf, IsReciprocal) {
   Random random(7, 8, 9);
   for (const Setting& setting : kSettings) {
@@ -177,7 +177,8 @@ TEST(Brdf, WithABlackLobeIsTheOneWithout) {
   }
 }
 
-/// Directions along the surface, mirror-like lobes, numbers at the ends.
+/// Extreme cases: directions along the surface, mirror-like lobes, numbers at the ends of their
+/// ranges.
 TEST(Brdf, StaysFinite) {
   for (double roughness : {1e-3, 0.5, 1.0}) {
     for (double cosine : {1.0, 0.5, 1e-4, 1e-8}) {

@@ -8,15 +8,16 @@
 
 namespace diaphane::render {
 
-/// A camera ray: in voxel indices for tracking, its unit direction in mm for the phase function.
+/// A camera ray in voxel indices for tracking, and its unit direction in mm for the phase function.
 struct CameraRay {
   Ray ray;
   Float3 direction;
 };
 
-/// Through the point (x, y) of the picture, in pixels from its upper left corner, and through the
-/// point of the lens that `lens` in (0, 1)^2 stands for (unused without Feature::kLens). Uniform
-/// over the lens: all its points see alike, so a picture's brightness does not depend on it.
+/// Returns the ray through the point (x, y) of the picture, in pixels from its upper left corner.
+/// `lens` in (0, 1)^2 selects the point on the lens (unused without Feature::kLens). The points are
+/// uniform over the lens and weighted equally, so the brightness of a picture does not depend on
+/// the lens.
 template <Features F, typename Volume>
 HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float y,
                                  [[maybe_unused]] Random::Pair lens = {0.5f, 0.5f}) {
@@ -32,7 +33,7 @@ HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float 
     along += aside;
   }
   if constexpr (F.has(Feature::kLens)) {
-    // From the lens to where the pinhole's ray meets the plane of focus.
+    // The ray goes from the lens to the point where the pinhole's ray meets the plane of focus.
     const DiskPoint p = sample_disk(lens.a, lens.b);
     const Float3 on_lens = c.lens_right * p.x + c.lens_up * p.y;
     start += on_lens * c.lens_at_start;

@@ -6,11 +6,12 @@
 
 namespace diaphane::render {
 
-/// What a ray is for: light may go where the camera does not look (ClipView::light_count).
+/// The purpose of a ray. Light may pass through places that the clip hides from the camera
+/// (ClipView::light_count).
 enum class RayKind { kCamera, kLight };
 
-/// The part of `span` that the clip leaves of a ray in voxel indices. One span: what is kept is
-/// convex. Empty (begin >= end) where nothing is left.
+/// Returns the part of `span` that the clip keeps of a ray in voxel indices. It is a single span,
+/// because the kept region is convex, and empty (begin >= end) if nothing is kept.
 template <Features F, typename Volume>
 HOST_DEVICE Span clip_span([[maybe_unused]] const SceneView<Volume>& scene,
                            [[maybe_unused]] const Ray& ray, Span span,
@@ -25,7 +26,7 @@ HOST_DEVICE Span clip_span([[maybe_unused]] const SceneView<Volume>& scene,
       const HalfSpace& h = clip.kept[i];
       const float left = h.most - dot(h.normal, ray.origin);
       const float approach = dot(h.normal, ray.direction);
-      if (approach == 0.0f) {  // along the plane: never a division by it
+      if (approach == 0.0f) {  // parallel to the plane; avoids a division by 0
         if (left < 0.0f) span.end = span.begin;
       } else if (approach > 0.0f) {
         span.end = smaller(span.end, left / approach);
@@ -37,11 +38,11 @@ HOST_DEVICE Span clip_span([[maybe_unused]] const SceneView<Volume>& scene,
   return span;
 }
 
-/// How far beyond a plane of the clip a place still counts as kept, mm: a slice in a face of the
-/// clip box is seen, wherever rounding puts it.
+/// Distance beyond a plane of the clip at which a place still counts as kept, mm. So a slice in a
+/// face of the clip box is visible despite rounding.
 inline constexpr float kClipTolerance = 1e-3f;
 
-/// `place` in voxel indices.
+/// Whether the clip keeps `place`, in voxel indices.
 template <Features F, typename Volume>
 HOST_DEVICE bool is_kept([[maybe_unused]] const SceneView<Volume>& scene,
                          [[maybe_unused]] Float3 place) {

@@ -8,12 +8,13 @@
 #include "renderd/math/points.h"
 #include "renderd/math/random.h"
 
-// Next-event estimation: rays from a collision to the lights, before their transmittance. Which
-// estimator goes on with them (tracked or exact transmittance) is not known here.
+// Next-event estimation: rays from a collision to the lights, without their transmittance. This
+// code does not depend on how the estimator computes it (tracked or exact).
 //
-// Direct light is the sum of what the strategies below estimate; each may be given any number of
-// samples. Where two of them can find the same light, each counts only its share of it (multiple
-// importance sampling by the power heuristic: Veach 1997, 9.2.4), or one of them all by `Mis`.
+// Direct light is the sum of the estimates of the strategies below, each of which may have any
+// number of samples. If two of them can find the same light, each counts only its share (multiple
+// importance sampling by the power heuristic: Veach 1997, 9.2.4), or one of them counts fully,
+// according to `Mis`.
 
 namespace diaphane::render {
 
@@ -22,19 +23,19 @@ namespace diaphane::render {
 struct LightRay {
   Float3 direction;  ///< unit, mm
   float distance;    ///< mm; 3.4e38 to the environment
-  Float3 weight;     ///< 0 where nothing can come: no need to trace it
+  Float3 weight;     ///< 0 if no light can arrive, so that it need not be traced
   bool lit;
 };
 
 enum class Strategy : std::uint32_t {
   kAreaLight,           ///< a point on a light of finite size
-  kAreaLightByScatter,  ///< a direction of the scattering, which may meet such a light
-  kEnvironment,         ///< a direction of the scattering, to the environment
-  kEnvironmentMap,      ///< a direction of the environment's textures
+  kAreaLightByScatter,  ///< a direction sampled from the scattering, which may meet such a light
+  kEnvironment,         ///< a direction sampled from it, to the environment
+  kEnvironmentMap,      ///< a direction sampled from the environment's textures
 };
 
-/// Whether matter that scatters so can find a light better than a point on that light does: with
-/// the isotropic phase function it cannot.
+/// Whether scattering directions can find a light better than points on that light. With the
+/// isotropic phase function they cannot.
 template <Features F>
 inline constexpr bool kMixes = F.has(Feature::kAnisotropicPhase) || F.has(Feature::kSurfaces);
 
@@ -65,7 +66,7 @@ HOST_DEVICE constexpr Strategy strategy_at(std::uint32_t i) {
   return strategies<F>().of[i];
 }
 
-/// The pair of low-discrepancy points that is a strategy's own.
+/// Returns the pair of low-discrepancy points that a strategy uses.
 HOST_DEVICE constexpr Points::Use points_of(Strategy strategy) {
   switch (strategy) {
     case Strategy::kAreaLight:
@@ -80,8 +81,8 @@ HOST_DEVICE constexpr Points::Use points_of(Strategy strategy) {
   return Points::kEnvironment;
 }
 
-/// The share of a sample whose own way of sampling has `density` and the other way `other`. Both
-/// ways' shares of a direction add up to 1.
+/// Returns the weight of a sample whose technique has the density `density`, while the other
+/// technique has `other`. The weights of both techniques for a direction add up to 1.
 HOST_DEVICE float share(Mis mis, Mis own, float density, float other) {
   if (mis != Mis::kBoth) return mis == own ? 1.0f : 0.0f;
   const float ratio = other / density;
@@ -92,7 +93,7 @@ HOST_DEVICE LightRay light_ray_of(Float3 direction, float distance, Float3 weigh
   return {direction, distance, weight, weight.x + weight.y + weight.z > 0.0f};
 }
 
-/// To one point of one of the lights of finite size. `place` in voxel indices.
+/// Returns a ray to a point on one of the lights of finite size. `place` is in voxel indices.
 template <Features F, typename Volume>
 HOST_DEVICE LightRay area_light_ray(const SceneView<Volume>& scene, Float3 place,
                                     const Scatter<F>& scatter, Random::Pair u) {
@@ -112,7 +113,8 @@ HOST_DEVICE LightRay area_light_ray(const SceneView<Volume>& scene, Float3 place
   return light_ray_of(light.direction, light.distance, weight);
 }
 
-/// In a direction of the scattering, to one of the lights of finite size if it is met.
+/// Returns a ray in a direction sampled from the scattering, to a light of finite size if it meets
+/// one.
 template <Features F, typename Volume>
 HOST_DEVICE LightRay area_light_ray_by_scatter(const SceneView<Volume>& scene, Float3 place,
                                                const Scatter<F>& scatter, Random::Pair u) {
@@ -130,9 +132,9 @@ HOST_DEVICE LightRay area_light_ray_by_scatter(const SceneView<Volume>& scene, F
           (share(scene.mis, Mis::kScatter, s.density, hit.density) / light.probability));
 }
 
-/// A light of finite size that a direction of the scattering whose density was `density` meets:
-/// what it gives, and how far it is; black for none. `u` picks which light is asked. A path that
-/// goes on in such a direction needs no further ray.
+/// A light of finite size in a direction that was drawn from the scattering distribution with
+/// density `density`: its radiance and distance, or black if there is none. `u` chooses the light
+/// to test. A path that continues in this direction needs no further ray.
 struct MetLight {
   Float3 radiance;  ///< over the probability of being asked
   float distance;   ///< mm
@@ -152,9 +154,9 @@ HOST_DEVICE MetLight area_light_by_scatter(const SceneView<Volume>& scene, Float
       hit.distance};
 }
 
-/// What the environment gives to a direction of the scattering whose density was `density`.
-/// Without kMixes its textures are left to environment_map_ray, unless directions of the scattering
-/// are all that is wanted.
+/// Returns the light of the environment in a direction sampled from the scattering with density
+/// `density`. Without kMixes its textures are left to environment_map_ray(), unless only directions
+/// of the scattering are sampled (Mis::kScatter).
 template <Features F, typename Volume>
 HOST_DEVICE Float3 environment_by_scatter(const SceneView<Volume>& scene, Float3 direction,
                                           float density) {
@@ -170,7 +172,7 @@ HOST_DEVICE Float3 environment_by_scatter(const SceneView<Volume>& scene, Float3
   return radiance;
 }
 
-/// In a direction of the scattering, to the environment.
+/// Returns a ray to the environment in a direction sampled from the scattering.
 template <Features F, typename Volume>
 HOST_DEVICE LightRay environment_ray(const SceneView<Volume>& scene, Float3 place,
                                      const Scatter<F>& scatter, Random::Pair u) {
@@ -181,7 +183,7 @@ HOST_DEVICE LightRay environment_ray(const SceneView<Volume>& scene, Float3 plac
                       environment_by_scatter<F>(scene, s.direction, s.density) * s.weight);
 }
 
-/// Along one direction to the environment's textures, drawn from them.
+/// Returns a ray in one direction sampled from the environment's textures.
 template <Features F, typename Volume>
 HOST_DEVICE LightRay environment_map_ray(const SceneView<Volume>& scene, const Scatter<F>& scatter,
                                          Random::Pair u) {
@@ -196,7 +198,7 @@ HOST_DEVICE LightRay environment_map_ray(const SceneView<Volume>& scene, const S
   return light_ray_of(direction, 3.4e38f, weight);
 }
 
-/// One sample of one of strategies<F>().
+/// Returns one sample of one of strategies<F>().
 template <Features F, typename Volume>
 HOST_DEVICE LightRay light_ray(const SceneView<Volume>& scene, Float3 place,
                                const Scatter<F>& scatter, Strategy strategy, Random::Pair u) {
@@ -217,13 +219,13 @@ HOST_DEVICE LightRay light_ray(const SceneView<Volume>& scene, Float3 place,
   return {};
 }
 
-/// Whether a strategy can find anything in this scene: one that cannot needs no samples.
+/// Whether a strategy can find any light in this scene. Otherwise it needs no samples.
 template <Features F, typename Volume>
 HOST_DEVICE bool is_of_use(const SceneView<Volume>& scene, Strategy strategy) {
   const LightsView& lights = scene.lights;
   switch (strategy) {
     case Strategy::kAreaLight:
-      // Whatever `mis` is: nothing else finds a light that is a point.
+      // This does not depend on `mis`, because no other strategy finds a point light.
       return lights.count > 0;
     case Strategy::kAreaLightByScatter:
       return lights.count > 0 && scene.mis != Mis::kLight;

@@ -1,5 +1,5 @@
-// Direct light in the open, where every ray arrives: the strategies add up to one integral, however
-// their shares are chosen and whatever else was compiled in.
+// Direct light in empty space, where every ray arrives. The strategies add up to one integral for
+// any choice of their weights and any additional features.
 #include "renderd/kernel/direct.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,8 @@ namespace {
 constexpr double kAlpha = 1e-4;
 constexpr int kSamples = 400'000;
 
-/// A rectangle, a disk, a sphere with a texture, an environment with a bright spot.
+/// Lights of several kinds: a rectangle, a disk, a sphere with a texture, an environment with a
+/// bright spot.
 struct Lights {
   std::vector<AreaLight> area;
   std::vector<Float4> texels;
@@ -41,7 +42,8 @@ struct Lights {
     }
     area.back().cumulative = 1;
     for (int j = 0; j < 4; ++j) {
-      // Half of the row in the spot, the rest even: not in proportion to the light, on purpose.
+      // Half of the row's probability is in the spot and the rest is even. It is deliberately not
+      // in proportion to the light.
       float w = 0;
       for (int i = 0; i < 8; ++i) {
         w += i == 5 ? 0.5f : 0.5f / 7;
@@ -80,7 +82,7 @@ constexpr Features kAllLights = Features{}
 constexpr Features kForwards = kAllLights.with(Feature::kAnisotropicPhase);
 constexpr Features kShiny = kForwards.with(Feature::kSurfaces).with(Feature::kGloss);
 
-/// Green light at the origin, one sample of each strategy at a time.
+/// Estimates the green light at the origin with one sample of each strategy.
 template <Features F>
 test::Moments direct_light(const LightsView& lights, Mis mis, const Scatter<F>& scatter,
                            std::uint64_t seed) {
@@ -151,7 +153,7 @@ TEST(DirectLight, IsTheSameWithMoreCompiledInThanIsNeeded) {
   const test::Moments more =
       direct_light<kForwards>(lights.view(), Mis::kBoth, phase_scatter<kForwards>(0), 5);
   EXPECT_LT(std::abs(test::welch(lean, more)), critical);
-  // One rectangle and a plain sky.
+  // One rectangle and an untextured sky.
   LightsView few = lights.view();
   few.count = 1;
   few.map_count = 0;
@@ -168,7 +170,8 @@ TEST(DirectLight, IsTheSameWithMoreCompiledInThanIsNeeded) {
             critical);
 }
 
-/// Sharp scattering finds lights that points on them hardly do; weighting keeps the better of both.
+/// Narrow scattering finds lights for which points on them work badly. The combination is nearly as
+/// good as the better technique.
 TEST(DirectLight, BothWaysTogetherAreNeverMuchWorseThanTheBetter) {
   const Lights lights;
   LightsView one = lights.view();
@@ -191,7 +194,7 @@ TEST(DirectLight, LeavesOutWhatNoFeatureNeeds) {
   EXPECT_EQ(strategy_count<kForwards>(), 4u);
 }
 
-/// A light's share and the other way's add up to one whatever the densities.
+/// The weights of both techniques add up to one for any densities.
 TEST(Share, AddsUpToOneOverBothWays) {
   for (const float a : {1e-30f, 1e-3f, 1.0f, 1e12f, 3e38f}) {
     for (const float b : {0.0f, 1e-30f, 1e-3f, 1.0f, 1e12f, 3e38f}) {

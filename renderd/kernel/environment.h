@@ -4,14 +4,14 @@
 #include "renderd/kernel/light_texture.h"
 #include "renderd/kernel/views.h"
 
-// Environment lights with a texture. There may be several, each in a frame of its own.
+// Environment lights with a texture. There may be several, each in its own frame.
 
 namespace diaphane::render {
 
-/// All of them in one direction.
+/// All maps together in one direction.
 struct MapsHit {
   Float3 radiance;
-  float density;  ///< of sample_maps, per steradian
+  float density;  ///< density of sample_maps(), per steradian
 };
 /// `direction` is a unit vector in the volume's frame.
 HOST_DEVICE MapsHit meet_maps(const LightsView& lights, Float3 direction) {
@@ -27,7 +27,7 @@ HOST_DEVICE MapsHit meet_maps(const LightsView& lights, Float3 direction) {
   return hit;
 }
 
-/// A unit direction in the volume's frame, about in proportion to the maps' radiance.
+/// Samples a unit direction in the volume's frame, roughly in proportion to the maps' radiance.
 HOST_DEVICE Float3 sample_maps(const LightsView& lights, float u, float v) {
   const std::uint32_t i = first_above(
       lights.map_count, u, [&lights](std::uint32_t k) { return lights.maps[k].cumulative; });
@@ -37,7 +37,7 @@ HOST_DEVICE Float3 sample_maps(const LightsView& lights, float u, float v) {
   return map.right * d.x + map.middle * d.y + map.up * d.z;
 }
 
-/// Radiance that a camera ray sees beyond everything; `direction` is a unit vector, mm.
+/// Returns the radiance of a camera ray that leaves the volume; `direction` is a unit vector, mm.
 template <Features F, typename Volume>
 HOST_DEVICE Float3 escape_radiance(const SceneView<Volume>& scene, Float3 direction) {
   if constexpr (F.has(Feature::kTexturedEnvironment)) {

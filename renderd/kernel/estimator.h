@@ -18,13 +18,13 @@ namespace diaphane::render {
 /// One estimate of one pixel's radiance.
 struct Sample {
   Float3 radiance;
-  bool met_matter;  ///< the camera ray met contents of the volume, matter or a slice (the error
-                    ///< counts such pixels only)
-  bool shows_slice = false;  ///< exact: never smoothed
+  /// Whether the camera ray met matter or a slice. The error counts only such pixels.
+  bool met_matter;
+  bool shows_slice = false;  ///< exact, so never denoised
 };
-/// With Feature::kGuides.
+/// A sample of a kernel with Feature::kGuides.
 struct GuidedSample : Sample {
-  Guides guides;  ///< of the film's first kGuidedSamples, else zero
+  Guides guides;  ///< set for the film's first kGuidedSamples, otherwise zero
 };
 template <bool Guided>
 struct SampleChoice {
@@ -37,8 +37,8 @@ struct SampleChoice<true> {
 template <Features F>
 using SampleOf = typename SampleChoice<F.has(Feature::kGuides)>::Type;
 
-/// Transmittance from `place` (voxel indices) along the unit `direction` (mm) for `distance` mm, by
-/// tracking.
+/// Returns the transmittance from `place` (voxel indices) along the unit `direction` (mm) for
+/// `distance` mm, estimated by tracking.
 template <Features F, typename Volume>
 HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 place, Float3 direction,
                                      float distance, Random& random) {
@@ -50,17 +50,18 @@ HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 plac
       ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
 }
 
-/// Collisions after which a path may end by roulette. Before, what is saved is less than the noise.
+/// Number of collisions after which a path may end by roulette. Before, roulette adds more noise
+/// than the time it saves is worth.
 inline constexpr std::uint32_t kFirstRoulette = 3;
 
-/// The radiance that a path's first collision, at `place` (voxel indices), scatters of light that
-/// was scattered before: an unbiased estimate of all that comes from second and later collisions,
-/// their own glow included. The light that comes to the first one straight from the lights is not
-/// in it.
+/// Returns the radiance that the first collision of a path, at `place` (voxel indices), scatters of
+/// light that was scattered before. This is an unbiased estimate of all light from second and later
+/// collisions, including their own emission. Light that reaches the first collision directly from
+/// the lights is not included.
 ///
-/// At each collision rays go to points of the lights and of the environment's textures. What
-/// Strategy finds in directions of the scattering, the path finds itself when it goes on: it needs
-/// no ray of its own.
+/// At each collision, rays go to points of the lights and of the environment's textures. Strategies
+/// that sample directions of the scattering need no rays of their own, because the path itself
+/// continues in such a direction.
 template <Features F, typename Volume>
 HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
                                 Random& random) {
@@ -123,8 +124,8 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
   }
 }
 
-/// One unbiased estimate of the radiance through the film's pixel (x, y) by tracking. `sample`
-/// counts the samples of the film, from 0. The pixel is a box filter.
+/// Returns one unbiased estimate of the radiance through the film's pixel (x, y) by tracking.
+/// `sample` counts the samples of the film, from 0. The pixel filter is a box.
 template <Features F, typename Volume>
 HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
                                  std::uint64_t sample) {

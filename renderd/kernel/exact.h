@@ -12,23 +12,23 @@
 #include "renderd/math/points.h"
 #include "renderd/math/random.h"
 
-// The exact walk: single scattering without tracking. A camera ray is walked once, through every
-// cell between voxel centres, with the optical depth known exactly; that gives several collisions,
-// one in each stratum of the ray's opacity, which no tracker can do. Each looks for light along one
-// ray whose transmittance is exact as well. What is left to chance are the place in the pixel, the
-// strata's offset, and the points on the lights.
+// The exact walk: single scattering without tracking. It walks a camera ray once, through every
+// cell between voxel centres, and computes the optical depth exactly. So it can place several
+// collisions, one in each stratum of the ray's opacity, which tracking cannot do. Each collision
+// samples light along one ray whose transmittance is exact as well. Only the place in the pixel,
+// the offset of the strata and the points on the lights remain random.
 
 namespace diaphane::render {
 
-/// Beyond this optical depth a ray goes on by chance: it ends with the probability that light
-/// would. As measured on the cranium scene: from 5 to 2 the error rises by 3% and the time falls by
-/// 18% (docs/performance.md).
+/// Beyond this optical depth, a ray is continued by chance: it ends with the same probability as
+/// light. Measured on the cranium scene, going from 5 to 2 raises the error by 3% and lowers the
+/// time by 18% (docs/performance.md).
 #if !defined(DIAPHANE_CERTAIN_DEPTH)
 #define DIAPHANE_CERTAIN_DEPTH 2.0f
 #endif
 inline constexpr float kCertainDepth = DIAPHANE_CERTAIN_DEPTH;
 
-/// The optical depth along a ray, found in steps.
+/// Computes the optical depth along a ray in steps.
 template <Features F, typename Volume>
 class DepthWalk {
  public:
@@ -37,18 +37,19 @@ class DepthWalk {
       : walk_(ray, span, volume, exact) {}
 
   HOST_DEVICE bool ended() const { return walk_.ended(); }
-  /// Exact, up to where the ray is.
+  /// The exact optical depth up to the current position.
   HOST_DEVICE float depth() const { return depth_; }
 
-  /// One step, until it has ended; true when it finished the cell `c`.
+  /// Takes one step, unless the walk has ended. Returns true if it finished the cell `c`.
   HOST_DEVICE bool step(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& c) {
     if (!in_parts()) return step_cell(volume, exact, c);
     if (at_new_parts()) begin_parts(volume, exact);
     return step_part(volume, exact, c);
   }
 
-  // The same in three, so that a GPU can gather rays that wait for the same: whether a cell whose
-  // values lie in several pieces of the function is under way, which costs much.
+  // The same step in three functions, so that a GPU can group rays in the same state. in_parts()
+  // says whether the walk is in a cell whose values span several pieces of the function, which
+  // costs much.
   HOST_DEVICE bool in_parts() const {
     if constexpr (kCurved) return parts_.state != Parts::kNone;
     return false;
@@ -57,7 +58,7 @@ class DepthWalk {
     if constexpr (kCurved) return parts_.state == Parts::kNew;
     return false;
   }
-  /// Across a cell, over empty bricks or up to a cell of several pieces.
+  /// Crosses a cell or empty bricks, or stops at a cell of several pieces.
   HOST_DEVICE bool step_cell(const Volume& volume, const ExactView& exact,
                              CellCrossing<Volume>& c) {
     walk_.look(c);
@@ -75,7 +76,7 @@ class DepthWalk {
     walk_.pass(c, volume, exact);
     return !gap;
   }
-  /// Before the first of them.
+  /// Prepares the first piece of such a cell.
   HOST_DEVICE void begin_parts(const Volume& volume, const ExactView& exact) {
     if constexpr (kCurved) {
       CellCrossing<Volume> c;
@@ -110,7 +111,7 @@ class DepthWalk {
   [[no_unique_address]] std::conditional_t<kCurved, Parts, NoParts> parts_;
 };
 
-/// The transmittance along a ray. Unbiased; exact but for what is beyond kCertainDepth.
+/// The transmittance along a ray. Unbiased, and exact up to kCertainDepth.
 template <Features F, typename Volume>
 class TransmittanceWalk : public DepthWalk<F, Volume> {
  public:
@@ -120,9 +121,9 @@ class TransmittanceWalk : public DepthWalk<F, Volume> {
                                 const ExactView& exact, float ending)
       : DepthWalk<F, Volume>(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
 
-  /// Earlier than the walk itself, where no light is left.
+  /// Ends earlier than the walk itself if no light is left.
   HOST_DEVICE bool ended() const { return DepthWalk<F, Volume>::ended() || this->depth() >= dark_; }
-  /// Once it has ended.
+  /// Requires that the walk has ended.
   HOST_DEVICE float transmittance() const {
     return this->depth() >= dark_ ? 0.0f : expf(-smaller(this->depth(), kCertainDepth));
   }
@@ -131,7 +132,7 @@ class TransmittanceWalk : public DepthWalk<F, Volume> {
   float dark_;
 };
 
-/// Of all strategies of a camera ray.
+/// Maximum number of hits of a camera ray, of all strategies together.
 inline constexpr int kMostHits = 32;
 
 /// A collision of a camera ray.
@@ -140,9 +141,9 @@ struct Hit {
   float value;
 };
 
-/// Of the strata of a ray's opacity, how much narrower than their mean the first are and wider the
-/// last: what lies behind other matter gets less light, so that less can go wrong there. As
-/// measured on the cranium scene (docs/performance.md).
+/// By how much the first strata of a ray's opacity are narrower than their mean, and the last ones
+/// wider. Places behind other matter get less light, so errors there are smaller. Measured on the
+/// cranium scene (docs/performance.md).
 #if !defined(DIAPHANE_STRATA_TILT)
 #define DIAPHANE_STRATA_TILT 0.4f
 #endif
@@ -152,7 +153,7 @@ inline constexpr float kStrataTilt = DIAPHANE_STRATA_TILT;
 struct OpacityStratum {
   float begin, width;
 
-  /// Number `number` of `count`.
+  /// Stratum `number` of `count`.
   HOST_DEVICE OpacityStratum(std::int32_t number, std::int32_t count) {
     const float one = 1.0f / static_cast<float>(count), x = static_cast<float>(number) * one;
     begin = x * (1.0f - kStrataTilt + kStrataTilt * x);
@@ -160,9 +161,9 @@ struct OpacityStratum {
   }
 };
 
-/// The optical depth at which a kind's collision in stratum `number` of `count` is looked for.
-/// `offset` in (0, 1) is the same for all of them, and counts from the end of every other one:
-/// light falls off with the depth, and what is too much in one is too little in the next.
+/// Returns the optical depth at which the collision of a kind in stratum `number` of `count` is
+/// placed. `offset` in (0, 1) is the same for all strata but counts from the end of every other
+/// one. Light falls off with depth, so the errors of neighbouring strata partly cancel.
 HOST_DEVICE float target_depth(std::int32_t number, std::int32_t count, float offset) {
   const OpacityStratum stratum(number, count);
   const float share = (number & 1) != 0 ? 1.0f - offset : offset;
@@ -171,9 +172,9 @@ HOST_DEVICE float target_depth(std::int32_t number, std::int32_t count, float of
 }
 inline constexpr float kNoTarget = 3.4e38f;
 
-/// What the walk of a camera ray finds besides its collisions.
+/// Results of the walk of a camera ray other than its collisions.
 struct FirstWalk {
-  float transmittance;  ///< unbiased, of the whole span
+  float transmittance;  ///< of the whole span, unbiased
   bool met_matter;
 };
 
@@ -188,14 +189,14 @@ HOST_DEVICE constexpr KindList hit_kinds() {
   constexpr StrategyList kLight = strategies<F>();
   for (std::uint32_t i = 0; i < kLight.count; ++i)
     list.of[list.count++] = static_cast<int>(kLight.of[i]);
-  // Matter that glows is seen without any light.
+  // Glowing matter is visible without any light.
   if (list.count == 0) list.of[list.count++] = static_cast<int>(Strategy::kEnvironment);
   if (F.has(Feature::kBounces)) list.of[list.count++] = kOnwards;
   return list;
 }
 
-/// On a GPU one of two kinds of rays of a warp waits, the fewer: whether this one, of the kind
-/// `one`, goes on.
+/// If the rays of a warp are in two states, the smaller group waits on a GPU. Returns whether this
+/// ray, which is in the state `one`, continues.
 HOST_DEVICE bool has_turn([[maybe_unused]] bool one) {
 #if defined(__CUDA_ARCH__)
   const unsigned here = __activemask();
@@ -205,17 +206,17 @@ HOST_DEVICE bool has_turn([[maybe_unused]] bool one) {
 #endif
 }
 
-/// Which of a camera ray's collisions.
+/// Identifies a collision of a camera ray.
 struct HitNumber {
   int kind;
-  std::int32_t stratum;  ///< of the kind
-  std::int32_t of_all;   ///< the same, counted through all kinds
+  std::int32_t stratum;  ///< number of the stratum within its kind
+  std::int32_t of_all;   ///< number across all kinds
 };
 
-/// Collisions of the camera ray in each stratum: `mark(number, cell, depth)` is called for those
-/// that there are, in order, with the crossing that holds it and the optical depth from there to
-/// the collision (place_in_cell finds where that is). `target(number)` is target_depth. `ending` is
-/// an exponential variate.
+/// Finds the collisions of the camera ray in each stratum. Calls `mark(number, cell, depth)` for
+/// each existing one in order, with the crossing that contains it and the optical depth from there
+/// to the collision (place_in_cell() finds its position). `target(number)` is target_depth().
+/// `ending` is an exponential variate.
 template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
                                 const ExactView& exact, Target&& target, float ending,
@@ -244,8 +245,9 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
     if (F.has(Feature::kCurves) && !has_turn(walk.in_parts())) continue;
     if (!walk.step(volume, exact, c)) continue;
     while (nearest < walk.depth()) {
-      // One piece of code for all kinds: on a GPU few rays of a warp are here at a time. By
-      // choices, not by an index: what is indexed would lie in memory.
+      // All kinds share this code, because on a GPU few rays of a warp are here at a time. It
+      // selects by conditions instead of an index, because indexed variables would be stored in
+      // memory.
       HitNumber here{};
       std::int32_t count = 0;
       bool found = false, mine[kKinds.count];

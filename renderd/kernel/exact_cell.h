@@ -3,11 +3,11 @@
 #include "renderd/kernel/views.h"
 #include "renderd/math/vector.h"
 
-// Extinction and optical depth in one cell between voxel centres, exactly. Along a ray through the
-// cell the interpolated value is a cubic, so wherever the extinction is linear in the value two
+// Exact extinction and optical depth in one cell between voxel centres. Along a ray through the
+// cell the interpolated value is a cubic. So wherever the extinction is linear in the value, two
 // Gauss points integrate it without error. A cell whose values span several linear pieces of the
-// extinction function is split where the cubic crosses their borders; a border misplaced by d costs
-// d^2, since the function is continuous there.
+// extinction function is split where the cubic crosses their borders. A border misplaced by d
+// causes an error of the order of d^2, since the function is continuous there.
 
 namespace diaphane::render {
 
@@ -15,7 +15,7 @@ namespace diaphane::render {
 struct Corners {
   float v[8];
 
-  /// `p` in [0, 1]^3: where in the cell.
+  /// Returns the value at `p` in [0, 1]^3, the position in the cell.
   HOST_DEVICE float at(Float3 p) const {
     const float v00 = v[0] + p.x * (v[1] - v[0]), v10 = v[2] + p.x * (v[3] - v[2]);
     const float v01 = v[4] + p.x * (v[5] - v[4]), v11 = v[6] + p.x * (v[7] - v[6]);
@@ -29,25 +29,25 @@ struct CornerRange {
   std::int32_t low, high;
 };
 
-/// A ray's way through a cell, from t0 to t1 (mm): `origin` is the ray's own, counted from the
-/// cell's lower corner, `direction` is per mm.
+/// The segment of a ray in a cell, from t0 to t1 (mm). `origin` is the ray's origin relative to the
+/// cell's lower corner, and `direction` is per mm.
 struct Crossing {
   Float3 origin, direction;
   float t0, t1;
 
-  /// Where in the cell.
+  /// Returns the position in the cell.
   HOST_DEVICE Float3 at(float t) const { return origin + direction * t; }
 };
 
-/// The extinction where it is linear in the value.
+/// Returns the extinction at a value within a linear piece.
 HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
   return higher_of(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
 }
 
-/// Gauss's quadrature with two points on [0, 1], this one and its mirror image.
+/// First node of the two-point Gauss quadrature on [0, 1]; the second one is its mirror image.
 inline constexpr float kGaussNode = 0.21132486540518713f;
 
-/// Optical depth from ta to tb: exact while every value between lies in the piece.
+/// Returns the optical depth from ta to tb. Exact if all values between lie in the piece.
 HOST_DEVICE float depth_between(const Corners& corners, const Crossing& way,
                                 const ExtinctionPiece& piece, float ta, float tb) {
   const float length = tb - ta;
@@ -56,8 +56,8 @@ HOST_DEVICE float depth_between(const Corners& corners, const Crossing& way,
   return 0.5f * length * (a + b);
 }
 
-/// Where in [ta, tb] the optical depth from ta reaches `target` <= depth_between(...): the inverse
-/// of a quartic, by Newton's steps kept in a bracket.
+/// Returns the distance in [ta, tb] at which the optical depth from ta reaches `target` <=
+/// depth_between(...). Inverts a quartic by Newton steps within a bracket.
 HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
                                const ExtinctionPiece& piece, float ta, float tb, float target) {
   const float length = tb - ta;
@@ -65,7 +65,7 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
   const float e1 = extinction_in(piece, corners.at(way.at(ta + length * (1.0f / 3))));
   const float e2 = extinction_in(piece, corners.at(way.at(tb - length * (1.0f / 3))));
   const float e3 = extinction_in(piece, corners.at(way.at(tb)));
-  // The cubic through the four, in powers of s in [0, 1].
+  // The cubic through the four values, in powers of s in [0, 1].
   const float c1 = -5.5f * e0 + 9.0f * e1 - 4.5f * e2 + e3;
   const float c2 = 9.0f * e0 - 22.5f * e1 + 18.0f * e2 - 4.5f * e3;
   const float c3 = -4.5f * e0 + 13.5f * e1 - 13.5f * e2 + 4.5f * e3;
@@ -77,7 +77,8 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
     const float depth =
         length * s * (e0 + s * (c1 * 0.5f + s * (c2 * (1.0f / 3) + s * (c3 * 0.25f))));
     const float excess = depth - target;
-    // Before the bracket moves: a place that is right would become its border, and be left.
+    // This test comes before the bracket moves, since a correct position would otherwise become its
+    // border and be left again.
     if (fabsf(excess) <= 1e-6f * target) break;
     if (excess > 0.0f) {
       high = s;
@@ -116,8 +117,8 @@ struct ValueCubic {
   HOST_DEVICE float at(float s) const { return c0 + s * (c1 + s * (c2 + s * c3)); }
   HOST_DEVICE float derivative(float s) const { return c1 + s * (2.0f * c2 + s * 3.0f * c3); }
 
-  /// Its values on [0, 1] lie between those of its control points (Bernstein form); where these
-  /// rise or fall throughout, so does it.
+  /// The control points in Bernstein form. The values of the cubic on [0, 1] lie between theirs,
+  /// and it is monotone if they are.
   struct Hull {
     float first, second, third, last;
 
@@ -136,7 +137,7 @@ struct ValueCubic {
     return {c0, second, second + third + c2 * (1.0f / 3), c0 + c1 + c2 + c3};
   }
 
-  /// Where it turns, in rising order within (0, 1); 1 where it does not.
+  /// Computes its extrema within (0, 1) in ascending order; 1 stands for none.
   HOST_DEVICE void turns(float& first, float& second) const {
     first = second = 1.0f;
     const float a = 3.0f * c3, b = c2, c = c1;  // a s^2 + 2 b s + c
@@ -150,8 +151,9 @@ struct ValueCubic {
     second = larger(r, s);
   }
 
-  /// Where it passes `value` between a and b, where it is monotone and its values are `from` and
-  /// `to`. Within 3e-5: what that costs is of the order of its square.
+  /// Returns where it reaches `value` between a and b. It must be monotone there, with the values
+  /// `from` and `to` at the ends. The error of at most 3e-5 affects the optical depth by the order
+  /// of its square.
   HOST_DEVICE float meets(float value, float a, float from, float b, float to) const {
     const bool rising = to > from;
     float s = a + (b - a) * quotient_near(value - from, to - from);
@@ -174,8 +176,8 @@ struct ValueCubic {
   }
 };
 
-/// The parts of a crossing in which the extinction is linear in the value, in order: one piece
-/// after another along each leg on which the value rises or falls throughout.
+/// Walks the parts of a crossing in which the extinction is linear in the value, in order. They are
+/// the successive pieces along each segment on which the value is monotone.
 class PartsWalk {
  public:
   struct Part {
@@ -191,7 +193,7 @@ class PartsWalk {
     piece_ = exact.piece_at(cubic_.c0);
     const bool falls = cubic_.at(leg_end_) < cubic_.c0;
     if (falls && piece_ > 0 && cubic_.c0 <= exact.pieces[piece_].begin) --piece_;
-    // The ray's own values span less than the cell's: often one piece.
+    // The values along the ray span less than those of the cell, often a single piece.
     const ValueSpan range = hull.range();
     const ExtinctionPiece piece = exact.pieces[piece_];
     if (range.low >= piece.begin && range.high <= piece.end) leg_end_ = next_turn_ = 1.0f;
@@ -203,7 +205,8 @@ class PartsWalk {
     at_ = larger(at_, part.end);
     return part;
   }
-  /// Optical depth of a part of a crossing `length` mm long: exact, since a cubic is integrated.
+  /// Returns the optical depth of a part of a crossing that is `length` mm long. Exact, since a
+  /// cubic is integrated.
   HOST_DEVICE float depth_of(const Part& part, float length) const {
     const float share = part.end - part.begin;
     const float a = extinction_in(part.piece, cubic_.at(part.begin + kGaussNode * share));
@@ -234,19 +237,20 @@ class PartsWalk {
   std::int32_t piece_;
 };
 
-/// The piece in which all values of a cell lie; false where they span several.
+/// Finds the piece that contains all values of a cell. Returns false if they span several pieces.
 HOST_DEVICE bool one_piece(const ExactView& exact, CornerRange range, ExtinctionPiece& piece) {
   piece = exact.pieces[exact.piece_of[range.low - exact.first_value]];
   return static_cast<float>(range.high) <= piece.end;
 }
 
-/// Optical depth of a crossing of a cell all of whose values lie in one piece.
+/// Returns the optical depth of a crossing of a cell whose values all lie in one piece.
 HOST_DEVICE float depth_in(const ExtinctionPiece& piece, const Corners& corners,
                            const Crossing& way) {
   return depth_between(corners, way, piece, way.t0, way.t1);
 }
 
-/// Where the optical depth from way.t0 reaches `target`, which is at most that of the cell.
+/// Returns the distance at which the optical depth from way.t0 reaches `target`, which is at most
+/// that of the cell.
 template <bool Curves>
 HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, const ExactView& exact,
                                 float target) {

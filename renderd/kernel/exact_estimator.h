@@ -4,7 +4,7 @@
 
 namespace diaphane::render {
 
-/// One sample of one pixel: where its camera ray goes, and what it draws from.
+/// One sample of one pixel: its camera ray and its random numbers.
 template <Features F, typename Volume>
 struct CameraSample {
   CameraRay camera;
@@ -28,10 +28,10 @@ struct CameraSample {
   }
 };
 
-/// What a hit asks for: its own contribution, and a ray to a light, whose transmittance times
+/// The work for a hit: its own contribution and a ray to a light, whose transmittance times
 /// `weight` is the other part.
 struct HitTask {
-  Float3 radiance;  ///< what it gives without that ray
+  Float3 radiance;  ///< contribution without that ray
   Float3 weight;
   Ray ray;
   Span span;
@@ -39,8 +39,8 @@ struct HitTask {
   bool lit;
 };
 
-/// For stratum `stratum` of the hits of `kind`. `random` is the sample's own; a stratum draws from
-/// a stream of its own, so that the order in which the strata are taken changes nothing.
+/// Makes the task of stratum `stratum` of the hits of `kind`. `random` belongs to the sample. Each
+/// stratum draws from its own stream, so that the order of the strata does not matter.
 template <Features F, typename Volume>
 HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& camera,
                             const Points& points, const Random& random, int kind,
@@ -64,7 +64,7 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
     }
   }
   if constexpr (F.has(Feature::kEmission)) {
-    // The mean of the kinds' estimates, each as often as it has strata.
+    // The emission is the mean over all kinds but kOnwards, weighted by their numbers of strata.
     std::int32_t hits = 0;
     for (int k = 0; k < kOnwards; ++k) hits += scene.exact.strata[k];
     task.radiance = emission_at(scene.transfer, hit.value) *
@@ -82,11 +82,11 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   return task;
 }
 
-/// Of Random::fork: no stratum of a hit.
+/// Stream of Random::fork for the camera ray, which no stratum of a hit uses.
 inline constexpr std::uint32_t kCameraStream = 0xffffffu;
 
-/// Where in its strata a sample looks for hits of a kind, in (0, 1). `own` is forked for the camera
-/// ray; the kinds are asked for in order.
+/// Returns the position in (0, 1) within the strata at which a sample places the hits of a kind.
+/// `own` is forked for the camera ray; the kinds must be requested in order.
 template <Features F, typename Volume>
 HOST_DEVICE float stratum_offset(const SceneView<Volume>& scene,
                                  const CameraSample<F, Volume>& sample, int kind, Random& own) {
@@ -95,7 +95,7 @@ HOST_DEVICE float stratum_offset(const SceneView<Volume>& scene,
              : sample.points.pair(Points::kDepth + static_cast<std::uint32_t>(kind)).a;
 }
 
-/// The camera ray's walk of one sample: FirstWalk and its hits (find_hits).
+/// Walks the camera ray of one sample. Returns FirstWalk and marks its hits (find_hits).
 template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
                                       const CameraSample<F, Volume>& sample, Target&& target,
@@ -106,8 +106,8 @@ HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
                       ending, behind, mark);
 }
 
-/// One unbiased estimate of the radiance through pixel (x, y) by the exact walk: the first
-/// collision and its light exactly, the path from there on (Feature::kBounces) by tracking.
+/// Returns one unbiased estimate of the radiance through pixel (x, y) by the exact walk. The first
+/// collision and its light are exact; the path from there on (Feature::kBounces) uses tracking.
 template <Features F, typename Volume>
 HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint32_t x,
                                        std::uint32_t y, std::uint64_t number) {
@@ -150,7 +150,7 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
         radiance += task.weight * walk.transmittance();
       });
   result.met_matter |= first.met_matter;
-  // Less than half a level of the display is not seen of it.
+  // A slice that contributes less than half a level of the display is invisible.
   result.shows_slice &= first.transmittance > 0.5f / 255.0f;
   result.radiance = radiance + sample.sight.behind * first.transmittance;
   return result;

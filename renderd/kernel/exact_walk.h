@@ -6,22 +6,23 @@
 
 namespace diaphane::render {
 
-/// A cell of a ray's way.
+/// A cell that a ray crosses.
 template <typename Volume>
 struct CellCrossing {
   Crossing way;
   Int3 cell;
   typename Volume::Brick brick;
-  Float3 planes;  ///< where the ray leaves it along each axis, mm
+  Float3 planes;  ///< distance at which the ray leaves it along each axis, mm
 };
 
-/// The cells between voxel centres along a ray, in order, without those of bricks where nothing is.
-/// Cell (i, j, k) has the voxels i - 1 and i along x as corners (clamped at the edges), i from 0 to
-/// the number of voxels, and so on.
+/// Walks the cells between voxel centres along a ray in order and skips empty bricks. Cell (i, j,
+/// k) has the voxels i - 1 and i along x as corners (clamped at the edges), where i ranges from 0
+/// to the number of voxels, and likewise along y and z.
 ///
-/// Cells are counted in integers, a distance comes from an integer plane and not from the one
-/// before, and never goes back: rays along axes, through edges and corners, from inside and of zero
-/// components all end. A component of zero is made 1e-20: it reaches no plane.
+/// Cells are counted in integers. A distance is computed from an integer plane instead of the
+/// previous distance, and never decreases. So all rays end, even along axes, through edges and
+/// corners, from inside and with zero components. A component of zero is replaced by 1e-20, which
+/// reaches no plane.
 template <typename Volume>
 class ExactWalk {
  public:
@@ -45,24 +46,25 @@ class ExactWalk {
   }
 
   HOST_DEVICE bool ended() const { return !(t_ < last_); }
-  /// Before it has ended: whether the ray is at a cube of empty bricks; else it is at a cell.
+  /// Whether the ray is at a cube of empty bricks; otherwise it is at a cell. Requires that the
+  /// walk has not ended.
   HOST_DEVICE bool in_gap() const { return skip_ != 0; }
 
-  /// The way through the cell or cube where the ray is.
+  /// Computes the segment in the current cell or cube.
   HOST_DEVICE void look(CellCrossing<Volume>& out) const {
     const Int3 far = far_cell();
-    // One rounding each where the processor has a fused multiply-add.
+    // A single rounding each if the processor has a fused multiply-add.
     out.planes = as_numbers(far) * inverse_ + bias_;
     const float leaves = lower_of(out.planes.x, lower_of(out.planes.y, out.planes.z));
     out.way = {origin_ - as_numbers(cell_), direction_, t_, lower_of(last_, higher_of(t_, leaves))};
     out.cell = cell_;
     out.brick = brick_;
   }
-  /// On to the neighbour of what look() found. Without branches: the rays of a warp leave through
-  /// different sides.
+  /// Moves to the next cell or cube after the one from look(). It has no branches, because the rays
+  /// of a warp leave through different sides.
   HOST_DEVICE void pass(const CellCrossing<Volume>& at, const Volume& volume,
                         const ExactView& exact) {
-    // Beyond last_ nothing more is looked at.
+    // Nothing beyond last_ is visited.
     t_ = at.way.t1;
     const Int3 far = far_cell();
     const Float3 p = origin_ + direction_ * t_;
@@ -82,14 +84,15 @@ class ExactWalk {
   }
   HOST_DEVICE static float ahead(float direction) { return direction > 0.0f ? 1.0f : 0.0f; }
   HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
-  /// The comparison sends what is below the grid, and NaN, to 0.
+  /// The comparison maps positions below the grid and NaN to 0.
   HOST_DEVICE static std::int32_t cell_at(float p, std::int32_t size) {
     return p > 0.0f ? static_cast<std::int32_t>(smaller(p, static_cast<float>(size))) : 0;
   }
   HOST_DEVICE static Float3 as_numbers(Int3 i) {
     return {static_cast<float>(i.x), static_cast<float>(i.y), static_cast<float>(i.z)};
   }
-  /// The last cells that the ray can meet before it leaves: of a cube, the furthest.
+  /// Returns the last cell along each axis that the ray can meet before it leaves; for a cube, its
+  /// far end.
   HOST_DEVICE Int3 far_cell() const {
     const bool gap = in_gap();
     const std::int32_t rest = gap ? kBrickSize - 1 : 0, bricks = gap ? (skip_ - 1) * kBrickSize : 0;
@@ -99,16 +102,16 @@ class ExactWalk {
     return {along(cell_.x, direction_.x), along(cell_.y, direction_.y),
             along(cell_.z, direction_.z)};
   }
-  /// The cell along an axis through whose side the ray did not leave. Of a cube it comes from a
-  /// rounded position, which may lie a cell back: never go back, or a ray through a corner would
-  /// not end.
+  /// Returns the cell along an axis on which the ray did not leave. In a cube it is computed from a
+  /// rounded position, which may be one cell back. It must never decrease, or a ray through a
+  /// corner would not end.
   HOST_DEVICE std::int32_t beside(float direction, std::int32_t cell, float p) const {
     const auto there = static_cast<std::int32_t>(floorf(p));
     const std::int32_t on = direction > 0.0f ? larger(cell, there) : smaller(cell, there);
     return in_gap() ? on : cell;
   }
 
-  /// Looks up the brick of cell_, which may be one beyond the volume.
+  /// Looks up the brick of cell_, which may be one brick beyond the volume.
   HOST_DEVICE void enter(const Volume& volume, const ExactView& exact) {
     skip_ = 0;
     if (ended()) return;
@@ -121,11 +124,11 @@ class ExactWalk {
   }
 
   Float3 origin_, direction_, inverse_;  ///< in cells
-  Float3 bias_;                          ///< planes of the cell at 0: where the ray meets them, mm
+  Float3 bias_;  ///< distances at which the ray meets the planes of the cell at 0, mm
   float t_, last_;
   Int3 cell_;
-  std::int32_t octant_;  ///< of ExactView::skips: where the ray's octant begins
-  std::int32_t skip_;    ///< of the brick
+  std::int32_t octant_;  ///< offset of the ray's octant in ExactView::skips
+  std::int32_t skip_;    ///< entry of the brick in ExactView::skips
   typename Volume::Brick brick_;
 };
 

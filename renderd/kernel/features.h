@@ -6,35 +6,34 @@
 
 namespace diaphane::render {
 
-/// What a scene may need of the kernel, listed once. A variant of the kernel is compiled for a set
-/// of features; what is not in the set is not in its code. A variant with more features than a
-/// scene needs gives the same estimate (a test holds that), so a general variant can stand in for
-/// any other.
+/// The features of the kernel that a scene may need. A variant of the kernel is compiled for a set
+/// of features and contains no code for others. A variant with more features than a scene needs
+/// gives the same estimate, which a test checks, so a general variant can replace any other.
 enum class Feature : std::uint32_t {
   kAreaLights,           ///< at least one light of finite size
-  kManyLights,           ///< more than one of them: a light is picked by its power
+  kManyLights,           ///< more than one of them, so that a light is sampled by its power
   kShapedLights,         ///< a disk or a sphere among them
   kTexturedLights,       ///< a texture on one of them
   kEnvironment,          ///< light from all directions
-  kTexturedEnvironment,  ///< that differs by direction
+  kTexturedEnvironment,  ///< environment light that differs by direction
   kAnisotropicPhase,     ///< Henyey-Greenstein with g other than 0
-  kSurfaces,             ///< scattering at surfaces: gradients are fetched
-  kHybrid,               ///< at surfaces or by the phase function, chosen by the gradient
+  kSurfaces,             ///< scattering at surfaces, which needs gradients
+  kHybrid,               ///< by surfaces or the phase function, chosen by the gradient
   kGloss,                ///< surfaces with a specular lobe
   kEmission,             ///< matter that glows
   kLens,                 ///< thin lens
   kOrthographic,         ///< parallel camera rays
   kClip,                 ///< box and planes cut camera rays
-  kClipLight,            ///< and light
+  kClipLight,            ///< box and planes cut light
   kSlices,               ///< cross-sections in the picture
   kBounces,              ///< paths of more than one collision
-  kSteepExtinction,      ///< clear and very dense matter side by side: bounds by the voxel
-  kGuides,               ///< depth, albedo and normal of what is seen, for the denoiser
-  kCurves,               ///< an extinction that is not one linear function of the value
+  kSteepExtinction,      ///< clear and very dense matter side by side, which needs bounds per voxel
+  kGuides,               ///< depth, albedo and normal of the visible matter, for the denoiser
+  kCurves,               ///< the extinction is not a single linear function of the value
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);
-/// For reports; in the order of Feature.
+/// Names for reports, in the order of Feature.
 inline constexpr const char* kFeatureNames[kFeatureCount] = {
     "area light",        "many lights",
     "shaped lights",     "textured lights",

@@ -8,13 +8,14 @@
 
 namespace diaphane::render {
 
-/// Where the ray is taken to be opaque.
+/// Transmittance below which the ray counts as opaque.
 inline constexpr float kGuidesEnd = 0.02f;
 
-/// What is seen along `ray` within `span` (inside the grid's box), by steps of a voxel. Draws no
-/// random number: one collision of a tracker is anywhere along the ray, so that guides of a few
-/// collisions are as noisy as the picture they are to smooth. Biased by the steps, which harms
-/// nobody: a guide says what is alike.
+/// Returns the guides of the matter visible along `ray` within `span` (inside the grid's box), by
+/// steps of a voxel. It draws no random numbers: a collision found by tracking may be anywhere
+/// along the ray, so guides from a few collisions would be as noisy as the picture that they help
+/// to denoise. The steps cause a bias, which does no harm, because guides only say which pixels are
+/// alike.
 template <typename Volume>
 HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, Span span) {
   Guides sum{};

@@ -4,25 +4,25 @@
 #include "renderd/kernel/views.h"
 #include "renderd/math/vector.h"
 
-// Pictures on lights: bilinear lookup, and for environment maps how directions are drawn from them.
+// Pictures on lights: bilinear lookup, and sampling of directions from environment maps.
 
 namespace diaphane::render {
 
-/// Of a picture, in [0, 1]: from left to right and from top to bottom.
+/// A point of a picture, in [0, 1] from left to right and from top to bottom.
 struct TexturePoint {
   float across, down;
 };
 
-/// Where a latitude-longitude map shows the unit direction with these components.
+/// Returns the point of a latitude-longitude map for the unit direction with these components.
 HOST_DEVICE TexturePoint map_point(float right, float middle, float up) {
-  // Not by the arc cosine of `up`: it has four digits near the poles.
+  // The arc cosine of `up` would have only four digits near the poles.
   const float flat = sqrtf(right * right + middle * middle);
   return {0.5f + atan2f(right, middle) * (0.5f / kPi), atan2f(flat, up) * (1.0f / kPi)};
 }
 
 enum class TextureEdge { kClamp, kWrapAcross };
 
-/// Interpolated between the centres of the texels.
+/// Returns the colour, interpolated between the centres of the texels.
 template <TextureEdge Edge>
 HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& texture,
                              TexturePoint p) {
@@ -50,7 +50,8 @@ HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& textu
   return above * (1.0f - wy) + below * wy;
 }
 
-/// The first of `count` whose `cumulative(i)` is above u, for u below the last one's.
+/// Returns the first of `count` indices whose `cumulative(i)` is above u. u must be below the last
+/// one.
 template <typename Cumulative>
 HOST_DEVICE std::uint32_t first_above(std::uint32_t count, float u, const Cumulative& cumulative) {
   std::uint32_t low = 0, high = count - 1;
@@ -65,13 +66,14 @@ HOST_DEVICE std::uint32_t first_above(std::uint32_t count, float u, const Cumula
   return low;
 }
 
-/// `u` in [cumulative - probability, cumulative), stretched to [0, 1) for what comes next.
+/// Rescales `u` from [cumulative - probability, cumulative) to [0, 1), so that it can be used
+/// again.
 HOST_DEVICE float stretched(float u, float probability, float cumulative) {
   return smaller(larger((u - (cumulative - probability)) / probability, 0.0f), 0x1.fffffep-1f);
 }
 
-/// sin^2 and cos^2 of half the polar angle at the upper edge of row `j` of `height`: 0 to 1 and 1
-/// to 0, uniform over the sphere, each exact near its zero.
+/// sin^2 and cos^2 of half the polar angle at the upper edge of row `j` of `height`. They range
+/// from 0 to 1 and from 1 to 0, are uniform over the sphere, and each is exact near its zero.
 struct RowEdge {
   float sine2, cosine2;
 };
@@ -83,16 +85,16 @@ HOST_DEVICE RowEdge row_edge(std::int32_t j, std::int32_t height) {
   return {s * s, c * c};
 }
 
-/// Steradians of a texel in row `j` of a latitude-longitude map: the difference of the cosines by a
-/// product, which does not cancel at the poles.
+/// Returns the solid angle of a texel in row `j` of a latitude-longitude map. The difference of the
+/// cosines is computed as a product, which does not cancel at the poles.
 HOST_DEVICE float texel_solid_angle(std::int32_t j, const LightTexture& texture) {
   const float half = 0.5f * kPi / static_cast<float>(texture.height);
   return 4.0f * kPi / static_cast<float>(texture.width) *
          (sinf(static_cast<float>(2 * j + 1) * half) * sinf(half));
 }
 
-/// A direction in the map's frame (right, middle, up), with the texels' probabilities, uniform in
-/// solid angle within a texel.
+/// Samples a direction in the map's frame (right, middle, up), with the probabilities of the
+/// texels, uniform in solid angle within a texel.
 HOST_DEVICE Float3 sample_map(const LightsView& lights, const LightTexture& texture, float u,
                               float v) {
   const float* rows = lights.rows + texture.first_row;
@@ -114,7 +116,7 @@ HOST_DEVICE Float3 sample_map(const LightsView& lights, const LightTexture& text
   return {flat * sinf(longitude), flat * cosf(longitude), cosine2 - sine2};
 }
 
-/// Of sample_map, per steradian, at a point of the map.
+/// Returns the density of sample_map() at a point of the map, per steradian.
 HOST_DEVICE float map_density(const LightsView& lights, const LightTexture& texture,
                               TexturePoint p) {
   const auto cell = [](float x, std::int32_t n) {

@@ -6,13 +6,13 @@
 #include "renderd/math/disk.h"
 #include "renderd/math/vector.h"
 
-// Lights of finite size, from a place in mm in the volume's frame: a point drawn on one, and where
-// a ray meets one. Densities are per steradian and for the light alone, without the probability of
-// picking it.
+// Lights of finite size, as seen from a place in mm in the volume's frame: sampling a point on one,
+// and intersecting a ray with one. Densities are per steradian and for the light alone, without the
+// probability of choosing it.
 
 namespace diaphane::render {
 
-/// Of a direction that only one way of sampling can find.
+/// Density of a direction that only one technique can sample.
 inline constexpr float kDeltaDensity = 3.4e38f;
 
 /// Light from one sampled point, before transmittance and scattering.
@@ -20,11 +20,11 @@ struct LightSample {
   Float3 direction;   ///< unit, from the lit place to the light
   float distance;     ///< mm
   Float3 irradiance;  ///< radiance over the density and the light's probability
-  float density;      ///< of sample_light in this direction; kDeltaDensity for a point
-  bool lit;           ///< false: nothing of this point reaches the place
+  float density;      ///< density of sample_light() in this direction; kDeltaDensity for a point
+  bool lit;           ///< false: no light of this point reaches the place
 };
 
-/// What a ray from a place sees of a light.
+/// The intersection of a ray with a light.
 struct LightHit {
   Float3 radiance;
   float distance;  ///< mm
@@ -32,8 +32,8 @@ struct LightHit {
   bool met;
 };
 
-/// The index of the light for `u` in (0, 1); `u` is stretched again to (0, 1) for what comes next.
-/// By bisection: there may be thousands.
+/// Returns the index of the light for `u` in (0, 1), and rescales `u` to (0, 1) so that it can be
+/// used again. Uses bisection, because there may be thousands of lights.
 HOST_DEVICE std::uint32_t pick_light(const LightsView& lights, float& u) {
   const std::uint32_t i = first_above(
       lights.count, u, [&lights](std::uint32_t k) { return lights.area[k].cumulative; });
@@ -41,7 +41,7 @@ HOST_DEVICE std::uint32_t pick_light(const LightsView& lights, float& u) {
   return i;
 }
 
-/// The light's radiance at a point of it, `p` across and down its texture.
+/// Returns the light's radiance at the point `p` of its texture.
 template <Features F, TextureEdge Edge = TextureEdge::kClamp>
 HOST_DEVICE Float3 radiance_at(const LightsView& lights, const AreaLight& light, TexturePoint p) {
   if constexpr (F.has(Feature::kTexturedLights)) {
@@ -54,26 +54,28 @@ HOST_DEVICE Float3 radiance_at(const LightsView& lights, const AreaLight& light,
   return light.radiance;
 }
 
-/// Of a sphere, at the end of the radius `r` from its centre; rr is the radius squared.
+/// Returns the radiance of a sphere at the end of the radius `r` from its centre; rr is the squared
+/// radius.
 template <Features F>
 HOST_DEVICE Float3 sphere_radiance(const LightsView& lights, const AreaLight& light, Float3 r,
                                    float rr) {
   TexturePoint p{0.0f, 0.0f};
   if constexpr (F.has(Feature::kTexturedLights)) {
     if (rr > 0.0f) {
-      // u and v have the length of a radius, the pole has none.
+      // u and v have the length of a radius, but the pole is a unit vector.
       p = map_point(dot(r, light.u), dot(r, light.v), dot(r, light.normal) * sqrtf(rr));
     }
   }
   return radiance_at<F, TextureEdge::kWrapAcross>(lights, light, p);
 }
 
-/// How a sphere looks from a place.
+/// The cone in which a sphere is visible from a place.
 struct SphereCone {
   Float3 axis;          ///< unit, to the centre
-  float distance2, rr;  ///< mm^2: to the centre, and the radius
-  float one_minus_cos;  ///< of half the opening; without cancellation for a small or far sphere
-  float solid_angle;    ///< steradians; of a point: its area (1 mm^2) over the distance squared
+  float distance2, rr;  ///< squares of the distance to the centre and of the radius, mm^2
+  /// Of half the opening angle; without cancellation for a small or distant sphere.
+  float one_minus_cos;
+  float solid_angle;  ///< steradians; for a point, its area (1 mm^2) over the squared distance
   bool outside;
 };
 HOST_DEVICE SphereCone sphere_cone(const AreaLight& light, Float3 place) {
@@ -90,7 +92,8 @@ HOST_DEVICE SphereCone sphere_cone(const AreaLight& light, Float3 place) {
   return cone;
 }
 
-/// A direction uniform over the cone in which a place outside sees the sphere; inside nothing.
+/// Samples a direction uniform over the cone in which a place outside sees the sphere. Returns no
+/// light for a place inside.
 template <Features F>
 HOST_DEVICE LightSample sample_sphere_light(const LightsView& lights, const AreaLight& light,
                                             Float3 place, float u, float v) {
@@ -113,7 +116,8 @@ HOST_DEVICE LightSample sample_sphere_light(const LightsView& lights, const Area
   return s;
 }
 
-/// A point uniform over the light's area; of a sphere, a direction uniform over the solid angle.
+/// Samples a point uniform over the light's area, or for a sphere a direction uniform over its
+/// solid angle.
 template <Features F>
 HOST_DEVICE LightSample sample_light(const LightsView& lights, const AreaLight& light, Float3 place,
                                      float u, float v) {
@@ -168,7 +172,8 @@ HOST_DEVICE LightHit meet_sphere_light(const LightsView& lights, const AreaLight
   return hit;
 }
 
-/// Where the ray from `place` along the unit `direction` meets the light's shining side.
+/// Returns where the ray from `place` along the unit `direction` meets the shining side of the
+/// light.
 template <Features F>
 HOST_DEVICE LightHit meet_light(const LightsView& lights, const AreaLight& light, Float3 place,
                                 Float3 direction) {

@@ -30,7 +30,7 @@ LightSample sampled(const AreaLight& light, Float3 place, float u, float v) {
   return sample_light<F>(LightsView{}, light, place, u, v);
 }
 
-/// Counts of a number in [0, 1).
+/// A histogram of a number in [0, 1).
 class Counts {
  public:
   void add(double x) { ++counts_[static_cast<std::size_t>(std::clamp(x, 0.0, 1 - 1e-9) * kBins)]; }
@@ -42,8 +42,8 @@ class Counts {
   std::array<std::uint64_t, kBins> counts_{};
 };
 
-/// What a point in the open receives from the parallelogram's or the disk's light, green: by the
-/// midpoint rule in double precision.
+/// Returns the green light that a point in empty space receives from a parallelogram or a disk, by
+/// the midpoint rule in double precision.
 double received(const AreaLight& light, Double3 place) {
   constexpr int kSteps = 600;
   const bool round = light.shape == LightShape::kDisk;
@@ -108,10 +108,10 @@ TEST(AreaLights, SamplesAddUpToTheSolidAngle) {
   }
 }
 
-/// Rays in all directions estimate the same integral from where they meet the light.
+/// Rays in all directions estimate the same integral where they meet the light.
 TEST(AreaLights, RaysMeetThemUnderTheirSolidAngle) {
   for (const Case& c : cases()) {
-    if (exact(c) < 1e-2) continue;  // too small to be met
+    if (exact(c) < 1e-2) continue;  // too small for random rays to meet
     test::Moments moments;
     Random random(7, 2, 3);
     for (int i = 0; i < kSamples; ++i) {
@@ -125,7 +125,7 @@ TEST(AreaLights, RaysMeetThemUnderTheirSolidAngle) {
   }
 }
 
-/// The two ways to a point of a light agree on where it is and how dense it is sampled there.
+/// Sampling a point of a light and intersecting a ray with it agree on its position and density.
 TEST(AreaLights, ARayTowardsASampleMeetsItWithTheSameDensity) {
   for (const Case& c : cases()) {
     Random random(3, 2, 1);
@@ -136,10 +136,11 @@ TEST(AreaLights, ARayTowardsASampleMeetsItWithTheSameDensity) {
       if (!s.lit) continue;
       const LightHit hit = meet_light<kShaped>(LightsView{}, c.light, c.place, s.direction);
       if (!hit.met) {
-        ++missed;  // at the very edge
+        ++missed;  // exactly at the edge
         continue;
       }
-      // A ray that grazes a sphere meets it at a distance that rounding moves by the root of it.
+      // Rounding moves the distance at which a ray grazes a sphere by the square root of the
+      // rounding error.
       const float slack = c.light.shape == LightShape::kSphere ? 2e-2f : 1e-4f;
       ASSERT_NEAR(hit.distance, s.distance, slack * s.distance);
       ASSERT_NEAR(hit.density, s.density, 2e-3f * s.density);
@@ -220,7 +221,7 @@ TEST(SphereLight, GivesNothingInside) {
   }
 }
 
-/// Points are the limit of small lights of the same strength.
+/// Points are the limit of small lights of equal strength.
 TEST(PointLight, IsTheLimitOfSmallLights) {
   const Float3 place{3, 5, -40};
   for (const bool round : {false, true}) {
@@ -269,7 +270,7 @@ TEST(AreaLights, ShineToOneSideOnly) {
   }
 }
 
-/// A picture of 4 x 2 texels in colours that sum to no whole.
+/// A picture of 4 x 2 texels whose colours do not sum to a whole number.
 struct TestPicture {
   std::vector<Float4> texels;
   std::vector<float> rows{0.5f, 1.0f};
@@ -300,12 +301,13 @@ TEST(LightTexture, IsExactAtItsTexelsAndLinearBetween) {
   }
   EXPECT_NEAR(green(0.25f, 0.25f), 0.85f, 1e-6f) << "between the first two";
   EXPECT_NEAR(green(0.125f, 0.5f), 0.7f, 1e-6f) << "between the rows";
-  EXPECT_NEAR(green(0, 0), 0.9f, 1e-6f) << "the edge goes on";
+  EXPECT_NEAR(green(0, 0), 0.9f, 1e-6f) << "the edge continues";
   EXPECT_NEAR(colour_at<TextureEdge::kWrapAcross>(view, picture.texture, {0, 0}).y, 0.75f, 1e-6f)
       << "half of the last";
 }
 
-/// A light with a texture is the sum of many small plain ones that have its colour in their middle.
+/// A light with a texture is the sum of many small untextured ones that have its colour in their
+/// middle.
 TEST(TexturedLights, AreTheSumOfTheirParts) {
   const TestPicture picture;
   const LightsView view = picture.view();

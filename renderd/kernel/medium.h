@@ -7,8 +7,8 @@
 namespace diaphane::render {
 
 HOST_DEVICE float LinearVolume::at(Float3 p) const {
-  // The lower corner of the cell between voxel centres, clamped so that a border voxel goes on to
-  // the box's edge.
+  // The lower corner of the cell between voxel centres, clamped so that a border voxel extends to
+  // the edge of the box.
   const float fx = smaller(larger(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
   const float fy = smaller(larger(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
   const float fz = smaller(larger(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
@@ -45,7 +45,7 @@ HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
   return {static_cast<float>(low), static_cast<float>(high)};
 }
 
-/// The voxels below and above a cell along one axis. A cell may lie one beyond the last.
+/// The voxels below and above a cell along one axis. A cell may lie one beyond the last voxel.
 struct CellEnds {
   std::int32_t low, high;
 
@@ -88,15 +88,15 @@ HOST_DEVICE TableSpot table_spot(const TransferView& t, float value) {
   return {node, x - static_cast<float>(node)};
 }
 
-/// Per mm.
+/// Returns the extinction at a value, per mm.
 HOST_DEVICE float extinction_at(const TransferView& t, float value) {
   const TableSpot s = table_spot(t, value);
   const float a = t.extinction[s.node];
   return a + s.weight * (t.extinction[s.node + 1] - a);
 }
 
-/// A bound of the extinction over a range of values, per mm: the largest of all nodes around it, by
-/// two overlapping runs of 2^r nodes.
+/// Returns an upper bound of the extinction over a range of values, per mm: the largest of all
+/// nodes around it, from two overlapping runs of 2^r nodes.
 HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   const float end = static_cast<float>(t.count - 1);
   const float low = values.low * t.scale + t.offset - t.margin;
@@ -114,8 +114,8 @@ HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   return larger(maxima[first], maxima[last + 1 - run]) * kRounding;
 }
 
-/// The mean colour at a place of a table of sums, xyz over w (TransferView::colour). Black where no
-/// channel is active.
+/// Returns the mean colour at a place of a table of sums, xyz over w (TransferView::colour). Black
+/// if no channel is active.
 HOST_DEVICE Float3 mean_colour(const Float4* table, TableSpot s) {
   const Float4 a = table[s.node], b = table[s.node + 1];
   const float w = a.w + s.weight * (b.w - a.w);
@@ -125,18 +125,19 @@ HOST_DEVICE Float3 mean_colour(const Float4* table, TableSpot s) {
   return sum * (1.0f / w);
 }
 
-/// Single-scattering albedo.
+/// Returns the single-scattering albedo at a value.
 HOST_DEVICE Float3 albedo_at(const TransferView& t, float value) {
   return mean_colour(t.colour, table_spot(t, value));
 }
 
-/// Of the microfacet lobe of surfaces.
+/// Parameters of the microfacet lobe of surfaces.
 struct Gloss {
   Float3 specular;  ///< reflectance at normal incidence
   float gloss;      ///< [0, 1]
 };
 
-/// None where the scene has no table of it: a kernel with more features than its scene.
+/// Returns no gloss if the scene has no table of it, which happens in a kernel with more features
+/// than the scene needs.
 HOST_DEVICE Gloss gloss_at(const TransferView& t, float value) {
   if (t.gloss == nullptr) return {};
   const TableSpot s = table_spot(t, value);
@@ -149,8 +150,9 @@ HOST_DEVICE Gloss gloss_at(const TransferView& t, float value) {
   return {sum * (1.0f / w), (a.w + s.weight * (b.w - a.w)) / w};
 }
 
-/// Source function: what opaque matter glows with; thin matter emits extinction times this per mm,
-/// so it is added where a path collides. Black where the scene has no table of it.
+/// Returns the source function, which is the radiance of opaque matter. Thin matter emits
+/// extinction times this per mm, so it is added where a path collides. Black if the scene has no
+/// table of it.
 HOST_DEVICE Float3 emission_at(const TransferView& t, float value) {
   if (t.emission == nullptr) return {0.0f, 0.0f, 0.0f};
   return mean_colour(t.emission, table_spot(t, value));

@@ -22,7 +22,7 @@ std::vector<std::int16_t> noise(Int3 size, std::int32_t low, std::int32_t high) 
   return v;
 }
 
-/// Trilinear interpolation as it is defined, in double precision.
+/// Trilinear interpolation by its definition, in double precision.
 double reference(const std::vector<std::int16_t>& voxels, Int3 size, Double3 p) {
   double sum = 0;
   const double q[] = {p.x - 0.5, p.y - 0.5, p.z - 0.5};
@@ -50,7 +50,7 @@ TEST(LinearVolume, InterpolatesAndClampsLikeTheDefinition) {
     Random random(1, 2, 3);
     for (int i = 0; i < 20'000; ++i) {
       const Random::Pair a = random.two(), b = random.two();
-      // Also a little outside, where rounding can put a place.
+      // Places are also slightly outside, where rounding can put them.
       const Float3 p{(a.a * 1.1f - 0.05f) * static_cast<float>(size.x),
                      (a.b * 1.1f - 0.05f) * static_cast<float>(size.y),
                      (b.a * 1.1f - 0.05f) * static_cast<float>(size.z)};

@@ -4,35 +4,35 @@
 
 namespace diaphane::render {
 
-/// How free flights and transmittances are found.
+/// How free flights and transmittances are computed.
 enum class Walk : std::uint8_t {
-  kAuto,      ///< what reaches an error first: the exact walk wherever it applies
-  kSoonest,   ///< what shows a picture first: on the CPU tracking, on CUDA as kAuto
-  kExact,     ///< the exact walk; refused where it does not apply
+  kAuto,      ///< the fastest to a given error: the exact walk wherever it applies
+  kSoonest,   ///< the fastest to a first picture: tracking on the CPU, as kAuto on CUDA
+  kExact,     ///< the exact walk; refused if it does not apply
   kTracking,  ///< delta and residual ratio tracking everywhere: the reference
 };
 
-/// Which samples direct light is estimated from, where light and matter can both draw a direction.
+/// Which samples estimate direct light if both lights and matter can sample a direction.
 enum class Mis : std::uint8_t {
-  kBoth,     ///< both, weighted against each other
+  kBoth,     ///< both, combined by multiple importance sampling
   kLight,    ///< points on the lights only
-  kScatter,  ///< directions in which matter scatters only
+  kScatter,  ///< directions sampled from the scattering only
 };
 
-/// Choices of the estimator. All have the same mean and differ in variance and cost; a server uses
-/// kLiveMethod, the others are there to be compared with.
+/// Choices of the estimator. All have the same mean and differ in variance and cost. The server
+/// uses kLiveMethod; the others exist for comparison.
 struct Method {
   Walk walk = Walk::kAuto;
-  bool low_discrepancy = true;  ///< false: independent points instead (math/points.h)
+  bool low_discrepancy = true;  ///< false: independent points (math/points.h)
   Mis mis = Mis::kBoth;
-  bool roulette = true;  ///< false: paths of little weight go on to their last collision
+  bool roulette = true;  ///< if false, paths of low weight continue to their last collision
 
   bool operator==(const Method&) const = default;
 };
 
-/// For pictures that somebody turns. On the CPU a sample by tracking comes ten times sooner than
-/// one by the exact walk, though that needs a fraction of the time to the same error; on a GPU even
-/// that one comes within some milliseconds.
+/// The method for interactive pictures. On the CPU a sample by tracking is ten times as fast as one
+/// by the exact walk, although the exact walk reaches the same error in a fraction of the time. On
+/// a GPU even the exact walk needs only a few milliseconds per sample.
 inline constexpr Method kLiveMethod{.walk = Walk::kSoonest};
 
 }  // namespace diaphane::render

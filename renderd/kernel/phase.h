@@ -7,10 +7,10 @@ namespace diaphane::render {
 inline constexpr float kPi = 3.14159265358979f;
 inline constexpr float kIsotropicPhase = 0.0795774715459477f;  ///< 1 / (4 pi), per steradian
 
-/// Henyey-Greenstein, per steradian; `in` and `out` are the unit directions in which light travels
-/// before and after (either may be swapped for its reverse together with the other). For any g in
-/// (-1, 1): the denominator is (1 - |g|)^2 + 2 |g| (1 - +-cos), whose two terms are both positive
-/// and need no cancellation.
+/// Henyey-Greenstein, per steradian. `in` and `out` are the unit directions in which light travels
+/// before and after the collision; both may be reversed together. Accurate for any g in (-1, 1),
+/// because the denominator is (1 - |g|)^2 + 2 |g| (1 - +-cos), whose terms are both positive and do
+/// not cancel.
 HOST_DEVICE float henyey_greenstein(float g, Float3 in, Float3 out) {
   const float a = fabsf(g);
   const Float3 d = g < 0.0f ? in + out : in - out;
@@ -20,7 +20,7 @@ HOST_DEVICE float henyey_greenstein(float g, Float3 in, Float3 out) {
   return kIsotropicPhase * o * (1.0f + a) / (denominator * sqrtf(denominator));
 }
 
-/// 1 - cos of the angle, distributed as Henyey-Greenstein for 0 <= g < 1, from u in [0, 1]: no
+/// Samples 1 - cos of the angle from Henyey-Greenstein for 0 <= g < 1, with u in [0, 1], without
 /// cancellation near g = 1 or near the forward direction. For g < 0 sample |g| and mirror.
 HOST_DEVICE float sample_one_minus_cos(float g, float u) {
   const float o = 1.0f - g;
@@ -29,13 +29,13 @@ HOST_DEVICE float sample_one_minus_cos(float g, float u) {
   return o * (1.0f - u) * (s + o) / d;
 }
 
-/// `turn` in [0, 1) is a part of a full turn.
+/// A point on the unit circle; `turn` in [0, 1) is a fraction of a full turn.
 struct CirclePoint {
   float cosine, sine;
 };
 HOST_DEVICE CirclePoint on_circle(float turn) {
 #if defined(__CUDA_ARCH__)
-  // Without the reduction of large angles, which there are none of.
+  // This avoids the reduction of large angles, which do not occur.
   CirclePoint p;
   sincospif(2.0f * turn, &p.sine, &p.cosine);
   return p;
@@ -45,7 +45,7 @@ HOST_DEVICE CirclePoint on_circle(float turn) {
 #endif
 }
 
-/// A unit direction distributed as Henyey-Greenstein around the unit direction `in`; g in (-1, 1).
+/// Samples a unit direction from Henyey-Greenstein around the unit direction `in`; g in (-1, 1).
 HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v) {
   const float c = smaller(sample_one_minus_cos(fabsf(g), u), 2.0f);
   const float sine = sqrtf(larger(c * (2.0f - c), 0.0f));
@@ -56,7 +56,7 @@ HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v
   return s * (sine * p.cosine) + t * (sine * p.sine) + in * cosine;
 }
 
-/// A unit direction, uniform over the sphere.
+/// Samples a unit direction uniformly over the sphere.
 HOST_DEVICE Float3 sample_sphere(float u, float v) {
   const float z = 1.0f - 2.0f * u;
   const float r = 2.0f * sqrtf(larger(u * (1.0f - u), 0.0f));

@@ -38,7 +38,8 @@ TEST(HenyeyGreenstein, SamplerHasItsDistribution) {
     for (int i = 0; i < kSamples; ++i) {
       const Random::Pair u = random.two();
       const Float3 out = sample_henyey_greenstein(static_cast<float>(g), in, u.a, u.b);
-      // From the distance of the tips: exact near the forward direction, where 1 - dot is not.
+      // Computed from the distance of the end points, which is exact near the forward direction,
+      // unlike 1 - dot.
       const Float3 d = g < 0 ? out + in : out - in;
       const double c = std::min(0.5 * dot(to_double(d), to_double(d)), 2.0);
       const double q = std::min(cumulative(std::abs(g), c), 0.9999999);

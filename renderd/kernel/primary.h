@@ -10,11 +10,12 @@
 
 namespace diaphane::render {
 
-/// What a camera ray looks through, for every estimator: clip and slices are settled here.
+/// The segment of a camera ray that an estimator has to handle; clip and slices are already
+/// applied.
 struct Sight {
-  Span span;      ///< of the ray, where matter may be met; empty: nowhere
-  Float3 behind;  ///< radiance seen when it collides with nothing
-  bool slice;     ///< that is a slice
+  Span span;      ///< part of the ray that may contain matter; empty: none
+  Float3 behind;  ///< radiance of the ray if it does not collide
+  bool slice;     ///< `behind` is a slice
 };
 
 template <Features F, typename Volume>

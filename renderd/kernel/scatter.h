@@ -8,31 +8,32 @@
 
 namespace diaphane::render {
 
-/// A direction drawn from a scattering distribution.
+/// A direction sampled from a scattering distribution.
 struct ScatterSample {
-  Float3 direction;  ///< unit, mm, in which the path goes on
-  Float3 weight;  ///< evaluate() over density(): what it multiplies the path by; 0: the path ends
-  float density;  ///< per steradian
+  Float3 direction;  ///< unit vector in mm space, in which the path continues
+  Float3 weight;     ///< Factor of the path's weight, evaluate() over density(); 0: the path ends.
+  float density;     ///< per steradian
 };
 
-/// How the matter at one collision scatters light. Pure; the engine's estimators know no more of it
-/// than these three functions. Members that no feature in `F` needs are not in the code.
+/// How the matter at one collision scatters light. Pure. The estimators use only these three
+/// functions. Members that no feature in `F` needs are not compiled.
 template <Features F>
 struct Scatter {
   static constexpr bool kLobe = F.has(Feature::kGloss);
 
   Float3 albedo;
-  Float3 incoming;  ///< unit, mm: the direction in which the path came
+  Float3 incoming;  ///< unit, mm: the direction of the incoming path
   float g;          ///< Henyey-Greenstein
-  bool surface;     ///< it is one here (kSurfaces only), and then:
-  Float3 normal;    ///< unit, mm, turned to where the path came from
+  /// The collision is at a surface (kSurfaces only); the members below are valid then.
+  bool surface;
+  Float3 normal;  ///< unit, mm, on the side of the incoming path
   Float3 specular;
   float roughness;
 
   HOST_DEVICE Brdf brdf() const { return {normal, incoming * -1.0f, albedo, specular, roughness}; }
 
-  /// Radiance scattered along the path per irradiance from the unit direction `to`: albedo times
-  /// phase function, or the BRDF times the cosine; per steradian.
+  /// Returns the radiance scattered along the path per irradiance from the unit direction `to`, per
+  /// steradian: albedo times phase function, or the BRDF times the cosine.
   HOST_DEVICE Float3 evaluate(Float3 to) const {
     if constexpr (F.has(Feature::kSurfaces)) {
       if (surface) return evaluate_brdf<kLobe>(brdf(), to);
@@ -64,7 +65,7 @@ struct Scatter {
     return s;
   }
 
-  /// Of sample() in the direction `to`, per steradian.
+  /// Returns the density of sample() in the direction `to`, per steradian.
   HOST_DEVICE float density(Float3 to) const {
     if constexpr (F.has(Feature::kSurfaces)) {
       if (surface) return brdf_density<kLobe>(brdf(), to);
@@ -80,15 +81,16 @@ struct Scatter {
 
 /// How the extinction changes around a place.
 struct Gradient {
-  Float3 direction;  ///< unit, mm; its sign means nothing
-  float slope;       ///< of the extinction along it, per mm^2; 0: no gradient, and no direction
+  Float3 direction;  ///< unit, mm; the sign is arbitrary
+  float slope;  ///< of the extinction along it, per mm^2; 0: no gradient and no valid direction
 };
 
-/// The direction is that of the voxel values, by central differences one voxel each way in world
-/// lengths: the function after them may be a step, whose own differences would point along the axes
-/// only. The slope is a central difference too, of the function over the values met one smallest
-/// voxel either way along the gradient, so that a step is seen from as far as its voxels reach.
-/// `place` in voxel indices, `value` there.
+/// Estimates the gradient at `place` (voxel indices), where the voxel value is `value`. The
+/// direction is that of the voxel values, by central differences over one voxel in each direction
+/// in world lengths. The transfer function may be a step, whose own differences would point along
+/// the axes only. The slope is also a central difference, of the extinction at the values one
+/// smallest voxel away in both directions along the gradient. So a step is detected from as far
+/// away as its voxels reach.
 template <typename Volume>
 HOST_DEVICE Gradient gradient_at(const SceneView<Volume>& scene, Float3 place, float value) {
   const auto difference = [&](Float3 step) {
@@ -105,8 +107,9 @@ HOST_DEVICE Gradient gradient_at(const SceneView<Volume>& scene, Float3 place, f
   return {values * (1.0f / steepness), fabsf(change) / (2.0f * step)};
 }
 
-/// `place` in voxel indices, `value` the voxel value there, `incoming` the unit direction (mm) of
-/// the ray that collided, `choice` in (0, 1) chooses where there are two ways to scatter.
+/// Returns how the matter at `place` (voxel indices) scatters. `value` is the voxel value there,
+/// and `incoming` the unit direction (mm) of the ray that collided. `choice` in (0, 1) chooses if
+/// there are two ways to scatter.
 template <Features F, typename Volume>
 HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, float value,
                                   Float3 incoming, float choice) {
@@ -119,7 +122,7 @@ HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, 
     const Gradient gradient = gradient_at(scene, place, value);
     s.surface = gradient.slope > 0.0f;
     if constexpr (F.has(Feature::kHybrid)) {
-      // `surfaces` is infinite without the choice: nothing is left of the other way.
+      // Without that choice `surfaces` is infinite, so that the exponential is 0.
       s.surface = s.surface && 1.0f - choice > expf(-gradient.slope * scene.surfaces);
     }
     if (!s.surface) return s;

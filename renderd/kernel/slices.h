@@ -15,7 +15,8 @@ struct SliceHit {
   bool found;
 };
 
-/// Of the shown slices, inside the volume's box and the clip. `ray` in voxel indices.
+/// Returns the nearest hit of the visible slices inside the volume's box and the clip. `ray` is in
+/// voxel indices.
 template <Features F, typename Volume>
 HOST_DEVICE SliceHit nearest_slice(const SceneView<Volume>& scene, const Ray& ray) {
   const Int3 n = scene.volume.size;
@@ -40,9 +41,10 @@ HOST_DEVICE SliceHit nearest_slice(const SceneView<Volume>& scene, const Ray& ra
   return hit;
 }
 
-/// What a slice shows of a voxel value, as radiance: what the display makes of it does not depend
-/// on the exposure. Grey: the window's value is what the screen shows, so the tone curve is undone
-/// (film/tone.h). In the transfer function's colours: opacity times diffuse colour, linear.
+/// Returns the radiance with which a slice shows a voxel value. The displayed result does not
+/// depend on the exposure. In grey, the screen shows the level of the window, so the tone curve is
+/// inverted (film/tone.h). In colours of the transfer function, it is opacity times diffuse colour,
+/// linear.
 template <typename Volume>
 HOST_DEVICE Float3 slice_radiance(const SceneView<Volume>& scene, float value) {
   const SlicesView& s = scene.slices;

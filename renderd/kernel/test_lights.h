@@ -2,8 +2,8 @@
 
 #include "renderd/kernel/lights.h"
 
-// Lights as a kernel sees them, made without a scene: what tests of lights share. The only light
-// there is, so it is picked always.
+// Lights as a kernel sees them, made without a scene and shared by tests of lights. Each is the
+// only light, so it is always chosen.
 
 namespace diaphane::render::test {
 
@@ -20,7 +20,7 @@ inline AreaLight rectangle(Float3 corner, Float3 u, Float3 v, Float3 radiance = 
   return light;
 }
 
-/// One of radius 0 has the area 1: it is a point.
+/// A disk of radius 0 is a point and has the area 1.
 inline AreaLight disk(Float3 centre, Float3 normal, float radius, Float3 radiance = {2, 3, 5}) {
   Float3 s, t;
   basis_around(normalize(normal), s, t);

@@ -7,27 +7,27 @@
 
 namespace diaphane::render {
 
-/// Extinction by place: the transfer function after the interpolation of voxels.
+/// The extinction at a place: the transfer function applied to interpolated voxels.
 template <typename Volume>
 struct Medium {
   const Volume& volume;
   const TransferView& transfer;
 
   HOST_DEVICE float extinction(float value) const { return extinction_at(transfer, value); }
-  /// Bound over a cell between voxel centres (VoxelWalk).
+  /// Returns an upper bound over a cell between voxel centres (VoxelWalk).
   HOST_DEVICE float majorant(Int3 cell) const {
     return largest_extinction(transfer, volume.corner_range(cell));
   }
 };
 
-/// Where the transmittance estimate starts to play roulette: an optical depth, a ratio. Any value
-/// is unbiased; these were measured to give the least variance times time on the cranium scene.
+/// Optical depth and ratio at which the transmittance estimate starts Russian roulette. Any value
+/// is unbiased; these gave the least variance times time on the cranium scene.
 inline constexpr float kRouletteDepth = 1.5f;
 inline constexpr float kRouletteRatio = 0.3f;
 
-/// Where clear and opaque matter share a macrocell, tracking under one majorant takes a step for
-/// each unit of optical depth of the *densest* place. Beyond this depth of a cell it is crossed
-/// voxel by voxel, under the bound of each: about a step a voxel, whatever the extinction (Steep
+/// If clear and opaque matter share a macrocell, tracking under one majorant takes a step per unit
+/// of optical depth of the *densest* place. A cell of more than this optical depth is crossed voxel
+/// by voxel under the bound of each, which takes about one step per voxel for any extinction (Steep
 /// only).
 inline constexpr float kDeepCell = 16.0f;
 
@@ -35,12 +35,12 @@ struct Collision {
   float distance;  ///< mm along the ray
   float value;     ///< voxel value there
   bool found;
-  bool met_matter;  ///< some tentative collision had extinction: the ray meets contents
+  bool met_matter;  ///< the extinction was not 0 at a tentative collision, so the ray meets matter
 };
 
-/// Delta tracking from `begin` to `end` under `majorant` > 0. `pending` is the optical depth of the
-/// majorant to the next tentative collision, on entry and on exit; an optical depth, not a
-/// distance: a step of 1e-6 mm is not lost beside 100 mm.
+/// Delta tracking from `begin` to `end` under `majorant` > 0. On entry and exit, `pending` is the
+/// optical depth of the majorant up to the next tentative collision. It is not a distance, because
+/// a step of 1e-6 mm would be lost when added to 100 mm.
 template <typename Volume>
 HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
                              const Medium<Volume>& medium, Random& random, float& pending,
@@ -65,9 +65,9 @@ HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
   pending = depth - depth_of_piece;
 }
 
-/// The first real collision along `ray` within `span` (inside the grid's box), by delta tracking
-/// through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). Unbiased while the
-/// bounds of each cell hold.
+/// Finds the first real collision along `ray` within `span` (inside the grid's box), by delta
+/// tracking through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). Unbiased
+/// if the bounds of each cell hold.
 template <bool Steep = false, typename Volume>
 HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
                             const Medium<Volume>& medium, Random& random) {
@@ -96,8 +96,8 @@ HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
   return hit;
 }
 
-/// Ratio tracking from `begin` to `end` of the extinction above `bounds.minorant`: multiplies
-/// `ratio`; 0 when roulette ended it. `pending` as in track_piece.
+/// Ratio tracking from `begin` to `end` of the extinction above `bounds.minorant`. Multiplies
+/// `ratio`, which becomes 0 if roulette ends the estimate. `pending` is as in track_piece().
 template <typename Volume>
 HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
                               const Medium<Volume>& medium, Random& random, float& pending,
@@ -125,9 +125,9 @@ HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
   pending = depth - depth_of_piece;
 }
 
-/// An unbiased estimate of the transmittance along `ray` over `span`, by residual ratio tracking
-/// (Novak et al. 2014): the minorant of each cell is taken exactly, the rest by ratio tracking;
-/// what is nearly dark ends by roulette.
+/// Returns an unbiased estimate of the transmittance along `ray` over `span`, by residual ratio
+/// tracking (Novak et al. 2014). The minorant of each cell is applied exactly and the rest by ratio
+/// tracking. Nearly dark rays end by roulette.
 template <bool Steep = false, typename Volume>
 HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
                                 const Medium<Volume>& medium, Random& random) {
@@ -141,7 +141,8 @@ HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
     const Span piece{walk.begin(), walk.end()};
     const float length = piece.end - piece.begin;
     control += bounds.minorant * length;
-    // Survives the exact part with probability exp(-control): an analog end where little is left.
+    // The ray survives the exact part with probability exp(-control), so that it ends by chance
+    // where little light is left.
     if (control > kRouletteDepth) {
       if (random.exponential() < control) return 0.0f;
       control = 0.0f;

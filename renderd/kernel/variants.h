@@ -6,10 +6,10 @@
 
 namespace diaphane::render {
 
-/// The feature sets for which a kernel is compiled beforehand, from small to large; the last has
-/// all features, so there is one for every scene. (CUDA compiles the exact set at run time as
-/// well.)
-/// A linear function of the value is rare enough to be left to the exact set.
+/// The feature sets for which a kernel is compiled ahead of time, from small to large. The last one
+/// has all features, so each scene has a variant. CUDA also compiles the exact set at run time. An
+/// extinction that is a single linear function of the value is rare, so only the exact set omits
+/// kCurves.
 inline constexpr Features kCurved = Features{}.with(Feature::kCurves);
 inline constexpr Features kVariants[] = {
     kCurved.with(Feature::kEnvironment),
@@ -39,7 +39,7 @@ inline constexpr Features kVariants[] = {
 };
 inline constexpr std::size_t kVariantCount = sizeof(kVariants) / sizeof(kVariants[0]);
 
-/// The first, that is the smallest, of kVariants that has all that is needed.
+/// Returns the index of the first, and so the smallest, of kVariants that has all needed features.
 constexpr std::size_t variant_for(Features needed) {
   std::size_t i = 0;
   while (!kVariants[i].holds(needed)) ++i;

@@ -5,12 +5,12 @@
 #include "renderd/kernel/method.h"
 #include "renderd/math/vector.h"
 
-// What a kernel reads, as plain views: no ownership, no containers, the pointers are the executor's
-// (host or device).
+// The data that a kernel reads, as plain views without ownership or containers. Their pointers
+// refer to memory of the executor (host or device).
 //
-// Space: everything in a kernel is in the *volume's frame*: millimetres along the voxel axes,
-// origin at the corner of voxel (0,0,0). Preparation rotates camera and lights into it once, so a
-// step from millimetres to voxel indices is a multiplication by the inverse spacing. Distances
+// All coordinates in a kernel are in the *volume's frame*: millimetres along the voxel axes, with
+// the origin at the corner of voxel (0,0,0). Preparation transforms camera and lights into it once,
+// so that a multiplication by the inverse spacing converts millimetres to voxel indices. Distances
 // along a ray are in millimetres.
 
 namespace diaphane::render {
@@ -28,19 +28,20 @@ struct ValueSpan {
 };
 
 /// Trilinear interpolation between voxel centres (index + 1/2), clamped at the edges; int16 voxels,
-/// x fastest, arithmetic in fp32. The reference way to read a volume; an engine may bring its own
-/// type with the same at().
+/// x fastest, arithmetic in fp32. This is the reference way to read a volume. An engine may use a
+/// type of its own with the same at().
 struct LinearVolume {
   const std::int16_t* voxels;
   Int3 size;
 
-  /// `p` in voxel indices.
+  /// Returns the interpolated value at `p`, in voxel indices.
   HOST_DEVICE float at(Float3 p) const;
-  /// Smallest and largest of the eight corners of a cell between voxel centres (VoxelWalk).
+  /// Returns the smallest and largest value at the eight corners of a cell between voxel centres
+  /// (VoxelWalk).
   HOST_DEVICE ValueSpan corner_range(Int3 cell) const;
 
-  // Of cells between voxel centres (ExactWalk).
-  /// What an engine looks up once for all cells of a brick: nothing here.
+  // Access to cells between voxel centres (ExactWalk).
+  /// Data that an engine looks up once for all cells of a brick; empty here.
   struct Brick {};
   HOST_DEVICE Brick brick(std::int32_t /*index*/) const { return {}; }
   HOST_DEVICE Corners corners(Int3 cell, Brick brick) const;
@@ -49,20 +50,21 @@ struct LinearVolume {
 
 /// Extinction and colour by value, baked to tables of `count` >= 2 nodes and interpolated linearly.
 struct TransferView {
-  /// Per mm; rows of `count` maxima follow: row r (this table is row 0) holds the largest of the
-  /// 2^r nodes from each node on.
+  /// Extinction per mm. Rows of `count` maxima follow: entry i of row r (this table is row 0) is
+  /// the largest of the 2^r nodes from node i on.
   const float* extinction;
-  /// Sum over the channels of opacity times albedo, and in w the sum of opacities: the mean colour
-  /// is xyz / w, and both sums interpolate without darkening where a channel begins (thesis 3.1.1).
+  /// Sum over the channels of opacity times albedo, and in w the sum of opacities. The mean colour
+  /// is xyz / w. Both sums can be interpolated without darkening where a channel begins (thesis
+  /// 3.1.1).
   const Float4* colour;
   float scale, offset;  ///< node = value * scale + offset
-  float margin;         ///< nodes that rounding may put a value beyond its voxels'
+  float margin;         ///< nodes by which rounding may put a value outside the range of its voxels
   std::int32_t count;
-  /// Of surfaces, only where the scene has them (Feature::kGloss): sums over the channels of
-  /// opacity times specular reflectance, and in w of opacity times gloss. Means by `colour`'s w.
+  /// Only with Feature::kGloss: sums over the channels of opacity times specular reflectance, and
+  /// in w of opacity times gloss. Divide by the w of `colour` for means.
   const Float4* gloss = nullptr;
-  /// Only where matter glows (Feature::kEmission): sum of opacity times emission, and in w the sum
-  /// of the opacities.
+  /// Only with Feature::kEmission: sum over the channels of opacity times emission, and in w the
+  /// sum of opacities.
   const Float4* emission = nullptr;
 };
 
@@ -79,17 +81,17 @@ struct Box {
 struct GridView {
   const CellBounds* cells;  ///< x fastest
   Int3 size;                ///< in cells
-  Box occupied;  ///< around all cells whose majorant is not 0; low == high when there are none
+  Box occupied;  ///< encloses all cells whose majorant is not 0; low == high if there are none
 };
 
-/// A part of the extinction function in which it is linear in the value: from `begin` to `end`,
-/// `extinction` (per mm) at `begin`.
+/// A linear piece of the extinction as a function of the value, from `begin` to `end`. `extinction`
+/// is per mm at `begin`.
 struct alignas(16) ExtinctionPiece {
   float begin, extinction, slope, end;
 };
 
-/// What a collision of the exact walk is for: a ray to a light by one of the strategies of
-/// direct.h, or a path that goes on.
+/// The kinds of hits of the exact walk: a ray to a light by one of the strategies of direct.h, or a
+/// path that continues.
 inline constexpr int kOnwards = 4;
 inline constexpr int kHitKinds = 5;
 
@@ -99,7 +101,7 @@ inline constexpr int kBrickSize = 1 << kBrickShift;
 
 inline constexpr std::int32_t kOutside = 255;  ///< ExactView::skips
 
-/// An array of bricks with a rim.
+/// Layout of an array of bricks with a rim of one brick around it.
 struct BrickArray {
   std::int32_t row, slice, count;
   std::int32_t first;  ///< brick (0, 0, 0)
@@ -114,32 +116,34 @@ struct BrickArray {
   }
 };
 
-/// What the exact walk needs beside the voxels.
+/// Data of the exact walk other than the voxels.
 struct ExactView {
-  const ExtinctionPiece* pieces;  ///< by rising value
-  /// For each voxel value from `first_value` on: the piece in which it begins.
+  const ExtinctionPiece* pieces;  ///< in order of value
+  /// For each voxel value from `first_value` on, the index of the piece that contains it.
   const std::uint16_t* piece_of;
   std::int32_t piece_count, first_value, last_value;
-  ExtinctionPiece only;  ///< the first: all of them without Feature::kCurves
-  Int3 size;             ///< of the volume in voxels: one less than the cells along each axis
-  /// Bricks lie in an array with a rim of one brick around, x fastest: brick (x, y, z), from -1 on,
-  /// is x + brick_row y + brick_slice z from brick (0, 0, 0) on.
+  ExtinctionPiece only;  ///< the first piece, and the only one without Feature::kCurves
+  Int3 size;             ///< size of the volume in voxels; there is one more cell along each axis
+  /// The array of bricks has a rim of one brick around it, x fastest. Brick (x, y, z), from -1 on,
+  /// is at x + brick_row y + brick_slice z, relative to brick (0, 0, 0).
   std::int32_t brick_row, brick_slice;
-  std::int32_t brick_count;  ///< with the rim
-  /// For each of 8 octants (bit 0: the ray goes up x, ...), `brick_count` apart, and each brick: 0
-  /// where something may be, else so many bricks along each axis in the octant's direction, this
-  /// one included, are empty; kOutside in the rim. Points at brick (0, 0, 0).
+  std::int32_t brick_count;  ///< including the rim
+  /// For each of 8 octants (bit 0: the ray goes up x, ...), `brick_count` entries apart, one entry
+  /// per brick. It is 0 if the brick may contain matter. Otherwise it is the edge in bricks of an
+  /// empty cube that starts with this brick and extends in the octant's direction. It is kOutside
+  /// in the rim. The pointer refers to brick (0, 0, 0).
   const std::uint8_t* skips;
-  /// Collisions of one camera ray, by what they are for: so many strata of its opacity.
+  /// Number of collisions of one camera ray by kind of hit. Each lies in one of as many strata of
+  /// the ray's opacity.
   std::int32_t strata[kHitKinds];
 
-  /// The index of the piece in which `value` lies.
+  /// Returns the index of the piece that contains `value`.
   HOST_DEVICE std::int32_t piece_at(float value) const {
     const float v =
         smaller(larger(value, static_cast<float>(first_value)), static_cast<float>(last_value));
     std::int32_t piece = piece_of[static_cast<std::int32_t>(floorf(v)) - first_value];
     while (piece + 1 < piece_count && pieces[piece + 1].begin <= v)
-      ++piece;  // pieces between two integers
+      ++piece;  // there may be several pieces between two integers
     return piece;
   }
 };
@@ -147,24 +151,26 @@ struct ExactView {
 enum class LightShape : std::uint32_t { kRectangle, kDisk, kSphere };
 inline constexpr std::uint32_t kNoTexture = 0xffffffffu;
 
-/// One-sided: it shines to the side of `normal`, a sphere outwards.
+/// A one-sided light of finite size or a point. It shines to the side of `normal`, a sphere
+/// outwards.
 ///
-/// Rectangle: the points corner + a u + b v, a and b in [0, 1]. Disk: centre `corner`, u and v its
-/// radii to the right and up in its texture. Sphere: centre `corner`, u and v its radii to the
-/// right of the texture's middle and to the middle. Disk and sphere of radius 0 (u and v are 0) are
-/// points.
+/// Rectangle: the points corner + a u + b v, a and b in [0, 1]. Disk: `corner` is the centre, and u
+/// and v are the radii to the right and up in its texture. Sphere: `corner` is the centre, and u
+/// and v are the radii to the right of the texture's middle and to the middle. Disks and spheres of
+/// radius 0 (u and v are 0) are points.
 struct AreaLight {
   Float3 corner, u, v;
-  Float3 normal;  ///< unit, along cross(u, v); a sphere's upper pole
-  float area;     ///< mm^2; a sphere's as seen from far off, pi r^2; a point's 1
+  Float3 normal;  ///< unit, along cross(u, v); for a sphere, its upper pole
+  float area;     ///< mm^2; for a sphere, as seen from a distance, pi r^2; for a point, 1
   Float3 radiance;
-  /// Picked for u in [cumulative of the one before, cumulative); `probability` is the difference.
+  /// The light is chosen for u from the previous light's `cumulative` up to its own, which is
+  /// excluded. `probability` is the difference of the two.
   float probability, cumulative;
   LightShape shape;
   std::uint32_t texture;  ///< index in LightsView::textures, or kNoTexture
 };
 
-/// A picture that a light's radiance is multiplied by: linear, interpolated between texel centres.
+/// A picture that multiplies a light's radiance: linear, interpolated between texel centres.
 struct LightTexture {
   std::uint32_t first_texel;  ///< index in LightsView::texels; rows from the top
   std::uint32_t first_row;    ///< index in LightsView::rows
@@ -175,67 +181,68 @@ struct LightTexture {
 struct EnvironmentMap {
   Float3 right, middle, up;  ///< unit; `middle` is the direction of the texture's middle
   Float3 radiance;
-  float probability, cumulative;  ///< as AreaLight's
+  float probability, cumulative;  ///< as in AreaLight
   std::uint32_t texture;
 };
 
 struct LightsView {
   const AreaLight* area;
-  std::uint32_t count;         ///< of `area`
+  std::uint32_t count;         ///< number of entries in `area`
   Float3 environment;          ///< sum of the radiances of all environment lights without a texture
-  std::uint32_t map_count;     ///< of `maps`
+  std::uint32_t map_count;     ///< number of entries in `maps`
   const EnvironmentMap* maps;  ///< environment lights with a texture
   const LightTexture* textures;
-  /// xyz: colour. w: probability, over the solid angle as a latitude-longitude map, that a
-  /// direction drawn from this row lies in this texel or before it.
+  /// xyz: colour. w: probability that a direction sampled in this row lies in this texel or before
+  /// it, over the solid angle as a latitude-longitude map.
   const Float4* texels;
-  const float* rows;  ///< probability that a direction drawn lies in this row or above it
-  bool maps_seen;     ///< by camera rays
+  const float* rows;  ///< probability that a sampled direction lies in this row or above it
+  bool maps_seen;     ///< maps are visible to camera rays
 };
 
-/// Pinhole, thin lens and parallel rays in one form. A ray begins in the plane at depth `near`
-/// along the view axis, just before the box, not at the eye: its coordinates stay small however far
-/// away the eye is.
+/// Pinhole, thin lens and parallel rays in one form. A ray starts not at the eye but in the plane
+/// at depth `near` along the view axis, just before the box. So its coordinates remain small even
+/// if the eye is far away.
 struct CameraView {
-  Float3 start;      ///< of the ray through the middle, mm in the volume's frame
+  Float3 start;      ///< start of the ray through the middle, mm in the volume's frame
   Float3 forward;    ///< unit
-  Float3 right, up;  ///< to the picture's edges: at depth 1; parallel rays: at any depth, mm
-  float near;    ///< what they are multiplied by at the start: its depth in mm; parallel rays: 1
-  float spread;  ///< and per unit of depth: 1; parallel rays: 0
-  /// Feature::kLens: to the lens's edge, mm; how much of it is left at the start, and how much is
-  /// lost per unit of depth, so that nothing is left in the plane of focus.
+  Float3 right, up;  ///< to the edges of the picture, at depth 1; parallel rays: at any depth, mm
+  float near;        ///< factor for them at the start, its depth in mm; parallel rays: 1
+  float spread;      ///< factor per unit of depth: 1; parallel rays: 0
+  /// Feature::kLens: vectors to the edge of the lens, mm. `lens_at_start` is the fraction of them
+  /// at the start of a ray, and `lens_bend` is the fraction lost per unit of depth, so that none is
+  /// left in the plane of focus.
   Float3 lens_right, lens_up;
   float lens_at_start, lens_bend;
 };
 
-/// Places p in voxel indices with dot(normal, p) <= most; both in mm.
+/// The points p in voxel indices with dot(normal, p) <= most; both sides are in mm.
 struct HalfSpace {
-  Float3 normal;  ///< so scaled that it takes voxel indices
+  Float3 normal;  ///< scaled to apply to voxel indices
   float most;
 };
 
-/// What is kept lies in all of them: the clip box's six faces and the free planes, without those
-/// that cut nothing off the volume.
+/// The clip keeps the points in all half-spaces: the six faces of the clip box and the free planes.
+/// Those that cut nothing off the volume are omitted.
 struct ClipView {
   static constexpr std::uint32_t kMost = 12;
   HalfSpace kept[kMost];
-  std::uint32_t count;        ///< that cut camera rays
-  std::uint32_t light_count;  ///< that cut light: all or none
+  std::uint32_t count;        ///< number that cut camera rays
+  std::uint32_t light_count;  ///< number that cut light: all or none
 };
 
 struct SlicesView {
-  Float3 position;       ///< across each voxel axis, voxel indices; < 0: none
-  bool coloured;         ///< by the transfer function, else grey by the window
+  Float3 position;       ///< position along each voxel axis, voxel indices; < 0: no slice
+  bool coloured;         ///< coloured by the transfer function; false: grey by the window
   float black_value;     ///< voxel value that is black
-  float per_value;       ///< grey per voxel value above that
+  float per_value;       ///< grey level per voxel value above `black_value`
   float per_extinction;  ///< opacity per extinction (mm)
   float white;           ///< radiance that the display shows as white: 1 over 2^exposure
 };
 
-/// Which numbers of the random sequence the film's samples have. Of several devices that average
-/// one picture, device `part` of `parts` takes every parts-th pair: together they draw what one
-/// device would, and keep what its points are spread evenly for. Pairs, since the two samples of
-/// one belong to the two halves.
+/// Which numbers of the random sequence the samples of the film use. If several devices average one
+/// picture, device `part` of `parts` uses every parts-th pair. Together they draw the same samples
+/// as one device and keep the even distribution of its points. Pairs are used because the two
+/// samples of a pair belong to the two halves of the film.
 struct SampleNumbers {
   std::uint32_t part = 0, parts = 1;
 
@@ -244,7 +251,7 @@ struct SampleNumbers {
   }
 };
 
-/// All that one sample of one pixel depends on. `Volume` has the members of LinearVolume.
+/// Everything that one sample of one pixel depends on. `Volume` has the members of LinearVolume.
 template <typename Volume>
 struct SceneView {
   Volume volume;
@@ -258,23 +265,25 @@ struct SceneView {
   ClipView clip;
   SlicesView slices;
   float phase_g;
-  /// mm: a place where the extinction has the gradient G is a surface with probability
-  /// 1 - exp(-|G| surfaces), G per mm^2. 0: never, infinity: wherever there is a gradient.
+  /// In mm: a place where the extinction has the gradient G (per mm^2) is a surface with
+  /// probability 1 - exp(-|G| surfaces). 0: never; infinity: wherever there is a gradient.
   float surfaces;
-  std::uint32_t bounces;        ///< collisions of a path at most, from 1
-  bool roulette;                ///< paths of little weight may end early; unbiased either way
+  std::uint32_t bounces;        ///< maximum number of collisions of a path, at least 1
+  bool roulette;                ///< paths of low weight may end early; unbiased either way
   Float3 escape;                ///< radiance of a camera ray that leaves the volume
   std::uint32_t width, height;  ///< of the film
-  std::uint32_t first_row, picture_height;  ///< of the picture that the film is a band of
+  std::uint32_t first_row, picture_height;  ///< of the picture of which the film is a band
   std::uint64_t seed;
-  std::uint64_t first_sample;  ///< of the random stream: keeps the samples of devices apart
-  std::uint64_t stream;        ///< of the low-discrepancy points: a hash of the two above
-  bool independent_points;     ///< take none of those, for comparison (Method::low_discrepancy)
+  /// First sample of the random stream; keeps the samples of devices disjoint.
+  std::uint64_t first_sample;
+  std::uint64_t stream;  ///< stream of the low-discrepancy points, a hash of the two above
+  /// Use no low-discrepancy points, for comparison (Method::low_discrepancy).
+  bool independent_points;
   Mis mis;
   Walk walk;
   SampleNumbers numbers;
 
-  /// In the picture that the film is a band of: what a pixel's random numbers follow from.
+  /// Index of a pixel in the picture of which the film is a band. Its random numbers depend on it.
   HOST_DEVICE std::uint32_t pixel(std::uint32_t x, std::uint32_t y) const {
     return x + width * (first_row + y);
   }

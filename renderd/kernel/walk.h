@@ -5,20 +5,21 @@
 
 namespace diaphane::render {
 
-/// In voxel indices; `direction` is voxels per mm along the ray, so that the parameter is in mm.
+/// A ray in voxel indices; `direction` is in voxels per mm along the ray, so that the parameter is
+/// in mm.
 struct Ray {
   Float3 origin, direction;
 
   HOST_DEVICE Float3 at(float t) const { return origin + direction * t; }
 };
 
-/// mm along a ray; empty when begin >= end.
+/// An interval along a ray, mm; empty if begin >= end.
 struct Span {
   float begin, end;
 };
 
 HOST_DEVICE void clip_axis(Span& span, float origin, float direction, float low, float high) {
-  if (direction == 0.0f) {  // also -0: never a division by it
+  if (direction == 0.0f) {  // also -0; avoids a division by 0
     if (origin < low || origin > high) span.end = span.begin;
     return;
   }
@@ -28,7 +29,7 @@ HOST_DEVICE void clip_axis(Span& span, float origin, float direction, float low,
   span.end = smaller(span.end, larger(a, b));
 }
 
-/// The part of `span` inside `box`.
+/// Returns the part of `span` inside `box`.
 HOST_DEVICE Span clip(const Ray& ray, const Box& box, Span span) {
   clip_axis(span, ray.origin.x, ray.direction.x, box.low.x, box.high.x);
   clip_axis(span, ray.origin.y, ray.direction.y, box.low.y, box.high.y);
@@ -37,9 +38,10 @@ HOST_DEVICE Span clip(const Ray& ray, const Box& box, Span span) {
 }
 
 /// Walks the cells of edge `Edge` of a grid along a ray in order (Amanatides and Woo 1987). Cells
-/// are counted in integers and the distance never goes back, so rays through edges and corners,
-/// along axes and from inside all end. A position inside the piece [begin, end) may lie outside the
-/// cell by rounding. `Coordinates`: the cell is known by its three indices instead of one.
+/// are counted in integers and the distance never decreases, so that rays through edges and
+/// corners, along axes and from inside all end. Due to rounding, a position inside the piece
+/// [begin, end) may lie outside the cell. `Coordinates`: the cell is identified by its three
+/// indices instead of one.
 template <int Edge, bool Coordinates>
 class GridWalk {
  public:
@@ -58,7 +60,7 @@ class GridWalk {
     find_end();
   }
 
-  /// x fastest.
+  /// Index of the cell, x fastest.
   HOST_DEVICE std::int32_t cell() const { return cell_[0]; }
   HOST_DEVICE Int3 coordinates() const requires Coordinates {
     return {cell_[0], cell_[1], cell_[2]};
@@ -66,7 +68,7 @@ class GridWalk {
   HOST_DEVICE float begin() const { return begin_; }
   HOST_DEVICE float end() const { return end_; }
 
-  /// To the next cell; false when the span or the grid ends.
+  /// Moves to the next cell. Returns false at the end of the span or the grid.
   HOST_DEVICE bool advance() {
     if (end_ >= last_) return false;
     begin_ = end_;
@@ -85,7 +87,7 @@ class GridWalk {
   HOST_DEVICE std::int32_t start(int axis, float position, float origin, float direction,
                                  std::int32_t size, std::int32_t stride) {
     const float scaled = position * (1.0f / Edge);
-    // The comparison sends what is below the grid, and NaN, to 0.
+    // The comparison maps positions below the grid and NaN to 0.
     std::int32_t i = scaled > 0.0f ? static_cast<std::int32_t>(smaller(scaled, 1e9f)) : 0;
     i = smaller(i, size - 1);
     if constexpr (Coordinates) stride = 1;
@@ -118,16 +120,17 @@ class GridWalk {
   std::int32_t cell_[Coordinates ? 3 : 1];
 };
 
-/// Through the macrocells. Their bounds hold half a voxel beyond them, which is more than rounding.
+/// Walks the macrocells. Their bounds hold half a voxel beyond them, which exceeds rounding errors.
 class CellWalk : public GridWalk<kCellSize, false> {
  public:
   HOST_DEVICE CellWalk(const Ray& ray, Span span, const GridView& grid)
       : GridWalk(ray, span, grid.size) {}
 };
 
-/// Through the cells between voxel centres, in each of which the value is one trilinear polynomial.
-/// Cell (i, j, k) lies below the centre of voxel (i, j, k): its corners are voxels i - 1 and i
-/// along x, and so on, clamped at the edges; i goes from 0 to the number of voxels.
+/// Walks the cells between voxel centres, in each of which the value is one trilinear polynomial.
+/// Cell (i, j, k) lies below the centre of voxel (i, j, k). Its corners are voxels i - 1 and i
+/// along x, clamped at the edges, where i ranges from 0 to the number of voxels, and likewise along
+/// y and z.
 class VoxelWalk : public GridWalk<1, true> {
  public:
   HOST_DEVICE VoxelWalk(const Ray& ray, Span span, Int3 voxels)

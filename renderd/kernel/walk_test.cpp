@@ -10,7 +10,7 @@
 namespace diaphane::render {
 namespace {
 
-/// Voxels of a box and the grid around it.
+/// A box in voxels and the grid around it.
 struct Setting {
   Int3 size;
   GridView grid;
@@ -25,7 +25,7 @@ struct Setting {
   }
 };
 
-/// Walks and checks every law; the number of pieces.
+/// Walks and checks all invariants. Returns the number of pieces.
 int walk_and_check(const Setting& s, const Ray& ray) {
   const Span span = clip(ray, s.grid.occupied, Span{0.0f, 3.4e38f});
   if (!(span.begin < span.end)) return 0;
@@ -45,7 +45,7 @@ int walk_and_check(const Setting& s, const Ray& ray) {
     const int z = walk.cell() / (s.grid.size.x * s.grid.size.y);
     const int cell[] = {x, y, z};
     for (int axis = 0; axis < 3; ++axis) {
-      // Half a voxel is what the bounds of a cell allow for.
+      // The bounds of a cell allow for half a voxel.
       EXPECT_GE(middle[axis], static_cast<float>(cell[axis] * kCellSize) - 0.25f);
       EXPECT_LE(middle[axis], static_cast<float>((cell[axis] + 1) * kCellSize) + 0.25f);
     }
@@ -54,7 +54,7 @@ int walk_and_check(const Setting& s, const Ray& ray) {
       break;
     }
   } while (walk.advance());
-  // The grid may end a rounding error before the span does, never a thousandth of a voxel.
+  // The grid may end before the span by a rounding error, but never by a thousandth of a voxel.
   const float slack = 1e-3f / larger(length(ray.direction), 1e-6f);
   EXPECT_NEAR(reached, span.end, slack);
   return pieces;
@@ -95,7 +95,7 @@ TEST(CellWalk, EndsForRaysAlongAxesEdgesAndDiagonals) {
   EXPECT_EQ(walk_and_check(setting, Ray{{32, 32, 32}, {0, 0, 1}}), 4) << "from inside";
   EXPECT_EQ(walk_and_check(setting, Ray{{-1, 32, 32}, {-1, 0, 0}}), 0) << "away";
   EXPECT_EQ(walk_and_check(setting, Ray{{-1, 65, 32}, {1, 0, 0}}), 0) << "beside";
-  // A direction that is not quite along an axis.
+  // Directions that are almost along an axis.
   walk_and_check(setting, Ray{{-5, 8, 8}, {1, 1e-20f, -1e-30f}});
   walk_and_check(setting, Ray{{-5, 8, 8}, {1, 1e-7f, -1e-7f}});
 }

@@ -8,8 +8,9 @@ struct DiskPoint {
   float x, y;
 };
 
-/// Uniform over the unit disk for (u, v) in [0, 1]^2. Concentric (Shirley and Chiu 1997, in Cline's
-/// form): squares become rings, so that points spread evenly over the square stay so on the disk.
+/// Maps (u, v) in [0, 1]^2 uniformly onto the unit disk. The map is concentric (Shirley and Chiu
+/// 1997, in Cline's form): squares become rings, so points that cover the square evenly also cover
+/// the disk evenly.
 HOST_DEVICE DiskPoint sample_disk(float u, float v) {
   constexpr float kQuarter = 0.785398163f;  // pi / 4
   const float a = 2.0f * u - 1.0f, b = 2.0f * v - 1.0f;

@@ -13,8 +13,8 @@
 namespace diaphane::render {
 namespace {
 
-/// Chi-square of 1e6 points over 101 rings of equal area, 101 sectors, and 8 x 13 cells of both.
-/// Significance 1e-3 over the three (Sidak).
+/// Chi-square of 1e6 points over 101 rings of equal area, over 101 sectors, and over 8 x 13 cells
+/// of both. The significance is 1e-3 over the three tests (Sidak).
 TEST(Disk, SamplesAreUniformByRingBySectorAndByBoth) {
   constexpr int kSamples = 1'000'000, kBins = 101;
   std::array<std::uint64_t, kBins> rings{}, sectors{};

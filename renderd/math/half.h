@@ -6,8 +6,9 @@
 
 namespace diaphane::render {
 
-/// IEEE 754 binary16 of a finite `x`, to nearest; beyond its range the largest, below it 0. By the
-/// bits, so that both engines store the same.
+/// Returns the IEEE 754 binary16 number nearest to a finite `x`. Numbers beyond its range become
+/// the largest finite number, and numbers below 2^-14 become 0. It works on the bits, so that both
+/// engines store the same.
 HOST_DEVICE std::uint16_t to_half(float x) {
   union Bits {
     float f;
@@ -16,12 +17,12 @@ HOST_DEVICE std::uint16_t to_half(float x) {
   const std::uint32_t sign = b.u >> 16 & 0x8000u;
   b.u &= 0x7fffffffu;
   if (b.u >= 0x477ff000u) return static_cast<std::uint16_t>(sign | 0x7bffu);
-  if (b.u < 0x38800000u) return static_cast<std::uint16_t>(sign);  // below 2^-14
+  if (b.u < 0x38800000u) return static_cast<std::uint16_t>(sign);
   const std::uint32_t rounded = b.u + 0xfffu + (b.u >> 13 & 1u);
   return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000u) >> 13));
 }
 
-/// Of what to_half() gave.
+/// Returns the value of a number from to_half().
 HOST_DEVICE float from_half(std::uint16_t half) {
 #if defined(__CUDA_ARCH__)
   float f;

@@ -1,10 +1,10 @@
 #pragma once
 
-// One source for CPU and CUDA. On the CPU everything is forced inline: the kernel is compiled once
-// per instruction set, and a shared out-of-line copy of an inline function could be the one for the
-// wrong processor.
+// The same source is compiled for CPU and CUDA. On the CPU everything is forced inline: the kernel
+// is compiled once per instruction set, and a shared out-of-line copy of an inline function could
+// be compiled for the wrong processor.
 #if defined(__CUDACC__)
-// Before a loop whose code is to be there once, whatever is known of its length.
+// Precedes a loop that must not be unrolled, even if the compiler knows its length.
 #define DEVICE_NO_UNROLL _Pragma("unroll 1")
 #define HOST_DEVICE __host__ __device__ __forceinline__
 #else

@@ -6,12 +6,12 @@
 
 // Low-discrepancy points for the few dimensions of a sample that matter most: Sobol's
 // (0,2)-sequence, Owen-scrambled by hashing and padded (Burley 2020, "Practical Hash-based Owen
-// Scrambling"; the hash is Vegdahl's 2021). Each pair of dimensions is a sequence of its own, its
-// index shuffled so that pairs are independent of each other.
+// Scrambling"; the hash is Vegdahl's from 2021). Each pair of dimensions is a separate sequence,
+// whose index is shuffled so that pairs are independent of each other.
 //
-// The even and the odd samples are two sequences with scrambles of their own: two independent
-// estimates of the picture, so that their difference measures the error of this sampler as it does
-// that of independent samples.
+// The even and the odd samples are two sequences with separate scrambles. They give two independent
+// estimates of the picture, so their difference measures the error of this sampler in the same way
+// as that of independent samples.
 
 namespace diaphane::render {
 
@@ -27,7 +27,7 @@ HOST_DEVICE std::uint32_t reverse_bits(std::uint32_t x) {
 #endif
 }
 
-/// Owen scrambling of the bit-reversed number: a bit is flipped by a hash of the bits below it.
+/// Owen-scrambles a bit-reversed number: each bit is flipped by a hash of the bits below it.
 HOST_DEVICE std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
@@ -37,7 +37,7 @@ HOST_DEVICE std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
   return x;
 }
 
-/// Sobol's second dimension, bit-reversed: the index times Pascal's triangle modulo 2.
+/// Sobol's second dimension, bit-reversed: the index multiplied by Pascal's triangle modulo 2.
 HOST_DEVICE std::uint32_t sobol_second_reversed(std::uint32_t index) {
   index ^= (index >> 1) & 0x55555555u;
   index ^= (index >> 2) & 0x33333333u;
@@ -47,11 +47,11 @@ HOST_DEVICE std::uint32_t sobol_second_reversed(std::uint32_t index) {
   return index;
 }
 
-/// The points of one sample of one pixel. `Independent` (a choice of the estimator, for
-/// comparison): from the counter-based generator instead.
+/// The points of one sample of one pixel. With `Independent`, an option of the estimator for
+/// comparison, the points come from the counter-based generator instead.
 class Points {
  public:
-  /// What a pair of dimensions is for.
+  /// The purpose of a pair of dimensions.
   enum Use : std::uint32_t {
     kPixel,
     kLens,
@@ -64,8 +64,8 @@ class Points {
     kDepth
   };
 
-  /// `sample` counts from 0 within its stream (Random's seed and first sample make the stream's
-  /// key): of any two samples 2i and 2i + 1 one belongs to each half.
+  /// `sample` counts from 0 within its stream, whose key comes from the seed and the first sample
+  /// of Random. Of any two samples 2i and 2i + 1, one belongs to each half.
   HOST_DEVICE Points(std::uint64_t stream, std::uint32_t pixel, std::uint64_t sample)
       : key_(mix64(mix64(stream + 0x9e3779b97f4a7c15ULL) +
                    (std::uint64_t{pixel} << 1 | (sample & 1)))),
@@ -73,15 +73,15 @@ class Points {
     if ((sample >> 33) != 0) key_ = mix64(key_ + (sample >> 33));
   }
 
-  /// In (0, 1) each.
+  /// Returns two numbers in (0, 1).
   HOST_DEVICE Random::Pair pair(std::uint32_t use) const { return pair(use, index_); }
-  /// Point `index` of the sequence for `use`, for estimates that take several points a sample:
-  /// sample i takes the points i * n to i * n + n - 1.
+  /// Returns point `index` of the sequence for `use`, for estimates that take several points per
+  /// sample: sample i takes the points i * n to i * n + n - 1.
   HOST_DEVICE Random::Pair pair(std::uint32_t use, std::uint32_t index) const {
     const std::uint64_t k = mix64(key_ + (std::uint64_t{use} + 1) * 0xd1342543de82ef95ULL);
     const std::uint32_t shuffle = static_cast<std::uint32_t>(k);
     const std::uint32_t other = static_cast<std::uint32_t>(k >> 32);
-    // Shuffled within each block of 2^m points, so that the block stays a net.
+    // The index is shuffled within each block of 2^m points, so that the block stays a net.
     const std::uint32_t i = reverse_bits(scramble_reversed(reverse_bits(index), shuffle));
     const std::uint32_t a = reverse_bits(scramble_reversed(i, other));
     const std::uint32_t b = reverse_bits(

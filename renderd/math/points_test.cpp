@@ -14,25 +14,26 @@
 namespace diaphane::render {
 namespace {
 
-constexpr double kAlpha = 1e-4;  // of each test
+constexpr double kAlpha = 1e-4;  // significance of each test
 
 constexpr std::array kUses{Points::kPixel,       Points::kLens,    Points::kAreaLight,
                            Points::kEnvironment, Points::kScatter, Points::kPick,
                            Points::kDepth};
 
-/// Points of one half: `half` 0 has the even samples.
+/// Returns the points of one half; `half` 0 has the even samples.
 Points of(std::uint64_t stream, std::uint32_t pixel, std::uint64_t half) {
   return Points(stream, pixel, half);
 }
 
-/// The box of edge 2^-k that a number lies in; `on_border` where rounding to fp32 put it on one.
+/// Returns the box of edge 2^-k that contains a number, and sets `on_border` if rounding to fp32
+/// put the number on a border.
 std::uint32_t box_of(float x, std::uint32_t k, bool& on_border) {
   const float scaled = std::ldexp(x, static_cast<int>(k));
   on_border |= k > 0 && scaled == std::floor(scaled);
   return static_cast<std::uint32_t>(scaled);
 }
 
-/// (0,2)-net: each box of area 2^-m with edges of powers of two holds one point.
+/// In a (0,2)-net, each box of area 2^-m whose edges are powers of two holds one point.
 TEST(Points, EveryAlignedBlockOfEveryPairIsANet) {
   std::size_t points_seen = 0, on_borders = 0;
   for (const Points::Use use : kUses) {
@@ -72,7 +73,8 @@ TEST(Points, LieInTheOpenUnitSquare) {
   }
 }
 
-/// Chi-square of the joint distribution of two numbers over many pixels: uniform on the square.
+/// Chi-square of the joint distribution of two numbers over many pixels, against the uniform
+/// distribution on the square.
 template <typename Numbers>
 double chi_square_of(Numbers numbers) {
   constexpr std::uint32_t kSide = 16, kPixels = 256'000;
@@ -103,8 +105,8 @@ TEST(Points, EachIsUniformAndItsTwoNumbersIndependent) {
   }
 }
 
-/// Between pairs, halves and streams the points are independent: also at the same index, and for
-/// the first numbers of both as for the second.
+/// The points of different pairs, halves and streams are independent, also at the same index, and
+/// in both their first and their second numbers.
 TEST(Points, PairsHalvesAndStreamsAreIndependentOfEachOther) {
   std::vector<double> chi;
   for (std::size_t i = 0; i < kUses.size(); ++i) {
@@ -130,10 +132,11 @@ TEST(Points, PairsHalvesAndStreamsAreIndependentOfEachOther) {
   for (std::size_t i = 0; i < chi.size(); ++i) EXPECT_LT(chi[i], limit) << i;
 }
 
-/// Within one sequence too. Over n points of a pixel the product of two pairs' numbers has the mean
-/// 0. Its variance is between 1 and 2 times that of independent points (n / 144): a shuffle that
-/// keeps every block a net leaves two successive points on opposite sides in both pairs, so what
-/// two pairs do together gains nothing (what one pair does alone gains all).
+/// Pairs are also independent within one sequence. Over n points of a pixel, the product of the
+/// numbers of two pairs has mean 0. Its variance is between 1 and 2 times that of independent
+/// points (n / 144): a shuffle that keeps every block a net leaves two successive points on
+/// opposite sides in both pairs. An integrand of both pairs therefore gains nothing from the net,
+/// while an integrand of one pair gains everything.
 TEST(Points, PairsOfOnePixelAreShuffledAgainstEachOther) {
   constexpr std::uint32_t kPoints = 64, kPixels = 20'000;
   const double limit = test::critical_z(test::sidak(kAlpha, 3 * kUses.size()));
@@ -155,10 +158,10 @@ TEST(Points, PairsOfOnePixelAreShuffledAgainstEachOther) {
   }
 }
 
-/// Smooth, with an integral that is known: of cos over [0, 1]^2 with a twist that is no product.
+/// A smooth integrand over [0, 1]^2 that is not a product of two functions of one variable.
 double smooth(double a, double b) { return std::cos(3 * a + 2 * b * b); }
 double integral_of_smooth() {
-  constexpr int kSteps = 2000;  // midpoints: the error is some 1e-7
+  constexpr int kSteps = 2000;  // midpoint rule: the error is about 1e-7
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) sum += smooth((i + 0.5) / kSteps, (j + 0.5) / kSteps);
@@ -167,8 +170,8 @@ double integral_of_smooth() {
 }
 
 struct Halves {
-  test::Moments bias;      ///< mean of both halves less the integral
-  test::Moments square;    ///< its square
+  test::Moments bias;      ///< mean of both halves minus the integral
+  test::Moments square;    ///< square of the bias
   test::Moments estimate;  ///< squared half difference of the halves
 };
 Halves integrate(std::uint32_t per_half) {
@@ -191,9 +194,9 @@ Halves integrate(std::uint32_t per_half) {
   return result;
 }
 
-/// The law that the error estimate rests on: two halves with scrambles of their own are independent
-/// estimates, so half their difference has the variance of their mean, also where points are spread
-/// so evenly that the variance of single samples says nothing.
+/// The error estimate relies on this law: two halves with separate scrambles are independent
+/// estimates, so half their difference has the variance of their mean. This holds even where points
+/// are spread so evenly that the variance of single samples says nothing.
 TEST(Points, HalfTheDifferenceOfTheHalvesHasTheVarianceOfTheirMean) {
   for (const std::uint32_t n : {1u, 3u, 8u, 32u, 50u}) {
     const Halves halves = integrate(n);
@@ -206,8 +209,8 @@ TEST(Points, HalfTheDifferenceOfTheHalvesHasTheVarianceOfTheirMean) {
 }
 
 TEST(Points, IntegrateASmoothFunctionMuchBetterThanIndependentOnes) {
-  // Nested scrambling of a (0,2)-net: n^-1.5 for a smooth function. Independent points have a
-  // variance of about 0.19 / n.
+  // A nested scrambling of a (0,2)-net converges as n^-1.5 for a smooth function. Independent
+  // points have a variance of about 0.19 / n.
   const double few = std::sqrt(integrate(4).square.mean),
                many = std::sqrt(integrate(64).square.mean);
   EXPECT_LT(std::log2(many / few) / 4, -1.2) << "slope from 8 to 128 samples";

@@ -6,7 +6,7 @@
 
 namespace diaphane::render {
 
-/// A bijection of 64 bits in which every input bit reaches every output bit (Stafford's mix 13, as
+/// A bijection of 64 bits in which every input bit affects every output bit (Stafford's mix 13, as
 /// in SplitMix64: Steele, Lea, Flood 2014).
 HOST_DEVICE constexpr std::uint64_t mix64(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -14,20 +14,21 @@ HOST_DEVICE constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// 32 random bits as a number in (0, 1): the middle of one of 2^32 equal steps, so that small
-/// numbers keep their relative precision (24 bits would put 1.3% on a probability of 1e-6).
+/// Converts 32 random bits to a number in (0, 1), the middle of one of 2^32 equal steps, so that
+/// small numbers keep their relative precision. With 24 bits, a probability of 1e-6 would be off by
+/// 1.3%.
 HOST_DEVICE float to_unit(std::uint32_t bits) {
   const float u = (static_cast<float>(bits) + 0.5f) * 0x1p-32f;
   return u < 0x1.fffffep-1f ? u : 0x1.fffffep-1f;
 }
 
-/// An exponential variate of mean 1, -log(v) for v uniform in (0, 1), from 32 random bits. Its
-/// relative precision holds at both ends: near v = 1 the distance to 1 comes from the integer, not
-/// from a rounded float (an optical depth of 1e-6 is met with the right probability). Largest
-/// value 22.9; relative error below 3e-7.
+/// Converts 32 random bits to an exponential variate of mean 1: -log(v) for v uniform in (0, 1).
+/// The relative precision holds at both ends. Near v = 1 the distance to 1 comes from the integer
+/// and not from a rounded float, so that an optical depth of 1e-6 is hit with the right
+/// probability. The largest value is 22.9, and the relative error is below 3e-7.
 HOST_DEVICE float to_exponential(std::uint32_t bits) {
   const float v = (static_cast<float>(bits) + 0.5f) * 0x1p-32f;
-  // v = m 2^e with m in [0.75, 1.5), by the bits of the float.
+  // v = m 2^e with m in [0.75, 1.5), taken from the bits of the float.
   union Bits {
     float f;
     std::uint32_t u;
@@ -37,7 +38,7 @@ HOST_DEVICE float to_exponential(std::uint32_t bits) {
   const float near_one = -(static_cast<float>(~bits) + 0.5f) * 0x1p-32f;
   const float r = bits > 0xc0000000u ? near_one : b.f - 1.0f;
   const float exponent = bits > 0xc0000000u ? 0.0f : static_cast<float>(e);
-  // log(1 + r) = 2 atanh(s), s = r / (2 + r) in [-0.143, 0.2]; the first term left out is below
+  // log(1 + r) = 2 atanh(s) with s = r / (2 + r) in [-0.143, 0.2]. The first omitted term is below
   // 1e-8.
   const float s = r / (2.0f + r);
   const float q = s * s;
@@ -46,16 +47,16 @@ HOST_DEVICE float to_exponential(std::uint32_t bits) {
   return -(exponent * 0.69314718056f + log1p_r);
 }
 
-/// A counter-based generator: number k of the stream (seed, pixel, sample) is a pure function of
-/// those four, so a picture is the same whatever the number of threads, and disjoint ranges of
+/// A counter-based generator. Number k of the stream (seed, pixel, sample) is a pure function of
+/// these four, so a picture does not depend on the number of threads, and disjoint ranges of
 /// samples are independent.
 class Random {
  public:
   HOST_DEVICE Random(std::uint64_t seed, std::uint32_t pixel, std::uint64_t sample)
       : key_(mix64(mix64(mix64(seed + kStep) + pixel) + sample)) {}
 
-  /// A stream of its own, number `which`, that does not depend on what is drawn from this one
-  /// after.
+  /// Returns the independent stream number `which`. It does not depend on later draws from this
+  /// stream.
   HOST_DEVICE Random fork(std::uint32_t which) const {
     return Random(mix64(key_ ^ (std::uint64_t{which} + 1) * 0xd1342543de82ef95ULL));
   }
@@ -67,7 +68,7 @@ class Random {
   struct Pair {
     float a, b;
   };
-  /// Two independent numbers in (0, 1).
+  /// Returns two independent numbers in (0, 1).
   HOST_DEVICE Pair two() {
     const std::uint64_t x = bits();
     return {to_unit(static_cast<std::uint32_t>(x >> 32)), to_unit(static_cast<std::uint32_t>(x))};
@@ -76,8 +77,8 @@ class Random {
   HOST_DEVICE float exponential() {
     return to_exponential(static_cast<std::uint32_t>(bits() >> 32));
   }
-  /// A number in (0, 1) and, independent of it, an exponential variate: what one step of tracking
-  /// needs.
+  /// Returns a number in (0, 1) and an independent exponential variate, which are what one step of
+  /// tracking needs.
   HOST_DEVICE Pair unit_and_exponential() {
     const std::uint64_t x = bits();
     return {to_unit(static_cast<std::uint32_t>(x >> 32)),

@@ -35,10 +35,11 @@ TEST(Exponential, IsMinusLogWithRelativePrecisionAtBothEnds) {
 TEST(Unit, LiesStrictlyBetweenZeroAndOne) {
   EXPECT_GT(to_unit(0), 0.0f);
   EXPECT_LT(to_unit(~0u), 1.0f);
-  EXPECT_LT(to_unit(0) * 1e9f, 1.0f);  // small numbers stay small: no floor at 2^-24
+  EXPECT_LT(to_unit(0) * 1e9f,
+            1.0f);  // small numbers keep their precision: there is no floor at 2^-24
 }
 
-/// First number of the streams of neighbouring pixels, neighbouring samples and neighbouring seeds.
+/// Tests the first numbers of the streams of neighbouring pixels, samples and seeds.
 TEST(Random, IsUniformAcrossStreams) {
   constexpr int kBins = 101, kNumbers = 1'000'000;
   const double limit = test::critical_chi_square(test::sidak(kAlpha, 3), kBins - 1);
@@ -81,7 +82,7 @@ TEST(Random, NeighbouringStreamsAreUncorrelated) {
 }
 
 TEST(Random, NeighbouringStreamsShareNoNumbers) {
-  // 64 streams of 1024 numbers of 64 bits: a chance collision has probability 1e-10.
+  // In 64 streams of 1024 numbers of 64 bits, a chance collision has probability 1e-10.
   std::set<std::uint64_t> seen;
   for (std::uint32_t key = 0; key < 64; ++key) {
     Random random(key / 16, key / 4 % 4, key % 4);

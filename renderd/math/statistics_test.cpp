@@ -1,5 +1,5 @@
-// The tests' own statistics: a support that refuses too much or too little makes every test that
-// stands on it worthless.
+// Tests of the statistics that other tests use: a test that relies on a wrong critical value is
+// worthless.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace diaphane::render::test {
 namespace {
 
-/// How many of `trials` samplings of the bins' true probabilities do not fit at `alpha`.
+/// Returns how many of `trials` samplings of the bins' true probabilities do not fit at `alpha`.
 int refused(const std::vector<double>& probabilities, int samples, int trials, double alpha) {
   Random random(11, 0, 0);
   int out = 0;
@@ -32,10 +32,10 @@ int refused(const std::vector<double>& probabilities, int samples, int trials, d
   return out;
 }
 
-/// 16 bins that expect 37.5 each, and one that expects 0.02: once in fifty samplings it has a
-/// count, which alone would add 48 to the statistic. 40 of 4000 are refused by chance,
-/// spread 6.3; 4.9 of those are a significance of 1e-6, and a tenth more is the distribution's own
-/// approximation.
+/// Sixteen bins expect 37.5 counts each, and one expects 0.02. In one of fifty samplings this bin
+/// has a count, which alone would add 48 to the statistic. By chance 40 of 4000 samplings are
+/// rejected, with a standard deviation of 6.3. A significance of 1e-6 is 4.9 deviations, and
+/// another tenth allows for the approximation of the distribution.
 TEST(ChiSquareTest, RefusesTheTruthAsOftenAsItSaysWhereTheLastBinExpectsLittle) {
   constexpr double kRare = 0.02 / 600;
   std::vector<double> probabilities(16, (1 - kRare) / 16);
@@ -51,7 +51,7 @@ TEST(ChiSquareTest, EveryBinExpectsTwentyAndNoneIsLost) {
   const ChiSquare same = chi_square(counts, probabilities, 100);
   EXPECT_NEAR(same.value, 0, 1e-9);
   EXPECT_EQ(same.dof, 2) << "35, 22 and 43";
-  // Two more in the last one: it counts with its neighbour.
+  // The last bin has two counts more, and is counted together with its neighbour.
   std::vector<std::uint64_t> more = counts;
   more[5] += 2;
   more[0] -= 2;

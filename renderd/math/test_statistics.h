@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-// What the statistical tests of the renderer share. Every test states its significance: the
-// probability that a correct renderer fails it with fresh random numbers (they are fixed by their
-// seeds, so a pass stays a pass).
+// Statistics that the renderer's tests share. Every test states its significance: the probability
+// that a correct renderer would fail it with fresh random numbers. The seeds are fixed, so a test
+// that passes once always passes.
 
 namespace diaphane::render::test {
 
-/// z that a normal variable exceeds with probability `upper_tail`.
+/// Returns the z that a normal variable exceeds with probability `upper_tail`.
 inline double normal_quantile(double upper_tail) {
   double low = -40, high = 40;
   for (int i = 0; i < 200; ++i) {
@@ -23,12 +23,12 @@ inline double normal_quantile(double upper_tail) {
   return low;
 }
 
-/// |z| that a normal variable exceeds with probability `alpha`, both sides.
+/// Returns the |z| that a normal variable exceeds with probability `alpha` (two-sided).
 inline double critical_z(double alpha) { return normal_quantile(alpha / 2); }
 
-/// |t| that a Student variable of `dof` >= 10 degrees of freedom exceeds with probability `alpha`,
-/// both sides. Cornish-Fisher expansion of the normal quantile (Abramowitz and Stegun 26.7.5);
-/// relative error below 1% for alpha >= 1e-9.
+/// Returns the |t| that a Student variable of `dof` >= 10 degrees of freedom exceeds with
+/// probability `alpha` (two-sided). It uses the Cornish-Fisher expansion of the normal quantile
+/// (Abramowitz and Stegun 26.7.5), whose relative error is below 1% for alpha >= 1e-9.
 inline double critical_t(double alpha, double dof) {
   const double z = critical_z(alpha);
   const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
@@ -36,20 +36,21 @@ inline double critical_t(double alpha, double dof) {
          (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * dof * dof * dof);
 }
 
-/// The significance each of `tests` independent tests may have for `alpha` in all (Sidak).
+/// Returns the significance that each of `tests` independent tests may have for a total of `alpha`
+/// (Sidak).
 inline double sidak(double alpha, std::size_t tests) {
   return -std::expm1(std::log1p(-alpha) / static_cast<double>(tests));
 }
 
-/// Chi-square that `dof` degrees of freedom exceed with probability `alpha` (Wilson and Hilferty;
-/// within 1% for dof >= 10).
+/// Returns the chi-square that `dof` degrees of freedom exceed with probability `alpha` (Wilson and
+/// Hilferty; within 1% for dof >= 10).
 inline double critical_chi_square(double alpha, double dof) {
   const double a = 2 / (9 * dof);
   const double root = 1 - a + normal_quantile(alpha) * std::sqrt(a);
   return dof * root * root * root;
 }
 
-/// Of counts that should all be equal.
+/// Returns the chi-square of counts that should all be equal.
 inline double chi_square_uniform(std::span<const std::uint64_t> counts) {
   double total = 0;
   for (std::uint64_t n : counts) total += static_cast<double>(n);
@@ -66,14 +67,15 @@ inline double chi_square_uniform(std::span<const std::uint64_t> counts) {
 struct ChiSquare {
   double value = 0, dof = 0;
 
-  /// Whether a correct sampler gives less with probability 1 - `alpha`.
+  /// Whether the value is below the one that a correct sampler exceeds with probability `alpha`.
   bool fits(double alpha) const { return dof < 1 || value < critical_chi_square(alpha, dof); }
 };
 
-/// Of counts against the probabilities of their bins, which add up to 1 together with that of
-/// falling into none. Bins that expect fewer than 20 are joined with the next, the last ones with
-/// the one before: the statistic has its distribution only where all expect some. A count where the
-/// probability is 0 fits nothing.
+/// Compares counts with the probabilities of their bins. If these add up to less than 1, the rest
+/// is the probability of falling into none of them. A bin that expects fewer than 20 counts is
+/// joined with the next, and a last one with the bin before it, because the statistic has its
+/// distribution only if every bin expects some. A count in a bin of probability 0 fits no
+/// distribution.
 inline ChiSquare chi_square(std::span<const std::uint64_t> counts,
                             std::span<const double> probabilities, double samples) {
   constexpr double kFewest = 20;
@@ -114,7 +116,7 @@ inline ChiSquare chi_square(std::span<const std::uint64_t> counts,
   return chi;
 }
 
-/// Mean and variance of a stream (Welford).
+/// The mean and variance of a stream (Welford's algorithm).
 struct Moments {
   double n = 0, mean = 0, m2 = 0;
 
@@ -128,8 +130,8 @@ struct Moments {
   double error_of_mean() const { return std::sqrt(variance() / n); }
 };
 
-/// Welch's t of two means; a normal variable for the sample sizes used here (hundreds and more). 0
-/// when both are constant and equal.
+/// Returns Welch's t of two means, which is a normal variable for the sample sizes used here
+/// (hundreds and more). It is 0 if both are constant and equal.
 inline double welch(const Moments& a, const Moments& b) {
   const double variance = a.variance() / a.n + b.variance() / b.n;
   if (variance == 0) return a.mean == b.mean ? 0 : 1e9;

@@ -7,7 +7,7 @@
 
 namespace diaphane::render {
 
-/// Three numbers: a point, a direction or a colour. Plain data, the same on host and device.
+/// Three numbers: a point, a direction or a colour. The layout is the same on host and device.
 template <typename T>
 struct Vector3 {
   T x, y, z;
@@ -19,7 +19,7 @@ using Float3 = Vector3<float>;
 using Double3 = Vector3<double>;
 using Int3 = Vector3<std::int32_t>;
 
-/// 16 bytes, aligned, so that one load fetches it.
+/// A vector of 16 bytes, aligned so that one load fetches it.
 struct alignas(16) Float4 {
   float x, y, z, w;
 };
@@ -32,7 +32,7 @@ template <typename T>
 HOST_DEVICE constexpr Vector3<T> operator-(Vector3<T> a, Vector3<T> b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-/// Component by component.
+/// The component-wise product.
 template <typename T>
 HOST_DEVICE constexpr Vector3<T> operator*(Vector3<T> a, Vector3<T> b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
@@ -60,14 +60,13 @@ HOST_DEVICE constexpr Vector3<T> cross(Vector3<T> a, Vector3<T> b) {
 }
 HOST_DEVICE float length(Float3 a) { return sqrtf(dot(a, a)); }
 HOST_DEVICE double length(Double3 a) { return sqrt(dot(a, a)); }
-/// `a` is not zero.
+/// `a` must not be zero.
 template <typename T>
 HOST_DEVICE Vector3<T> normalize(Vector3<T> a) {
   return a * (T{1} / length(a));
 }
 HOST_DEVICE bool is_finite(Float3 a) {
-  // A difference with itself is 0 only for finite numbers; survives -ffast-math-free builds on both
-  // sides.
+  // A number minus itself is 0 only if it is finite. The compiler must not use -ffast-math.
   return (a.x - a.x) + (a.y - a.y) + (a.z - a.z) == 0.0f;
 }
 HOST_DEVICE constexpr Float3 to_float(Double3 a) {
@@ -75,7 +74,8 @@ HOST_DEVICE constexpr Float3 to_float(Double3 a) {
 }
 HOST_DEVICE constexpr Double3 to_double(Float3 a) { return {a.x, a.y, a.z}; }
 
-/// Not std::min and std::max: device code, and the second argument wins when the first is NaN.
+/// These replace std::min and std::max, which device code cannot call. If the first argument is
+/// NaN, the result is the second.
 template <typename T>
 HOST_DEVICE constexpr T smaller(T a, T b) {
   return a < b ? a : b;
@@ -85,7 +85,7 @@ HOST_DEVICE constexpr T larger(T a, T b) {
   return a > b ? a : b;
 }
 
-/// The same of numbers, neither NaN: one instruction on a GPU.
+/// Works like smaller(), but neither number may be NaN. This takes one instruction on a GPU.
 HOST_DEVICE float lower_of(float a, float b) {
 #if defined(__CUDA_ARCH__)
   return fminf(a, b);
@@ -100,7 +100,8 @@ HOST_DEVICE float higher_of(float a, float b) {
   return a > b ? a : b;
 #endif
 }
-/// To some units in the last place, for |b| from 1e-37 to 8e37; where what follows allows for that.
+/// Returns a / b with an error of a few units in the last place, for |b| from 1e-37 to 8e37. Use it
+/// only where such an error is acceptable.
 HOST_DEVICE float quotient_near(float a, float b) {
 #if defined(__CUDA_ARCH__)
   return __fdividef(a, b);
@@ -111,8 +112,8 @@ HOST_DEVICE float quotient_near(float a, float b) {
 
 HOST_DEVICE float largest(Float3 a) { return larger(a.x, larger(a.y, a.z)); }
 
-/// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`, without a
-/// branch (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+/// Returns two unit vectors that make a right-handed orthonormal basis with the unit vector `n`. It
+/// has no branch (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 HOST_DEVICE void basis_around(Float3 n, Float3& s, Float3& t) {
   const float sign = n.z < 0.0f ? -1.0f : 1.0f;
   const float a = -1.0f / (sign + n.z);

@@ -13,7 +13,7 @@ TEST(Vector, ABasisIsOrthonormalAndRightHandedAroundAnyDirection) {
   const auto check = [](Float3 n) {
     Float3 s, t;
     basis_around(n, s, t);
-    // Sums of three products of numbers below 1 that carry rounding errors of 2^-24 each.
+    // Each value is a sum of three products of numbers below 1 with rounding errors of 2^-24.
     constexpr float kRounding = 1e-6f;
     EXPECT_NEAR(dot(s, s), 1, kRounding);
     EXPECT_NEAR(dot(t, t), 1, kRounding);

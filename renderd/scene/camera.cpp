@@ -8,12 +8,12 @@
 namespace diaphane::render {
 namespace {
 
-/// How far before the box rays begin, of its diagonal: what lies in its nearest face is not lost to
-/// rounding.
+/// Distance before the box at which rays begin, as a fraction of the box's diagonal. Without it
+/// rounding would lose parts of the nearest face.
 constexpr double kBefore = 1e-3;
 
-/// mm along the view axis from the eye to just before the box; what lies behind the eye is not
-/// seen.
+/// Returns the distance along the view axis from the eye to just before the box, mm. Nothing behind
+/// the eye is visible.
 double start_depth(Double3 eye, Double3 forward, const WorldToFrame& frame) {
   double near = std::numeric_limits<double>::infinity();
   for (unsigned i = 0; i < 8; ++i) near = std::min(near, dot(frame.corner(i) - eye, forward));

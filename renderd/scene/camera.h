@@ -7,7 +7,7 @@
 
 namespace diaphane::render {
 
-/// The camera's frame: right-handed, x right, y up, z towards the eye; in world space.
+/// Axes of the camera's frame in world space: right-handed, x right, y up, z towards the eye.
 struct CameraAxes {
   Double3 right, up, back;
 
@@ -15,7 +15,7 @@ struct CameraAxes {
   Double3 to_world(Double3 v) const { return right * v.x + up * v.y + back * v.z; }
 };
 
-/// `camera` has passed check_scene.
+/// Requires that `camera` has passed check_scene().
 CameraView prepare_camera(const diaphane::v1::Camera& camera, const CameraAxes& axes,
                           const WorldToFrame& frame, Canvas canvas);
 

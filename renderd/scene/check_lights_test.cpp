@@ -17,7 +17,7 @@ using Scene = diaphane::v1::Scene;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A rectangle, a disk, a sphere, a box and an environment.
+/// A scene with a rectangle, a disk, a sphere, a box and an environment as lights.
 Scene lit_scene() {
   Scene scene = test::skull_scene();
   scene.clear_lights();

@@ -1,3 +1,4 @@
+#include "common/try.h"
 #include "renderd/scene/presets.h"
 #include "renderd/scene/texture.h"
 #include "scene/scene.h"
@@ -7,7 +8,7 @@ namespace diaphane::render {
 Result<void> check_scene(const diaphane::v1::Scene& scene) {
   return scene::check_scene(scene, [](std::string_view file) -> Result<void> {
     const auto size = texture_size(file);
-    if (!size) return tl::unexpected(size.error());
+    DIAPHANE_TRY(size);
     return {};
   });
 }

@@ -89,7 +89,7 @@ const Fault kFaults[] = {
      [](Scene& s) { s.mutable_display()->mutable_background()->set_r(-1); }},
 };
 
-/// Of camera, clip, slices and paths, which most scenes leave out.
+/// Cases of camera, clip, slices and paths, which most scenes leave out.
 void set_clip_box(Scene& s, double low, double high) {
   test::set(s.mutable_clip()->mutable_box_low(), low, low, low);
   test::set(s.mutable_clip()->mutable_box_high(), high, high, high);
@@ -202,7 +202,7 @@ TEST(CheckScene, TakesExtremesThatHaveAMeaning) {
   EXPECT_TRUE(check_scene(scene));
   scene.mutable_transfer_function()->set_extinction_per_mm(0);
   scene.clear_lights();
-  EXPECT_TRUE(check_scene(scene)) << "nothing to see is no mistake";
+  EXPECT_TRUE(check_scene(scene)) << "an invisible scene is valid";
 }
 
 TEST(SceneJson, ComesBackAsItWas) {
@@ -212,7 +212,7 @@ TEST(SceneJson, ComesBackAsItWas) {
   EXPECT_EQ(again->SerializeAsString(), scene.SerializeAsString());
 }
 
-/// Nobody's scene file rots: each is read, checked and prepared.
+/// Every scene file of the tests can be read, checked and prepared.
 TEST(SceneJson, EverySceneOfTheTestsIsValid) {
   const volume::Volume volume = test::skull_volume();
   const ValueGrid grid = make_value_grid(volume.voxels, size_of(volume.header));

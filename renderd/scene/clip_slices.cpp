@@ -6,7 +6,8 @@
 namespace diaphane::render {
 namespace {
 
-/// Keeps the places p of the world with dot(normal, p - point) <= 0, if that cuts anything off.
+/// Keeps the world points p with dot(normal, p - point) <= 0. Adds nothing if that cuts off no part
+/// of the box.
 void add_half_space(ClipView& view, Double3 point, Double3 normal, const WorldToFrame& frame,
                     Double3 spacing) {
   const Double3 n = normalize(frame.direction(normal));
@@ -39,7 +40,7 @@ ClipView prepare_clip(const diaphane::v1::Clip& clip, const WorldToFrame& frame,
 PatientAxes patient_axes(const volume::Header& header) {
   constexpr std::array<std::array<int, 3>, 6> kOrders{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
-  // Row: the patient's axis; column: the voxels'.
+  // Rows of the direction matrix are axes of the patient, columns are axes of the voxels.
   const auto along = [&](int patient, int voxel) {
     return header.direction[static_cast<std::size_t>(3 * patient + voxel)];
   };
@@ -48,7 +49,7 @@ PatientAxes patient_axes(const volume::Header& header) {
   for (const auto& order : kOrders) {
     double sum = 0;
     for (int i = 0; i < 3; ++i) sum += std::abs(along(i, order[static_cast<std::size_t>(i)]));
-    // A tie keeps the first, whatever the rounding.
+    // The margin makes the first order win a tie despite rounding.
     if (sum <= most + 1e-9) continue;
     most = sum;
     for (int i = 0; i < 3; ++i) {

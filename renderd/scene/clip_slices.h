@@ -7,18 +7,18 @@
 
 namespace diaphane::render {
 
-/// All have passed check_scene.
+/// These functions require messages that have passed check_scene().
 ClipView prepare_clip(const diaphane::v1::Clip& clip, const WorldToFrame& frame, Double3 spacing);
 
-/// The voxel axis (0 to 2) nearest to each of the patient's axes, one each, and on which side of it
-/// the patient's axis points.
+/// Assigns to each axis of the patient the nearest voxel axis (0 to 2), a different one for each,
+/// and the sign of its direction along that axis.
 struct PatientAxes {
   int voxel_axis[3];
   double sign[3];
 };
 PatientAxes patient_axes(const volume::Header& header);
 
-/// Slices outside the volume are left out.
+/// Omits slices outside the volume.
 SlicesView prepare_slices(const diaphane::v1::Scene& scene, const volume::Header& header);
 bool any_slice(const SlicesView& slices);
 

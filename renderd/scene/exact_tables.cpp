@@ -7,9 +7,9 @@
 namespace diaphane::render {
 namespace {
 
-constexpr std::size_t kMostPieces = 65535;  // they are counted in 16 bits
+constexpr std::size_t kMostPieces = 65535;  // piece numbers have 16 bits
 
-/// Slopes of all lines from a node that pass another within its tolerance.
+/// The slopes of all lines from one node that pass another node within its tolerance.
 struct Cone {
   double low = -std::numeric_limits<double>::infinity(),
          high = std::numeric_limits<double>::infinity();
@@ -25,7 +25,8 @@ std::vector<std::int32_t> clear_ranges(const std::vector<ExtinctionPiece>& piece
                                        bool last_is_not_zero, ValueRange whole) {
   std::vector<std::int32_t> until(static_cast<std::size_t>(whole.maximum - whole.minimum + 1));
   std::size_t p = pieces.size();
-  const ExtinctionPiece* nearest = nullptr;  // the first from this value on that is not all 0
+  // The first piece from this value on that is not 0 everywhere.
+  const ExtinctionPiece* nearest = nullptr;
   for (std::int32_t value = whole.maximum; value >= whole.minimum; --value) {
     const auto v = static_cast<float>(value);
     for (; p > 0 && pieces[p - 1].end > v; --p) {
@@ -46,8 +47,8 @@ std::vector<std::int32_t> clear_ranges(const std::vector<ExtinctionPiece>& piece
 
 std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t count, double scale,
                                          double first) {
-  // Relative to the larger end: beside a dense place a thin one keeps its own precision, and what
-  // is 0 stays 0.
+  // The tolerance is relative to the larger end of a piece, so that a thin region beside a dense
+  // one keeps its own precision and zeros stay exactly 0.
   constexpr double kTolerance = 4e-7;
   const auto value_of = [&](std::int32_t node) { return first + node / scale; };
   std::vector<ExtinctionPiece> pieces;
@@ -60,7 +61,8 @@ std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t c
       const double run = value_of(node) - value_of(begin), here = extinction[node];
       if (!cone.holds((here - start) / run)) break;
       end = node;
-      // A node must itself be near the line, relative to itself: the line may not lift it off 0.
+      // The line must also be near each node relative to that node's value, so that it does not
+      // lift a node off 0.
       const double most = kTolerance * std::abs(here);
       cone.narrow((here - most - start) / run, (here + most - start) / run);
     }
@@ -82,8 +84,8 @@ std::vector<std::uint8_t> make_skips(const std::vector<std::uint8_t>& occupied, 
     std::uint8_t* skip = skips.data() + count * static_cast<std::size_t>(octant);
     const auto towards = [octant](int bit) { return (octant >> bit & 1) != 0 ? 1 : -1; };
     const int sx = towards(0), sy = towards(1), sz = towards(2);
-    // A cube of n bricks is empty when its first is and the seven cubes of n - 1 beside it are;
-    // beyond the volume all is.
+    // A cube of n bricks is empty if its first brick is empty and so are the seven cubes of n - 1
+    // bricks beside it. Everything outside the volume is empty.
     const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) -> int {
       return skip[array.index({x, y, z})];
     };
@@ -123,7 +125,7 @@ ExactTables make_exact_tables(const float* extinction, std::int32_t count, doubl
     out.piece_of[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(piece);
   }
   out.clear_until = clear_ranges(out.pieces, extinction[count - 1] > 0, grid.whole);
-  if (grid.brick_ranges.empty()) return out;  // they are on a device
+  if (grid.brick_ranges.empty()) return out;  // the ranges are on a device
   std::vector<std::uint8_t> occupied(grid.brick_ranges.size());
   for (std::size_t b = 0; b < occupied.size(); ++b) {
     const ValueRange range = grid.brick_ranges[b];

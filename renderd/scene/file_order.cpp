@@ -11,7 +11,7 @@ namespace v1 = diaphane::v1;
 Result<void> note_key_view(std::vector<v1::Scene>& keys, const v1::KeyView& view) {
   if (view.index() == 0) keys.clear();
   if (view.index() != keys.size() || view.index() >= kMostKeyViews) {
-    return fail(ErrorCode::kInvalid, "Views are told one after the other, 16 at most.");
+    return fail(ErrorCode::kInvalid, "Views must be sent in order, at most 16.");
   }
   if (const auto sound = check_scene(view.scene()); !sound) return sound;
   keys.push_back(view.scene());
@@ -21,13 +21,15 @@ Result<void> note_key_view(std::vector<v1::Scene>& keys, const v1::KeyView& view
 Result<void> check_picture(const v1::LargePicture& picture, const std::vector<v1::Scene>& keys) {
   for (const std::uint32_t side : {picture.width(), picture.height()}) {
     if (side < kShortestFileSide || side > kLongestCanvas) {
-      return fail(ErrorCode::kInvalid, "A picture is 16 to 16384 pixels wide and high.", "width");
+      return fail(ErrorCode::kInvalid, "The image must be 16 to 16384 pixels wide and high.",
+                  "width");
     }
   }
   if (!(picture.error() >= kLeastFileError && picture.error() <= 1)) {
-    return fail(ErrorCode::kInvalid, "The error of a picture is 0.005 to 1.", "error");
+    return fail(ErrorCode::kInvalid, "The error of the image must be between 0.005 and 1.",
+                "error");
   }
-  if (keys.empty()) return fail(ErrorCode::kInvalid, "Nothing is said to be seen.", "keys");
+  if (keys.empty()) return fail(ErrorCode::kInvalid, "The view is missing.", "keys");
   return check_scene(keys.front());
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace v1 = diaphane::v1;
 
-/// A rotation: from the camera's axes to the world.
+/// A rotation from the camera's axes to the world.
 struct Quaternion {
   double w = 1, x = 0, y = 0, z = 0;
 };
@@ -30,7 +30,7 @@ Quaternion plus(const Quaternion& a, const Quaternion& b) {
 }
 Quaternion normalised(const Quaternion& q) { return scaled(q, 1 / std::sqrt(dot(q, q))); }
 
-/// Of the matrix with these columns (Shepperd 1978: the largest component first).
+/// Converts the rotation matrix with these columns (Shepperd 1978: the largest component first).
 Quaternion quaternion_of(const CameraAxes& axes) {
   const Double3 &r = axes.right, &u = axes.up, &b = axes.back;
   const std::array<double, 4> squares{1 + r.x + u.y + b.z, 1 + r.x - u.y - b.z, 1 - r.x + u.y - b.z,
@@ -53,7 +53,7 @@ Double3 rotated(const Quaternion& q, Double3 v) {
   return v + t * q.w + cross(axis, t);
 }
 
-/// Where one looks from, in numbers that can be mixed.
+/// A camera pose in numbers that can be interpolated.
 struct Pose {
   Double3 target{};
   double log_distance = 0;
@@ -65,13 +65,13 @@ Pose pose_of(const v1::Camera& camera) {
   return {target, std::log(length(eye - target)), quaternion_of(CameraAxes(camera))};
 }
 
-/// On the great circle through both, also beyond them.
+/// Interpolates on the great circle through both, or extrapolates along it.
 Quaternion slerp(const Quaternion& a, const Quaternion& b, double part) {
   const double cosine = std::clamp(dot(a, b), -1.0, 1.0);
   const double angle = std::acos(cosine);
   if (angle < 1e-6) return normalised(plus(scaled(a, 1 - part), scaled(b, part)));
   const double sine = std::sin(angle);
-  if (sine < 1e-6) return part < 0.5 ? a : b;  // opposite: no circle is the shortest
+  if (sine < 1e-6) return part < 0.5 ? a : b;  // opposite rotations have no unique shortest arc
   return normalised(plus(scaled(a, std::sin((1 - part) * angle) / sine),
                          scaled(b, std::sin(part * angle) / sine)));
 }
@@ -82,14 +82,16 @@ Pose mix(const Pose& a, const Pose& b, double part) {
           slerp(a.rotation, b.rotation, part)};
 }
 
-/// How far two views are apart: by what moves through the picture, in parts of the distance.
+/// Returns the distance of two views, as the motion in the picture relative to the distance of the
+/// camera.
 double apart(const Pose& a, const Pose& b) {
   const double distance = std::exp((a.log_distance + b.log_distance) / 2);
   const double angle = 2 * std::acos(std::min(1.0, std::abs(dot(a.rotation, b.rotation))));
   return length(b.target - a.target) / distance + std::abs(b.log_distance - a.log_distance) + angle;
 }
 
-/// Between the middle two of four, by Barry and Goldman's pyramid of mixtures.
+/// Interpolates between the middle two of four poses with Barry and Goldman's pyramid of linear
+/// interpolations.
 Pose on_curve(const std::array<Pose, 4>& p, double part) {
   std::array<double, 4> t{};
   for (std::size_t i = 1; i < 4; ++i) {
@@ -117,7 +119,8 @@ void set_pose(v1::Camera& camera, const Pose& pose) {
   set(*camera.mutable_up(), rotated(pose.rotation, {0, 1, 0}));
 }
 
-/// Rotations of all keys, each the shorter way from the one before.
+/// Returns the poses of all keys. The sign of each quaternion is chosen for the shorter way from
+/// the one before.
 std::vector<Pose> poses_of(const std::vector<v1::Scene>& keys) {
   std::vector<Pose> poses;
   for (const v1::Scene& key : keys) {
@@ -132,8 +135,8 @@ std::vector<Pose> poses_of(const std::vector<v1::Scene>& keys) {
 
 Result<void> check_side(std::uint32_t side, const char* field) {
   if (side >= kShortestFileSide && side <= kLongestFilmSide && side % 2 == 0) return {};
-  return fail(ErrorCode::kInvalid, "A film is 16 to 1920 pixels wide and high, an even number.",
-              field);
+  return fail(ErrorCode::kInvalid,
+              "A film must be 16 to 1920 pixels wide and high, in even numbers.", field);
 }
 
 }  // namespace
@@ -160,7 +163,7 @@ v1::Scene on_tour(const std::vector<v1::Scene>& keys, double at) {
   if (part == 1) return keys[first + 1];
   const std::vector<Pose> poses = poses_of(keys);
   const Pose &a = poses[first], &b = poses[first + 1];
-  // Before the first and beyond the last the way goes straight on.
+  // The path is extrapolated linearly before the first and beyond the last key.
   const Pose before = first > 0 ? poses[first - 1] : mix(a, b, -1);
   const Pose after = first + 2 < poses.size() ? poses[first + 2] : mix(a, b, 2);
   v1::Scene scene = mix_scenes(keys[first], keys[first + 1], part * part * (3 - 2 * part));
@@ -170,24 +173,25 @@ v1::Scene on_tour(const std::vector<v1::Scene>& keys, double at) {
 
 Result<void> check_film(const v1::Film& film, const std::vector<v1::Scene>& keys) {
   if (film.frames_per_second() < 10 || film.frames_per_second() > 60) {
-    return fail(ErrorCode::kInvalid, "A film has 10 to 60 frames a second.", "framesPerSecond");
+    return fail(ErrorCode::kInvalid, "A film must have 10 to 60 frames per second.",
+                "framesPerSecond");
   }
   if (film.frames() < 2 || film.frames() > kLongestFilmSeconds * film.frames_per_second()) {
-    return fail(ErrorCode::kInvalid, "A film has 2 frames at least and lasts 60 s at most.",
+    return fail(ErrorCode::kInvalid, "A film must have at least 2 frames and last at most 60 s.",
                 "frames");
   }
   if (const auto sound = check_side(film.width(), "width"); !sound) return sound;
   if (const auto sound = check_side(film.height(), "height"); !sound) return sound;
   if (!(film.error() >= kLeastFileError && film.error() <= 1)) {
-    return fail(ErrorCode::kInvalid, "The error of a frame is 0.005 to 1.", "error");
+    return fail(ErrorCode::kInvalid, "The error of a frame must be between 0.005 and 1.", "error");
   }
   const bool tour = film.path() == v1::Film::TOUR;
   if (!tour && film.path() != v1::Film::TURNTABLE) {
-    return fail(ErrorCode::kInvalid, "There is no such film.", "path");
+    return fail(ErrorCode::kInvalid, "A film must be a turntable or a tour.", "path");
   }
   if (keys.size() < (tour ? 2u : 1u) || keys.size() > kMostKeyViews) {
     return fail(ErrorCode::kInvalid,
-                tour ? "A tour has 2 to 16 views." : "A turntable is made of one view.", "keys");
+                tour ? "A tour must have 2 to 16 views." : "The view is missing.", "keys");
   }
   for (const v1::Scene& key : keys) {
     if (const auto sound = check_scene(key); !sound) return sound;

@@ -90,7 +90,7 @@ TEST(Tour, ComesByEachKeyInItsOrder) {
   }
 }
 
-// Each step of 1/1000 of a segment is a small part of the way, and the way bends nowhere sharply.
+// Each step of 1/1000 of a segment is a small part of the path, and the path has no sharp bend.
 TEST(Tour, IsSmoothWhateverTheViews) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> number(-1, 1);
@@ -171,7 +171,7 @@ TEST(SceneMix, AChannelOfAnotherNameOrAnotherPointIsOfAnotherKind) {
   named.mutable_transfer_function()->mutable_channels(0)->set_name("skin");
   longer.mutable_transfer_function()->mutable_channels(0)->add_opacity()->set_value(2000);
   off.mutable_transfer_function()->mutable_channels(0)->set_disabled(true);
-  focused.mutable_camera()->set_focal_distance(300);  // 0: the target's
+  focused.mutable_camera()->set_focal_distance(300);  // 0 means the distance of the target
   for (const v1::Scene* other : {&named, &longer, &off, &focused}) {
     EXPECT_FALSE(equal_in_kind(a, *other));
   }
@@ -180,7 +180,8 @@ TEST(SceneMix, AChannelOfAnotherNameOrAnotherPointIsOfAnotherKind) {
   EXPECT_TRUE(equal_in_kind(a, moved));
 }
 
-// Two lamps whose edges point opposite ways: half way they would have no area.
+// The edges of the two lamps point in opposite directions, so half way the mixture would have no
+// area.
 TEST(SceneMix, AMixtureThatWouldBeNoSceneIsTheNearerOne) {
   v1::Scene a = seen_from(0, -500, 0), b = a;
   auto& lamp = *b.mutable_lights(0)->mutable_rectangle();

@@ -11,11 +11,11 @@ inline Float3 colour_of(const diaphane::v1::Rgb& c) {
   return to_float(Double3{c.r(), c.g(), c.b()});
 }
 
-/// From world space (origin at the box's centre, the patient's axes) to the volume's frame (origin
-/// at the corner of voxel (0,0,0), the voxels' axes). Both in mm.
+/// Transforms world space (origin at the centre of the box, axes of the patient) to the volume's
+/// frame (origin at the corner of voxel (0,0,0), axes of the voxels). Both are in mm.
 struct WorldToFrame {
-  Double3 axes[3];  ///< the voxel axes in the world
-  Double3 extent;   ///< of the box
+  Double3 axes[3];  ///< voxel axes in world space
+  Double3 extent;   ///< size of the box
 
   explicit WorldToFrame(const volume::Header& h) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -25,7 +25,7 @@ struct WorldToFrame {
   }
   Double3 direction(Double3 w) const { return {dot(axes[0], w), dot(axes[1], w), dot(axes[2], w)}; }
   Double3 point(Double3 w) const { return direction(w) + extent * 0.5; }
-  /// Of the box, in the frame; 0 to 7.
+  /// Returns a corner of the box in the frame; `which` is 0 to 7.
   Double3 corner(unsigned which) const {
     return {(which & 1) != 0 ? extent.x : 0.0, (which & 2) != 0 ? extent.y : 0.0,
             (which & 4) != 0 ? extent.z : 0.0};

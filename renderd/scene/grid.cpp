@@ -15,7 +15,7 @@ void include(ValueRange& range, ValueRange other) {
   range.maximum = std::max(range.maximum, other.maximum);
 }
 
-/// The cells whose dilated extent, voxels [8i - 1, 8i + 8], holds voxel `v`.
+/// The cells whose extended voxel range [8i - 1, 8i + 8] contains voxel `v`.
 struct CellsOfVoxel {
   std::int32_t first, last;
 };
@@ -23,7 +23,7 @@ CellsOfVoxel cells_of(std::int32_t v, std::int32_t cells) {
   return {std::max((v - 1) >> kCellShift, 0), std::min((v + 1) >> kCellShift, cells - 1)};
 }
 
-/// Ranges along one row of voxels, cell by cell.
+/// Computes the range of each cell along one row of voxels.
 void row_ranges(const std::int16_t* row, std::int32_t size, std::span<ValueRange> out) {
   for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(out.size()); ++cell) {
     const std::int32_t first = std::max(cell * kCellSize - 1, 0);
@@ -34,7 +34,7 @@ void row_ranges(const std::int16_t* row, std::int32_t size, std::span<ValueRange
   }
 }
 
-/// Cells 4b to 4b + 3 of brick b have the voxels 4b - 1 to 4b + 3 at their corners.
+/// The cells of brick b are 4b to 4b + 3, and the voxels at their corners are 4b - 1 to 4b + 3.
 std::vector<ValueRange> brick_ranges_of(std::span<const std::int16_t> voxels, Int3 size,
                                         Int3 bricks) {
   const auto voxels_of = [](std::int32_t brick, std::int32_t n, std::int32_t& first,
@@ -98,11 +98,11 @@ Result<void> check_volume(const volume::Volume& volume) {
   const volume::Header& h = volume.header;
   for (std::uint32_t n : h.size) {
     if (n == 0 || n > kLongestAxis) {
-      return fail(ErrorCode::kInvalid, "a volume's axis has 1 to 8192 voxels", "size");
+      return fail(ErrorCode::kInvalid, "each axis of a volume must have 1 to 8192 voxels", "size");
     }
   }
   if (h.voxel_count() != volume.voxels.size()) {
-    return fail(ErrorCode::kInvalid, "the number of voxels is not that of the header", "size");
+    return fail(ErrorCode::kInvalid, "the number of voxels does not match the header", "size");
   }
   for (double s : h.spacing) {
     if (!std::isfinite(s) || s < 1e-6 || s > 1e6) {

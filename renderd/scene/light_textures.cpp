@@ -8,21 +8,24 @@
 #include <span>
 #include <utility>
 
+#include "common/try.h"
 #include "renderd/scene/texture.h"
 #include "renderd/scene/texture_store.h"
 
 namespace diaphane::render {
 namespace {
 
-/// Of the mean of a row and of a map, added to each texel's brightness: every direction is drawn
-/// now and then, and no texel's probability drowns in the rounding of its row's sums.
+/// Fraction of the mean of a row or map that is added to each texel's brightness. So every
+/// direction is drawn now and then, and no texel's probability is lost in the rounding of its row's
+/// sums.
 constexpr double kFloor = 0.01;
 
 double brightness(const Float4& c) {
   return static_cast<double>(c.x) + static_cast<double>(c.y) + static_cast<double>(c.z);
 }
 
-/// Mean brightness of the interpolated picture over a texel: 1/8, 6/8, 1/8 of three each way.
+/// Mean brightness of the interpolated picture over a texel, with the weights 1/8, 6/8 and 1/8 in
+/// each direction.
 double mean_over_texel(std::span<const Float4> texels, std::size_t width, std::size_t height,
                        std::size_t i, std::size_t j) {
   const std::size_t columns[] = {i == 0 ? width - 1 : i - 1, i, i + 1 == width ? 0 : i + 1};
@@ -37,7 +40,8 @@ double mean_over_texel(std::span<const Float4> texels, std::size_t width, std::s
   return sum;
 }
 
-/// Running sums of `weights`, with a floor, over their total; 1 at the end.
+/// Stores the cumulative sums of `weights`, with a floor, divided by their total; the last one is
+/// 1.
 template <typename Store>
 void accumulate(const std::vector<double>& weights, const Store& store) {
   double total = 0;
@@ -50,7 +54,7 @@ void accumulate(const std::vector<double>& weights, const Store& store) {
   }
 }
 
-/// The texels' w and the rows: how directions are drawn.
+/// Fills in the w of the texels and the rows, from which directions are sampled.
 void add_distribution(std::span<Float4> texels, std::size_t width, std::size_t height,
                       std::vector<float>& rows) {
   std::vector<double> in_row(height), of_texel(width);
@@ -90,7 +94,8 @@ void add_means(std::span<const Float4> texels, std::size_t width, std::size_t he
   out.sky_means.push_back(sky * (1 / (columns * weights)));
 }
 
-/// `out` has the picture's entry and room; the picture is the last of all.
+/// Appends the texels of a picture. `out` must already have its entry, as the last one, and
+/// reserved memory.
 void add_picture(const TexturePicture& picture, PreparedTextures& out) {
   const std::size_t width = picture.size.width, height = picture.size.height;
   const std::size_t first = out.texels.size();
@@ -120,7 +125,7 @@ bool has(const PreparedTextures& textures, const std::string& file) {
   return std::find(textures.files.begin(), textures.files.end(), file) != textures.files.end();
 }
 
-/// Without those that repeat one before.
+/// Returns the files without duplicates.
 std::vector<TextureFile> different(const std::vector<TextureFile>& files) {
   std::vector<TextureFile> out;
   for (const TextureFile& f : files) {
@@ -135,7 +140,7 @@ tl::unexpected<Error> named(const std::string& field, const Error& error) {
   return fail(error.code, field + " " + error.message, field);
 }
 
-/// Who has taken how much, and what can be shared.
+/// Counts the memory that each owner has taken and finds textures that can be shared.
 class TextureMemory {
  public:
   using Prepared = std::shared_ptr<const PreparedTextures>;
@@ -167,8 +172,8 @@ class TextureMemory {
       std::erase_if(known_, [](const auto& one) { return one.expired(); });
       known = known_;
     }
-    // Without the lock: the last holder of one may let go of it meanwhile, which gives it back
-    // here.
+    // Runs without the lock, because this thread may become the last owner of an entry and then
+    // gives its memory back, which takes the lock.
     for (const auto& one : known) {
       Prepared found = one.lock();
       if (found && same_files(files, *found)) return found;
@@ -202,12 +207,12 @@ class TextureMemory {
 };
 
 TextureMemory& memory() {
-  // Never destroyed: what a renderer holds may outlive every other static.
+  // Never destroyed, because a renderer's textures may outlive all other static objects.
   static auto* const memory = new TextureMemory;
   return *memory;
 }
 
-/// A part of that memory, for as long as it lives.
+/// Owns a part of that memory and gives it back when destroyed.
 struct Taken {
   std::string owner;
   std::size_t bytes = 0;
@@ -220,7 +225,8 @@ struct Taken {
 
 std::size_t pixels_of(TextureSize size) { return std::size_t{size.width} * size.height; }
 
-/// Of all files, in their order; kInvalid at the one with which `most` pixels are exceeded.
+/// Returns the sizes of all files in their order. Fails with kInvalid for the first file with which
+/// the total exceeds `most` pixels.
 Result<std::vector<TextureSize>> sizes_of(const std::vector<TextureFile>& files, std::size_t most,
                                           const char* too_much) {
   std::size_t total = 0;
@@ -235,7 +241,7 @@ Result<std::vector<TextureSize>> sizes_of(const std::vector<TextureFile>& files,
   return sizes;
 }
 
-constexpr char kTooMuch[] = " is too much: a scene's textures may have 16777216 pixels in all";
+constexpr char kTooMuch[] = " exceeds the limit of 16777216 pixels for all textures of a scene";
 
 std::size_t bytes_of(const std::vector<TextureFile>& files, const std::vector<TextureSize>& sizes) {
   std::size_t bytes = 0;
@@ -279,15 +285,15 @@ std::size_t take_freed_texture_memory() { return memory().take_freed(); }
 Result<std::size_t> bytes_of_textures(const std::vector<TextureFile>& files) {
   const auto wanted = different(files);
   const auto sizes = sizes_of(wanted, kMostTexels, kTooMuch);
-  if (!sizes) return tl::unexpected(sizes.error());
+  DIAPHANE_TRY(sizes);
   return bytes_of(wanted, *sizes);
 }
 
 Result<void> check_visitors_textures(const std::vector<TextureFile>& files) {
   const auto sizes = sizes_of(different(files), kMostVisitorTexels,
-                              " is too much: without an account, a scene's textures may have "
-                              "1048576 pixels in all");
-  if (!sizes) return tl::unexpected(sizes.error());
+                              " exceeds the limit of 1048576 pixels for all textures of a scene, "
+                              "which applies without an account");
+  DIAPHANE_TRY(sizes);
   return {};
 }
 
@@ -298,23 +304,23 @@ Result<std::shared_ptr<const PreparedTextures>> prepare_textures_for(
   const std::vector<TextureFile> wanted = different(files);
   if (before && TextureMemory::same_files(wanted, *before)) return before;
   if (auto known = memory().find(wanted)) return known;
-  // Sizes first: nothing is decoded of what is too much in all.
+  // Sizes are checked first, so that nothing is decoded if the total is too large.
   const auto sizes = sizes_of(wanted, kMostTexels, kTooMuch);
-  if (!sizes) return tl::unexpected(sizes.error());
+  DIAPHANE_TRY(sizes);
   const std::size_t bytes = bytes_of(wanted, *sizes);
   if (!memory().take(owner, bytes)) {
     const std::string& field = wanted.back().field;
     return fail(ErrorCode::kTooMany,
                 field +
-                    " finds no memory on this renderer now: use a picture with fewer pixels, or "
-                    "try again later",
+                    " does not fit into the memory of this renderer. Use a picture with fewer "
+                    "pixels, or try again later.",
                 field);
   }
   auto taken = std::make_shared<const Taken>(owner, bytes);
   auto decoded = decode(wanted, *sizes, before.get());
-  if (!decoded) return tl::unexpected(decoded.error());
-  // Given back with the textures: what the deleter holds would live as long as those who only know
-  // of them.
+  DIAPHANE_TRY(decoded);
+  // The deleter gives the memory back explicitly, because weak pointers keep the deleter itself
+  // alive after the textures are gone.
   std::shared_ptr<const PreparedTextures> prepared(
       decoded->release(), [taken](const PreparedTextures* textures) mutable {
         delete textures;

@@ -9,18 +9,18 @@
 
 namespace diaphane::render {
 
-/// The pictures on a scene's lights as a kernel reads them (LightsView), one entry a different
-/// file.
+/// The pictures on a scene's lights as a kernel reads them (LightsView). Each distinct file has one
+/// entry.
 struct PreparedTextures {
-  std::vector<std::string> files;  ///< what each was decoded from
+  std::vector<std::string> files;  ///< the file of each entry
   std::vector<LightTexture> textures;
-  std::vector<Double3> means;      ///< colour of each, over its area
-  std::vector<Double3> sky_means;  ///< over the solid angle, as a latitude-longitude map
+  std::vector<Double3> means;      ///< mean colour of each over its area
+  std::vector<Double3> sky_means;  ///< mean over the solid angle, as a latitude-longitude map
   std::vector<Float4> texels;
   std::vector<float> rows;
 };
 
-/// Pixels that the textures of a scene may have in all: one of the largest size, 270 MB.
+/// Maximum total number of pixels of a scene's textures: one texture of the largest size, 270 MB.
 inline constexpr std::size_t kMostTexels = std::size_t{4096} * 4096;
 
 /// A file and the field of the scene that it comes from.
@@ -29,13 +29,13 @@ struct TextureFile {
   std::string field;
 };
 
-/// `files` may repeat; nothing for none. `before`, the textures of the scene before, is returned
-/// again when the files are the same, and what it has decoded is taken from it. kInvalid and
-/// kUnsupported name the field.
+/// Decodes textures. `files` may contain duplicates; the result is null if there are none. `before`
+/// has the textures of the previous scene: it is returned if the files are the same, and otherwise
+/// its decoded textures are reused. Fails with kInvalid or kUnsupported and the name of the field.
 Result<std::shared_ptr<const PreparedTextures>> prepare_textures(
     const std::vector<TextureFile>& files, const std::shared_ptr<const PreparedTextures>& before);
 
-/// Index of a file that was prepared.
+/// Returns the index of a file that has been prepared.
 std::uint32_t texture_index(const PreparedTextures& textures, const std::string& file);
 
 }  // namespace diaphane::render

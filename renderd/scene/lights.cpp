@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/try.h"
 #include "renderd/scene/texture_store.h"
 
 namespace diaphane::render {
@@ -12,7 +13,8 @@ namespace {
 
 constexpr double kEvenShare = 1.0 / 16;
 
-/// From where a light is given, the world or the camera's frame, to the volume's frame.
+/// Transforms the frame in which a light is defined, the world or the camera, to the volume's
+/// frame.
 class Placement {
  public:
   Placement(bool locked, const CameraAxes& axes, Double3 target, const WorldToFrame& frame)
@@ -24,8 +26,8 @@ class Placement {
   Double3 direction(Double3 v) const { return frame_.direction(locked_ ? axes_.to_world(v) : v); }
   Double3 direction(const diaphane::v1::Vec3& v) const { return direction(vector_of(v)); }
 
-  /// Where textures have their right, what they look at, and their up: of the world as the patient
-  /// is seen from the front, or of the picture.
+  /// Right, forward and up of a texture: in the world as the patient is seen from the front, or in
+  /// the picture if the light is locked to the camera.
   Double3 right() const { return direction(Double3{1, 0, 0}); }
   Double3 forward() const { return direction(locked_ ? Double3{0, 0, -1} : Double3{0, 1, 0}); }
   Double3 up() const { return direction(locked_ ? Double3{0, 1, 0} : Double3{0, 0, 1}); }
@@ -37,7 +39,7 @@ class Placement {
   const WorldToFrame& frame_;
 };
 
-/// `area` as AreaLight's.
+/// Makes a parallelogram light as AreaLight stores it.
 AreaLight flat_light(Double3 corner, Double3 u, Double3 v) {
   const Double3 normal = cross(u, v);
   AreaLight out{};
@@ -50,7 +52,7 @@ AreaLight flat_light(Double3 corner, Double3 u, Double3 v) {
   return out;
 }
 
-/// Of a disk, and of a sphere as seen from far off; a point counts as 1 mm^2.
+/// Area of a disk, or of a sphere as seen from a distance; a point counts as 1 mm^2.
 float round_area(double radius) {
   return radius > 0 ? static_cast<float>(std::numbers::pi * radius * radius) : 1.0f;
 }
@@ -81,7 +83,7 @@ AreaLight sphere_of(const diaphane::v1::SphereLight& s, const Placement& place) 
   return out;
 }
 
-/// Six rectangles that shine outwards.
+/// Returns six rectangles that shine outwards.
 std::vector<AreaLight> box_of(const diaphane::v1::BoxLight& b, const Placement& place) {
   const Double3 corner = place.point(b.corner());
   const Double3 edges[] = {place.direction(b.u()), place.direction(b.v()), place.direction(b.w())};
@@ -89,7 +91,7 @@ std::vector<AreaLight> box_of(const diaphane::v1::BoxLight& b, const Placement& 
   std::vector<AreaLight> faces;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Double3 a = edges[(axis + 1) % 3], b2 = edges[(axis + 2) % 3];
-    // cross(a, b2) points along the edge of `axis`, unless the box is mirrored.
+    // cross(a, b2) points along the edge of `axis` unless the box is mirrored.
     const Double3 first = mirrored ? b2 : a, second = mirrored ? a : b2;
     faces.push_back(flat_light(corner + edges[axis], first, second));
     faces.push_back(flat_light(corner, second, first));
@@ -97,7 +99,7 @@ std::vector<AreaLight> box_of(const diaphane::v1::BoxLight& b, const Placement& 
   return faces;
 }
 
-/// What all shapes have.
+/// Properties that lights of all shapes have.
 struct Looks {
   Double3 radiance;  ///< intensity included
   const std::string* texture = nullptr;
@@ -111,7 +113,7 @@ Looks looks_of(const Shape& shape, double intensity) {
 
 struct Shaped {
   Looks looks;
-  const char* name = "";  ///< of the field
+  const char* name = "";  ///< name of the field
   std::vector<AreaLight> parts;
 };
 Shaped shaped(const diaphane::v1::Light& light, const Placement& place) {
@@ -138,14 +140,15 @@ Shaped shaped(const diaphane::v1::Light& light, const Placement& place) {
 
 double sum(Double3 c) { return c.x + c.y + c.z; }
 
-/// A light's texture and the field that it is in; nothing when it has none or gives no light.
+/// Returns a light's texture and the field it comes from, or nullopt if it has no texture or gives
+/// no light.
 std::optional<TextureFile> texture_of(const Looks& looks, const char* name, int light) {
   if (looks.texture == nullptr || !(sum(looks.radiance) > 0)) return std::nullopt;
   return TextureFile{looks.texture, "lights[" + std::to_string(light) + "]" + name + ".texture"};
 }
 
-/// Sets probability and cumulative. The probability is the difference of two cumulative ones as
-/// they are, rounded: exactly that with which the light is picked.
+/// Sets `probability` and `cumulative`. The probability is the difference of two rounded cumulative
+/// values, so it is exactly the one with which the light is chosen.
 template <typename Light>
 void share_out(std::vector<Light>& lights, const std::vector<double>& powers) {
   double total = 0;
@@ -161,7 +164,7 @@ void share_out(std::vector<Light>& lights, const std::vector<double>& powers) {
   }
 }
 
-/// Takes the lights one by one.
+/// Collects the lights one by one.
 class Collector {
  public:
   explicit Collector(std::shared_ptr<const PreparedTextures> textures) {
@@ -207,7 +210,7 @@ class Collector {
     if (texture != kNoTexture) {
       mean = sphere ? out_.textures->sky_means[texture] : out_.textures->means[texture];
     }
-    // A sphere shines from four times the area that is seen of it.
+    // A sphere emits from four times the area that is visible of it.
     const double power =
         (sphere ? 4.0 : 1.0) * static_cast<double>(light.area) * sum(radiance * mean);
     if (!(power > 0)) return;
@@ -238,7 +241,7 @@ Result<PreparedLights> prepare_lights(const diaphane::v1::Scene& scene, const Ca
     lights.emplace_back(std::move(light), place);
   }
   auto textures = prepare_textures(files, before);
-  if (!textures) return tl::unexpected(textures.error());
+  DIAPHANE_TRY(textures);
   Collector collector(*std::move(textures));
   for (const auto& [light, place] : lights) collector.add(light, place);
   return std::move(collector).take();

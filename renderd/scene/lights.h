@@ -13,25 +13,26 @@
 
 namespace diaphane::render {
 
-/// A scene's lights in the volume's frame. Those that are disabled or give no light are left out.
+/// A scene's lights in the volume's frame, without those that are disabled or give no light.
 struct PreparedLights {
   std::vector<AreaLight> area;
-  Float3 environment{};              ///< of those without a texture
-  std::vector<EnvironmentMap> maps;  ///< those with one
-  /// Shared with the scene before when the pictures are the same; nothing when there are none.
+  Float3 environment{};              ///< sum of the environment lights without a texture
+  std::vector<EnvironmentMap> maps;  ///< environment lights with a texture
+  /// Shared with the previous scene if the pictures are the same; null if there are none.
   std::shared_ptr<const PreparedTextures> textures;
 };
 
-/// `scene` has passed check_scene. kInvalid names the field of a texture that cannot be decoded.
+/// Prepares the lights of a scene, which must have passed check_scene(). Fails with kInvalid and
+/// the name of the field if a texture cannot be decoded.
 ///
-/// A light is picked in proportion to its power: for that of a textured one, its radiance times the
-/// mean of its texels. A sixteenth of all is spread evenly: however little of the power a light
-/// has, it may be all that reaches some place.
+/// A light is sampled in proportion to its power. The power of a textured light is its radiance
+/// times the mean of its texels. A sixteenth of the probability is distributed evenly, because a
+/// light of little power may be the only one that reaches some place.
 Result<PreparedLights> prepare_lights(const diaphane::v1::Scene& scene, const CameraAxes& axes,
                                       const WorldToFrame& frame,
                                       const std::shared_ptr<const PreparedTextures>& before);
 
-/// Of the kernel that these lights need.
+/// Returns the kernel features that these lights need.
 Features features_of(const PreparedLights& lights);
 
 }  // namespace diaphane::render

@@ -22,7 +22,8 @@ namespace {
 
 using Scene = diaphane::v1::Scene;
 
-/// No lights, seen from the front: the world's and the camera's right and up are the same.
+/// A scene without lights, seen from the front, so that right and up are the same for the world and
+/// the camera.
 Scene dark_scene() {
   Scene scene = test::skull_scene();
   scene.clear_lights();
@@ -30,9 +31,9 @@ Scene dark_scene() {
   return scene;
 }
 
-/// The volume's frame is the world's, but for its origin.
+/// A volume whose frame differs from the world only in its origin.
 volume::Header header() { return test::skull_volume().header; }
-const Float3 kMiddle{24, 24, 24};  ///< the box's, mm in the frame
+const Float3 kMiddle{24, 24, 24};  ///< centre of the box in its frame, mm
 
 Result<PreparedLights> prepare(const Scene& scene,
                                const std::shared_ptr<const PreparedTextures>& before = nullptr) {
@@ -95,7 +96,8 @@ TEST(PrepareLights, IntensityMultipliesTheRadianceAndAbsentIsOne) {
   EXPECT_FLOAT_EQ(lights->environment.y, 8);
 }
 
-/// A sixteenth of all is spread evenly, the rest by radiance times area (a sphere's whole surface).
+/// A sixteenth of the probability is distributed evenly, the rest by radiance times area (a
+/// sphere's whole surface).
 TEST(PrepareLights, ChancesFollowThePower) {
   Scene scene = dark_scene();
   add_ball(scene, 0, 10, 3);
@@ -107,8 +109,8 @@ TEST(PrepareLights, ChancesFollowThePower) {
   EXPECT_EQ(lights->area[0].probability + lights->area[1].probability, 1.0f);
 }
 
-/// Of thousands of lights, some 1e9 times as strong as others, each is picked with exactly the
-/// chance that it is divided by.
+/// Thousands of lights, some 1e9 times as strong as others: each is sampled with exactly the
+/// probability by which its light is divided.
 TEST(PrepareLights, EachOfThousandsHasTheChanceThatItIsDividedBy) {
   Scene scene = dark_scene();
   for (int i = 0; i < 4096; ++i) {
@@ -134,7 +136,7 @@ TEST(PrepareLights, EachOfThousandsHasTheChanceThatItIsDividedBy) {
 }
 
 TEST(BoxLight, IsSixRectanglesThatShineOutwards) {
-  // Right-handed and mirrored; a parallelepiped.
+  // A right-handed and a mirrored parallelepiped.
   for (const double side : {40.0, -40.0}) {
     Scene scene = dark_scene();
     auto* b = scene.add_lights()->mutable_box();
@@ -186,7 +188,7 @@ TEST(CameraLockedLights, OfEveryShapeTurnWithTheCamera) {
   const CameraAxes axes(scene.camera());
   const auto turned = prepare(scene);
   ASSERT_TRUE(turned);
-  // As the camera sees it: right, up, towards the eye.
+  // Camera coordinates: right, up, towards the eye.
   const auto seen = [&](Float3 v) {
     const Double3 w = to_double(v);
     return to_float(Double3{dot(axes.right, w), dot(axes.up, w), dot(axes.back, w)});
@@ -205,7 +207,8 @@ TEST(CameraLockedLights, OfEveryShapeTurnWithTheCamera) {
 
 #if defined(DIAPHANE_HAVE_PNG)
 
-/// Left red, right green, in the middle both; above twice as bright as below; 32 x 16.
+/// A 32 x 16 picture that is red on the left, green on the right and both in the middle, and twice
+/// as bright above as below.
 std::string compass() {
   return test::png(32, 16, [](std::uint32_t i, std::uint32_t j) {
     const auto shade = static_cast<std::uint8_t>(j < 8 ? 255 : 188);  // 1 and 0.503
@@ -215,7 +218,7 @@ std::string compass() {
   });
 }
 
-/// The patient is seen from the front: +y is forward, +x right, +z up.
+/// The patient is seen from the front, so +y is forward, +x right and +z up.
 TEST(EnvironmentMap, StandsAsThePictureDoesForWhoLooksForward) {
   Scene scene = dark_scene();
   add_picture_sky(scene, compass());
@@ -238,7 +241,7 @@ TEST(EnvironmentMap, StandsAsThePictureDoesForWhoLooksForward) {
 TEST(TexturedLights, OfDiskAndSphereStandAsSeenFromWhereTheyShine) {
   Scene scene = dark_scene();
   auto* d = scene.add_lights()->mutable_disk();
-  test::set(d->mutable_normal(), 0, -1, 0);  // towards who looks forward
+  test::set(d->mutable_normal(), 0, -1, 0);  // towards the viewer
   d->set_radius(10);
   test::set(d->mutable_radiance(), 1, 1, 1);
   d->mutable_texture()->set_picture(compass());
@@ -305,7 +308,8 @@ Scene two_skies() {
   return scene;
 }
 
-/// Integrals over the sphere by the midpoint rule; steps that are no multiple of the texels.
+/// Resolution of integrals over the sphere by the midpoint rule. The steps are not multiples of the
+/// texels.
 constexpr int kPolar = 1010, kTurn = 2020;
 template <typename Function>
 void over_sphere(const Function& function) {
@@ -348,8 +352,8 @@ TEST(EnvironmentMap, DirectionsFollowTheDensity) {
     const double angle = std::atan2(d.y, d.x) / (2 * std::numbers::pi);
     ++turn_counts[bin(angle < 0 ? angle + 1 : angle)];
   }
-  // The midpoint rule is off by 0.3% in a bin that a bright texel's edge crosses: below what 1e6
-  // samples see.
+  // The error of the midpoint rule is 0.3% in a bin that the edge of a bright texel crosses, which
+  // 1e6 samples do not resolve.
   const double alpha = test::sidak(1e-3, 2);
   EXPECT_TRUE(test::chi_square(polar_counts, polar, kSamples).fits(alpha))
       << test::chi_square(polar_counts, polar, kSamples).value;
@@ -412,8 +416,8 @@ TEST(PrepareTextures, NamesThePictureThatIsDamagedOrTooMuch) {
   ASSERT_FALSE(damaged);
   EXPECT_EQ(damaged.error().code, ErrorCode::kInvalid);
   EXPECT_EQ(damaged.error().field, "lights[1].disk.texture");
-  EXPECT_NE(damaged.error().message.find("damaged"), std::string::npos);
-  // Large in pixels, small in bytes: refused before anything is decoded.
+  EXPECT_NE(damaged.error().message.find("corrupted"), std::string::npos);
+  // These have many pixels but few bytes, and are refused before anything is decoded.
   const auto large = [](std::uint8_t shade) {
     return test::png(4096, 2100, [shade](auto, auto) { return test::Rgb8{shade, 0, 0}; });
   };

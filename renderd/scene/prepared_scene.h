@@ -19,52 +19,53 @@
 
 namespace diaphane::render {
 
-/// A checked scene as plain arrays in the volume's frame: all that an engine uploads. Both engines
-/// share it, so a scene means the same on both.
+/// A checked scene as plain arrays in the volume's frame: everything that an engine uploads. Both
+/// engines use it, so that a scene means the same on both.
 struct PreparedScene {
   Features features;
-  /// Shared with the scene before when the transfer function is the same: the same pointer, nothing
-  /// to upload.
+  /// The same pointer as in the previous scene if the transfer function is the same, so that an
+  /// engine need not upload it again.
   std::shared_ptr<const PreparedTransfer> transfer;
   std::vector<AreaLight> lights;
-  Float3 environment{};              ///< of the environment lights without a texture
-  std::vector<EnvironmentMap> maps;  ///< and those with one
-  /// Shared as `transfer` is; nothing when no light has a texture.
+  Float3 environment{};              ///< sum of the environment lights without a texture
+  std::vector<EnvironmentMap> maps;  ///< environment lights with a texture
+  /// Shared like `transfer`; null if no light has a texture.
   std::shared_ptr<const PreparedTextures> textures;
-  bool maps_seen = false;  ///< by camera rays
+  bool maps_seen = false;  ///< environment maps are visible to camera rays
   CameraView camera{};
   ClipView clip{};
   SlicesView slices{};
-  bool matter = true;  ///< false: nothing but slices, no ray is traced
+  bool matter = true;  ///< false: there are only slices, and no ray is traced
   float phase_g = 0;
   float surfaces = 0;         ///< SceneView::surfaces
   std::uint32_t bounces = 1;  ///< SceneView::bounces
   Float3 escape{};
   Canvas canvas;
   Float3 spacing{};          ///< mm
-  float exposure_scale = 1;  ///< 2^exposure: what the display multiplies radiance by
+  float exposure_scale = 1;  ///< 2^exposure, by which the display multiplies the radiance
 };
 
-/// Checks `scene` (kInvalid names the field) and prepares it for a volume; `before` may be the
-/// scene prepared last for the same volume, and `before_scene` what it came from.
+/// Checks a scene and prepares it for a volume. Fails with kInvalid and the name of the field.
+/// `before` may be the scene prepared last for the same volume, and `before_scene` the message that
+/// it was prepared from.
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
                                     const volume::Header& header, const ValueGrid& grid,
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr);
 
-/// Whether directions in which the scene's matter scatters are samples of its lights too: see
-/// kMixes, which is that of the kernel's features.
+/// Whether directions sampled from the scattering of the scene's matter are samples of its lights
+/// too. See kMixes, which is the same for the features of the kernel.
 inline bool mixes(const PreparedScene& scene) {
   return scene.features.has(Feature::kAnisotropicPhase) || scene.features.has(Feature::kSurfaces);
 }
 
-/// How many collisions of a camera ray look for light by each strategy (ExactView::strata).
+/// Returns how many collisions of a camera ray sample light by each strategy (ExactView::strata).
 std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene);
 
-/// Whether the exact walk renders the scene, rather than tracking.
+/// Whether the scene is rendered by the exact walk instead of tracking.
 bool use_exact_walk(const PreparedScene& scene, Method method);
 
-/// `piece_of` and so on: an executor's copies of ExactTables.
+/// The pointers are an executor's copies of ExactTables.
 inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid, Int3 size,
                                const ExtinctionPiece* pieces, const std::uint16_t* piece_of,
                                const std::uint8_t* skips) {
@@ -85,7 +86,7 @@ inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid
           .strata = {strata[0], strata[1], strata[2], strata[3], strata[4]}};
 }
 
-/// An executor's copies of a scene's lights; all but the first may be null where no light has a
+/// An executor's copies of a scene's lights. All except the first may be null if no light has a
 /// texture.
 struct LightArrays {
   const AreaLight* area = nullptr;
@@ -95,7 +96,7 @@ struct LightArrays {
   const float* rows = nullptr;
 
   LightArrays(const AreaLight* lights) : area(lights) {}  // NOLINT: a scene without a texture
-  /// The scene's own.
+  /// Uses the scene's own arrays.
   explicit LightArrays(const PreparedScene& scene) : area(scene.lights.data()) {
     if (!scene.textures) return;
     maps = scene.maps.data();
@@ -117,8 +118,9 @@ inline LightsView view_of(const PreparedScene& scene, const LightArrays& lights)
           .maps_seen = scene.maps_seen};
 }
 
-/// The view of a prepared scene over an executor's copies of its arrays; where it has tables of
-/// gloss and emission the caller sets their pointers in the view, and the exact walk's too.
+/// Returns the view of a prepared scene over an executor's copies of its arrays. The caller sets
+/// the pointers of the tables of gloss and emission and of the exact walk in the view if it has
+/// them.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
                           const Float4* colour, const CellBounds* bounds, const LightArrays& lights,
@@ -148,8 +150,8 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .first_sample = first_sample,
                            .stream = mix64(seed + mix64(first_sample)),
                            .independent_points = !method.low_discrepancy,
-                           // A variant with more features than the scene needs must not share light
-                           // with directions of the scattering for which no samples are taken.
+                           // A kernel with more features than the scene needs must not combine
+                           // light samples with scattering directions that are not sampled.
                            .mis = mixes(scene) ? method.mis : Mis::kLight,
                            .walk = method.walk,
                            .numbers = {}};

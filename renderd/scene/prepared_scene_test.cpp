@@ -15,7 +15,7 @@ volume::Header turned_header() {
   volume::Header h;
   h.size = {40, 30, 20};
   h.spacing = {1, 1.5, 2};
-  // x to the head, y to the left, z to the back: a rotation.
+  // A rotation: x to the head, y to the left, z to the back.
   h.direction = {0, 1, 0, 0, 0, 1, 1, 0, 0};
   return h;
 }
@@ -46,8 +46,8 @@ TEST(PreparedScene, ACameraEditKeepsTheTables) {
   EXPECT_NE(third->transfer, first->transfer);
 }
 
-/// In the frame of a turned volume, the camera ray through the picture's middle meets the target:
-/// the world's origin, which is the middle of the box, whatever the direction matrix.
+/// In the frame of a rotated volume, the camera ray through the middle of the picture meets the
+/// target. This is the world's origin, the centre of the box, for any direction matrix.
 TEST(PreparedScene, TheMiddleOfThePictureLooksAtTheTarget) {
   for (const double distance : {100.0, 1e6}) {
     diaphane::v1::Scene scene = test::skull_scene();
@@ -63,8 +63,8 @@ TEST(PreparedScene, TheMiddleOfThePictureLooksAtTheTarget) {
 }
 
 TEST(PreparedScene, RightIsRightAndUpIsUpInAnyVolume) {
-  // From the front (eye at -y in the patient's space): the patient's left (+x) is on the picture's
-  // right, head up.
+  // Seen from the front (eye at -y in the patient's space), the patient's left (+x) is on the right
+  // of the picture, with the head up.
   diaphane::v1::Scene scene = test::skull_scene();
   test::set_camera(scene, 0, -300, 0, 30);
   const test::Prepared p(volume_of(turned_header()), scene, {64, 64});

@@ -36,23 +36,25 @@ struct Point {
   double value, opacity;
 };
 
-/// One material of a look. The last point's opacity goes on to the largest value of the volume.
-struct Material {
+/// One material of a preset. The opacity of its last point extends to the largest value of the
+/// volume.
+struct PresetMaterial {
   const char* name;
   Vector albedo;
-  std::initializer_list<Point> hounsfield;  ///< for CT
-  std::initializer_list<Point> fraction;    ///< otherwise: 0 is the 1st percentile, 1 the 99.9th
-  bool open_ended;                          ///< beyond its last point it stays as there
+  std::initializer_list<Point> hounsfield;  ///< values for CT
+  /// Values for other modalities: 0 is the 1st percentile, 1 the 99.9th.
+  std::initializer_list<Point> fraction;
+  bool open_ended;  ///< opacity stays constant beyond the last point
 };
 
 struct Look {
   const char* name;
   double extinction_per_mm;
-  std::initializer_list<Material> materials;
+  std::initializer_list<PresetMaterial> materials;
 };
 
-// Colours are the single-scattering albedo, so they look paler than a surface of the same colour:
-// what is seen is one scattering, of light that came through the tissue in front.
+// Colours are single-scattering albedos and look paler than a surface of the same colour, because
+// the light that one sees has scattered once and has passed through the tissue in front.
 constexpr Vector kSkin{0.90, 0.60, 0.45};
 constexpr Vector kMuscle{0.80, 0.30, 0.22};
 constexpr Vector kFat{0.92, 0.76, 0.48};
@@ -90,8 +92,8 @@ const Look kLooks[] = {
     {"bone",
      1.2,
      {{"bone", kBone, {{140, 0}, {260, 0.35}, {600, 1}}, {{0.35, 0}, {0.60, 1}}, true}}},
-    // What lies between air and tissue, thin enough that the skin, which is such a place as well,
-    // hides none within: the picture is of walls, one behind the other.
+    // The values between air and tissue. They are thin, because the skin has such values as well
+    // and must not hide the walls within, which appear one behind the other.
     {"airways",
      1.4,
      {{"airways",
@@ -116,7 +118,8 @@ double value_of(const volume::Header& header, double fraction) {
   return low + fraction * std::max(high - low, 1.0);
 }
 
-void fill_channel(const volume::Header& header, const Material& material, v1::Channel& channel) {
+void fill_channel(const volume::Header& header, const PresetMaterial& material,
+                  v1::Channel& channel) {
   const bool ct = header.modality == volume::Modality::kCt;
   channel.set_name(material.name);
   set(*channel.mutable_diffuse(), material.albedo);
@@ -135,8 +138,8 @@ void fill_channel(const volume::Header& header, const Material& material, v1::Ch
   }
 }
 
-/// A square light that faces the target, in the camera's frame (x right, y up, z towards the eye).
-/// `irradiance` is what it gives at the target.
+/// Adds a square light that faces the target, in the camera's frame (x right, y up, z towards the
+/// eye). `irradiance` is that at the target.
 void add_light(v1::Scene& scene, const char* name, double radius, Vector towards, double size,
                double irradiance, Vector tint) {
   const double distance = 3.2 * radius, edge = size * radius;
@@ -155,7 +158,7 @@ void add_light(v1::Scene& scene, const char* name, double radius, Vector towards
 v1::Scene scene_of(const volume::Header& header, const Look& look) {
   v1::Scene scene;
   scene.mutable_transfer_function()->set_extinction_per_mm(look.extinction_per_mm);
-  for (const Material& material : look.materials) {
+  for (const PresetMaterial& material : look.materials) {
     fill_channel(header, material, *scene.mutable_transfer_function()->add_channels());
   }
 
@@ -166,8 +169,8 @@ v1::Scene scene_of(const volume::Header& header, const Look& look) {
   sky.set_name("sky");
   set(*sky.mutable_environment()->mutable_radiance(), {0.26, 0.27, 0.29});
 
-  // Closer than the sphere around the box would need, since a scan rarely fills its corners; the
-  // patient's face is in front, seen from a little above.
+  // Closer than the bounding sphere of the box requires, since a scan rarely fills its corners. The
+  // patient's face is in front, seen from slightly above.
   constexpr double kFov = 30;
   const double distance = 0.74 * radius / std::sin(0.5 * kFov * std::numbers::pi / 180);
   const Vector towards = unit({0, -1, 0.14});
@@ -198,7 +201,7 @@ Result<v1::Preset> preset_for(const volume::Header& header, std::string_view nam
   for (auto& preset : presets_for(header)) {
     if (preset.name() == name) return preset;
   }
-  return fail(ErrorCode::kNotFound, "no preset has this name", "preset");
+  return fail(ErrorCode::kNotFound, "there is no preset with this name", "preset");
 }
 
 }  // namespace diaphane::render

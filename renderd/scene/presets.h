@@ -10,18 +10,18 @@
 
 namespace diaphane::render {
 
-/// The presets (skin, muscle, vessels, bone, airways) fitted to a volume: camera in front of the
-/// patient, at a distance from which the whole box is seen; lights by the box's radius; ranges in
-/// Hounsfield units for CT, by percentiles otherwise.
+/// Returns the presets (skin, muscle, vessels, bone, airways) fitted to a volume. The camera is in
+/// front of the patient at a distance from which the whole box is visible. Lights scale with the
+/// box's radius. Ranges are in Hounsfield units for CT and by percentiles otherwise.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header);
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, std::string_view name);
 
-/// Checks everything that a scene may hold; the first thing wrong is named
-/// ("lights[1].rectangle.radiance.r"). Not finite, negative extinction, reversed or empty ranges,
-/// no channel, a camera without direction: kInvalid.
+/// Checks all fields of a scene. Fails with kInvalid and the name of the first wrong field
+/// ("lights[1].rectangle.radiance.r") for numbers that are not finite, negative extinction,
+/// reversed or empty ranges, no channel, or a camera without direction.
 Result<void> check_scene(const diaphane::v1::Scene& scene);
 
-/// The JSON form, both ways. Unknown fields are refused by name.
+/// Convert a scene from and to JSON. Unknown fields are refused by name.
 Result<diaphane::v1::Scene> scene_from_json(std::string_view json);
 std::string scene_to_json(const diaphane::v1::Scene& scene);
 

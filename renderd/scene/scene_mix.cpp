@@ -16,7 +16,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-/// Whose 0 is no number beside others (scene.proto).
+/// Fields in which 0 means a choice instead of a number (scene.proto).
 constexpr std::array<std::string_view, 5> kZeroIsAKind{"radius", "intensity", "gradient_scale",
                                                        "focal_distance", "orthographic_height"};
 
@@ -60,7 +60,7 @@ bool field_equal_in_kind(const Message& a, const Message& b, const FieldDescript
 
 void mix_into(Message& a, const Message& b, double part);
 
-/// The field of `a` becomes the mixture; in it both are equal in kind.
+/// Replaces the field of `a` by the mixture. Both messages must be equal in kind in this field.
 void mix_field(Message& a, const Message& b, const FieldDescriptor& field, double part) {
   const Reflection& of = *a.GetReflection();
   if (field.is_repeated()) {
@@ -74,7 +74,7 @@ void mix_field(Message& a, const Message& b, const FieldDescriptor& field, doubl
     }
   } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
     const double from = of.GetDouble(a, &field), to = of.GetDouble(b, &field);
-    // What both have stays as it is, to the last bit.
+    // Equal numbers stay bitwise the same.
     if (from != to) of.SetDouble(&a, &field, from * (1 - part) + to * part);
   }
 }

@@ -1,5 +1,5 @@
-// docs/scenes.md is complete and right: every field of scene.proto is in it, every scene file of
-// the tests, and every example is a part of a valid scene.
+// docs/scenes.md is complete and correct: it contains every field of scene.proto and every scene
+// file of the tests, and every example in it is part of a valid scene.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -24,7 +24,7 @@ std::string page() {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// `name` as a word between backticks or dots, `[` or quotes: no part of a longer one.
+/// Whether the text contains `name` as a whole word between backticks, dots, `[` or quotes.
 bool names(const std::string& text, const std::string& name) {
   const auto letter = [&](std::size_t i) {
     return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) != 0);
@@ -78,7 +78,7 @@ TEST(ScenesPage, EveryExampleIsAPartOfAValidScene) {
     const auto part = scene_from_json(json);
     ASSERT_TRUE(part) << json << part.error().message;
     diaphane::v1::Scene scene = test::skull_scene();
-    // Instead of the scene's own, not added to it.
+    // The example replaces the scene's own fields and is not added to them.
     const auto* reflection = part->GetReflection();
     std::vector<const FieldDescriptor*> given;
     reflection->ListFields(*part, &given);

@@ -14,7 +14,7 @@
 #include "renderd/scene/prepared_scene.h"
 #include "volume/volume.h"
 
-// Volumes and scenes that the renderer's tests share.
+// Volumes and scenes shared by the tests of the renderer.
 
 namespace diaphane::render::test {
 
@@ -42,7 +42,7 @@ inline diaphane::v1::Channel* add_channel(diaphane::v1::TransferFunction& functi
   return channel;
 }
 
-/// Square of edge `side`, centred above the origin, shining down -z.
+/// Adds a square of edge `side` that shines down -z, centred above the origin.
 inline void add_lamp(diaphane::v1::Scene& scene, double x, double y, double z, double side,
                      double radiance) {
   auto* light = scene.add_lights()->mutable_rectangle();
@@ -61,7 +61,8 @@ inline void set_camera(diaphane::v1::Scene& scene, double x, double y, double z,
   scene.mutable_camera()->set_vertical_fov_degrees(fov);
 }
 
-/// `value(x, y, z)` at the voxel centres, for x, y, z in voxel indices + 1/2.
+/// Makes a volume with `value(x, y, z)` at the voxel centres, where x, y, z are voxel indices +
+/// 1/2.
 inline volume::Volume make_volume(std::array<std::uint32_t, 3> size, std::array<double, 3> spacing,
                                   const std::function<double(double, double, double)>& value) {
   volume::Volume v;
@@ -85,8 +86,8 @@ inline volume::Volume constant_volume(std::uint32_t n, double value, double spac
                      [value](double, double, double) { return value; });
 }
 
-/// Like the head of tests/scenes: a bony shell with holes and a few solid lumps in it, values 0 to
-/// 30000, anisotropic voxels.
+/// A volume like the head of tests/scenes: a bony shell with holes and a few solid lumps in it,
+/// values 0 to 30000, anisotropic voxels.
 inline volume::Volume skull_volume() {
   return make_volume({48, 48, 30}, {1, 1, 1.6}, [](double x, double y, double z) {
     const double a = (x - 24) / 20, b = (y - 24) / 22, c = (z - 15) / 13;
@@ -100,7 +101,7 @@ inline volume::Volume skull_volume() {
   });
 }
 
-/// The material and lights of the cranium scene, for skull_volume.
+/// A scene with the material and lights of the cranium scene, for skull_volume().
 inline diaphane::v1::Scene skull_scene() {
   diaphane::v1::Scene scene;
   add_channel(*scene.mutable_transfer_function(), {{0, 0}, {30000, 1}}, 0.9, 0.85, 0.75);
@@ -112,7 +113,7 @@ inline diaphane::v1::Scene skull_scene() {
   return scene;
 }
 
-/// A volume and a scene prepared, with views for calling the kernel directly.
+/// A prepared volume and scene, with views for calling the kernel directly.
 class Prepared {
  public:
   Prepared(volume::Volume volume, const diaphane::v1::Scene& scene, Canvas canvas = {16, 16})

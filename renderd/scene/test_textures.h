@@ -9,8 +9,8 @@
 #include <png.h>
 #endif
 
-// Pictures for the tests of lights; empty where PNG was not found, and then those tests are
-// skipped.
+// Pictures for the tests of lights. They are empty if PNG was not found, and those tests are
+// skipped then.
 
 namespace diaphane::render::test {
 
@@ -18,7 +18,7 @@ struct Rgb8 {
   std::uint8_t r, g, b;
 };
 
-/// A PNG file, `colour(i, j)` from the upper left.
+/// Encodes a PNG file; `colour(i, j)` counts from the upper left.
 inline std::string png(std::uint32_t width, std::uint32_t height,
                        const std::function<Rgb8(std::uint32_t, std::uint32_t)>& colour) {
 #if defined(DIAPHANE_HAVE_PNG)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "common/try.h"
+
 #if defined(DIAPHANE_HAVE_PNG)
 #include <png.h>
 #endif
@@ -22,16 +24,17 @@ constexpr std::string_view kJpegHead = "\xff\xd8\xff";
 tl::unexpected<Error> no_picture() {
   return fail(ErrorCode::kInvalid, "must be a PNG or JPEG picture");
 }
-tl::unexpected<Error> damaged() { return fail(ErrorCode::kInvalid, "is a damaged picture"); }
+tl::unexpected<Error> damaged() { return fail(ErrorCode::kInvalid, "is a corrupted picture"); }
 [[maybe_unused]] tl::unexpected<Error> left_out(const char* format) {
   return fail(ErrorCode::kUnsupported,
-              std::string("is a ") + format + " picture, which this program was built without");
+              std::string("is a ") + format +
+                  " picture, but this program was built without support for it");
 }
 
 Result<TextureSize> small_enough(std::uint32_t width, std::uint32_t height) {
   if (width == 0 || height == 0) return no_picture();
   if (width > kLongestTexture || height > kLongestTexture) {
-    return fail(ErrorCode::kInvalid, "may be 4096 x 4096 pixels at most");
+    return fail(ErrorCode::kInvalid, "must be at most 4096 x 4096 pixels");
   }
   return TextureSize{width, height};
 }
@@ -60,7 +63,7 @@ Result<TexturePicture> decode_png(std::string_view file) {
   PngReader reader;
   if (!reader.begin(file)) return no_picture();
   const auto size = small_enough(reader.image.width, reader.image.height);
-  if (!size) return tl::unexpected(size.error());
+  DIAPHANE_TRY(size);
   reader.image.format = PNG_FORMAT_RGB;
   TexturePicture picture{*size, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(reader.image))};
   const png_color black{};
@@ -91,10 +94,11 @@ class JpegReader {
 
   Result<TexturePicture> decode(std::string_view file) {
     const auto known = size(file);
-    if (!known) return tl::unexpected(known.error());
+    DIAPHANE_TRY(known);
     TexturePicture picture{
         *known, std::vector<std::uint8_t>(std::size_t{3} * known->width * known->height)};
-    // A small file of thousands of progressive scans would take minutes.
+    // The limit of scans is set because a small file with thousands of progressive scans would take
+    // minutes.
     constexpr int kFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
     if (tjDecompress2(handle_.get(), bytes(file), static_cast<unsigned long>(file.size()),
                       picture.rgb.data(), static_cast<int>(known->width), 0,
@@ -123,7 +127,7 @@ Result<TexturePicture> decode_jpeg(std::string_view) { return left_out("JPEG"); 
 
 Result<TextureSize> texture_size(std::string_view file) {
   if (file.size() > kMostTextureBytes) {
-    return fail(ErrorCode::kInvalid, "may be a file of 8 MB at most");
+    return fail(ErrorCode::kInvalid, "must be a file of at most 8 MB");
   }
   if (file.starts_with(kPngHead)) return png_size(file);
   if (file.starts_with(kJpegHead)) return jpeg_size(file);
@@ -131,7 +135,7 @@ Result<TextureSize> texture_size(std::string_view file) {
 }
 
 Result<TexturePicture> decode_texture(std::string_view file) {
-  if (const auto size = texture_size(file); !size) return tl::unexpected(size.error());
+  DIAPHANE_TRY(texture_size(file));
   return file.starts_with(kPngHead) ? decode_png(file) : decode_jpeg(file);
 }
 

@@ -8,9 +8,9 @@ namespace diaphane::render {
 namespace {
 
 constexpr std::uint32_t kSide = 256;
-constexpr std::size_t kBytes = std::size_t{kSide} * kSide * 16;  // but for rows and file
+constexpr std::size_t kBytes = std::size_t{kSide} * kSide * 16;  // without rows and file
 
-/// A file of its own for each number.
+/// Returns a different file for each number.
 std::string picture(unsigned number, std::uint32_t side = kSide) {
   return test::png(side, side, [number](std::uint32_t, std::uint32_t) {
     return test::Rgb8{static_cast<std::uint8_t>(number), 1, 2};

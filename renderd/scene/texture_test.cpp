@@ -63,7 +63,7 @@ TEST(PngTexture, ComesAsItWasWritten) {
   }
 }
 
-/// The head is checked before anything of the size that it names is made.
+/// The header is checked before memory of the size that it declares is allocated.
 TEST(PngTexture, TooManyPixelsAreRefusedByTheHead) {
   for (const auto& [width, height] : {std::pair{4097u, 1u}, std::pair{1u, 4097u}}) {
     const auto size = texture_size(test::png(width, height, [](auto, auto) {
@@ -96,7 +96,7 @@ TEST(PngTexture, EveryDamageIsAnErrorOrAPictureOfItsSize) {
 
 #if defined(DIAPHANE_HAVE_JPEG)
 
-/// One colour, so that the coding loses next to nothing.
+/// A picture of a single colour, which the encoding hardly changes.
 std::string jpeg(int width, int height) {
   std::vector<unsigned char> rgb;
   for (int i = 0; i < width * height; ++i) rgb.insert(rgb.end(), {200, 100, 50});
@@ -126,7 +126,7 @@ TEST(JpegTexture, HalfOfOneAndOneTooWideAreRefused) {
   const std::string whole = jpeg(200, 200);
   const auto half = decode_texture(whole.substr(0, whole.size() / 2));
   ASSERT_FALSE(half);
-  EXPECT_NE(half.error().message.find("damaged"), std::string::npos);
+  EXPECT_NE(half.error().message.find("corrupted"), std::string::npos);
   EXPECT_FALSE(texture_size(jpeg(4100, 1)));
 }
 

@@ -10,9 +10,9 @@
 namespace diaphane::render {
 namespace {
 
-constexpr double kNodesWide = 4096;  // enough for the 12 bits of a CT, and in the first-level cache
-constexpr double kNodesSparse = 8192;  // wider ranges than that
-constexpr double kNodesMost = 65536;   // curves with points close together
+constexpr double kNodesWide = 4096;  // enough for the 12 bits of CT, and fits the first-level cache
+constexpr double kNodesSparse = 8192;  // for wider ranges
+constexpr double kNodesMost = 65536;   // for curves with close points
 constexpr double kFinest = 64;         // nodes per unit of value
 
 double opacity_of(const diaphane::v1::Channel& channel, double value) {
@@ -39,7 +39,7 @@ double smallest_gap(const diaphane::v1::TransferFunction& function) {
   return gap;
 }
 
-/// Nodes per unit of value; a power of two, so that value * scale is exact.
+/// Returns the nodes per unit of value, a power of two so that value * scale is exact.
 double nodes_per_unit(const diaphane::v1::TransferFunction& function, double range) {
   double k = 16;
   while (k > 1 && range * k > kNodesWide) k /= 2;
@@ -64,7 +64,7 @@ class TableExtrema {
     }
   }
 
-  /// Appends the rows of maxima that TransferView::extinction describes; a run that would end
+  /// Appends the rows of maxima described at TransferView::extinction. A run that would extend
   /// beyond the table ends with it.
   void append_maxima(std::vector<float>& rows) const {
     for (std::size_t level = 1; level < levels_.size(); ++level) {
@@ -75,7 +75,7 @@ class TableExtrema {
     }
   }
 
-  /// Over [low, high] in nodes, clamped to the table.
+  /// Returns the extrema over [low, high], in nodes, clamped to the table.
   CellBounds over(double low, double high) const {
     const double last = static_cast<double>(table_.size() - 1);
     low = std::clamp(low, 0.0, last);
@@ -126,19 +126,20 @@ void bake(const diaphane::v1::TransferFunction& function, double minimum, double
   }
 }
 
-Double3 colour_of(const diaphane::v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
+Double3 double_colour_of(const diaphane::v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
 
-/// Whether a channel that is not disabled has some of the colour that `colour` gives.
+/// Whether an enabled channel has some of the colour that `colour` returns.
 template <typename Colour>
 bool has_some(const diaphane::v1::TransferFunction& function, const Colour& colour) {
   return std::any_of(function.channels().begin(), function.channels().end(),
                      [&](const diaphane::v1::Channel& channel) {
-                       const Double3 c = colour_of(colour(channel));
+                       const Double3 c = double_colour_of(colour(channel));
                        return !channel.disabled() && (c.x > 0 || c.y > 0 || c.z > 0);
                      });
 }
 
-/// What rounding in fp32 can put an interpolated value outside the range of its voxels, in nodes.
+/// Returns the distance, in nodes, by which fp32 rounding can put an interpolated value outside the
+/// range of its voxels.
 double rounding_margin(const ValueGrid& grid, double k) {
   const int largest = std::max(std::abs(static_cast<int>(grid.whole.minimum)),
                                std::abs(static_cast<int>(grid.whole.maximum)));
@@ -146,7 +147,7 @@ double rounding_margin(const ValueGrid& grid, double k) {
 }
 
 void bound_cells(const ValueGrid& grid, const TableExtrema& extrema, PreparedTransfer& out) {
-  // Interpolation in the table may leave its nodes by rounding.
+  // Interpolation in the table may leave the range of its nodes by rounding.
   constexpr float kUp = 1 + 1e-6f, kDown = 1 - 1e-6f;
   const double k = out.scale, margin = out.margin;
   for (std::size_t cell = 0; cell < grid.ranges.size(); ++cell) {
@@ -157,7 +158,7 @@ void bound_cells(const ValueGrid& grid, const TableExtrema& extrema, PreparedTra
   }
 }
 
-/// Whether some macrocell is so deep between its bounds that a ray may need many steps in it.
+/// Whether the bounds of some macrocell are so far apart that a ray may need many steps in it.
 bool is_steep(const PreparedTransfer& t, Float3 spacing) {
   const float diagonal = kCellSize * length(spacing);
   return std::any_of(t.bounds.begin(), t.bounds.end(), [diagonal](CellBounds b) {
@@ -194,11 +195,11 @@ Material material_at(const diaphane::v1::TransferFunction& function, double valu
     if (channel.disabled()) continue;
     const double opacity = opacity_of(channel, value);
     m.opacity = std::max(m.opacity, opacity);
-    m.weighted_albedo += colour_of(channel.diffuse()) * opacity;
+    m.weighted_albedo += double_colour_of(channel.diffuse()) * opacity;
     m.weight += opacity;
-    m.weighted_specular += colour_of(channel.specular()) * opacity;
+    m.weighted_specular += double_colour_of(channel.specular()) * opacity;
     m.weighted_gloss += channel.gloss() * opacity;
-    m.weighted_emission += colour_of(channel.emission()) * opacity;
+    m.weighted_emission += double_colour_of(channel.emission()) * opacity;
   }
   return m;
 }

@@ -62,7 +62,8 @@ TEST(Tables, KeepPointsThatAreCloserThanAUnit) {
   EXPECT_NEAR(extinction_at(p.view().transfer, 99.75f), 1, 1e-3);
 }
 
-/// Functions on which a bound is easily wrong, over noise whose neighbours differ wildly.
+/// A function for which bounds are easily wrong, to be used on noise with large differences between
+/// neighbours.
 diaphane::v1::TransferFunction spikes() {
   diaphane::v1::TransferFunction f;
   add_channel(f, {{-20000, 0}, {-19990, 1}, {-19980, 0}});
@@ -99,7 +100,8 @@ TEST(Majorants, BoundTheExtinctionEverywhereOnSpikesAndFallingFunctions) {
         const Int3 cell{static_cast<std::int32_t>(a.a * static_cast<float>(view.grid.size.x)),
                         static_cast<std::int32_t>(a.b * static_cast<float>(view.grid.size.y)),
                         static_cast<std::int32_t>(b.a * static_cast<float>(view.grid.size.z))};
-        // Anywhere in the cell and a third of a voxel beyond it, where rounding may put a place.
+        // A place anywhere in the cell or up to a third of a voxel beyond it, where rounding may
+        // put it.
         const Random::Pair c = random.two();
         const auto place = [](std::int32_t n, float u) {
           return static_cast<float>(n * kCellSize) + u * (kCellSize + 0.66f) - 0.33f;
@@ -116,8 +118,8 @@ TEST(Majorants, BoundTheExtinctionEverywhereOnSpikesAndFallingFunctions) {
   }
 }
 
-/// Noise hides a bound that forgets a neighbour: other voxels of the cell are as large. A lone
-/// bright or dark voxel does not.
+/// Noise hides a bound that omits a neighbour, because other voxels of the cell are as large. A
+/// single bright or dark voxel does not.
 TEST(Majorants, BoundLoneVoxelsAlsoFromTheNeighbouringCell) {
   const Int3 size{20, 18, 19};
   diaphane::v1::Scene scene = test::skull_scene();
@@ -132,7 +134,8 @@ TEST(Majorants, BoundLoneVoxelsAlsoFromTheNeighbouringCell) {
                                                }),
                              scene);
       const SceneView<LinearVolume> view = p.view();
-      // Every eighth of a voxel, the borders of cells among them; at a border, in both cells.
+      // Steps of an eighth of a voxel include the borders of cells. A place on a border is checked
+      // in both cells.
       for (int z = 8 * (at - 1); z <= 8 * (at + 2); ++z) {
         for (int y = 8 * (at - 1); y <= 8 * (at + 2); ++y) {
           for (int x = 8 * (at - 1); x <= 8 * (at + 2); ++x) {

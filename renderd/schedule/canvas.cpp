@@ -7,12 +7,12 @@
 namespace diaphane::render {
 namespace {
 
-// Steps of about sqrt(2): each halves the work.
+// Steps of about sqrt(2), so that each step roughly halves the number of pixels.
 constexpr std::array<double, 7> kScales{1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
 
 std::uint32_t scaled(std::uint32_t length, double scale) {
   if (scale >= 1.0) return length;
-  // Even: chroma is subsampled by two.
+  // Sides are even because chroma is subsampled by two.
   const auto even = static_cast<std::uint32_t>(std::lround(length * scale / 2.0)) * 2;
   return std::min(length, std::max<std::uint32_t>(even, 16));
 }
@@ -21,20 +21,19 @@ Canvas scaled(Canvas canvas, double scale) {
   return {scaled(canvas.width, scale), scaled(canvas.height, scale)};
 }
 
-double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
-
 }  // namespace
 
 Canvas plan_canvas(const CanvasQuestion& question) {
   if (!question.moving) return question.viewport;
   const double cost = question.seconds_per_pixel;
   const double alone = cost > 0 ? kMovingSampleSeconds / cost : kProbePixels;
-  // The largest of at most `budget` pixels, with a quarter of slack for what is on the screen.
+  // Returns the largest scale with at most `budget` pixels. The current size may exceed the budget
+  // by a quarter, which avoids flicker.
   const auto largest = [&](double budget, double smallest) {
     for (const double scale : kScales) {
       const Canvas candidate = scaled(question.viewport, scale);
       const bool is_current = candidate == question.current;
-      if (scale <= smallest || pixels(candidate) <= (is_current ? 1.25 * budget : budget)) {
+      if (scale <= smallest || candidate.pixels() <= (is_current ? 1.25 * budget : budget)) {
         return scale;
       }
     }
@@ -44,7 +43,7 @@ Canvas plan_canvas(const CanvasQuestion& question) {
       std::min(largest(alone, kScales.back()), std::max(question.largest_moving, kScales.back()));
   if (question.sharing <= 1 || !(cost > 0)) return scaled(question.viewport, scale);
   const auto seconds = [&](double at) {
-    return question.seconds_first + cost * pixels(scaled(question.viewport, at));
+    return question.seconds_first + cost * scaled(question.viewport, at).pixels();
   };
   const double share =
       std::max(kSharedSeconds, seconds(scale)) / static_cast<double>(question.sharing);

@@ -94,7 +94,7 @@ TEST(MovingCanvas, ASlowConnectionBoundsTheMovingSizeAndNoOther) {
   EXPECT_EQ(plan_canvas(question), question.viewport);
   question.largest_moving = 0.5;
   EXPECT_EQ(plan_canvas(question), (Canvas{640, 360}));
-  question.seconds_per_pixel = 1e-5;  // the device is slower still
+  question.seconds_per_pixel = 1e-5;  // an even slower device
   EXPECT_LT(plan_canvas(question).width, 640U);
   question.moving = false;
   EXPECT_EQ(plan_canvas(question), question.viewport);

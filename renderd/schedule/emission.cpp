@@ -3,7 +3,7 @@
 namespace diaphane::render {
 namespace {
 
-/// Longer than the inputs of a drag are apart.
+/// Longer than the interval between the inputs of a drag.
 constexpr double kSilentSeconds = 0.02;
 constexpr double kGapSeconds = 0.03;
 constexpr double kSilentGapSeconds = 0.01;
@@ -17,9 +17,9 @@ bool should_emit(const EmissionQuestion& question) {
   if (question.samples == question.samples_shown) return false;
   if (question.converged) return true;
   if (!question.room) return false;
-  // A fast device doubles within milliseconds: pictures that close together only fill the
-  // connection. While inputs come they are soon replaced; after the last one somebody waits, most
-  // of all for the first whose error is known.
+  // A fast device doubles its samples within milliseconds, and pictures that close together only
+  // fill the connection. While inputs come, pictures are soon replaced. After the last input the
+  // viewer waits, above all for the first picture whose error is known.
   const bool silent = question.seconds_since_input >= kSilentSeconds;
   if (silent && question.samples_shown < 2) return true;
   if (question.seconds_since_frame < (silent ? kSilentGapSeconds : kGapSeconds)) return false;

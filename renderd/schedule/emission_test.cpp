@@ -80,8 +80,8 @@ TEST(Emission, LongDoublingsAreFilledWithAPictureASecond) {
   EXPECT_FALSE(should_emit(shown(1100, 1024, 1.1)));
 }
 
-/// After the last input somebody waits for the first picture whose error is known, and then sees
-/// refinements sooner than one who drags.
+/// After the last input the viewer waits for the first picture whose error is known, and then sees
+/// refinements sooner than during a drag.
 TEST(Emission, InSilenceTheSecondPictureDoesNotWait) {
   EmissionQuestion q = shown(2, 1, 0.001);
   EXPECT_FALSE(should_emit(q)) << "inputs come: the next picture is near";

@@ -4,13 +4,13 @@
 
 namespace diaphane::render {
 
-/// The thesis's own (5.1.1): one session is drawn, with a probability proportional to its expected
-/// error 1 / sqrt(n) after n iterations; n begins anew with each input. A session without an
-/// iteration counts as one with its first.
+/// The policy of the thesis (5.1.1). It draws one session with a probability proportional to its
+/// expected error 1 / sqrt(n) after n iterations. Each input resets n, and a session without an
+/// iteration counts as one that has had its first.
 ///
-/// The draw is a race: each session's time is exponential with the rate 1 / sqrt(n), the first
-/// wins. Its random number comes of the seed, the number of the draw and its handle, so that the
-/// order of the views is of no meaning.
+/// The draw is a race: each session gets an exponentially distributed time of rate 1 / sqrt(n), and
+/// the smallest time wins. Its random number depends on the seed, the number of the draw and the
+/// handle of the session, so the order of the views does not matter.
 class ErrorProportional final : public Policy {
  public:
   explicit ErrorProportional(QuantumLimits limits = {}, std::uint64_t seed = 1)

@@ -6,7 +6,7 @@
 
 namespace diaphane::render {
 
-/// For tests: whether it comes to hold; false when it has not for as long as `within`.
+/// Waits in a test until `holds` returns true. Returns false if it does not within `within`.
 inline bool eventually(const std::function<bool()>& holds,
                        std::chrono::milliseconds within = std::chrono::seconds(10)) {
   const auto end = std::chrono::steady_clock::now() + within;

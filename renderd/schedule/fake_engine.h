@@ -12,24 +12,25 @@
 
 namespace diaphane::render {
 
-/// An engine for tests that force what a real one does rarely: any speed, refusals, a lost device.
+/// Controls a fake engine, with which tests force what is rare on a real one: any speed, refusals,
+/// a lost device.
 struct FakeDevice {
   std::atomic<double> seconds_per_megapixel{0.0};  ///< of one sample
   std::atomic<bool> refuse_scenes{false};
   std::atomic<std::uint32_t> refuse_wider_than{100000};
   std::atomic<bool> lost{false};
-  std::atomic<bool> hangs{false};           ///< a quantum neither ends nor asks whether to
-  std::atomic<bool> holds_pictures{false};  ///< none is ready as long as this is so
+  std::atomic<bool> hangs{false};           ///< a quantum neither ends nor polls `stop`
+  std::atomic<bool> holds_pictures{false};  ///< no picture becomes ready while this is set
   std::atomic<int> making_pictures{0};
-  std::atomic<bool> refuse_renderers{false};  ///< no memory for another film
+  std::atomic<bool> refuse_renderers{false};  ///< as if there were no memory for another film
   std::atomic<std::uint64_t> samples{0};
   std::atomic<int> scenes{0};
   std::atomic<int> volumes{0};
   std::atomic<double> last_eye_x{0};
-  std::atomic<double> helped_seconds{0};  ///< by others, of each batch
+  std::atomic<double> helped_seconds{0};  ///< added to each batch as work done by other workers
   std::atomic<int> rendering{0};
-  std::atomic<int> most_at_once{0};        ///< renderers
-  std::atomic<bool> one_at_a_time{false};  ///< a second renderer waits for the first
+  std::atomic<int> most_at_once{0};        ///< most renderers that rendered at once
+  std::atomic<bool> one_at_a_time{false};  ///< renderers wait for each other, as on a full device
   std::mutex turn;
 };
 

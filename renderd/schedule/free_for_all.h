@@ -4,9 +4,9 @@
 
 namespace diaphane::render {
 
-/// Every session that gains renders at once, without notice of the others; a baseline of the thesis
-/// (5.1.1: "let each render node work as fast as it can"). What the device makes of it is its own
-/// affair: an input waits for as many quanta as there are sessions.
+/// Every session that gains renders at once, regardless of the others. This is a baseline of the
+/// thesis (5.1.1: "let each render node work as fast as it can"). The device alone decides the
+/// order, so an input waits for as many quanta as there are sessions.
 class FreeForAll final : public Policy {
  public:
   explicit FreeForAll(QuantumLimits limits = {}) : limits_(limits) {}

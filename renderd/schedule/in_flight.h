@@ -1,48 +1,64 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 
+#include "renderd/schedule/policy.h"
+
 namespace diaphane::render {
 
-/// What is under way on one device, and how full it has been. Plain arithmetic; the times given
-/// must not fall. A quantum's fill is the share of the device that it keeps busy, 0 to 1.
+/// Tracks the quanta that one device is executing and how much of it they occupy. It is plain
+/// arithmetic without a clock: callers pass times, which must not decrease. The fill of a quantum
+/// is the share of the device that its samples occupy, 0 to 1.
 class InFlight {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `fill`: of its samples; a picture of what is there takes none, and has no rendered().
-  void begin(double fill, Time now) {
+  /// Begins a quantum. `fill` is 0 for a quantum that only makes a picture from the existing
+  /// samples; rendered() is not called for it. Quanta of a lower `precedence` pause until this one
+  /// ends. The maximum is kHighestPrecedence.
+  void begin(double fill, Time now, unsigned precedence = 0) {
     pass(now);
     ++count_;
+    ++levels_[precedence].count;
     if (fill > 0) ++rendering_;
     filled_ += fill;
   }
-  /// Its samples are there; what else it does takes next to nothing of the device.
+  /// Ends the sampling of a quantum. The rest of its work takes almost nothing of the device.
   void rendered(double fill, Time now) {
     pass(now);
     --rendering_;
     filled_ = rendering_ == 0 ? 0 : std::max(filled_ - fill, 0.0);
   }
-  void end(Time now) {
+  void end(Time now, unsigned precedence = 0) {
     pass(now);
     --count_;
+    --levels_[precedence].count;
   }
 
   std::size_t count() const { return count_; }
   std::size_t rendering() const { return rendering_; }
+  /// Highest precedence of the quanta in flight; 0 if there are none.
+  unsigned highest() const {
+    unsigned level = kHighestPrecedence;
+    while (level > 0 && levels_[level].count == 0) --level;
+    return level;
+  }
   double filled() const { return filled_; }
 
-  /// Integral over time until `now`, seconds, of the part of the device that each of those under
-  /// way has when they share it evenly: what lies between two of its values was one's own. All that
-  /// is under way together has as long as the device was busy, no more: with the time from begin to
-  /// end instead, everybody would pay for the others too.
-  double own_seconds(Time now) {
+  /// The integral until `now`, in seconds, of the share of the device that one quantum of
+  /// `precedence` has. The quanta of the highest precedence in flight share the device evenly, and
+  /// those of lower precedences pause, so their integrals do not advance. The difference between
+  /// two values is the device time of a quantum between them. The device times of all quanta add up
+  /// to the time during which the device was busy. The time from begin to end would also charge
+  /// each quantum for the others.
+  double own_seconds(Time now, unsigned precedence = 0) {
     pass(now);
-    return own_seconds_;
+    return levels_[precedence].own_seconds;
   }
-  /// With anything under way, until `now`.
+  /// Seconds until `now` during which at least one quantum was in flight.
   double busy_seconds(Time now) {
     pass(now);
     return busy_seconds_;
@@ -53,19 +69,27 @@ class InFlight {
     const double seconds = std::max(std::chrono::duration<double>(now - at_).count(), 0.0);
     if (count_ > 0) {
       busy_seconds_ += seconds;
-      own_seconds_ += seconds / static_cast<double>(count_);
+      Level& working = levels_[highest()];
+      working.own_seconds += seconds / static_cast<double>(working.count);
     }
     at_ = std::max(at_, now);
   }
 
   Time at_{};
+  struct Level {
+    std::size_t count = 0;
+    double own_seconds = 0;
+  };
+
   std::size_t count_ = 0, rendering_ = 0;
-  double filled_ = 0, own_seconds_ = 0, busy_seconds_ = 0;
+  std::array<Level, kHighestPrecedence + 1> levels_{};
+  double filled_ = 0, busy_seconds_ = 0;
 };
 
-/// Whether another quantum goes to the device: until it is full, and then one that waits behind, so
-/// that a device which `queues` goes on while the host deals with the end of the one before it. The
-/// CPU does not: its threads are the host's.
+/// Whether the device should get another quantum. Every device gets quanta until it is full. One
+/// that `queues` then gets one more, which waits behind the others, so that the device stays busy
+/// while the host handles the end of a quantum. The CPU engine does not queue, because it renders
+/// on the threads of the host.
 inline bool room_for_another(const InFlight& in_flight, bool queues) {
   if (!queues) return in_flight.count() == 0 || in_flight.filled() < 1;
   return in_flight.filled() < 1 || in_flight.rendering() < 2;

@@ -16,7 +16,7 @@ TEST(InFlight, AFullDeviceHasOneMoreWaitingBehindAndAnEmptyOneTakesMany) {
   device.begin(1, kStart);
   EXPECT_FALSE(room_for_another(device, true));
   device.rendered(1, kStart);
-  EXPECT_TRUE(room_for_another(device, true)) << "its picture is no reason to wait";
+  EXPECT_TRUE(room_for_another(device, true)) << "its picture is not a reason to wait";
   InFlight small;
   int taken = 0;
   for (; room_for_another(small, true); ++taken) small.begin(0.3, kStart);
@@ -61,6 +61,25 @@ TEST(InFlight, WhatEachHadOfTheDeviceIsTogetherAsLongAsItWasBusy) {
   EXPECT_NEAR(first_had + second_had, device.busy_seconds(at(100)), 1e-12);
   const double after = device.own_seconds(at(100));
   EXPECT_EQ(device.own_seconds(at(200)), after) << "nobody has what is idle";
+}
+
+TEST(InFlight, WhilePausedAQuantumIsChargedNothing) {
+  InFlight device;
+  const auto at = [](int ms) { return kStart + milliseconds(ms); };
+  device.begin(1, at(0));
+  const double long_one = device.own_seconds(at(0));
+  device.begin(1, at(10), 2);
+  const double middle = device.own_seconds(at(10), 2);
+  device.begin(1, at(20), 5);
+  const double urgent = device.own_seconds(at(20), 5);
+  EXPECT_EQ(device.highest(), 5U);
+  EXPECT_NEAR(device.own_seconds(at(30), 5) - urgent, 0.010, 1e-12);
+  device.end(at(30), 5);
+  EXPECT_EQ(device.highest(), 2U);
+  EXPECT_NEAR(device.own_seconds(at(35), 2) - middle, 0.010 + 0.005, 1e-12);
+  device.end(at(35), 2);
+  EXPECT_EQ(device.highest(), 0U);
+  EXPECT_NEAR(device.own_seconds(at(100)) - long_one, 0.010 + 0.065, 1e-12);
 }
 
 }  // namespace

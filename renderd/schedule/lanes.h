@@ -10,18 +10,20 @@
 
 namespace diaphane::render {
 
-/// Threads that drive several renderers of one device at once: each renderer has a stream of its
-/// own, and one thread waits for one stream. They are started with the first work that needs them.
+/// A pool of threads that drive several renderers of one device at once. Each renderer has its own
+/// stream, and one thread waits for one stream. A thread is started when work arrives and none is
+/// free.
 class Lanes {
  public:
-  /// At most `most` at once, at least one; more than that wait for each other in their order.
+  /// Runs at most `most` pieces of work at once, or one if `most` is 0. Further work waits in order
+  /// of arrival.
   explicit Lanes(std::size_t most);
-  /// Ends what was given.
+  /// Finishes all work that was started.
   ~Lanes();
   Lanes(const Lanes&) = delete;
   Lanes& operator=(const Lanes&) = delete;
 
-  /// Returns at once. `work` must not throw.
+  /// Queues `work`, which must not throw, and returns immediately.
   void start(std::function<void()> work);
 
  private:
@@ -31,7 +33,7 @@ class Lanes {
   std::mutex mutex_;
   std::condition_variable begin_;
   std::deque<std::function<void()>> waiting_;
-  std::size_t free_ = 0;  // threads that wait for work
+  std::size_t free_ = 0;  // number of threads that wait for work
   bool closing_ = false;
   std::vector<std::thread> threads_;
 };

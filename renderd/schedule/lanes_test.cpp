@@ -20,7 +20,7 @@ TEST(Lanes, WhatWasGivenIsDoneOnceBeforeTheyEnd) {
 }
 
 TEST(Lanes, SeveralWorkAtOnce) {
-  std::latch all(3);  // none passes before all have come
+  std::latch all(3);  // passed only once all three are here
   Lanes lanes(3);
   for (int i = 0; i < 3; ++i) lanes.start([&] { all.arrive_and_wait(); });
 }

@@ -11,13 +11,12 @@ namespace {
 
 constexpr double kUnknownError = std::numeric_limits<double>::infinity();
 
-double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
-
 double seconds_between(Ledger::Time from, Ledger::Time to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// A viewer may be content sooner, and never later.
+/// Applies the viewer's limits. A viewer can choose to stop earlier than the rules say, but not
+/// later.
 LedgerRules content_with(const Effort& effort, LedgerRules rules) {
   rules.target_error = std::max(rules.target_error, effort.stop_error);
   if (effort.stop_samples > 0) {
@@ -26,7 +25,7 @@ LedgerRules content_with(const Effort& effort, LedgerRules rules) {
   return rules;
 }
 
-/// A mean that forgets what is some measurements old.
+/// An exponential moving average with a weight of 0.4 for the new measurement.
 double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
 
 }  // namespace
@@ -38,7 +37,8 @@ void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules
   moving_ = !wanted_.rest && seconds_between(wanted_.last_input, now) < kRestSeconds;
   if (applied_version_ != wanted_.version) refused_size_.reset();
   if (wanted_.scene && wanted_.version != seen_version_) {
-    // It came since the last look; a session's first scene came with the session.
+    // The input came after the last refresh. A session's first scene came together with the
+    // session.
     if (!unanswered_since_) {
       const bool known = refreshed_at_ != Time{};
       unanswered_since_ = known ? std::clamp(wanted_.last_input, refreshed_at_, now) : now;
@@ -46,10 +46,11 @@ void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules
     seen_version_ = wanted_.version;
   }
   refreshed_at_ = now;
-  // Who does not gain does not wait either.
+  // A session that does not gain does not count as waiting.
   const bool gains = wanted_.visible && (stale() || !converged(rules));
   if (!gains || served_at_ == Time{}) served_at_ = now;
-  // In mid-gesture a size is chosen with each new scene only: what is there goes on converging.
+  // During a gesture the size changes only with a new scene, so that the current picture keeps
+  // converging.
   if (moving_ && applied_version_ == wanted_.version) {
     planned_ = canvas_;
     return;
@@ -65,7 +66,7 @@ void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 
-// Until a session was measured itself, it costs what the last one cost.
+// Until a session has been measured, it is assumed to cost as much as the last one measured.
 double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
   return seconds_per_pixel_ > 0 ? seconds_per_pixel_ : device.seconds_per_pixel;
 }
@@ -78,7 +79,7 @@ bool Ledger::converged(const LedgerRules& device_rules) const {
 
 bool Ledger::interruptible() const { return may_interrupt(began_moving_, samples_shown_ > 0); }
 
-// The end of a gesture says at once what silence says later.
+// The end of a gesture means rest at once, without waiting for silence.
 double Ledger::silence(Time now) const {
   const double seconds = seconds_between(wanted_.last_input, now);
   return wanted_.rest ? std::max(seconds, kRestSeconds) : seconds;
@@ -95,16 +96,17 @@ SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
     view.error = kUnknownError;
   } else {
     view.samples = progress_.samples;
-    // Not trusted yet: not converged, whatever it says.
+    // Until the picture has converged, its error is kept above the target, because an estimate from
+    // few samples is not reliable.
     view.error = converged(rules) ? 0 : std::max(progress_.error, 2 * rules.target_error);
   }
-  view.seconds_per_sample = seconds_per_pixel(device) * pixels(planned_);
+  view.seconds_per_sample = seconds_per_pixel(device) * planned_.pixels();
   view.seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first;
   if (rules.device_parallel > 0) {
-    view.fill = std::min(1.0, pixels(planned_) / rules.device_parallel);
+    view.fill = std::min(1.0, planned_.pixels() / rules.device_parallel);
   }
   view.seconds_since_input = silence(now);
-  // The smallest that says "one waits", where it came at this very moment.
+  // A positive minimum, because 0 would mean that no input is unanswered.
   if (unanswered_since_) {
     view.seconds_unanswered = std::max(seconds_between(*unanswered_since_, now), 1e-9);
   }
@@ -118,7 +120,7 @@ SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
 
 std::optional<EmissionQuestion> Ledger::emission(const LedgerRules& rules, Time now) const {
   if (!applied_version_ || !wanted_.visible) return std::nullopt;
-  // A picture that is about to be replaced is shown only if nothing was shown of it yet.
+  // A picture that is about to be replaced is shown only if none of its epoch has been shown yet.
   if (stale() && samples_shown_ > 0) return std::nullopt;
   EmissionQuestion question;
   question.samples = progress_.samples;
@@ -160,8 +162,8 @@ void Ledger::rendered(const Batch& batch, const Progress& progress, DeviceCosts&
     noise_ = progress.error * std::sqrt(static_cast<double>(progress.samples));
   }
   if (batch.samples == 0) return;
-  // The first sample of an epoch pays for set-up; a mean over a few forgets it soon.
-  seconds_per_pixel_ = mean(seconds_per_pixel_, batch.seconds / (batch.samples * pixels(canvas_)));
+  // The first sample of an epoch includes set-up costs, which the moving average soon forgets.
+  seconds_per_pixel_ = mean(seconds_per_pixel_, batch.seconds / (batch.samples * canvas_.pixels()));
   device.seconds_per_pixel = seconds_per_pixel_;
 }
 
@@ -169,7 +171,7 @@ void Ledger::shown(double seconds, DeviceCosts& device, Time now) {
   if (samples_shown_ == 0) {
     first_seconds_ = mean(first_seconds_, scene_seconds_ + seconds);
     device.seconds_first = first_seconds_;
-    // Input that came while it was rendered waits for the next.
+    // Input that arrived while this epoch was rendered is answered by the next one.
     if (applied_version_ == seen_version_) {
       unanswered_since_.reset();
     } else {

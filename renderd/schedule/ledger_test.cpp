@@ -67,7 +67,7 @@ TEST_F(LedgerTest, AnInputIsAnsweredByItsOwnPictureNotByTheOneBefore) {
   input();
   now += 5ms;
   look();
-  ledger.shown(0, device, now);  // of the scene before
+  ledger.shown(0, device, now);  // a picture of the previous scene
   EXPECT_GT(view().seconds_unanswered, 0);
   render(1, 0.5);
   look();
@@ -171,7 +171,7 @@ TEST_F(LedgerTest, EpochsRiseWithEachScene) {
   EXPECT_EQ(ledger.epoch(), 9U);
 }
 
-/// The pointer was lifted: the whole picture is wanted now, and nobody waits for silence to say so.
+/// When the pointer is lifted, the full size is rendered at once, without waiting for silence.
 TEST_F(LedgerTest, TheEndOfAGestureIsRestAtOnce) {
   input();
   look();

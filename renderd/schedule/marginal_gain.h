@@ -4,48 +4,52 @@
 
 namespace diaphane::render {
 
-/// The most error removed per millisecond of the device, from measured error and cost (ADR 0012).
-/// Without state: the same views always get the same answer.
+/// Removes as much error as possible per millisecond of device time, based on measured errors and
+/// costs (ADR 0012). It is stateless: the same views always get the same answer.
 ///
-/// 1. Due sessions first, the earliest deadline before others: a first frame within
-///    `deadline_seconds` of the oldest input that it answers, and a quantum for everybody who
-///    gains within `patience_seconds` of the last. A deadline that has passed stays where it is,
-///    so that it comes before all that follow: nobody starves, whatever the load.
-/// 2. Else the session whose next quantum removes most error per second, counted for as long as
-///    the picture may be expected to stay, since what is rendered between two inputs of a drag is
-///    thrown away with the second.
-/// 3. A moving session whose picture was begun just now waits with its next while others gain, as
-///    long as its deadline can still be kept. Where the drags of all would take more than
-///    `most_drag_share` of the device, that deadline cannot be kept for all, and their frames
-///    become fewer instead.
+/// 1. Sessions that are due come first, in the order of their deadlines. A first frame is due
+///    `deadline_seconds` after the oldest input that it answers. A session that gains is due
+///    `patience_seconds` after its last quantum. A missed deadline is not moved, so it precedes all
+///    later ones and no session starves at any load.
+/// 2. Otherwise the session whose next quantum removes the most error per second is chosen. This
+///    rate is multiplied by the time for which the picture is expected to stay, because the next
+///    input of a drag discards everything rendered since the last one.
+/// 3. A moving session whose picture has only just been started yields to other sessions that gain,
+///    as long as it can still meet its deadline. If all drags together would take more than
+///    `most_drag_share` of the device, they share that part evenly, and what a cheap drag does not
+///    need goes to the others (max-min fairness). So expensive drags get fewer frames, and cheap
+///    drags still meet their deadlines.
 ///
-/// One quantum at a time; the runner asks until the device is full. A session whose viewer takes no
-/// frame has no deadline. The figures were chosen in the simulator (`./diaphane bench
-/// schedule`), those for drags by the time to a good picture of everybody at 64 sessions.
+/// It returns one quantum at a time; the runner asks again until the device is full. A session
+/// whose viewer accepts no frame has no deadline. The constants were chosen in the simulator
+/// (`./diaphane bench schedule`). Those for drags minimise the time until all of 64 sessions have a
+/// good picture.
 class MarginalGain final : public Policy {
  public:
   struct Options {
     QuantumLimits limits;
     double deadline_seconds = 1.0 / 30;
-    /// Longer where so many gain that their quanta for patience's sake, of `least_seconds` each,
-    /// would take more than `patience_share` of the device.
+    /// The patience grows with the number of sessions that gain, so that the quanta given because
+    /// it ran out, each of `least_seconds`, take at most `patience_share` of the device.
     double patience_seconds = 2;
     double patience_share = 0.1;
-    /// Frames of a moving session: up to `slowest_frame_seconds` apart so that drags take at most
-    /// `drag_share` of the device, and further apart still so that they take at most
-    /// `most_drag_share`.
+    /// Frames of a moving session are up to `slowest_frame_seconds` apart, so that drags take at
+    /// most `drag_share` of the device. Frames of expensive drags are further apart, so that all
+    /// drags together take at most `most_drag_share`.
     double slowest_frame_seconds = 0.028;
     double drag_share = 0.7;
     double most_drag_share = 0.8;
-    /// Input within this long: the session moves.
+    /// A session counts as moving for this long after an input.
     double moving_seconds = 0.15;
-    /// A picture below this error can be read: reaching it counts as `usable_worth` of error more,
-    /// so that of several fresh pictures one after the other gets there, and the mean time is half
-    /// of what it is when all arrive together.
+    /// A picture below this error is usable. Reaching it counts as removing `usable_worth` more
+    /// error. So of several new pictures one after the other becomes usable, which takes half the
+    /// mean time of refining all of them together.
     double usable_error = 0.05;
     double usable_worth = 0.2;
-    /// How long a picture is expected to stay, seconds: little until input has been silent for
-    /// longer than a drag's inputs are apart, then soon as long as a look lasts.
+    /// The time for which a picture is expected to stay grows by `stay_growth` seconds for each
+    /// second without input beyond `silence_seconds`, which is longer than the interval between the
+    /// inputs of a drag. It is limited to the range from `shortest_stay` to `longest_stay`,
+    /// seconds.
     double silence_seconds = 0.02;
     double stay_growth = 20;
     double shortest_stay = 0.005;
@@ -55,11 +59,17 @@ class MarginalGain final : public Policy {
   MarginalGain() = default;
   explicit MarginalGain(const Options& options) : options_(options) {}
   std::vector<Quantum> next(std::span<const SessionView> sessions) override;
+  std::vector<Quantum> overtaking(std::span<const SessionView> sessions, unsigned highest) override;
 
-  /// Error removed per second, weighted as above: what 2. compares.
+  /// Error removed per second, multiplied by the expected stay in seconds: the criterion of step 2.
   double gain(const SessionView& session) const;
 
  private:
+  /// If `above` is set, considers only first pictures of moving sessions that are due and have a
+  /// precedence above it.
+  std::vector<Quantum> choose(std::span<const SessionView> sessions,
+                              std::optional<unsigned> above) const;
+
   Options options_;
 };
 

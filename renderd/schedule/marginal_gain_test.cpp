@@ -8,7 +8,7 @@
 namespace diaphane::render {
 namespace {
 
-/// At rest, with an error of c / sqrt(n).
+/// A session at rest with an error of c / sqrt(n).
 SessionView resting(std::uint64_t handle, std::uint64_t samples, double c = 0.5,
                     double cost = 0.0005) {
   SessionView session;
@@ -65,7 +65,7 @@ TEST(MarginalGain, WhoWaitedTooLongComesBeforeNewInput) {
 TEST(MarginalGain, ADragLeavesTheDeviceToOthersBetweenItsFrames) {
   SessionView dragging = asking(1, 0.002);
   dragging.seconds_per_sample = 0.008;
-  dragging.seconds_since_begun = 0.01;  // seven tenths of the device allow one each 11.4 ms
+  dragging.seconds_since_begun = 0.01;  // 70% of the device allows one frame per 11.4 ms
   EXPECT_EQ(chosen({dragging, resting(2, 400)}), 2U);
   EXPECT_EQ(chosen({dragging}), 1U) << "nobody else gains";
   dragging.seconds_since_begun = 0.012;
@@ -76,12 +76,28 @@ TEST(MarginalGain, MoreDragsThanTheDeviceHasTimeForGetFewerFramesAndOthersTheRes
   std::vector<SessionView> sessions{resting(1, 400)};
   for (std::uint64_t handle = 2; handle <= 11; ++handle) {
     sessions.push_back(asking(handle, 0.05));
-    sessions.back().seconds_per_sample = 0.01;  // 100 ms for a frame of each
+    sessions.back().seconds_per_sample = 0.01;  // 100 ms for one frame of each session
     sessions.back().seconds_since_begun = 0.12;
   }
   EXPECT_EQ(chosen(sessions), 1U);
-  sessions[5].seconds_since_begun = 0.13;  // eight tenths of the device: one each 125 ms
+  sessions[5].seconds_since_begun = 0.13;  // 80% of the device allows one round per 125 ms
   EXPECT_EQ(chosen(sessions), sessions[5].session);
+}
+
+TEST(MarginalGain, ExpensiveDragsDoNotDelayCheapOnes) {
+  // Two drags of 100 ms per frame could each fill the device. The cheap one needs 0.002 / 0.028 =
+  // 7% of it, so the others share the remaining 73% of the 80% for drags, a frame every 274 ms.
+  std::vector<SessionView> sessions{resting(1, 400), asking(2, 0.01), asking(3, 0.1),
+                                    asking(4, 0.1)};
+  sessions[1].seconds_per_sample = 0.002;
+  sessions[2].seconds_per_sample = sessions[3].seconds_per_sample = 0.1;
+  sessions[1].seconds_since_begun = 0.029;
+  sessions[2].seconds_since_begun = sessions[3].seconds_since_begun = 0.27;
+  EXPECT_EQ(chosen(sessions), 2U);
+  sessions[1].seconds_since_begun = 0.02;
+  EXPECT_EQ(chosen(sessions), 1U) << "no drag is due";
+  sessions[3].seconds_since_begun = 0.28;
+  EXPECT_EQ(chosen(sessions), 4U);
 }
 
 TEST(MarginalGain, PatienceGrowsWhereQuantaForItsSakeWouldTakeTheDevice) {
@@ -99,7 +115,7 @@ TEST(MarginalGain, PatienceGrowsWhereQuantaForItsSakeWouldTakeTheDevice) {
   EXPECT_NE(chosen(sessions), 400U);
   sessions.back().seconds_waiting = 4.1;
   EXPECT_EQ(chosen(sessions), 400U);
-  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "1 ms, no more";
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "at most 1 ms";
 }
 
 TEST(MarginalGain, AViewerThatTakesNoFrameHasNoDeadline) {
@@ -115,6 +131,50 @@ TEST(MarginalGain, WhatIsUnderWayIsNotChosenAgainButCountsForTheLoad) {
   EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "half of what one alone has";
   sessions[1].under_way = true;
   EXPECT_TRUE(MarginalGain().next(sessions).empty());
+}
+
+TEST(MarginalGain, OnlyTheFirstPictureOfADragOvertakesAndOnlyWhenItIsDue) {
+  MarginalGain policy;
+  const auto overtaking = [&](SessionView session) {
+    return !policy.overtaking(std::vector{resting(1, 10), std::move(session)}, 0).empty();
+  };
+  const SessionView drag = asking(2, 0.02);
+  EXPECT_TRUE(overtaking(drag));
+  EXPECT_EQ(policy.overtaking(std::vector{resting(1, 10), drag}, 0).at(0).session, 2U);
+  SessionView rendered = drag;
+  rendered.samples = 4;
+  EXPECT_FALSE(overtaking(rendered)) << "its first picture is there";
+  SessionView just_begun = drag;
+  just_begun.seconds_since_begun = 0.0001;
+  EXPECT_FALSE(overtaking(just_begun)) << "drags leave a part of the device to others";
+  EXPECT_FALSE(overtaking(asking(2, 1))) << "a new picture at rest";
+  SessionView under_way = drag;
+  under_way.under_way = true;
+  EXPECT_FALSE(overtaking(under_way));
+}
+
+TEST(MarginalGain, ACheapFirstPictureOvertakesAnExpensiveOneAndNotTheOtherWayRound) {
+  MarginalGain policy;
+  SessionView small = asking(1, 0.02);
+  small.seconds_per_sample = 0.002;
+  SessionView large = asking(2, 0.02);
+  large.seconds_per_sample = 0.032;
+  ASSERT_GT(first_picture_precedence(small), first_picture_precedence(large));
+  EXPECT_EQ(policy.overtaking(std::vector{small}, first_picture_precedence(large)).size(), 1U);
+  EXPECT_TRUE(policy.overtaking(std::vector{large}, first_picture_precedence(small)).empty());
+  EXPECT_TRUE(policy.overtaking(std::vector{small}, first_picture_precedence(small)).empty());
+}
+
+TEST(MarginalGain, PrecedenceGrowsByOneWhereAPictureTakesAQuarterOfTheTime) {
+  const auto precedence = [](double first, double sample) {
+    return first_picture_precedence({.seconds_per_sample = sample, .seconds_first = first});
+  };
+  EXPECT_EQ(precedence(0, 0), 1U) << "not known yet";
+  EXPECT_EQ(precedence(5, 1), 1U);
+  EXPECT_EQ(precedence(0.1, 0.1), 2U);
+  EXPECT_EQ(precedence(0, 0.05), 3U);
+  EXPECT_EQ(precedence(0, 0.05 / 4), 4U);
+  EXPECT_EQ(precedence(0, 1e-9), kHighestPrecedence);
 }
 
 TEST(MarginalGain, FirstPicturesOfManyDragsAreShort) {

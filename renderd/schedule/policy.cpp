@@ -11,17 +11,27 @@ namespace diaphane::render {
 
 namespace {
 
-/// Whoever drags goes on for longer than this as a rule, or comes back.
+/// Two drags in quick succession are less than this apart.
 constexpr double kCalmAfterSeconds = 0.5;
 
 }  // namespace
 
 bool gains(const SessionView& session) {
-  // An unknown error is infinite or NaN: neither is below the target.
+  // An unknown error is infinite or NaN, neither of which is below the target.
   return session.visible && !(session.error <= session.target_error);
 }
 
 bool waits(const SessionView& session) { return gains(session) && !session.under_way; }
+
+unsigned first_picture_precedence(const SessionView& session) {
+  const double seconds = session.seconds_first + session.seconds_per_sample;
+  unsigned precedence = 1;
+  for (double least = 0.25; precedence < kHighestPrecedence && seconds > 0 && seconds < least;
+       least /= 4) {
+    ++precedence;
+  }
+  return precedence;
+}
 
 std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most) {
   if (!(seconds_per_sample > 0)) return 1;

@@ -1,5 +1,5 @@
-// Laws of all policies, over random worlds: sessions of any cost and noise, with inputs, viewers
-// that look away and come back, and viewers that take no frame.
+// Invariants of all policies in random worlds: sessions of any cost and noise, with inputs, viewers
+// that hide and show the picture, and viewers that accept no frame.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,16 +28,17 @@ struct Person {
   double unanswered_since = kNever;
   double frame_at = -10;
   double begun_at = -10;
-  double answered_after = 0;  // the last input, seconds
+  double answered_after = 0;  // time from the last input to its frame, seconds
   double served_at = 1;
 
   bool converged() const { return samples >= 16 && noise <= kTarget * std::sqrt(double(samples)); }
 };
 
-/// A device of one session at a time, on which a round takes as long as its quanta together.
+/// A device that renders one session at a time, so a round takes as long as its quanta together.
 class World {
  public:
-  /// `viewer_changes`: how often in a second one looks away or back, or takes frames or none.
+  /// `viewer_changes`: rate per second at which a viewer hides or shows the picture, and at which
+  /// it starts or stops accepting frames.
   World(std::uint64_t seed, std::size_t people, double inputs_a_second, double viewer_changes = 0.3)
       : random_(seed), input_rate_(inputs_a_second), viewer_rate_(viewer_changes) {
     for (std::size_t i = 0; i < people; ++i) {
@@ -84,7 +85,7 @@ class World {
     if (p.unanswered_since == kNever) p.unanswered_since = now_;
   }
 
-  /// Renders the round; then what happened meanwhile happens.
+  /// Renders the round, and then applies the inputs and viewer changes of that time.
   void carry_out(const std::vector<Quantum>& round) {
     const double start = now_;
     for (const Quantum& quantum : round) {
@@ -119,7 +120,7 @@ class World {
   std::vector<Person>& people() { return people_; }
   double now() const { return now_; }
 
-  std::size_t still_one_in = 1'000'000;  ///< of so many, one gives no input
+  std::size_t still_one_in = 1'000'000;  ///< one person in this many gives no input
   std::mt19937_64& random() { return random_; }
 
  private:
@@ -139,7 +140,7 @@ bool same(const std::vector<Quantum>& one, const std::vector<Quantum>& other) {
 
 class Worlds : public testing::TestWithParam<PolicyKind> {
  protected:
-  /// Some hundred rounds in each of some worlds, `look` at each.
+  /// Calls `look` for each of 400 rounds in each of 12 worlds.
   template <typename Look>
   void each(Look look) {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
@@ -213,12 +214,12 @@ INSTANTIATE_TEST_SUITE_P(All, Worlds, testing::ValuesIn(kPolicyKinds), [](const 
   return name;
 });
 
-/// Whoever gains has a quantum within the patience, and then waits at most for those whose patience
-/// ended before: one quantum of each of the others, and the one under way.
+/// Every session that gains gets a quantum within the patience plus the time for sessions whose
+/// patience ended earlier: one quantum of each of them, and the one in flight.
 TEST(MarginalGainWorlds, NobodyStarvesWhateverTheLoad) {
   double longest_wait = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    World world(seed, 40, 60);  // everybody drags: far more than the device can do
+    World world(seed, 40, 60);  // all sessions drag, which far exceeds the device's capacity
     world.still_one_in = 4;
     const auto policy = make_policy(PolicyKind::kMarginalGain);
     double bound = 2;
@@ -238,8 +239,8 @@ TEST(MarginalGainWorlds, NobodyStarvesWhateverTheLoad) {
   EXPECT_GT(longest_wait, 1.5) << "the load was none";
 }
 
-/// Input comes to several people at once, after a rest, while others converge: their first samples,
-/// and the quantum that is under way, fit the deadline; then everybody's is there in time.
+/// Several sessions get input at once after a rest, while others converge. If their first samples
+/// and the quantum in flight fit the deadline, all of them get their first frame in time.
 TEST(MarginalGainWorlds, AFirstFrameIsInTimeWhereThatCanBe) {
   constexpr double kDeadline = 1.0 / 30;
   int tried = 0;
@@ -249,7 +250,7 @@ TEST(MarginalGainWorlds, AFirstFrameIsInTimeWhereThatCanBe) {
     const auto policy = make_policy(PolicyKind::kMarginalGain);
     for (int i = 0; i < 20; ++i) world.carry_out(policy->next(world.views()));
     const double asked = world.now();
-    // The round under way does not know of them yet.
+    // The round in flight was chosen before the inputs.
     const std::vector<Quantum> under_way = policy->next(world.views());
     double needed = QuantumLimits{}.first_seconds;
     for (const Quantum& q : under_way) needed += q.samples * world.of(q.session).cost;

@@ -3,8 +3,9 @@
 namespace diaphane::render {
 
 std::vector<Quantum> RoundRobin::next(std::span<const SessionView> sessions) {
-  const SessionView* after = nullptr;   // the lowest handle above the last turn
-  const SessionView* lowest = nullptr;  // of all: where the round begins again
+  const SessionView* after = nullptr;  // the session with the lowest handle above the last one
+  // The session with the lowest handle, with which a new round begins.
+  const SessionView* lowest = nullptr;
   for (const SessionView& session : sessions) {
     if (!waits(session)) continue;
     if (!lowest || session.session < lowest->session) lowest = &session;

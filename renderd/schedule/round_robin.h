@@ -4,8 +4,8 @@
 
 namespace diaphane::render {
 
-/// Every session that gains takes its turn, in order of handles, one at a time; a baseline of the
-/// thesis (5.1.1: "every render node starts when the previous one finishes").
+/// Every session that gains gets one quantum in turn, in the order of the handles. This is a
+/// baseline of the thesis (5.1.1: "every render node starts when the previous one finishes").
 class RoundRobin final : public Policy {
  public:
   explicit RoundRobin(QuantumLimits limits = {}) : limits_(limits) {}
@@ -13,7 +13,7 @@ class RoundRobin final : public Policy {
 
  private:
   QuantumLimits limits_;
-  std::uint64_t last_ = 0;  // handle of the session that had the last turn
+  std::uint64_t last_ = 0;  // handle of the session that had the last quantum
 };
 
 }  // namespace diaphane::render

@@ -21,7 +21,7 @@ SessionView view(std::uint64_t handle, std::uint64_t samples = 16, double cost =
   return session;
 }
 
-/// It is always one at a time.
+/// Checks that the policy returns one quantum, and returns that.
 Quantum next(RoundRobin& policy, const std::vector<SessionView>& sessions) {
   const std::vector<Quantum> round = policy.next(sessions);
   EXPECT_EQ(round.size(), 1U);

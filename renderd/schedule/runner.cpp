@@ -14,6 +14,8 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kLongestStillSeconds = 0.25;
 
+bool first_picture(const Ledger& ledger) { return ledger.stale() || ledger.samples_shown() == 0; }
+
 }  // namespace
 
 Runner::Runner(std::unique_ptr<Policy> policy, const Clock& clock, Options options)
@@ -100,7 +102,7 @@ void Runner::run() {
   adopt();
   collect();
   for (const auto& still : stills_) {
-    still->job.done(fail(ErrorCode::kUnavailable, "The render server is stopping."), 0);
+    still->job.done(fail(ErrorCode::kUnavailable, "The render worker is shutting down."), 0);
   }
 }
 
@@ -121,7 +123,8 @@ void Runner::adopt() {
   std::erase_if(known_, gone);
 }
 
-// How long until something happens by itself: a moving session comes to rest.
+// Returns the time until the next moving session comes to rest, which is the only change that does
+// not wake the thread.
 std::chrono::nanoseconds Runner::next_rest() const {
   const Time now = clock_.now();
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
@@ -148,7 +151,7 @@ RunnerTimes Runner::times() const {
   return times;
 }
 
-// What the lanes have ended.
+// Accounts for the work that the lanes have finished.
 void Runner::collect() {
   std::vector<std::unique_ptr<Turn>> ended;
   double busy = 0;
@@ -178,7 +181,8 @@ void Runner::settle(Turn& turn) {
   track.client->refused(track.ledger.wanted(), *turn.refused);
 }
 
-// Of everybody, what is wanted now; a picture that is due although nothing is rendered is begun.
+// Reads the current request of every session, and begins pictures that are due although no samples
+// are rendered.
 std::vector<SessionView> Runner::look() {
   const Time now = clock_.now();
   DeviceCosts costs;
@@ -203,7 +207,7 @@ std::vector<SessionView> Runner::look() {
         auto turn = std::make_unique<Turn>();
         turn->track = track;
         turn->question = question;
-        turn->fill = 0;  // hardly any of the device
+        turn->fill = 0;  // hardly uses the device
         begin(std::move(turn));
       }
       if (!ledger.wanted().scene) continue;
@@ -212,7 +216,7 @@ std::vector<SessionView> Runner::look() {
     track->seen.visitor = track->client->of_visitor();
     if (track->moving) ++moving;
     if (gains(track->seen) && !track->client->of_another_worker()) ++waiting;
-    // Without a first picture it is wholly wrong.
+    // A session without a first picture has an infinite error; it counts as 1.
     if (track->seen.visible) error += std::min(1.0, track->seen.error);
     views.push_back(track->seen);
   }
@@ -230,14 +234,19 @@ std::vector<SessionView> Runner::look() {
 bool Runner::step() {
   const Time start = clock_.now();
   const std::vector<SessionView> views = look();
+  bool room = false;
+  unsigned highest = 0;
   {
     const std::lock_guard lock(mutex_);
     spent_.deciding += seconds_between(start, clock_.now());
-    if (!room_for_another(in_flight_, options_.device_queues)) return false;
+    room = room_for_another(in_flight_, options_.device_queues);
+    highest = in_flight_.highest();
+    if (!room && (options_.device_queues || highest == kHighestPrecedence)) return false;
   }
-  if (still_seconds_due_ >= kStillQuantumSeconds && begin_still()) return true;
+  if (room && still_seconds_due_ >= kStillQuantumSeconds && begin_still()) return true;
   const Time asked = clock_.now();
-  const std::vector<Quantum> quanta = policy_->next(views);
+  const std::vector<Quantum> quanta =
+      room ? policy_->next(views) : policy_->overtaking(views, highest);
   {
     const std::lock_guard lock(mutex_);
     const double decided = seconds_between(asked, clock_.now());
@@ -252,13 +261,17 @@ bool Runner::step() {
     auto turn = std::make_unique<Turn>();
     turn->track = *chosen;
     turn->samples = quantum.samples;
+    const Ledger& ledger = turn->track->ledger;
+    if (!options_.device_queues && ledger.moving() && first_picture(ledger)) {
+      turn->precedence = first_picture_precedence(turn->track->seen);
+    }
     const double parallel = options_.rules.device_parallel;
-    const Canvas canvas = turn->track->ledger.planned();
+    const Canvas canvas = ledger.planned();
     const double work = double(canvas.width) * canvas.height * quantum.samples;
     turn->fill = parallel > 0 ? std::min(1.0, work / parallel) : 1;
     begin(std::move(turn));
   }
-  return quanta.empty() ? begin_still() : true;
+  return quanta.empty() ? room && begin_still() : true;
 }
 
 void Runner::begin(std::unique_ptr<Turn> turn) {
@@ -266,14 +279,14 @@ void Runner::begin(std::unique_ptr<Turn> turn) {
   if (turn->still) still_under_way_ = true;
   {
     const std::lock_guard lock(mutex_);
-    in_flight_.begin(turn->fill, clock_.now());
+    in_flight_.begin(turn->fill, clock_.now(), turn->precedence);
     if (turn->track && turn->samples > 0) {
       ++spent_.quanta;
       spent_.switches += last_ != turn->track->handle;
       last_ = turn->track->handle;
     }
   }
-  // A std::function must be copyable; the turn is not.
+  // The closure owns the turn as a raw pointer, because std::function requires copyable closures.
   lanes_.start([this, turn = turn.release()] {
     std::unique_ptr<Turn> mine(turn);
     {
@@ -286,23 +299,27 @@ void Runner::begin(std::unique_ptr<Turn> turn) {
 
 void Runner::ended(std::unique_ptr<Turn> turn) {
   rendered(*turn);
-  // Under the lock, since with the last turn the runner may go.
+  // Notifies under the lock, because the runner may be destroyed once its last turn has ended.
   const std::lock_guard lock(mutex_);
-  in_flight_.end(clock_.now());
+  in_flight_.end(clock_.now(), turn->precedence);
   ended_.push_back(std::move(turn));
   ++wakes_;
   changed_.notify_one();
 }
 
-double Runner::own_seconds() const {
+double Runner::own_seconds(const Turn& turn) const {
   const std::lock_guard lock(mutex_);
-  return in_flight_.own_seconds(clock_.now());
+  return in_flight_.own_seconds(clock_.now(), turn.precedence);
 }
 
 void Runner::carry_out(Turn& turn, Signs::Work& signs) {
-  if (turn.question) return show(turn, *turn.question);
+  if (turn.question) {
+    if (!options_.device_queues) turn.track->renderer->set_precedence(0);
+    return show(turn, *turn.question);
+  }
   const bool there = render(turn, signs);
-  // While its picture is made the device goes on. The CPU makes it itself.
+  // A device that queues continues with other quanta while the picture is made. On the CPU, the
+  // picture is made by the threads that render.
   if (options_.device_queues) rendered(turn);
   if (there) show_if_due(turn);
 }
@@ -315,16 +332,18 @@ void Runner::rendered(Turn& turn) {
   changed_.notify_one();
 }
 
-// The scene that is wanted, and the samples. False: there is nothing to show.
+// Prepares the requested scene if it has changed and renders the samples. Returns false if there is
+// nothing to show.
 bool Runner::render(Turn& turn, Signs::Work& signs) {
   Track& track = *turn.track;
   Ledger& ledger = track.ledger;
-  track.renderer->hurry(ledger.stale() || ledger.samples_shown() == 0);
+  track.renderer->set_precedence(
+      options_.device_queues ? static_cast<unsigned>(first_picture(ledger)) : turn.precedence);
   if (ledger.stale()) {
-    const double before = own_seconds();
+    const double before = own_seconds(turn);
     track.renderer->prepare_denoising(!ledger.wanted().raw);
     auto taken = track.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
-    turn.scene_seconds = own_seconds() - before;
+    turn.scene_seconds = own_seconds(turn) - before;
     if (!taken) {
       turn.refused = std::move(taken.error());
       return false;
@@ -339,7 +358,7 @@ bool Runner::render(Turn& turn, Signs::Work& signs) {
     return interruptible && track.client->version() != ledger.applied_version();
   };
   const Time start = clock_.now();
-  const double before = own_seconds();
+  const double before = own_seconds(turn);
   const auto batch = track.renderer->render(turn.samples, stop);
   if (!batch) {
     turn.failed = batch.error();
@@ -348,9 +367,10 @@ bool Runner::render(Turn& turn, Signs::Work& signs) {
   const Progress progress = track.renderer->progress();
   const Time now = clock_.now();
   turn.render_seconds = seconds_between(start, now);
-  // What samples cost the device: those that share it wait for each other.
+  // Charges only the session's own share of the device, because quanta that share it wait for each
+  // other.
   Batch own = *batch;
-  if (turn.render_seconds > 0) own.seconds *= (own_seconds() - before) / turn.render_seconds;
+  if (turn.render_seconds > 0) own.seconds *= (own_seconds(turn) - before) / turn.render_seconds;
   {
     const std::lock_guard lock(mutex_);
     ledger.rendered(own, progress, costs_, now);
@@ -378,9 +398,9 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
   Ledger& ledger = track.ledger;
   if (track.gone) return;
   const Time start = clock_.now();
-  const double before = own_seconds();
+  const double before = own_seconds(turn);
   RenderedPicture rendered;
-  // The last picture is what the samples say and nothing else.
+  // The converged picture is never denoised: it shows the samples and nothing else.
   const Result<bool> shown =
       question.converged ? track.renderer->display(rendered.picture).map([] { return false; })
                          : track.renderer->display_denoised(rendered.picture);
@@ -389,7 +409,7 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
     return;
   }
   rendered.info.epoch = ledger.epoch();
-  // An update that changed nothing is answered by the same picture under its own number.
+  // If an update changed nothing, the same picture answers it under the new input's number.
   rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.wanted().input_seq;
   rendered.info.samples = ledger.progress().samples;
   rendered.info.error = ledger.progress().error;
@@ -398,7 +418,7 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
   rendered.info.converged = question.converged;
   rendered.info.denoised = *shown;
   turn.picture_seconds = seconds_between(start, clock_.now());
-  const double own = own_seconds() - before;
+  const double own = own_seconds(turn) - before;
   rendered.info.render_us =
       static_cast<std::uint64_t>((ledger.scene_seconds() + ledger.progress().seconds + own) * 1e6);
   {

@@ -22,54 +22,58 @@
 
 namespace diaphane::render {
 
-/// A picture without a session (thumbnails), rendered in the pauses of the sessions.
+/// A still: a picture without a session, such as a thumbnail or a picture for a file. It is
+/// rendered while sessions leave the device free, and with a limited share of it otherwise
+/// (still_share).
 struct StillJob {
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas canvas;
   std::uint32_t samples = 1;
-  /// Estimated, at which the picture is good enough before it has all samples; 0: never.
+  /// Estimated error at which the picture is good enough even if it does not have all samples; 0:
+  /// none is.
   double error = 0;
   StillRank rank = StillRank::kAwaited;
-  bool smoothed = false;  ///< as the first pictures of a session are
-  /// Its submitter may use it again in `done`, or after it.
+  bool smoothed = false;  ///< denoised, like the first pictures of a session
+  /// The submitter may use it again as soon as `done` is called.
   std::shared_ptr<FrameRenderer> renderer;
-  /// When somebody must have the picture: it is given with the samples that it has by then, one at
-  /// least. Otherwise a busy device would begin it anew with each request and never end it.
+  /// Deadline of the picture. It is then delivered with the samples that it has, at least one.
+  /// Without a deadline a busy device would restart it with each request and never finish it.
   std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
-  /// Asked between quanta and within: nobody waits for it any more.
+  /// Returns true once no one waits for the picture any more. Polled between and during quanta.
   std::function<bool()> cancelled;
-  /// What it took of the device: after each quantum, from a lane's thread.
+  /// Receives the device time that each quantum took. Called on a lane's thread.
   std::function<void(double seconds)> took;
-  /// Called once from the runner's thread, unless it was cancelled.
+  /// Receives the picture and its error. Called once on the runner's thread, unless the job was
+  /// cancelled.
   std::function<void(Result<PictureRgb8>, double error)> done;
 };
 
-/// Where a device's time went, seconds since the start. What is `rendering`, `scenes` and
-/// `pictures` goes on at once for several sessions, each counted.
+/// How a device spent its time, in seconds since the start. Several sessions can be in the stages
+/// `rendering`, `scenes` and `pictures` at once; each of them is counted.
 struct RunnerTimes {
   double rendering = 0;  ///< samples
   double scenes = 0;     ///< new epochs: tables prepared and uploaded, films cleared
   double pictures = 0;   ///< tone-mapped, smoothed, read back
-  double busy = 0;       ///< anything was under way
-  double idle = 0;       ///< nothing was, and nobody gained
-  double deciding = 0;   ///< what is wanted, the policy, what is due; beside what is under way
-  double policy = 0;     ///< of `deciding`, the policy's own
+  double busy = 0;       ///< at least one quantum was in flight
+  double idle = 0;       ///< none was, and no session could gain
+  double deciding = 0;   ///< choosing the next quanta, while others are in flight
+  double policy = 0;     ///< the part of `deciding` spent in the policy
   std::uint64_t quanta = 0;
-  std::uint64_t switches = 0;  ///< quanta of another session than the one before
+  std::uint64_t switches = 0;  ///< quanta of a different session than the previous one
 };
 
-/// One device's thread: asks the policy whose quanta are next and has lanes carry them out. All
-/// decisions are pure functions elsewhere (Policy, Ledger, room_for_another, plan_canvas,
-/// should_emit); here are the clock, the lock and the renderers. A quantum is a new scene if one is
-/// wanted, samples, and the picture if one is due; on a device that queues, the next one is there
-/// before it ends.
+/// Schedules one device. Its thread asks the policy for the next quanta and has lanes execute them.
+/// All decisions are made by pure functions elsewhere (Policy, Ledger, room_for_another,
+/// plan_canvas, should_emit); the runner owns the clock, the lock and the renderers. A quantum
+/// prepares the scene if it has changed, renders samples, and makes the picture if one is due. A
+/// device that queues gets the next quantum before the current one ends.
 class Runner {
  public:
   struct Options {
     LedgerRules rules;
-    std::size_t lanes = 8;       ///< quanta that are under way together at most
-    bool device_queues = false;  ///< as EngineInfo::queues
-    /// The device's context is broken: nothing on it can go on.
+    std::size_t lanes = 8;       ///< maximum number of quanta in flight
+    bool device_queues = false;  ///< EngineInfo::queues of the device
+    /// Called when the device's context is lost. No further work on the device can succeed.
     std::function<void(const Error&)> device_lost;
   };
 
@@ -78,25 +82,30 @@ class Runner {
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
 
-  /// Begins to render for `client`. Its epochs rise from above `first_epoch`. Returns a handle.
+  /// Starts to render for `client` and returns a handle for remove(). Epochs are numbered from
+  /// `first_epoch` + 1.
   std::uint64_t add(std::shared_ptr<RenderClient> client, std::unique_ptr<FrameRenderer> renderer,
                     std::uint64_t first_epoch);
-  /// Returns at once; the quantum under way is cut short and its result dropped.
+  /// Stops rendering for a client. Returns immediately; a quantum in flight is interrupted and its
+  /// result discarded.
   void remove(std::uint64_t handle);
-  /// A client's `wanted` has changed.
+  /// Announces that RenderClient::wanted() of a client has changed.
   void wake();
   void submit(StillJob job);
-  /// Ends the thread: nothing is rendered any more, stills end with kUnavailable. Idempotent.
+  /// Ends the thread. Nothing is rendered afterwards, and remaining stills end with kUnavailable.
+  /// Idempotent.
   void stop();
 
-  /// Seconds with anything under way since the start, for the load that the heartbeat tells.
+  /// Seconds since the start during which at least one quantum was in flight. The heartbeat reports
+  /// the load from it.
   double busy_seconds() const;
   RunnerTimes times() const;
-  /// Of the pictures that somebody sees, each at most 1: how much is still to be rendered.
+  /// Sum of the errors of all visible pictures, each at most 1: a measure of the work that is left.
   double summed_error() const { return error_; }
-  /// Sessions of this worker's own that another sample would gain something for.
+  /// Number of this worker's own sessions that have not converged; sessions rendered for other
+  /// workers do not count.
   std::size_t waiting() const { return waiting_; }
-  /// Of each quantum and picture under way.
+  /// Progress of each quantum and picture in flight, for a watchdog.
   const Signs& signs() const { return signs_; }
 
  private:
@@ -108,14 +117,14 @@ class Runner {
   void run();
   void adopt();
   void collect();
-  /// True when something was begun that may leave room for more.
+  /// Begins the next quanta. Returns true if it began any and there may be room for more.
   bool step();
   std::vector<SessionView> look();
   void begin(std::unique_ptr<Turn> turn);
   bool begin_still();
   void drop_cancelled_stills();
 
-  // In a lane.
+  // These run on a lane's thread.
   void carry_out(Turn& turn, Signs::Work& signs);
   bool render(Turn& turn, Signs::Work& signs);
   void rendered(Turn& turn);
@@ -124,7 +133,7 @@ class Runner {
   void carry_out_still(Turn& turn, Signs::Work& signs);
   void render_still(Turn& turn, Signs::Work& signs);
   void finish_still(Turn& turn, Signs::Work& signs);
-  double own_seconds() const;
+  double own_seconds(const Turn& turn) const;
   void ended(std::unique_ptr<Turn> turn);
 
   void settle(Turn& turn);
@@ -140,7 +149,7 @@ class Runner {
   std::condition_variable changed_;
   std::uint64_t wakes_ = 0;
   std::vector<std::shared_ptr<Track>> arriving_;
-  std::vector<std::shared_ptr<Track>> known_;  // what `remove` looks in
+  std::vector<std::shared_ptr<Track>> known_;  // searched by `remove`
   std::deque<StillJob> arriving_stills_;
   std::uint64_t next_handle_ = 1;
   mutable InFlight in_flight_;
@@ -149,19 +158,19 @@ class Runner {
   RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
   std::atomic<double> error_{0};
-  std::atomic<std::size_t> moving_{0};  // sessions; set by the thread
+  std::atomic<std::size_t> moving_{0};  // number of sessions; written by the runner's thread
   std::atomic<std::size_t> waiting_{0};
   Signs signs_;
 
-  // Of the thread alone.
+  // Accessed only by the runner's thread.
   std::vector<std::shared_ptr<Track>> tracks_;
   std::deque<std::shared_ptr<Still>> stills_;
   bool still_under_way_ = false;
-  std::uint64_t last_ = 0;  // whose quantum was begun last
+  std::uint64_t last_ = 0;  // handle of the session whose quantum was begun last
   double still_share_ = 0;
-  double still_seconds_due_ = 0;  // of the device, to the stills
-  double busy_told_ = 0;          // for that
-  Lanes lanes_;                   // ends before what its work touches
+  double still_seconds_due_ = 0;  // device time owed to stills
+  double busy_told_ = 0;          // busy seconds up to which still_seconds_due_ is computed
+  Lanes lanes_;                   // destroyed before the members that its work uses
   std::thread thread_;
 };
 

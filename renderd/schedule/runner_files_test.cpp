@@ -1,4 +1,4 @@
-// Pictures of files beside sessions: behind all else.
+// Stills for files rendered beside sessions, to which they yield.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct RunnerFilesTest : testing::Test {
-  /// One of which each sample takes as long as its device says.
+  /// A job on the device `files`, which determines the time per sample.
   StillJob job(StillRank rank, std::promise<double>& done, std::uint32_t samples = 10) {
     StillJob job;
     job.scene = std::make_shared<const v1::Scene>();
@@ -44,7 +44,7 @@ struct RunnerFilesTest : testing::Test {
 };
 
 TEST_F(RunnerFilesTest, AFileRendersNothingWhileSomebodyMovesAndGoesOnAtRest) {
-  files->seconds_per_megapixel = 250;  // 1 s a sample, were it not cut short
+  files->seconds_per_megapixel = 250;  // 1 s per sample unless interrupted
   sessions->seconds_per_megapixel = 0.1;
   std::promise<double> done;
   auto finished = done.get_future();
@@ -52,7 +52,7 @@ TEST_F(RunnerFilesTest, AFileRendersNothingWhileSomebodyMovesAndGoesOnAtRest) {
   ASSERT_TRUE(eventually([&] { return files->rendering > 0; }));
   const auto one = person();
   runner.wake();
-  // The sample under way is cut short: the first picture waits for it no longer than for a quantum.
+  // The sample in flight is interrupted, so the first picture waits no longer than for a quantum.
   ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }, 900ms));
   int beside = 0;
   for (int i = 0; i < 50; ++i) {
@@ -102,7 +102,7 @@ TEST_F(RunnerFilesTest, WhileOneIsFinishedTheSessionsGoOn) {
   runner.wake();
   EXPECT_TRUE(
       eventually([&] { return one->samples > samples && one->pictures().size() > pictures; }));
-  const auto late = person();  // who comes meanwhile
+  const auto late = person();  // a session that starts meanwhile
   EXPECT_TRUE(eventually([&] { return !late->pictures().empty(); }));
   EXPECT_EQ(finished.wait_for(0s), std::future_status::timeout);
   files->holds_pictures = false;

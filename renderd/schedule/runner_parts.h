@@ -1,4 +1,4 @@
-// Of runner*.cpp alone.
+// Private to runner*.cpp.
 #pragma once
 
 #include <atomic>
@@ -15,11 +15,11 @@ inline double seconds_between(std::chrono::steady_clock::time_point from,
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// A still goes before sessions once it is due this much of the device.
+/// A still precedes sessions once it is owed this much device time.
 inline constexpr double kStillQuantumSeconds = 0.03;
 
-// A session on this device. All but `gone` belongs to the runner's thread, and while a quantum is
-// under way to the lane that has it.
+// A session on this device. All members except `gone` belong to the runner's thread, or to a lane
+// while that executes a quantum of the session.
 struct Runner::Track {
   explicit Track(std::uint64_t first_epoch) : ledger(first_epoch) {}
 
@@ -29,10 +29,10 @@ struct Runner::Track {
   std::atomic<bool> gone{false};
   Ledger ledger;
 
-  // Of the runner's thread, always.
+  // These members always belong to the runner's thread.
   bool under_way = false;
   bool moving = false;
-  SessionView seen;  // when it was last looked at
+  SessionView seen;  // as of the last call of look() without a quantum in flight
 };
 
 struct Runner::Still {
@@ -40,16 +40,18 @@ struct Runner::Still {
   std::uint64_t samples = 0;
 };
 
-// What a lane has to do, and what came of it.
+// A unit of work for a lane, and its results.
 struct Runner::Turn {
   std::shared_ptr<Track> track;
-  std::uint32_t samples = 0;                 // 0: none, a picture is due
-  std::optional<EmissionQuestion> question;  // of that picture
-  std::shared_ptr<Still> still;              // instead of a track
+  std::uint32_t samples = 0;                 // 0: only makes a picture that is due
+  std::optional<EmissionQuestion> question;  // for that picture
+  std::shared_ptr<Still> still;              // set instead of `track`
   double fill = 1;
+  /// On a device that does not queue, this turn pauses turns of lower precedence.
+  unsigned precedence = 0;
 
   std::optional<Error> refused, failed;
-  std::optional<PictureRgb8> made;  // the still's, once it has all its samples
+  std::optional<PictureRgb8> made;  // the finished picture of a still
   double scene_seconds = 0, picture_seconds = 0, render_seconds = 0;
 };
 

@@ -1,11 +1,11 @@
-// Pictures without a session, rendered by the runner beside the sessions.
+// Stills: pictures without a session, which the runner renders beside the sessions.
 #include <algorithm>
 
 #include "renderd/schedule/runner_parts.h"
 
 namespace diaphane::render {
 
-// Each holds a film's memory.
+// A cancelled still is dropped early because it holds the memory of a film.
 void Runner::drop_cancelled_stills() {
   if (still_under_way_) return;
   std::erase_if(stills_,
@@ -18,7 +18,8 @@ bool Runner::begin_still() {
   if (stills_.empty() || !still_may_run(stills_.front()->job.rank, moving_)) return false;
   auto turn = std::make_unique<Turn>();
   turn->still = stills_.front();
-  // One sample, then as many as fit what is due at the speed seen so far.
+  // The first quantum is one sample. Later ones fit the time that is due at the speed measured so
+  // far.
   const Still& still = *turn->still;
   const Progress before = still.samples > 0 ? still.job.renderer->progress() : Progress{};
   const double per_sample = before.samples > 0 ? before.seconds / double(before.samples) : 0;
@@ -31,7 +32,7 @@ bool Runner::begin_still() {
 
 void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
   render_still(turn, signs);
-  // Of a large picture the rest takes a second on the CPU: sessions' quanta go on beside it.
+  // Finishing a large picture takes a second on the CPU, so quanta of sessions may run meanwhile.
   rendered(turn);
   if (!turn.failed) finish_still(turn, signs);
 }
@@ -39,7 +40,7 @@ void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
 void Runner::render_still(Turn& turn, Signs::Work& signs) {
   StillJob& job = turn.still->job;
   const Time start = clock_.now();
-  const double before = own_seconds();
+  const double before = own_seconds(turn);
   if (turn.still->samples == 0) {
     job.renderer->prepare_denoising(job.smoothed);
     if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
@@ -52,7 +53,7 @@ void Runner::render_still(Turn& turn, Signs::Work& signs) {
     return stopping_ || !still_may_run(job.rank, moving_) || (job.cancelled && job.cancelled());
   });
   turn.render_seconds = seconds_between(start, clock_.now());
-  if (batch && job.took) job.took(own_seconds() - before + batch->helped_seconds);
+  if (batch && job.took) job.took(own_seconds(turn) - before + batch->helped_seconds);
   if (!batch) {
     turn.failed = batch.error();
     return;
@@ -81,7 +82,7 @@ void Runner::settle_still(Turn& turn) {
   still_seconds_due_ =
       still_due_after(job.rank, still_seconds_due_, turn.render_seconds + turn.picture_seconds);
   if (!turn.failed && !turn.made) return;
-  // One that nobody waits for any more was cancelled while its picture was made.
+  // A job may have been cancelled while its picture was made.
   if (!job.cancelled || !job.cancelled()) {
     if (turn.failed) {
       job.done(tl::unexpected(*turn.failed), 0);
@@ -89,7 +90,7 @@ void Runner::settle_still(Turn& turn) {
       job.done(std::move(*turn.made), job.renderer->progress().error);
     }
   }
-  std::erase(stills_, turn.still);  // one that goes before it may have come meanwhile
+  std::erase(stills_, turn.still);  // a still of a higher rank may have been inserted before it
   if (turn.failed && turn.failed->code == ErrorCode::kDeviceLost && options_.device_lost) {
     options_.device_lost(*turn.failed);
   }

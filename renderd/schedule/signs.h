@@ -7,14 +7,15 @@
 
 namespace diaphane::render {
 
-/// Signs of life of what is under way on a device, for a watchdog: each piece of work has a place,
-/// which changes with every sign. Wait-free.
+/// Records the progress of the work on a device for a watchdog. Each piece of work occupies a
+/// place, whose value changes whenever the work reports progress. Wait-free.
 class Signs {
  public:
-  /// More than are ever under way at once; what finds no place is not watched.
+  /// More than the number of pieces of work that ever run at once. Work that finds no free place is
+  /// not watched.
   static constexpr std::size_t kPlaces = 64;
 
-  /// A place, held while the work goes on.
+  /// Occupies a place for as long as it lives.
   class Work {
    public:
     explicit Work(Signs& signs) : signs_(signs) {
@@ -40,7 +41,8 @@ class Signs {
     std::atomic<std::uint64_t>* place_ = nullptr;
   };
 
-  /// 0: nothing is under way there. Else it differs whenever there was a sign since.
+  /// Returns 0 if the place is free. Otherwise the value changes whenever the work reports
+  /// progress.
   std::uint64_t at(std::size_t place) const { return places_[place]; }
 
  private:

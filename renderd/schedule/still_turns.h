@@ -6,44 +6,44 @@
 
 namespace diaphane::render {
 
-/// In this order they go before each other, and behind sessions more and more.
+/// Priority of stills, highest first. Each rank yields more to sessions than the one before.
 enum class StillRank {
-  kAwaited,     ///< somebody looks at where it will be
-  kBackground,  ///< nobody waits for it
-  kFile,        ///< of a file that takes minutes: it slows nobody's moving picture
+  kAwaited,     ///< a user sees the place where it will appear
+  kBackground,  ///< no one waits for it
+  kFile,        ///< for a file, which takes minutes; it never slows down a moving picture
 };
 
-/// The stills' seconds for each second that the device is busy, by the first of them: a third of
-/// the device, little while somebody drags. By time, not by turns: a sample of a large canvas on a
-/// slow device takes a second, and a turn of 30 ms between two of them would let a thumbnail wait
-/// for a minute.
+/// Returns the seconds that stills get per second that the device is busy, by the rank of the first
+/// one. Awaited stills get a third of the device, but little while a session moves. The share is a
+/// share of time, not of turns: one sample of a large canvas on a slow device takes a second, so a
+/// turn of 30 ms between two of them would make a thumbnail wait for a minute.
 inline double still_share(StillRank first, std::size_t moving_sessions) {
   constexpr double kShare = 0.5, kShareInBackground = 1.0 / 16;
   if (first == StillRank::kFile && moving_sessions > 0) return 0;
   return moving_sessions > 0 || first != StillRank::kAwaited ? kShareInBackground : kShare;
 }
 
-/// Whether one may be rendered at all: beside a hand that moves, not even in the pauses, since
-/// the next input would have to wait for it.
+/// Whether a still of this rank may be rendered at all. A file is not even rendered in the pauses
+/// of a drag, because the next input would have to wait for it.
 inline bool still_may_run(StillRank rank, std::size_t moving_sessions) {
   return rank != StillRank::kFile || moving_sessions == 0;
 }
 
-/// What is due to them after a quantum of `spent` seconds. A file's samples may take longer than
-/// was due: then the sessions get that time back.
+/// Returns the time that stills are owed after a quantum of `spent` seconds. The samples of a file
+/// may take longer than the time owed; the debt is then given back to the sessions.
 inline double still_due_after(StillRank rank, double due, double spent) {
   constexpr double kLongestDebt = 1;
   return std::max(due - spent, rank == StillRank::kFile ? -kLongestDebt : 0.0);
 }
 
-/// What a still has got, and what was asked for.
+/// The samples and the error of a still, and those requested.
 struct StillSoFar {
   std::uint64_t samples = 0, samples_wanted = 1;
-  double error = 0, error_wanted = 0;  ///< 0 wanted: no error is good enough
-  bool late = false;                   ///< somebody must have it now
+  double error = 0, error_wanted = 0;  ///< `error_wanted` of 0: no error is good enough
+  bool late = false;                   ///< its deadline has passed
 };
 
-/// Whether its picture is made of what is there: one sample at least.
+/// Whether to make the picture from the current samples. It needs at least one.
 inline bool still_is_rendered(const StillSoFar& still) {
   if (still.samples == 0) return false;
   const bool good = still.error_wanted > 0 && still.error <= still.error_wanted;

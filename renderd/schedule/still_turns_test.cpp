@@ -19,10 +19,11 @@ TEST(StillTurns, ShareFallsWithRankAndWithHandsThatMove) {
   EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kBackground, 0));
   EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kAwaited, 1));
   EXPECT_GE(still_share(StillRank::kBackground, 0), still_share(StillRank::kFile, 0));
-  EXPECT_GT(still_share(StillRank::kFile, 0), 0) << "at rest it goes on, if slowly";
+  EXPECT_GT(still_share(StillRank::kFile, 0), 0) << "at rest it continues, if slowly";
 }
 
-// Sessions that render without a pause: over time a file has its sixteenth, however long a sample.
+// While sessions render without a pause, a file gets a sixteenth of the time in the long run,
+// however long its samples take.
 TEST(StillTurns, AFileGivesBackWhatALongSampleTook) {
   for (const double sample : {0.01, 0.1, 0.9}) {
     double due = 0, busy = 0, files = 0;

@@ -11,7 +11,7 @@
 
 namespace diaphane::render {
 
-/// Who looks at one session of a runner, and keeps what comes.
+/// The viewer of one session of a runner. Keeps everything that it receives.
 class TestClient final : public RenderClient {
  public:
   explicit TestClient(const Clock& clock, Canvas viewport = {100, 100}) : clock_(clock) {

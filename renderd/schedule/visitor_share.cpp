@@ -5,37 +5,49 @@
 namespace diaphane::render {
 namespace {
 
-/// Before a session's cost is known, that of a picture of a slow GPU.
-constexpr double kUnknownCost = 0.001;
-/// What visitors can save up: no more than a quantum, so that they never hold the device for long.
+/// Seconds per sample assumed for a session that was not measured: those of a slow GPU.
+constexpr double kUnmeasuredSample = 0.001;
+/// Seconds that visitors can save up: no more than a quantum, so that they never occupy the device
+/// for long.
 constexpr double kMostCredit = 0.008;
-/// What they can owe: a sample of a large picture on a slow device may take longer than their
-/// share.
+/// Seconds that visitors can owe, because a sample of a large picture on a slow device may take
+/// longer than their share.
 constexpr double kMostDebt = 2;
 
 double cost_of(const Quantum& quantum, const SessionView& session) {
-  const double sample = session.seconds_per_sample > 0 ? session.seconds_per_sample : kUnknownCost;
+  const double sample =
+      session.seconds_per_sample > 0 ? session.seconds_per_sample : kUnmeasuredSample;
   return quantum.samples * sample + (session.samples == 0 ? session.seconds_first : 0);
 }
 
 }  // namespace
 
 std::vector<Quantum> VisitorShare::next(std::span<const SessionView> sessions) {
+  return shared(sessions, [&](auto views) { return inner_->next(views); });
+}
+
+std::vector<Quantum> VisitorShare::overtaking(std::span<const SessionView> sessions,
+                                              unsigned highest) {
+  return shared(sessions, [&](auto views) { return inner_->overtaking(views, highest); });
+}
+
+std::vector<Quantum> VisitorShare::shared(std::span<const SessionView> sessions,
+                                          const Choice& choice) {
   const bool contended = std::any_of(sessions.begin(), sessions.end(), [](const SessionView& one) {
     return !one.visitor && gains(one);
   });
   if (!contended) {
     credit_ = 0;
-    return inner_->next(sessions);
+    return choice(sessions);
   }
   std::vector<Quantum> quanta;
   if (credit_ < 0) {
     std::vector<SessionView> holders;
     std::copy_if(sessions.begin(), sessions.end(), std::back_inserter(holders),
                  [](const SessionView& one) { return !one.visitor; });
-    quanta = inner_->next(holders);
+    quanta = choice(holders);
   } else {
-    quanta = inner_->next(sessions);
+    quanta = choice(sessions);
   }
   for (const Quantum& quantum : quanta) {
     const auto session = std::find_if(sessions.begin(), sessions.end(), [&](const auto& one) {

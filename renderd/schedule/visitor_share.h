@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -7,23 +8,27 @@
 
 namespace diaphane::render {
 
-/// Bounds what visitors and guests (people without an account) take of the device together: while
-/// a picture of an account holder gains, at most `share` of the time that quanta are expected to
-/// take. Within that bound, and whenever no account holder's picture gains, `inner` decides among
-/// all. A credit scheme, as a token bucket whose tokens are earned by the others' quanta.
-/// It gives no quantum although a visitor waits when visitors have used up their share and the
-/// account holders' quanta are all under way.
+/// Limits the device time of visitors and guests (people without an account) together. While a
+/// picture of an account holder gains, they get at most `share` of the time that quanta are
+/// expected to take. Within that limit, and whenever no picture of an account holder gains, `inner`
+/// decides among all sessions. This is a credit scheme, like a token bucket that the quanta of
+/// account holders refill. Unlike other policies, next() returns nothing although a visitor waits
+/// if visitors have used up their share and the quanta of all account holders are in flight.
 class VisitorShare final : public Policy {
  public:
   VisitorShare(std::unique_ptr<Policy> inner, double share)
       : inner_(std::move(inner)), share_(share) {}
   std::vector<Quantum> next(std::span<const SessionView> sessions) override;
+  std::vector<Quantum> overtaking(std::span<const SessionView> sessions, unsigned highest) override;
 
-  /// Seconds of the device that visitors may take beyond what account holders take now; negative:
-  /// they wait for so much.
+  /// Seconds that visitors are ahead of their share (negative) or behind it (positive). They wait
+  /// while it is negative.
   double credit() const { return credit_; }
 
  private:
+  using Choice = std::function<std::vector<Quantum>(std::span<const SessionView>)>;
+  std::vector<Quantum> shared(std::span<const SessionView> sessions, const Choice& choice);
+
   std::unique_ptr<Policy> inner_;
   const double share_;
   double credit_ = 0;

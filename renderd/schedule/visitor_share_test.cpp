@@ -18,7 +18,7 @@ SessionView gaining(std::uint64_t session, bool visitor) {
   return view;
 }
 
-/// Seconds of the device by session after many decisions over views that do not change.
+/// Returns the device time per session, in seconds, after many decisions over constant views.
 std::map<std::uint64_t, double> spend(VisitorShare& policy, const std::vector<SessionView>& views) {
   std::map<std::uint64_t, double> spent;
   for (int i = 0; i < 4000; ++i) {
@@ -50,7 +50,7 @@ TEST(VisitorShare, VisitorsHaveTheWholeDeviceWhileNoAccountHolderGains) {
   const auto spent = spend(policy, {done, gaining(2, true), gaining(3, true)});
   EXPECT_FALSE(spent.contains(1));
   EXPECT_NEAR(spent.at(2), spent.at(3), 0.1 * spent.at(3));
-  EXPECT_EQ(policy.credit(), 0) << "what they took then is not held against them";
+  EXPECT_EQ(policy.credit(), 0) << "what they used then does not count";
 }
 
 TEST(VisitorShare, VisitorsAreNotStarvedWithinTheirShare) {
@@ -74,12 +74,32 @@ TEST(VisitorShare, ALongSampleOfAVisitorIsPaidBackBeforeTheNext) {
       if (quantum.session == 2) {
         since += quantum.samples * 0.002;
       } else {
-        if (paid++ > 0) EXPECT_GE(since, 0.85);  // 3 times as long
+        if (paid++ > 0) EXPECT_GE(since, 0.85);  // three times the cost of the quantum
         since = 0;
       }
     }
   }
   EXPECT_GT(paid, 2);
+}
+
+TEST(VisitorShare, OvertakingIsPaidFromTheSameShare) {
+  VisitorShare policy = policy_of(PolicyKind::kMarginalGain, 0.25);
+  const auto dragging = [](std::uint64_t session, bool visitor) {
+    SessionView view = gaining(session, visitor);
+    view.samples = 0;
+    view.seconds_since_input = view.seconds_unanswered = 0.02;
+    view.seconds_since_begun = 1;
+    return view;
+  };
+  SessionView holder = gaining(1, false);
+  holder.under_way = true;
+  int visitors = 0;
+  for (int i = 0; i < 1000; ++i) {
+    visitors +=
+        static_cast<int>(policy.overtaking(std::vector{holder, dragging(2, true)}, 0).size());
+  }
+  EXPECT_LE(visitors, 8) << "what was saved up, and then nothing: no account holder earns it";
+  EXPECT_EQ(policy.overtaking(std::vector{holder, dragging(3, false)}, 0).size(), 1U);
 }
 
 TEST(VisitorShare, NobodyWithoutAnAccountGainsWithAShareOfNothingWhileOthersDo) {

@@ -10,13 +10,13 @@
 #include "api/proto/worker.grpc.pb.h"
 #include "renderd/serve/assist_session.h"
 
-// One Assist on the serving side; for grpc_server.cpp alone.
+// One Assist call on the serving side. To be included only by grpc_server.cpp.
 
 namespace diaphane::render {
 
-/// The writing side: one write at a time, then the status. It outlives the call, since the session
-/// may hold it a moment longer. A part is on its way until the other side says that it was taken,
-/// so the queue holds one part's bands at most.
+/// Writes one message at a time, then the status. It outlives the call, because the session may
+/// hold it slightly longer. A part counts as sent when the other side acknowledges it, so the queue
+/// holds the bands of at most one part.
 class AssistStream final : public AssistLink {
  public:
   using Reactor = grpc::ServerBidiReactor<v1::AssistRequest, v1::AssistReply>;
@@ -49,7 +49,7 @@ class AssistStream final : public AssistLink {
     if (!ok) queue_.clear();
     write_next();
   }
-  /// The call is over: nothing may be started on it any more.
+  /// Marks the call as ended, after which no operation may start on it.
   void over() {
     const std::lock_guard lock(mutex_);
     reactor_ = nullptr;
@@ -77,12 +77,12 @@ class AssistStream final : public AssistLink {
   std::optional<grpc::Status> ending_;
 };
 
-/// Deletes itself when gRPC is done with it. `host` null: this worker assists nobody.
+/// Deletes itself when gRPC is done with it. If `host` is null, this worker assists nobody.
 class AssistReactor final : public AssistStream::Reactor {
  public:
   explicit AssistReactor(AssistHost* host) : stream_(std::make_shared<AssistStream>(this)) {
     Result<std::shared_ptr<AssistHost::Session>> opened =
-        fail(ErrorCode::kUnavailable, "This render server helps nobody.");
+        fail(ErrorCode::kUnavailable, "This render worker does not assist other workers.");
     if (host != nullptr) opened = host->open(stream_);
     if (opened) {
       session_ = std::move(*opened);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/ids.h"
+#include "common/try.h"
 #include "renderd/composite/composite_engine.h"
 #include "renderd/composite/wire.h"
 #include "renderd/scene/presets.h"
@@ -11,7 +12,7 @@
 namespace diaphane::render {
 namespace {
 
-/// Of a band, before it is coded: a connection's other calls wait no longer than it takes.
+/// Size of a band before encoding, which limits how long other calls on the connection wait.
 constexpr std::size_t kBandBytes = 1 << 20;
 constexpr std::uint32_t kMostParts = 4096;
 constexpr std::uint64_t kMostSequences = 1 << 20;
@@ -20,19 +21,17 @@ Result<AssistTask> task_of(const v1::AssistTask& message) {
   const Canvas canvas{message.width(), message.height(), message.picture_row(),
                       message.picture_height()};
   if (!is_sound(canvas)) {
-    return fail(ErrorCode::kInvalid, "A picture of this size is none.", "width");
+    return fail(ErrorCode::kInvalid, "The image size is invalid.", "width");
   }
   const std::uint32_t last = std::min(message.last_row(), message.height());
   if (!is_band(message.first_row(), last, message.height())) {
-    return fail(ErrorCode::kInvalid, "These rows are no band.", "first_row");
+    return fail(ErrorCode::kInvalid, "The rows do not form a valid band.", "first_row");
   }
   if (message.parts() == 0 || message.parts() > kMostParts || message.part() >= message.parts() ||
       message.sequence() >= kMostSequences) {
-    return fail(ErrorCode::kInvalid, "There is no such part of the samples.", "part");
+    return fail(ErrorCode::kInvalid, "This part of the samples does not exist.", "part");
   }
-  if (const auto sound = check_scene(message.scene()); !sound) {
-    return tl::unexpected(sound.error());
-  }
+  DIAPHANE_TRY(check_scene(message.scene()));
   AssistTask task;
   task.epoch = message.epoch();
   task.scene = std::make_shared<const v1::Scene>(message.scene());
@@ -45,9 +44,10 @@ Result<AssistTask> task_of(const v1::AssistTask& message) {
 
 Result<std::shared_ptr<AssistHost::Session>> AssistHost::open(std::shared_ptr<AssistLink> link) {
   const std::lock_guard lock(mutex_);
-  if (refusing_) return fail(ErrorCode::kUnavailable, "This render server is stopping.");
+  if (refusing_) return fail(ErrorCode::kUnavailable, "This render worker is shutting down.");
   if (sessions_.size() >= options_.most) {
-    return fail(ErrorCode::kTooMany, "This render server helps enough others.");
+    return fail(ErrorCode::kTooMany,
+                "This render worker already assists the maximum number of workers.");
   }
   auto session = std::make_shared<Session>(*this, std::move(link));
   sessions_.insert(session);
@@ -67,7 +67,7 @@ void AssistHost::end_all() {
     ending.swap(sessions_);
   }
   for (const auto& session : ending) {
-    session->end({ErrorCode::kUnavailable, "This render server is stopping.", {}});
+    session->end({ErrorCode::kUnavailable, "This render worker is shutting down.", {}});
   }
 }
 
@@ -77,7 +77,8 @@ std::size_t AssistHost::used() const {
 }
 
 void AssistHost::Session::receive(const v1::AssistRequest& request) {
-  Result<void> done = fail(ErrorCode::kInvalid, "Assist begins with open, once.");
+  Result<void> done =
+      fail(ErrorCode::kInvalid, "An Assist stream must start with exactly one open message.");
   switch (request.body_case()) {
     case v1::AssistRequest::kOpen:
       done = open(request.open());
@@ -98,9 +99,10 @@ void AssistHost::Session::receive(const v1::AssistRequest& request) {
 
 Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
   if (std::exchange(opened_, true)) {
-    return fail(ErrorCode::kInvalid, "Assist begins with open, once.");
+    return fail(ErrorCode::kInvalid, "An Assist stream must start with exactly one open message.");
   }
-  if (!is_id(open.volume_id())) return fail(ErrorCode::kInvalid, "No volume id.", "volume_id");
+  if (!is_id(open.volume_id()))
+    return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
   host_.volumes_.get(open.volume_id(),
                      [self = shared_from_this(), open](Result<VolumeCache::Handle> volume) {
                        self->volume_ready(open, std::move(volume));
@@ -124,9 +126,10 @@ void AssistHost::Session::volume_ready(const v1::AssistOpen& open,
 }
 
 Result<void> AssistHost::Session::take(const v1::AssistTask& message) {
-  if (!opened_) return fail(ErrorCode::kInvalid, "Assist begins with open, once.");
+  if (!opened_)
+    return fail(ErrorCode::kInvalid, "An Assist stream must start with exactly one open message.");
   auto task = task_of(message);
-  if (!task) return tl::unexpected(task.error());
+  DIAPHANE_TRY(task);
   desk_->put(std::move(*task));
   version_ = desk_->newest().version;
   host_.runner_.wake();
@@ -150,7 +153,7 @@ void AssistHost::Session::end(const Error& why) {
     const std::lock_guard lock(mutex_);
     link = link_;
   }
-  // Its place is free before the other side hears of it.
+  // Frees the session's place before the other side learns of the end.
   closed();
   if (link) link->finish(why);
 }
@@ -160,7 +163,7 @@ Wanted AssistHost::Session::wanted() {
   const AssistDesk::Order order = desk_->newest();
   if (!order.task) return wanted;
   wanted.version = order.version;
-  // Shares the task's life: the renderer finds the task by its scene.
+  // Shares the lifetime of the task, because the renderer finds the task by its scene.
   wanted.scene = std::shared_ptr<const v1::Scene>(order.task, order.task->scene.get());
   wanted.viewport = order.task->canvas;
   wanted.input_seq = order.task->epoch;

@@ -12,7 +12,7 @@
 
 namespace diaphane::render {
 
-/// Another worker's connection. Neither call blocks or calls back.
+/// The connection of another worker. The calls neither block nor call back.
 class AssistLink {
  public:
   virtual ~AssistLink() = default;
@@ -20,24 +20,24 @@ class AssistLink {
   virtual void finish(const Error& why) = 0;
 };
 
-/// The pictures of other workers that this one helps with: each is one session more of its runner,
-/// whose pictures are parts of films. Thread-safe.
+/// Sessions that help with the pictures of other workers. Each is one more session of the runner,
+/// and its pictures are parts of films. Thread-safe.
 class AssistHost {
  public:
   struct Options {
-    std::size_t most = 16;  ///< at once
+    std::size_t most = 16;  ///< concurrent sessions
   };
 
   AssistHost(Options options, Engine& engine, Runner& runner, VolumeCache& volumes)
       : options_(options), engine_(engine), runner_(runner), volumes_(volumes) {}
 
   class Session;
-  /// kTooMany, kUnavailable (draining).
+  /// kTooMany. kUnavailable while draining.
   Result<std::shared_ptr<Session>> open(std::shared_ptr<AssistLink> link);
-  /// Refuses from now on, and ends all.
+  /// Ends all sessions and refuses new ones.
   void end_all();
   std::size_t used() const;
-  /// That the device worked for others' pictures since the start.
+  /// Returns the device time spent on other workers' pictures since the start.
   double lent_seconds() const { return lent_seconds_; }
 
  private:
@@ -59,9 +59,9 @@ class AssistHost::Session final : public RenderClient,
   Session(AssistHost& host, std::shared_ptr<AssistLink> link)
       : host_(host), link_(std::move(link)) {}
 
-  /// kInvalid ends the connection.
+  /// An invalid message ends the connection with kInvalid.
   void receive(const diaphane::v1::AssistRequest& request);
-  /// The connection is over. Idempotent.
+  /// To be called when the connection has ended. Idempotent.
   void closed();
   void end(const Error& why);
 
@@ -90,7 +90,7 @@ class AssistHost::Session final : public RenderClient,
   std::mutex mutex_;
   std::shared_ptr<AssistLink> link_;  ///< null: closed
   bool opened_ = false;
-  std::uint64_t handle_ = 0;  ///< of the runner; 0: none yet
+  std::uint64_t handle_ = 0;  ///< in the runner; 0: not added yet
 };
 
 }  // namespace diaphane::render

@@ -1,4 +1,4 @@
-// Several workers that make one picture, over real gRPC with real CPU engines.
+// Several workers that render one picture, over real gRPC with real CPU engines.
 
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "api/proto/worker.grpc.pb.h"
 #include "common/claimed_port.h"
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/schedule/eventually.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-/// A worker that helps. Ends as a killed one does: its connections break.
+/// A worker that helps. It ends like a killed one: its connections break.
 struct Helper {
   explicit Helper(const std::string& store, std::uint16_t port = 0) {
     RenderWorker::Options options;
@@ -74,9 +74,9 @@ class Assist : public testing::Test {
   const CompositeReport& report() const {
     return dynamic_cast<CompositeRenderer&>(*renderer_).composite();
   }
-  /// Renders as the scheduler does until `test`; false when that takes two minutes.
+  /// Renders like the scheduler until `test` holds. Returns false after two minutes.
   bool until(const std::function<bool()>& test) {
-    const auto end = steady_clock::now() + 120s;  // of a machine that does much else
+    const auto end = steady_clock::now() + 120s;  // on a busy machine
     while (!test()) {
       if (steady_clock::now() > end) return false;
       EXPECT_TRUE(renderer_->render(2, [] { return false; }));
@@ -84,7 +84,7 @@ class Assist : public testing::Test {
     }
     return true;
   }
-  /// Root mean square difference on the screen to a picture of one device.
+  /// Returns the root mean square difference of the displayed picture to that of one device.
   double off() {
     const auto one = make_cpu_engine(2);
     const auto volume = volume::read(store_.path + "/" + volume_, false);
@@ -124,14 +124,14 @@ TEST_F(Assist, AWorkerKilledOrJoiningInMidPictureCostsOrBringsItsShare) {
     ASSERT_TRUE(until([&] { return report().assistants == 1; }));
     const auto before = renderer_->progress().samples;
     ASSERT_TRUE(until([&] { return renderer_->progress().samples >= before + 20; }))
-        << "the picture goes on";
+        << "the picture continues";
     helpers_[0] = std::make_unique<Helper>(store_.path, port);
     ASSERT_TRUE(until([&] { return report().assistants == 2; })) << "it is back";
     ASSERT_TRUE(until([&] { return renderer_->progress().samples >= 80; }));
     EXPECT_LT(off(), 0.04);
     EXPECT_EQ(report().dropped_parts, 0u);
 
-    // A camera that moves: only parts of the newest picture count.
+    // While the camera moves, only parts of the newest picture count.
     for (int step = 0; step < 10; ++step) {
       scene_ = turned(scene_, 25);
       ASSERT_TRUE(renderer_->set_scene(scene_, kCanvas));
@@ -149,7 +149,7 @@ TEST_F(Assist, AWorkerKilledOrJoiningInMidPictureCostsOrBringsItsShare) {
 TEST_F(Assist, AnAssistantRestsWithThePicture) {
   start(1, {.division = Division::kAverage});
   ASSERT_TRUE(until([&] { return report().parts >= 3; }));
-  // Nobody looks: what it renders on is no more than what it delivered.
+  // Without a viewer, the helper renders at most what it has delivered.
   const auto busy = [&] { return helpers_[0]->worker->runner().busy_seconds(); };
   bool rests = false;
   for (int i = 0; i < 20 && !rests; ++i) {
@@ -159,8 +159,8 @@ TEST_F(Assist, AnAssistantRestsWithThePicture) {
   }
   EXPECT_TRUE(rests);
   const auto parts = report().parts;
-  ASSERT_TRUE(until([&] { return report().parts > parts + 1; })) << "and goes on";
-  // The session ends: so does its place there.
+  ASSERT_TRUE(until([&] { return report().parts > parts + 1; })) << "and continues";
+  // When the session ends, it frees its place there.
   EXPECT_EQ(helpers_[0]->worker->assists().used(), 1u);
   renderer_.reset();
   for (int i = 0; i < 500 && helpers_[0]->worker->assists().used() > 0; ++i) {
@@ -181,12 +181,12 @@ TEST_F(Assist, AHelperThatIsLentComesInMidPictureAndIsLeftAtOnceWhenGivenBack) {
     EXPECT_GT(source_->helped_seconds(), 0);
     EXPECT_GT(first.worker->assists().lent_seconds(), 0);
 
-    // Nobody renders here meanwhile: it is free all the same.
+    // It is released although nothing is rendered meanwhile.
     source_->borrow({});
     EXPECT_TRUE(eventually([&] { return first.worker->assists().used() == 0; }));
     const auto before = renderer_->progress().samples;
     ASSERT_TRUE(until([&] { return renderer_->progress().samples >= before + 20; }))
-        << "the picture goes on";
+        << "the picture continues";
     EXPECT_EQ(report().assistants, 0u);
 
     source_->borrow({second.address()});
@@ -219,7 +219,7 @@ TEST_F(Assist, AHelperThatRefusesOrIsNotThereIsSaidSoAndAskedNoMore) {
 
 TEST_F(Assist, AHelperWithoutRoomForAllHelpsWithAsManyAsItCan) {
   start(0, {.division = Division::kAverage}, 1);
-  Helper helper(store_.path);  // of two pictures at most
+  Helper helper(store_.path);  // for at most two pictures
   source_->borrow({helper.address()});
   std::vector<std::unique_ptr<FrameRenderer>> more;
   for (int i = 0; i < 2; ++i) {
@@ -237,7 +237,7 @@ TEST_F(Assist, AHelperWithoutRoomForAllHelpsWithAsManyAsItCan) {
     step();
     return helper.worker->assists().used() == 2;
   }));
-  // The third asks again each second.
+  // The third retries every second.
   const auto begun = steady_clock::now();
   ASSERT_TRUE(until([&] {
     step();
@@ -246,7 +246,7 @@ TEST_F(Assist, AHelperWithoutRoomForAllHelpsWithAsManyAsItCan) {
   EXPECT_EQ(helper.worker->assists().used(), 2u);
 }
 
-/// What anybody may send, and how the call ends.
+/// Messages that any client may send, and how the call ends.
 TEST_F(Assist, NonsenseEndsTheCallAndHarmsNobody) {
   start(1, {.division = Division::kAverage});
   const auto stub = v1::RenderWorker::NewStub(

@@ -7,19 +7,19 @@
 
 namespace diaphane::render {
 
-/// A session that holds a slot, as the choice below sees it. Plain data.
+/// A session that holds a slot, with the data for the decision below.
 struct SlotHolder {
   std::string id;
-  bool visitor = false;     ///< of somebody without an account, or a guest's own camera
-  bool own_camera = false;  ///< its viewer would still see the group's picture
-  std::optional<std::chrono::steady_clock::duration> abandoned_for;  ///< empty: somebody looks
+  bool visitor = false;     ///< of a visitor, or a guest's own camera
+  bool own_camera = false;  ///< its viewer can return to the group's picture
+  std::optional<std::chrono::steady_clock::duration> abandoned_for;  ///< nullopt: it has a viewer
   std::chrono::steady_clock::duration age{};
 };
 
-/// Which session gives up its slot, or none. For an account holder, in this order: a visitor's that
-/// nobody looks at, a guest's own camera, a visitor's (of each kind the one that has had its slot
-/// the longest), an account holder's that nobody looks at. For a visitor: only a visitor's that
-/// nobody looks at.
+/// Returns the session that gives up its slot, or nullopt. For an account holder, in this order: an
+/// abandoned session of a visitor, a guest's own camera, a visitor's session (in both cases the one
+/// that has held its slot the longest), and an abandoned session of an account holder. For a
+/// visitor, only an abandoned session of a visitor.
 std::optional<std::string> to_evict(std::span<const SlotHolder> holders, bool for_visitor);
 
 }  // namespace diaphane::render

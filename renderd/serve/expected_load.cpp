@@ -20,7 +20,7 @@ double ExpectedLoad::after(double seconds, double busy, std::span<const Seen> se
     watched.device_seconds = one.device_seconds;
     all += took.back();
   }
-  // What went on together took the device once.
+  // Work that ran at the same time used the device only once.
   const double scale = all > busy ? busy / all : 1;
   const double of_anybody = 1.0 / static_cast<double>(std::max<std::size_t>(slots, 1));
   double load = 0;

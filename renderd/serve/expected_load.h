@@ -8,16 +8,18 @@
 
 namespace diaphane::render {
 
-/// What the sessions of this worker are expected to take of its device, and what else goes on there
-/// (films; not pictures for other workers' sessions): what the next session is placed by.
+/// Predicts how much of the device this worker's sessions will use, together with its other work
+/// (films, but not pictures for other workers). New sessions are placed by this value.
 class ExpectedLoad {
  public:
   struct Seen {
     std::string id;
-    double device_seconds = 0;  ///< since the session began; several may be under way together
+    /// Since the session began; the times of concurrent sessions overlap.
+    double device_seconds = 0;
   };
 
-  /// After each heartbeat's `seconds`, of which the device was busy for `busy`. 1: all of it.
+  /// To be called after each heartbeat, which covers `seconds`, of which the device was busy for
+  /// `busy`. Returns the expected load; 1 is the whole device.
   double after(double seconds, double busy, std::span<const Seen> sessions, std::size_t slots);
 
  private:

@@ -19,8 +19,8 @@ double after_seconds(ExpectedLoad& load, int seconds, double busy, std::vector<S
   return value;
 }
 
-/// Of whom nothing is known a tenth; then a rate for very long, of which the memory's 600 s weigh
-/// against the prior's 30. What steps of a second alter is below 0.001.
+/// An unknown session counts as a tenth. After a long time at one rate, the memory's 600 s weigh
+/// against the prior's 30 s. Steps of a second change less than 0.001.
 double settled(double of_anybody, double rate) { return (30 * of_anybody + 600 * rate) / 630; }
 constexpr double kStep = 0.001;
 
@@ -33,7 +33,7 @@ TEST(ExpectedLoad, OfWhomNothingIsKnownASlotIsExpected) {
 
 TEST(ExpectedLoad, WhoWasWatchedIsExpectedToGoOnAsBefore) {
   ExpectedLoad load;
-  // The posterior after n seconds at a rate r: (30 p + n r) / (30 + n), with a little forgotten.
+  // The posterior after n seconds at a rate r is (30 p + n r) / (30 + n), with slight forgetting.
   EXPECT_NEAR(after_seconds(load, 60, 0.5, {{"a"}}, {0.5}), (30 * 0.1 + 60 * 0.5) / 90, 0.01);
   EXPECT_NEAR(after_seconds(load, 9000, 0.5, {{"a", 30}}, {0.5}), settled(0.1, 0.5), kStep);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/try.h"
 #include "renderd/encode/film_file.h"
 #include "renderd/encode/png_rows.h"
 #include "renderd/film/part.h"
@@ -15,10 +16,11 @@ namespace {
 namespace v1 = diaphane::v1;
 
 constexpr std::uint32_t kMostSamples = 1 << 16;
-constexpr std::uint32_t kFewestSamples = 16;  // below it no estimate of the error is trusted
-/// Of the small picture that tells how many samples a large one needs.
+// with fewer samples, the error estimate is unreliable
+constexpr std::uint32_t kFewestSamples = 16;
+/// Largest side of the small picture that predicts the samples of a large one.
 constexpr std::uint32_t kTrialSide = 768;
-constexpr int kPngLevelOfFiles = 6;  // made once, kept for long
+constexpr int kPngLevelOfFiles = 6;  // encoded once, kept for long
 
 class FilmMaker final : public FileMaker {
  public:
@@ -34,9 +36,9 @@ class FilmMaker final : public FileMaker {
                     true};
   }
   Result<std::string> take(const PictureRgb8& picture, std::uint64_t) override {
-    if (auto added = file_->add(picture); !added) return tl::unexpected(added.error());
+    DIAPHANE_TRY(file_->add(picture));
     ++taken_;
-    return std::string();  // its index, which stands first, is known last
+    return std::string();  // the index comes first in the file, but is known last
   }
   Result<std::string> finish() override { return file_->finish(); }
   double done() const override { return static_cast<double>(taken_) / film_.frames(); }
@@ -48,8 +50,9 @@ class FilmMaker final : public FileMaker {
   std::uint32_t taken_ = 0;
 };
 
-// First a small picture of the whole, to the wanted error: it tells the samples, which are the same
-// for each band. Bands with an error of their own would be noisier where they are darker.
+// First renders a small picture of the whole to the target error. This determines the number of
+// samples, which is the same for each band. If each band had its own target error, darker bands
+// would be noisier.
 class PictureMaker final : public FileMaker {
  public:
   PictureMaker(Canvas size, double error, v1::Scene scene, std::unique_ptr<PngRows> file)
@@ -97,24 +100,24 @@ class PictureMaker final : public FileMaker {
   const std::shared_ptr<const v1::Scene> scene_;
   const std::unique_ptr<PngRows> file_;
   const Canvas trial_;
-  std::uint32_t samples_ = 0;  // 0: not known yet
+  std::uint32_t samples_ = 0;  // 0: not yet known
   std::uint32_t row_ = 0;
 };
 
 Result<std::unique_ptr<FileMaker>> film_maker(const v1::Film& film, std::vector<v1::Scene> keys) {
-  if (const auto sound = check_film(film, keys); !sound) return tl::unexpected(sound.error());
+  DIAPHANE_TRY(check_film(film, keys));
   auto file =
       make_film_file({{film.width(), film.height()}, film.frames_per_second(), film.frames()});
-  if (!file) return tl::unexpected(file.error());
+  DIAPHANE_TRY(file);
   return std::make_unique<FilmMaker>(film, std::move(keys), std::move(*file));
 }
 
 Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
                                                  std::vector<v1::Scene> keys) {
-  if (const auto sound = check_picture(picture, keys); !sound) return tl::unexpected(sound.error());
+  DIAPHANE_TRY(check_picture(picture, keys));
   const Canvas size{picture.width(), picture.height()};
   auto file = make_png_rows(size, kPngLevelOfFiles);
-  if (!file) return tl::unexpected(file.error());
+  DIAPHANE_TRY(file);
   return std::make_unique<PictureMaker>(size, picture.error(), std::move(keys.front()),
                                         std::move(*file));
 }
@@ -131,7 +134,7 @@ Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileWanted& wanted,
                                                    std::vector<v1::Scene> keys) {
   if (wanted.has_film()) return film_maker(wanted.film(), std::move(keys));
   if (wanted.has_picture()) return picture_maker(wanted.picture(), std::move(keys));
-  return fail(ErrorCode::kInvalid, "There is no such file.", "kind");
+  return fail(ErrorCode::kInvalid, "This file type is not supported.", "kind");
 }
 
 }  // namespace diaphane::render

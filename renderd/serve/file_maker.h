@@ -12,36 +12,37 @@
 
 namespace diaphane::render {
 
-/// A picture that a file needs next.
+/// The next picture that a file needs.
 struct FileStep {
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas canvas;
   std::uint32_t samples = 1;  ///< per pixel, at most
-  double error = 0;           ///< estimated, at which it is good enough; 0: all samples
+  double error = 0;           ///< estimated error to reach; 0: render all samples
   bool smoothed = false;
 };
 
-/// Makes a file of one picture after the other. Used by one thread at a time.
+/// Makes a file picture by picture. Not thread-safe.
 class FileMaker {
  public:
   virtual ~FileMaker() = default;
-  /// Nothing: all pictures were there.
+  /// Returns nullopt when all pictures have been taken.
   virtual std::optional<FileStep> next() = 0;
-  /// The picture of the newest step, with so many samples; the file's bytes that are ready.
+  /// Takes the picture of the last step and its number of samples. Returns the bytes of the file
+  /// that are ready.
   virtual Result<std::string> take(const PictureRgb8& picture, std::uint64_t samples) = 0;
-  /// After the last picture, once: the rest of the bytes.
+  /// Returns the rest of the file. To be called once, after the last picture.
   virtual Result<std::string> finish() = 0;
-  /// Of the rendering, 0 to 1.
+  /// Returns the progress of rendering, 0 to 1.
   virtual double done() const = 0;
 };
 
-/// The rows of the bands that a large picture is rendered in: so few that a film of one is small
-/// and a sample of it short.
+/// Returns the number of rows per band of a large picture, small enough for a small film and short
+/// samples.
 std::uint32_t band_rows(Canvas picture);
 
 inline constexpr std::uint64_t kBandPixels = std::uint64_t{1} << 20;
 
-/// kInvalid names what is wrong with the order (FileWanted) or its key views.
+/// kInvalid names the invalid field of the order (FileWanted) or of its key views.
 Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileWanted& wanted,
                                                    std::vector<diaphane::v1::Scene> keys);
 

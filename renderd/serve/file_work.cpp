@@ -85,7 +85,7 @@ bool FileWork::put(std::string bytes, bool last) {
 void FileWork::taken(std::uint64_t seq) {
   {
     const std::lock_guard lock(mutex_);
-    if (seq > sent_) return;  // not a word about what was never sent
+    if (seq > sent_) return;  // ignores acknowledgements of parts that were not sent
     taken_ = std::max(taken_, seq);
   }
   send();

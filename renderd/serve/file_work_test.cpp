@@ -13,7 +13,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// So many pictures, each of which gives so many bytes at once; and some at the end.
+/// Makes a fixed number of pictures, each of which gives a fixed number of bytes at once, and some
+/// at the end.
 class FakeMaker final : public FileMaker {
  public:
   FakeMaker(int pictures, std::size_t bytes, std::size_t at_end)
@@ -37,7 +38,7 @@ class FakeMaker final : public FileMaker {
   bool fails = false;
 
  private:
-  // No two places hold the same.
+  // No two positions hold the same text.
   std::string text(std::size_t bytes) {
     std::string out;
     while (out.size() < bytes) out += std::to_string(count_++) + ' ';
@@ -119,10 +120,10 @@ TEST_F(FileWorkTest, NoMorePartsAreOnTheirWayThanTheirBound) {
   file->start();
   ASSERT_TRUE(sink->wait([&] { return sink->parts == kFilePartsInFlight; }));
   EXPECT_FALSE(sink->wait([&] { return sink->parts > kFilePartsInFlight; }, 50ms));
-  file->taken(1'000'000);  // what was never sent
+  file->taken(1'000'000);  // never sent
   EXPECT_EQ(sink->parts, kFilePartsInFlight);
   file->taken(3);
-  file->taken(2);  // late
+  file->taken(2);  // a late acknowledgement
   EXPECT_EQ(sink->parts, kFilePartsInFlight + 3);
   while (!sink->last) file->taken(sink->parts);
   EXPECT_EQ(sink->parts, 21u);
@@ -130,7 +131,7 @@ TEST_F(FileWorkTest, NoMorePartsAreOnTheirWayThanTheirBound) {
   EXPECT_EQ(sink->file.substr(0, 6), "0 1 2 ");
 }
 
-// Of a viewer that takes nothing no more is made than a bound says.
+// If a viewer takes nothing, no more is made than the limit.
 TEST_F(FileWorkTest, RenderingWaitsForWhoTakesTheParts) {
   constexpr std::size_t kBytes = std::size_t{3} << 20;
   const auto file = work(std::make_unique<FakeMaker>(20, kBytes, 0));
@@ -144,7 +145,7 @@ TEST_F(FileWorkTest, RenderingWaitsForWhoTakesTheParts) {
 }
 
 TEST_F(FileWorkTest, StoppedNothingIsRenderedOrSaidAnyMore) {
-  device->seconds_per_megapixel = 40;  // 10 ms a picture
+  device->seconds_per_megapixel = 40;  // 10 ms per picture
   auto file = work(std::make_unique<FakeMaker>(1000, 100, 0));
   file->start();
   ASSERT_TRUE(sink->wait([&] { return sink->last_done > 0; }));

@@ -22,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kRetry{1};
-/// A band has about 1 MB of pixels; one row of the widest canvas more.
+/// A band has about 1 MB of pixels, and up to one more row of the widest canvas.
 constexpr int kMostMessageBytes = 8 << 20;
 
 v1::AssistRequest request_of(const AssistTask& task) {
@@ -42,7 +42,7 @@ v1::AssistRequest request_of(const AssistTask& task) {
   return request;
 }
 
-/// Nothing where the band is none.
+/// Returns nullopt for an invalid band.
 std::optional<AssistPart> part_of(const v1::AssistBand& band) {
   if (band.width() == 0 || band.width() > kLongestCanvas || band.rows() > kLongestCanvas) {
     return std::nullopt;
@@ -59,15 +59,15 @@ std::optional<AssistPart> part_of(const v1::AssistBand& band) {
   return part;
 }
 
-/// What one connection has brought and what waits to be sent; of the compositor's thread and of
-/// gRPC's.
+/// The received bands and the queue of messages of one connection. Used by the compositor's thread
+/// and by gRPC's threads.
 class Exchange {
  public:
   void put(AssistPart part, bool last) {
     const std::lock_guard lock(mutex_);
     parts_.emplace_back(std::move(part), last);
   }
-  /// And whether it was the last band of its part.
+  /// Also returns whether it was the last band of its part.
   std::optional<std::pair<AssistPart, bool>> take() {
     const std::lock_guard lock(mutex_);
     if (parts_.empty()) return std::nullopt;
@@ -85,11 +85,11 @@ class Exchange {
 
 }  // namespace
 
-/// A worker, and the calls to it that are under way.
+/// A worker and its calls in progress.
 struct AssistPeer {
   std::string address;
   std::unique_ptr<v1::RenderWorker::Stub> stub;
-  /// A call ended before it was ready, and not for want of room beside others.
+  /// A call ended before it was ready, for another reason than too many sessions.
   std::atomic<bool> refuses{false};
 
   void began(grpc::ClientContext* call) {
@@ -98,29 +98,29 @@ struct AssistPeer {
     contexts_.insert(call);
     if (left_) call->TryCancel();
   }
-  /// The context is about to go.
+  /// To be called before the context is destroyed.
   void forget(grpc::ClientContext* call) {
     const std::lock_guard lock(mutex_);
     contexts_.erase(call);
   }
   void ended() {
-    // Under the lock: the one who waits may destroy this right after.
+    // Notifies under the lock, because the waiting thread may destroy this object right afterwards.
     const std::lock_guard lock(mutex_);
     --calls_;
     changed_.notify_all();
   }
-  /// Calls beside the one that is about to end.
+  /// Whether there are other calls than the one that is ending.
   bool has_others() {
     const std::lock_guard lock(mutex_);
     return calls_ > 1;
   }
-  /// Ends all calls, also those that begin later.
+  /// Cancels all calls, including those that begin later.
   void leave() {
     const std::lock_guard lock(mutex_);
     left_ = true;
     for (grpc::ClientContext* call : contexts_) call->TryCancel();
   }
-  /// Left, and no call is under way any more.
+  /// Whether all calls have ended after leave().
   bool gone() {
     const std::lock_guard lock(mutex_);
     return left_ && calls_ == 0;
@@ -138,9 +138,9 @@ struct AssistPeer {
   bool left_ = false;
 };
 
-/// Where a session's assistant looks whom it stands for.
+/// Where a session's assistant finds the worker that it represents.
 struct AssistSlot {
-  bool always = false;  ///< it is one and the same, asked again and again
+  bool always = false;  ///< permanent: the same worker, retried after failures
 
   std::shared_ptr<AssistPeer> peer() const {
     const std::lock_guard lock(mutex_);
@@ -158,15 +158,15 @@ struct AssistSlot {
 
 namespace {
 
-/// One Assist on the asking side. Deletes itself when gRPC is done with it; whoever uses it holds
-/// `Call`, which is told.
+/// One Assist call on the calling side. Deletes itself when gRPC is done with it. Its user holds
+/// `Call`, which is notified.
 class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::AssistReply> {
  public:
   CallReactor(std::shared_ptr<AssistPeer> peer, const AssistOrder& order,
               std::shared_ptr<Exchange> exchange)
       : peer_(std::move(peer)), exchange_(std::move(exchange)) {
     peer_->stub->async()->Assist(&context_, this);
-    // Held while requests may still be written from outside of the reactions.
+    // Held while requests may be written from outside gRPC's callbacks.
     AddHold();
     v1::AssistRequest open;
     open.mutable_open()->set_volume_id(order.volume_id);
@@ -178,7 +178,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     peer_->began(&context_);
   }
 
-  /// A task replaces one that was not sent yet.
+  /// Replaces a task that was not sent yet.
   void send(v1::AssistRequest request) {
     const std::lock_guard lock(mutex_);
     if (closing_) return;
@@ -188,7 +188,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     queue_.push_back(std::move(request));
     write_next();
   }
-  /// Nothing may be sent any more; the call ends.
+  /// Ends the call. Nothing may be sent afterwards.
   void leave() {
     {
       const std::lock_guard lock(mutex_);
@@ -227,7 +227,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     write_next();
   }
   void OnDone(const grpc::Status& status) override {
-    // Without room for one picture more it may help with others of ours.
+    // A worker without room for another picture may still help with other pictures of this worker.
     const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
     if (!was_ready_ && status.error_code() != grpc::StatusCode::CANCELLED &&
         !(full && peer_->has_others())) {
@@ -252,7 +252,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
   grpc::ClientContext context_;
   std::shared_ptr<AssistPeer> peer_;
   std::shared_ptr<Exchange> exchange_;
-  bool was_ready_ = false;  ///< of the reactions, one after the other
+  bool was_ready_ = false;  ///< used only in callbacks, which are sequential
   v1::AssistReply reply_;
   std::mutex mutex_;
   std::deque<v1::AssistRequest> queue_;
@@ -260,7 +260,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
   bool writing_ = false, closing_ = false;
 };
 
-/// Of one session and one worker. All calls come from the session's renderer.
+/// An assistant for one session on one worker. All calls come from the session's renderer.
 class GrpcAssistant final : public Assistant {
  public:
   GrpcAssistant(std::shared_ptr<const AssistSlot> slot, AssistOrder order,
@@ -274,7 +274,8 @@ class GrpcAssistant final : public Assistant {
   ~GrpcAssistant() override { disconnect(); }
 
   void begin(const AssistTask& task) override {
-    // What is on its way is of older tasks, but valid: it is merged or dropped by its epoch.
+    // Parts in transit are of older tasks but valid. Their epoch decides whether they are merged or
+    // dropped.
     if (call_ != nullptr) call_->send(request_of(task));
   }
 
@@ -324,7 +325,7 @@ class GrpcAssistant final : public Assistant {
   void disconnect() {
     if (auto* call = std::exchange(call_, nullptr)) call->leave();
   }
-  /// Bands that come one after the other tell how fast they come.
+  /// Estimates the bandwidth from bands that arrive one after the other.
   void measure(std::uint64_t bytes) {
     const auto now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - measured_since_).count();
@@ -333,7 +334,7 @@ class GrpcAssistant final : public Assistant {
       measured_ = 0;
     }
     measured_ += bytes;
-    // A lower bound: what was not asked for was not sent.
+    // A lower bound, because the peer sends only what was requested.
     if (seconds > 0.05 && seconds <= 1) {
       bytes_per_second_ =
           std::max(0.9 * bytes_per_second_, static_cast<double>(measured_) / seconds);
@@ -343,7 +344,7 @@ class GrpcAssistant final : public Assistant {
   const std::shared_ptr<const AssistSlot> slot_;
   const AssistOrder order_;
   const std::shared_ptr<std::atomic<double>> helped_seconds_;
-  std::shared_ptr<AssistPeer> peer_;  ///< null: it stands for nobody
+  std::shared_ptr<AssistPeer> peer_;  ///< null: represents no worker
   std::shared_ptr<Exchange> exchange_;
   CallReactor* call_ = nullptr;
   Clock::time_point tried_{};
@@ -373,7 +374,8 @@ GrpcAssistants::~GrpcAssistants() {
 std::shared_ptr<AssistPeer> GrpcAssistants::open(const std::string& address) const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
-  // A worker that vanished without a word is noticed within 5 s, and looked for again each second.
+  // Detects a worker that vanished without closing the connection within 5 s, and reconnects every
+  // second.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);

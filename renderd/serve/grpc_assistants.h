@@ -18,27 +18,29 @@ namespace diaphane::render {
 struct AssistPeer;
 struct AssistSlot;
 
-/// Other workers as assistants, by api/proto/worker.proto over gRPC. Connections are opened with a
-/// session's first picture and again, each second at most, when they broke. Beside those that are
-/// always there, some may come and go: each session has as many assistants more as there may be,
-/// each of them lost while it stands for nobody.
+/// Other workers as assistants, over gRPC with api/proto/worker.proto. Connections are opened with
+/// a session's first picture and reopened after failures, at most once per second. Besides the
+/// permanent workers, some can be borrowed. Each session has an assistant per possible borrowed
+/// worker, which counts as lost while it represents no worker.
 class GrpcAssistants final : public AssistSource {
  public:
-  /// `addresses`: host:port of each. `most`: that come and go, at once.
+  /// `addresses`: host:port of the permanent workers. `most`: maximum number of workers borrowed at
+  /// the same time.
   explicit GrpcAssistants(std::vector<std::string> addresses, const wire::InnerTls& tls = {},
                           std::size_t most = 0);
-  /// Waits until no call is under way; the assistants must have gone.
+  /// Waits until all calls have ended. The assistants must have been destroyed before.
   ~GrpcAssistants() override;
 
   std::vector<std::unique_ptr<Assistant>> assistants(const AssistOrder& order) override;
 
-  /// Those that come and go, from now on: no more than `most`. Who is not among them any more is
-  /// left at once, by all sessions.
+  /// Sets the borrowed workers, at most `most`. All sessions release workers that are no longer
+  /// listed.
   void borrow(const std::vector<std::string>& addresses);
   std::vector<std::string> borrowed() const;  ///< their addresses
-  /// Of these: who refused, or could not be reached. It is not asked again until it went and came.
+  /// Returns those of them that refused or were unreachable. They are not tried again until they
+  /// have been removed and added.
   std::vector<std::string> refusing() const;
-  /// That others worked, by what they say.
+  /// Returns the time that other workers spent, as they report it.
   double helped_seconds() const { return *helped_seconds_; }
 
  private:
@@ -50,7 +52,8 @@ class GrpcAssistants final : public AssistSource {
       std::make_shared<std::atomic<double>>(0);
   std::vector<std::shared_ptr<AssistSlot>> fixed_, coming_;
   mutable std::mutex mutex_;
-  std::vector<std::shared_ptr<AssistPeer>> peers_;  ///< also those that went, while calls end
+  /// Includes removed workers while their calls end.
+  std::vector<std::shared_ptr<AssistPeer>> peers_;
 };
 
 }  // namespace diaphane::render

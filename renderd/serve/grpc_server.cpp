@@ -20,11 +20,11 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// A viewer's frames are bounded by acknowledgement; so many other messages unread mean that nobody
-// reads.
+// Acknowledgements limit a viewer's frames. This many other unread messages mean that the client
+// does not read.
 constexpr std::size_t kMostQueued = 64;
 constexpr std::chrono::seconds kFlushTime{2};
-// For TLS and the beginning of HTTP/2 together.
+// Covers TLS and the start of HTTP/2.
 constexpr int kHandshakeMs = 10'000;
 
 struct StatusName {
@@ -69,13 +69,13 @@ grpc::Status status_for(const Error& error, Metrics& metrics) {
   return {status.code, error.message, why.SerializeAsString()};
 }
 
-// What gRPC itself has to say, as one of our lines.
+// Writes gRPC's own messages to this program's log.
 void log_line(gpr_log_func_args* line) {
   if (line->severity == GPR_LOG_SEVERITY_ERROR) log::error("grpc", {{"message", line->message}});
 }
 
-// The writing side of one Attach: a queue, one write at a time, then the status. It outlives the
-// call, since a session may hold it a moment longer.
+// The writing side of one Attach call: a queue, one write at a time, then the status. It outlives
+// the call, because a session may hold it slightly longer.
 class StreamLink final : public ClientLink {
  public:
   using Reactor = grpc::ServerBidiReactor<v1::AttachRequest, v1::AttachReply>;
@@ -87,7 +87,7 @@ class StreamLink final : public ClientLink {
     const std::lock_guard lock(mutex_);
     if (!reactor_ || ending_) return;
     if (queue_.size() >= kMostQueued) {
-      end(status_for({ErrorCode::kTooMany, "The viewer does not read.", {}}, metrics_));
+      end(status_for({ErrorCode::kTooMany, "The viewer has stopped reading.", {}}, metrics_));
       queue_.clear();
       context_->TryCancel();
       return;
@@ -110,7 +110,7 @@ class StreamLink final : public ClientLink {
     write_next();
   }
 
-  // The call is over: nothing may be started on it any more.
+  // Marks the call as ended, after which no operation may start on it.
   void over() {
     const std::lock_guard lock(mutex_);
     reactor_ = nullptr;
@@ -156,7 +156,7 @@ class StreamLink final : public ClientLink {
   bool finished_ = false;
 };
 
-// Who is connected, for the sweep.
+// The current connections, for the sweep.
 class Links {
  public:
   void add(const std::shared_ptr<StreamLink>& link) {
@@ -181,7 +181,7 @@ class Links {
   std::list<std::weak_ptr<StreamLink>> links_;
 };
 
-// One Attach. Deletes itself when gRPC is done with it.
+// One Attach call. Deletes itself when gRPC is done with it.
 class AttachReactor final : public StreamLink::Reactor {
  public:
   AttachReactor(SessionHost& host, Links& links, Metrics& metrics,
@@ -207,9 +207,10 @@ class AttachReactor final : public StreamLink::Reactor {
         link_->finish(opened.error());
       }
     } else {
-      link_->finish({ErrorCode::kInvalid, "Attach begins with Open, once.", {}});
+      link_->finish(
+          {ErrorCode::kInvalid, "An Attach stream must start with exactly one Open message.", {}});
     }
-    // Also after a refusal: reading is how the end of the call is learned.
+    // Reads even after a refusal, because reading reveals the end of the call.
     StartRead(&request_);
   }
 
@@ -227,7 +228,7 @@ class AttachReactor final : public StreamLink::Reactor {
   std::optional<Attachment> attachment_;
 };
 
-// One RenderStill. The answer may come after the caller left: then the call is over already.
+// One RenderStill call. The answer may come after the caller left and the call ended.
 class StillReactor final : public grpc::ServerUnaryReactor {
  public:
   StillReactor(StillService& stills, const v1::StillRequest& request, v1::StillReply* reply,
@@ -239,7 +240,7 @@ class StillReactor final : public grpc::ServerUnaryReactor {
       Finish(grpc::Status::OK);
     });
   }
-  // The order answers all the same, soon: Finish is called there and only there.
+  // The order still answers, soon. Only that calls Finish.
   void OnCancel() override { *cancelled_ = true; }
   void OnDone() override { delete this; }
 
@@ -297,20 +298,20 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
   grpc::ServerBuilder builder;
   builder.SetMaxReceiveMessageSize(options.most_message_bytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.most_streams);
-  // A second renderd on the same port would otherwise share it silently.
+  // Otherwise a second renderd could silently share the port.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // A gateway that vanished without a word is noticed within 15 s.
+  // Detects a gateway that vanished without closing the connection within 15 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
-  // gRPC's own limit is two minutes, for which whoever reaches the port could hold a descriptor.
+  // gRPC's default is two minutes, during which anyone who reaches the port could hold a
+  // descriptor.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
-  // Gateways ask each 5 s whether the worker lives, workers that are assisted each 10 s, however
-  // little there is to say.
+  // Gateways ping every 5 s and assisted workers every 10 s, even when no messages are sent.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2'000);
   const std::string path = unix_path(options.address);
-  // gRPC would take a socket from whoever listens on it.
+  // gRPC would take the socket from another process that listens on it.
   if (!path.empty() && connect_unix(path)) {
-    return fail(ErrorCode::kUnavailable, "another program listens on " + path);
+    return fail(ErrorCode::kUnavailable, "another process is already listening on " + path);
   }
   const std::string address =
       path.empty() ? options.address + ":" + std::to_string(options.port) : options.address;

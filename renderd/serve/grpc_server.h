@@ -13,31 +13,31 @@
 
 namespace diaphane::render {
 
-/// api/proto/worker.proto over gRPC, with gRPC's own health service. Only this, assist_reactor.h
-/// and grpc_assistants.cpp name gRPC.
+/// Serves api/proto/worker.proto over gRPC, with gRPC's own health service. Only this class,
+/// assist_reactor.h and grpc_assistants.cpp depend on gRPC.
 class GrpcServer {
  public:
   struct Options {
-    std::string address = "127.0.0.1";  ///< or unix:/path, which has no port
-    std::uint16_t port = 0;             ///< 0: a free one
+    std::string address = "127.0.0.1";  ///< or unix:/path, without a port
+    std::uint16_t port = 0;             ///< 0: any free port
     int most_streams = 256;             ///< concurrent calls on one connection
     int most_message_bytes = 1 << 20;
-    wire::InnerTls tls{};  ///< on: who has no certificate of the CA is refused
+    wire::InnerTls tls{};  ///< if on, clients without a certificate of the CA are refused
   };
 
-  /// kUnavailable when the port, or the socket, is taken. Without `assists` nobody is assisted.
+  /// kUnavailable when the port or socket is in use. Without `assists`, the worker assists nobody.
   static Result<std::unique_ptr<GrpcServer>> start(Options options, SessionHost& host,
                                                    StillService& stills, Metrics& metrics,
                                                    AssistHost* assists = nullptr);
   ~GrpcServer();
 
   std::uint16_t port() const;
-  /// The health service answers NOT_SERVING from now on.
+  /// Makes the health service answer NOT_SERVING.
   void set_not_serving();
-  /// Cancels connections that were told to end and do not read; once a second.
+  /// Cancels connections that should end but do not read. To be called once per second.
   void sweep();
-  /// Waits up to `grace` for calls to end, then cancels them. All of them must have been ended or
-  /// be ended meanwhile (SessionHost::end_all, Runner::stop).
+  /// Waits up to `grace` for calls to end, then cancels them. All calls must have been ended, or be
+  /// ended meanwhile (SessionHost::end_all, Runner::stop).
   void stop(std::chrono::milliseconds grace);
 
  private:

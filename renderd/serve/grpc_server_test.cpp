@@ -1,4 +1,4 @@
-// The whole worker over real gRPC with the real CPU engine and a small volume.
+// The whole worker over real gRPC, with the real CPU engine and a small volume.
 
 #include "renderd/serve/grpc_server.h"
 
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 using Stream = grpc::ClientReaderWriter<v1::AttachRequest, v1::AttachReply>;
 
-// One Attach as the gateway makes it; a thread reads.
+// One Attach call like the gateway's, with a reading thread.
 class Client {
  public:
   Client(v1::RenderWorker::StubInterface& stub, const v1::Open& open) {
@@ -108,7 +108,7 @@ TEST_F(GrpcTest, AViewerSeesARealPictureConvergeAndFollowItsInput) {
   const auto config = viewer.inbox.next_of(v1::ServerMessage::kConfig);
   ASSERT_TRUE(config);
   EXPECT_EQ(config->config().engine(), "cpu");
-  // 256 bins over the values, of all voxels: so few are looked at one by one.
+  // 256 bins over the values of all voxels, because there are few.
   const auto& histogram = config->config().histogram();
   const auto& header = config->config().volume();
   EXPECT_EQ(histogram.minimum(), header.minimum());
@@ -210,7 +210,7 @@ TEST_F(GrpcTest, AStillIsAPictureOfItsSize) {
   EXPECT_EQ(reply.jpeg().substr(0, 2), "\xff\xd8");
   EXPECT_GT(reply.error(), 0);
 
-  // A scene to an error, in the background.
+  // Renders a scene to a target error, with low priority.
   volume::Header header;
   header.size = {24, 24, 24};
   header.spacing = {4, 4, 4};

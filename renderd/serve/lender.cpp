@@ -1,29 +1,18 @@
 #include "renderd/serve/lender.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <sstream>
 #include <utility>
 
 #include "common/log.h"
-#include "renderd/serve/lend.lua.h"
 
 namespace diaphane::render {
 namespace {
 
 constexpr std::size_t kAtRandom = 16;
-constexpr std::size_t kFields = 7;  // of lend.lua's answer
 constexpr std::chrono::milliseconds kSample{100};
 constexpr std::chrono::seconds kRefusalLasts{30};
-/// A device that is busy for so much of the time is so for all of it.
+/// A device that is busy for this share of the time counts as full.
 constexpr double kFull = 0.95;
-
-std::string number(double value) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.3f", value);
-  return text;
-}
 
 std::string host_of(const std::string& address) { return address.substr(0, address.rfind(':')); }
 
@@ -32,20 +21,18 @@ std::string fleet_of(const std::string& owner) {
   return end == std::string::npos ? "" : owner.substr(0, end);
 }
 
-bool has_any(const std::string& listed, const std::vector<std::string>& wanted) {
-  std::istringstream in(listed);
-  for (std::string word; std::getline(in, word, ',');) {
-    if (std::find(wanted.begin(), wanted.end(), word) != wanted.end()) return true;
-  }
-  return false;
+bool has_any(const std::vector<std::string>& listed, const std::vector<std::string>& wanted) {
+  return std::any_of(listed.begin(), listed.end(), [&](const std::string& one) {
+    return std::find(wanted.begin(), wanted.end(), one) != wanted.end();
+  });
 }
 
 }  // namespace
 
-Lender::Lender(Options options, GrpcAssistants* helpers)
+Lender::Lender(Options options, directory::Client& redis, GrpcAssistants* helpers)
     : options_(std::move(options)),
       helpers_(helpers),
-      redis_(options_.redis),
+      directory_(redis, options_.worker_id, options_.incarnation),
       since_(Clock::now()) {
   thread_ = std::thread([this] { run(); });
 }
@@ -85,42 +72,39 @@ Lender::Use Lender::use() {
   const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, looks_));
   waited_ = 0;
   looks_ = 0;
-  // Each of those who wait would take the device alone; while it is not full they get what they ask
-  // for.
+  // Each waiting session could use the device alone. While the device is not full, sessions get
+  // what they ask for.
   use.asked = busy < kFull ? busy - use.lent : std::max(busy - use.lent, waiting);
   return use;
 }
 
-std::vector<Neighbour> Lender::neighbours(const Use& use) {
+std::vector<directory::Neighbour> Lender::neighbours(const Use& use) {
   const bool wants = helpers_ != nullptr && use.asked >= options_.rules.borrows;
   const bool lends = use.lent > 0;
   addresses_.clear();
   if (!wants && !lends && !lent_told_ && lending_.helpers.empty()) return {};
-  std::vector<std::string> arguments{
-      options_.worker_id,       options_.incarnation,
-      number(use.asked),        lends ? number(use.lent) : "",
-      fleet_of(options_.owner), std::to_string(wants ? kAtRandom : 0)};
-  for (const Helper& helper : lending_.helpers) arguments.push_back(helper.id);
-  const auto answer = redis_.run(
-      lua::lend, {"diaphane:workers", "diaphane:worker:" + options_.worker_id}, arguments);
-  // Of nobody is known whether he has time left.
-  if (!answer) return {};
+  directory::PeerQuestion question;
+  question.asked = use.asked;
+  if (lends) question.lent = use.lent;
+  question.fleet = fleet_of(options_.owner);
+  question.random = wants ? kAtRandom : 0;
+  for (const Helper& helper : lending_.helpers) question.helpers.push_back(helper.id);
+  const auto peers = directory_.peers(question);
+  // Without an answer, no peer is known to have spare time.
+  if (!peers) return {};
   lent_told_ = lends;
   const std::vector<std::string> ours = options_.volumes();
   std::vector<Neighbour> found;
-  for (std::size_t i = 0; i + kFields <= answer->list.size(); i += kFields) {
-    const std::string* one = &answer->list[i];
-    if (avoided_.contains(one[0])) continue;
-    Neighbour neighbour;
-    neighbour.id = one[0];
-    neighbour.load = std::atof(one[2].c_str());
-    neighbour.lent = std::atof(one[3].c_str());
-    neighbour.age = std::atof(one[4].c_str()) / 1000;
-    neighbour.draining = one[5] != "0";
-    neighbour.has_volume = has_any(one[6], ours);
-    neighbour.same_node = host_of(one[1]) == host_of(options_.address);
-    addresses_[one[0]] = one[1];
-    found.push_back(std::move(neighbour));
+  for (const directory::Peer& peer : *peers) {
+    if (avoided_.contains(peer.id)) continue;
+    found.push_back({.id = peer.id,
+                     .load = peer.load,
+                     .lent = peer.lent,
+                     .age = peer.age_s,
+                     .same_node = host_of(peer.address) == host_of(options_.address),
+                     .has_volume = has_any(peer.volumes, ours),
+                     .draining = peer.draining});
+    addresses_[peer.id] = peer.address;
   }
   return found;
 }

@@ -10,42 +10,46 @@
 #include <thread>
 #include <vector>
 
-#include "common/lending.h"
+#include "directory/lending.h"
+#include "directory/worker.h"
 #include "renderd/serve/grpc_assistants.h"
-#include "renderd/serve/redis_client.h"
 
 namespace diaphane::render {
 
-/// Asks neighbours to help while this worker's sessions ask for more than its device has, and tells
-/// the neighbours what it does for theirs (docs/adr/0033). Who is asked, common/lending.h decides.
-/// Has a thread of its own; Redis hears of it only while something is borrowed, lent or wanted.
+/// Borrows capacity from peers while this worker's sessions need more than its device, and reports
+/// to them the capacity it lends (docs/adr/0033). directory/lending.h chooses the peers. Has its
+/// own thread, and uses Redis only while something is borrowed, lent or needed.
 class Lender {
  public:
+  using Helper = directory::Helper;
+  using Lending = directory::Lending;
+  using Neighbour = directory::Neighbour;
+
   struct Options {
-    wire::RedisAddress redis;
     std::string worker_id;
     std::string incarnation;
-    std::string address;  ///< where others find this worker
+    std::string address;  ///< address at which peers reach this worker
     std::string owner;    ///< only workers of the same fleet help each other
-    LendingRules rules;
+    directory::LendingRules rules;
     std::chrono::milliseconds period{1000};
     std::function<double()> busy_seconds;               ///< of the device, since the start
-    std::function<double()> lent_seconds;               ///< of these, for others' pictures
-    std::function<std::size_t()> waiting;               ///< own sessions that would gain
-    std::function<std::vector<std::string>()> volumes;  ///< loaded
-    std::function<void(std::size_t borrowed)> told;     ///< after each look
+    std::function<double()> lent_seconds;               ///< of these, for other workers' pictures
+    std::function<std::size_t()> waiting;               ///< local sessions that have not converged
+    std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
+    std::function<void(std::size_t borrowed)> told;     ///< called after each update
   };
 
-  /// `helpers` may be null: nobody is asked, only what is lent is told. It outlives this.
-  Lender(Options options, GrpcAssistants* helpers);
-  /// Gives all back.
+  /// If `helpers` is null, no peers are borrowed and only lent capacity is reported. `redis` and
+  /// `helpers` must outlive this object.
+  Lender(Options options, directory::Client& redis, GrpcAssistants* helpers);
+  /// Releases all borrowed workers.
   ~Lender();
   Lender(const Lender&) = delete;
   Lender& operator=(const Lender&) = delete;
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Since the last look, of the device.
+  /// Shares of device time since the last update.
   struct Use {
     double seconds = 0, asked = 0, lent = 0, helped = 0;
   };
@@ -59,21 +63,21 @@ class Lender {
 
   const Options options_;
   GrpcAssistants* const helpers_;
-  RedisClient redis_;
+  directory::WorkerDirectory directory_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
   bool stopping_ = false;
 
-  // Of the thread alone.
+  // Used only by the thread.
   Clock::time_point since_;
   double busy_before_ = 0, lent_before_ = 0, helped_before_ = 0;
-  double waited_ = 0;  ///< sessions, summed over the looks since
+  double waited_ = 0;  ///< sum of waiting sessions since the last update
   std::size_t looks_ = 0;
   bool lent_told_ = false;
   Lending lending_;
-  std::map<std::string, std::string> addresses_;      ///< of the neighbours that were seen last
-  std::map<std::string, Clock::time_point> avoided_;  ///< by id, until when
+  std::map<std::string, std::string> addresses_;      ///< of the peers in the last answer
+  std::map<std::string, Clock::time_point> avoided_;  ///< peers to avoid, by id, and until when
   std::mt19937_64 random_{std::random_device{}()};
   std::thread thread_;
 };

@@ -1,4 +1,4 @@
-// Who is asked to help, by what a real Redis says of the neighbours.
+// Which peers are asked to help, from what a real Redis knows about them.
 #include "renderd/serve/lender.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct LenderTest : testing::Test {
-  /// A neighbour as its heartbeat leaves it. It lives until the test ends it.
+  /// A peer as its heartbeat leaves it, until the test ends it.
   void neighbour(const std::string& id, const std::vector<std::string>& fields = {}) {
     const std::string key = "diaphane:worker:" + id;
     std::vector<std::string> words{"HSET", key,        "address", address(id), "load",
@@ -27,7 +27,6 @@ struct LenderTest : testing::Test {
   static std::string address(const std::string& id) { return id + ".test:1"; }
   std::unique_ptr<Lender> start(GrpcAssistants* asked, const std::string& owner = "") {
     Lender::Options options;
-    options.redis = redis.address;
     options.worker_id = "us";
     options.incarnation = "now";
     options.address = "us.test:1";
@@ -35,13 +34,13 @@ struct LenderTest : testing::Test {
     options.period = 20ms;
     options.rules.most = 2;
     options.rules.rest = rest;
-    // All of the device, in the test's own time.
+    // The whole device, in the test's own time.
     options.busy_seconds = [this] { return busy ? seconds() : 0.0; };
     options.lent_seconds = [this] { return lent ? seconds() : 0.0; };
     options.waiting = [this] { return waiting.load(); };
     options.volumes = [] { return std::vector<std::string>{"seen-here"}; };
     options.told = [this](std::size_t) { ++looks; };
-    return std::make_unique<Lender>(std::move(options), asked);
+    return std::make_unique<Lender>(std::move(options), redis.client(), asked);
   }
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -50,14 +49,14 @@ struct LenderTest : testing::Test {
     const auto all = helpers.borrowed();
     return {all.begin(), all.end()};
   }
-  /// Whether `test` comes to hold while the neighbours say the same again and again.
+  /// Whether `test` becomes true while the peers repeat their heartbeats.
   bool comes(const std::function<bool()>& test, const std::function<void()>& beat) {
     return eventually([&] {
       beat();
       return test();
     });
   }
-  /// After two looks more from now on: what they decide is seen.
+  /// Waits for two more updates, whose decisions are then visible.
   void look_twice() {
     const int before = looks;
     ASSERT_TRUE(eventually([&] { return looks >= before + 2; }));
@@ -68,7 +67,7 @@ struct LenderTest : testing::Test {
   std::atomic<bool> busy{true}, lent{false};
   std::atomic<std::size_t> waiting{0};
   std::atomic<int> looks{0};
-  double rest = 3600;  ///< so that no slow machine looks like a calm device
+  double rest = 3600;  ///< so that a slow machine does not look like an idle device
   GrpcAssistants helpers{{}, {}, 2};
 };
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/log.h"
+#include "common/try.h"
 #include "renderd/scene/presets.h"
 #include "renderd/serve/session_lane.h"
 #include "volume/header.h"
@@ -15,12 +16,12 @@
 namespace diaphane::render {
 namespace {
 
-// Epochs of a session placed again begin above those of the worker before, so that no frame of the
-// old one can pass for a new one.
+// The first epoch rises with each placement, so that a frame of the previous worker never passes
+// for a new one.
 std::uint64_t first_epoch(std::uint64_t placement) { return placement << 24; }
 
-// What a guest's page needs of the header, and nothing that tells of voxels which are not shown: as
-// range of values it gets the one that the scene gives colours to.
+// Reduces the header to what a guest's page needs, without information about voxels that are not
+// shown. The range of values becomes the range that the scene gives colours to.
 void withhold(v1::VolumeHeader& header, const v1::Scene& scene) {
   header.clear_percentiles();
   header.clear_minimum();
@@ -39,7 +40,8 @@ void withhold(v1::VolumeHeader& header, const v1::Scene& scene) {
 v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
                             const v1::Scene& scene) {
   v1::VolumeHeader message;
-  // The JSON form is the one description of the header; this is done once a connection.
+  // The JSON form is the only description of the header, and this conversion happens once per
+  // connection.
   if (const auto json = volume::to_json(header)) {
     (void)google::protobuf::util::JsonStringToMessage(*json, &message);
   }
@@ -91,7 +93,7 @@ Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, cons
                                           std::uint64_t placement) {
   const std::lock_guard lock(mutex_);
   const auto attached = render::attach(state_, arrival, parts_.clock.now());
-  if (!attached) return tl::unexpected(attached.error());
+  DIAPHANE_TRY(attached);
   if (attached->replaced) {
     finish_link(*attached->replaced,
                 {ErrorCode::kConflict, "This session was opened in another window.", {}}, true);
@@ -107,7 +109,7 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   if (!volume || !renderer) return failed(!volume ? volume.error() : renderer.error());
   std::vector<v1::Preset> presets = presets_for((*volume)->header());
   if (presets.empty()) {
-    return failed({ErrorCode::kUnsupported, "There is no way to show this kind of volume.", {}});
+    return failed({ErrorCode::kUnsupported, "This type of scan can't be displayed.", {}});
   }
 
   const std::lock_guard lock(mutex_);
@@ -115,7 +117,8 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   volume_ = std::move(*volume);
   stacks_ = stacks_of(volume_->header());
   presets_ = std::move(presets);
-  // A scene that an older program wrote may be refused by this one: better another look than none.
+  // This program may reject a scene that an older version wrote. A default look is better than no
+  // picture.
   if (state_.wanted.scene && !check_scene(*state_.wanted.scene)) {
     fallback_clip_ = state_.wanted.scene->clip();
     state_.wanted.scene.reset();
@@ -145,8 +148,7 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   std::unique_lock lock(mutex_);
   if (!links_.contains(connection)) return;
   if (!sound) {
-    finish_link(connection,
-                {ErrorCode::kInvalid, "The page sent something that is no message.", {}}, true);
+    finish_link(connection, {ErrorCode::kInvalid, "The page sent an invalid message.", {}}, true);
     return leave(connection);
   }
   if (auto refused = refused_request(state_, connection, message)) {
@@ -163,7 +165,7 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
     return receive_file(connection, message);
   }
   if (const auto own = branches_.find(connection); own != branches_.end()) {
-    // What concerns the pictures is said to the session that he looks at.
+    // Messages about the picture go to the session that this viewer sees.
     if (message.has_scene() || message.has_ack() || message.has_need_key() ||
         message.has_visibility() || message.has_depth_query() || message.has_kernel()) {
       const OwnCamera camera = own->second;
@@ -177,7 +179,7 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   if (outcome.depth) answer(*outcome.depth, connection);
 }
 
-// A ray through a scene takes milliseconds: nobody waits for it.
+// A ray through a scene takes milliseconds, so the lock is released meanwhile.
 void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) {
   std::unique_lock lock(mutex_);
   if (!volume_) return;
@@ -230,14 +232,16 @@ void LiveSession::end(const Error& why) {
 
 void LiveSession::tick() {
   Lanes poked;
-  std::vector<std::uint64_t> delayed;  // slices, for having been asked for too fast
-  // Of the host, which asks sessions under its lock: not under this one.
+  std::vector<std::uint64_t> delayed;  // with slice requests over their limit
+  // The host locks itself and then its sessions, so it must not be called under this session's
+  // lock.
   const std::size_t sessions = parts_.session_count();
   {
     const std::lock_guard lock(mutex_);
     const TimePoint now = parts_.clock.now();
     for (const std::uint64_t silent : overdue_greetings(state_, now)) {
-      finish_link(silent, {ErrorCode::kInvalid, "The page did not say anything.", {}}, true);
+      finish_link(silent, {ErrorCode::kInvalid, "The page did not send a greeting in time.", {}},
+                  true);
       leave(silent);
     }
     poked = lanes_;
@@ -265,7 +269,7 @@ void LiveSession::tick() {
       samples_since_ = 0;
     }
   }
-  // One that sets the pace may have stalled, and a key frame may be due, without anybody's word.
+  // The presenter may have stalled, or a key frame may be due, without any message.
   for (const auto& lane : poked) lane->slot->poke();
   for (const std::uint64_t connection : delayed) send_slices(connection);
   send_tiles();
@@ -325,13 +329,14 @@ Wanted LiveSession::wanted() {
   if (textures_ready()) ready_ = state_.wanted;
   version_.store(ready_.version, std::memory_order_relaxed);
   Wanted wanted = ready_;
+  if (visitor_) wanted.viewport = visitor_canvas(wanted.viewport);
   wanted.picture_again = state_.wanted.picture_again;
   wanted.kernel_report = state_.wanted.kernel_report;
   wanted.visible = watched(state_, now);
   wanted.room = std::any_of(lanes_.begin(), lanes_.end(), [&](const auto& lane) {
     return lane->slot->slot_free() && has_room(state_, lane->codec, now);
   });
-  // A hidden viewer keeps its wish until it looks again.
+  // The request of a hidden viewer is kept until the viewer returns.
   if (wanted.visible) state_.wanted.picture_again = false;
   return wanted;
 }
@@ -401,7 +406,7 @@ void LiveSession::send_config(std::uint64_t connection) {
 }
 
 void LiveSession::send_look(std::uint64_t connection) {
-  // To the presenter what is wanted, to a follower what is shown.
+  // The presenter receives the requested scene, followers the one that is shown.
   const Receiver* const receiver = state_.audience.find(connection);
   if (!receiver) return;
   const Wanted& of = state_.audience.presents(*receiver) ? state_.wanted : state_.shown;
@@ -413,8 +418,8 @@ void LiveSession::send_look(std::uint64_t connection) {
 }
 
 void LiveSession::tell_audience() {
-  if (!volume_) return;            // volume_ready does it
-  if (state_.camera_only) return;  // the group does it
+  if (!volume_) return;            // volume_ready() sends it
+  if (state_.camera_only) return;  // the group sends it
   for (const Receiver& receiver : state_.audience.receivers) {
     if (!receiver.greeted) continue;
     v1::ServerMessage message;
@@ -440,7 +445,7 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
     if (const auto opened = open_lane(receiver->codec); !opened) {
       finish_link(connection, opened.error(), true);
       leave(connection);
-    } else if (volume_) {  // before the volume is there, volume_ready does it
+    } else if (volume_) {  // before the volume is loaded, volume_ready() sends it
       send_config(connection);
     }
   }

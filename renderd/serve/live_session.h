@@ -26,35 +26,35 @@
 
 namespace diaphane::render {
 
-/// One viewer's connection, as the session needs it. Neither call blocks or calls back.
+/// The connection of one viewer. The calls neither block nor call back.
 class ClientLink {
  public:
   virtual ~ClientLink() = default;
-  /// A serialised ServerMessage.
+  /// Sends a serialised ServerMessage.
   virtual void send(std::string server_message) = 0;
-  /// Ends the connection after what was sent; `why` becomes its status.
+  /// Ends the connection after all sent messages. `why` becomes its status.
   virtual void finish(const Error& why) = 0;
 };
 
 class LiveSession;
 
-/// A follower's own camera: what his session begins with.
+/// The initial state of the session for a follower's own camera.
 struct Branch {
   std::string participant;
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
-  std::string link;                    ///< that let him in; empty: the owner
-  std::weak_ptr<LiveSession> group{};  ///< whose scene it follows
+  std::string link;                    ///< link by which they joined; empty: the owner
+  std::weak_ptr<LiveSession> group{};  ///< the session whose scene it follows
 };
 
-/// Where slices are read and coded, apart from pictures: a slice must not wait for one, nor the
-/// other way round.
+/// Resources for reading and encoding slices. They are separate from those for pictures, so that
+/// neither waits for the other.
 struct SliceParts {
-  VolumeCache& voxels;  ///< of HostVolume
-  EncodePool& pool;     ///< each viewer has one slice in it at most
+  VolumeCache& voxels;  ///< holds HostVolume objects
+  EncodePool& pool;     ///< holds at most one slice per viewer
 };
 
-/// What a session needs of the process; all outlive it.
+/// What a session needs from the process. Everything outlives the session.
 struct SessionParts {
   Engine& engine;
   Runner& runner;
@@ -62,83 +62,84 @@ struct SessionParts {
   Metrics& metrics;
   const Clock& clock;
   std::function<std::size_t()> session_count;
-  /// A session for one follower's own camera, in a slot of its own. kTooMany: none is free.
+  /// Creates a session for a follower's own camera, in a separate slot. kTooMany: no slot is free.
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group, const Branch&)>
       branch;
-  bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
+  bool mark_frames = false;  ///< for benches: draws input_seq into the pixels (encode/frame_mark.h)
   SpentTime& spent;
   const KeptFacts& facts;
   SliceParts slices;
-  std::atomic<int>& files;  ///< that are being made on this worker
-  /// Decodes textures, one at a time, beside everything else: that takes up to a second.
+  std::atomic<int>& files;  ///< number of files that this worker is making
+  /// Decodes textures, one at a time, in parallel to everything else, because it takes up to a
+  /// second.
   EncodePool& textures;
 };
 
-/// One session: joins the pure state machine to the runner, the encoders and the connections of all
-/// who look at it. One render, one encoder for each codec in use, many receivers. Thread-safe:
-/// called by the connections, the runner, the encoders and the host's clock.
+/// One session. It connects the pure state machine to the runner, the encoders and the connections
+/// of all viewers: one render, one encoder per codec in use, many receivers. Thread-safe: called by
+/// the connections, the runner, the encoders and the host's clock.
 class LiveSession final : public RenderClient, public std::enable_shared_from_this<LiveSession> {
  public:
   struct Start {
     std::string id;
     std::string volume_id;
     std::uint64_t placement = 0;
-    std::shared_ptr<const diaphane::v1::Scene> scene;  ///< empty: the volume's first preset
+    std::shared_ptr<const diaphane::v1::Scene> scene;  ///< null: the volume's first preset
     std::uint64_t input_seq = 0;
     Canvas viewport{512, 512};
-    std::string presenter;     ///< participant; empty: the owner
-    std::string user_id;       ///< whose session it is
-    std::string charged_to;    ///< whose render time it takes: user; empty: nobody's
-    bool camera_only = false;  ///< of a follower with a camera of his own
+    std::string presenter;     ///< a participant; empty: the owner
+    std::string user_id;       ///< owner of the session
+    std::string charged_to;    ///< user whose render time is charged; empty: nobody's
+    bool camera_only = false;  ///< a follower's own camera
     bool guest_slices = false;
-    bool visitor = false;   ///< within the visitors' share: of somebody without an account
-    std::string link = {};  ///< of a guest's own camera: the link that let him in
+    bool visitor = false;   ///< of a user without an account, within the visitors' share
+    std::string link = {};  ///< of a guest's own camera: the link by which they joined
     std::weak_ptr<LiveSession> group = {};  ///< of a follower's own camera
   };
-  /// What a lost worker's successor needs, as it goes to Redis.
+  /// State in Redis from which another worker can resume the session.
   struct Saved {
     std::string id;
     std::uint64_t placement = 0;
     std::string scene;  ///< serialised
     std::uint64_t input_seq = 0;
     Canvas viewport;
-    std::string presenter;  ///< participant
+    std::string presenter;  ///< a participant
     bool guest_slices = false;
   };
-  /// What Redis needs beyond that when it has lost everything.
+  /// State with which Redis can restore the session after it lost all data.
   struct Lost {
     Saved saved;
     std::string user_id;
     std::string volume_id;
-    std::vector<std::string> links;  ///< that guests came by
+    std::vector<std::string> links;  ///< by which guests joined
     bool visitor = false;
   };
 
-  /// `ended` is called once, without a lock held, when the session has ended by itself.
+  /// `ended` is called once, without a lock, when the session has ended on its own.
   LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended);
 
-  /// One more viewer; a connection that the same participant had before is ended. Returns its
-  /// number, or kTooMany.
+  /// Adds a viewer and ends a previous connection of the same participant. Returns the number of
+  /// the connection, or kTooMany.
   Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const Arrival& arrival,
                                std::uint64_t placement);
-  /// The volume came, or did not: then the session ends with a fatal Problem.
+  /// Provides the volume. If it could not be loaded, the session ends with a fatal Problem.
   void volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume);
-  /// A serialised ClientMessage. Of a connection that has ended it is ignored.
+  /// Handles a serialised ClientMessage. Ignores messages of connections that have ended.
   void receive(std::uint64_t connection, const std::string& bytes);
   void closed(std::uint64_t connection);
-  /// Ends it: every viewer gets `why` as a fatal Problem. Idempotent.
+  /// Ends the session with `why` as a fatal Problem for every viewer. Idempotent.
   void end(const Error& why);
-  /// Ended because nobody needs it; nobody is told but `ended`.
+  /// Ends a session that is no longer needed. Calls `ended` without notifying viewers.
   void dismiss();
-  /// Nobody hears of it any more; it goes on until it is dismissed.
+  /// Stops sending. The session keeps running until dismissed.
   void silence();
-  /// A follower's own session, by its id, gave up its slot: he follows the presenter again. False:
-  /// nobody here looks at it.
+  /// Returns a follower to the presenter's view after their own session, given by its id, gave up
+  /// its slot. Returns false if no viewer uses it.
   bool take_camera_back(const std::string& branch);
   bool has_ended() const;
-  /// Of a follower's own session: the presenter's settings.
+  /// Applies the presenter's settings (sessions for an own camera only).
   void follow(const diaphane::v1::Scene& presenters);
-  /// Once or more a second.
+  /// To be called at least once per second.
   void tick();
 
   const std::string& id() const { return id_; }
@@ -148,19 +149,19 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   const std::string& link() const { return link_; }
   std::shared_ptr<LiveSession> group() const { return group_.lock(); }
   bool visitor() const { return visitor_; }
-  /// Whoever opens it anew may have an account, or no longer.
+  /// May change when the session is opened again with or without an account.
   void set_visitor(bool visitor) { visitor_ = visitor; }
-  /// How long it has held its slot.
+  /// Returns how long the session has held its slot.
   std::chrono::steady_clock::duration age() const { return parts_.clock.now() - created_; }
   std::uint64_t placement() const;
-  /// That its samples took of the device.
+  /// Returns the GPU seconds used by its samples.
   double device_seconds() const;
-  /// How long nobody has been attached; nothing while somebody is.
+  /// Returns how long the session has had no viewers, or nullopt if it has one.
   std::optional<std::chrono::steady_clock::duration> abandoned_for() const;
-  /// The scene, when Redis has an older one; asks for it again with `mark_unsaved`.
+  /// Returns the scene if Redis has an older one. mark_unsaved() makes it due again.
   std::optional<Saved> take_unsaved();
   void mark_unsaved();
-  /// Nothing before it has a scene, or when nobody said whose it is.
+  /// Empty until a scene is set and the owner is known.
   std::optional<Lost> lost() const;
 
   // RenderClient
@@ -175,49 +176,49 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void failed(const Error& why) override;
 
  private:
-  /// A codec in use: its encoder's slot, and what ties the slot to this session.
+  /// A codec in use: the slot of its encoder, and its link to this session.
   class Lane;
   using Lanes = std::vector<std::shared_ptr<Lane>>;
 
-  // What an encoder asks and tells, of the lane that it codes for.
+  // Called by the encoder of a lane.
   Admitted admit(const Lane& lane, const FrameInfo& frame);
   void coded(const Lane& lane, const FrameInfo& frame, CodedFrame data, double seconds);
   void dropped(const Lane& lane, const Error& why);
 
-  /// The lossless end: sends what is coded and has room, and has coded what comes next.
+  /// Lossless tiles: sends encoded tiles to viewers with room, and starts encoding the next ones.
   void send_tiles();
   void keep_if_last(RenderedPicture& picture);
 
-  // Exact slices: asked for, their voxels loaded when the first is, coded one by one.
+  // Exact slices: the first request loads the voxels, and slices are encoded one by one.
   void receive_slices(std::uint64_t connection, const diaphane::v1::SlicesWanted& wanted);
   void voxels_ready(Result<VolumeCache::Handle> loaded);
   void send_slices(std::uint64_t connection);
-  /// A slice on its way, and what of it was shown: null for the whole.
+  /// A slice that is being made, and the clip in effect. nullopt: the whole slice.
   struct SliceOrder {
     SliceDue due;
     std::optional<diaphane::v1::Clip> clip;
   };
   void slice_coded(std::uint64_t connection, const SliceOrder& order, Result<std::string> coded);
-  /// Under the lock. Nothing: this viewer gets none.
+  /// Requires the lock. Returns nullopt if this viewer may not receive slices.
   std::optional<SliceOrder> order_of(const Receiver& receiver, const SliceDue& due) const;
 
-  // Files to be taken away (docs/adr/0031).
+  // Files for download (docs/adr/0031).
   class FileLink;
   void receive_file(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
   Result<std::shared_ptr<FileWork>> begin_file(std::uint64_t connection,
                                                const diaphane::v1::FileWanted& wanted);
   void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message, bool last);
-  // Under the lock.
+  // Require the lock.
   void give_up_file();
   void give_up_file_of(std::uint64_t connection);
 
-  // All of these under the lock.
+  // All of these require the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
   void send_problem(std::uint64_t connection, const Error& why);
   void load_voxels();
   void send_tile(const TileDue& due, const CodedTile& coded, const Departure& departure);
-  /// A frame or a tile, and what is to be told after it.
+  /// Sends a frame or a tile, and the messages that follow it.
   void send_departing(const Departure& departure, const diaphane::v1::ServerMessage& message);
   void send_look(std::uint64_t connection);
   void tell_audience();
@@ -227,27 +228,27 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void close_unused_lanes();
   bool in_use(const Lane& lane) const;
 
-  /// The volume's own look; what the scene in its place had cut away stays cut away. Precondition:
-  /// the volume is there.
+  /// Returns the volume's default look with the clip of the scene that it replaces, so that removed
+  /// parts stay hidden. Precondition: the volume is loaded.
   std::shared_ptr<const diaphane::v1::Scene> first_look() const;
   void lead_branches();
   void tell_stale_slices();
   std::shared_ptr<LiveSession> take_branch(std::uint64_t connection);
 
-  // Without it.
-  /// `why` is told to whose own camera was taken back.
+  // Must be called without the lock.
+  /// `why` is sent to the viewer whose own camera was withdrawn.
   void change_camera(std::uint64_t connection, bool own, const Error* why = nullptr);
   void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
                  std::unique_lock<std::mutex>& lock);
   Lanes lanes() const;
-  Saved saved() const;  // under the lock
+  Saved saved() const;  // requires the lock
 
-  // Textures are decoded before the runner hears of the scene that has them (session_textures.cpp).
-  // Under the lock:
+  // Textures are decoded before the runner receives the scene that uses them
+  // (session_textures.cpp). Require the lock:
   bool textures_ready();
   void publish_version();
-  // Without it:
+  // Must be called without the lock:
   void textures_decoded(const std::shared_ptr<const diaphane::v1::Scene>& scene,
                         Result<std::shared_ptr<const PreparedTextures>> decoded);
 
@@ -270,23 +271,24 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   Lanes lanes_;
   struct OwnCamera {
     std::shared_ptr<LiveSession> session;
-    std::uint64_t connection = 0;  // there
+    std::uint64_t connection = 0;  // connection number in that session
   };
-  // By connection here. Its lock may be taken under ours, never ours under its.
+  // By connection to this session. Lock order: this session's lock, then theirs.
   std::map<std::uint64_t, OwnCamera> branches_;
   std::shared_ptr<const diaphane::v1::Scene> led_;     // the scene that they follow
-  std::shared_ptr<const diaphane::v1::Scene> sliced_;  // by whose clip slices are clipped
-  /// The converged picture of this epoch, once there is one.
+  std::shared_ptr<const diaphane::v1::Scene> sliced_;  // the scene whose clip applies to slices
+  /// The converged picture of the current epoch.
   struct Last {
     FrameInfo info;
     std::shared_ptr<TileSource> tiles;
   };
   std::optional<Last> last_;
   std::shared_ptr<const DeviceVolume> volume_;
-  std::optional<SliceStacks> stacks_;         // once the volume is there
-  std::shared_ptr<const HostVolume> voxels_;  // while somebody is here who wanted slices
+  std::optional<SliceStacks> stacks_;  // set once the volume is loaded
+  // kept while a viewer who requested slices is connected
+  std::shared_ptr<const HostVolume> voxels_;
   bool loading_voxels_ = false;
-  /// The one that is being made or sent, for the connection that asked.
+  /// The file that is being made or sent, with the connection that requested it.
   struct File {
     std::uint64_t connection = 0;
     std::shared_ptr<FileLink> link;
@@ -295,10 +297,10 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::optional<File> file_;
   std::vector<diaphane::v1::Scene> key_views_;
   std::vector<diaphane::v1::Preset> presets_;
-  std::optional<diaphane::v1::Clip> fallback_clip_;  // of a scene that could not be shown
-  /// What is wanted with all its textures decoded: what the runner is told.
+  std::optional<diaphane::v1::Clip> fallback_clip_;  // clip of a scene that could not be shown
+  /// The request whose textures are all decoded, which the runner sees.
   Wanted ready_;
-  std::shared_ptr<const PreparedTextures> textures_;  // of `ready_`
+  std::shared_ptr<const PreparedTextures> textures_;  // for `ready_`
   bool decoding_ = false;
   std::uint64_t runner_handle_ = 0;
   bool ended_ = false;
@@ -309,7 +311,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::uint64_t samples_since_ = 0;
   std::uint64_t dropped_samples_ = 0;
   std::uint64_t skipped_told_ = 0;
-  std::uint64_t skipped_before_ = 0;  // in lanes that are closed
+  std::uint64_t skipped_before_ = 0;  // of lanes that are closed
 };
 
 }  // namespace diaphane::render

@@ -1,4 +1,4 @@
-// The stream of a live session, encoders and all, as a viewer gets it.
+// The stream of a live session, including encoders, as a viewer receives it.
 #include <gtest/gtest.h>
 #include <sodium.h>
 
@@ -13,7 +13,7 @@ using Kind = v1::ServerMessage;
 struct LiveStream : WorkerTest, TestViewer {
   LiveStream() {
     device->seconds_per_megapixel = 0.01;
-    options.runner.rules.target_error = 0.05;  // the fake's error there: 100 samples
+    options.runner.rules.target_error = 0.05;  // of the fake renderer: 100 samples
     start_worker();
   }
   void greet(v1::Codec codec, std::uint32_t side, v1::StillFormat stills) {
@@ -26,14 +26,14 @@ struct LiveStream : WorkerTest, TestViewer {
     say(hello);
     config = link->inbox.next_of(Kind::kConfig)->config();
   }
-  /// The next message of what a page acts on; pictures are acknowledged.
+  /// Returns the next message that a page handles. Acknowledges pictures.
   std::optional<v1::ServerMessage> next() {
     auto message = link->inbox.next([](const auto&) { return true; });
     if (message && message->has_frame()) say(ack_message(message->frame().seq()));
     if (message && message->has_still()) say(ack_message(message->still().seq()));
     return message;
   }
-  /// All up to and with the one that passes.
+  /// Returns all messages up to the first one that passes.
   std::vector<v1::ServerMessage> until(const std::function<bool(const v1::ServerMessage&)>& test) {
     std::vector<v1::ServerMessage> all;
     for (auto message = next(); message; message = next()) {
@@ -145,7 +145,7 @@ TEST_F(LiveStream, TellsHowFarAwayThatIsWhichIsSeenAtAPlace) {
       until([](const auto& message) { return message.has_depth(); }).back().depth();
   EXPECT_EQ(ball.id(), 5U);
   ASSERT_TRUE(ball.found());
-  // Of 24 voxels of 4 mm, 0.35 of them the radius.
+  // 24 voxels of 4 mm, with a radius of 0.35 of them.
   const auto& place = ball.place();
   EXPECT_NEAR(std::hypot(place.x(), place.y(), place.z()), 0.35 * 96, 6);
   const auto& eye = config.scene().camera().eye();

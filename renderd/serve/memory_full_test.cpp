@@ -1,5 +1,5 @@
-// A device whose memory is full: who comes next is refused with a reason and goes elsewhere, nobody
-// who is there is harmed.
+// A device with full memory: new sessions are refused with a reason and go elsewhere, and existing
+// ones are not affected.
 #include <gtest/gtest.h>
 
 #include "renderd/schedule/eventually.h"
@@ -28,7 +28,7 @@ struct MemoryFullTest : testing::Test {
     open.set_placement(1);
     return open;
   }
-  // Opened and greeted; its link says what became of it.
+  // Opens a session and sends the greeting. The link shows the result.
   std::shared_ptr<Link> enter() {
     auto link = std::make_shared<Link>();
     attachments.push_back(worker->host().open(opening(), link));
@@ -75,13 +75,13 @@ TEST_F(MemoryFullTest, TheNextSessionIsRefusedWithAReasonAndTheOthersGoOn) {
   EXPECT_TRUE(problem->problem().fatal());
   EXPECT_FALSE(problem->problem().message().empty());
 
-  // Nobody is placed here any more: the heartbeat tells of no slot that is free.
+  // No session is placed here any more, because the heartbeat reports no free slot.
   EXPECT_TRUE(eventually([&] { return worker->host().slots() == 1; }));
   const auto third = worker->host().open(opening(), std::make_shared<Link>());
   ASSERT_FALSE(third);
   EXPECT_EQ(third.error().code, ErrorCode::kOutOfMemory);
 
-  EXPECT_TRUE(shows(*first, 0, 2, 2)) << "who was there goes on";
+  EXPECT_TRUE(shows(*first, 0, 2, 2)) << "the session that was there continues";
 }
 
 TEST_F(MemoryFullTest, AFirstPictureForWhichThereIsNoMemoryCountsToo) {

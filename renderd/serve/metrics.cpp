@@ -30,42 +30,43 @@ prometheus::Histogram& latency(prometheus::Registry& registry, const char* name,
 
 struct Metrics::Impl {
   explicit Impl(prometheus::Registry& r)
-      : sessions(gauge(r, "diaphane_renderd_sessions", "Sessions with a film on this device.")),
-        borrowed(gauge(r, "diaphane_renderd_helpers",
-                       "Workers that are asked to help with this one's pictures.")),
+      : sessions(gauge(r, "diaphane_renderd_sessions", "Sessions rendered on this device.")),
+        borrowed(gauge(r, "diaphane_renderd_helpers", "Peer workers that assist this worker.")),
         helped(gauge(r, "diaphane_renderd_helped_pictures",
-                     "Pictures of other workers that this one helps with.")),
+                     "Images of peer workers that this worker helps to render.")),
         samples(counter(r, "diaphane_renderd_samples_total", "Samples per pixel rendered.")),
         render_seconds(
             counter(r, "diaphane_renderd_render_seconds_total", "Time spent rendering.")),
         dropped(counter(r, "diaphane_renderd_dropped_samples_total",
-                        "Samples that were not finite: dropped.")),
+                        "Samples dropped because they were not finite.")),
         encode_seconds(counter(r, "diaphane_renderd_encode_seconds_total", "Time spent encoding.")),
         frames(counter(r, "diaphane_renderd_frames_sent_total", "Frames sent to viewers.")),
         frame_bytes(counter(r, "diaphane_renderd_frame_bytes_total", "Bytes of frames sent.")),
         skipped(counter(r, "diaphane_renderd_frames_skipped_total",
-                        "Pictures replaced by a newer one before they were sent.")),
+                        "Frames replaced by a newer frame before they were sent.")),
         slices(counter(r, "diaphane_renderd_slices_sent_total", "Exact slices sent to viewers.")),
         slice_bytes(counter(r, "diaphane_renderd_slice_bytes_total", "Bytes of slices sent.")),
         input_to_frame(latency(r, "diaphane_renderd_input_to_frame_seconds",
-                               "From an input to the sending of the first frame that shows it.")),
-        volume_bytes(gauge(r, "diaphane_renderd_volume_bytes", "Volumes on the device.")),
+                               "Time from an input to sending the first frame that shows it.")),
+        volume_bytes(
+            gauge(r, "diaphane_renderd_volume_bytes", "Bytes of volumes in device memory.")),
         copy_bytes(gauge(r, "diaphane_renderd_volume_copy_bytes",
-                         "Copies of volumes on this node's disk.")),
+                         "Bytes of volume copies on this node's disk.")),
         copies(prometheus::BuildCounter()
                    .Name("diaphane_renderd_volume_copies_total")
-                   .Help("What became of copies of volumes on this node's disk.")
+                   .Help("Outcomes of volume copies on this node's disk.")
                    .Register(r)),
-        stills(latency(r, "diaphane_renderd_still_seconds", "Pictures without a session.")),
+        stills(latency(r, "diaphane_renderd_still_seconds",
+                       "Time to render an image without a session.")),
         grpc_errors(prometheus::BuildCounter()
                         .Name("diaphane_renderd_grpc_errors_total")
-                        .Help("Calls that ended with an error, by status.")
+                        .Help("Failed gRPC calls, by status.")
                         .Register(r)),
         redis_errors(counter(r, "diaphane_renderd_redis_errors_total",
-                             "Heartbeats and scenes that could not be written.")),
+                             "Heartbeats and scenes that could not be written to Redis.")),
         device_seconds(prometheus::BuildCounter()
                            .Name("diaphane_renderd_device_seconds_total")
-                           .Help("Where the time of the device's thread went.")
+                           .Help("Time spent by the device thread, by activity.")
                            .Register(r)) {}
 
   prometheus::Gauge& sessions;

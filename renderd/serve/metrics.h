@@ -14,31 +14,32 @@ namespace diaphane::render {
 
 struct RunnerTimes;
 
-/// What renderd counts, by intention; thread-safe. The only place that names the metrics.
+/// The metrics of renderd, recorded by purpose. No other file names a metric. Thread-safe.
 class Metrics {
  public:
   explicit Metrics(prometheus::Registry& registry);
   ~Metrics();
 
   void sessions(std::size_t live);
-  /// Workers that were asked to help with this one's pictures; pictures of others helped with.
+  /// `borrowed`: workers that help with this worker's pictures. `helped`: pictures of other workers
+  /// that this one helps with.
   void lending(std::size_t borrowed, std::size_t helped);
   void rendered(std::uint32_t samples, double seconds, std::uint64_t dropped);
   void encoded(double seconds);
   void frame_sent(std::size_t bytes);
   void slice_sent(std::size_t bytes);
   void frames_skipped(std::uint64_t count);
-  /// Server side: from the arrival of an input to the sending of the first frame that shows it.
+  /// Latency on the server, from the arrival of an input to the sending of the first frame that
+  /// shows it.
   void input_to_frame(double seconds);
   void volumes(std::uint64_t bytes);
-  /// What the node's copies of volumes did until now; by one thread at a time.
+  /// Total counts of the node's copies of volumes. Not thread-safe.
   void volume_copies(const volume::NodeCache::Counts& counts);
   void still(double seconds);
-  /// `status` is a gRPC status name: a closed set.
+  /// `status` is a gRPC status name, from a closed set.
   void grpc_error(const std::string& status);
   void redis_error();
-  /// Where the device's time went until now ("busy" is all; its parts overlap); by one thread at a
-  /// time.
+  /// Total times of the device. "busy" is the total, and its parts overlap. Not thread-safe.
   void device(const RunnerTimes& times);
 
  private:

@@ -1,4 +1,4 @@
-// A follower with a camera of his own: a session of his own beside the group's (docs/adr/0013).
+// A follower with their own camera gets a separate session beside the group's (docs/adr/0013).
 #include <algorithm>
 
 #include "renderd/serve/live_session.h"
@@ -12,8 +12,8 @@ void LiveSession::silence() {
 
 void LiveSession::dismiss() {
   silence();
-  end({ErrorCode::kConflict, "Nobody needs it any more.", {}});
-  on_ended_({ErrorCode::kUnavailable, "Nobody looks.", {}});
+  end({ErrorCode::kConflict, "The session is no longer needed.", {}});
+  on_ended_({ErrorCode::kUnavailable, "The session has no viewers.", {}});
 }
 
 void LiveSession::follow(const v1::Scene& presenters) {
@@ -25,8 +25,8 @@ void LiveSession::follow(const v1::Scene& presenters) {
   parts_.runner.wake();
 }
 
-// The group's lock is not held while the host makes a session: the host has a lock of its own,
-// under which it asks sessions.
+// The group's lock must not be held while the host creates a session, because the host locks itself
+// and then its sessions.
 void LiveSession::change_camera(std::uint64_t connection, bool own, const Error* why) {
   Branch wanted;
   {
@@ -46,7 +46,7 @@ void LiveSession::change_camera(std::uint64_t connection, bool own, const Error*
     Receiver* const receiver = state_.audience.find(connection);
     const auto link = links_.find(connection);
     unused = take_branch(connection);
-    // Else a picture of its own could come after the group's configuration.
+    // Otherwise a picture of the own camera could arrive after the group's configuration.
     if (unused) unused->silence();
     if (!made) {
       v1::ServerMessage message;
@@ -54,10 +54,11 @@ void LiveSession::change_camera(std::uint64_t connection, bool own, const Error*
       send(connection, message);
     } else if (!receiver || link == links_.end() || ended_ ||
                (own && state_.audience.presents(*receiver))) {
-      if (own) unused = *made;  // it left, or became the presenter, meanwhile
+      if (own) unused = *made;  // the viewer left or became the presenter meanwhile
     } else if (own && (*made)->has_ended()) {
-      send_problem(connection, {ErrorCode::kTooMany,
-                                "There is no room for a camera of your own now.", "own_camera"});
+      send_problem(connection,
+                   {ErrorCode::kTooMany,
+                    "No slot is free for a camera of your own. Try again later.", "own_camera"});
     } else if (own) {
       const auto there = (*made)->attach(
           link->second,
@@ -72,14 +73,14 @@ void LiveSession::change_camera(std::uint64_t connection, bool own, const Error*
         close_unused_lanes();
         tell_audience();
       } else {
-        // The private session takes nobody: the viewer stays with the group's picture.
+        // The private session accepts no viewer, so this one stays with the group's picture.
         unused = *made;
         v1::ServerMessage message;
         *message.mutable_problem() = problem_of(there.error(), 0, false);
         send(connection, message);
       }
     } else {
-      // First, so that the page does not ask for it again when it is configured.
+      // Sent first, so that the page does not request the camera again after the configuration.
       if (why) send_problem(connection, *why);
       use_own_camera(state_, *receiver, false, parts_.clock.now());
       if (open_lane(receiver->codec)) send_config(connection);
@@ -101,8 +102,8 @@ bool LiveSession::take_camera_back(const std::string& branch) {
     connection = found->first;
   }
   const Error why{ErrorCode::kTooMany,
-                  "Someone with an account needs the place of your own camera. You see the "
-                  "presenter's picture again.",
+                  "Your own camera's slot was given to a signed-in user. You now see the "
+                  "presenter's view again.",
                   "own_camera_taken"};
   change_camera(connection, false, &why);
   return true;

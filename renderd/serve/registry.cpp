@@ -1,15 +1,9 @@
 #include "renderd/serve/registry.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "common/log.h"
-#include "renderd/serve/goodbye.lua.h"
-#include "renderd/serve/heartbeat.lua.h"
-#include "renderd/serve/note_render_time.lua.h"
-#include "renderd/serve/rebuild_session.lua.h"
-#include "renderd/serve/report_to_fleet.lua.h"
-#include "renderd/serve/save_scene.lua.h"
+#include "directory/constants.h"
 
 namespace diaphane::render {
 namespace {
@@ -20,30 +14,28 @@ using std::chrono::steady_clock;
 constexpr milliseconds kBeat{1000};
 constexpr milliseconds kSave{200};
 constexpr milliseconds kMostBackoff{2000};
-// A worker that died is forgotten 3 s after its last heartbeat.
+// A dead worker is removed 3 s after its last heartbeat.
 constexpr milliseconds kNameMayBeTaken{5000};
 
-constexpr char kWorkers[] = "diaphane:workers";
-constexpr char kSessionPrefix[] = "diaphane:session:";
-constexpr char kLinkPrefix[] = "diaphane:link:";
-constexpr char kRenderTime[] = "diaphane:render_time";
-constexpr std::chrono::seconds kLinkLife{12 * 3600};
-std::string worker_key(const std::string& id) { return "diaphane:worker:" + id; }
-std::string sessions_key(const std::string& id) { return worker_key(id) + ":sessions"; }
+static_assert(kNameMayBeTaken.count() > directory::kHeartbeatMs);
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
-  return text;
+directory::SavedScene record_of(const LiveSession::Saved& saved) {
+  return {.placement = saved.placement,
+          .scene = saved.scene,
+          .input_seq = saved.input_seq,
+          .width = saved.viewport.width,
+          .height = saved.viewport.height,
+          .presenter = saved.presenter,
+          .guest_slices = saved.guest_slices};
 }
 
 }  // namespace
 
-Registry::Registry(Options options, SessionHost& host, Metrics& metrics)
+Registry::Registry(Options options, directory::Client& redis, SessionHost& host, Metrics& metrics)
     : options_(std::move(options)),
       host_(host),
       metrics_(metrics),
-      redis_(options_.redis),
+      directory_(redis, options_.worker_id, options_.incarnation),
       load_since_(steady_clock::now()) {
   thread_ = std::thread([this] { run(); });
 }
@@ -56,9 +48,7 @@ Registry::~Registry() {
   changed_.notify_all();
   thread_.join();
   if (connected_) {
-    (void)redis_.run(lua::goodbye,
-                     {kWorkers, worker_key(options_.worker_id), sessions_key(options_.worker_id)},
-                     {options_.worker_id, options_.incarnation});
+    (void)directory_.leave();
   }
 }
 
@@ -91,7 +81,7 @@ void Registry::run() {
       backoff = milliseconds{100};
     } else {
       metrics_.redis_error();
-      next_beat = steady_clock::now() + backoff;  // the first thing that Redis hears again
+      next_beat = steady_clock::now() + backoff;  // restores the worker as soon as Redis is back
     }
     std::unique_lock lock(mutex_);
     if (drain_seen && told && !drain_told_) {
@@ -133,106 +123,68 @@ bool Registry::heartbeat() {
   }
   const std::vector<SessionHost::Live> live = host_.live();
   const Loads load = loads(live);
-  char busy[16], expected[16];
-  std::snprintf(busy, sizeof busy, "%.3f", load.busy);
-  std::snprintf(expected, sizeof expected, "%.4f", load.expected);
-  std::vector<std::string> visitors;
+  directory::Heartbeat beat;
+  beat.address = options_.address;
+  beat.engine = options_.engine;
+  beat.device = options_.device;
+  beat.slots = host_.slots();
+  beat.draining = draining;
+  beat.load = load.busy;
+  beat.expected = load.expected;
+  beat.volumes = options_.volumes();
   for (const SessionHost::Live& one : live) {
-    if (one.visitor) visitors.push_back(one.id);
+    beat.sessions.push_back({one.id, one.placement, one.visitor});
   }
-  std::vector<std::string> arguments{
-      options_.worker_id, options_.incarnation,          options_.address,     options_.engine,
-      options_.device,    std::to_string(host_.slots()), draining ? "1" : "0", busy,
-      expected,           joined(options_.volumes()),    kSessionPrefix,       joined(visitors)};
-  for (const SessionHost::Live& one : live) {
-    arguments.push_back(one.id);
-    arguments.push_back(std::to_string(one.placement));
-  }
-  const auto answer = redis_.run(
-      lua::heartbeat, {kWorkers, worker_key(options_.worker_id), sessions_key(options_.worker_id)},
-      arguments);
-  if (!answer) {
-    if (answer.error().code == ErrorCode::kInternal) {
-      log::error("heartbeat_refused", {{"message", answer.error().message}});
+  const auto reply = directory_.beat(beat);
+  if (!reply) {
+    if (reply.error().code == ErrorCode::kInternal) {
+      log::error("heartbeat_refused", {{"message", reply.error().message}});
     }
     return false;
   }
-  if (answer->list.size() == 2 && answer->list.front() == "name_taken") {
-    refused_name(answer->list.back());
+  if (reply->name_taken_by) {
+    refused_name(*reply->name_taken_by);
     return false;
   }
   refused_since_.reset();
   note_render_time();
   if (!options_.owner.empty()) report_to_fleet();
-  bool unknown = false;
-  for (const std::string& id : answer->list) {
-    if (id.empty()) {
-      unknown = true;
-    } else if (unknown) {
-      write_again(id);
-    } else {
-      log::info("session_moved_away", {{"session", id}});
-      host_.moved_away(id);
-    }
+  for (const std::string& id : reply->ended) {
+    log::info("session_moved_away", {{"session", id}});
+    host_.moved_away(id);
   }
+  for (const std::string& id : reply->unknown) write_again(id);
   return true;
 }
 
 void Registry::note_render_time() {
   const SpentTime::Account spent = host_.spent().take_milliseconds();
   if (spent.empty()) return;
-  std::vector<std::string> arguments;
-  for (const auto& [user, ms] : spent) {
-    arguments.push_back(user);
-    arguments.push_back(std::to_string(ms));
-  }
-  // Told with the next heartbeat, when this one was not heard.
-  if (!redis_.run(lua::note_render_time, {kRenderTime}, arguments)) host_.spent().give_back(spent);
+  // A failed report is sent again with the next heartbeat.
+  if (!directory_.add_render_time(spent)) host_.spent().give_back(spent);
 }
 
 void Registry::report_to_fleet() {
-  char memory[16], error[24];
-  std::snprintf(memory, sizeof memory, "%.3f", options_.memory());
-  std::snprintf(error, sizeof error, "%.4g", options_.error());
-  const std::string key = worker_key(options_.worker_id);
-  const auto room =
-      redis_.run(lua::report_to_fleet, {kWorkers, key, key + ":drain"},
-                 {options_.worker_id, options_.incarnation, options_.owner, memory, error});
-  if (!room || room->number < 0) return;
+  const auto room = directory_.report(
+      {.owner = options_.owner, .memory = options_.memory(), .error = options_.error()});
+  if (!room || !*room) return;
   if (!told_to_drain_) log::info("told_to_drain");
   told_to_drain_ = true;
-  // Whoever takes a session up needs its scene.
+  // Another worker needs a session's scene to resume it.
   if (!save_scenes()) return;
-  options_.told_to_drain(static_cast<std::size_t>(room->number));
+  options_.told_to_drain(**room);
 }
 
 void Registry::write_again(const std::string& session) {
   const auto lost = host_.lost(session);
   if (!lost) return;
-  const LiveSession::Saved& saved = lost->saved;
-  const std::string key = kSessionPrefix + session;
-  std::vector<std::string> arguments{session,
-                                     lost->user_id,
-                                     lost->volume_id,
-                                     options_.worker_id,
-                                     options_.incarnation,
-                                     std::to_string(saved.placement),
-                                     saved.scene,
-                                     std::to_string(saved.input_seq),
-                                     std::to_string(saved.viewport.width),
-                                     std::to_string(saved.viewport.height),
-                                     saved.presenter,
-                                     saved.guest_slices ? "1" : "0",
-                                     kLinkPrefix,
-                                     std::to_string(kLinkLife.count()),
-                                     lost->visitor ? "1" : ""};
-  arguments.insert(arguments.end(), lost->links.begin(), lost->links.end());
-  const auto written =
-      redis_.run(lua::rebuild_session,
-                 {key, key + ":links", "diaphane:user:" + lost->user_id + ":sessions",
-                  "diaphane:data_set:" + lost->volume_id + ":sessions"},
-                 arguments);
-  if (written && written->number == 1) log::info("session_written_again", {{"session", session}});
+  const auto written = directory_.restore({.id = session,
+                                           .user_id = lost->user_id,
+                                           .data_set_id = lost->volume_id,
+                                           .saved = record_of(lost->saved),
+                                           .visitor = lost->visitor,
+                                           .links = lost->links});
+  if (written && *written) log::info("session_written_again", {{"session", session}});
 }
 
 void Registry::refused_name(const std::string& holder) {
@@ -249,13 +201,7 @@ void Registry::refused_name(const std::string& holder) {
 bool Registry::save_scenes() {
   std::vector<LiveSession::Saved> unsaved = host_.take_unsaved();
   for (std::size_t i = 0; i < unsaved.size(); ++i) {
-    const LiveSession::Saved& saved = unsaved[i];
-    const auto written =
-        redis_.run(lua::save_scene, {kSessionPrefix + saved.id},
-                   {std::to_string(saved.placement), saved.scene, std::to_string(saved.input_seq),
-                    std::to_string(saved.viewport.width), std::to_string(saved.viewport.height),
-                    saved.presenter, saved.guest_slices ? "1" : "0"});
-    if (written) continue;
+    if (directory_.save_scene(unsaved[i].id, record_of(unsaved[i]))) continue;
     for (; i < unsaved.size(); ++i) host_.mark_unsaved(unsaved[i].id);
     return false;
   }

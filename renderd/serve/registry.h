@@ -9,58 +9,58 @@
 #include <thread>
 #include <vector>
 
+#include "directory/worker.h"
 #include "renderd/serve/expected_load.h"
 #include "renderd/serve/metrics.h"
-#include "renderd/serve/redis_client.h"
 #include "renderd/serve/session_host.h"
 
 namespace diaphane::render {
 
-/// This worker in Redis (docs/contracts.md): a heartbeat each second, the scenes of its sessions at
-/// most every 200 ms. Has a thread of its own, so that a Redis that is away or slow holds up
-/// nothing: sessions go on, and what was not written is written when it is back.
+/// Keeps this worker registered in Redis (docs/contracts.md): one heartbeat per second, and the
+/// scenes of its sessions at most every 200 ms. Has its own thread, so that an unavailable or slow
+/// Redis blocks nothing. Sessions continue meanwhile, and unwritten data is written later.
 class Registry {
  public:
   struct Options {
-    wire::RedisAddress redis;
     std::string worker_id;
-    std::string incarnation;  ///< new at each start
-    std::string address;      ///< where the gateway finds this worker
+    std::string incarnation;  ///< different at each start
+    std::string address;      ///< address at which the gateway reaches this worker
     std::string engine;
     std::string device;
     std::function<double()> busy_seconds;               ///< since the start, for the load
-    std::function<std::vector<std::string>()> volumes;  ///< loaded
-    /// Called once, from the registry's thread: another worker that lives has had this name for
-    /// longer than one that died would be remembered.
+    std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
+    /// Called once, from the registry's thread, when another live worker has used this name for
+    /// longer than a dead worker stays registered.
     std::function<void(const std::string& address)> name_taken;
-    std::string owner;               ///< whose this worker is, for an operator; empty: nobody's
-    std::function<double()> memory;  ///< of the device, 0 to 1
-    std::function<double()> error;   ///< of all pictures, summed
-    /// Called each second while an operator wants this worker to drain, from the registry's thread:
-    /// `room` sessions find a place elsewhere.
+    std::string owner;               ///< owner of this worker for an operator; empty: none
+    std::function<double()> memory;  ///< share of the device's memory, 0 to 1
+    std::function<double()> error;   ///< summed over all pictures
+    /// Called every second, from the registry's thread, while an operator wants this worker to
+    /// drain. `room` sessions can move elsewhere.
     std::function<void(std::size_t room)> told_to_drain;
-    /// Of `busy_seconds`, for other workers' pictures: given back when somebody comes here, so
-    /// nothing that a session is placed by. May be empty.
+    /// The part of `busy_seconds` spent on other workers' pictures. It does not count for
+    /// placement, because it becomes free when a session is placed here. May be empty.
     std::function<double()> lent_seconds;
   };
 
-  Registry(Options options, SessionHost& host, Metrics& metrics);
-  /// Takes the worker off the list.
+  /// `redis` must outlive this object.
+  Registry(Options options, directory::Client& redis, SessionHost& host, Metrics& metrics);
+  /// Removes the worker from the list.
   ~Registry();
   Registry(const Registry&) = delete;
   Registry& operator=(const Registry&) = delete;
 
-  /// No new sessions: told at once, with the scenes that are not written yet. Returns when that is
-  /// done or `timeout` has passed.
+  /// Announces that the worker accepts no new sessions, and writes unsaved scenes. Returns when
+  /// that is done or after `timeout`.
   void drain(std::chrono::milliseconds timeout);
-  /// The last heartbeat was taken.
+  /// Whether the last heartbeat succeeded.
   bool connected() const { return connected_; }
 
  private:
-  /// Of the device, 1: all of it.
+  /// Share of the device; 1 is the whole device.
   struct Loads {
     double busy = 0;      ///< since the last heartbeat
-    double expected = 0;  ///< from now on
+    double expected = 0;  ///< in the future
   };
   void run();
   bool heartbeat();
@@ -74,7 +74,7 @@ class Registry {
   const Options options_;
   SessionHost& host_;
   Metrics& metrics_;
-  RedisClient redis_;
+  directory::WorkerDirectory directory_;
   std::atomic<bool> connected_{false};
 
   std::mutex mutex_;
@@ -83,13 +83,13 @@ class Registry {
   bool draining_ = false;
   bool drain_told_ = false;
 
-  // Of the thread alone.
+  // Used only by the thread.
   double busy_before_ = 0, lent_before_ = 0;
   ExpectedLoad expected_;
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;
   bool refusal_told_ = false;
-  bool told_to_drain_ = false;  // for good: it takes no session again
+  bool told_to_drain_ = false;  // never reset, because it accepts no sessions again
   std::thread thread_;
 };
 

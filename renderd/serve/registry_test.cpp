@@ -23,10 +23,10 @@ struct RegistryTest : testing::Test {
                                      const std::string& address = "127.0.0.1:8085",
                                      std::function<void(const std::string&)> name_taken = {}) {
     return std::make_unique<Registry>(
-        Registry::Options{redis.address, "w1", incarnation, address, "fake", "a test",
+        Registry::Options{"w1", incarnation, address, "fake", "a test",
                           [this] { return worker->runner().busy_seconds(); },
                           [this] { return worker->volumes().loaded(); }, std::move(name_taken)},
-        worker->host(), metrics);
+        redis.client(), worker->host(), metrics);
   }
   std::pair<Attachment, std::shared_ptr<Link>> attach(const std::string& session,
                                                       std::uint64_t placement = 1) {
@@ -90,7 +90,8 @@ TEST_F(RegistryTest, WhatItsSessionsAreExpectedToTakeIsTold) {
   const auto expected = [&] { return redis.field("diaphane:worker:w1", "expected"); };
   ASSERT_TRUE(eventually([&] { return expected() == "0.0000"; }));
   const auto [attachment, link] = attach(new_id());
-  // Of one of whom little is known yet, about a slot's share; the fake device works at once.
+  // Little is known about a new session, so it counts about a slot's share. The fake device works
+  // immediately.
   ASSERT_TRUE(eventually([&] { return std::atof(expected().c_str()) > 0; }));
   EXPECT_EQ(redis.field("diaphane:worker:w1", "sessions"), "1");
 }
@@ -100,12 +101,12 @@ TEST_F(RegistryTest, WhatIsLentToOthersIsNothingThatASessionIsPlacedBy) {
   const auto all = [begin] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
-  Registry::Options told{redis.address, "w1", "first", "127.0.0.1:8085", "fake", "a test"};
+  Registry::Options told{"w1", "first", "127.0.0.1:8085", "fake", "a test"};
   told.busy_seconds = all;
   told.volumes = [] { return std::vector<std::string>{}; };
-  // Never less than the device was busy, however long the two questions are apart.
+  // Never less than the device's busy time, whatever the time between the two calls.
   told.lent_seconds = [all] { return 2 * all(); };
-  const Registry registry(std::move(told), worker->host(), metrics);
+  const Registry registry(std::move(told), redis.client(), worker->host(), metrics);
   ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "load") == "1.000"; }));
   EXPECT_EQ(redis.field("diaphane:worker:w1", "expected"), "0.0000");
 }
@@ -128,7 +129,7 @@ TEST_F(RegistryTest, LiveSessionsAreCountedAndEndedOnesFreeTheirSlot) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "2"; }));
   EXPECT_EQ(redis.field("diaphane:worker:w1", "volumes"), volume);
-  worker->host().moved_away(id);  // any end
+  worker->host().moved_away(id);  // ended in any way
   ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }));
   EXPECT_EQ(redis.ask({"ZRANGE", "diaphane:worker:w1:sessions", "0", "-1"}),
             std::vector<std::string>{reserved})
@@ -177,7 +178,7 @@ TEST_F(RegistryTest, ASecondWorkerOfANameIsRefusedWhileTheFirstLivesAndTheNameNe
   EXPECT_FALSE(flapped);
   EXPECT_FALSE(second->connected()) << "it is not ready";
 
-  first.reset();  // it leaves in order; nobody holds the name
+  first.reset();  // it leaves in order, so the name is free
   EXPECT_TRUE(
       eventually([&] { return redis.field("diaphane:worker:w1", "incarnation") == "second"; }));
   EXPECT_EQ(refused, 1);
@@ -190,7 +191,7 @@ TEST_F(RegistryTest, WhatPicturesTookIsToldOnceForEachPerson) {
   auto registry = announce();
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "a") == "1600"; }));
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "b") == "20"; }));
-  worker->host().spent().add("b", 0.0008);  // with the 0.4 ms that were left
+  worker->host().spent().add("b", 0.0008);  // plus the remaining 0.4 ms
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "b") == "21"; }));
   EXPECT_EQ(redis.field("diaphane:render_time", "a"), "1600");
 }
@@ -210,7 +211,7 @@ TEST_F(RegistryTest, TheLastSceneIsKeptAndOnlyByTheWorkerThatHasTheSession) {
   EXPECT_EQ(redis.field(key, "scene"), moved.SerializeAsString());
   EXPECT_EQ(redis.field(key, "width"), "64");
 
-  // Placed anew, on this very worker or another: an old placement writes nothing.
+  // Placed again, on this or another worker: the old placement writes nothing.
   redis.ask({"HSET", key, "placement", "5"});
   attachment.receive(scene_message(9, turned(scene, 13)).SerializeAsString());
   std::this_thread::sleep_for(500ms);
@@ -243,7 +244,7 @@ TEST_F(RegistryTest, WithRedisAwaySessionsGoOnAndWhatWasNotToldIsToldLater) {
   redis.start();  // empty
   place(id, "w1", 1);
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }, 5000ms));
-  // What was written while the session's hash was gone is lost; the next change is not.
+  // What was written while the session's hash was missing is lost, but the next change is not.
   attachment.receive(scene_message(4, turned(config.scene(), 6)).SerializeAsString());
   EXPECT_TRUE(
       eventually([&] { return redis.field("diaphane:session:" + id, "input_seq") == "4"; }));
@@ -310,7 +311,6 @@ TEST_F(RegistryTest, ADrainIsToldAtOnce) {
 
 TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
   Registry::Options told;
-  told.redis = redis.address;
   told.worker_id = "w1";
   told.incarnation = "first";
   told.address = "127.0.0.1:8085";
@@ -320,7 +320,7 @@ TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
   told.memory = [] { return 0.25; };
   told.error = [] { return 1.5; };
   told.told_to_drain = [this](std::size_t room) { worker->host().move_away(room); };
-  Registry registry(told, worker->host(), metrics);
+  Registry registry(told, redis.client(), worker->host(), metrics);
   auto [attachment, link] = attach(new_id());
   const std::string key = "diaphane:worker:w1";
   ASSERT_TRUE(eventually([&] { return redis.field(key, "used") == "1"; }));
@@ -329,7 +329,7 @@ TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
   EXPECT_EQ(redis.field(key, "error"), "1.5");
   EXPECT_TRUE(eventually([&] { return redis.field(key, "idle_since").empty(); }));
 
-  // Meant for the pod before this one.
+  // Meant for the previous pod.
   redis.ask({"SET", key + ":drain", "skull/uid/1"});
   const std::string seen = redis.field(key, "sampled");
   ASSERT_TRUE(eventually([&] { return redis.field(key, "sampled") != seen; }));

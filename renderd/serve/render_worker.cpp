@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "common/log.h"
+#include "common/try.h"
 #include "renderd/scene/texture_store.h"
 #include "renderd/schedule/policy.h"
 #include "renderd/schedule/visitor_share.h"
@@ -17,12 +18,12 @@
 namespace diaphane::render {
 namespace {
 
-/// Where volumes are read: the store, or a node's copies of it.
+/// Reads volumes from the store or from the node's copies.
 struct Source {
   std::string store;
   std::shared_ptr<volume::NodeCache> copies;
 
-  // `id` has been checked to be an id, so it cannot lead out of the store.
+  // `id` was validated, so the path cannot leave the store.
   Result<volume::Volume> read(const std::string& id) const {
     return copies ? copies->read(id) : volume::read(store + "/" + id, false);
   }
@@ -32,7 +33,7 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const 
                                         const std::string& id) {
   const auto start = std::chrono::steady_clock::now();
   auto volume = source.read(id);
-  if (!volume) return tl::unexpected(volume.error());
+  DIAPHANE_TRY(volume);
   auto loaded = engine.load(*volume);
   if (loaded) facts.add(*loaded, facts_of(*volume));
   const auto seconds =
@@ -44,7 +45,7 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const 
 
 Result<VolumeCache::Handle> load_voxels(const Source& source, const std::string& id) {
   auto volume = source.read(id);
-  if (!volume) return tl::unexpected(volume.error());
+  DIAPHANE_TRY(volume);
   return std::make_shared<const HostVolume>(std::move(*volume));
 }
 
@@ -100,9 +101,10 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
 }
 
 void RenderWorker::slow_down_decoding() {
-  // A linux thread's own: where cores are few, a picture is rendered before a texture is decoded.
+  // On Linux the priority is per thread. With few cores, rendering takes precedence over decoding
+  // textures.
   constexpr int kNice = 10;
-  textures_->post(EncodePool::Urgency::kNow, [] { (void)setpriority(PRIO_PROCESS, 0, kNice); });
+  textures_->post(EncodePool::Urgency::kLater, [] { (void)setpriority(PRIO_PROCESS, 0, kNice); });
 }
 
 void RenderWorker::watch_store(const std::stop_token& stop) {
@@ -118,7 +120,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
     }
     voxels_->forget_unused();
     facts_.forget_expired();
-    // Some of it comes from the heap, which keeps what it is given back.
+    // Part of it comes from the heap, which does not return freed memory to the system by itself.
     if (take_freed_texture_memory() >= kWorthTrimming) malloc_trim(0);
     if (copies_) metrics_.volume_copies(copies_->counts());
   }
@@ -133,7 +135,8 @@ void RenderWorker::stop() {
 RenderWorker::~RenderWorker() {
   watching_ = {};
   stop();
-  // A load or a coding under way still ends in a call to the runner, which only its end forbids.
+  // Loading or encoding in progress still ends in a call to the runner, until the runner is
+  // destroyed.
   volumes_.reset();
   slicers_.reset();
   textures_.reset();

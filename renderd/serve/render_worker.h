@@ -15,16 +15,16 @@
 
 namespace diaphane::render {
 
-/// One device with everything around it, but for the wires: sessions, runner, encoders, volumes.
+/// One device and its sessions, runner, encoders and volumes, without the network.
 class RenderWorker {
  public:
   struct Options {
     std::string volume_dir;
-    std::uint64_t volume_bytes = std::uint64_t{4} << 30;  ///< bound of loaded volumes
-    std::shared_ptr<volume::NodeCache> copies;            ///< on a disk of this node, if any
+    std::uint64_t volume_bytes = std::uint64_t{4} << 30;  ///< limit for loaded volumes
+    std::shared_ptr<volume::NodeCache> copies;            ///< on a disk of this node; may be null
     unsigned encoder_threads = 1;
     SessionHost::Options host;
-    Runner::Options runner;  ///< but for what the engine says of its device
+    Runner::Options runner;  ///< without what the engine reports about its device
     PolicyKind policy = PolicyKind::kMarginalGain;
   };
 
@@ -32,7 +32,7 @@ class RenderWorker {
                const Clock& clock);
   ~RenderWorker();
 
-  /// Ends all sessions and stills; after it nothing is rendered. Idempotent.
+  /// Ends all sessions and stills, and stops rendering. Idempotent.
   void stop();
 
   Engine& engine() { return *engine_; }
@@ -44,20 +44,21 @@ class RenderWorker {
 
  private:
   void slow_down_decoding();
-  /// Each second: copies of volumes that the store has no more are let go, their sessions ended.
+  /// Every second, drops copies of volumes that are no longer in the store, and ends their
+  /// sessions.
   void watch_store(const std::stop_token& stop);
 
   Metrics& metrics_;
   const std::shared_ptr<volume::NodeCache> copies_;
-  // Each may call into those before it; the destructor says in which order they end.
+  // Each may call those before it. The destructor defines the order of destruction.
   std::unique_ptr<Engine> engine_;
   KeptFacts facts_;
   std::unique_ptr<Runner> runner_;
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;
   std::unique_ptr<EncodePool> slicers_;
-  std::unique_ptr<EncodePool> textures_;  ///< decodes those of sessions
-  std::unique_ptr<VolumeCache> voxels_;   ///< in the machine's memory, of those who see slices
+  std::unique_ptr<EncodePool> textures_;  ///< decodes textures of sessions
+  std::unique_ptr<VolumeCache> voxels_;   ///< in host memory, for viewers of slices
   std::unique_ptr<SessionHost> host_;
   std::unique_ptr<StillService> stills_;
   std::unique_ptr<AssistHost> assists_;

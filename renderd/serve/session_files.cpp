@@ -1,19 +1,20 @@
 #include "common/log.h"
+#include "common/try.h"
 #include "renderd/scene/file_order.h"
 #include "renderd/serve/live_session.h"
 
-// Of LiveSession: films and large pictures, to be taken away (docs/adr/0031).
+// LiveSession: films and large pictures for download (docs/adr/0031).
 
 namespace diaphane::render {
 namespace {
 
-/// On one worker at once: each holds a film of its own and up to 48 MiB.
+/// Per worker, because each holds its own film and up to 48 MiB.
 constexpr int kMostFiles = 2;
 
-// The same file each time that it is made.
+// The same order always gives the same file.
 constexpr std::uint64_t kFileSeed = 1;
 
-/// A place among the worker's files, as long as it lives; null: none is free.
+/// Reserves one of the worker's files for the lifetime of the result. Returns null if none is free.
 std::shared_ptr<const void> place_among(std::atomic<int>& files) {
   if (++files <= kMostFiles) {
     return {&files, [&files](const void*) { --files; }};
@@ -24,7 +25,7 @@ std::shared_ptr<const void> place_among(std::atomic<int>& files) {
 
 }  // namespace
 
-/// Between a file and the connection that asked for it.
+/// Connects a file to the connection that requested it.
 class LiveSession::FileLink final : public FileSink {
  public:
   FileLink(std::weak_ptr<LiveSession> session, std::uint64_t connection)
@@ -89,19 +90,20 @@ void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage
 
 Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connection,
                                                           const v1::FileWanted& wanted) {
-  if (!volume_ || ended_) return fail(ErrorCode::kUnavailable, "The scan is not there yet.");
-  if (file_) return fail(ErrorCode::kConflict, "A file is being made already.");
+  if (!volume_ || ended_) return fail(ErrorCode::kUnavailable, "The scan is not loaded yet.");
+  if (file_) return fail(ErrorCode::kConflict, "A file is already being created.");
   auto place = place_among(parts_.files);
   if (!place) {
-    return fail(ErrorCode::kTooMany, "Enough files are being made here now. Try again later.");
+    return fail(ErrorCode::kTooMany,
+                "Too many files are being created right now. Try again later.");
   }
   auto maker = make_file_maker(wanted, std::move(key_views_));
   key_views_.clear();
-  if (!maker) return tl::unexpected(maker.error());
+  DIAPHANE_TRY(maker);
   auto renderer = parts_.engine.renderer(volume_, kFileSeed, 0, kLiveMethod);
-  if (!renderer) return tl::unexpected(renderer.error());
+  DIAPHANE_TRY(renderer);
   auto link = std::make_shared<FileLink>(weak_from_this(), connection);
-  // The place is the work's, also while a lane still has it.
+  // The work owns the reservation, also while a lane still holds the work.
   auto took = [&spent = parts_.spent, user = charged_to_,
                place = std::move(place)](double seconds) { spent.add(user, seconds); };
   auto work = std::make_shared<FileWork>(parts_.runner, parts_.encoders, std::move(*renderer),
@@ -114,7 +116,7 @@ void LiveSession::send_of_file(const FileLink& link, const v1::ServerMessage& me
   const std::lock_guard lock(mutex_);
   if (!file_ || file_->link.get() != &link) return;
   send(link.connection(), message);
-  // Its place among the worker's files is free, whether or not the viewer stays.
+  // Frees the reservation, whether or not the viewer stays.
   if (last) file_.reset();
 }
 

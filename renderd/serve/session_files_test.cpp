@@ -39,7 +39,7 @@ struct Viewer : TestViewer {
     picture.set_error(error);
     say(message);
   }
-  /// All of the file; what else was said on the way is skipped.
+  /// Returns the complete file and skips other messages.
   std::string file() {
     std::string bytes;
     for (bool last = false; !last;) {
@@ -71,7 +71,7 @@ struct SessionFilesTest : WorkerTest {
     viewer.say(hidden);
     return viewer;
   }
-  /// Nothing is rendered any more.
+  /// Whether rendering has stopped.
   bool is_quiet() {
     for (int i = 0; i < 100; ++i) {
       const auto samples = device->samples.load();
@@ -86,7 +86,7 @@ struct SessionFilesTest : WorkerTest {
 };
 
 TEST_F(SessionFilesTest, AFilmIsMadeAndChargedToItsOwner) {
-  device->seconds_per_megapixel = 1;  // 4 ms a sample
+  device->seconds_per_megapixel = 1;  // 4 ms per sample
   Viewer one = attach(new_id());
   ASSERT_TRUE(is_quiet());
   worker->host().spent().take_milliseconds();
@@ -154,7 +154,7 @@ TEST_F(SessionFilesTest, OneAtATimeAndTwoOnAWorker) {
   ASSERT_TRUE(busy);
   EXPECT_EQ(busy->code(), to_string(ErrorCode::kConflict));
   one.attachment->closed();
-  // The lane lets go of it within a quantum.
+  // The lane releases it within a quantum.
   for (int i = 0; i < 100; ++i) {
     three.key(0, three.scene);
     three.film(600);

@@ -4,23 +4,27 @@
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/try.h"
 #include "renderd/serve/evict.h"
 
 namespace diaphane::render {
 namespace {
 
 const Error& stopping() {
-  static const Error error{ErrorCode::kUnavailable,
-                           "This render server is stopping; the session goes on elsewhere.",
-                           {}};
+  static const Error error{
+      ErrorCode::kUnavailable,
+      "This render worker is shutting down. The session continues on another one.",
+      {}};
   return error;
 }
 
 constexpr char kVisitorSlot[] = "visitor_slot";
 
 Result<LiveSession::Start> start_of(const v1::Open& open) {
-  if (!is_id(open.session_id())) return fail(ErrorCode::kInvalid, "No session id.", "session_id");
-  if (!is_id(open.volume_id())) return fail(ErrorCode::kInvalid, "No volume id.", "volume_id");
+  if (!is_id(open.session_id()))
+    return fail(ErrorCode::kInvalid, "The session ID is missing or invalid.", "session_id");
+  if (!is_id(open.volume_id()))
+    return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
   LiveSession::Start start;
   start.id = open.session_id();
   start.volume_id = open.volume_id();
@@ -32,7 +36,7 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   if (is_id(open.user_id())) start.user_id = start.charged_to = open.user_id();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
-    // What was saved may be of no use; the browser's Hello says the viewport anew.
+    // The saved viewport may be unusable. The browser's Hello contains the current one.
     if (const auto viewport = check_viewport(open.viewport())) start.viewport = *viewport;
   }
   return start;
@@ -42,7 +46,7 @@ Result<Arrival> arrival_of(const v1::Open& open) {
   Arrival arrival;
   if (!open.participant().empty()) {
     if (!is_id(open.participant())) {
-      return fail(ErrorCode::kInvalid, "No participant's id.", "participant");
+      return fail(ErrorCode::kInvalid, "The participant ID is missing or invalid.", "participant");
     }
     arrival.participant = open.participant();
   }
@@ -58,7 +62,7 @@ Result<Arrival> arrival_of(const v1::Open& open) {
 }  // namespace
 
 const Error& displaced() {
-  static const Error error{ErrorCode::kTooMany, "Someone with an account needs this place.",
+  static const Error error{ErrorCode::kTooMany, "Your place was given to a signed-in user.",
                            kVisitorSlot};
   return error;
 }
@@ -85,9 +89,9 @@ SessionHost::~SessionHost() { end_all(); }
 
 Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<ClientLink> link) {
   auto start = start_of(open);
-  if (!start) return tl::unexpected(start.error());
+  DIAPHANE_TRY(start);
   const auto arrival = arrival_of(open);
-  if (!arrival) return tl::unexpected(arrival.error());
+  DIAPHANE_TRY(arrival);
   const std::string id = start->id;
   const std::string volume_id = start->volume_id;
 
@@ -101,22 +105,22 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
     if (const auto found = sessions_.find(id); found != sessions_.end()) {
       session = found->second;
       if (open.placement() < session->placement()) {
-        return fail(ErrorCode::kConflict, "The session was placed anew since.");
+        return fail(ErrorCode::kConflict, "The session has since moved to another worker.");
       }
       if (session->volume_id() != volume_id) {
-        return fail(ErrorCode::kInvalid, "The session is of another volume.", "volume_id");
+        return fail(ErrorCode::kInvalid, "The session belongs to a different volume.", "volume_id");
       }
     } else {
       if (full()) {
         return fail(ErrorCode::kOutOfMemory,
-                    "The memory of this render server is full; the picture opens elsewhere.");
+                    "This render worker is out of memory. The session opens on another one.");
       }
       if (open.visitor() &&
           visitors() >= visitor_slots_of_worker(options_.slots, options_.visitor_percent)) {
-        return fail(ErrorCode::kTooMany, "All places for visitors are taken.");
+        return fail(ErrorCode::kTooMany, "All guest places are taken.");
       }
       if (sessions_.size() >= options_.slots && !(evicted = evict(open.visitor()))) {
-        return fail(ErrorCode::kTooMany, "All places of this render server are taken.");
+        return fail(ErrorCode::kTooMany, "All slots of this render worker are in use.");
       }
       is_new = true;
       session = std::make_shared<LiveSession>(parts(), std::move(*start), when_ended(id));
@@ -125,7 +129,7 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
     }
     session->set_visitor(open.visitor());
     const auto attached = session->attach(std::move(link), *arrival, open.placement());
-    if (!attached) return tl::unexpected(attached.error());
+    DIAPHANE_TRY(attached);
     connection = *attached;
   }
   if (evicted) end_evicted(evicted);
@@ -154,7 +158,8 @@ SessionParts SessionHost::parts() {
           textures_};
 }
 
-// Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.
+// No ticket leads to this session, because only this worker knows its id. The heartbeat counts its
+// slot.
 Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const Branch& wanted) {
   LiveSession::Start start;
   start.id = new_id();
@@ -179,7 +184,7 @@ Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const
     const bool over = start.visitor && (visitors() >= share ||
                                         cameras_of(wanted.link) >= visitor_slots_of_source(share));
     if (over || (sessions_.size() >= options_.slots && !(evicted = evict(start.visitor)))) {
-      return fail(ErrorCode::kTooMany, "There is no room for a camera of your own now.",
+      return fail(ErrorCode::kTooMany, "No slot is free for a camera of your own. Try again later.",
                   "own_camera");
     }
     session = std::make_shared<LiveSession>(parts(), std::move(start), when_ended(id));
@@ -221,10 +226,10 @@ void SessionHost::end_evicted(const Session& session) {
   log::info(
       "session_evicted",
       {{"session", session->id()}, {"visitor", session->visitor()}, {"abandoned", abandoned}});
-  // A guest whose own camera goes follows the presenter again.
+  // A guest who loses their own camera follows the presenter again.
   if (const auto group = session->group()) {
     if (group->take_camera_back(session->id())) return;
-    // The guest was about to be connected to it: he is told either way.
+    // The guest may be about to connect to it, and is notified in that case too.
     session->dismiss();
     (void)group->take_camera_back(session->id());
     return;
@@ -253,7 +258,7 @@ void SessionHost::out_of_memory() {
   Session abandoned;
   {
     const std::lock_guard lock(mutex_);
-    // Somebody who looks goes before one whom nobody came back to; whoever asks next has its room.
+    // Evicts a session, an abandoned visitor's first, so that the next one finds memory.
     if ((abandoned = evict(true)) || (abandoned = evict(false))) {
       freed();
     } else {
@@ -277,7 +282,7 @@ void SessionHost::tick() {
     const auto abandoned = session->abandoned_for();
     if (!abandoned || *abandoned < options_.keep_abandoned) continue;
     {
-      // Between the question and the lock its viewer may have come back.
+      // The viewer may have returned before the lock was taken.
       const std::lock_guard lock(mutex_);
       if (!session->abandoned_for()) continue;
       sessions_.erase(session->id());
@@ -329,7 +334,7 @@ void SessionHost::moved_away(const std::string& id) {
     sessions_.erase(found);
     freed();
   }
-  session->end({ErrorCode::kConflict, "This session has ended here.", {}});
+  session->end({ErrorCode::kConflict, "This session has ended on this worker.", {}});
 }
 
 void SessionHost::volume_gone(const std::string& volume_id) {
@@ -347,7 +352,7 @@ void SessionHost::volume_gone(const std::string& volume_id) {
     }
   }
   for (const Session& session : ending) {
-    session->end({ErrorCode::kNotFound, "This scan is not there any more as it was.", {}});
+    session->end({ErrorCode::kNotFound, "This scan was changed or deleted.", {}});
   }
 }
 

@@ -15,11 +15,11 @@
 
 namespace diaphane::render {
 
-/// The error of a visitor whose slot an account holder needed.
+/// The error for a visitor whose slot went to an account holder.
 const Error& displaced();
 bool is_displaced(const Error& why);
 
-/// One connection's hold on a session.
+/// The hold of one connection on a session.
 class Attachment {
  public:
   Attachment(std::shared_ptr<LiveSession> session, std::uint64_t connection)
@@ -34,25 +34,29 @@ class Attachment {
   std::uint64_t connection_;
 };
 
-/// The sessions of this worker: opened, joined, kept a while after their last viewer left, ended.
+/// The sessions of this worker: opens and joins them, keeps them for a while after their last
+/// viewer left, and ends them.
 class SessionHost {
  public:
   struct Options {
-    std::size_t slots = 4;  ///< sessions at most, those that wait for a viewer included
-    /// Of the slots, that visitors' sessions and guests' own cameras may have together. They lose
-    /// theirs when an account holder finds none free.
+    std::size_t slots = 4;  ///< maximum number of sessions, including abandoned ones
+    /// Maximum share of the slots for visitors' sessions and guests' own cameras. They lose their
+    /// slots when an account holder finds none free.
     int visitor_percent = kVisitorPercent;
-    std::chrono::seconds keep_abandoned{30};  ///< so that a reload is where one was
-    /// After a session found no memory on the device, unless one ends before.
+    /// So that a page can be reloaded without losing the session.
+    std::chrono::seconds keep_abandoned{30};
+    /// How long the device counts as full after a session found no memory, unless a session ends
+    /// before.
     std::chrono::seconds full_for{10};
-    bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
+    /// For benches: draws input_seq into the pixels (encode/frame_mark.h).
+    bool mark_frames = false;
   };
-  /// What the heartbeat tells of a session.
+  /// What the heartbeat reports about a session.
   struct Live {
     std::string id;
     std::uint64_t placement = 0;
-    double device_seconds = 0;  ///< since it is here
-    bool visitor = false;       ///< of somebody without an account, or a guest's own camera
+    double device_seconds = 0;  ///< since it was opened on this worker
+    bool visitor = false;       ///< of a visitor, or a guest's own camera
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
@@ -60,33 +64,35 @@ class SessionHost {
               Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
-  /// Opens a session or joins one that is here. kTooMany: no slot is free, or as many viewers as
-  /// can be are there; kConflict: it was placed anew since; kUnavailable: draining; kInvalid: an
-  /// identifier that is none.
+  /// Opens a session or joins an existing one. kTooMany: no slot is free, or the session is full.
+  /// kConflict: it has been placed again since. kUnavailable: draining. kInvalid: an identifier is
+  /// invalid.
   Result<Attachment> open(const diaphane::v1::Open& open, std::shared_ptr<ClientLink> link);
 
-  /// Ends what nobody came back to; once or more a second.
+  /// Ends abandoned sessions. To be called at least once per second.
   void tick();
   /// Refuses new sessions from now on.
   void refuse_new();
-  /// Ends so many, as end_all does, of those that somebody looks at; refuses new ones.
+  /// Ends this many sessions that have viewers, as end_all() does, and refuses new ones.
   void move_away(std::size_t count);
-  /// Ends all with a fatal Problem "unavailable", so that their viewers come back elsewhere.
+  /// Ends all sessions with a fatal Problem "unavailable", so that their viewers reconnect to
+  /// another worker.
   void end_all();
-  /// It lives on another worker now, or was ended in Redis: ended here.
+  /// Ends a session that moved to another worker or was ended in Redis.
   void moved_away(const std::string& id);
 
-  /// The store has this volume no more, or another under its id: its sessions end with NOT_FOUND.
+  /// Ends the sessions of a volume that was deleted or replaced in the store with NOT_FOUND.
   void volume_gone(const std::string& volume_id);
 
   std::vector<Live> live() const;
   std::vector<LiveSession::Saved> take_unsaved();
   void mark_unsaved(const std::string& id);
   std::optional<LiveSession::Lost> lost(const std::string& id) const;
-  /// Of those who have sessions here.
+  /// Time of users with sessions on this worker.
   SpentTime& spent() { return spent_; }
   std::size_t used() const;
-  /// That may be filled: while the device's memory is full, no more than are taken already.
+  /// Returns the number of usable slots. While the device's memory is full, these are the occupied
+  /// ones.
   std::size_t slots() const;
 
  private:
@@ -94,20 +100,20 @@ class SessionHost {
   Result<Session> branch(const LiveSession& group, const Branch& wanted);
   SessionParts parts();
   void forget(const std::string& id, const LiveSession* session);
-  /// What a session that ends by itself calls.
+  /// Returns the callback for a session that ends on its own.
   std::function<void(const Error&)> when_ended(const std::string& id);
-  /// A session ended because the device had no memory for it.
+  /// Called when a session ended because the device had no memory for it.
   void out_of_memory();
-  bool full() const;  // under the lock
-  void freed();       // under the lock: a session ended
-  /// Takes out the session that makes room, for a visitor or for an account holder (to_evict).
-  /// Under the lock; empty when there is none.
+  bool full() const;  // requires the lock
+  void freed();       // requires the lock; called when a session ended
+  /// Removes the session that makes room for a visitor or an account holder (to_evict). Returns
+  /// null if there is none. Requires the lock.
   Session evict(bool for_visitor);
-  /// How many slots visitors and guests hold, and of those the own cameras of one link's guests.
-  /// Under the lock.
+  /// Count the slots of visitors and guests, and of those the own cameras of one link's guests.
+  /// Require the lock.
   std::size_t visitors() const;
   std::size_t cameras_of(const std::string& link) const;
-  /// Ends one that was evicted; without the lock.
+  /// Ends an evicted session. Must be called without the lock.
   void end_evicted(const Session& session);
   std::vector<Session> all() const;
 

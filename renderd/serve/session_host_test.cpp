@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = v1::ServerMessage;
 
-// A viewer that acknowledges what it gets, when told to.
+// A viewer that acknowledges messages on request.
 struct Viewer : TestViewer {
   // Acknowledges frames until one passes.
   std::optional<v1::Frame> follow(const std::function<bool(const v1::Frame&)>& until) {
@@ -27,7 +27,7 @@ struct Viewer : TestViewer {
       if (until(message->frame())) return message->frame();
     }
   }
-  // The next Problem; frames that come before it are acknowledged.
+  // Returns the next Problem, and acknowledges frames before it.
   std::optional<v1::Problem> refusal() {
     for (;;) {
       const auto message = link->inbox.next([](const auto&) { return true; });
@@ -43,7 +43,7 @@ struct HostTest : testing::Test {
     device->seconds_per_megapixel = 0.25;  // 1 ms for a sample of 64 x 64
     options.volume_dir = store.path;
     options.host.slots = 3;
-    options.runner.rules.target_error = 0.05;  // the fake's error there: 100 samples
+    options.runner.rules.target_error = 0.05;  // of the fake renderer: 100 samples
     restart();
   }
   void restart() {
@@ -95,8 +95,8 @@ struct HostTest : testing::Test {
   std::unique_ptr<RenderWorker> worker;
 };
 
-/// Render time: of whoever opened the session, with what other workers did for it; a guest's own
-/// camera too. Not of who is nobody here, and not stills.
+/// Render time is charged to the user who opened the session, including the work of other workers
+/// and guests' own cameras. Visitors' sessions and stills are not charged.
 TEST_F(HostTest, TheAccountIsChargedForItsPicturesAndNobodyForThumbnails) {
   const std::string user = new_id();
   device->helped_seconds = 3;
@@ -112,7 +112,7 @@ TEST_F(HostTest, TheAccountIsChargedForItsPicturesAndNobodyForThumbnails) {
   const auto charged = worker->host().spent().take_milliseconds();
   ASSERT_EQ(charged.size(), 1U);
   const std::uint64_t ms = charged.at(user);
-  // 100 samples of a millisecond in at most as many batches, each of which three others helped.
+  // 100 samples of a millisecond in at most as many batches, each with three helpers.
   EXPECT_GE(ms, 3000U + 80);
   EXPECT_LE(ms, 300'000U + 5000);
 
@@ -247,7 +247,7 @@ TEST_F(HostTest, ASecondConnectionTakesOverFilmAndScene) {
   EXPECT_EQ(frame->frame().seq(), 1U);
   EXPECT_EQ(frame->frame().iteration(), converged->iteration());
   EXPECT_EQ(device->samples, samples) << "nothing had to be rendered again";
-  // The old connection's last words count no more.
+  // The old connection's last messages no longer count.
   one.say(scene_message(6, config->config().scene()));
   one.attachment->closed();
   for (const LiveSession::Saved& saved : worker->host().take_unsaved())
@@ -358,7 +358,7 @@ TEST_F(HostTest, OneRenderAndOneCodingServeAllWhoLook) {
   }
   EXPECT_EQ(worker->host().used(), 1U);
   EXPECT_EQ(device->volumes, 1);
-  // The follower was told the scene before its picture, and may not change it.
+  // The follower receives the scene before its picture, and may not change it.
   bool told = false;
   for (const v1::ServerMessage& message : ann.link->inbox.all()) {
     if (message.has_look() && message.look().input_seq() == 4) told = true;
@@ -388,7 +388,7 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   EXPECT_FALSE(again->config().follower());
   EXPECT_EQ(worker->host().used(), 2U) << "it costs a slot, and is counted";
   const v1::Scene mine = turned(again->config().scene(), 77);
-  // Each input's frame has a number of its own: the last is 6 at least.
+  // Each input's frame has its own number, so the last is at least 6.
   for (std::uint64_t input = 5; input <= 10; ++input) {
     ann.say(scene_message(input, turned(mine, static_cast<double>(input))));
     ASSERT_TRUE(ann.follow([&](const v1::Frame& frame) { return frame.input_seq() == input; }));
@@ -399,8 +399,8 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   owner.say(scene_message(2, settings));
   ASSERT_TRUE(owner.follow([](const v1::Frame& frame) { return frame.input_seq() == 2; }));
   for (int i = 0; i < 400 && device->scenes < before + 2; ++i) std::this_thread::sleep_for(5ms);
-  EXPECT_GE(device->scenes, before + 2) << "both are rendered anew";
-  // Back to what the presenter sees, and the slot is free again.
+  EXPECT_GE(device->scenes, before + 2) << "both are rendered again";
+  // Returns to the presenter's view, and the slot is free again.
   own.mutable_own_camera()->set_on(false);
   ann.say(own);
   const auto back = ann.link->inbox.next_of(Kind::kConfig);
@@ -410,7 +410,7 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   const auto frame = ann.link->inbox.next_of(Kind::kFrame);
   ASSERT_TRUE(frame);
   EXPECT_LT(frame->frame().seq(), 6U)
-      << "begun anew; of two that nobody took yet the first is left out";
+      << "started again; of two that no viewer received, the first is left out";
   EXPECT_EQ(worker->host().used(), 1U);
   // It also ends with its viewer.
   own.mutable_own_camera()->set_on(true);
@@ -485,12 +485,12 @@ TEST_F(HostTest, AVisitorGivesUpTheSlotToAnAccountHolderAndIsToldWhy) {
   for (Viewer& holder : holders) EXPECT_FALSE(holder.link->inbox.ended(1ms));
 }
 
-/// The field of the picture that `textured` adds.
+/// Returns the field of the picture that `textured` adds.
 std::string texture_field(const v1::Scene& before) {
   return "lights[" + std::to_string(before.lights_size()) + "].environment.texture";
 }
 
-/// A scene with a picture on a light of its own.
+/// Returns the scene with an additional light that has a picture.
 v1::Scene textured(v1::Scene scene, unsigned number, std::uint32_t side) {
   v1::Light& light = *scene.add_lights();
   auto& environment = *light.mutable_environment();

@@ -7,7 +7,8 @@
 
 namespace diaphane::render {
 
-/// Keeps the encoder's questions apart: which codec is asked for, and whether it is still in use.
+/// Tells the session which codec an encoder's request concerns, and whether that codec is still in
+/// use.
 class LiveSession::Lane final : public FrameSink {
  public:
   Lane(std::weak_ptr<LiveSession> session, v1::Codec for_codec)
@@ -25,9 +26,13 @@ class LiveSession::Lane final : public FrameSink {
   void dropped(const FrameInfo&, const Error& why) override {
     if (const auto session = session_.lock()) session->dropped(*this, why);
   }
+  bool gives_way() const override {
+    const auto session = session_.lock();
+    return session && session->visitor();
+  }
 
   const v1::Codec codec;
-  std::shared_ptr<EncodeLane> slot;  ///< set once, before anybody else sees the lane
+  std::shared_ptr<EncodeLane> slot;  ///< set once, before the lane is shared
 
  private:
   const std::weak_ptr<LiveSession> session_;

@@ -2,10 +2,11 @@
 #include <utility>
 
 #include "common/log.h"
+#include "common/try.h"
 #include "renderd/encode/frame_mark.h"
 #include "renderd/serve/session_lane.h"
 
-// Of LiveSession: pictures on their way from the runner through the encoders to the viewers.
+// LiveSession: pictures from the runner through the encoders to the viewers.
 
 namespace diaphane::render {
 namespace {
@@ -45,7 +46,7 @@ void LiveSession::kernel(const KernelReport& report) {
   state_.wanted.kernel_report = false;
   for (Receiver& receiver : state_.audience.receivers) {
     if (!std::exchange(receiver.kernel_wanted, false)) continue;
-    // It tells of the whole scan, not of what is shown of it.
+    // It describes the whole scan, not only what is shown.
     if (receiver.viewer == ViewerKind::kGuest) {
       out.clear_empty_cells();
     } else {
@@ -101,9 +102,9 @@ void LiveSession::keep_if_last(RenderedPicture& picture) {
   if (!picture.info.converged) return;
   const std::lock_guard lock(mutex_);
   FrameInfo& info = picture.info;
-  // A small moving picture may converge too, but it is not the end: that has the viewport's size.
+  // A reduced moving picture can converge too, but the final picture has the size of the viewport.
   info.converged = picture.picture.size == state_.shown.viewport;
-  if (!info.converged || info.moving) return;  // at rest it comes again, in its settled quality
+  if (!info.converged || info.moving) return;  // a resting picture follows in settled quality
   if (last_ && last_->info.epoch == info.epoch && last_->info.samples == info.samples) return;
   const auto& receivers = state_.audience.receivers;
   const bool wanted = std::any_of(receivers.begin(), receivers.end(), [](const Receiver& one) {
@@ -127,7 +128,8 @@ void LiveSession::send_tiles() {
     sent = false;
     for (const TileDue& due : tiles_due(state_, last_->info, tiles, now)) {
       const auto coded = source.get(due.tile, due.format);
-      (void)source.get(due.tile + 1, due.format);  // coded while this one is on its way
+      // encodes the next tile while this one is in transit
+      (void)source.get(due.tile + 1, due.format);
       if (!coded) continue;
       send_tile(due, *coded, depart_tile(state_, due, tiles, coded->data.size(), now));
       sent = true;
@@ -176,14 +178,14 @@ Result<void> LiveSession::open_lane(v1::Codec codec) {
     if (lane->codec == codec) return {};
   }
   auto encoder = make_encoder(codec);
-  if (!encoder) return tl::unexpected(encoder.error());
+  DIAPHANE_TRY(encoder);
   auto lane = std::make_shared<Lane>(weak_from_this(), codec);
   lane->slot = std::make_shared<EncodeLane>(parts_.encoders, std::move(*encoder), lane);
   lanes_.push_back(std::move(lane));
   return {};
 }
 
-// An encoder may hold a device's resources, and a picture less is to be coded.
+// An encoder may hold device resources, and without it one picture fewer is encoded.
 void LiveSession::close_unused_lanes() {
   std::erase_if(lanes_, [&](const auto& lane) {
     const auto& receivers = state_.audience.receivers;

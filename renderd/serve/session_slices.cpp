@@ -8,7 +8,7 @@
 #include "renderd/session/host_volume.h"
 #include "renderd/session/kept_voxels.h"
 
-// Of LiveSession: the exact slices beside the picture (docs/adr/0026).
+// LiveSession: the exact slices beside the picture (docs/adr/0026).
 
 namespace diaphane::render {
 namespace {
@@ -31,7 +31,7 @@ void LiveSession::receive_slices(std::uint64_t connection, const v1::SlicesWante
   {
     const std::lock_guard lock(mutex_);
     Receiver* const receiver = state_.audience.find(connection);
-    if (!receiver || !stacks_) return;  // nobody who was told of slices asks so early
+    if (!receiver || !stacks_) return;  // pages do not ask before they are told of slices
     if (const auto noted = receiver->slices.wish(wanted, *stacks_); !noted) {
       return send_problem(connection, noted.error());
     }
@@ -43,7 +43,8 @@ void LiveSession::receive_slices(std::uint64_t connection, const v1::SlicesWante
 void LiveSession::load_voxels() {
   if (loading_voxels_) return;
   loading_voxels_ = true;
-  // Not from within: what is there is handed over at once, and this is under the lock.
+  // Posted, because the cache calls back immediately for loaded volumes, while the lock is held
+  // here.
   parts_.slices.pool.post(EncodePool::Urgency::kNow, [weak = weak_from_this()] {
     const auto session = weak.lock();
     if (!session) return;
@@ -62,7 +63,7 @@ void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {
     loading_voxels_ = false;
     if (ended_) return;
     auto host = loaded ? std::dynamic_pointer_cast<const HostVolume>(*loaded) : nullptr;
-    // Exchanged in the store meanwhile: the session is about to be told so.
+    // If the volume was replaced in the store, the session is about to be notified.
     const bool same = host && host->header().content_hash == volume_->header().content_hash;
     for (Receiver& receiver : state_.audience.receivers) {
       if (!receiver.slices.waiting()) continue;
@@ -72,7 +73,7 @@ void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {
       receiver.slices = {};
       send_problem(receiver.connection,
                    {loaded ? ErrorCode::kUnavailable : loaded.error().code,
-                    "The slices cannot be shown now; the picture goes on.", "slices"});
+                    "The slices can't be shown right now. The 3D view continues.", "slices"});
     }
     if (!same) return;
     voxels_ = std::move(host);
@@ -86,7 +87,7 @@ std::optional<LiveSession::SliceOrder> LiveSession::order_of(const Receiver& rec
     case SliceAccess::kNone:
       break;
     case SliceAccess::kClipped:
-      // The newest clip, whether or not there is a picture of it yet.
+      // The newest clip, even if no picture shows it yet.
       if (state_.wanted.scene) return SliceOrder{due, state_.wanted.scene->clip()};
       break;
     case SliceAccess::kWhole:
@@ -110,16 +111,18 @@ void LiveSession::send_slices(std::uint64_t connection) {
     receiver->slices.give_up();
     return receiver->slices.forget();
   }
-  parts_.slices.pool.post(
-      EncodePool::Urgency::kNow, [weak = weak_from_this(), connection, order = *order,
-                                  stack = (*stacks_)[due->plane], voxels = voxels_] {
-        if (weak.expired()) return;
-        auto coded = read_slice(voxels->volume(), stack, order.due.index, order.clip)
-                         .and_then([&](const auto& values) { return code_slice(values); });
-        if (const auto session = weak.lock()) {
-          session->slice_coded(connection, order, std::move(coded));
-        }
-      });
+  const auto urgency = receiver->viewer == ViewerKind::kGuest || visitor_
+                           ? EncodePool::Urgency::kLater
+                           : EncodePool::Urgency::kNow;
+  parts_.slices.pool.post(urgency, [weak = weak_from_this(), connection, order = *order,
+                                    stack = (*stacks_)[due->plane], voxels = voxels_] {
+    if (weak.expired()) return;
+    auto coded = read_slice(voxels->volume(), stack, order.due.index, order.clip)
+                     .and_then([&](const auto& values) { return code_slice(values); });
+    if (const auto session = weak.lock()) {
+      session->slice_coded(connection, order, std::move(coded));
+    }
+  });
 }
 
 void LiveSession::slice_coded(std::uint64_t connection, const SliceOrder& order,
@@ -132,7 +135,7 @@ void LiveSession::slice_coded(std::uint64_t connection, const SliceOrder& order,
       receiver->slices.give_up();
       return send_problem(connection, coded.error());
     }
-    // Meanwhile slices were switched off, or more was cut away.
+    // Meanwhile slices may have been switched off, or the clip may have changed.
     const auto still = order_of(*receiver, order.due);
     if (!still) {
       receiver->slices.give_up();

@@ -12,7 +12,7 @@ namespace {
 
 using Kind = v1::ServerMessage;
 
-// By the protocol's words.
+// Decodes as the protocol specifies.
 std::vector<std::int16_t> values_of(const v1::ExactSlice& slice) {
   const std::size_t pixels = std::size_t{slice.columns()} * slice.rows();
   std::vector<unsigned char> bytes(2 * pixels);
@@ -157,7 +157,7 @@ TEST_F(SessionSlicesTest, OfAGuestAreBlankOutsideOfTheClipAndStaleOnceItChanges)
   v1::Scene scene = config.scene();
   v1::Clip::Plane& plane = *scene.mutable_clip()->add_planes();
   plane.mutable_point();
-  plane.mutable_normal()->set_x(1);  // of the patient's left nothing is kept
+  plane.mutable_normal()->set_x(1);  // removes the patient's left half
   owner.say(scene_message(1, scene));
   guest.want({{v1::AXIAL, 2}});
   const auto clipped = guest.slice();
@@ -165,7 +165,7 @@ TEST_F(SessionSlicesTest, OfAGuestAreBlankOutsideOfTheClipAndStaleOnceItChanges)
   const auto values = values_of(*clipped);
   for (std::size_t row = 0; row < 6; ++row) {
     for (std::size_t column = 0; column < 5; ++column) {
-      // Columns go to the patient's left; the middle one's centres lie on the plane.
+      // Columns run to the patient's left, and the centres of the middle one lie on the plane.
       EXPECT_EQ(values[row * 5 + column], column <= 2 ? voxel(row, 4 - column, 2) : volume::kBlank);
     }
   }
@@ -176,7 +176,7 @@ TEST_F(SessionSlicesTest, OfAGuestAreBlankOutsideOfTheClipAndStaleOnceItChanges)
   const auto whole = guest.slice();
   ASSERT_TRUE(whole);
   EXPECT_EQ(values_of(*whole)[4], voxel(0, 0, 2));
-  // The owner's are whole whatever is cut away, and are never stale.
+  // The owner's slices are complete whatever is clipped, and never stale.
   EXPECT_EQ(owner.link->inbox.count(Kind::kSlicesStale), 0U);
 }
 
@@ -215,7 +215,7 @@ TEST_F(SessionSlicesTest, ABadWishIsAnsweredAndThePictureGoesOn) {
   EXPECT_TRUE(one.slice());
 }
 
-/// Who takes none of them has three on the way; the others' go on.
+/// A viewer who takes none has three in transit, and the others continue.
 TEST_F(SessionSlicesTest, WhoTakesNoneHoldsThreeAndNobodyUp) {
   const std::string session = new_id();
   Viewer silent = attach(session);

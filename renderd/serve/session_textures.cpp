@@ -1,5 +1,5 @@
-// Textures of a scene are decoded on a thread of their own before the runner hears of the scene:
-// its thread renders everybody's pictures.
+// Decodes textures of a scene in a separate thread before the runner receives the scene, because
+// the runner's thread renders the pictures of all sessions.
 #include "renderd/scene/texture_store.h"
 #include "renderd/serve/live_session.h"
 
@@ -14,7 +14,7 @@ bool LiveSession::textures_ready() {
     return true;
   }
   if (decoding_) return false;
-  // A camera of one's own has the presenter's textures, which are there already.
+  // An own camera has the presenter's textures, which are loaded already.
   const bool bounded = visitor_ && !camera_only_;
   decoding_ = true;
   parts_.textures.post(EncodePool::Urgency::kLater, [self = shared_from_this(), scene, bounded,
@@ -28,7 +28,7 @@ bool LiveSession::textures_ready() {
 }
 
 void LiveSession::publish_version() {
-  // Else each quantum would be cut short for a scene that cannot be rendered yet.
+  // Otherwise each quantum would be interrupted for a scene that cannot be rendered yet.
   if (textures_ready()) version_.store(state_.wanted.version, std::memory_order_relaxed);
 }
 
@@ -39,16 +39,16 @@ void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene
   if (ended_) return;
   Outcome outcome;
   if (state_.wanted.scene != scene) {
-    // A newer one came meanwhile, and is looked at when the runner asks.
+    // A newer scene arrived meanwhile. Its textures are decoded when the runner asks.
   } else if (decoded) {
     textures_ = std::move(*decoded);
     ready_ = state_.wanted;
   } else {
     outcome = render::refused(state_, state_.wanted, decoded.error());
-    // A session that has shown nothing yet shows the volume's first look.
+    // A session that has shown nothing yet falls back to the volume's default look.
     if (state_.wanted.scene == scene) {
       fallback_clip_ = scene->clip();
-      state_.wanted.scene.reset();  // volume_ready chooses
+      state_.wanted.scene.reset();  // volume_ready() chooses the look
       if (!presets_.empty()) state_.wanted.scene = first_look();
     }
     ++state_.wanted.version;

@@ -7,11 +7,11 @@
 
 namespace diaphane::render {
 
-/// How long the device worked for whom since it was last told to Redis: what an account's render
-/// time is counted by (docs/contracts.md, "Render time"). Thread-safe.
+/// Per-user GPU time not yet reported to Redis, which counts accounts' render time
+/// (docs/contracts.md, "Render time"). Thread-safe.
 class SpentTime {
  public:
-  /// By user, in microseconds.
+  /// Microseconds by user.
   using Account = std::map<std::string, std::uint64_t>;
 
   void add(const std::string& user_id, double seconds) {
@@ -19,7 +19,7 @@ class SpentTime {
     const std::lock_guard lock(mutex_);
     account_[user_id] += static_cast<std::uint64_t>(seconds * 1e6);
   }
-  /// All that is whole milliseconds; what is left of each stays.
+  /// Returns the whole milliseconds and keeps the remainders.
   Account take_milliseconds() {
     Account taken;
     const std::lock_guard lock(mutex_);
@@ -30,7 +30,7 @@ class SpentTime {
     std::erase_if(account_, [](const auto& entry) { return entry.second == 0; });
     return taken;
   }
-  /// It could not be told.
+  /// Adds the time of a failed report again.
   void give_back(const Account& milliseconds) {
     const std::lock_guard lock(mutex_);
     for (const auto& [user, ms] : milliseconds) account_[user] += ms * 1000;

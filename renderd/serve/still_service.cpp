@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "common/ids.h"
+#include "common/try.h"
 #include "renderd/encode/encoder.h"
 #include "renderd/scene/presets.h"
 #include "renderd/session/state.h"
@@ -10,27 +11,27 @@
 namespace diaphane::render {
 namespace {
 
-// The gateway waits for 20 s; a picture with the samples that it has by then is worth more than
-// none.
+// The gateway waits for 20 s. A picture with the samples rendered by then is better than none.
 constexpr std::chrono::seconds kLongestRendering{12};
-// For one that nobody waits for, the gateway has 60 s.
+// For a picture that nobody waits for, the gateway allows 60 s.
 constexpr std::chrono::seconds kLongestInBackground{45};
 
-// Thumbnails of one volume with one seed are the same picture each time.
+// With a fixed seed, thumbnails of one volume are always the same picture.
 constexpr std::uint64_t kStillSeed = 1;
 
 Result<Canvas> check_request(const v1::StillRequest& request) {
-  if (!is_id(request.volume_id())) return fail(ErrorCode::kInvalid, "No volume id.", "volume_id");
+  if (!is_id(request.volume_id()))
+    return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
   if (request.samples() == 0 || request.samples() > StillService::kMostSamples) {
-    return fail(ErrorCode::kInvalid, "A still has 1 to 4096 samples.", "samples");
+    return fail(ErrorCode::kInvalid, "The number of samples must be from 1 to 4096.", "samples");
   }
-  if (!(request.error() >= 0)) return fail(ErrorCode::kInvalid, "No such error.", "error");
+  if (!(request.error() >= 0))
+    return fail(ErrorCode::kInvalid, "The error must be 0 or greater.", "error");
   if (request.look_case() == v1::StillRequest::LOOK_NOT_SET) {
-    return fail(ErrorCode::kInvalid, "Neither a preset nor a scene.", "look");
+    return fail(ErrorCode::kInvalid, "A preset or a scene is required.", "look");
   }
   if (request.has_scene()) {
-    if (const auto sound = check_scene(request.scene()); !sound)
-      return tl::unexpected(sound.error());
+    DIAPHANE_TRY(check_scene(request.scene()));
   }
   v1::Viewport viewport;
   viewport.set_width(request.width());
@@ -39,11 +40,11 @@ Result<Canvas> check_request(const v1::StillRequest& request) {
 }
 
 Result<v1::StillReply> coded(const Result<PictureRgb8>& picture, double error) {
-  if (!picture) return tl::unexpected(picture.error());
+  DIAPHANE_TRY(picture);
   const auto encoder = make_encoder(v1::JPEG);
-  if (!encoder) return tl::unexpected(encoder.error());
+  DIAPHANE_TRY(encoder);
   auto frame = (*encoder)->encode(*picture, {Quality::kSettled, true});
-  if (!frame) return tl::unexpected(frame.error());
+  DIAPHANE_TRY(frame);
   v1::StillReply reply;
   reply.set_jpeg(std::move(frame->data));
   reply.set_error(error);
@@ -52,8 +53,7 @@ Result<v1::StillReply> coded(const Result<PictureRgb8>& picture, double error) {
 
 }  // namespace
 
-// Holds one of the `pending` places as long as it lives, and answers even when it is dropped on the
-// way.
+// Holds one of the `pending` places during its lifetime, and answers even when it is dropped.
 struct StillService::Order {
   v1::StillRequest request;
   Canvas canvas;
@@ -66,7 +66,7 @@ struct StillService::Order {
     if (const Done call = std::exchange(done, nullptr)) call(std::move(reply));
   }
   ~Order() {
-    answer(fail(ErrorCode::kUnavailable, "The picture was not rendered."));
+    answer(fail(ErrorCode::kUnavailable, "The image could not be rendered."));
     --*pending;
   }
 };
@@ -77,7 +77,9 @@ void StillService::render(const v1::StillRequest& request,
   if (!canvas) return done(tl::unexpected(canvas.error()));
   if (++*pending_ > kPending) {
     --*pending_;
-    return done(fail(ErrorCode::kTooMany, "Enough pictures are being rendered; try again."));
+    return done(
+        fail(ErrorCode::kTooMany,
+             "Too many images are being rendered right now. Please try again in a moment."));
   }
   std::shared_ptr<Order> order(
       new Order{request, *canvas, std::move(cancelled), std::move(done), pending_, clock_.now()});

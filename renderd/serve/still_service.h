@@ -13,8 +13,8 @@
 
 namespace diaphane::render {
 
-/// Pictures without a session: thumbnails. At most `kPending` wait at a time; they are rendered in
-/// the sessions' pauses.
+/// Renders pictures without a session, such as thumbnails, while the sessions pause. At most
+/// `kPending` can wait.
 class StillService {
  public:
   using Done = std::function<void(Result<diaphane::v1::StillReply>)>;
@@ -30,8 +30,8 @@ class StillService {
         metrics_(metrics),
         clock_(clock) {}
 
-  /// `done` is called once, from any thread, maybe from within. kTooMany: enough are waiting.
-  /// `cancelled` set: nobody waits any more.
+  /// `done` is called once, from any thread, possibly before this returns. kTooMany: the queue is
+  /// full. `cancelled` is set when the caller no longer waits.
   void render(const diaphane::v1::StillRequest& request,
               std::shared_ptr<const std::atomic<bool>> cancelled, Done done);
 
@@ -45,7 +45,7 @@ class StillService {
   VolumeCache& volumes_;
   Metrics& metrics_;
   const Clock& clock_;
-  // Shared with the orders: the last of them may outlive this.
+  // Shared with the orders, because the last of them may outlive this object.
   const std::shared_ptr<std::atomic<int>> pending_ = std::make_shared<std::atomic<int>>(0);
 };
 

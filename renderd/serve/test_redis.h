@@ -5,16 +5,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/claimed_port.h"
+#include "directory/client.h"
 #include "renderd/schedule/eventually.h"
-#include "renderd/serve/redis_client.h"
 
 namespace diaphane::render {
 
-/// A redis-server of the test's own.
+/// A redis-server for one test.
 class TestRedis {
  public:
   TestRedis() { start(); }
@@ -23,13 +25,13 @@ class TestRedis {
   void start() {
     pid_ = fork();
     if (pid_ == 0) {
-      const std::string port = std::to_string(address.port);
-      execlp("redis-server", "redis-server", "--port", port.c_str(), "--bind", "127.0.0.1",
+      const std::string number = std::to_string(port.number());
+      execlp("redis-server", "redis-server", "--port", number.c_str(), "--bind", "127.0.0.1",
              "--save", "", "--appendonly", "no", "--logfile", "/dev/null", "--dir", "/tmp",
              nullptr);
       _exit(127);
     }
-    EXPECT_TRUE(eventually([this] { return RedisClient(address).command({"PING"}).has_value(); }))
+    EXPECT_TRUE(eventually([this] { return client().answers(std::chrono::seconds(1)); }))
         << "redis-server did not start";
   }
   void stop() {
@@ -38,13 +40,18 @@ class TestRedis {
     waitpid(pid_, nullptr, 0);
     pid_ = 0;
   }
+  directory::Client& client() { return *client_; }
   std::vector<std::string> ask(const std::vector<std::string>& words) {
-    const auto answer = RedisClient(address).command(words);
-    return answer ? answer->list : std::vector<std::string>{};
+    const auto reply = client().command({words.begin(), words.end()});
+    if (!reply) return {};
+    if (reply->kind == directory::Reply::Kind::kText) return {reply->text};
+    std::vector<std::string> all;
+    for (const directory::Reply& one : reply->list) all.push_back(one.text);
+    return all;
   }
   std::int64_t number(const std::vector<std::string>& words) {
-    const auto answer = RedisClient(address).command(words);
-    return answer ? answer->number : -1;
+    const auto reply = client().command({words.begin(), words.end()});
+    return reply ? reply->integer : -1;
   }
   std::string field(const std::string& key, const std::string& name) {
     const auto answer = ask({"HGET", key, name});
@@ -52,9 +59,10 @@ class TestRedis {
   }
 
   const ClaimedPort port = ClaimedPort::take().value();
-  const wire::RedisAddress address{.host = "127.0.0.1", .port = port.number()};
 
  private:
+  const std::unique_ptr<directory::Client> client_ =
+      directory::Client::create({.address = "127.0.0.1:" + std::to_string(port.number())}).value();
   pid_t pid_ = 0;
 };
 

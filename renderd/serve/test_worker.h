@@ -16,7 +16,7 @@
 
 namespace diaphane::render {
 
-/// A clock that a test moves while others read it.
+/// A clock that a test advances while other threads read it.
 class SharedManualClock final : public Clock {
  public:
   std::chrono::steady_clock::time_point now() const override {
@@ -37,7 +37,7 @@ class SharedManualClock final : public Clock {
   ManualClock clock_;
 };
 
-/// A volume store in a temporary directory, with a ball of "bone" in air.
+/// A volume store in a temporary directory that contains a ball of "bone" in air.
 class TestStore {
  public:
   TestStore() {
@@ -70,7 +70,7 @@ class TestStore {
   std::string path;
 };
 
-/// The messages that a viewer got, and how it was ended.
+/// The messages that a viewer received, and how the connection ended.
 class Inbox {
  public:
   void put(const std::string& bytes) {
@@ -87,7 +87,7 @@ class Inbox {
   }
 
   using Test = std::function<bool(const v1::ServerMessage&)>;
-  /// The next message that passes; those before it are skipped.
+  /// Returns the next message that passes `test`, and discards those before it.
   std::optional<v1::ServerMessage> next(
       const Test& test, std::chrono::milliseconds within = std::chrono::seconds(10)) {
     std::unique_lock lock(mutex_);
@@ -132,7 +132,7 @@ class Inbox {
   std::optional<Error> ended_;
 };
 
-/// A connection that keeps what the session says.
+/// A connection that stores what the session sends.
 struct Link final : ClientLink {
   Inbox inbox;
   void send(std::string message) override { inbox.put(message); }
@@ -162,7 +162,7 @@ inline v1::ClientMessage scene_message(std::uint64_t seq, const v1::Scene& scene
   return message;
 }
 
-/// The scene seen from a little further on.
+/// Returns the scene from a slightly moved camera.
 inline v1::Scene turned(v1::Scene scene, double by) {
   scene.mutable_camera()->mutable_eye()->set_x(scene.camera().eye().x() + by);
   return scene;
@@ -179,7 +179,7 @@ inline v1::Open open_message(const std::string& session, const std::string& volu
   return open;
 }
 
-/// Somebody's end of a session.
+/// One viewer's end of a session.
 struct TestViewer {
   std::shared_ptr<Link> link = std::make_shared<Link>();
   std::optional<Attachment> attachment;
@@ -191,7 +191,7 @@ struct TestViewer {
   }
 };
 
-/// A worker whose device a test slows down, on a store of its own.
+/// A worker with a device that tests can slow down, and with its own store.
 struct WorkerTest : testing::Test {
   void start_worker() {
     options.volume_dir = store.path;
@@ -199,7 +199,7 @@ struct WorkerTest : testing::Test {
     worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
                                             clock);
   }
-  /// Opened and greeted; what it was told of the session.
+  /// Opens the session and sends the greeting. Returns the session's configuration.
   v1::Config enter(TestViewer& viewer, const v1::Open& open) {
     viewer.attachment.emplace(*worker->host().open(open, viewer.link));
     viewer.say(hello_message());

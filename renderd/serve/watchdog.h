@@ -14,22 +14,22 @@
 
 namespace diaphane::render {
 
-/// A thread that notices when another one hangs: a device that does not answer, a lock that is
-/// never given back. Such a process still beats and takes sessions, and nobody sees a picture; it
-/// must end, so that it is started again and its sessions go on elsewhere.
+/// A thread that detects another thread that hangs: a device that does not respond, or a lock that
+/// is never released. Such a process still sends heartbeats and accepts sessions, but shows no
+/// pictures. It must exit so that it is restarted and its sessions continue elsewhere.
 ///
-/// It counts its own looks and reads no clock: a process that was stopped as a whole and goes on
-/// has missed looks as well as signs of life, and is not taken for one that hangs.
+/// The watchdog counts its own polls and reads no clock. A process that was suspended as a whole
+/// therefore does not appear to hang, because it missed polls as well as heartbeats.
 class Watchdog {
  public:
   struct Watched {
     std::string name;
-    /// Changes with each sign of life; 0 while there is nothing to do. Must not block.
+    /// Changes with each sign of progress; 0 while there is nothing to do. Must not block.
     std::function<std::uint64_t()> pulse;
   };
   struct Options {
-    std::chrono::milliseconds limit{10'000};            ///< of silence, at least two looks
-    std::chrono::milliseconds look{250};                ///< between two looks
+    std::chrono::milliseconds limit{10'000};            ///< of silence, at least two polls
+    std::chrono::milliseconds look{250};                ///< between two polls
     std::function<void(const std::string& name)> hung;  ///< called once, from the watchdog's thread
   };
 
@@ -38,7 +38,7 @@ class Watchdog {
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
-  /// Something has been silent for half of the limit: no more work should come here.
+  /// Something has been silent for half of the limit, so no more work should be accepted.
   bool suspects() const { return suspects_; }
 
  private:
@@ -61,7 +61,8 @@ class Watchdog {
   std::thread thread_;
 };
 
-/// Each piece of work under way on a device, all by the name "device". `signs` must outlive them.
+/// Returns an entry named "device" for each piece of work that a device may have in progress.
+/// `signs` must outlive them.
 std::vector<Watchdog::Watched> watched(const Signs& signs);
 
 }  // namespace diaphane::render

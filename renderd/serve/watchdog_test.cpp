@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// What a watchdog said, from its thread.
+// The watchdog's reports, from its thread.
 struct Told {
   std::atomic<int> times{0};
   std::string name;
@@ -46,7 +46,7 @@ TEST(Watchdog, WhoHasNothingToDoAndWhoGoesOnAreLeftAlone) {
   std::atomic<bool> idle{false};
   Watchdog watchdog({{"one", [&]() -> std::uint64_t { return idle ? 0 : pulse.load(); }}},
                     told.within(300ms));
-  for (int i = 0; i < 10; ++i) {  // a sign of life each 60 ms, half a second and more
+  for (int i = 0; i < 10; ++i) {  // a heartbeat every 60 ms, for more than half a second
     std::this_thread::sleep_for(60ms);
     ++pulse;
   }
@@ -71,7 +71,7 @@ TEST(Signs, WorkHasAPlaceOfItsOwnThatChangesWithItsSignsAndIsGivenBack) {
   EXPECT_NE(signs.at(0), first);
 }
 
-// A client that always wants more.
+// A client that always requests more.
 struct Looker final : RenderClient {
   Looker() {
     wish.scene = std::make_shared<const v1::Scene>();
@@ -103,12 +103,12 @@ TEST(Watchdog, ADeviceThatHangsInAQuantumIsNoticedAndALongQuantumIsNot) {
   runner.add(looker, *engine.renderer(volume, 1, 0), 0);
   for (int i = 0; i < 500 && looker->batches == 0; ++i) std::this_thread::sleep_for(10ms);
   ASSERT_GT(looker->batches, 0);
-  EXPECT_EQ(told.times, 0) << "a quantum of a second is no silence";
+  EXPECT_EQ(told.times, 0) << "a quantum of one second is not a hang";
 
   device->hangs = true;
   EXPECT_TRUE(told.soon());
   EXPECT_EQ(told.name, "device");
-  device->hangs = false;  // or the runner's thread would never end
+  device->hangs = false;  // otherwise the runner's thread would never end
 }
 
 }  // namespace

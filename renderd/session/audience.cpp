@@ -52,18 +52,19 @@ Result<void> hand_over(Audience& audience, const Receiver& from, std::string_vie
                        TimePoint now) {
   const Receiver* next = audience.of(to);
   if (!next || !next->greeted) {
-    return fail(ErrorCode::kNotFound, "That person is not here any more.", "to");
+    return fail(ErrorCode::kNotFound, "That person has left the session.", "to");
   }
   if (next->own_camera) {
-    return fail(ErrorCode::kConflict, "That person looks with a camera of their own.", "to");
+    return fail(ErrorCode::kConflict, "That person is using their own camera.", "to");
   }
   const bool orphaned =
       !audience.of(audience.presenter) && now - audience.presenter_left >= kPresenterAway;
   const bool takes = from.participant == kOwner && to == kOwner && orphaned;
   if (!audience.presents(from) && !takes) {
-    return fail(ErrorCode::kForbidden, from.participant == kOwner
-                                           ? "The presenter is here, or may be back in a moment."
-                                           : "Only the presenter can hand the session over.");
+    return fail(ErrorCode::kForbidden,
+                from.participant == kOwner
+                    ? "The presenter is still here or may come back in a moment."
+                    : "Only the presenter can hand the session over.");
   }
   audience.presenter = to;
   return {};

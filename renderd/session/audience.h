@@ -22,82 +22,85 @@ namespace diaphane::render {
 
 using TimePoint = std::chrono::steady_clock::time_point;
 
-/// The id of the participant whose session it is; guests have ids of common/ids.h's form.
+/// The id of the participant who owns the session. Guests have ids in the form of common/ids.h.
 inline constexpr std::string_view kOwner = "owner";
 
-/// A viewer that acknowledges nothing for so long gets no more device time until it does.
+/// A viewer who acknowledges nothing for this long gets no device time until they do.
 inline constexpr std::chrono::seconds kStalledAfter{15};
-/// A presenter who acknowledges nothing for so long no longer sets the pace of the others.
+/// A presenter who acknowledges nothing for this long no longer sets the pace of the others.
 inline constexpr std::chrono::seconds kPaceFor{1};
-/// A connection that says no Hello within this time is ended: it holds a slot for nothing.
+/// A connection that sends no Hello within this time is closed, because it blocks a slot.
 inline constexpr std::chrono::seconds kGreetingWithin{10};
-/// The owner may take the presenter's role when the presenter has been away for so long: longer
-/// than a reload of a page takes.
+/// The owner may take the presenter's role when the presenter has been disconnected for this long,
+/// which exceeds the reload of a page.
 inline constexpr std::chrono::seconds kPresenterAway{5};
-/// A stream whose frames build on each other: key frames asked for by those who missed something
-/// come at most so often, because each costs as much as many others.
+/// Minimum time between key frames that viewers of an inter-coded stream request after a loss,
+/// because each costs as much as many other frames.
 inline constexpr std::chrono::milliseconds kKeyEvery{500};
-/// How far away something is may be asked so often: an answer takes milliseconds of a core.
+/// Minimum time between depth queries, because an answer takes milliseconds of a core.
 inline constexpr std::chrono::milliseconds kDepthEvery{50};
 inline constexpr std::chrono::milliseconds kKernelEvery{250};
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
-/// One connection to a session, and what is on its way to it. Plain data.
+/// One connection to a session, and the messages in transit to it. Plain data.
 struct Receiver {
   std::uint64_t connection = 0;
   std::string participant{kOwner};
   std::string name;
-  std::string link;  ///< of a guest: which link let it in (worker.proto)
+  std::string link;  ///< of a guest: the link by which they joined (worker.proto)
   ViewerKind viewer = ViewerKind::kGuest;
-  bool may_have_slices = false;  ///< says the scan's owner, of visitors and of public scans
+  bool may_have_slices = false;  ///< set by the owner for visitors and public scans
 
   bool greeted = false;  ///< its Hello was accepted
   bool visible = true;
   diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
   std::shared_ptr<const diaphane::v1::Hello> hello;
-  Canvas viewport{};               ///< that it has told; 0 x 0: none yet
+  Canvas viewport{};               ///< as reported; 0 x 0: not yet
   std::uint64_t newest_input = 0;  ///< of this connection
-  TimePoint heard_at{};  ///< attached, last acknowledgement, or frame sent with none outstanding
+  /// Time of attachment, of the last acknowledgement, or of a frame sent with none outstanding.
+  TimePoint heard_at{};
 
-  SliceWishes slices;                     ///< beside the pictures, and on a window of their own
-  std::optional<TimePoint> depth_asked;   ///< last
-  std::optional<TimePoint> kernel_asked;  ///< likewise
-  bool kernel_wanted = false;             ///< and not answered yet
-  bool has_clipped_slices = false;        ///< of the clip as it is
+  SliceWishes slices;                     ///< with a window separate from the pictures'
+  std::optional<TimePoint> depth_asked;   ///< time of the last query
+  std::optional<TimePoint> kernel_asked;  ///< time of the last request
+  bool kernel_wanted = false;             ///< requested, but not answered yet
+  bool has_clipped_slices = false;        ///< of the current clip
 
   FlightWindow flight;
-  LinkEstimate path;  ///< what its connection carries
+  LinkEstimate path;  ///< estimated capacity of its connection
   QualitySteps quality;
-  diaphane::v1::StillFormat stills = diaphane::v1::STILL_FORMAT_UNSPECIFIED;  ///< none: no lossless
-  std::uint32_t tiles_sent = 0;    ///< of the lossless end of `shown`
+  /// Unspecified: no lossless pictures.
+  diaphane::v1::StillFormat stills = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
+  std::uint32_t tiles_sent = 0;    ///< lossless tiles of `shown`
   std::uint64_t sent_epoch = 0;    ///< of the newest frame sent
-  std::optional<FrameInfo> shown;  ///< that frame
-  std::uint64_t look_version = 0;  ///< Wanted::version of the newest scene told (Look, Config)
+  std::optional<FrameInfo> shown;  ///< the newest frame sent
+  std::uint64_t look_version = 0;  ///< Wanted::version of the newest scene sent (Look, Config)
   bool converged_told = false;
   bool lossless_told = false;
-  bool behind = false;      ///< it missed a picture, for want of room or of a key frame
+  bool behind = false;      ///< it missed a picture for lack of room or of a key frame
   bool needs_key = true;    ///< of an inter-coded stream: it can decode nothing until a key frame
-  bool own_camera = false;  ///< it looks at a session of its own; nothing of this one goes to it
+  bool own_camera = false;  ///< it sees a session of its own and receives nothing from this one
 };
 
-/// One stream of coded pictures, for all whose codec it is.
+/// One stream of encoded pictures for all viewers that use its codec.
 struct Coding {
-  std::vector<std::uint64_t> takers;  ///< connections for which a frame is being coded now
-  std::optional<TimePoint> key_at;    ///< when the newest key frame was asked for
+  std::vector<std::uint64_t> takers;  ///< connections for which a frame is being encoded
+  std::optional<TimePoint> key_at;    ///< when the newest key frame was requested
 };
 
-/// Who is connected to a session, and who presents. Plain data; rules in audience.cpp and
+/// The connections of a session, and its presenter. Plain data with rules in audience.cpp and
 /// state.cpp.
 struct Audience {
-  std::vector<Receiver> receivers;              ///< in the order in which they came
-  std::string presenter{kOwner};                ///< participant, here or not
-  TimePoint presenter_left{};                   ///< when the presenter is not here
-  std::uint64_t connections = 0;                ///< so far
-  std::map<std::string, std::uint64_t> guests;  ///< participants with a number for a name
+  std::vector<Receiver> receivers;  ///< in the order of arrival
+  std::string presenter{kOwner};    ///< a participant, connected or not
+  TimePoint presenter_left{};       ///< valid while the presenter is not connected
+  std::uint64_t connections = 0;    ///< total so far
+  /// Numbers that replace missing names, by participant.
+  std::map<std::string, std::uint64_t> guests;
   std::map<diaphane::v1::Codec, Coding> codings;
   SliceAllowances slice_allowances;
-  bool guest_slices = false;  ///< the host lets guests have slices
+  bool guest_slices = false;  ///< the host allows slices for guests
 
   Receiver* find(std::uint64_t connection);
   const Receiver* find(std::uint64_t connection) const;
@@ -107,24 +110,26 @@ struct Audience {
   Standing standing(const Receiver& receiver) const;
 };
 
-/// Frames of these build on those before: one that misses a frame waits for a key frame.
+/// Whether frames depend on previous ones, so that a viewer who misses a frame must wait for a key
+/// frame.
 bool is_inter_coded(diaphane::v1::Codec codec);
 
-/// A name as others may see it: valid UTF-8 without control, direction and invisible characters,
-/// spaces single, at most kLongestName characters. May be empty.
+/// Sanitises a name for display: valid UTF-8 without control, direction and invisible characters,
+/// single spaces, and at most kLongestName characters. May be empty.
 std::string clean_name(std::string_view typed);
 
-/// Another picture may leave for it: neither too many nor too many bytes are on their way.
+/// Whether another picture may be sent: neither too many pictures nor too many bytes are in
+/// transit.
 bool has_room(const Receiver& receiver);
 
-/// Greeted, its page is looked at, and it takes what is sent.
+/// Whether the viewer has greeted, is visible, and acknowledges what is sent.
 bool is_watching(const Receiver& receiver, TimePoint now);
 
-/// The presenter's role is given or taken: who asks, and to whom. kForbidden, kNotFound.
+/// Hands the presenter's role over on request of `from`. kForbidden, kNotFound.
 Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to,
                        TimePoint now);
 
-/// Who is here, as `receiver` is told.
+/// Returns the participants as `receiver` may see them.
 diaphane::v1::Audience audience_for(const Audience& audience, const Receiver& receiver);
 
 }  // namespace diaphane::render

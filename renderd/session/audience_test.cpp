@@ -54,7 +54,7 @@ struct AudienceTest : testing::Test {
   Outcome say(std::uint64_t connection, const v1::ClientMessage& message) {
     return receive(state, connection, message, now);
   }
-  // Codes one picture; who got it, and under which number.
+  // Encodes one picture. Returns the sequence number of the frame for each viewer who got it.
   std::map<std::uint64_t, std::uint64_t> show(v1::Codec codec = v1::JPEG) {
     const FrameInfo info = frame(state.epoch, false, state.wanted.input_seq);
     const Admitted admitted = admit(state, codec, info, now);
@@ -111,7 +111,7 @@ TEST_F(AudienceTest, WhoMissedAPictureGetsOneWhenItHasRoomAndTheOthersNotAgain) 
   state.wanted.picture_again = false;
   EXPECT_TRUE(say(slow, ack(2)).room);
   EXPECT_TRUE(state.wanted.picture_again) << "nothing else would bring it the last picture";
-  // The same picture once more.
+  // The same picture again.
   FrameInfo same = *state.audience.find(owner)->shown;
   ASSERT_EQ(admit(state, v1::JPEG, same, now).admission, Admission::kGo);
   last = depart(state, v1::JPEG, same, {true, 1000}, now);
@@ -133,7 +133,7 @@ TEST_F(AudienceTest, ThePresenterSetsThePaceUntilHeStalls) {
   EXPECT_EQ(show().count(ann), 1U) << "without a presenter anybody sets it";
 }
 
-// Streams whose frames build on each other: nobody gets a frame whose forerunner it has not got.
+// In inter-coded streams, no viewer gets a frame without its predecessor.
 TEST_F(AudienceTest, AnInterCodedStreamIsTakenUpFromAKeyFrameAlone) {
   const auto owner = join(std::string(kOwner), v1::H264);
   auto got = show(v1::H264);
@@ -141,7 +141,7 @@ TEST_F(AudienceTest, AnInterCodedStreamIsTakenUpFromAKeyFrameAlone) {
   acknowledge(got, owner);
   const auto slow = join(kAnn, v1::H264);
   now += kKeyEvery;
-  bool complete = false;  // whether `slow` has all since its last key frame
+  bool complete = false;  // whether `slow` has every frame since its last key frame
   int keys = 0;
   TimePoint key_at{};
   for (int i = 0; i < 400; ++i) {
@@ -194,7 +194,7 @@ TEST_F(AudienceTest, ThePresenterGivesHisRoleAndTheOtherTakesUpSceneAndSize) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   say(ann, resized(1, 300, 200));
-  EXPECT_EQ(say(ann, handover(kAnn)).problem->code(), "forbidden") << "nobody takes it by himself";
+  EXPECT_EQ(say(ann, handover(kAnn)).problem->code(), "forbidden") << "nobody takes it alone";
   EXPECT_EQ(say(owner, handover(kBob)).problem->code(), "not_found");
   const Outcome given = say(owner, handover(kAnn));
   EXPECT_FALSE(given.problem);
@@ -215,10 +215,10 @@ TEST_F(AudienceTest, TheOwnerTakesTheRoleOnlyFromAPresenterWhoHasGone) {
   detach(state, ann, now);
   EXPECT_TRUE(say(owner, handover(std::string(kOwner))).problem) << "she may be reloading her page";
   now += kPresenterAway;
-  EXPECT_TRUE(say(bob, handover(kBob)).problem) << "he is not the owner";
+  EXPECT_TRUE(say(bob, handover(kBob)).problem) << "Bob is not the owner";
   EXPECT_FALSE(say(owner, handover(std::string(kOwner))).problem);
   EXPECT_FALSE(say(owner, turned(1)).problem);
-  // She comes back, and follows.
+  // The viewer returns as a follower.
   const auto again = join(kAnn);
   EXPECT_EQ(say(again, turned(1)).problem->code(), "forbidden");
 }
@@ -239,7 +239,7 @@ TEST_F(AudienceTest, WhoComesBackFromHisOwnCameraIsSentEverythingAnew) {
   const auto ann = join(kAnn);
   began(state, 1, state.wanted);
   acknowledge(show(), owner);
-  show();  // two on their way to her
+  show();  // two frames are in transit to Ann
   const Outcome asked = say(ann, [] {
     v1::ClientMessage message;
     message.mutable_own_camera()->set_on(true);
@@ -255,7 +255,7 @@ TEST_F(AudienceTest, WhoComesBackFromHisOwnCameraIsSentEverythingAnew) {
   say(owner, ack(state.audience.find(owner)->flight.sent()));
   const auto got = show();
   ASSERT_EQ(got.count(ann), 1U);
-  EXPECT_EQ(got.at(ann), 1U) << "counted anew, with all the room that a new viewer has";
+  EXPECT_EQ(got.at(ann), 1U) << "counted again, with all the room that a new viewer has";
 }
 
 TEST_F(AudienceTest, AFollowerIsToldTheSceneWithThePictureOfIt) {

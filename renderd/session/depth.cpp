@@ -15,21 +15,21 @@ namespace diaphane::render {
 namespace {
 
 constexpr double kMostVoxels = 1'000'000;
-/// Of the light behind: less is background.
+/// Opacity of a ray below which it shows only background.
 constexpr float kLeastSeen = 0.02f;
-/// Where a ray is taken to be opaque.
+/// Transmittance at which a ray counts as opaque.
 constexpr float kEnd = 0.01f;
 
 using View = SceneView<LinearVolume>;
 
-/// mm along the ray.
+/// Returns a distance in mm along the ray.
 std::optional<float> half_way(const View& scene, const Ray& ray) {
   Span span = clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f});
   span = clip_span<kAllFeatures>(scene, ray, span, RayKind::kCamera);
   const SliceHit slice = nearest_slice<kAllFeatures>(scene, ray);
   if (slice.found) span.end = smaller(span.end, slice.distance);
   struct Step {
-    float at, clear;  // how much of what lies behind is still seen
+    float at, clear;  // transmittance from the eye to this place
   };
   std::vector<Step> steps;
   float clear = 1.0f;
@@ -84,7 +84,7 @@ std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
 
 std::optional<SeenPlace> seen_at(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
                                  Canvas canvas, double x, double y) {
-  diaphane::v1::Scene dark = scene;  // light is of no account, and its textures take time
+  diaphane::v1::Scene dark = scene;  // lights do not matter here, and their textures take time
   dark.clear_lights();
   dark.mutable_camera()->set_aperture_radius(0);
   const volume::Header& header = coarse.volume.header;

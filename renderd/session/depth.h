@@ -11,12 +11,12 @@
 
 namespace diaphane::render {
 
-/// A volume in the same box with fewer voxels, kept on the host wherever the renderer's own lies.
+/// A volume in the same box with fewer voxels, always in host memory.
 struct CoarseVolume {
   volume::Volume volume;
   ValueGrid grid;
 };
-/// Of the voxels nearest to its own, a million at most.
+/// Returns a coarse copy by nearest voxels, with at most a million voxels.
 std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume);
 
 struct SeenPlace {
@@ -24,9 +24,10 @@ struct SeenPlace {
   double distance = 0;  ///< mm from the eye along the view axis
 };
 
-/// Where half of what is seen at a point of the picture lies before and half behind: of a thin skin
-/// over bone it is one or the other, never between. `x` and `y` from 0 to 1, from the upper left;
-/// `scene` has passed check_scene. Nothing where only background is seen.
+/// Returns the place at which half of what is visible at a point of the picture lies before and
+/// half behind. For thin skin over bone, this is one of the two and never between them. `x` and `y`
+/// range from 0 to 1 from the upper left. Returns nullopt if only background is visible.
+/// Precondition: `scene` has passed check_scene.
 std::optional<SeenPlace> seen_at(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
                                  Canvas canvas, double x, double y);
 

@@ -9,7 +9,7 @@ namespace {
 
 using test::set;
 
-// Looked at from the front: what lies at y in the volume is 500 + y mm away.
+// Seen from the front, a place at y in the volume is 500 + y mm away.
 constexpr double kEye = 500;
 constexpr Canvas kCanvas{400, 300};
 
@@ -21,7 +21,7 @@ diaphane::v1::Scene from_the_front(double extinction = 5) {
   return scene;
 }
 
-/// A cube of 100 mm, `value` of y in mm from its front.
+/// A cube of 100 mm with `value` of y, in mm from its front.
 std::shared_ptr<const CoarseVolume> layers(std::uint32_t side,
                                            const std::function<double(double)>& value) {
   const double spacing = 100.0 / side;
@@ -41,7 +41,7 @@ TEST(Depth, IsThatOfTheSurfaceUnderThePoint) {
 
 TEST(Depth, IsAlongTheViewAxisAlsoBesideTheMiddleOfThePicture) {
   const auto volume = layers(100, opaque_from_30);
-  // 30 degrees high at 480 mm: 257 mm, so a tenth of the height is 25.7 mm.
+  // 30 degrees at 480 mm are 257 mm high, so a tenth of the height is 25.7 mm.
   const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5 + 0.1 * 300 / 400, 0.4);
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->distance, kEye - 20, 1);
@@ -58,7 +58,7 @@ TEST(Depth, IsKeptWhereTheVolumeIsLookedAtCoarsely) {
 }
 
 TEST(Depth, IsThatOfAThinSkinOrOfTheBoneBehindItAndNeverBetween) {
-  // The skin is 4 mm thick and 10 mm from the front, the bone begins at 60.
+  // The skin is 4 mm thick and 10 mm from the front, and the bone starts at 60 mm.
   const auto volume = layers(100, [](double y) {
     return y > 60 ? 1000 : y > 10 && y < 14 ? 150 : 0;  // half as opaque
   });

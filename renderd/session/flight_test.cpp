@@ -49,7 +49,7 @@ TEST(FlightWindow, AnAcknowledgementOfWhatNeverLeftMakesNoRoom) {
   EXPECT_FALSE(window.acknowledge(99));
   EXPECT_FALSE(window.acknowledge(0));
   EXPECT_FALSE(window.room());
-  EXPECT_TRUE(window.acknowledge(2));  // for both
+  EXPECT_TRUE(window.acknowledge(2));  // acknowledges both frames
   EXPECT_FALSE(window.acknowledge(1));
   EXPECT_TRUE(window.reserve());
   EXPECT_TRUE(window.reserve());

@@ -16,7 +16,7 @@ diaphane::v1::Histogram histogram_of(const volume::Volume& volume) {
   const double values = static_cast<double>(header.maximum) - header.minimum + 1;
   const double width = std::max(1.0, values / kMostBins);
   std::vector<std::uint32_t> counts(std::min(kMostBins, static_cast<std::size_t>(values)));
-  // Odd, so that it shares no factor with rows of a power of two: those would give one column.
+  // Odd, because a stride that shares a factor with the row length would sample only some columns.
   const std::size_t stride = ((volume.voxels.size() + kMostLooked - 1) / kMostLooked) | 1;
   for (std::size_t i = 0; i < volume.voxels.size(); i += stride) {
     const std::int32_t value = volume.voxels[i];

@@ -5,9 +5,9 @@
 
 namespace diaphane::render {
 
-/// How often values occur, by every n-th voxel, four million at most: up to 256 bins, none narrower
-/// than 1, so that none stands empty between two integers. What lies outside of the header's
-/// minimum and maximum is padding, and left out.
+/// Returns a histogram of every n-th voxel, of at most four million voxels. It has up to 256 bins,
+/// each at least 1 wide, so that no bin lies empty between two integers. Values outside the
+/// header's minimum and maximum are padding and are excluded.
 diaphane::v1::Histogram histogram_of(const volume::Volume& volume);
 
 }  // namespace diaphane::render

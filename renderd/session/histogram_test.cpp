@@ -45,7 +45,7 @@ TEST(Histogram, WhatLiesOutsideOfTheMeasuredRangeIsLeftOut) {
 }
 
 TEST(Histogram, ALargeVolumeIsLookedAtInPartAndInProportion) {
-  // A value for each column of a row of 512.
+  // Each column of a row of 512 has its own value.
   std::vector<std::int16_t> voxels(std::size_t{512} * 512 * 64);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     voxels[i] = static_cast<std::int16_t>(i % 512 / 2);

@@ -6,8 +6,7 @@
 
 namespace diaphane::render {
 
-/// A volume's voxels in the machine's own memory, whatever the device keeps of them: slices are
-/// read here.
+/// A volume's voxels in host memory, independent of the device. Slices are read from it.
 class HostVolume final : public DeviceVolume {
  public:
   explicit HostVolume(volume::Volume volume) : volume_(std::move(volume)) {}

@@ -5,7 +5,7 @@
 
 namespace diaphane::render {
 
-/// The voxels that a clip leaves, by their centres. Precondition: the clip has passed check_scene.
+/// Returns the voxels whose centres a clip keeps. Precondition: the clip has passed check_scene.
 volume::KeptVoxels kept_by(const volume::Header& header, const diaphane::v1::Clip& clip);
 
 }  // namespace diaphane::render

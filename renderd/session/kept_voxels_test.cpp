@@ -23,7 +23,7 @@ struct KeptVoxelsTest : testing::Test {
     for (std::int16_t i = 0; i < 12 * 10 * 8; ++i) volume.voxels.push_back(i);
     volume::measure(volume);
   }
-  /// The centre of a voxel, in mm of the world.
+  /// Returns the centre of a voxel in mm in world space.
   volume::Vector centre(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     const std::array<double, 3> index{x + 0.5, y + 0.5, z + 0.5};
     volume::Vector place{};
@@ -35,7 +35,7 @@ struct KeptVoxelsTest : testing::Test {
     }
     return place;
   }
-  /// By the words of scene.proto: inside the box and behind every plane.
+  /// As scene.proto defines it: inside the box and behind every plane.
   bool inside(const volume::Vector& p) const {
     constexpr double kRounding = 1e-6;
     if (clip.has_box_low()) {
@@ -57,7 +57,7 @@ struct KeptVoxelsTest : testing::Test {
     }
     return true;
   }
-  /// Every voxel is asked; how many are kept.
+  /// Checks every voxel, and returns how many are kept.
   int check() const {
     const volume::KeptVoxels kept = kept_by(volume.header, clip);
     int count = 0;
@@ -72,7 +72,7 @@ struct KeptVoxelsTest : testing::Test {
     }
     return count;
   }
-  /// Of all slices of all planes: each pixel is blank or its voxel's value, and which is right.
+  /// Checks all slices of all planes: each pixel is blank or its voxel's value, as it should be.
   void check_slices() const {
     const volume::KeptVoxels kept = kept_by(volume.header, clip);
     for (const volume::Plane plane : volume::kPlanes) {
@@ -83,7 +83,7 @@ struct KeptVoxelsTest : testing::Test {
         ASSERT_TRUE(whole && clipped);
         ASSERT_EQ(clipped->size(), stack.pixels());
         for (std::size_t i = 0; i < clipped->size(); ++i) {
-          // A voxel's value is its number.
+          // The value of a voxel is its number.
           const auto number = static_cast<std::uint32_t>((*whole)[i]);
           const bool keeps = kept.keeps(number % 12, number / 12 % 10, number / 120);
           EXPECT_EQ((*clipped)[i], keeps ? (*whole)[i] : volume::kBlank);
@@ -106,7 +106,7 @@ TEST_F(KeptVoxelsTest, OfABoxAreThoseWhoseCentresLieInItItsBorderIncluded) {
   set(*clip.mutable_box_high(), 2.5, 3, 1.5);
   EXPECT_EQ(check(), 6 * 4 * 2);
   check_slices();
-  set(*clip.mutable_box_low(), -2.49, -2.99, -1.49);  // a hundredth further in
+  set(*clip.mutable_box_low(), -2.49, -2.99, -1.49);  // a hundredth further inside
   set(*clip.mutable_box_high(), 2.49, 2.99, 1.49);
   EXPECT_EQ(check(), 4 * 2 * 0);
   check_slices();
@@ -138,7 +138,8 @@ TEST_F(KeptVoxelsTest, AreTheSameOnesOfAVolumeThatLiesAskew) {
   set(*plane.mutable_point(), 0, 0, 2);
   set(*plane.mutable_normal(), 0.3, 0.1, 1);
   EXPECT_GT(check(), 0);
-  // A pixel shows the voxel in which its centre lies: by that voxel's centre it is kept or blank.
+  // A pixel shows the voxel that contains its centre, and is kept or blank by the centre of that
+  // voxel.
   const volume::KeptVoxels kept = kept_by(volume.header, clip);
   for (const volume::Plane across : volume::kPlanes) {
     const volume::SliceStack stack = volume::plan_stack(volume.header, across);
@@ -155,7 +156,7 @@ TEST_F(KeptVoxelsTest, AreTheSameOnesOfAVolumeThatLiesAskew) {
 }
 
 TEST_F(KeptVoxelsTest, AreNoneWhereAPlaneIsNone) {
-  set(*clip.add_planes()->mutable_point(), 0, 0, 0);  // no normal: check_scene refuses it
+  set(*clip.add_planes()->mutable_point(), 0, 0, 0);  // without a normal, which check_scene refuses
   const volume::KeptVoxels kept = kept_by(volume.header, clip);
   EXPECT_FALSE(kept.keeps(5, 5, 5));
 }

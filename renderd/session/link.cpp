@@ -7,11 +7,12 @@ namespace diaphane::render {
 namespace {
 
 constexpr double kForgetSeconds = 0.5;
-constexpr double kRoundTripPeriod = 5;  // seconds; the shortest of the last one or two counts
-constexpr double kFastest = 1e9;        // bytes a second
-constexpr double kLongestBusy = 10;     // seconds: after a machine's sleep, say
-constexpr double kGrowth = 1.04;        // with each acknowledgement that came as the model says
-constexpr double kLateSeconds = 0.015;  // beyond that it is late: something waits in the pipe
+// Seconds. The minimum of the current and the previous period counts.
+constexpr double kRoundTripPeriod = 5;
+constexpr double kFastest = 1e9;        // bytes per second
+constexpr double kLongestBusy = 10;     // seconds, for example after the machine was suspended
+constexpr double kGrowth = 1.04;        // factor per acknowledgement that arrives as predicted
+constexpr double kLateSeconds = 0.015;  // a longer delay means that data queues in the pipe
 constexpr double kOverdueSeconds = 0.05;
 
 double seconds_between(LinkEstimate::Time from, LinkEstimate::Time to) {

@@ -5,16 +5,16 @@
 namespace diaphane::render {
 namespace {
 
-// A frame of the epoch that is rendered now is always of use. One of the epoch before is of use
-// only as the first picture of its epoch: when input comes faster than pictures, all of them are a
-// little old, and dropping every one would show nothing until the hand rests. Never after a newer
-// one.
+// A frame of the current epoch is always useful. A frame of the previous epoch is useful only as
+// the first picture of its epoch. When inputs arrive faster than pictures, all pictures are
+// slightly old, and dropping them all would show nothing until the hand rests. No frame is useful
+// after a newer one.
 bool useful(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
   if (frame.epoch < receiver.sent_epoch) return false;
   return frame.epoch >= state.epoch || frame.first_of_epoch;
 }
 
-// The same picture once more, for somebody else's sake.
+// Whether the viewer already has this picture, which is encoded again for another viewer.
 bool has(const Receiver& receiver, const FrameInfo& frame) {
   if (!receiver.shown || receiver.behind) return false;
   const FrameInfo& shown = *receiver.shown;
@@ -23,13 +23,13 @@ bool has(const Receiver& receiver, const FrameInfo& frame) {
          shown.converged == frame.converged && shown.denoised == frame.denoised;
 }
 
-// Of an inter-coded stream every frame is part of those that follow.
+// In an inter-coded stream, later frames depend on every frame.
 bool wants(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
   if (!useful(state, receiver, frame)) return false;
   return is_inter_coded(receiver.codec) || !has(receiver, frame);
 }
 
-// The presenter sets the pace of those who receive what he does, as long as he takes pictures.
+// The presenter sets the pace of all viewers with the same codec while they acknowledge pictures.
 const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now) {
   const Receiver* presenter = state.audience.of(state.audience.presenter);
   if (!presenter || presenter->codec != codec || !is_watching(*presenter, now)) return nullptr;
@@ -38,8 +38,8 @@ const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now)
   return keeps_up ? presenter : nullptr;
 }
 
-// A frame for many is as large as the connection of him who sets the pace allows, else as the best
-// of theirs does: the others skip what they have no room for.
+// Sizes a frame for several viewers by the connection of the viewer who sets the pace, or else by
+// the fastest. Viewers without room skip it.
 Admitted allowance(SessionState& state, const Coding& coding, const Receiver* pace, bool key,
                    TimePoint now) {
   Admitted admitted{Admission::kGo, key};
@@ -72,7 +72,7 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
   Audience& audience = state.audience;
   if (const auto coding = audience.codings.find(codec);
       coding != audience.codings.end() && !coding->second.takers.empty()) {
-    return {Admission::kWait};  // one picture of a codec is coded at a time
+    return {Admission::kWait};  // only one picture per codec is encoded at a time
   }
   const bool inter = is_inter_coded(codec);
   std::vector<Receiver*> wanting;
@@ -80,7 +80,7 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
   for (Receiver& receiver : audience.receivers) {
     if (!receiver.greeted || receiver.codec != codec || receiver.own_camera) continue;
     const bool watching = is_watching(receiver, now);
-    if (!watching) receiver.behind = true;  // for when it looks, or answers, again
+    if (!watching) receiver.behind = true;  // until it is visible or responds again
     (watching && wants(state, receiver, frame) ? wanting : others).push_back(&receiver);
   }
   if (wanting.empty()) return {};
@@ -100,7 +100,7 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
   const auto takes = [&](const Receiver* one) {
     return with_room(one) && (!inter || key || !one->needs_key);
   };
-  // All who have room wait for a key frame that may not come yet.
+  // All viewers with room wait for a key frame, which is not due yet.
   if (std::none_of(wanting.begin(), wanting.end(), takes)) return {Admission::kWait};
 
   if (key) coding.key_at = now;
@@ -127,7 +127,7 @@ Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, 
     const bool decodes = coded.key || !receiver->needs_key;
     if (receiver->own_camera || !decodes || !useful(state, *receiver, frame)) {
       receiver->flight.release();
-      // A newer epoch has begun, so a newer picture comes; but it builds on this one.
+      // A newer picture follows, because a newer epoch has begun, but it depends on this frame.
       if (is_inter_coded(codec)) miss(*receiver);
       continue;
     }
@@ -136,7 +136,7 @@ Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, 
     if (receiver->flight.unacknowledged() == 0) receiver->heard_at = now;
     departure.seq = receiver->flight.depart();
     receiver->path.sent(departure.seq, coded.bytes, now);
-    receiver->tiles_sent = 0;  // the frame lies over them
+    receiver->tiles_sent = 0;  // the frame covers the tiles
     receiver->sent_epoch = frame.epoch;
     receiver->shown = frame;
     receiver->needs_key = false;

@@ -7,20 +7,21 @@
 namespace diaphane::render {
 namespace {
 
-// As in schedule/canvas.cpp: each halves the pixels.
+// As in schedule/canvas.cpp: the number of pixels falls by about half per step.
 constexpr std::array<double, 7> kScales{1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
-constexpr double kFramesPerSecond = 24;  // that a moving picture is planned for, at least
-constexpr double kUse = 0.85;            // of what the link carries: the rest empties its queue
-constexpr double kSettledSeconds = 0.3;  // a settled frame may fill the link: new input waits
-constexpr double kSlackSeconds = 0.04;   // of bytes beyond a round trip on the way
-constexpr double kMargin = 1.3;          // a better step fits so much more than just
+constexpr double kFramesPerSecond = 24;  // minimum frame rate of a moving picture
+constexpr double kUse = 0.85;            // share of the capacity; the rest drains the queue
+// A settled frame may fill the link for this long, which delays new input.
+constexpr double kSettledSeconds = 0.3;
+constexpr double kSlackSeconds = 0.04;  // seconds of data in transit beyond a round trip
+constexpr double kMargin = 1.3;         // margin by which a better step must fit
 constexpr double kBetterAfterSeconds = 1;
-constexpr double kFewestBytes = 1500;  // of a frame: a packet
+constexpr double kFewestBytes = 1500;  // minimum bytes per frame: one packet
 constexpr std::uint64_t kMostFrames = 12;
 constexpr double kMostBytes = 8 << 20;
 
-// Bits a pixel with which a moving picture is still good to look at. Guesses: nobody has held them
-// against pictures yet.
+// Bits per pixel at which a moving picture still looks good. These are guesses that have not been
+// verified with pictures.
 double bits_per_pixel(v1::Codec codec) {
   switch (codec) {
     case v1::H264:

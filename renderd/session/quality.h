@@ -6,17 +6,18 @@
 
 namespace diaphane::render {
 
-/// What a viewer's connection allows.
+/// What a viewer's connection permits.
 struct QualityPlan {
-  double moving_scale = 1;          ///< of the viewport's sides, of a moving picture, at most
-  std::uint32_t moving_bytes = 0;   ///< of a moving frame, at most about
-  std::uint32_t settled_bytes = 0;  ///< of a settled one; the lossless end has no bound
-  std::uint64_t window_bytes = 0;   ///< on the way when another message may follow
-  std::uint64_t window_frames = 2;  ///< being coded or on the way, at most
+  double moving_scale = 1;          ///< largest share of the viewport's sides for a moving picture
+  std::uint32_t moving_bytes = 0;   ///< approximate limit for a moving frame
+  std::uint32_t settled_bytes = 0;  ///< limit for a settled frame; lossless tiles have none
+  std::uint64_t window_bytes = 0;   ///< another message may follow while fewer are in transit
+  std::uint64_t window_frames = 2;  ///< limit for frames being encoded or in transit
 };
 
-/// Steps of the quality, chosen by what the link carries: down at once, up after a while with a
-/// margin, so that a picture does not flicker between two. Pure but for the step it is on.
+/// Chooses a quality step by the estimated capacity. It steps down at once, and up after a while
+/// and with a margin, so that the picture does not flicker between two steps. Pure apart from the
+/// current step.
 class QualitySteps {
  public:
   using Time = LinkEstimate::Time;
@@ -28,7 +29,7 @@ class QualitySteps {
  private:
   QualityPlan plan_{1, 0, 0, ~std::uint64_t{0}, 2};
   std::size_t step_ = 0;
-  Time fits_since_{};  // a better step has fitted since then; zero: it does not
+  Time fits_since_{};  // since when a better step has fitted; zero: it does not fit
 };
 
 }  // namespace diaphane::render

@@ -1,4 +1,4 @@
-// Estimate and steps against a simulated link, without a clock of its own.
+// Estimate and quality steps on a simulated link without a clock.
 
 #include "renderd/session/quality.h"
 
@@ -13,7 +13,7 @@ namespace diaphane::render {
 namespace {
 
 using Time = LinkEstimate::Time;
-constexpr double kMbit = 1e6 / 8;  // bytes a second
+constexpr double kMbit = 1e6 / 8;  // bytes per second
 constexpr Canvas k720p{1280, 720};
 
 Time at(double seconds) {
@@ -21,19 +21,19 @@ Time at(double seconds) {
          std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
 }
 
-/// A pipe with a queue without end, and a viewer behind it who acknowledges what he has whole.
+/// A pipe with an unlimited queue, and a viewer who acknowledges complete messages.
 struct Pipe {
-  std::function<double(double)> rate;  ///< bytes a second at a time
-  double round_trip = 0;               ///< of nothing, seconds
-  double jitter = 0;                   ///< an acknowledgement is later by up to so much
+  std::function<double(double)> rate;  ///< bytes per second at a given time
+  double round_trip = 0;               ///< of an empty message, in seconds
+  double jitter = 0;                   ///< maximum delay of an acknowledgement
 
   double free_at = 0;
   double last = 0;
 
-  /// When the acknowledgement of what leaves now comes.
+  /// Returns when a message sent now is acknowledged.
   double carry(double now, double bytes, std::mt19937& random) {
     free_at = std::max(free_at, now + round_trip / 2);
-    for (double left = bytes; left > 0;) {  // in steps, for a rate that changes
+    for (double left = bytes; left > 0;) {  // in steps, because the rate may change
       const double step = std::min(left, rate(free_at) * 0.002);
       free_at += step / rate(free_at);
       left -= step;
@@ -78,8 +78,8 @@ struct Drag {
   double last_scale() const { return sent.back().scale; }
 };
 
-/// Somebody drags for `seconds`: a picture each 1/60 s goes where the window has room. It takes as
-/// many bytes as it may, give or take, or what a good one needs.
+/// Simulates a drag for `seconds`. Every 1/60 s, a picture is sent if the window has room. Its size
+/// is about the limit, or that of a good picture.
 Drag drag(Pipe pipe, double seconds, v1::Codec codec = v1::H264, double good_bits = 0.4) {
   LinkEstimate link;
   QualitySteps steps;
@@ -131,14 +131,14 @@ struct LinkCase {
 
 class Links : public testing::TestWithParam<LinkCase> {};
 
-// Age: the round trip, a window's slack and one frame's own time, with some for the estimate.
+// Age: the round trip, a window's slack and the time of one frame, with a margin for the estimate.
 TEST_P(Links, AFrameIsNeverOlderThanTheRoundTripAndAFewFramesAndTheLinkIsUsed) {
   const auto [rate, round_trip, jitter] = GetParam();
   const Drag run = drag(constant(rate, round_trip, jitter), 30);
   EXPECT_LT(run.oldest(3, 30), 1.1 * round_trip + jitter + 0.15);
   EXPECT_LT(run.oldest(0, 30), round_trip + jitter + 40e3 * 2 / rate + 0.1) << "at the beginning";
   const double used = run.bytes_per_second(5, 30);
-  const double demand = 60 * 0.85 * 1280 * 720 * 0.4 / 8;  // a good picture, each time
+  const double demand = 60 * 0.85 * 1280 * 720 * 0.4 / 8;  // a good picture each time
   EXPECT_GT(used, 0.6 * std::min(rate, demand));
   EXPECT_LE(run.size_changes(5, 30), 2) << "it flickers between sizes";
 }
@@ -176,7 +176,7 @@ TEST(Quality, ASlowLinkHasSmallerPicturesAndAFastOneFullSize) {
   EXPECT_EQ(drag(constant(1000 * kMbit, 0.001), 10, v1::JPEG, 1).last_scale(), 1);
 }
 
-// A viewer who takes nothing gets no more than the window, however fast he was.
+// A viewer who acknowledges nothing gets no more than the window, however fast they were.
 TEST(Quality, AStalledLinkIsNoticedBeforeAnyAcknowledgement) {
   LinkEstimate link;
   double now = 0;
@@ -205,7 +205,7 @@ TEST(Quality, AcknowledgementsOfWhatNeverLeftAndClocksThatJumpDoNoHarm) {
   link.acknowledged(1, at(2));
   EXPECT_EQ(link.bytes_in_flight(), 0U);
   link.sent(2, 1000, at(3));
-  link.acknowledged(2, at(3600));  // a machine that slept
+  link.acknowledged(2, at(3600));  // the machine was suspended
   double now = 3601;
   for (std::uint64_t seq = 3; seq < 60; ++seq, now += 0.03) {
     link.sent(seq, 40000, at(now));

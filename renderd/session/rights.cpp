@@ -10,7 +10,7 @@ enum class Rule {
   kAlways,
   kPresenting,  ///< while this viewer presents
   kSteering,    ///< while this viewer presents or has a camera of their own
-  kWithSlices,  ///< where the owner or host lets this viewer have slices
+  kWithSlices,  ///< if the owner or host allows slices for this viewer
 };
 
 struct Row {
@@ -22,8 +22,9 @@ constexpr std::array<Rule, kViewers.size()> all(Rule rule) {
   return {rule, rule, rule, rule, rule, rule};
 }
 
-// Rules that depend on more than the viewer come after these: a presenter has no camera of their
-// own, a role is handed to somebody who is here, each request has its limits.
+// Conditions beyond the kind of viewer are checked after this table. For example, a presenter
+// cannot have a separate camera, a role can only be handed to a connected participant, and requests
+// have rate limits.
 constexpr Rule kNo = Rule::kNever, kYes = Rule::kAlways, kSlices = Rule::kWithSlices;
 constexpr std::array kTable{
     // clang-format off

@@ -8,22 +8,23 @@
 
 namespace diaphane::render {
 
-/// Who looks, as the gateway says with each connection (worker.proto).
+/// The kind of viewer, which the gateway determines for each connection (worker.proto).
 enum class ViewerKind {
   kOwner,          ///< of the scan
-  kShared,         ///< an account that the scan is shared with
-  kPublic,         ///< an account that looks at a public scan of somebody else
-  kLinkVisitor,    ///< without an account, by a link to the scan
-  kSampleVisitor,  ///< without an account, at a sample
-  kGuest,          ///< by a link into somebody's session, with or without an account
+  kShared,         ///< an account with which the scan is shared
+  kPublic,         ///< an account that views a public scan of another user
+  kLinkVisitor,    ///< without an account, through a link to the scan
+  kSampleVisitor,  ///< without an account, viewing a sample
+  kGuest,          ///< through a link to a session, with or without an account
 };
 inline constexpr std::array kViewers{ViewerKind::kOwner,         ViewerKind::kShared,
                                      ViewerKind::kPublic,        ViewerKind::kLinkVisitor,
                                      ViewerKind::kSampleVisitor, ViewerKind::kGuest};
-/// What is not known has the least rights.
+/// Unknown values have the fewest rights.
 ViewerKind viewer_of(diaphane::v1::Viewer viewer);
 
-/// What a page can say. A SceneUpdate without a scene only tells the size of the page's picture.
+/// The requests of a page. A SceneUpdate without a scene only reports the size of the page's
+/// picture.
 enum class RequestKind {
   kHello,
   kResize,
@@ -47,19 +48,18 @@ inline constexpr std::array kRequests{
     RequestKind::kHandover,  RequestKind::kOwnCamera, RequestKind::kDepthQuery,
     RequestKind::kSlices,    RequestKind::kKeyView,   RequestKind::kFile,
     RequestKind::kFileTaken, RequestKind::kKernel,    RequestKind::kGuestSlices};
-/// Nothing for a message that is empty or of a newer page.
+/// Returns nullopt for a message that is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 
-/// What a viewer is at this moment.
+/// The current state of a viewer.
 struct Standing {
   ViewerKind viewer = ViewerKind::kGuest;
   bool presents = false;
   bool own_camera = false;
-  bool slices =
-      false;  ///< the scan's owner, or the host of the session, lets this viewer have them
+  bool slices = false;  ///< the owner of the scan, or the host of the session, allows them
 };
 
-/// The one table of rights: who may say what to a session.
+/// The only table of access rights for the requests to a session.
 bool may(const Standing& standing, RequestKind request);
 
 enum class SliceAccess {
@@ -70,9 +70,9 @@ enum class SliceAccess {
 SliceAccess slice_access(const Standing& standing);
 diaphane::v1::SliceAccess to_proto(SliceAccess access);
 
-/// What becomes of a scene that this viewer sends. Who has no slices cannot place any in the
-/// picture either; of a guest's scene the clip never counts. Nothing: there is no scene yet whose
-/// clip could be kept. `now`: the session's scene, or null.
+/// Returns the part of a scene from this viewer that is allowed. A viewer without slices cannot
+/// place any in the picture either, and the clip of a guest's scene is ignored. Returns nullopt if
+/// there is no scene yet whose clip could be kept. `now`: the session's scene, or null.
 std::optional<diaphane::v1::Scene> allowed_scene(const Standing& standing,
                                                  const diaphane::v1::Scene* now,
                                                  diaphane::v1::Scene wanted);

@@ -22,7 +22,7 @@ Standing standing(ViewerKind viewer, bool presents, bool own_camera, bool slices
   return {viewer, presents, own_camera, slices};
 }
 
-/// Written a second time, as people would say it: every viewer, every request, every situation.
+/// The rules written independently in plain terms: every viewer, every request, every situation.
 bool expected(const Standing& who, std::string_view request) {
   const bool guest = who.viewer == ViewerKind::kGuest;
   const bool without_account =

@@ -7,7 +7,7 @@
 
 namespace diaphane::render {
 
-/// So many at once, and so many a second from then on.
+/// A token bucket with a burst size and a refill rate per second.
 class Bucket {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -22,19 +22,19 @@ class Bucket {
   std::optional<TimePoint> counted_at_;
 };
 
-/// How many slices are sent: at the pace of a hand that scrolls, and not without end. Who is over
-/// it waits; the newest wish is served once there is room.
+/// Limits the rate of slices: fast enough for a user who scrolls, but not unlimited. A request over
+/// the limit waits, and the newest one is served when a token is available.
 class SliceAllowance {
  public:
   using TimePoint = Bucket::TimePoint;
-  /// One viewer: two planes that follow a crosshair at 60 pictures a second.
+  /// Per viewer: two planes that follow a crosshair at 60 frames per second.
   static constexpr double kMostASecond = 120;
-  /// Five minutes without a pause at a slice for each picture of the screen, and more than ten
-  /// times all slices of 512 x 512 x 512 voxels.
+  /// Five minutes of uninterrupted scrolling at one slice per displayed frame, which is more than
+  /// ten times all slices of 512 x 512 x 512 voxels.
   static constexpr double kInARow = 20'000;
-  /// Once those are used up, until they have come back in about an hour.
+  /// Rate after that burst, which refills it in about an hour.
   static constexpr double kMostASecondThen = 5;
-  /// All guests of a session together, as often as one viewer alone.
+  /// All guests of a session together, as a multiple of one viewer.
   static constexpr double kGuestsTogether = 4;
 
   SliceAllowance() : SliceAllowance(1) {}
@@ -43,20 +43,21 @@ class SliceAllowance {
         total_(viewers * kInARow, viewers * kMostASecondThen) {}
 
   bool empty(TimePoint now);
-  /// Precondition: not empty.
+  /// Precondition: a token is available.
   void take();
 
  private:
   Bucket pace_, total_;
 };
 
-/// Of all who look at one session, by participant: a new connection has what the one before left.
+/// The allowances of all viewers of a session, by participant, so that a new connection inherits
+/// the previous one's.
 class SliceAllowances {
  public:
-  /// Others share one: participants' ids cost nothing.
+  /// Further participants share one, because creating participant ids costs nothing.
   static constexpr std::size_t kMostViewers = 256;
 
-  /// One slice for this participant; false: not now.
+  /// Takes one slice for this participant. Returns false if it must wait.
   bool take(const std::string& participant, bool guest, SliceAllowance::TimePoint now);
 
  private:

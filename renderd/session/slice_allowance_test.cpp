@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct SliceAllowancesTest : testing::Test {
-  /// So many as this viewer gets at once.
+  /// Returns how many slices this viewer gets at once.
   int take_all(const std::string& who, bool guest = false) {
     int count = 0;
     while (allowances.take(who, guest, now)) ++count;

@@ -28,15 +28,14 @@ Result<void> SliceWishes::wish(const v1::SlicesWanted& wanted, const SliceStacks
     const v1::SlicesWanted::At& at = wanted.slices(i);
     const auto plane = number_of(at.plane());
     if (!plane || wishes[*plane]) {
-      return fail(ErrorCode::kInvalid, "One slice of each plane can be asked for.",
-                  field + "plane");
+      return fail(ErrorCode::kInvalid, "Request at most one slice per plane.", field + "plane");
     }
     if (at.index() >= stacks[*plane].slices) {
-      return fail(ErrorCode::kInvalid, "There is no such slice.", field + "index");
+      return fail(ErrorCode::kInvalid, "This slice does not exist.", field + "index");
     }
     wishes[*plane] = at.index();
   }
-  // A number that never was is nobody's.
+  // Ignores numbers that were never sent.
   if (wanted.taken() <= seq_) taken_ = std::max(taken_, wanted.taken());
   for (std::size_t plane = 0; plane < wishes.size(); ++plane) {
     const bool being_made = making_ && making_->plane == plane && wishes[plane] == making_->index;

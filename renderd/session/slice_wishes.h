@@ -12,34 +12,35 @@ namespace diaphane::render {
 
 using SliceStacks = std::array<volume::SliceStack, 3>;  ///< in the order of volume::kPlanes
 
-/// One slice that is due to a viewer.
+/// A slice to send to one viewer.
 struct SliceDue {
   std::size_t plane = 0;  ///< number in volume::kPlanes
   std::uint32_t index = 0;
 };
 
-/// Which slices one viewer waits for: one of a plane at most, the newest, so that a slow line holds
-/// few and never a queue of them. Plain data and arithmetic.
+/// The slice requests of one viewer: at most the newest of each plane, so that a slow connection
+/// never has a queue of them. Plain data and arithmetic.
 class SliceWishes {
  public:
-  static constexpr std::uint64_t kUnderWay = 3;  ///< sent and not yet taken
+  static constexpr std::uint64_t kUnderWay = 3;  ///< sent, but not yet acknowledged
 
-  /// Takes what a viewer says. kInvalid, naming the field, where it is none of the stacks': then
-  /// nothing has changed.
+  /// Takes a viewer's requests. kInvalid, naming the field, if they do not fit the stacks, and then
+  /// nothing changes.
   Result<void> wish(const diaphane::v1::SlicesWanted& wanted, const SliceStacks& stacks);
-  /// One can be taken now.
+  /// Whether a slice can be taken now.
   bool ready() const { return !making_ && waiting() && seq_ - taken_ < kUnderWay; }
-  /// The next to be read and coded, one at a time until it was sent or given up; planes in turn.
+  /// Returns the next slice to read and encode, in turn by plane. The next one can be taken after
+  /// this one was sent or given up.
   std::optional<SliceDue> take();
-  /// What was taken leaves now; its sequence number, from 1.
+  /// Marks the taken slice as sent. Returns its sequence number, from 1.
   std::uint64_t depart();
-  /// What was taken could not be made.
+  /// Gives up the taken slice, which could not be made.
   void give_up();
-  /// What was taken is to be made again: it is wanted as before, unless something newer is.
+  /// Requests the taken slice again, unless a newer request exists.
   void put_back();
-  /// Nothing is wanted any more.
+  /// Drops all requests.
   void forget();
-  /// Something is wanted; perhaps not to be taken just now.
+  /// Whether there is a request, even if it cannot be taken now.
   bool waiting() const;
 
  private:

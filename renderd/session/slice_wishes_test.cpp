@@ -25,7 +25,7 @@ struct SliceWishesTest : testing::Test {
     message.set_taken(taken);
     return message;
   }
-  // Which plane and index leave now; (9, 9): none.
+  // Returns plane and index of the slice sent now, or (9, 9) for none.
   std::pair<std::size_t, std::uint32_t> sent() {
     const auto due = wishes.take();
     if (!due) return {9, 9};
@@ -58,7 +58,7 @@ TEST_F(SliceWishesTest, OfTheSamePlaneTheNewestReplacesTheOthers) {
   EXPECT_EQ(sent(), Leaves(0, 9));
   EXPECT_EQ(sent(), kNone);
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 1}}, 1), stacks));
-  ASSERT_TRUE(wishes.wish(wanted({}, 1), stacks));  // it was looked away meanwhile
+  ASSERT_TRUE(wishes.wish(wanted({}, 1), stacks));  // the viewer looked away meanwhile
   EXPECT_EQ(sent(), kNone);
 }
 
@@ -69,9 +69,10 @@ TEST_F(SliceWishesTest, WhatIsOnItsWayIsNotSentAgainAndWhatWasLostIs) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));  // while it is made
   EXPECT_FALSE(wishes.waiting());
   wishes.depart();
-  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));  // while it is on its way
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));  // while it is in transit
   EXPECT_EQ(sent(), kNone);
-  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}, 1), stacks));  // it came, and is wanted again
+  // It arrived, and is requested again.
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}, 1), stacks));
   EXPECT_EQ(sent(), Leaves(0, 5));
 }
 
@@ -85,7 +86,7 @@ TEST_F(SliceWishesTest, OneIsMadeAtATimeAndThreeAreOnTheirWayAtMost) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 2}, {v1::CORONAL, 2}}), stacks));
   EXPECT_EQ(sent(), Leaves(0, 2));
   EXPECT_EQ(sent(), kNone);
-  ASSERT_TRUE(wishes.wish(wanted({{v1::CORONAL, 2}}, 9), stacks));  // a number that never was
+  ASSERT_TRUE(wishes.wish(wanted({{v1::CORONAL, 2}}, 9), stacks));  // a number that was never sent
   EXPECT_EQ(sent(), kNone);
   ASSERT_TRUE(wishes.wish(wanted({{v1::CORONAL, 2}}, 3), stacks));
   EXPECT_EQ(sent(), Leaves(1, 2));

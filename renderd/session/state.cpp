@@ -3,7 +3,9 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "common/try.h"
 #include "renderd/scene/presets.h"
 #include "renderd/session/pictures.h"
 
@@ -19,7 +21,7 @@ Outcome refuse(ErrorCode code, std::string message, bool fatal) {
 }
 
 v1::Problem not_greeted() {
-  return problem_of({ErrorCode::kInvalid, "The connection must begin with a greeting.", {}}, 0,
+  return problem_of({ErrorCode::kInvalid, "The connection must start with a hello message.", {}}, 0,
                     true);
 }
 
@@ -34,7 +36,7 @@ void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoi
   }
 }
 
-// The presenter's page decides how large the picture is.
+// The presenter's page determines the size of the picture.
 bool take_viewport(SessionState& state, const Receiver& receiver) {
   const Canvas viewport = receiver.viewport;
   if (viewport.width == 0 || viewport == state.wanted.viewport) return false;
@@ -44,7 +46,7 @@ bool take_viewport(SessionState& state, const Receiver& receiver) {
   return true;
 }
 
-// WebP where it can be shown: fewer bytes (docs/figures.md, "Stream: what pictures cost").
+// Prefers WebP if the page supports it, because it is smaller (docs/figures/still-codecs.json).
 v1::StillFormat preferred_still(const v1::Hello& hello) {
   for (const v1::StillFormat format : {v1::WEBP, v1::PNG}) {
     const auto& shown = hello.stills();
@@ -57,7 +59,7 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
                       TimePoint now) {
   if (hello.protocol() != 1) {
     return refuse(ErrorCode::kUnsupported,
-                  "This page is of another version than the server. Reload it.", true);
+                  "This page and the server have different versions. Reload the page.", true);
   }
   const auto made_here = [&](int codec) {
     return std::find(state.codecs.begin(), state.codecs.end(), codec) != state.codecs.end();
@@ -65,8 +67,8 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
   const auto& codecs = hello.codecs();
   const auto chosen = std::find_if(codecs.begin(), codecs.end(), made_here);
   if (chosen == codecs.end()) {
-    return refuse(ErrorCode::kUnsupported, "This browser decodes none of the picture formats.",
-                  true);
+    return refuse(ErrorCode::kUnsupported,
+                  "This browser supports none of the available video formats.", true);
   }
   Outcome outcome;
   receiver.codec = static_cast<v1::Codec>(*chosen);
@@ -86,7 +88,7 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
   receiver.greeted = true;
   if (state.audience.presents(receiver)) {
     take_viewport(state, receiver);
-    state.wanted.last_input = now;  // a first picture is wanted as quickly as after a drag
+    state.wanted.last_input = now;  // the first picture is as urgent as one after a drag
   }
   state.wanted.picture_again = true;
   outcome.configure = true;
@@ -99,7 +101,7 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
 Outcome refuse_follower(const v1::SceneUpdate& update) {
   Outcome outcome;
   if (update.has_scene()) {
-    const Error why{ErrorCode::kForbidden, "Only the presenter can change the picture.", {}};
+    const Error why{ErrorCode::kForbidden, "Only the presenter can make changes.", {}};
     outcome.problem = problem_of(why, update.input_seq(), false);
   }
   return outcome;
@@ -108,7 +110,7 @@ Outcome refuse_follower(const v1::SceneUpdate& update) {
 Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUpdate& update,
                       TimePoint now) {
   Outcome outcome;
-  // Order is kept by the stream: a number that does not rise was sent twice.
+  // The stream preserves order, so a number that does not rise is a duplicate.
   if (receiver.newest_input != 0 && update.input_seq() <= receiver.newest_input) return outcome;
   receiver.newest_input = update.input_seq();
 
@@ -121,7 +123,7 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
     const auto checked = check_viewport(update.viewport());
     if (!checked) return refuse_update(checked.error());
     viewport = *checked;
-    receiver.viewport = viewport;  // also a follower's: for when he presents
+    receiver.viewport = viewport;  // also stored for followers, in case they become the presenter
   }
   if (!state.audience.presents(receiver)) return refuse_follower(update);
 
@@ -138,7 +140,7 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
       *allowed->mutable_camera() = update.scene().camera();
     }
     if (!allowed) {
-      return refuse_update({ErrorCode::kUnavailable, "The picture is not ready yet.", {}});
+      return refuse_update({ErrorCode::kUnavailable, "The 3D view is not ready yet.", {}});
     }
     auto scene = std::make_shared<v1::Scene>(*std::move(allowed));
     if (const auto sound = check_scene(*scene); !sound) return refuse_update(sound.error());
@@ -148,7 +150,7 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
     }
   }
   state.wanted.viewport = viewport;
-  // Where it ends is a matter of another picture: of the one that has ended nothing more is sent.
+  // A changed limit needs a new picture, because nothing more is sent for a finished one.
   changed = changed || state.wanted.raw != update.raw() ||
             state.wanted.effort.stop_error != effort->stop_error ||
             state.wanted.effort.stop_samples != effort->stop_samples;
@@ -170,7 +172,7 @@ Outcome receive_ack(SessionState& state, Receiver& receiver, const v1::Ack& ack,
   receiver.heard_at = now;
   receiver.path.acknowledged(ack.seq(), now);
   update_quality(state, receiver, now);
-  // Without a new picture on its way, what was missed would never come.
+  // Without a new picture, the missed one would never arrive.
   if (receiver.behind) state.wanted.picture_again = true;
   outcome.room = true;
   outcome.wake = true;
@@ -200,11 +202,10 @@ Outcome receive_visibility(SessionState& state, Receiver& receiver, bool visible
 Outcome receive_depth_query(Receiver& receiver, const v1::DepthQuery& query, TimePoint now) {
   const auto within = [](double part) { return part >= 0 && part <= 1; };
   if (!within(query.x()) || !within(query.y())) {
-    return refuse(ErrorCode::kInvalid, "That place is not in the picture.", false);
+    return refuse(ErrorCode::kInvalid, "This point is outside the image.", false);
   }
   if (receiver.depth_asked && now - *receiver.depth_asked < kDepthEvery) {
-    return refuse(ErrorCode::kTooMany, "The picture was asked too often how far away it is.",
-                  false);
+    return refuse(ErrorCode::kTooMany, "Too many depth requests.", false);
   }
   receiver.depth_asked = now;
   Outcome outcome;
@@ -214,8 +215,7 @@ Outcome receive_depth_query(Receiver& receiver, const v1::DepthQuery& query, Tim
 
 Outcome receive_kernel_wanted(SessionState& state, Receiver& receiver, TimePoint now) {
   if (receiver.kernel_asked && now - *receiver.kernel_asked < kKernelEvery) {
-    return refuse(ErrorCode::kTooMany, "It was asked too often how the picture is rendered.",
-                  false);
+    return refuse(ErrorCode::kTooMany, "Too many requests for render details.", false);
   }
   receiver.kernel_asked = now;
   receiver.kernel_wanted = true;
@@ -260,7 +260,8 @@ Outcome receive_own_camera(SessionState& state, Receiver& receiver, bool on) {
   Outcome outcome;
   if (receiver.own_camera == on) return outcome;
   if (on && state.audience.presents(receiver)) {
-    return refuse(ErrorCode::kConflict, "The presenter's camera is everybody's.", false);
+    return refuse(ErrorCode::kConflict,
+                  "The presenter's camera is shared with everyone in the session.", false);
   }
   outcome.own_camera = on;
   return outcome;
@@ -280,34 +281,44 @@ v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal) 
 
 Result<Effort> check_effort(const v1::Effort& effort) {
   const double error = effort.stop_error(), scale = effort.moving_scale();
-  // Not a number is in no range.
+  // NaN is in no range.
   if (!(error >= 0 && error <= 1)) {
-    return fail(ErrorCode::kInvalid, "The error to stop at must be between 0 and 1.",
+    return fail(ErrorCode::kInvalid, "The target error must be between 0 and 1.",
                 "effort.stop_error");
   }
   if (scale != 0 && !(scale >= kSmallestMovingScale && scale <= 1)) {
-    return fail(ErrorCode::kInvalid, "The size while moving must be between 0.1 and 1.",
+    return fail(ErrorCode::kInvalid, "The resolution while moving must be between 0.1 and 1.",
                 "effort.moving_scale");
   }
   return Effort{error, effort.stop_samples(), scale == 0 ? 1 : scale};
 }
 
+Canvas visitor_canvas(Canvas viewport) {
+  const double pixels = double(viewport.width) * double(viewport.height);
+  if (pixels <= kMostVisitorPixels) return viewport;
+  const double scale = std::sqrt(kMostVisitorPixels / pixels);
+  const auto side = [scale](std::uint32_t length) {
+    return std::max(static_cast<std::uint32_t>(length * scale), kSmallestSide);
+  };
+  return {side(viewport.width), side(viewport.height)};
+}
+
 Result<Canvas> check_viewport(const v1::Viewport& viewport) {
   const auto side = [](std::uint32_t length, const char* field) -> Result<std::uint32_t> {
     if (length < kSmallestSide) {
-      return fail(ErrorCode::kInvalid, "The picture must be at least 16 pixels wide and high.",
+      return fail(ErrorCode::kInvalid, "The image must be at least 16 pixels wide and high.",
                   field);
     }
     if (length > kLargestSide) {
-      return fail(ErrorCode::kTooLarge, "The picture may be at most 4096 pixels wide and high.",
+      return fail(ErrorCode::kTooLarge, "The image must be at most 4096 pixels wide and high.",
                   field);
     }
     return length;
   };
   const auto width = side(viewport.width(), "viewport.width");
-  if (!width) return tl::unexpected(width.error());
+  DIAPHANE_TRY(width);
   const auto height = side(viewport.height(), "viewport.height");
-  if (!height) return tl::unexpected(height.error());
+  DIAPHANE_TRY(height);
   return Canvas{*width, *height};
 }
 
@@ -320,7 +331,7 @@ Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint n
                   [&](const auto& one) { return one.connection == *attached.replaced; });
   }
   if (audience.receivers.size() >= kMostReceivers) {
-    return fail(ErrorCode::kTooMany, "As many people as can be are here already.");
+    return fail(ErrorCode::kTooMany, "This session is full.");
   }
   Receiver receiver;
   receiver.connection = attached.connection = ++audience.connections;
@@ -331,7 +342,7 @@ Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint n
   receiver.may_have_slices = arrival.may_have_slices;
   receiver.heard_at = now;
   if (receiver.name.empty() && receiver.participant != kOwner) {
-    // The same number again after a reconnection.
+    // A guest keeps their number after reconnecting.
     const auto number =
         audience.guests.try_emplace(receiver.participant, audience.guests.size() + 1).first;
     receiver.name = "Guest " + std::to_string(number->second);
@@ -352,7 +363,7 @@ void detach(SessionState& state, std::uint64_t connection, TimePoint now) {
 void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now) {
   receiver.own_camera = on;
   if (on) return;
-  // As if it had just come: Config says that the frames count anew.
+  // Treated like a new connection, because Config resets the numbering of frames.
   receiver.flight = {};
   receiver.path = {};
   receiver.tiles_sent = 0;
@@ -389,24 +400,23 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
   };
   switch (*request) {
     case RequestKind::kScene: {
-      v1::Problem problem = refusal("Only the presenter can change the picture.", {});
+      v1::Problem problem = refusal("Only the presenter can make changes.", {});
       problem.set_input_seq(message.scene().input_seq());
       return problem;
     }
     case RequestKind::kHandover:
       return refusal("Only the presenter can hand the session over.", {});
     case RequestKind::kSlices:
-      return refusal("You see this scan without its slices: its owner has not allowed them.",
-                     "slices");
+      return refusal("The owner of this scan has not shared its slices.", "slices");
     case RequestKind::kKeyView:
     case RequestKind::kFile:
     case RequestKind::kFileTaken:
-      return refusal("Only somebody who opened the scan with their own account can make files.",
+      return refusal("Only people who opened the scan with their own account can create files.",
                      "file");
     case RequestKind::kGuestSlices:
-      return refusal("Only the host of this session can let guests see slices.", "guest_slices");
+      return refusal("Only the host of this session can show slices to guests.", "guest_slices");
     default:
-      return refusal("You can only watch here.", {});
+      return refusal("You can only watch in this session.", {});
   }
 }
 
@@ -440,7 +450,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_kernel_wanted(state, *receiver, now);
     case v1::ClientMessage::kGuestSlices:
       return receive_guest_slices(state, message.guest_slices().on());
-    // Voxels and files are not the state's: LiveSession
+    // LiveSession handles voxels and files.
     case v1::ClientMessage::kSlices:
     case v1::ClientMessage::kKeyView:
     case v1::ClientMessage::kFile:
@@ -448,7 +458,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }
-  // Empty, or a kind of message that a newer page knows: no harm.
+  // Ignores empty messages and messages of newer pages.
   return {};
 }
 
@@ -460,7 +470,7 @@ void began(SessionState& state, std::uint64_t epoch, const Wanted& wanted) {
 Outcome refused(SessionState& state, const Wanted& wanted, const Error& why) {
   Outcome outcome;
   outcome.problem = problem_of(why, wanted.input_seq, false);
-  // Something newer may have come meanwhile: that is tried on its own.
+  // If something newer arrived meanwhile, it is tried on its own.
   if (state.wanted.version == wanted.version && state.shown.scene) {
     state.wanted.scene = state.shown.scene;
     state.wanted.viewport = state.shown.viewport;

@@ -14,40 +14,43 @@
 
 namespace diaphane::render {
 
-/// All that is known of one session; plain data. The functions below are its only rules: they take
-/// the time as an argument, lock nothing and send nothing, but say what is to be done.
+/// The complete state of one session as plain data. The functions below are its only rules. They
+/// take the time as an argument, lock nothing and send nothing, but return what is to be done.
 struct SessionState {
   std::string id;
   std::string volume_id;
   std::uint64_t placement = 0;
-  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that can be made here
+  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that this worker can encode
 
-  Wanted wanted;            ///< the newest accepted
-  Wanted shown;             ///< the newest that the renderer took; what a refusal goes back to
-  std::uint64_t epoch = 0;  ///< of what is rendered now
+  Wanted wanted;  ///< the newest accepted request
+  /// The newest request that the renderer accepted, which is restored after a refusal.
+  Wanted shown;
+  std::uint64_t epoch = 0;  ///< of the current picture
 
   Audience audience;
-  TimePoint detached_since{};  ///< when nobody is connected
+  TimePoint detached_since{};  ///< valid while no viewer is connected
 
-  // An input whose picture was not sent yet: the oldest, for the latency that a person feels.
+  // The oldest input whose picture was not sent yet, for measuring the latency that users
+  // experience.
   std::uint64_t measured_input = 0;
   std::optional<TimePoint> measured_since;
 
-  /// One follower's own: of his scenes the camera alone counts, the rest is the presenter's.
+  /// The session of a follower's own camera: only the camera of its scenes counts, and the rest is
+  /// the presenter's.
   bool camera_only = false;
-  bool unsaved = false;  ///< what Redis has is older than scene and presenter here
+  bool unsaved = false;  ///< Redis has an older scene or presenter
 };
 
-/// What one event asks for. `problem`, `configure` and `own_camera` concern the connection that
-/// caused it.
+/// The actions that an event requires. `problem`, `configure` and `own_camera` concern the
+/// connection that caused it.
 struct Outcome {
   std::optional<diaphane::v1::Problem> problem;  ///< to be sent; a fatal one closes the connection
-  bool configure = false;                        ///< Config is due
-  bool audience = false;                         ///< everybody is to be told who is here
-  bool presenter = false;                        ///< the presenter is to be told the scene (Look)
-  std::optional<bool> own_camera;  ///< a camera of its own is asked for, or given back
+  bool configure = false;                        ///< send Config
+  bool audience = false;                         ///< send the list of participants to everyone
+  bool presenter = false;                        ///< send the scene to the presenter (Look)
+  std::optional<bool> own_camera;  ///< an own camera was requested (true) or given up (false)
   std::optional<diaphane::v1::DepthQuery> depth;  ///< to be answered
-  bool wake = false;                              ///< the runner has something new to look at
+  bool wake = false;                              ///< wake the runner
   bool room = false;                              ///< the encoders may take the next picture
 };
 
@@ -60,47 +63,53 @@ diaphane::v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bo
 Result<Effort> check_effort(const diaphane::v1::Effort& effort);
 /// kInvalid or kTooLarge, naming the side.
 Result<Canvas> check_viewport(const diaphane::v1::Viewport& viewport);
+/// Maximum pixels of a visitor's picture: those of 2560 x 1440.
+inline constexpr double kMostVisitorPixels = 2560.0 * 1440.0;
+/// Returns the size of a visitor's picture in this viewport: the same shape, reduced if the
+/// viewport has more than kMostVisitorPixels. The page scales it up.
+Canvas visitor_canvas(Canvas viewport);
 
-/// Who connects.
+/// A new connection.
 struct Arrival {
   std::string participant{kOwner};
-  std::string name;  ///< as typed
+  std::string name;  ///< as entered
   std::string link;
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;
 };
 struct Attached {
   std::uint64_t connection = 0;
-  std::optional<std::uint64_t> replaced;  ///< the same participant's connection before
+  std::optional<std::uint64_t> replaced;  ///< the participant's previous connection
 };
-/// kTooMany: kMostReceivers are here.
+/// kTooMany: there are kMostReceivers already.
 Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint now);
-/// What was under way to it counts no more. Nobody by that number: nothing happens.
+/// Removes a connection and its messages in transit. Ignores unknown numbers.
 void detach(SessionState& state, std::uint64_t connection, TimePoint now);
 
-/// A follower goes to a camera of his own, or comes back and is sent everything anew.
+/// Switches a follower to their own camera, or back to the group, in which case everything is sent
+/// again.
 void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now);
-/// Of a session with `camera_only`: the presenter's settings have changed.
+/// Applies the presenter's new settings to a session with `camera_only`.
 void follow(SessionState& state, const diaphane::v1::Scene& presenters, TimePoint now);
 
-/// Whether the connection may say this at all, as the table of rights has it (rights.h): asked
-/// before anything else looks at a message. The Problem that refuses it, or nothing.
+/// Checks a request against the table of rights (rights.h) before anything else reads the message.
+/// Returns the Problem that refuses it, or nullopt.
 std::optional<diaphane::v1::Problem> refused_request(const SessionState& state,
                                                      std::uint64_t connection,
                                                      const diaphane::v1::ClientMessage& message);
 
-/// Anything that a browser says. Nothing it says is trusted.
+/// Handles any message of a browser. Messages are untrusted.
 Outcome receive(SessionState& state, std::uint64_t connection,
                 const diaphane::v1::ClientMessage& message, TimePoint now);
 
-/// The renderer took or refused what was wanted. The Problem is the presenter's.
+/// The renderer accepted or refused the requested scene. The Problem is sent to the presenter.
 void began(SessionState& state, std::uint64_t epoch, const Wanted& wanted);
 Outcome refused(SessionState& state, const Wanted& wanted, const Error& why);
 
-/// Connections that were silent for too long.
+/// Returns connections that have not sent a greeting in time.
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now);
 
-/// Whether a quantum for it would be of use to anybody.
+/// Whether any viewer would benefit from further rendering.
 bool watched(const SessionState& state, TimePoint now);
 
 }  // namespace diaphane::render

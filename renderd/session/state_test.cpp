@@ -24,7 +24,7 @@ struct StateTest : testing::Test {
   Admission admit(const FrameInfo& info) {
     return render::admit(state, v1::JPEG, info, now).admission;
   }
-  // What leaves to the one who is here, if it does.
+  // Returns what is sent to the only viewer, if anything.
   std::optional<Departure> depart(const FrameInfo& info) {
     departures = render::depart(state, v1::JPEG, info, {true, 1000}, now);
     if (departures.frames.empty()) return std::nullopt;
@@ -115,6 +115,15 @@ TEST_F(StateTest, ASceneThatIsRefusedNamesItsFieldAndThePictureStays) {
   EXPECT_TRUE(say(turned(50)).wake);
 }
 
+TEST(VisitorCanvas, HasTheViewportsShapeAndABoundedSize) {
+  EXPECT_EQ(visitor_canvas({1920, 1080}), (Canvas{1920, 1080}));
+  EXPECT_EQ(visitor_canvas({2560, 1440}), (Canvas{2560, 1440}));
+  EXPECT_EQ(visitor_canvas({4096, 4096}), (Canvas{1920, 1920}));
+  const Canvas wide = visitor_canvas({4096, 1024});
+  EXPECT_LE(double(wide.width) * wide.height, kMostVisitorPixels);
+  EXPECT_NEAR(double(wide.width) / wide.height, 4, 0.01);
+}
+
 TEST_F(StateTest, AViewportOutOfBoundsIsRefusedWhole) {
   say(hello());
   const Canvas before = state.wanted.viewport;
@@ -150,7 +159,7 @@ TEST_F(StateTest, WhatTheRendererRefusesGoesBackToWhatIsShown) {
   EXPECT_EQ(outcome.problem->input_seq(), 2U);
   EXPECT_FALSE(outcome.problem->fatal());
   EXPECT_EQ(state.wanted.scene->camera().eye().x(), 1);
-  // But not when something newer was asked for meanwhile.
+  // But not if something newer was requested meanwhile.
   say(turned(3));
   const Wanted old = state.wanted;
   say(turned(4));
@@ -172,7 +181,7 @@ TEST_F(StateTest, TwoFramesAreInFlightAndTheThirdWaitsForAnAcknowledgement) {
   EXPECT_EQ(admit(frame(1, false)), Admission::kGo);
 }
 
-// The law that nothing ghosts, over random orders of everything that can happen.
+// No ghosting: a property over random orders of all events.
 TEST_F(StateTest, AnOlderEpochIsNeverSentAfterANewerNorARefinementOfThePast) {
   say(hello());
   std::mt19937 random(3);
@@ -217,7 +226,7 @@ TEST_F(StateTest, ADragFasterThanTheDeviceStillShowsPictures) {
   int sent = 0;
   for (std::uint64_t epoch = 1; epoch <= 50; ++epoch) {
     began(state, epoch, state.wanted);
-    // Before this epoch's picture is encoded the next input is taken up.
+    // The next input is handled before this epoch's picture is encoded.
     began(state, epoch + 1, state.wanted);
     if (admit(frame(epoch)) != Admission::kGo) continue;
     const auto departure = depart(frame(epoch));
@@ -305,7 +314,6 @@ TEST_F(StateTest, AnAttachedViewerStartsWithAFrameOfWhatThereIs) {
   EXPECT_EQ(depart(frame(5, false))->seq, 1U);
 }
 
-/// The switch of the denoiser changes the picture, so it is a new version of what is wanted.
 TEST_F(StateTest, AGestureIsOverWhenItsLastInputSaysSoAndNotBefore) {
   say(hello());
   say(turned(1));
@@ -327,7 +335,7 @@ TEST_F(StateTest, HowFarAwaySomethingIsMayBeAskedOfAPlaceInThePictureAndNotTooOf
   const Outcome outcome = say(query);
   ASSERT_TRUE(outcome.depth);
   EXPECT_EQ(outcome.depth->id(), 7U);
-  EXPECT_FALSE(outcome.wake) << "nothing is rendered anew";
+  EXPECT_FALSE(outcome.wake) << "nothing is rendered again";
   EXPECT_EQ(say(query).problem->code(), "too_many");
   now += kDepthEvery;
   for (const double wrong : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
@@ -358,6 +366,7 @@ TEST_F(StateTest, WhatRendersThePictureIsToldWithTheNextOneAndNotTooOften) {
   EXPECT_FALSE(say(query).problem);
 }
 
+/// Switching the denoiser off changes the picture, so it is a new version of the request.
 TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   SessionState state;
   const TimePoint now{};
@@ -415,7 +424,7 @@ TEST(SessionState, LessEffortIsTakenOverAndNonsenseRefused) {
   }
   EXPECT_EQ(state.wanted.effort.stop_error, 0.25) << "what was refused changes nothing";
 
-  // Said no more, it is all of it again.
+  // Without the limit, everything applies again.
   v1::ClientMessage message = turned(1);
   message.mutable_scene()->set_input_seq(++seq);
   ASSERT_FALSE(receive(state, me, message, now).problem);

@@ -1,4 +1,4 @@
-// What leaves for a viewer after the frames: the lossless end; and what his connection changes.
+// What follows the frames of a viewer: the lossless picture, and changes of the connection.
 #include <google/protobuf/io/coded_stream.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ struct StreamTest : testing::Test {
     EXPECT_TRUE(receive(state, attached->connection, message, now).configure);
     return attached->connection;
   }
-  /// Coded and sent to all who take it.
+  /// Encodes a picture and sends it to all takers.
   Admitted send(const FrameInfo& info, std::size_t bytes = 10000, v1::Codec codec = v1::JPEG) {
     const Admitted admitted = admit(state, codec, info, now);
     if (admitted.admission == Admission::kGo) {
@@ -47,7 +47,7 @@ struct StreamTest : testing::Test {
     newest[tile.connection] = departure.seq;
     return departure.state;
   }
-  /// The connection takes `seconds` for each of 40 frames of `bytes`.
+  /// Simulates a connection that takes `seconds` for each of 40 frames of `bytes`.
   void learn(std::uint64_t connection, double seconds, std::size_t bytes) {
     Receiver& receiver = *state.audience.find(connection);
     for (int i = 0; i < 40; ++i) {
@@ -121,7 +121,7 @@ TEST_F(StreamTest, AFrameThatIsSentAgainIsFollowedByAllTilesAndTheMarkAgain) {
     send_tile(due().at(0));
     hear(owner);
   }
-  last.input_seq = 7;  // an input that changed nothing
+  last.input_seq = 7;  // an input without a change
   send(last);
   EXPECT_TRUE(told && told->converged() && !told->lossless());
   ASSERT_EQ(due().size(), 1U);
@@ -139,7 +139,7 @@ TEST_F(StreamTest, EachViewerGetsTilesAtItsOwnPaceAndWhoCannotShowThemNone) {
   send_tile(both[0]);
   send_tile(both[1]);
   hear(owner);
-  const auto next = due();  // the other has a frame and a tile on their way
+  const auto next = due();  // the other viewer has a frame and a tile in transit
   ASSERT_EQ(next.size(), 1U);
   EXPECT_EQ(next[0].connection, owner);
   EXPECT_EQ(next[0].tile, 1U);
@@ -151,7 +151,7 @@ TEST_F(StreamTest, ASlowConnectionOfThePresenterMakesMovingPicturesSmallerNobody
   const std::uint64_t other = join("guest-a", {});
   learn(owner, 0.01, 100000);
   EXPECT_EQ(state.wanted.moving_scale, 1);
-  // The follower alone answers late.
+  // Only the follower answers late.
   for (int i = 0; i < 40; ++i) {
     send(frame(1, false), 100000);
     now += milliseconds(10);
@@ -174,7 +174,7 @@ TEST_F(StreamTest, AFrameForManyIsAsLargeAsThePresentersConnectionAllows) {
   EXPECT_GT(fast.settled_bytes, fast.moving_bytes);
 }
 
-// 25 frames of 10 KB a second do not fill a connection that answers after 100 ms two at a time.
+// 25 frames of 10 KB per second, two at a time, do not fill a connection that answers after 100 ms.
 TEST_F(StreamTest, ALongRoundTripHoldsMoreThanTwoFramesAndABoundedNumberOfBytes) {
   Receiver& receiver = *state.audience.find(owner);
   std::vector<std::pair<TimePoint, std::uint64_t>> coming;
@@ -185,7 +185,7 @@ TEST_F(StreamTest, ALongRoundTripHoldsMoreThanTwoFramesAndABoundedNumberOfBytes)
       receive(state, owner, ack(coming.front().second), now);
       coming.erase(coming.begin());
     }
-    // 8 Mbit/s: 10 ms for each frame behind the one before.
+    // 8 Mbit/s: each frame takes 10 ms after the previous one.
     if (i % 16 == 0 && send(frame(1, false), 10000).admission == Admission::kGo) {
       const TimePoint after = coming.empty() ? now : coming.back().first - milliseconds(100);
       coming.emplace_back(std::max(after, now) + milliseconds(110), newest[owner]);
@@ -197,12 +197,11 @@ TEST_F(StreamTest, ALongRoundTripHoldsMoreThanTwoFramesAndABoundedNumberOfBytes)
   EXPECT_LT(most_bytes, 250000U) << "a quarter of a second";
 }
 
-// Nobody's message of the stream has more than a dozen levels. Unknown groups nest without a
-// schema; messages are parsed by recursion, so that only this limit keeps the stack from
-// overflowing.
+// No message of the stream has more than a dozen levels. Unknown groups nest without a schema, and
+// messages are parsed recursively, so only this limit protects the stack.
 TEST(StreamMessage, NestedMoreThanAHundredLevelsDeepIsNoMessage) {
   const auto nested = [](std::size_t levels) {
-    constexpr char kBegin = 15 << 3 | 3, kEnd = 15 << 3 | 4;  // of the group 15, which nobody knows
+    constexpr char kBegin = 15 << 3 | 3, kEnd = 15 << 3 | 4;  // of the unknown group 15
     return std::string(levels, kBegin) + std::string(levels, kEnd);
   };
   EXPECT_EQ(google::protobuf::io::CodedInputStream::GetDefaultRecursionLimit(), 100);

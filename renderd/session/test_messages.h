@@ -4,7 +4,7 @@
 
 #include "renderd/session/pictures.h"
 
-/// What tests of a session say to it.
+/// Messages for tests of a session.
 namespace diaphane::render {
 
 inline v1::Scene plain_scene() {
@@ -33,7 +33,7 @@ inline v1::Scene plain_scene() {
   return scene;
 }
 
-/// The owner of a scan at their own session.
+/// The owner of a scan in their own session.
 inline Arrival owner() {
   Arrival arrival;
   arrival.viewer = ViewerKind::kOwner;
@@ -74,7 +74,7 @@ inline FrameInfo frame(std::uint64_t epoch, bool first = true, std::uint64_t inp
   info.epoch = epoch;
   info.first_of_epoch = first;
   info.input_seq = input_seq;
-  // No two pictures are the same one.
+  // Ensures that no two pictures are equal.
   static std::uint64_t samples = 1;
   info.samples = first ? 1 : ++samples;
   return info;

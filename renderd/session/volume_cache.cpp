@@ -25,7 +25,7 @@ VolumeCache::~VolumeCache() {
   work_ready_.notify_all();
   for (std::thread& thread : threads_) thread.join();
   for (const Ready& ready : abandoned) {
-    ready(fail(ErrorCode::kUnavailable, "The render server is stopping."));
+    ready(fail(ErrorCode::kUnavailable, "The render worker is shutting down."));
   }
 }
 
@@ -54,7 +54,7 @@ std::vector<std::string> VolumeCache::forget_outdated() {
   }
   std::vector<std::string> forgotten;
   for (const auto& [id, copy] : copies) {
-    // The store is asked without the lock: a disk may be slow.
+    // The store is queried without the lock, because a disk may be slow.
     if (is_outdated(id, copy) && forget(id, copy)) forgotten.push_back(id);
   }
   return forgotten;
@@ -106,16 +106,16 @@ Result<VolumeCache::Handle> VolumeCache::load_safely(const std::string& id) {
   try {
     return load_(id);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "No memory for this volume.");
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for this scan.");
   }
 }
 
-// Under the lock. True when `needed` more bytes fit.
+// Requires the lock. Returns whether `needed` more bytes fit.
 bool VolumeCache::make_room(std::uint64_t needed) {
   while (bytes_ + needed > bound_) {
     auto oldest = entries_.end();
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-      // Held by this cache alone: nobody can take it meanwhile but through the lock.
+      // Only this cache holds it, and others can get it only through the lock.
       if (!entry->second.volume || entry->second.volume.use_count() != 1) continue;
       if (oldest == entries_.end() || entry->second.used < oldest->second.used) oldest = entry;
     }
@@ -145,7 +145,7 @@ void VolumeCache::work() {
       waiting = std::move(entry->second.waiting);
       if (volume && !make_room((*volume)->device_bytes())) {
         volume = fail(ErrorCode::kOutOfMemory,
-                      "The render server's memory is full of volumes that people look at.");
+                      "The render worker's memory is full of scans that are in use.");
       }
       if (volume) {
         entry->second.volume = *volume;

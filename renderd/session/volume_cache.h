@@ -17,37 +17,37 @@
 
 namespace diaphane::render {
 
-/// The volumes on one device, by volume id: each loaded once for all who look at it, kept after the
-/// last one left, and evicted least-recently-used first when the bound is reached. What somebody
-/// holds is never evicted. Loading happens on threads of its own. Thread-safe.
+/// The volumes on one device by volume id. Each is loaded once for all sessions and kept after the
+/// last one left. When the limit is reached, the least recently used volumes are evicted, except
+/// those that are in use. Loads in its own threads. Thread-safe.
 class VolumeCache {
  public:
   using Handle = std::shared_ptr<const DeviceVolume>;
   using Load = std::function<Result<Handle>(const std::string& id)>;
   using Ready = std::function<void(Result<Handle>)>;
 
-  /// The content hash of what the store has under this id now, empty when it has nothing; nullopt
-  /// when it cannot say just now, and then no copy is thought outdated.
+  /// Returns the content hash of a volume in the store, or an empty string if the store does not
+  /// have it. Returns nullopt if the store cannot answer, and then no copy counts as outdated.
   using Stored = std::function<std::optional<std::string>(const std::string& id)>;
 
-  /// `bound` in bytes as DeviceVolume counts them. With `stored` a copy of what the store no longer
-  /// has is never given out, and forgotten by forget_outdated().
+  /// `bound` is in bytes as DeviceVolume counts them. With `stored`, copies that are no longer in
+  /// the store are never returned, and forget_outdated() drops them.
   VolumeCache(Load load, std::uint64_t bound, unsigned threads = 1, Stored stored = {});
-  /// Waits for the load under way; those not begun end with kUnavailable.
+  /// Waits for the load in progress. Loads that have not begun end with kUnavailable.
   ~VolumeCache();
   VolumeCache(const VolumeCache&) = delete;
   VolumeCache& operator=(const VolumeCache&) = delete;
 
-  /// Calls `ready` once: from within when the volume is there, else from a loading thread. A
-  /// failure is told to all who waited and not remembered. kOutOfMemory: all that is loaded is
-  /// being looked at and this one does not fit beside it.
+  /// Calls `ready` once: immediately if the volume is loaded, else from a loading thread. A failure
+  /// is reported to all waiting callers and not remembered. kOutOfMemory: all loaded volumes are in
+  /// use, and this one does not fit beside them.
   void get(const std::string& id, Ready ready);
 
-  /// Forgets the copies of volumes that were deleted or replaced in the store (anonymised); which.
-  /// Their memory is free once nobody holds them.
+  /// Drops copies of volumes that were deleted or replaced in the store (anonymised), and returns
+  /// their ids. Their memory is freed once nobody uses them.
   std::vector<std::string> forget_outdated();
 
-  /// Forgets what nobody holds, for who does not want to keep it for those who come back.
+  /// Drops all volumes that are not in use, for callers that do not need them kept.
   void forget_unused();
 
   std::vector<std::string> loaded() const;
@@ -56,8 +56,8 @@ class VolumeCache {
 
  private:
   struct Entry {
-    Handle volume;               // empty while loading
-    std::uint64_t used = 0;      // turn of the last use
+    Handle volume;               // null while loading
+    std::uint64_t used = 0;      // sequence number of the last use
     std::vector<Ready> waiting;  // while loading
   };
 

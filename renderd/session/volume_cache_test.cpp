@@ -66,11 +66,11 @@ TEST(VolumeCache, TheLeastRecentlyUsedThatNobodyHoldsGoesFirst) {
   wait_for(cache, "a");
   wait_for(cache, "b");
   wait_for(cache, "c");
-  wait_for(cache, "a");  // b is the oldest now
+  wait_for(cache, "a");  // b is now the oldest
   const auto held = wait_for(cache, "c");
   wait_for(cache, "d");
   EXPECT_EQ(cache.loaded(), (std::vector<std::string>{"a", "c", "d"}));
-  wait_for(cache, "e");  // a goes, c is held
+  wait_for(cache, "e");  // a is evicted, c is in use
   wait_for(cache, "f");
   EXPECT_EQ(cache.loaded(), (std::vector<std::string>{"c", "e", "f"}));
   EXPECT_EQ(cache.bytes(), 300U);
@@ -128,7 +128,7 @@ TEST(VolumeCache, WhoeverWaitsWhenItEndsIsTold) {
   EXPECT_EQ(answered, 3);
 }
 
-/// A store in which what lies under an id can be replaced and deleted.
+/// A store in which volumes can be replaced and deleted.
 struct FakeStore {
   std::map<std::string, std::string> hashes{{"a", "old"}, {"b", "other"}};
   VolumeCache::Load load = [this](const std::string& id) -> Result<Handle> {
@@ -183,7 +183,7 @@ TEST(VolumeCache, WhatNobodyHoldsIsForgottenOnRequest) {
   {
     const auto held = wait_for(cache, "a");
     wait_for(cache, "b");
-    // The loading thread holds what it has just handed over for a moment more.
+    // The loading thread holds the volume for a moment after it has delivered it.
     while (cache.bytes() > 100) cache.forget_unused();
     EXPECT_EQ(cache.loaded(), std::vector<std::string>{"a"});
   }

@@ -10,21 +10,21 @@
 
 namespace diaphane::render {
 
-/// What is found out of a volume when it is loaded.
+/// Data computed from a volume when it is loaded.
 struct VolumeFacts {
   diaphane::v1::Histogram histogram;
   std::shared_ptr<const CoarseVolume> coarse;
 };
 VolumeFacts facts_of(const volume::Volume& volume);
 
-/// The facts of the volumes on a device, each as long as somebody holds its volume. Thread-safe.
+/// The facts of a device's volumes, each kept as long as its volume is in use. Thread-safe.
 class KeptFacts {
  public:
   void add(const std::shared_ptr<const DeviceVolume>& volume, VolumeFacts facts);
-  /// Drops the facts of volumes that nobody holds any more: the coarse copy of a small volume has
-  /// every voxel of it. To be called now and then.
+  /// Drops the facts of volumes that are no longer in use, because the coarse copy of a small
+  /// volume contains every voxel. To be called periodically.
   void forget_expired();
-  /// Empty when they are not known.
+  /// Returns empty facts if they are unknown.
   VolumeFacts of(const DeviceVolume& volume) const;
 
  private:

@@ -8,41 +8,42 @@
 
 namespace diaphane::render {
 
-/// Where a viewer wants less work than the worker would put into a picture.
+/// A viewer's limits on the work for their picture.
 struct Effort {
-  double stop_error = 0;           ///< relative; 0: as the worker has it
-  std::uint64_t stop_samples = 0;  ///< per pixel; 0: as the worker has it
-  double moving_scale = 1;         ///< of the viewport's sides, while moving, at most
+  double stop_error = 0;           ///< relative; 0: the worker's default
+  std::uint64_t stop_samples = 0;  ///< per pixel; 0: the worker's default
+  double moving_scale = 1;         ///< largest share of the viewport's sides while moving
 };
 
-/// What a viewer wants to see now. Absolute, so that the newest replaces all before it.
+/// What a viewer currently requests. Absolute, so that the newest replaces all earlier ones.
 struct Wanted {
-  std::uint64_t version = 0;  ///< rises when another picture is wanted, and only then
+  std::uint64_t version = 0;  ///< rises exactly when another picture is requested
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
-  std::uint64_t input_seq = 0;  ///< the newest input in it
+  std::uint64_t input_seq = 0;  ///< the newest input that it contains
   std::chrono::steady_clock::time_point last_input{};
-  bool rest = false;  ///< that input said that it is the last of its gesture
+  bool rest = false;  ///< that input is the last of its gesture
   bool visible = true;
-  bool room = true;  ///< its slot before the encoder is free and the viewer keeps up
-  bool raw = false;  ///< no denoiser
+  bool room = true;  ///< the encoder's slot is free and the viewer keeps up
+  bool raw = false;  ///< without denoiser
   Effort effort;
-  double moving_scale = 1;  ///< of the viewport's sides, while moving, at most: for the connection
+  /// Largest share of the viewport's sides while moving that the connection permits.
+  double moving_scale = 1;
   bool picture_again = false;  ///< a picture is due although nothing changed
   bool kernel_report = false;  ///< RenderClient::kernel is due with the next picture
 };
 
-/// What a picture is of.
+/// Describes a picture.
 struct FrameInfo {
   std::uint64_t epoch = 0;
   std::uint64_t input_seq = 0;
   std::uint64_t samples = 0;  ///< per pixel
-  double error = 0;           ///< infinite while unknown
-  /// Work for it since the epoch began: the scene made ready, samples, this picture of them.
+  double error = 0;           ///< infinite if unknown
+  /// Time spent on it since the epoch began: preparing the scene, samples, and this picture.
   std::uint64_t render_us = 0;
   bool first_of_epoch = false;
-  bool moving = false;     ///< code it for speed, not for quality
-  bool converged = false;  ///< the last of its epoch
+  bool moving = false;     ///< encode it for speed, not for quality
+  bool converged = false;  ///< the last picture of its epoch
   bool denoised = false;
 };
 
@@ -51,29 +52,30 @@ struct RenderedPicture {
   PictureRgb8 picture;
 };
 
-/// A viewer as the runner sees it. Called by one of the runner's threads at a time; never blocks
+/// A viewer as the runner sees it. Called by one of the runner's threads at a time. Must not block
 /// for long.
 class RenderClient {
  public:
   virtual ~RenderClient() = default;
-  /// It is another worker's picture that is helped with.
+  /// Whether the picture is rendered for another worker.
   virtual bool of_another_worker() const { return false; }
-  /// It is of somebody without an account: such take a bounded share of the device together.
+  /// Whether it belongs to a user without an account. Such clients together get a limited share of
+  /// the device.
   virtual bool of_visitor() const { return false; }
-  /// Also takes note that `picture_again` was read: the runner acts on it at once.
+  /// Also marks `picture_again` as read, because the runner acts on it at once.
   virtual Wanted wanted() = 0;
-  /// Wanted::version without a lock: polled while rendering.
+  /// Returns Wanted::version without a lock. Polled while rendering.
   virtual std::uint64_t version() const noexcept = 0;
-  /// The renderer took `wanted`; pictures of it carry `epoch`.
+  /// The renderer accepted `wanted`. Its pictures carry `epoch`.
   virtual void began(std::uint64_t epoch, const Wanted& wanted) = 0;
-  /// The renderer did not take `wanted`: the picture before it stays.
+  /// The renderer refused `wanted`. The previous picture stays.
   virtual void refused(const Wanted& wanted, const Error& why) = 0;
-  /// Its seconds are the session's own: of a device that it shares, no more than its part.
+  /// The batch's seconds are the session's own, at most its part of a shared device.
   virtual void rendered(const Batch& batch) = 0;
   virtual void picture(RenderedPicture picture) = 0;
-  /// What renders it, after a picture for which it was wanted.
+  /// Reports how it is rendered, after a picture for which this was requested.
   virtual void kernel(const KernelReport&) {}
-  /// The session cannot go on; the runner has dropped it.
+  /// The session cannot continue. The runner has dropped it.
   virtual void failed(const Error& why) = 0;
 };
 

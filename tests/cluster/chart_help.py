@@ -1,4 +1,4 @@
-"""The chart with the values of a test."""
+"""The chart with a test's values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SECRET = {"postgres": "postgresql://diaphane:x@postgres:5432/diaphane", "mail": 
 BASE = {"publicUrl": "https://scans.example.org", "existingSecret": "diaphane", "redis": {"address": "redis.stores:6379"},
         "innerTls": {"plain": True}}
 INNER_TLS = {"redis": {"tls": True}, "innerTls": {"plain": False, "secretName": "inner"}}
-#: Each brings templates in, or takes them out, or fills in what is empty by itself.
+#: Each choice adds or removes templates, or replaces a default.
 CHOICES = {
     "base": {},
     "trial": {"trial": {"enabled": True}, "redis": {"address": ""}},
@@ -55,7 +55,7 @@ def values_file(folder: Path, *parts: dict) -> str:
 
 
 def stored(namespace: str, claim: str, place: str = "/nowhere") -> dict:
-    """A volume for a claim, as a storage class would make it: here nobody does."""
+    """Returns a volume for a claim, as a storage class would create it. The test cluster has none."""
     return {"apiVersion": "v1", "kind": "PersistentVolume", "metadata": {"name": f"{namespace}-{claim}"}, "spec": {
         "capacity": {"storage": "1Ti"}, "accessModes": ["ReadWriteMany", "ReadWriteOnce"], "hostPath": {"path": place}, "storageClassName": "",
         "claimRef": {"namespace": namespace, "name": claim}}}
@@ -68,6 +68,6 @@ def rendered(plane, folder: Path, *parts: dict, namespace: str = "default", hook
 
 
 def pod_specs(objects: list[dict]) -> list[tuple[str, dict]]:
-    """Of everything that makes pods."""
+    """Returns the pod specs of all objects that create pods."""
     return [(f"{one['kind']}/{one['metadata']['name']}", one["spec"]["template"]["spec"])
             for one in objects if one["kind"] in ("Deployment", "StatefulSet", "Job", "RenderFleet")]

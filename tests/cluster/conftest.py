@@ -1,6 +1,6 @@
-"""The control plane, once for all tests of a run: `plane` with the custom resources and two nodes of kwok with 8 GPUs each, `namespace` an empty
-one of the test's own, with Pod Security "restricted" enforced, `cluster` what an operator needs in it. A failing test shows the ends of the
-programs' logs."""
+"""The control plane, once for all tests of a run. Fixtures: `plane` has the custom resources and two kwok nodes with 8 GPUs each.
+`namespace` is an empty namespace of the test with Pod Security "restricted" enforced. `cluster` contains what an operator needs
+in it. A failing test shows the ends of the programs' logs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from plane import Plane
 from house import kubernetes, logfiles, users
 
 _numbers = itertools.count(1)
-#: Wants namespaces of its own around it (`./diaphane test node`).
+#: Needs its own namespaces (`./diaphane test node`).
 collect_ignore = [] if os.environ.get("DIAPHANE_WHOLE_NODE") else ["test_whole_node.py"]
 
 
@@ -51,8 +51,8 @@ def namespace(plane: Plane):
 
 @pytest.fixture
 def cluster(plane: Plane, namespace: str, request):
-    """What an operator needs, in the test's namespace; the ends of its operators' logs with a failure."""
-    from operator_help import Cluster     # which takes wait_for from here
+    """Yields what an operator needs in the test's namespace, and reports the ends of the operators' logs after a failure."""
+    from operator_help import Cluster     # imports wait_for from this module
 
     folder = Path(tempfile.mkdtemp(prefix="diaphane-operator-"))
     plane.run_as.own(folder)
@@ -65,7 +65,7 @@ def cluster(plane: Plane, namespace: str, request):
 
 
 def wait_for(condition, what: str, timeout: float = 120):
-    """The first true value of `condition`."""
+    """Returns the first true value of `condition`."""
     deadline = time.monotonic() + timeout
     while not (value := condition()):
         assert time.monotonic() < deadline, f"{what} did not come within {timeout} s"

@@ -1,4 +1,4 @@
-"""A chart's hooks while helm waits for them: their pods are run for real, with the programs of this checkout."""
+"""Runs the pods of a chart's hooks for real while helm waits for them, with the programs of this checkout."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pod_contents import Places, data_of, environment
 
 
 class Hooks:
-    """Runs what the pod of a hook's component says."""
+    """Runs the pods of a component's hooks."""
 
     component = ""
 
@@ -20,18 +20,18 @@ class Hooks:
         self.plane, self.namespace = plane, namespace
         self.ran: list[tuple[str, str]] = []
         self.node = f"{namespace}-hooks"
-        # Nothing is scheduled to it: what is bound there by hand is run here.
+        # Unschedulable, so that it runs only pods that are bound to it by name.
         plane.api.post("/api/v1/nodes", json={**node(self.node, gpus=0, kwok=False), "spec": {"unschedulable": True}}).raise_for_status()
 
     def words(self, container: dict) -> list[str]:
         return [word.replace("/opt/diaphane/bin", str(BUILD / "bin")) for word in container["command"]]
 
     def further(self, pod: dict) -> dict[str, str]:
-        """Beside what the pod says of its environment."""
+        """Returns additions to the environment in the pod's spec."""
         return {}
 
     def while_helm(self, *words: str) -> None:
-        """The scheduler waits until the hook's pod is here, so that it is bound to no node of kwok's."""
+        """Stops the scheduler until the hook's pod has been bound here, so that it gets no kwok node."""
         before = len(self.ran)
         said: list = []
         self.plane.pause("kube-scheduler")

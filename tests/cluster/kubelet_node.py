@@ -19,7 +19,7 @@ from house import logfiles, whole_node
 from house.processes import Identity, end
 
 NAME = "whole"
-#: Of the node itself, beside its loopback; pods reach what runs on the node here.
+#: Address of the node besides its loopback, at which pods reach what runs on the node.
 ADDRESS = "192.168.177.1"
 _PODS = "10.88.0.0/24"
 _PAUSE = "localhost/pause:1"
@@ -39,7 +39,7 @@ class KubeletNode:
         self._kubelet()
         wait_for(self._ready, "a ready node")
         self.plane.kubectl("label", "node", NAME, "pool=real")
-        # As for any device without a plugin: said at the API, kept by kubelet.
+        # Sets a device without a plugin at the API. Kubelet keeps it.
         self.plane.api.patch(f"/api/v1/nodes/{NAME}/status", headers={"Content-Type": "application/json-patch+json"}, json=[
             {"op": "add", "path": "/status/capacity/nvidia.com~1gpu", "value": "2"}]).raise_for_status()
         wait_for(lambda: self._status().get("allocatable", {}).get("nvidia.com/gpu") == "2", "GPUs of the node")
@@ -55,10 +55,10 @@ class KubeletNode:
     def logs(self) -> dict[str, str]:
         return {path.name: logfiles.tail(path, 40) for path in sorted(self.folder.glob("*.log"))}
 
-    # Inside
+    # Internals
 
     def _own_places(self) -> None:
-        """What these programs write at fixed places stays in this mount namespace."""
+        """Keeps what these programs write at fixed paths inside this mount namespace."""
         for name in ("run", "var/log"):
             subprocess.run(["mount", "-t", "tmpfs", "tmpfs", f"/{name}"], check=True)
         upper, work = self.folder / "lib", self.folder / "lib-work"
@@ -78,7 +78,7 @@ class KubeletNode:
             {"type": "loopback"}]}), encoding="utf-8")
 
     def _containerd(self) -> None:
-        # Root of a container may not always make processes safer from the kernel's killer than itself.
+        # Root in a container may be unable to lower a process's OOM score below its own.
         config = self.folder / "containerd.toml"
         config.write_text(f"""version = 2
 root = "{self.folder}/containerd"
@@ -141,7 +141,7 @@ disabled_plugins = ["io.containerd.snapshotter.v1.btrfs", "io.containerd.snapsho
 
 
 def _pause_image(folder: Path) -> Path:
-    """What holds a pod's namespaces: a program that waits, and nothing else, as an archive of one layer."""
+    """Creates the pause image, whose process holds a pod's namespaces, as an archive with one layer."""
     source, program, archive = folder / "pause.c", folder / "pause", folder / "pause.tar"
     source.write_text("#include <unistd.h>\nint main(void) { for (;;) pause(); }\n", encoding="ascii")
     subprocess.run(["cc", "-static", "-o", str(program), str(source)], check=True)

@@ -55,7 +55,7 @@ class NodeAgent:
         return self
 
     def stop(self) -> None:
-        """Ends every process, as a node that loses power; the objects stay."""
+        """Ends every process like a node that loses power. The objects stay."""
         self.stopping.set()
         for pod in list(self.pods.values()):
             pod.kill()
@@ -114,14 +114,14 @@ class NodeAgent:
     # For tests
 
     def running(self, **labels: str) -> list["Pod"]:
-        """Those that are ready and not about to go, as a Service would choose them."""
+        """Returns ready pods that are not being deleted, as a Service would choose them."""
         wanted = {f"app.kubernetes.io/{key}": value for key, value in labels.items()}
         return [pod for pod in self.pods.values() if pod.is_ready and not pod.ended and not pod.terminating.is_set()
                 and wanted.items() <= pod.object["metadata"].get("labels", {}).items()]
 
 
 class Pod:
-    """One pod of the node, by a thread of its own."""
+    """One pod of the node, which has its own thread."""
 
     def __init__(self, agent: NodeAgent, pod: dict):
         self.agent, self.object = agent, pod
@@ -132,7 +132,7 @@ class Pod:
         number = next(_addresses)
         self.claimed = ports.random_free()
         free = list(self.claimed.values())
-        # Another number for each test run, so that two at once never meet.
+        # Differs between test runs, so that parallel runs use different addresses.
         self.places = Places(f"127.{64 + os.getpid() % 128}.{number // 250}.{number % 250 + 1}", dict(zip(ports_named(pod["spec"]), free)))
         self.terminating, self.killed = threading.Event(), threading.Event()
         self.is_ready = self.ended = False
@@ -150,7 +150,7 @@ class Pod:
         self.killed.set()
         self.terminating.set()
 
-    # Inside
+    # Internals
 
     def _run(self) -> None:
         try:
@@ -179,7 +179,7 @@ class Pod:
             self.runs[one["name"]] = Run(self, one, env, mounts)
 
     def _turn(self) -> bool:
-        """False when all has ended for good."""
+        """Returns False when everything has ended for good."""
         policy = self.object["spec"].get("restartPolicy", "Always")
         for run in self.runs.values():
             run.turn(policy)
@@ -193,7 +193,7 @@ class Pod:
         meta = self.object["metadata"]
         grace = 0 if self.killed.is_set() else meta.get("deletionGracePeriodSeconds", 30)
         if "deletionTimestamp" not in meta and not self.killed.is_set():
-            return     # it ended by itself; its object stays
+            return     # it ended on its own, and its object stays
         self.is_ready = False
         deadline = time.monotonic() + grace
         self._say("Running", [run.status(ready=False) for run in self.runs.values()])
@@ -212,7 +212,7 @@ class Pod:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def _say(self, phase: str, containers: list[dict], message: str = "") -> None:
-        """Told only when something changed; when it changed is the condition's own."""
+        """Updates the status only after a change. The transition time is that of the condition."""
         before = {one["type"]: one for one in self.said.get("conditions", self.object.get("status", {}).get("conditions", []))}
         truth = {"Initialized": True, "ContainersReady": self.is_ready, "Ready": self.is_ready}
         conditions = [one for kind, one in before.items() if kind not in truth]
@@ -231,7 +231,7 @@ class Pod:
                 raise RuntimeError(answer.text)
 
     def _data(self, kind: str, name: str) -> dict[str, bytes]:
-        """Waits for it, as a kubelet does."""
+        """Waits for the object, like a kubelet."""
         while True:
             answer = self.agent.api.get(f"/api/v1/namespaces/{self.namespace}/{kind}/{name}")
             if answer.status_code == 200:
@@ -273,7 +273,7 @@ class Pod:
         return {one["path"]: field_of(self.object, one["fieldRef"]["fieldPath"], self.places).encode() for one in items}
 
     def _claim(self, name: str) -> Path:
-        """The folder of this machine behind a bound claim."""
+        """Returns the folder on this machine behind a bound claim."""
         while True:
             claim = self.agent.api.get(f"/api/v1/namespaces/{self.namespace}/persistentvolumeclaims/{name}").json()
             if claim.get("status", {}).get("phase") == "Bound":
@@ -284,7 +284,7 @@ class Pod:
 
 
 class Run:
-    """A container of a pod: its process now, those before it, what its probes say."""
+    """A container of a pod: its current process, restarts, and results of its probes."""
 
     def __init__(self, pod: Pod, container: dict, env: dict[str, str], mounts: list[Mount]):
         self.pod, self.container, self.env = pod, container, env
@@ -317,7 +317,7 @@ class Run:
         if policy == "OnFailure" and code == 0:
             self.again_at = float("inf")
             return
-        # The first time at once.
+        # The first restart is immediate.
         self.again_at = time.monotonic() + (0 if self.failures == 0 else min(300, 10 * 2 ** (self.failures - 1)))
         self.failures += 1
 
@@ -331,7 +331,7 @@ class Run:
         self.asked, self.failed = {}, {}
 
     def _ask(self) -> None:
-        """Until the startup probe is content, the others are not asked."""
+        """The other probes start after the startup probe has succeeded."""
         if not self.up and "startupProbe" in self.container:
             self.up = self._probe("startupProbe") is True
         else:
@@ -346,7 +346,8 @@ class Run:
             self.signal(signal.SIGKILL)
 
     def _probe(self, kind: str) -> bool | None:
-        """True: content; False: it failed as often as it may; None: nothing new. Asked every half second at most while it is not content yet."""
+        """Returns True for success, False after the allowed number of failures, and None without a new result. Probes at most
+        every half second until it succeeds."""
         probe = self.container[kind]
         period = probe.get("periodSeconds", 10)
         wait = min(period, 0.5) if kind == "startupProbe" or (kind == "readinessProbe" and not self.ready) else period

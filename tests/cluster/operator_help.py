@@ -1,4 +1,4 @@
-"""The operator's own program before the real control plane, and workers that beat as renderd does, by its own scripts."""
+"""The operator's program against the real control plane, and workers that send heartbeats with renderd's own scripts."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from house.processes import Identity, end
 from house.stack import WITHOUT_CORE_FILES
 
 GROUP = "/apis/diaphane.dev/v1alpha1"
-#: The one lease that the chart lets it take.
+#: The only lease that the chart permits.
 LEASE = "it-diaphane-operator"
 BUILD = Path(os.environ.get("DIAPHANE_BUILD", paths.REPO / "build" / "release"))
-_SCRIPTS = paths.REPO / "renderd" / "serve"
+_SCRIPTS = BUILD / "directory" / "scripts"
 _numbers = itertools.count(1)
 
 _rights: dict[bool, dict[str, list[dict]]] = {}
 
 
 def chart_rights(plane: Plane, all_pods: bool = False) -> dict[str, list[dict]]:
-    """What the chart gives the operator: `here`, in its namespace, and `everywhere`."""
+    """Returns the rights that the chart gives the operator: `here`, in its namespace, and `everywhere`."""
     if all_pods not in _rights:
         with tempfile.TemporaryDirectory() as folder:
             roles = rendered(plane, Path(folder), {"operator": {"watchAllPods": all_pods}}, hooks=False)
@@ -43,7 +43,7 @@ def chart_rights(plane: Plane, all_pods: bool = False) -> dict[str, list[dict]]:
 
 
 class Redis:
-    """A Redis of the test's own."""
+    """A Redis for one test."""
 
     def __init__(self, folder: Path, run_as):
         self.folder, self.run_as = folder, run_as
@@ -52,7 +52,7 @@ class Redis:
         self.start()
 
     def start(self) -> None:
-        """Again after stop(), with nothing in it."""
+        """Starts it empty, also after stop()."""
         self.process = subprocess.Popen([*WITHOUT_CORE_FILES, "/usr/bin/redis-server", "--port", str(self.port), "--bind", "127.0.0.1",
                                          "--save", "", "--appendonly", "no", "--dir", str(self.folder)],
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True, **self.run_as.popen())
@@ -70,7 +70,7 @@ class Redis:
 
 
 class Beats:
-    """Each running pod beats, as the renderd in it would."""
+    """Sends heartbeats for each running pod, as its renderd would."""
 
     def __init__(self, cluster: Cluster):
         self.cluster = cluster
@@ -99,15 +99,13 @@ class Beats:
         if not owner:
             return
         name = env["DIAPHANE_WORKER_ID"]
-        key = f"diaphane:worker:{name}"
         live = self.sessions.get(name, [])
         uid = pod["metadata"]["uid"]
         draining = "1" if uid in self.told else "0"
-        sessions = [word for one in live for word in (one, "1")]
-        self.heartbeat(keys=["diaphane:workers", key, key + ":sessions"],
-                       args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), str(0.1 * len(live)), "",
-                             "diaphane:session:", "", *sessions])
-        room = self.report(keys=["diaphane:workers", key, key + ":drain"], args=[name, uid, owner, "0.1", "0.2"])
+        sessions = [word for one in live for word in (one, "1", "0")]
+        self.heartbeat(args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), str(0.1 * len(live)), "",
+                             *sessions])
+        room = self.report(args=[name, uid, owner, "0.1", "0.2"])
         if int(room) >= 0:
             self.told.setdefault(uid, time.monotonic())
 
@@ -117,7 +115,7 @@ class Beats:
 
 
 class Operator:
-    """One process of diaphane-operator."""
+    """One diaphane-operator process."""
 
     def __init__(self, cluster: Cluster, number: int, server: str = "", **settings: str):
         self.cluster = cluster
@@ -161,7 +159,7 @@ class Operator:
 
 
 class Cluster:
-    """A namespace with nodes of its own, an account for the operator, a Redis."""
+    """A namespace with its own nodes, an account for the operator, and a Redis."""
 
     def __init__(self, plane: Plane, namespace: str, folder: Path):
         self.plane, self.namespace, self.folder = plane, namespace, folder
@@ -187,7 +185,7 @@ class Cluster:
              "roleRef": {"apiGroup": api, "kind": "ClusterRole", "name": wide}, "subjects": [subject]})
 
     def operator(self, **how: str) -> Operator:
-        """`server`: another way to the API server; else settings."""
+        """`server`: another address of the API server. Other arguments are settings."""
         self.operators.append(Operator(self, next(_numbers), **how))
         return self.operators[-1]
 
@@ -205,7 +203,7 @@ class Cluster:
                          "template": {"spec": {"containers": [container]}}, **spec}}
 
     def _get(self, path: str) -> dict:
-        """An API server that has just begun says 429 until it has read its store."""
+        """A starting API server responds with 429 until it has read its store."""
         answer = wait_for(lambda: (got := self.plane.api.get(path)).status_code not in (429, 503) and got, "an answer")
         answer.raise_for_status()
         return answer.json()
@@ -232,14 +230,14 @@ class Cluster:
         return [one for one in self.pods() if one["status"].get("phase") == "Running" and "deletionTimestamp" not in one["metadata"]]
 
     def settled(self, count: int):
-        """So many workers are ready, each with its running pod, and nothing else is there."""
+        """Waits until exactly this many workers exist and are ready, each with a running pod."""
         def is_so() -> bool:
             workers, pods = self.workers(), self.pods()
             return len(workers) == len(pods) == len(self.running()) == count and self.status().get("readyReplicas", 0) == count
         return wait_for(is_so, f"{count} ready workers")
 
     def over_committed(self) -> list[str]:
-        """Nodes of the test's own with more reservations than GPUs."""
+        """Returns nodes of the test with more reservations than GPUs."""
         gpus = {one["metadata"]["name"]: int(one["status"]["allocatable"]["nvidia.com/gpu"]) for one in self._list("/api/v1/nodes")}
         taken: dict[str, int] = {}
         for worker in self.workers():
@@ -251,7 +249,7 @@ class Cluster:
             one.stop()
         self.beats.stop()
         self.redis.stop()
-        # Nobody removes the finalizers any more.
+        # No operator is left to remove the finalizers.
         for kind in ("renderworkers", "renderfleets"):
             for one in self._list(f"{GROUP}/namespaces/{self.namespace}/{kind}"):
                 self.plane.api.patch(f"{GROUP}/namespaces/{self.namespace}/{kind}/{one['metadata']['name']}", json={"metadata": {"finalizers": None}},

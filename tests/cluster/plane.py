@@ -27,7 +27,7 @@ from house import kubernetes, logfiles, paths, ports, users  # noqa: E402
 from house.processes import Identity, end  # noqa: E402
 from house.stack import WITHOUT_CORE_FILES  # noqa: E402
 
-#: Who has a token: name of the user, its groups. Everybody else comes with a token of a service account.
+#: Users with a token: name and groups. Everyone else uses the token of a service account.
 _USERS = {
     "admin": ("admin", "system:masters"),
     "kube-controller-manager": ("system:kube-controller-manager", ""),
@@ -44,7 +44,7 @@ class PlaneError(RuntimeError):
 
 @dataclass
 class Said:
-    """What a command answered."""
+    """The output of a command."""
 
     code: int
     out: str
@@ -63,7 +63,7 @@ class Said:
 class Plane:
     folder: Path
     run_as: users.RunAs = field(default_factory=users.RunAs)
-    #: Further flags of a program: {"kube-controller-manager": ["--node-monitor-grace-period=8s"]}
+    #: Additional flags of a program: {"kube-controller-manager": ["--node-monitor-grace-period=8s"]}
     flags: dict[str, list[str]] = field(default_factory=dict)
     only: tuple[str, ...] = ORDER
 
@@ -100,7 +100,7 @@ class Plane:
         ports.give_back(self.ports.values())
 
     def start_program(self, name: str) -> None:
-        """Starts it and waits until it answers."""
+        """Starts it and waits until it responds."""
         log = open(self.log_path(name), "ab")
         process = subprocess.Popen([*WITHOUT_CORE_FILES, str(self.bin / name), *self._flags(name), *self.flags.get(name, [])],
                                    cwd=self.folder, env={"PATH": "/usr/bin:/bin", "HOME": str(self.folder), "LANG": "C.UTF-8"},
@@ -116,7 +116,7 @@ class Plane:
             self.processes.pop(name).wait()
 
     def kill(self, name: str) -> None:
-        """SIGKILL; it stays away until start_program(name)."""
+        """Sends SIGKILL. The program stays down until start_program(name)."""
         self.running.pop(name).send(signal.SIGKILL)
         self.processes.pop(name).wait()
 
@@ -129,11 +129,11 @@ class Plane:
     def log_tails(self) -> dict[str, str]:
         return {name: logfiles.tail(self.log_path(name), 8) for name in ORDER if self.log_path(name).exists()}
 
-    # Ways in
+    # Access
 
     @property
     def kubeconfig(self) -> Path:
-        """Of the administrator."""
+        """Returns the administrator's kubeconfig."""
         return self.config_of("admin")
 
     def config_of(self, who: str) -> Path:
@@ -149,7 +149,7 @@ class Plane:
         return path
 
     def client(self, who: str = "admin", token: str = "") -> httpx.Client:
-        """Of the API server, by a user's token or by `token`."""
+        """Returns a client of the API server with a user's token or with `token`."""
         import ssl
 
         trust = ssl.create_default_context(cafile=str(self.folder / "ca.crt"))
@@ -157,14 +157,14 @@ class Plane:
         return httpx.Client(base_url=self.server, headers=headers, verify=trust, timeout=30, trust_env=False)
 
     def kubectl(self, *words: str, given: object = None, who: str = "admin", check: bool = True, timeout: float = 120) -> Said:
-        """`given` goes to its standard input: text, or an object (or a list of them) as JSON."""
+        """`given` is passed to standard input: text, or an object (or a list of them) as JSON."""
         return self._run("kubectl", words, given, who, check, timeout)
 
     def helm(self, *words: str, given: object = None, who: str = "admin", check: bool = True, timeout: float = 240) -> Said:
         return self._run("helm", words, given, who, check, timeout)
 
     def apply(self, *objects: dict) -> None:
-        """As `kubectl apply --server-side` does, without a program's start for each."""
+        """Works like `kubectl apply --server-side`, without starting a program per object."""
         for one in objects:
             version, kind, about = one["apiVersion"], one["kind"], one["metadata"]
             path = f"/apis/{version}" if "/" in version else f"/api/{version}"
@@ -172,7 +172,7 @@ class Plane:
             if namespaced:
                 path += f"/namespaces/{about.get('namespace', 'default')}"
             deadline = time.monotonic() + 60
-            # One that has just begun says 429 until it has read its store.
+            # A starting server responds with 429 until it has read its store.
             while (answer := self.api.patch(f"{path}/{resource}/{about['name']}", params={"fieldManager": "kubectl", "fieldValidation": "Strict"},
                                             headers={"Content-Type": "application/apply-patch+yaml"}, content=json.dumps(one))
                    ).status_code in (429, 503) and time.monotonic() < deadline:
@@ -186,28 +186,28 @@ class Plane:
         return answer.raise_for_status().json()["status"]["token"]
 
     def compact(self) -> int:
-        """Forgets all earlier revisions: who watches from one of them is told 410. Returns the revision."""
+        """Discards all earlier revisions, so that a watch from one of them gets 410. Returns the revision."""
         url = f"http://127.0.0.1:{self.ports['etcd']}/v3/kv"
         revision = int(httpx.post(f"{url}/range", json={"key": "AA=="}, trust_env=False).json()["header"]["revision"])
         httpx.post(f"{url}/compaction", json={"revision": revision, "physical": True}, trust_env=False).raise_for_status()
         return revision
 
     def add_nodes(self, count: int, gpus: int = 8, prefix: str = "node", labels: dict | None = None, kwok: bool = True) -> list[str]:
-        """Nodes with GPUs; `kwok` says that they are ready and that their pods run. Without it, somebody else has to."""
+        """Adds nodes with GPUs. With `kwok`, they become ready and their pods run. Otherwise, the caller must do that."""
         names = [f"{prefix}-{number}" for number in range(count)]
         for name in names:
             self.api.post("/api/v1/nodes", json=node(name, gpus, labels, kwok)).raise_for_status()
         return names
 
     def define_resources(self) -> None:
-        """The chart's custom resources, taken and ready."""
+        """Installs the chart's custom resources and waits until they are served."""
         self.kubectl("apply", "--server-side", "-f", str(paths.REPO / "helm" / "diaphane" / "crds"))
         self.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
 
-    # Inside
+    # Internals
 
     def _resource(self, path: str, kind: str) -> tuple[str, bool]:
-        """Its name in a path, and whether it belongs to a namespace."""
+        """Returns the kind's name in a path, and whether it is namespaced."""
         if (path, kind) not in self.resources:
             for one in self.api.get(path).raise_for_status().json()["resources"]:
                 if "/" not in one["name"]:
@@ -269,7 +269,7 @@ class Plane:
                 f"--service-account-key-file={accounts}", f"--service-account-signing-key-file={accounts}",
                 f"--tls-cert-file={self.folder / 'server.crt'}", f"--tls-private-key-file={self.folder / 'server.key'}",
                 f"--cert-dir={self.folder / 'certificates'}", "--shutdown-delay-duration=0s",
-                # As OpenShift has it: who blocks an owner's deletion has to be allowed to.
+                # As on OpenShift: setting blockOwnerDeletion requires permission.
                 "--enable-admission-plugins=OwnerReferencesPermissionEnforcement"],
             "kube-controller-manager": [
                 config, *asks, *serving, "--leader-elect=false", "--use-service-account-credentials", f"--root-ca-file={self.folder / 'ca.crt'}",
@@ -287,7 +287,7 @@ class Plane:
             if self.processes[name].poll() is not None:
                 raise PlaneError(f"{name} ended with {self.processes[name].returncode}:\n{logfiles.tail(self.log_path(name), 30)}")
             try:
-                # Whose certificate it is does not matter here: only whether somebody answers at this port.
+                # The certificate does not matter, only whether the port responds.
                 if httpx.get(url, verify=False, timeout=5, trust_env=False,
                              headers={"Authorization": f"Bearer {self.tokens['admin']}"}).status_code == 200:
                     return
@@ -298,7 +298,7 @@ class Plane:
             time.sleep(0.05)
 
     def _wait_first(self) -> None:
-        """Until a pod can be made: the controller manager makes each namespace's account."""
+        """Waits until pods can be created, because the controller manager first creates each namespace's service account."""
         deadline = time.monotonic() + 60
         while self.api.get("/api/v1/namespaces/default/serviceaccounts/default").status_code != 200:
             if time.monotonic() > deadline:
@@ -320,7 +320,7 @@ def main() -> int:
 
     parser = argparse.ArgumentParser(description="A control plane of Kubernetes by hand; Ctrl-C ends it.")
     parser.add_argument("--nodes", type=int, default=2, help="nodes of kwok with 8 GPUs each (default 2)")
-    parser.add_argument("--only", default=",".join(ORDER), help="programs with commas (default: all)")
+    parser.add_argument("--only", default=",".join(ORDER), help="comma-separated programs (default: all)")
     parser.add_argument("--folder", type=Path, help="an empty directory (default: one in /tmp, removed at the end)")
     options = parser.parse_args()
     if set(options.only.split(",")) & set(kubernetes.missing()):
@@ -330,7 +330,7 @@ def main() -> int:
     folder.mkdir(exist_ok=True)
     run_as.own(folder)
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: sys.exit(0))     # by way of what ends its programs
+        signal.signal(number, lambda *_: sys.exit(0))     # runs the cleanup that ends its programs
     began = time.monotonic()
     plane = Plane(folder, run_as, only=tuple(options.only.split(","))).start()
     try:

@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Places:
-    """Where one pod lives on this machine."""
+    """The location of one pod on this machine."""
 
     address: str
     ports: dict[int, int] = field(default_factory=dict)
 
 
 def ports_named(spec: dict) -> list[int]:
-    """Every port that the pod's containers listen on, as they say it."""
+    """Returns every port on which the pod's containers listen, according to its spec."""
     named = {port["containerPort"] for one in spec["containers"] for port in one.get("ports", [])}
     for one in spec["containers"]:
         named |= {int(env["value"]) for env in one.get("env", []) if env["name"].endswith("_PORT") and env.get("value", "").isdigit()}
@@ -27,7 +27,8 @@ def ports_named(spec: dict) -> list[int]:
 
 
 def mapped(text: str, places: Places) -> str:
-    """With this pod's own ports as they are outside; `0.0.0.0` is its address, for the machine's other addresses are other pods'."""
+    """Replaces this pod's ports by the ones on this machine, and `0.0.0.0` by its address, because other addresses belong to
+    other pods."""
     if text == "0.0.0.0":
         return places.address
     for inside, outside in places.ports.items():
@@ -36,7 +37,7 @@ def mapped(text: str, places: Places) -> str:
 
 
 def field_of(pod: dict, path: str, places: Places) -> str:
-    """Of the downward API."""
+    """Returns a field of the downward API."""
     if path == "status.podIP":
         return places.address
     value: object = pod
@@ -46,7 +47,8 @@ def field_of(pod: dict, path: str, places: Places) -> str:
 
 
 def environment(pod: dict, container: dict, places: Places, secret_of, config_of) -> dict[str, str]:
-    """In the order in which the pod says it; $(NAME) is what came before. `secret_of(name)`, `config_of(name)` give their values as bytes by key."""
+    """Returns the environment in the order of the spec. $(NAME) refers to earlier variables. `secret_of(name)` and
+    `config_of(name)` return values as bytes by key."""
     env: dict[str, str] = {}
     for one in container.get("env", []):
         source = one.get("valueFrom", {})
@@ -63,14 +65,14 @@ def environment(pod: dict, container: dict, places: Places, secret_of, config_of
 
 
 def data_of(answer: dict) -> dict[str, bytes]:
-    """A secret's or a config map's values."""
+    """Returns the values of a secret or config map."""
     binary = answer.get("binaryData", {}) if answer.get("kind") == "ConfigMap" else answer.get("data", {})
     plain = answer.get("data", {}) if answer.get("kind") == "ConfigMap" else {}
     return {**{key: text.encode() for key, text in (plain or {}).items()}, **{key: base64.b64decode(text) for key, text in (binary or {}).items()}}
 
 
 def chosen(data: dict[str, bytes], items: list[dict] | None) -> dict[str, bytes]:
-    """Files by path: all keys, or those that `items` names."""
+    """Returns files by path: all keys, or those in `items`."""
     return data if not items else {one["path"]: data[one["key"]] for one in items}
 
 
@@ -81,7 +83,7 @@ def probe_port(container: dict, probe: dict, places: Places) -> int:
 
 
 def phase_of(policy: str, exits: list[int | None], started: list[bool]) -> str:
-    """`exits`: of each container, its last status, or None while it runs."""
+    """`exits`: the last exit status of each container, or None while it runs."""
     if policy != "Always" and all(code is not None for code in exits):
         if all(code == 0 for code in exits):
             return "Succeeded"

@@ -1,5 +1,5 @@
-"""A container as a process of an ordinary user in a mount namespace of its own: this machine's programs read-only, ours where the image
-has them, the pod's volumes where it mounts them, and a root that nobody writes to."""
+"""Runs a container as a process of an ordinary user in a private mount namespace: this machine's programs are read-only,
+Diaphane's programs are where the image has them, the pod's volumes are at their mount paths, and the root is read-only."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from house import layout, users
 from house.processes import Identity
 from house.stack import WITHOUT_CORE_FILES
 
-#: Of this machine's /etc: what programs need to run, nothing else.
+#: The parts of this machine's /etc that programs need to run.
 _ETC = ("passwd", "group", "nsswitch.conf", "hosts", "resolv.conf", "ld.so.cache", "ssl", "localtime", "nginx")
 _ROOT = r"""
 set -eu
@@ -42,7 +42,7 @@ class Mount:
 
 
 def image_mounts(programs: layout.Layout) -> list[Mount]:
-    """As in the Containerfile."""
+    """Returns the mounts that correspond to the Containerfile."""
     return [Mount(programs.bin, "/opt/diaphane/bin", True), Mount(programs.static, "/opt/diaphane/page", True),
             Mount(programs.migrations, "/opt/diaphane/migrations", True)]
 
@@ -56,7 +56,7 @@ class Container:
         for one in sorted(mounts, key=lambda mount: mount.path.count("/")):
             words += [str(one.source), one.path, "ro" if one.read_only else "rw"]
         with open(log, "ab") as out:
-            run_as.own(log)     # nginx opens its standard output once more, by name
+            run_as.own(log)     # nginx reopens its standard output by name
             self.process = subprocess.Popen(
                 ["unshare", "--mount", "--propagation", "private", "--", "/bin/sh", "-c", _ROOT, "sh", str(root), f"{run_as.uid}:{run_as.gid}", *words,
                  "--", *WITHOUT_CORE_FILES, *command],

@@ -1,5 +1,6 @@
-"""The operator before thousands of GPUs: filled, idle, started anew; sessions placed among them; a worker made because the last slot is taken.
-Used by `./diaphane bench cluster`. Nodes and pods are kwok's; of each pod renderd's own scripts beat in a real Redis."""
+"""The operator with thousands of GPUs: filled, idle and restarted, sessions placed among them, and a worker created when the last
+slot is taken. Used by `./diaphane bench cluster`. Nodes and pods are kwok's. renderd's own scripts send a heartbeat per pod to a
+real Redis."""
 
 from __future__ import annotations
 
@@ -20,18 +21,19 @@ from pathlib import Path
 import httpx
 import redis as redis_client
 from conftest import wait_for
-from operator_help import GROUP, Cluster, Redis
+from operator_help import BUILD, GROUP, Cluster, Redis
 from plane import ORDER, Plane
 
 from house import paths, users
 from house.bench import percentile
 from house.benches.soak import held
 
-PLACE = paths.REPO / "api" / "redis" / "place.lua"
-HEARTBEAT = paths.REPO / "renderd" / "serve" / "heartbeat.lua"
-REPORT = paths.REPO / "renderd" / "serve" / "report_to_fleet.lua"
-FLEETS = paths.REPO / "operator" / "observe" / "fleets.lua"
-#: What of the others' defaults is made for small clusters: 50 binds a second, a node's lease each 10 s.
+_SCRIPTS = BUILD / "directory" / "scripts"
+PLACE = _SCRIPTS / "place.lua"
+HEARTBEAT = _SCRIPTS / "heartbeat.lua"
+REPORT = _SCRIPTS / "report_to_fleet.lua"
+FLEETS = _SCRIPTS / "fleets.lua"
+#: Overrides defaults for small clusters: 50 bindings per second, a node lease every 10 s.
 _FLAGS = {
     "kube-scheduler": ["--kube-api-qps=2000", "--kube-api-burst=4000"],
     "kube-controller-manager": ["--kube-api-qps=2000", "--kube-api-burst=4000", "--node-monitor-grace-period=900s"],
@@ -46,7 +48,8 @@ def _resp(*words: object) -> bytes:
 
 
 class ManyBeats:
-    """Heartbeats of thousands of workers, each second, as bytes that are made once: what they cost is Redis's work and not Python's."""
+    """Heartbeats of thousands of workers per second as prepared bytes, so that the measured cost is that of Redis and not of
+    Python."""
 
     def __init__(self, port: int):
         self.client = redis_client.Redis(port=port, decode_responses=True)
@@ -62,11 +65,9 @@ class ManyBeats:
         return self
 
     def put(self, name: str, incarnation: str, owner: str = "", slots: int = 16) -> None:
-        key = f"diaphane:worker:{name}"
-        words = _resp("EVALSHA", self.heartbeat, 3, "diaphane:workers", key, key + ":sessions", name, incarnation, f"{name}:1", "cpu", "test", slots,
-                      "0", "0.1", "0.1", "", "diaphane:session:", "")
+        words = _resp("EVALSHA", self.heartbeat, 0, name, incarnation, f"{name}:1", "cpu", "test", slots, "0", "0.1", "0.1", "")
         if owner:
-            words += _resp("EVALSHA", self.report, 3, "diaphane:workers", key, key + ":drain", name, incarnation, owner, "0.1", "0.2")
+            words += _resp("EVALSHA", self.report, 0, name, incarnation, owner, "0.1", "0.2")
         self.words[name] = words
 
     def remove(self, name: str) -> None:
@@ -76,17 +77,17 @@ class ManyBeats:
         while not self.stopping.is_set():
             began = time.monotonic()
             words = list(self.words.values())
-            for i in range(0, len(words), 100):     # as many small ones, so that others come in between
+            for i in range(0, len(words), 100):     # in small batches, so that other commands can run in between
                 self.socket.sendall(b"".join(words[i:i + 100]))
-                self._drain(sum(2 if b":drain" in one else 1 for one in words[i:i + 100]))
+                self._drain(sum(one.count(b"EVALSHA") for one in words[i:i + 100]))
             if words:
                 self.rounds.append(time.monotonic() - began)
             self.stopping.wait(max(0.01, 1 - (time.monotonic() - began)))
 
     def _drain(self, answers: int) -> None:
-        """Reads so many: a heartbeat's is a list of one empty text, a report's a number."""
+        """Reads this many answers: a list of three for a heartbeat, and a number for a report."""
         data = b""
-        while data.count(b":") + data.count(b"*1\r\n") < answers:
+        while data.count(b":") + data.count(b"*3\r\n") < answers:
             piece = self.socket.recv(1 << 16)
             if not piece or b"-ERR" in piece or b"-NOSCRIPT" in piece:
                 raise RuntimeError(piece[:200])
@@ -98,14 +99,16 @@ class ManyBeats:
 
 
 def asked(session: str) -> list:
-    """What place.lua is asked for one session of somebody."""
-    return [session, str(uuid.uuid4()), str(uuid.uuid4()), uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull"]
+    """Returns the arguments of place.lua for one session of a new user."""
+    return [session, str(uuid.uuid4()), str(uuid.uuid4()), uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull",
+            "", "owner", "1", "", 25, ""]
 
 
-# Sessions on warm workers: no Kubernetes in it
+# Sessions on warm workers, without Kubernetes
 
 def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: float = 0.5) -> dict:
-    """New sessions at `rate`, asked for at their time whatever the answers take, while all workers beat and the operator looks each second."""
+    """Requests new sessions at `rate`, on schedule whatever the response times, while all workers send heartbeats and the
+    operator polls every second."""
     folder, run_as = Path(tempfile.mkdtemp(prefix="diaphane-place-")), users.ordinary_user()
     run_as.own(folder)
     redis = Redis(folder, run_as)
@@ -116,7 +119,7 @@ def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: fl
             beats.put(name, "i", f"skull/{name}/1", slots)
         beats.start()
         wait_for(lambda: redis.client.scard("diaphane:workers") == workers and len(beats.rounds) > 2, "all workers")
-        # Those who are here already: their slots are held for longer than this takes.
+        # Existing sessions hold their slots for longer than the measurement.
         until = int(time.time() * 1000) + 3_600_000
         pipe = redis.client.pipeline(transaction=False)
         dice = random.Random(1)
@@ -151,7 +154,7 @@ def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: fl
                 refused.append(answer[0])
         due = time.monotonic()
         end = due + seconds
-        with ThreadPoolExecutor(8) as asking:       # as many as an api has connections, or so
+        with ThreadPoolExecutor(8) as asking:       # about as many as an api has connections
             while due < end:
                 due += dice.expovariate(rate)
                 time.sleep(max(0, due - time.monotonic()))
@@ -175,7 +178,7 @@ def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: fl
 # With the control plane
 
 class ScaleCluster(Cluster):
-    """Without the slow beats of the tests: who watches the pods' metadata tells who beats."""
+    """Replaces the slow heartbeats of the tests: a watch of the pods' metadata determines which workers send them."""
 
     def __init__(self, plane: Plane, namespace: str, folder: Path):
         super().__init__(plane, namespace, folder)
@@ -214,7 +217,7 @@ class ScaleCluster(Cluster):
 
 
 def say_ready(plane: Plane, names: list[str]) -> None:
-    """As a kubelet would, and the controller manager after it: the API server makes each node with a taint."""
+    """Does what a kubelet and then the controller manager would do. The API server creates each node with a taint."""
     patch = {"Content-Type": "application/merge-patch+json"}
     for name in names:
         now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
@@ -253,13 +256,14 @@ def cpu_s(pid: int) -> float:
 
 
 def _written(operator) -> float:
-    """Actions that it has carried out."""
+    """Returns the number of actions that the operator executed."""
     lines = [line for line in operator.metrics().splitlines() if line.startswith("diaphane_operator_actions_total{")]
     return sum(float(line.rpartition(" ")[2]) for line in lines)
 
 
 def settle(operator, most_s: float = 300, quiet_s: float = 10) -> float:
-    """Seconds until it had nothing to write for `quiet_s`: who counts ready workers by their heartbeats is ready before each one's status says so."""
+    """Returns the seconds until the operator wrote nothing for `quiet_s`. Counting ready workers by heartbeats would end before
+    each worker's status reports it."""
     began, last, since = time.monotonic(), -1.0, time.monotonic()
     while time.monotonic() - began < most_s and time.monotonic() - since < quiet_s:
         time.sleep(0.5)
@@ -269,7 +273,7 @@ def settle(operator, most_s: float = 300, quiet_s: float = 10) -> float:
 
 
 def fill(nodes: int, most_s: float, idle_s: float) -> dict:
-    """A fleet that wants every GPU; then nothing happens; then the operator is started anew and something is to be done at once."""
+    """Measures a fleet that needs every GPU, then idles. Afterwards, the operator restarts and must act immediately."""
     with cluster(nodes) as made:
         wanted = nodes * 8
         operator = made.operator()
@@ -290,7 +294,7 @@ def fill(nodes: int, most_s: float, idle_s: float) -> dict:
         out = {"nodes": nodes, "wanted": wanted, "ready": reached, "fill_s": took, "over_committed_nodes": len(over), "steps": steps[::10],
                "cpu_filling_s": {name: round(value, 1) for name, value in spent.items()}, "rss_filled_mb": held(pids["operator"])["memory"]}
         if reached < wanted:
-            # As many as there are is what it has from here on.
+            # Fixes the number of workers at the current one.
             made.plane.kubectl("scale", "rf/skull", f"--replicas={len(made.many.words)}", "-n", made.namespace)
         out["settled_s"] = settle(operator)
         out["actions"] = _written(operator)
@@ -319,7 +323,8 @@ def restart(made: ScaleCluster, operator) -> dict:
 
 
 def left_behind(made: ScaleCluster, count: int) -> float:
-    """So many RenderWorkers as an operator made them, without pods; seconds that it took. One is the operator's own, the others are like it."""
+    """Creates this many RenderWorkers as an operator would, without pods. Returns the seconds. One is the operator's own, and the
+    others are copies of it."""
     first = made.operator()
     made.fleet(replicas=1, sessionsPerWorker=16)
     own = wait_for(made.workers, "the operator's own worker")[0]
@@ -343,8 +348,8 @@ def left_behind(made: ScaleCluster, count: int) -> float:
 
 
 def listed(workers: int) -> dict:
-    """An operator begins among the RenderWorkers of one before: until it has read them, and until the first pod that is missing is there.
-    Only etcd and the API server run, so nobody binds the pods."""
+    """An operator starts among RenderWorkers of a previous one. Measures until it has read them, and until the first missing pod
+    exists. Only etcd and the API server run, so pods are never bound."""
     with cluster(-(-workers // 8), only=("etcd", "kube-apiserver")) as made:
         made.plane.apply({"apiVersion": "v1", "kind": "ServiceAccount", "metadata": {"name": "default", "namespace": made.namespace}})
         made_s = left_behind(made, workers)
@@ -361,7 +366,8 @@ def listed(workers: int) -> dict:
 
 
 def cold(times: int) -> dict:
-    """The last slot is taken and somebody comes: until there is a worker that takes him. Its pod begins at once (kwok): what a GPU's does is not in it."""
+    """The last slot is taken, and a user arrives. Measures until a worker accepts them. Its pod starts at once (kwok), so the
+    start of a GPU is not included."""
     with cluster(max(1, times // 8 + 1)) as made:
         operator = made.operator()
         wait_for(lambda: operator.ready().get("leader"), "a leader")
@@ -376,7 +382,7 @@ def cold(times: int) -> dict:
             return answer[1] if answer[0] == "placed" else ""
         for _ in range(times):
             session = str(uuid.uuid4())
-            while worker := ask(session):       # who has room is filled first
+            while worker := ask(session):       # fills the workers with free slots first
                 client.zadd(f"diaphane:worker:{worker}:sessions", {session: until})
                 session = str(uuid.uuid4())
             began = time.monotonic()

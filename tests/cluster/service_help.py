@@ -1,4 +1,4 @@
-"""The chart installed on nodes that run its pods: stores that exist, claims that are folders, a Service that leads to the edge."""
+"""The chart installed on nodes that run its pods, with real stores, folders as claims, and a Service that leads to the edge."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NAME = "it-diaphane"
 
 
 def reach(place: tuple[str, int] | Path) -> socket.socket:
-    """A host and port, or a Unix socket."""
+    """Connects to a host and port, or to a Unix socket."""
     if not isinstance(place, Path):
         return socket.create_connection(place, timeout=5)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -33,7 +33,7 @@ def reach(place: tuple[str, int] | Path) -> socket.socket:
 
 
 class Front:
-    """A Service's way to its pods: each connection goes to one that is ready now. Or the way of pods to a store."""
+    """A Service in front of its pods, which forwards each connection to a ready one, or the way from pods to a store."""
 
     def __init__(self, pick, at: tuple[str, int] = ("127.0.0.1", 0)):
         self.pick = pick
@@ -76,7 +76,7 @@ class Front:
 
 
 class Service:
-    """What harness.TestStack is to a machine's programs, for those of a cluster: enough of it for a person in front of a page."""
+    """Offers what tests of a user with a page need of harness.TestStack, for the programs in a cluster."""
 
     def __init__(self, plane: Plane, namespace: str, agents: list[NodeAgent], stores, folder: Path):
         self.plane, self.namespace, self.agents, self.stores, self.folder = plane, namespace, agents, stores, folder
@@ -123,17 +123,17 @@ class Service:
     def mails(self, to: str) -> list:
         return mails_in(self._mail_folder(), to)
 
-    # Who has what
+    # Locations of sessions
 
     def workers(self, count: int) -> list[Pod]:
-        """So many that beat in Redis."""
+        """Returns this many pods once they send heartbeats to Redis."""
         def beating() -> list[Pod] | None:
             pods = [pod for pod in self.pods("renderd") if self.redis.exists(f"diaphane:worker:{pod.name}")]
             return pods if len(pods) == count else None
         return wait_for(beating, f"{count} workers that beat")
 
     def place_of(self, session: str) -> tuple[str, str]:
-        """Worker, and which of its processes."""
+        """Returns the worker and the incarnation of its process."""
         worker, incarnation = self.redis.hmget(f"diaphane:session:{session}", "worker", "incarnation")
         return worker, incarnation
 
@@ -141,7 +141,7 @@ class Service:
         return next(pod for agent in self.agents for pod in agent.pods.values() if pod.name == name and not pod.ended)
 
     def moved_from(self, session: str, before: tuple[str, str], page) -> float:
-        """Until another process has the session; seconds."""
+        """Waits until another process has the session. Returns the seconds."""
         began = time.monotonic()
         while self.place_of(session) in (before, (None, None)):
             assert time.monotonic() < began + 120, f"the session stays at {before}"

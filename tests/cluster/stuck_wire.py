@@ -1,4 +1,4 @@
-"""A wire that dies without a word: a proxy before the API server that stops forwarding, and closes nothing."""
+"""A connection that dies silently: a proxy in front of the API server that stops forwarding without closing anything."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ class StuckWire:
                 return
 
     def stick(self) -> int:
-        """As soon as somebody says something: nothing goes on, either way, of those who have not, that is of watches and of connections that are
-        kept; new ones are as ever. Says how many those are."""
+        """From the next message on, blocks both directions of all connections that are silent at that time, which are watches and
+        kept connections. New connections work as usual. Returns the number of blocked ones."""
         since = time.monotonic()
         while not any(one.said > since for one in self._connections):
             time.sleep(0.05)

@@ -1,4 +1,4 @@
-"""The chart: rendered for every choice of values, taken by the API server, installed, upgraded and rolled back."""
+"""The chart: rendered for every combination of values, accepted by the API server, installed, upgraded and rolled back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.chosen
 
 @pytest.fixture(scope="session")
 def monitoring(plane):
-    """Prometheus' operator's own resources, as it ships them."""
+    """Installs the resources of Prometheus' operator as shipped."""
     for kind in ("podmonitors", "prometheusrules"):
         plane.kubectl("apply", "--server-side", "-f", str(plane.bin / f"{kind}.yaml"))
     plane.kubectl("wait", "--for=condition=Established", "crd/podmonitors.monitoring.coreos.com", "crd/prometheusrules.monitoring.coreos.com")
@@ -36,22 +36,24 @@ def test_lint_finds_nothing(plane, tmp_path):
     ({"existingSecret": ""}, "existingSecret"),
     ({"redis": {"address": "redis"}}, "redis"),
     ({"redis": {"address": ""}}, "redis.address (host:port) is missing"),
-    ({"trial": {"enabled": True}}, "one of them"),
-    ({"innerTls": {"plain": False}}, "or say innerTls.plain=true"),
-    ({"innerTls": {"plain": False, "secretName": "inner"}}, "redis.tls=false: Redis would be reached without TLS"),
-    ({**INNER_TLS, "ingest": {"antivirus": {"address": "clamd:3310"}}}, "clamd speaks no TLS"),
-    ({"redis": {"tls": True}}, "redis.tls needs innerTls.secretName"),
+    ({"trial": {"enabled": True}}, "not both"),
+    ({"innerTls": {"plain": False}}, "or innerTls.plain=true if the network"),
+    ({"innerTls": {"plain": False, "secretName": "inner"}}, "redis.tls=false would connect to Redis without TLS"),
+    ({**INNER_TLS, "ingest": {"antivirus": {"address": "clamd:3310"}}}, "clamd does not support TLS"),
+    ({"redis": {"tls": True}}, "redis.tls requires innerTls.secretName"),
     ({"trial": {"enabled": True}, "redis": {"address": "", "tls": True}, "innerTls": {"secretName": "inner"}}, "redis.tls and trial.enabled"),
     ({"postgres": {"password": "x"}}, "postgres"),
     ({"image": {"digest": "latest"}}, "digest"),
     ({"api": {"replicas": 0}}, "replicas"),
     ({"api": {"extraEnv": {"PATH": "x"}}}, "extraEnv"),
     ({"fleet": {"strategy": "Random"}}, "strategy"),
+    ({"fleet": {"textureMemoryMb": 63}}, "textureMemoryMb"),
+    ({"visitorShare": 101}, "visitorShare"),
     ({"fleet": {"drainTimeout": 300}}, "drainTimeout"),
-    ({"fleet": {"minReplicas": 1, "scaleToZeroAfter": "5m"}}, "scaleToZeroAfter needs"),
+    ({"fleet": {"minReplicas": 1, "scaleToZeroAfter": "5m"}}, "scaleToZeroAfter requires"),
     ({"fleet": {"volumeCopies": {"hostPath": "/a", "storageClassName": "b"}}}, "not both"),
     ({"fleet": {"volumeCopies": {"hostPath": "../a"}}}, "hostPath"),
-    ({"operator": {"enabled": False}}, "fleet.enabled needs operator.enabled"),
+    ({"operator": {"enabled": False}}, "fleet.enabled requires operator.enabled"),
     ({"networkPolicy": {"postgresTo": [{}]}}, "postgresTo"),
     ({"publicUrl": "http://x", "ingress": {"enabled": True, "tlsSecret": "t"}}, "ingress.tlsSecret"),
     ({"mailFrom": "a@b\nBcc: c@d"}, "mailFrom"),
@@ -69,7 +71,7 @@ def test_the_api_server_takes_every_choice_in_a_restricted_namespace(monitoring,
 
 
 def test_every_switch_is_taken_with_every_other(monitoring, namespace, tmp_path):
-    """Each combination of what can be left out."""
+    """Renders each combination of optional parts."""
     switches = {
         "trial": (CHOICES["trial"], {}), "policy": ({}, {"networkPolicy": {"enabled": False}}), "ingress": (CHOICES["everything"]["ingress"], {}),
         "monitoring": ({"monitoring": CHOICES["everything"]["monitoring"]}, {}), "operator": ({}, {"operator": {"enabled": False}, "fleet": {"enabled": False}}),
@@ -82,7 +84,7 @@ def test_every_switch_is_taken_with_every_other(monitoring, namespace, tmp_path)
         parts = [pair[index] for pair, index in zip(switches.values(), pick)]
         for one in rendered(monitoring, tmp_path, *parts, namespace=namespace):
             text = json.dumps(one, sort_keys=True)
-            if text not in seen:     # of what all combinations make, each form once
+            if text not in seen:     # each distinct object of all combinations once
                 seen.add(text)
                 everything.append(one)
     said = monitoring.kubectl("create", "-n", namespace, "--dry-run=server", "--validate=strict", "-f", "-", given=everything, check=False)
@@ -123,13 +125,21 @@ def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, want
     assert any(one["mountPath"] == "/copies" for one in spec["containers"][0]["volumeMounts"]) is (wanted is not None)
 
 
+def test_limits_reach_the_programs(plane, tmp_path):
+    specs = dict(pod_specs(rendered(plane, tmp_path, {"visitorShare": 10, "fleet": {"textureMemoryMb": 256}})))
+    environment = {name: {one["name"]: one.get("value") for one in specs[pod]["containers"][0]["env"]}
+                   for name, pod in {"api": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane"}.items()}
+    assert environment["api"]["DIAPHANE_VISITOR_SHARE"] == environment["renderd"]["DIAPHANE_VISITOR_SHARE"] == "10"
+    assert environment["renderd"]["DIAPHANE_TEXTURE_MEMORY_MB"] == "256"
+
+
 TALKERS = {"api": "Deployment/it-diaphane-api", "gateway": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane", "operator": "Deployment/it-diaphane-operator"}
 
 
 @pytest.mark.parametrize("choice", ["tls", "plain", "nothing"])
 @pytest.mark.parametrize("program", TALKERS)
 def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, stack_house, program, choice):
-    """The program itself reads the pod's settings; none is complained of but the one that is left out, so that it ends."""
+    """The program reads the pod's settings and complains only about the one that is removed, so that it exits."""
     issue(tmp_path, ca="ca.crt", certificate="tls.crt", key="tls.key", names="DNS:renderd.diaphane")
     objects = pod_specs(rendered(plane, tmp_path, INNER_TLS if choice == "tls" else {}))
     assert not [name for name, spec in objects if "inner-tls" in json.dumps(spec) and name not in TALKERS.values()]
@@ -174,7 +184,7 @@ def pod_specs_and_labels(objects: list[dict]) -> list[tuple]:
 
 def test_what_is_not_used_is_not_there(plane, tmp_path):
     kinds = sorted({one["kind"] for one in rendered(plane, tmp_path, CHOICES["little"])})
-    assert kinds == ["ConfigMap", "Deployment", "Job", "Service"]     # the job is helm's test
+    assert kinds == ["ConfigMap", "Deployment", "Job", "Service"]     # the job is the helm test
     assert [one["metadata"]["name"] for one in rendered(plane, tmp_path, CHOICES["little"]) if one["kind"] == "Deployment"] == ["it-diaphane-api"]
 
 
@@ -203,7 +213,7 @@ def spec_labels(one: dict) -> dict:
 
 
 def test_the_edge_is_the_one_of_one_machine(plane, tmp_path):
-    """nginx takes it; every place is filled in; a proxy that is trusted says whose address it is."""
+    """nginx accepts it, every placeholder is replaced, and a trusted proxy determines the client's address."""
     for choice in ("base", "everything"):
         config = next(one for one in rendered(plane, tmp_path, CHOICES[choice]) if one["kind"] == "ConfigMap" and "nginx.conf" in one["data"])
         text = config["data"]["nginx.conf"]
@@ -232,7 +242,7 @@ def test_promtool_takes_the_rules_and_they_fire(plane, tmp_path):
 # Installed
 
 def prepare(plane, namespace: str, *more: str) -> None:
-    """What a person makes before the install."""
+    """Creates what a user creates before the install."""
     plane.kubectl("create", "-n", namespace, "-f", "-", given={"apiVersion": "v1", "kind": "Secret", "metadata": {"name": "diaphane"}, "stringData": SECRET})
     for name in ("it-diaphane-volumes", "it-diaphane-uploads", "it-diaphane-cache", *more):
         plane.apply(stored(namespace, name))
@@ -240,7 +250,7 @@ def prepare(plane, namespace: str, *more: str) -> None:
 
 @pytest.fixture
 def installed(plane, namespace, tmp_path):
-    """A release `it`, installed by helm with everything ready; images of a kwok node run nothing."""
+    """A release `it` that helm installed with everything ready. Images on a kwok node run nothing."""
     prepare(plane, namespace)
     plane.helm("install", "it", str(CHART), "-n", namespace, "-f", values_file(tmp_path), "--wait", "--timeout", "180s")
     yield namespace
@@ -258,7 +268,7 @@ def test_installed_upgraded_rolled_back_and_taken_away(plane, installed, tmp_pat
     assert fleet["spec"]["warm"]["minIdleSlots"] == 4 and fleet["spec"]["sessionsPerWorker"] == 16
     plane.helm("test", "it", "-n", installed, "--timeout", "120s")
 
-    # What the operator wrote, and a hand's scaling, are not the chart's: an upgrade leaves them.
+    # An upgrade keeps what the operator wrote, and a manual change of the scale.
     url = f"/apis/diaphane.dev/v1alpha1/namespaces/{installed}/renderfleets/it-diaphane"
     plane.api.patch(f"{url}/status", json={"status": {"replicas": 3}}, headers={"Content-Type": "application/merge-patch+json"}).raise_for_status()
     plane.kubectl("scale", "rf/it-diaphane", "-n", installed, "--replicas=5")
@@ -297,7 +307,8 @@ def test_pods_are_spread_and_not_all_evicted(plane, installed):
         return plane.api.post(f"/api/v1/namespaces/{installed}/pods/{name}/eviction", json={
             "apiVersion": "policy/v1", "kind": "Eviction", "metadata": {"name": name, "namespace": installed}}).status_code
 
-    plane.stop_program("kube-scheduler")     # or the one that takes the first one's place is ready before the second is asked for
+    # otherwise a replacement of the first worker could be ready before the second is evicted
+    plane.stop_program("kube-scheduler")
     try:
         assert [evict(one["metadata"]["name"]) for one in pods] == [201, 429]
     finally:
@@ -305,7 +316,7 @@ def test_pods_are_spread_and_not_all_evicted(plane, installed):
 
 
 def test_a_worker_that_works_is_not_evicted(plane, installed):
-    """`kubectl drain` cordons and then waits for the operator."""
+    """`kubectl drain` cordons the node and then waits for the operator."""
     labels = {"app.kubernetes.io/name": "diaphane", "app.kubernetes.io/instance": "it", "app.kubernetes.io/component": "renderd"}
     spec = plane.kubectl("get", "rf/it-diaphane", "-n", installed, "-o", "json").json["spec"]["template"]["spec"]
     plane.kubectl("create", "-n", installed, "-f", "-", given={"apiVersion": "v1", "kind": "Pod", "metadata": {"name": "it-diaphane-0", "labels": labels},
@@ -342,7 +353,7 @@ def test_the_operator_may_what_it_needs_and_nothing_else(plane, installed):
     assert may("list", "nodes", "") and may("watch", "nodes", "")
     assert not any(may(verb, "nodes", "") for verb in ("patch", "update", "delete", "create"))
     assert [pair for pair in MAY if may(*pair, "default") or may(*pair, "")] == [], "beyond its own namespace"
-    # Not only said: tried.
+    # Tries it, in addition to asking the API server.
     assert who.get(f"/api/v1/namespaces/{installed}/secrets/diaphane").status_code == 403
     assert who.get("/api/v1/namespaces/kube-system/pods").status_code == 403
     assert who.get("/api/v1/nodes").status_code == 200

@@ -1,4 +1,4 @@
-"""RenderFleet and RenderWorker as the API server takes, refuses, fills in and explains them."""
+"""How the API server validates, defaults and explains RenderFleet and RenderWorker."""
 
 import copy
 import json
@@ -36,10 +36,10 @@ REFUSED = [
     ({"sessionsPerWorker": 5000}, "should be less than or equal to 4096"),
     ({"strategy": "Random"}, 'supported values: "LeastLoaded", "Packed"'),
     ({"minReplicas": -1}, "should be greater than or equal to 0"),
-    ({"minReplicas": 3, "maxReplicas": 2}, "minReplicas is larger than maxReplicas"),
-    ({"replicas": 3, "maxReplicas": 2}, "replicas is larger than maxReplicas"),
+    ({"minReplicas": 3, "maxReplicas": 2}, "minReplicas must not be larger than maxReplicas"),
+    ({"replicas": 3, "maxReplicas": 2}, "replicas must not be larger than maxReplicas"),
     ({"replicas": -1}, "should be greater than or equal to 0"),
-    ({"scaleToZeroAfter": "10m", "minReplicas": 1}, "scaleToZeroAfter needs minReplicas 0"),
+    ({"scaleToZeroAfter": "10m", "minReplicas": 1}, "scaleToZeroAfter requires minReplicas 0"),
     ({"scaleToZeroAfter": "0s"}, "from 1s to 720h"),
     ({"scaleToZeroAfter": "soon"}, "should match"),
     ({"drainTimeout": "25h"}, "at most 24h"),
@@ -49,13 +49,13 @@ REFUSED = [
     ({"warm": {"maxRefillPerSecond": -0.5}}, "should be greater than or equal to 0"),
     ({"template": {}}, "spec.template.spec: Required value"),
     ({"template": {"spec": {"containers": []}}}, "should have at least 1 items"),
-    ({"template": {"spec": {"containers": [{"name": "other", "image": "x"}]}}}, 'exactly one container has to be called "renderd"'),
+    ({"template": {"spec": {"containers": [{"name": "other", "image": "x"}]}}}, 'exactly one container must be named "renderd"'),
     ({"template": {"spec": {"containers": [{"name": "renderd"}]}}}, "image: Required value"),
     (pods(nodeName="node-0"), "the operator chooses the node"),
     (pods(nodeSelector={"a": "b"}), "use spec.nodeSelector of the fleet"),
-    (pods(affinity={"nodeAffinity": {}}), "node affinity is how the operator binds a pod"),
-    ({"template": {**pods()["template"], "metadata": {"labels": {"diaphane.dev/fleet": "x"}}}}, "labels below diaphane.dev/ are set by the operator"),
-    ({"template": {**pods()["template"], "metadata": {"annotations": {"diaphane.dev/epoch": "x"}}}}, "annotations below diaphane.dev/"),
+    (pods(affinity={"nodeAffinity": {}}), "the operator uses it to place pods"),
+    ({"template": {**pods()["template"], "metadata": {"labels": {"diaphane.dev/fleet": "x"}}}}, "the label prefix diaphane.dev/ is reserved"),
+    ({"template": {**pods()["template"], "metadata": {"annotations": {"diaphane.dev/epoch": "x"}}}}, "the annotation prefix diaphane.dev/ is reserved"),
     ({"sessionPerWorker": 3}, 'unknown field "spec.sessionPerWorker"'),
 ]
 
@@ -115,12 +115,12 @@ def test_a_list_shows_what_matters(plane, namespace):
     create(plane, namespace, fleet())
     url = f"/apis/diaphane.dev/v1alpha1/namespaces/{namespace}/renderfleets/gpus/status"
     conditions = [{"type": "Available", "status": "True", "reason": "R", "message": "m", "lastTransitionTime": SINCE},
-                  {"type": "CapacityLimited", "status": "True", "reason": "NoNodeHasRoom", "message": "m", "lastTransitionTime": SINCE}]
+                  {"type": "CapacityLimited", "status": "True", "reason": "InsufficientNodeCapacity", "message": "m", "lastTransitionTime": SINCE}]
     plane.api.patch(url, json={"status": {"replicas": 3, "readyReplicas": 2, "slotsTotal": 32, "slotsUsed": 5, "conditions": conditions}},
                     headers={"Content-Type": "application/merge-patch+json"}).raise_for_status()
     heads, row = plane.kubectl("get", "rf", "-n", namespace).out.splitlines()
     assert heads.split() == ["NAME", "WORKERS", "READY", "SLOTS", "USED", "AVAILABLE", "LIMITED", "AGE"]
-    assert row.split()[:-1] == ["gpus", "3", "2", "32", "5", "True", "NoNodeHasRoom"]
+    assert row.split()[:-1] == ["gpus", "3", "2", "32", "5", "True", "InsufficientNodeCapacity"]
     create(plane, namespace, worker(drain={"reason": "Cordoned", "since": SINCE}))
     heads, row = plane.kubectl("get", "rw", "-n", namespace).out.splitlines()
     assert heads.split() == ["NAME", "FLEET", "NODE", "READY", "DRAIN", "EPOCH", "AGE"]
@@ -130,16 +130,16 @@ def test_a_list_shows_what_matters(plane, namespace):
 
 
 FOR_GOOD = [
-    ({"nodeName": "node-1"}, "nodeName is the reservation of a GPU and never changes"),
-    ({"fleetName": "x"}, "a worker stays with its fleet"),
-    ({"fleetUid": "x"}, "a worker stays with its fleet"),
-    ({"fleetUid": None}, "fleetUid and template are set when a worker is made"),
-    ({"templateHash": "x"}, "a worker keeps the template that it was made with"),
-    ({"template": None}, "fleetUid and template are set when a worker is made"),
+    ({"nodeName": "node-1"}, "nodeName cannot change, because it reserves a GPU"),
+    ({"fleetName": "x"}, "a worker cannot move to another fleet"),
+    ({"fleetUid": "x"}, "a worker cannot move to another fleet"),
+    ({"fleetUid": None}, "fleetUid and template can only be set on creation"),
+    ({"templateHash": "x"}, "templateHash cannot change"),
+    ({"template": None}, "fleetUid and template can only be set on creation"),
     ({"nodeName": None}, "nodeName: Required value"),
-    ({"drain": None}, "a drain is for good"),
-    ({"drain": {"reason": "Idle"}}, "a drain is for good"),
-    ({"drain": {"since": "2026-11-22T13:00:00.000000Z"}}, "a drain is for good"),
+    ({"drain": None}, "a drain cannot be undone"),
+    ({"drain": {"reason": "Idle"}}, "a drain cannot change"),
+    ({"drain": {"since": "2026-11-22T13:00:00.000000Z"}}, "a drain cannot change"),
 ]
 
 
@@ -163,12 +163,12 @@ def test_a_worker_that_makes_no_sense_is_refused(plane, namespace, spec, words):
 
 
 @pytest.mark.parametrize("path, words", [
-    ("renderfleet", "grows and shrinks with the sessions"),
-    ("renderfleet.spec.drainTimeout", "so long they may stay before they are moved"),
-    ("renderfleet.spec.warm.minIdleSlots", "free at any time"),
-    ("renderfleet.spec.template.spec.nodeName", "Not to be set"),
-    ("renderfleet.status.refusals", "not asked again for a while"),
-    ("renderworker.spec.nodeName", "The node whose GPU it holds"),
+    ("renderfleet", "scales with the number of viewing sessions"),
+    ("renderfleet.spec.drainTimeout", "before they are moved"),
+    ("renderfleet.spec.warm.minIdleSlots", "free slots to keep at any time"),
+    ("renderfleet.spec.template.spec.nodeName", "Must not be set"),
+    ("renderfleet.status.refusals", "not tried again for a while"),
+    ("renderworker.spec.nodeName", "Node whose GPU this worker reserves"),
     ("renderworker.spec.drain.reason", "ENUM: Cordoned Upgrade Deleted Idle"),
 ])
 def test_kubectl_explains(plane, path, words):
@@ -176,7 +176,7 @@ def test_kubectl_explains(plane, path, words):
 
 
 def test_every_field_has_its_words(plane):
-    """But for what every Kubernetes object has, and what its name says."""
+    """Except fields of every Kubernetes object, and self-explanatory names."""
     plain = {"apiVersion", "kind", "metadata", "conditions", "name", "image", "labels", "annotations", "node", "type", "status", "observedGeneration",
              "failedAt", "nodeSelector"}
     silent = []

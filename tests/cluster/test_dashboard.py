@@ -1,4 +1,5 @@
-"""The dashboard's queries about the operator are answered by it; those about the other programs: tests/integration/test_dashboard.py."""
+"""The operator exports every metric in the dashboard's queries about it. For other programs: tests/integration/test_dashboard.py.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What fails around the operator, on the real control plane: Redis, a node, each of Kubernetes' own programs."""
+"""Faults around the operator on the real control plane: Redis, a node, and each of Kubernetes' own programs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_while_redis_is_away_nobody_is_added_or_taken_away(cluster):
     wait_for(lambda: cluster.condition("MetricsFresh").get("status") == "False", "that load is not known")
     assert operator.alive() and not operator.ready()["checks"]["redis"] and operator.ready()["leader"]
     assert uids(cluster) == pods and len(cluster.workers()) == 2
-    # Empty, it is filled by heartbeats.
+    # It starts empty, and heartbeats fill it.
     cluster.redis.start()
     wait_for(lambda: cluster.condition("MetricsFresh").get("status") == "True", "that load is known again")
     cluster.settled(2)
@@ -59,10 +59,10 @@ def test_a_node_that_is_silent_keeps_its_place_until_it_is_said_to_be_out_of_ser
         said = next(one for one in cluster.workers() if one["metadata"]["name"] == name).get("status", {}).get("conditions", [])
         return any(one["type"] == "NodeLost" and one["status"] == "True" for one in said)
     cluster.beats.silent.add(name)
-    cluster.plane.stop_program("kwok")       # which speaks for all nodes
+    cluster.plane.stop_program("kwok")       # which simulates all nodes
     try:
         wait_for(is_lost, "NodeLost")
-        # Another may be in its place by now; its own is not given to anybody.
+        # Another worker may have replaced it by now, but its reservation goes to no other worker.
         assert [one["metadata"]["uid"] for one in cluster.workers() if one["spec"]["nodeName"] == lost] == [worker["metadata"]["uid"]]
         cluster.plane.kubectl("taint", "node", lost, "node.kubernetes.io/out-of-service=gone:NoExecute")
         wait_for(lambda: worker["metadata"]["uid"] not in {one["metadata"]["uid"] for one in cluster.workers()}, "the end of its reservation")
@@ -74,7 +74,7 @@ def test_a_node_that_is_silent_keeps_its_place_until_it_is_said_to_be_out_of_ser
 
 
 def test_a_write_that_was_overtaken_is_refused_and_made_anew(cluster):
-    """Somebody writes to a worker all the time, so that what the operator has read of it is never the newest."""
+    """A worker changes constantly, so that the operator's copy of it is never current."""
     first, second = cluster.nodes(2, gpus=1)
     operator = cluster.operator()
     cluster.fleet(replicas=1)
@@ -113,7 +113,7 @@ def test_a_program_of_the_control_plane_that_was_killed_holds_up_and_breaks_noth
     pods = uids(cluster)
     cluster.plane.kill(program)
     try:
-        if program != "etcd":       # without it nothing can be asked for
+        if program != "etcd":       # nothing can be queried without it
             cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=3", "-n", cluster.namespace)
             wait_for(lambda: len(cluster.workers()) == 3, "the workers, for which neither is needed")
     finally:
@@ -122,7 +122,7 @@ def test_a_program_of_the_control_plane_that_was_killed_holds_up_and_breaks_noth
         def scaled() -> bool:
             return cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=3", "-n", cluster.namespace, check=False).code == 0
         wait_for(scaled, "an API server that answers")
-        if not cluster.operators[-1].alive():       # it could not renew its lease, and ended as it should
+        if not cluster.operators[-1].alive():       # it could not renew its lease, and exited as it should
             assert cluster.operators[-1].process.returncode == 75
             cluster.operator()
     cluster.settled(3)

@@ -1,4 +1,4 @@
-"""The container image, built and looked at as a pod would have it (minutes; by root, with debootstrap's and buildah's packages)."""
+"""Builds the container image and runs it like a pod (takes minutes; needs root, and the packages of debootstrap and buildah)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from house import paths
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="an image is built by root")

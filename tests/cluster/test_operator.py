@@ -1,4 +1,5 @@
-"""The operator's program before the real API server, scheduler and controller manager; kwok's nodes, and workers that beat as renderd does."""
+"""The operator's program against the real API server, scheduler and controller manager, with kwok's nodes and workers that send
+heartbeats like renderd."""
 
 from __future__ import annotations
 
@@ -48,7 +49,7 @@ def test_more_than_the_nodes_have_is_said_and_never_over_committed(cluster):
     cluster.operator()
     cluster.fleet(replicas=5)
     wait_for(lambda: cluster.condition("CapacityLimited").get("status") == "True" and len(cluster.running()) == 2, "CapacityLimited")
-    assert "3 workers missing" in cluster.condition("CapacityLimited")["message"]
+    assert "Missing workers: 3." in cluster.condition("CapacityLimited")["message"]
     assert cluster.over_committed() == [] and len(cluster.workers()) == 2
 
 
@@ -64,7 +65,7 @@ def test_a_cordoned_node_is_drained_and_no_session_is_cut(cluster):
     cluster.plane.kubectl("cordon", on)
     wait_for(lambda: pod["metadata"]["uid"] in cluster.beats.told, "the worker that is told to drain")
     wait_for(lambda: any(one["spec"]["nodeName"] != on for one in cluster.running()), "the other in its place")
-    time.sleep(6)  # longer than anything but its grace would let it live
+    time.sleep(6)  # longer than anything but its grace period would let it live
     assert any(one["metadata"]["uid"] == pod["metadata"]["uid"] for one in cluster.running())
     cluster.beats.sessions[name] = []
     wait_for(lambda: all(one["metadata"]["uid"] != pod["metadata"]["uid"] for one in cluster.pods()), "the end of the drained pod")
@@ -159,17 +160,17 @@ def test_the_next_leader_goes_on_where_a_killed_one_ended(cluster):
     assert cluster.over_committed() == []
     assert second.stop() == 0
     third = cluster.operator()
-    # Given back, it is not waited for.
+    # The lease was released, so there is no wait for its expiry.
     wait_for(lambda: third.ready().get("leader"), "the third leader", timeout=13)
 
 
 def test_what_a_watch_missed_is_listed_again_after_compaction(cluster):
-    """Its watches are cut while it stands still, and what they would go on from is compacted away (410)."""
+    """Its watches are interrupted while it is suspended, and the revision at which they would resume is compacted away (410)."""
     cluster.nodes(1, gpus=4)
     leader = cluster.operator()
     cluster.fleet(replicas=1)
     cluster.settled(1)
-    # Who does not lead may stand still for as long as it likes.
+    # A process that does not lead may be suspended for any time.
     standby = cluster.operator()
     wait_for(lambda: standby.ready().get("ready"), "the standby")
     leader.kill()

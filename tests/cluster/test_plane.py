@@ -1,4 +1,4 @@
-"""The control plane itself, before anything of ours is believed on it."""
+"""The control plane itself, on which the other tests rely."""
 
 import httpx
 from conftest import wait_for
@@ -39,7 +39,7 @@ def test_who_watches_from_before_a_compaction_is_told_410(plane, namespace):
     for number in range(3):
         plane.api.post(url, json={"metadata": {"name": f"c-{number}"}}).raise_for_status()
     plane.compact()
-    plane.kill("kube-apiserver")      # what it had in memory would still answer
+    plane.kill("kube-apiserver")      # its memory would still answer
     plane.start_program("kube-apiserver")
     answer = plane.api.get(url, params={"watch": "1", "resourceVersion": first, "timeoutSeconds": "5"})
     assert answer.status_code == 410 or '"code":410' in answer.text

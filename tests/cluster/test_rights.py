@@ -1,4 +1,4 @@
-"""The rights of the chart's accounts: each that the operator has is taken away, and something fails; what it does not have is tried and refused."""
+"""The rights of the chart's accounts: without each right of the operator, something fails, and everything else is refused."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _numbers = itertools.count()
 
 @pytest.fixture(scope="module")
 def world(plane):
-    """A namespace, an operator that is started when a case wants one that leads."""
+    """A namespace, and an operator that starts when a case needs a leader."""
     name = "rights"
     plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": name, "labels": {"pod-security.kubernetes.io/enforce": "restricted"}}})
     folder = Path(tempfile.mkdtemp(prefix="diaphane-rights-"))
     plane.run_as.own(folder)
     made = World(plane, name, folder)
-    made.nodes(4, gpus=8)     # a fleet of each case stays
+    made.nodes(4, gpus=8)     # each case keeps a fleet
     yield made
     made.close()
     plane.kubectl("delete", "namespace", name, "--wait=false", check=False)
@@ -41,7 +41,7 @@ class World(Cluster):
         return self._leader
 
     def fresh(self, **how: str) -> Operator:
-        """The only operator."""
+        """Starts the only operator."""
         self._stop()
         return self.operator(**how)
 
@@ -75,7 +75,7 @@ class World(Cluster):
         return self.plane.api.get(f"{GROUP}/namespaces/{self.namespace}/renderfleets/{fleet}").status_code == 404
 
     def without(self, resource: str, verb: str) -> None:
-        """Of what the chart gives, all but one; from when the API server knows it."""
+        """Grants the chart's rights except one, and waits until the API server applies that."""
         self.allow(**{where: _without(rules, resource, verb) for where, rules in chart_rights(self.plane, all_pods=self.all_pods).items()})
         self._known(resource, verb, False)
 
@@ -93,7 +93,7 @@ GROUPS = {"renderfleets": "diaphane.dev", "renderworkers": "diaphane.dev", "leas
 
 
 def may(world: Cluster, verb: str, resource: str) -> bool:
-    """Of a lease, one that it has."""
+    """Whether a lease may be changed in that way, on one that exists."""
     kind, _, sub = resource.partition("/")
     asked = {"verb": verb, "resource": kind, "subresource": sub, "group": GROUPS.get(kind, "")}
     if kind != "nodes" and not getattr(world, "all_pods", False):
@@ -120,7 +120,7 @@ def _without(rules: list[dict], resource: str, verb: str) -> list[dict]:
 
 
 class Log:
-    """What an operator says from now on."""
+    """New log lines of an operator."""
 
     def __init__(self, operator: Operator):
         self.operator, self.begin = operator, operator.log.stat().st_size
@@ -132,10 +132,11 @@ class Log:
         wait_for(lambda: self.has(f'cannot {verb} resource \\"{resource}\\"'), f"that it may not {verb} {resource}")
 
 
-# What is done without the right, and what then does not come about. Each puts the right back and sees that it does.
+# For each right: what the operator does without it, and what then fails. Each case restores the right and checks that it
+# succeeds.
 
 def starts(world, resource, verb):
-    """Whoever may not list or watch knows nothing, says so, and does nothing."""
+    """An operator that may not list or watch reports it and does nothing."""
     world.without(resource, verb)
     operator = world.fresh(**({"DIAPHANE_WATCH_ALL_PODS": "1"} if world.all_pods else {}))
     Log(operator).refused(verb, resource)
@@ -155,7 +156,7 @@ def takes_the_lease(world, resource, verb):
 
 
 def renews_the_lease(world, resource, verb):
-    """It may make one: what it does until then is right, and then it ends."""
+    """It may create one. It works correctly until the lease expires, and then exits."""
     world.nobody_leads()
     world.without(resource, verb)
     operator = world.fresh()
@@ -176,7 +177,7 @@ def makes_a_fleet(world, resource, verb):
 
 
 def takes_in_a_fleet(world, resource, verb):
-    """Its finalizer: without it a fleet would go before what it holds."""
+    """Its finalizer, without which a fleet would be deleted before its workers."""
     log = Log(world.leader())
     world.without(resource, verb)
     fleet = world.new_fleet(replicas=0)
@@ -188,7 +189,7 @@ def takes_in_a_fleet(world, resource, verb):
 
 
 def blocks_the_owner(world, resource, verb):
-    """blockOwnerDeletion: refused by admission, in its own words."""
+    """blockOwnerDeletion: admission refuses it with its own message."""
     log = Log(world.leader())
     world.without(resource, verb)
     fleet = world.new_fleet()
@@ -214,7 +215,7 @@ def tells_an_event(world, resource, verb):
     world.without(resource, verb)
     fleet = world.new_fleet()
     log.refused(verb, resource)
-    wait_for(lambda: world.status(fleet).get("readyReplicas") == 1, "its worker, all the same")
+    wait_for(lambda: world.status(fleet).get("readyReplicas") == 1, "its worker nevertheless")
     assert not [one for one in world.events() if one["involvedObject"]["name"] == fleet]
     world.with_all(resource, verb)
 
@@ -231,7 +232,7 @@ def puts_a_label_back(world, resource, verb):
 
 
 def tells_an_event_again(world, resource, verb):
-    """Seen ten seconds later again: its count."""
+    """A repetition of the event ten seconds later increases its count."""
     fleet = world.ready_fleet()
     log = Log(world.leader())
     world.without(resource, verb)
@@ -245,7 +246,7 @@ def tells_an_event_again(world, resource, verb):
 
 
 def reads_what_is_there_already(world, resource, verb):
-    """Its watches are stuck, so it learns of somebody else's pod only by its own write's refusal."""
+    """Its watches are stuck, so it learns of another creator's pod only from the refusal of its own write."""
     wire = StuckWire(world.plane.server)
     try:
         operator = world.fresh(server=wire.url)
@@ -264,11 +265,11 @@ def reads_what_is_there_already(world, resource, verb):
         world.with_all(resource, verb)
         world.beats.sessions.clear()
     finally:
-        world.fresh()   # the next may be its
+        world.fresh()   # the next case may need it
         wire.close()
 
 
-#: Each right of the operator's, and what it is needed for.
+#: Each right of the operator, and what needs it.
 NEEDED = {
     ("renderfleets", "patch"): takes_in_a_fleet,
     ("renderworkers", "create"): makes_a_fleet,
@@ -329,19 +330,20 @@ def test_each_right_to_others_pods_is_needed_where_they_are_asked_for(world, ver
         world.with_all("pods", verb)
 
 
-# What is not given
+# Rights that are not granted
 
 VERBS = {"get": "GET", "list": "GET", "create": "POST", "update": "PUT", "patch": "PATCH", "delete": "DELETE"}
 
 
 def served(plane) -> list[tuple[str, str, bool, list[str]]]:
-    """Everything that this API server has: path of its group, resource, of a namespace or not, verbs."""
+    """Returns everything that this API server serves: path of the group, resource, whether it is namespaced, verbs."""
     paths = ["/api/v1", *(f"/apis/{one['preferredVersion']['groupVersion']}" for one in plane.api.get("/apis").json()["groups"])]
     return [(path, one["name"], one["namespaced"], one["verbs"]) for path in paths for one in plane.api.get(path).json()["resources"]]
 
 
 def tries(plane, token: str, space: str, given: set[tuple[str, str]]) -> tuple[int, list[str]]:
-    """Each verb of each resource but those given, tried: how many, and what was not refused. Who asks what he may himself is answered."""
+    """Tries each verb of each resource except the given ones. Returns the number, and those that were not refused. An account may
+    query its own rights."""
     harmless = ("selfsubjectreviews", "selfsubjectaccessreviews", "selfsubjectrulesreviews")
     count, let_in = 0, []
     with plane.client(token=token) as who:
@@ -367,7 +369,7 @@ def test_what_the_operator_is_not_given_is_refused(world):
     world.with_all("pods", "get")
     given = {(resource, verb) for resource, verb in NEEDED if resource != "leases" or verb == "create"}
     token = world.token_file.read_text(encoding="utf-8")
-    # In its namespace all that it does not have, and in another one all of it but what belongs to no namespace.
+    # Tries all other rights in its namespace, and in another namespace all rights on namespaced resources.
     count, let_in = tries(world.plane, token, world.namespace, given)
     assert let_in == [] and count > 300
     count, let_in = tries(world.plane, token, "default", {one for one in given if one[0] == "nodes"})
@@ -375,6 +377,6 @@ def test_what_the_operator_is_not_given_is_refused(world):
 
 
 def test_the_account_of_all_other_pods_may_nothing(world):
-    """api, ingest, renderers and hooks have no account of their own, and no token; with one they could do nothing."""
+    """api, ingest, renderers and hooks have neither their own account nor a token. With a token, they would have no rights."""
     count, let_in = tries(world.plane, world.plane.service_account_token(world.namespace, "default"), world.namespace, set())
     assert let_in == [] and count > 300

@@ -1,4 +1,4 @@
-"""A browser's session through the real chart, the real operator and scheduler, pods that a node agent runs, and their pictures."""
+"""A browser's session through the real chart, operator and scheduler, with pods that a node agent runs, and their pictures."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ POOL = {"nodeSelector": {"pool": "real"}}
 
 @pytest.fixture
 def service(stack_house, stack_factory, request):
-    """The chart on two nodes of a control plane of its own, where every pod is run."""
+    """The chart on two nodes of its own control plane, which run every pod."""
     if os.geteuid() != 0:
         pytest.skip("a pod's processes get mount namespaces of their own, which root alone may make")
     folder = Path(tempfile.mkdtemp(prefix="diaphane-cluster-"))
@@ -101,13 +101,13 @@ def test_a_session_outlives_its_pod_its_process_and_its_node(service: Service, p
     session = page.evaluate(SESSION)
 
     def goes_on(what: str, act) -> None:
-        """The same session, another process, the same picture."""
+        """Checks for the same session and picture in another process."""
         was, shown = service.place_of(session), wait_for_samples(service, page, 2 * ENOUGH)
         began = time.monotonic()
         act(service.pod(was[0]))
         service.moved_from(session, was, page)
         moved = time.monotonic() - began
-        # A film of its own: it begins again with few samples.
+        # The film is new, so it starts again with few samples.
         service.wait_until(lambda: page.wait_for_timeout(10) or facts(page).samples < shown.samples, timeout=120, what="a picture of the other process")
         seen = time.monotonic() - began
         wait_for_samples(service, page, ENOUGH)
@@ -125,7 +125,7 @@ def test_a_session_outlives_its_pod_its_process_and_its_node(service: Service, p
     fleet = service.plane.kubectl("get", f"rf/{NAME}", "-n", NAMESPACE, "-o", "json").json
     assert fleet["status"]["readyReplicas"] == 2
 
-    # Taken away, its hook run like any other pod: nothing of it is left.
+    # Uninstalled, with its hook run like any other pod, it leaves nothing behind.
     page.close()
     service.plane.helm("uninstall", "it", "-n", NAMESPACE, "--wait", "--timeout", "180s")
     assert service.plane.kubectl("get", "rf,rw,deploy", "-n", NAMESPACE, "-o", "name").out == ""

@@ -1,4 +1,4 @@
-"""A connection that dies without a word."""
+"""Connections that die silently."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from stuck_wire import StuckWire
 
 
 def test_a_watch_that_has_died_without_a_word_is_noticed_and_goes_on(cluster, record_property):
-    """The API server's bookmarks come each minute; who hears none for a quarter more watches anew, from where it was."""
+    """The API server sends a bookmark every minute. Without one for a minute and a quarter, the operator watches again from the
+    last revision."""
     wire = StuckWire(cluster.plane.server)
     try:
         cluster.nodes(2, gpus=1)
@@ -17,10 +18,10 @@ def test_a_watch_that_has_died_without_a_word_is_noticed_and_goes_on(cluster, re
         cluster.fleet(replicas=1)
         cluster.settled(1)
         assert wire.stick() >= 4, "four watches"
-        # A node's cordon is told by the watch alone: no write of its own and no heartbeat says it.
+        # Only the watch reports a node's cordon. No write and no heartbeat does.
         cluster.plane.kubectl("cordon", cluster.running()[0]["spec"]["nodeName"])
         began = time.monotonic()
-        wait_for(lambda: any(one["spec"].get("drain", {}).get("reason") == "Cordoned" for one in cluster.workers()), "what it was not told", timeout=150)
+        wait_for(lambda: any(one["spec"].get("drain", {}).get("reason") == "Cordoned" for one in cluster.workers()), "the change that no event announced", timeout=150)
         record_property("noticed_s", time.monotonic() - began)
         print(f"noticed after {time.monotonic() - began:.0f} s")
         cluster.settled(1)

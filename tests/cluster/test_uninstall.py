@@ -1,4 +1,5 @@
-"""`helm uninstall` ends, with an operator that drains, with one that cannot in time, with none; and its hook may no more than that takes."""
+"""`helm uninstall` completes with an operator that drains, with one that does not finish in time, and with none. Its hook has
+only the rights that this needs."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ class Retires(Hooks):
     component = "retire"
 
     def further(self, pod: dict) -> dict[str, str]:
-        """What a kubelet puts into its pod: where the API server is, and the token of its account."""
+        """Adds what a kubelet puts into its pod: the address of the API server, and the token of its account."""
         token = self.plane.folder / f"{self.namespace}.retire.token"
         token.write_text(self.plane.service_account_token(self.namespace, pod["spec"]["serviceAccountName"]), encoding="utf-8")
         return {"DIAPHANE_KUBE_SERVER": self.plane.server, "DIAPHANE_KUBE_TOKEN_FILE": str(token), "DIAPHANE_KUBE_CA_FILE": str(self.plane.folder / "ca.crt")}
@@ -32,7 +33,7 @@ def hooks(plane, namespace):
 
 
 def left(plane, namespace: str) -> list[str]:
-    """Of a release, all but people's scans and their secret."""
+    """Returns what is left of a release, except users' scans and their secret."""
     return plane.kubectl("get", "rf,rw,pods,deploy,jobs,svc,roles,rolebindings,sa,netpol,pdb", "-n", namespace, "-l", "app.kubernetes.io/instance=it",
                          "-o", "name").out.split()
 
@@ -62,7 +63,7 @@ def test_an_uninstall_ends_and_leaves_nothing_but_scans(plane, namespace, cluste
 
 
 def test_the_hook_needs_each_of_its_rights(plane, namespace, cluster, tmp_path):
-    """Given one after the other: each time the next is what it may not. Another fleet is none of its business."""
+    """Rights are granted one by one, and each time the next one is missing. It may not touch another fleet."""
     rules = next(one for one in rendered(plane, tmp_path, namespace=namespace) if one["kind"] == "Role" and one["metadata"]["name"] == f"{RELEASE}-retire")["rules"]
     granted = {(rule["resources"][0], verb) for rule in rules for verb in rule["verbs"]}
     in_turn = [("renderfleets", "get"), ("renderworkers", "list"), ("renderworkers", "delete"), ("renderfleets", "delete"), ("renderworkers", "update"),

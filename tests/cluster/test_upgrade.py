@@ -1,4 +1,4 @@
-"""From one version of the chart to the next and back: people's sessions, their rows, the workers that they look through."""
+"""From one version of the chart to the next and back: users' sessions, their rows, and the workers that they use."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MIGRATIONS = paths.REPO / "migrations"
 
 
 def older_chart(folder: Path) -> Path:
-    """The version before: another number and image, and a worker without one of its settings."""
+    """Writes the previous version: another number and image, and a worker without one of its settings."""
     chart = folder / "older"
     shutil.copytree(CHART, chart, symlinks=False)
     about = yaml.safe_load((chart / "Chart.yaml").read_text(encoding="utf-8"))
@@ -38,7 +38,7 @@ def older_chart(folder: Path) -> Path:
 
 
 class Migrates(Hooks):
-    """With the schema of its image's version."""
+    """Runs the migration with the schema of its image's version."""
 
     component = "migrate"
 
@@ -77,12 +77,12 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
     everything = sorted(one.name.removesuffix(".up.sql") for one in MIGRATIONS.glob("*.up.sql"))
     assert hooks.ran[-1][0] == f"diaphane:{OLD}" and schema(stores) == everything[:-1]
 
-    # The chart's own account, before its own fleet.
+    # Uses the account of the chart, before its fleet exists.
     cluster.token_file.write_text(plane.service_account_token(namespace, f"{RELEASE}-operator"), encoding="utf-8")
     operator = cluster.operator()
     wait_for(lambda: cluster.status(RELEASE).get("readyReplicas") == 2, "two workers")
 
-    # People: rows, and sessions that they look at.
+    # Users: rows, and sessions that they view.
     person = str(uuid.uuid4())
     stores.psql("INSERT INTO users (id, email, email_key, password_hash) VALUES (%s, %s, %s, %s)", person, "a@example.org", "a@example.org", "x")
     rows = stores.psql("SELECT * FROM users")
@@ -98,7 +98,7 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
         return {one["metadata"]["name"]: one["metadata"]["uid"] for one in cluster.running() if "diaphane.dev/worker" in one["metadata"]["labels"]}
 
     def kept(pods: dict[str, str], span: float) -> None:
-        """Whoever has live sessions is there, the same, all the time."""
+        """Checks that all workers with live sessions keep running."""
         until = time.monotonic() + span
         while time.monotonic() < until:
             now = worker_pods()
@@ -108,7 +108,7 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
             time.sleep(0.5)
 
     def exchanged(image: str) -> dict[str, str]:
-        """Others came, of that image; the sessions move to them, and the old ones go."""
+        """Replaces the workers by ones with that image. The sessions move to them, and the old ones end."""
         def of(wanted: bool) -> dict[str, str]:
             renderers = [one for one in cluster.running() if one["spec"]["containers"][0]["name"] == "renderd"]
             return {one["metadata"]["name"]: one["metadata"]["uid"] for one in renderers if (one["spec"]["containers"][0]["image"] == image) is wanted}
@@ -118,11 +118,11 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
         to = next(iter(new))
         for name in list(cluster.beats.sessions):
             cluster.beats.sessions[name] = []
-        for session in sessions:      # as the gateway and place.lua move one
+        for session in sessions:      # moves a session as the gateway and place.lua do
             cluster.redis.client.hset(f"diaphane:session:{session}", mapping={"worker": to, "placement": "2"})
         stored.update({session: cluster.redis.client.hgetall(f"diaphane:session:{session}") for session in sessions})
         cluster.beats.sessions[to] = list(sessions)
-        wait_for(lambda: not of(False), "the end of those that nobody looks through", timeout=180)
+        wait_for(lambda: not of(False), "the end of the workers without viewers", timeout=180)
         return {to: new[to]}
 
     fleet = plane.api.get(f"{GROUP}/namespaces/{namespace}/renderfleets/{RELEASE}").json()["metadata"]["uid"]

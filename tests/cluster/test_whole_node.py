@@ -1,4 +1,5 @@
-"""The same on one whole node: the real image in containers of containerd, started by kubelet (`./diaphane test node`; no part of `test cluster`)."""
+"""The same on one complete node: containerd runs the real image in containers that kubelet starts (`./diaphane test node`; not
+part of `test cluster`)."""
 
 from __future__ import annotations
 
@@ -22,12 +23,12 @@ sys.path.insert(0, str(REPO / "tests" / "e2e"))
 from person import Person  # noqa: E402
 from picture import difference, facts, pixels, spread, wait_for_samples  # noqa: E402
 
-#: Of the image's user.
+#: The user of the image.
 _OWNER = 10001
 
 
 class WholeNode(Service):
-    """The pods are kubelet's; the stores are reached at the node's address."""
+    """The pods are kubelet's. The stores are reached at the node's address."""
 
     def __init__(self, plane: Plane, stores, folder: Path):
         self.ways = {"postgres": Front(lambda: ("127.0.0.1", stores.ports["postgres"]), (ADDRESS, 0)),
@@ -40,7 +41,7 @@ class WholeNode(Service):
         os.chown(place, _OWNER, _OWNER)
 
     def listed(self, component: str) -> list[dict]:
-        """Ready pods."""
+        """Returns ready pods."""
         said = self.plane.api.get(f"/api/v1/namespaces/{NAMESPACE}/pods", params={"labelSelector": f"app.kubernetes.io/component={component}"}).json()
         return [one for one in said["items"] if "deletionTimestamp" not in one["metadata"]
                 and any(two["type"] == "Ready" and two["status"] == "True" for two in one["status"].get("conditions", []))]
@@ -68,7 +69,8 @@ def node(stack_factory, request):
         plane.define_resources()
         plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": NAMESPACE, "labels": {"pod-security.kubernetes.io/enforce": "restricted"}}})
         kubelet.start()
-        Front(lambda: ("127.0.0.1", plane.ports["kube-apiserver"]), ("10.96.0.1", 443))     # what a Service's address is by kube-proxy
+        # what a Service's address becomes with kube-proxy
+        Front(lambda: ("127.0.0.1", plane.ports["kube-apiserver"]), ("10.96.0.1", 443))
         kubelet.import_image(Path(os.environ["DIAPHANE_IMAGE"]), image.name())
         made = WholeNode(plane, stack_factory(only=("postgres", "redis")), folder)
         little = {"resources": {"requests": {"cpu": "10m", "memory": "64Mi"}}}

@@ -2,7 +2,7 @@
 
     visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(wide=True, dark=True), visit(small=True)
     cranium    a folder with the DICOM series of a made-up patient
-    pictures   a folder for screenshots to look at: $DIAPHANE_PICTURES, or a temporary one
+    pictures   a folder for screenshots to look at: $DIAPHANE_PICTURES, without which the pages take none
 
 A page that throws, or breaks its content security policy, fails its test.
 """
@@ -22,6 +22,8 @@ from house import chromium
 from person import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)
+#: Where screenshots go.
+PICTURES = os.environ.get("DIAPHANE_PICTURES")
 
 
 @pytest.fixture(scope="session")
@@ -48,6 +50,8 @@ def visit(browser: Browser):
         contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)
+        if not PICTURES:
+            page.screenshot = lambda **_: b""  # nobody looks at them, and each takes up to a second of both cores
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda message: faults.append(message.text)
                 if "Content Security Policy" in message.text else None)
@@ -69,6 +73,6 @@ def cranium(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def pictures() -> Path:
-    folder = Path(os.environ.get("DIAPHANE_PICTURES") or tempfile.mkdtemp(prefix="diaphane-pictures-"))
+    folder = Path(PICTURES or tempfile.mkdtemp(prefix="diaphane-pictures-"))
     folder.mkdir(parents=True, exist_ok=True)
     return folder

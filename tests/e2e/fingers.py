@@ -1,4 +1,4 @@
-"""Fingers on a page, by the browser's own touch events: Playwright's touchscreen has one finger, and it only taps."""
+"""Multi-touch on a page with the browser's own touch events, because Playwright's touchscreen has one finger and only taps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Fingers:
         self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
     def drag(self, ways: list[tuple[Place, Place]], steps: int = 6) -> None:
-        """Each finger from one place to another, all at once; then they are lifted while they still move."""
+        """Moves all fingers at the same time along their ways, and lifts them while they still move."""
         self.say("touchStart", [begin for begin, _ in ways])
         for step in range(1, steps + 1):
             part = step / steps

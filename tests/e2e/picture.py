@@ -1,4 +1,4 @@
-"""The picture in the viewer's canvas, as numbers."""
+"""The picture in the viewer's canvas as numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from playwright.sync_api import Page
 from harness import TestStack
 
 SIDE = 128
-#: Mean difference of a channel, of 255, between two renderings of one view with few samples: twice what test_take_away.py has for many.
+#: Mean difference per channel, of 255, between two renderings of one view with few samples: twice the value of test_take_away.py,
+#: which uses many.
 ALIKE = 4.0
 
 
@@ -30,8 +31,8 @@ def facts(page: Page) -> Facts:
 
 
 def kept_view(page: Page) -> dict:
-    """What this tab would begin with after a reload: session_id, scene (JSON), input_seq of the last input."""
-    # Input is taken at the next frame, and kept a moment later or as soon as the page may be about to go.
+    """Returns what this tab would restore after a reload: session_id, scene (JSON), and input_seq of the last input."""
+    # Input is handled at the next frame, and saved shortly afterwards or as soon as the page may be closed.
     return json.loads(page.evaluate("""async () => {
         for (let frames = 0; frames < 2; ++frames)
             await Promise.race([new Promise(requestAnimationFrame), new Promise((over) => setTimeout(over, 500))]);
@@ -44,7 +45,8 @@ def last_input(page: Page) -> int:
     return kept_view(page).get("input_seq", 0)
 
 
-#: In the page: a canvas or picture scaled to side x side, RGB in base64. Scaling averages the noise of single pixels away.
+#: Runs in the page: scales a canvas or picture to side x side and returns RGB in base64. Scaling averages out the noise of single
+#: pixels.
 SHRINK = """(source, side) => {
     const small = new OffscreenCanvas(side, side).getContext("2d");
     small.imageSmoothingQuality = "high";
@@ -57,23 +59,23 @@ SHRINK = """(source, side) => {
 
 
 def pixels(page: Page) -> bytes:
-    """The canvas scaled to SIDE x SIDE, RGB."""
+    """Returns the canvas scaled to SIDE x SIDE, RGB."""
     return base64.b64decode(page.locator("canvas").evaluate(SHRINK, SIDE))
 
 
 def difference(a: bytes, b: bytes) -> float:
-    """Mean absolute difference of a channel, 0 to 255."""
+    """Returns the mean absolute difference per channel, 0 to 255."""
     return sum(abs(x - y) for x, y in zip(a, b, strict=True)) / len(a)
 
 
 def spread(a: bytes) -> float:
-    """Mean absolute difference from the mean: 0 for an empty picture."""
+    """Returns the mean absolute difference from the mean, which is 0 for an empty picture."""
     mean = sum(a) / len(a)
     return sum(abs(x - mean) for x in a) / len(a)
 
 
 def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int = 0, timeout: float = 120) -> Facts:
-    """Waits for a picture of at least so many samples that shows that input (or a newer one)."""
+    """Waits for a picture with at least this many samples that shows the given input or a newer one."""
 
     def enough() -> Facts | None:
         now = facts(page)
@@ -86,7 +88,7 @@ def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int 
 
 
 def drag(page: Page, right: float, down: float) -> None:
-    """From the middle of the picture, in CSS pixels."""
+    """Drags from the middle of the picture by CSS pixels."""
     box = page.locator("canvas").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)

@@ -1,4 +1,4 @@
-"""Slices beside the picture as a browser shows them, held against the stored voxels by numpy."""
+"""Compares the slices beside the picture, as a browser shows them, with the stored voxels in numpy."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ PLANES = ("axial", "sagittal", "coronal")
 
 @dataclass
 class Plane:
-    """Where the slices of one plane lie: from the volume's header alone, for volumes along the patient's axes."""
+    """The position of the slices of one plane, from the volume's header alone, for volumes along the patient's axes."""
 
     voxels: np.ndarray  # slice, row, column
-    width: float  # mm of a pixel
+    width: float  # mm per pixel
     height: float
 
     @staticmethod
@@ -27,7 +27,7 @@ class Plane:
         header = json.loads((folder / "volume.json").read_text())
         direction = np.array(header["direction"]).reshape(3, 3)
         voxels = np.fromfile(folder / "voxels.i16", "<i2").reshape(header["size"][::-1]).transpose(2, 1, 0)  # x, y, z
-        order = [int(np.argmax(np.abs(direction[k]))) for k in range(3)]  # the voxel axis along each of the patient's
+        order = [int(np.argmax(np.abs(direction[k]))) for k in range(3)]  # voxel axis along each of the patient's axes
         patient = voxels.transpose(order)
         for k in range(3):
             if direction[k][order[k]] < 0:
@@ -41,14 +41,14 @@ class Plane:
         return 0.94 * min(box["width"] / (columns * self.width), box["height"] / (rows * self.height))
 
     def place(self, box: dict, column: int, row: int) -> tuple[float, float]:
-        """Of a pixel's middle in the view, CSS pixels."""
+        """Returns the centre of a pixel in the view, in CSS pixels."""
         _, rows, columns = self.voxels.shape
         mm = self.per_mm(box)
         return (box["width"] / 2 + (column - (columns - 1) / 2) * self.width * mm, box["height"] / 2 + (row - (rows - 1) / 2) * self.height * mm)
 
 
 class Reader:
-    """Somebody before the slices of one scan."""
+    """A user viewing the slices of one scan."""
 
     def __init__(self, stack: TestStack, page: Page, scan: str):
         self.page = page
@@ -67,13 +67,13 @@ class Reader:
         return int(self.canvas(plane).get_attribute("data-index"))
 
     def at(self, plane: str, column: int, row: int) -> tuple[float, float]:
-        """In the page."""
+        """Returns the position in the page."""
         box = self.canvas(plane).bounding_box()
         x, y = self.planes[plane].place(box, column, row)
         return box["x"] + x, box["y"] + y
 
     def pixel(self, plane: str, x: float, y: float) -> list[int]:
-        """RGBA at a place of the view, CSS pixels."""
+        """Returns RGBA at a position of the view in CSS pixels."""
         return self.canvas(plane).evaluate(
             "(canvas, [x, y]) => [...canvas.getContext('2d').getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data]", [x, y])
 

@@ -1,4 +1,4 @@
-"""A person cuts the face away in the picture itself, for good, and only then shows the scan to everybody."""
+"""A user permanently cuts the face away in the picture, and only then publishes the scan."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def value(page: Page, handle: str) -> float:
 
 
 def open_cut(person: Person, title: str) -> str:
-    """Opens the scan, asks to show it to everybody, and follows the way to the cut; the scan's id."""
+    """Opens the scan, tries to publish it, and follows the way to the cut. Returns the scan's id."""
     page = person.page
     person.open_scan(title)
     page.get_by_role("button", name="Share this scan").click()
-    page.get_by_role("link", name="Cut and make anonymous").click()
-    expect(page.get_by_role("heading", name="Make it anonymous")).to_be_visible()
+    page.get_by_role("link", name="Cut and anonymise").click()
+    expect(page.get_by_role("heading", name="Anonymise this scan")).to_be_visible()
     return page.url.rsplit("/", 1)[1]
 
 
@@ -32,16 +32,15 @@ def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, c
     person.has_scan(cranium, "A head")
     data_set = open_cut(person, "A head")
 
-    # It says what it found, and proposes a cut that takes something.
+    # The page states its finding and proposes a cut that removes something.
     expect(page.get_by_text("This scan shows a head")).to_be_visible()
-    plane = page.get_by_role("button", name="Cut as proposed")
+    plane = page.get_by_role("button", name="Use the suggested cut")
     expect(plane).to_be_visible()
     wait_for_samples(stack, page, 4)
     page.screenshot(path=pictures / "cut-proposed.png")
-    expect(page.locator(".cut-goes")).to_contain_text("% of the scan will be gone")
+    expect(page.locator(".cut-goes")).to_contain_text("% of the scan will be deleted")
 
-    # By mouse: the handle goes with the hand, and so does the number.
-    # By keyboard: each press a millimetre.
+    # With the mouse, the handle and the number follow the hand. With the keyboard, each key press moves a millimetre.
     handle = page.locator('[data-handle="z-high"]')
     before = value(page, "z-high")
     box = handle.bounding_box()
@@ -62,29 +61,29 @@ def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, c
     slider.press("ArrowLeft")
     assert value(page, "y-high") < back
     page.screenshot(path=pictures / "cut-dragged.png")
-    page.get_by_role("button", name="Cut as proposed").click()
+    page.get_by_role("button", name="Use the suggested cut").click()
 
-    # Not by mistake: the button waits until one has said that one understands.
-    page.get_by_role("button", name="Cut for good…").click()
-    confirm = page.get_by_role("button", name="Cut it now, for good")
-    expect(page.get_by_role("heading", name="This cannot be undone")).to_be_visible()
+    # To prevent mistakes, the button is disabled until the user confirms.
+    page.get_by_role("button", name="Cut permanently…").click()
+    confirm = page.get_by_role("button", name="Cut permanently", exact=True)
+    expect(page.get_by_role("heading", name="This can’t be undone")).to_be_visible()
     expect(confirm).to_be_disabled()
     page.get_by_label("I have looked at it from all sides").check()
     page.screenshot(path=pictures / "cut-confirm.png")
     confirm.click()
-    expect(page.get_by_role("heading", name="It is done")).to_be_visible()
+    expect(page.get_by_role("heading", name="The cut is finished")).to_be_visible()
     page.screenshot(path=pictures / "cut-done.png")
 
     header = json.loads((stack.data_dir / "volumes" / data_set / "volume.json").read_text())
     assert header["size"][1] <= 256 and header["size"][2] <= 108
     assert stack.psql("SELECT anonymised_at IS NOT NULL, is_nullified FROM (SELECT anonymised_at, cut_problem IS NULL AS is_nullified"
                       " FROM data_sets WHERE id = %s) d", data_set) == [(True, True)]
-    page.get_by_role("link", name="Look at it, and share it").click()
+    page.get_by_role("link", name="View and share the scan").click()
     expect(page.locator("canvas[data-samples]")).to_be_visible()
     wait_for_samples(stack, page, 8)
     page.screenshot(path=pictures / "cut-after.png")
     page.get_by_role("button", name="Share this scan").click()
-    expect(page.get_by_role("button", name="Put it into the gallery")).to_be_visible()
+    expect(page.get_by_role("button", name="Add to the gallery")).to_be_visible()
 
 
 def test_on_a_phone_the_handles_go_with_a_finger(stack: TestStack, visit, cranium: Path, pictures: Path):

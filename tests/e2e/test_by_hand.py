@@ -1,4 +1,4 @@
-"""Every control of the picture by mouse, by keys and by touch, on the pictures that come back."""
+"""Every control of the picture with mouse, keyboard and touch, checked on the resulting pictures."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RESETS = {"look": "Reset the materials", "light": "Reset the light", "lens": "Re
 
 
 def seen(picture: bytes) -> tuple[float, float, float]:
-    """What part of the picture is not background, and its middle in pixels of SIDE."""
+    """Returns the share of the picture that is not background, and its centre in pixels of SIDE."""
     ground = picture[:3]
     places = [(n % SIDE, n // SIDE) for n in range(SIDE * SIDE) if max(abs(picture[3 * n + c] - ground[c]) for c in range(3)) > 12]
     count = max(1, len(places))
@@ -45,7 +45,7 @@ class Eye:
         return math.hypot(*self.away)
 
     def turned(self, other: Eye) -> float:
-        """Degrees between the ways in which the two look."""
+        """Returns the degrees between the two viewing directions."""
         dot = sum(a * b for a, b in zip(self.away, other.away, strict=True)) / self.distance / other.distance
         return math.degrees(math.acos(max(-1, min(1, dot))))
 
@@ -57,7 +57,7 @@ class Eye:
 
 
 def settled(hands: Hands) -> None:
-    """Nothing of what was done is still on its way."""
+    """Waits until nothing is pending."""
     def still() -> bool:
         before = hands.kept()
         hands.page.wait_for_timeout(300)
@@ -67,7 +67,7 @@ def settled(hands: Hands) -> None:
 
 
 def looked(hands: Hands, deed: Callable[[], None]) -> tuple[Eye, Eye, bytes, bytes]:
-    """Eye and picture before and after."""
+    """Returns eye and picture before and after."""
     before, picture = Eye(hands), hands.picture()
     hands.act(deed)
     settled(hands)
@@ -81,7 +81,7 @@ def is_turn(hands: Hands, deed: Callable[[], None]) -> None:
 
 
 def is_pan(hands: Hands, deed: Callable[[], None]) -> None:
-    """To the right."""
+    """Moves to the right."""
     before, after, old, new = looked(hands, deed)
     assert after.turned(before) < 1e-3 and after.moved(before) > 4
     assert seen(new)[1] - seen(old)[1] > 1.5, (seen(old), seen(new))
@@ -104,10 +104,11 @@ def is_home(hands: Hands, deed: Callable[[], None], home: Eye) -> None:
     assert after.moved(home) < 1e-3 and after.turned(home) < 1e-3 and after.rolled(home) < 1e-3 and abs(after.distance / home.distance - 1) < 1e-6
 
 
+@pytest.mark.nightly
 def test_one_looks_around_by_mouse_by_keys_and_by_touch(stack: TestStack, visit, cranium: Path):
     page = visit(small=True, touch=True)
     hands = open_viewer(stack, page, cranium, "manon", 480, 400)
-    page.get_by_role("button", name="Hide the hints").click()
+    page.get_by_role("button", name="Hide the tips").click()
     home = Eye(hands)
     canvas = page.locator("canvas")
     x, y = middle(canvas.bounding_box())
@@ -161,18 +162,18 @@ def test_one_looks_around_by_mouse_by_keys_and_by_touch(stack: TestStack, visit,
         fingers.drag([((x, y), (x + 60, y))])
         page.get_by_role("button", name="Reset the view").tap()
 
-    # The tap after a flick counts.
+    # The tap after a flick is not ignored.
     is_turn(hands, lambda: fingers.drag([((x, y), (x, y + 40))]))
     is_home(hands, flick_and_tap, home)
 
-    # The looks: by hand, by a finger, by a digit.
+    # The looks: by mouse, by touch, by digit.
     for choose, name in ((lambda: page.locator("[data-preset=bone]").click(), "bone"), (lambda: page.locator("[data-preset=muscle]").tap(), "muscle"),
                          (lambda: page.keyboard.press("1"), "skin"), (lambda: page.keyboard.press("5"), "airways")):
         old = hands.picture()
         hands.act(choose)
         expect(page.locator(f"[data-preset={name}]")).to_have_attribute("aria-pressed", "true")
         assert difference(old, hands.picture()) > 2
-    # And the tools beside.
+    # The other tools.
     page.keyboard.press("?")
     expect(page.get_by_role("dialog")).to_be_visible()
     page.keyboard.press("Escape")
@@ -190,7 +191,7 @@ def epoch_of(page: Page) -> tuple[int, int]:
 
 
 def answered(hands: Hands, what: str, deed: Callable[[], None]) -> None:
-    """A picture of another scene comes back: the renderer has taken it."""
+    """Waits for a picture of another scene, which shows that the renderer accepted it."""
     epoch, seq = epoch_of(hands.page)
     deed()
 
@@ -202,12 +203,12 @@ def answered(hands: Hands, what: str, deed: Callable[[], None]) -> None:
     hands.stack.wait_until(came, timeout=120, what=f"the picture after {what}")
 
 
-#: No part of the scene: what stays in the picture, how the histogram is drawn, how large a moving picture is.
-NO_PICTURE = {"Handles stay when this window is closed", "Heights of the histogram", "Size while it moves"}
+#: Controls that do not change the scene: handles in the picture, scale of the histogram, size of a moving picture.
+NO_PICTURE = {"Keep the handles when this window is closed", "Histogram scale", "Resolution while moving"}
 
 
 def work_all(hands: Hands, way: Mouse, frame: Locator) -> list[str]:
-    """Each slider, switch, choice and colour of a window; what was worked."""
+    """Uses each slider, switch, choice and colour of a window. Returns their names."""
     worked: list[str] = []
     while frame.locator("details:not([open]) > summary").count():
         way.press(frame.locator("details:not([open]) > summary").first)
@@ -220,7 +221,7 @@ def work_all(hands: Hands, way: Mouse, frame: Locator) -> list[str]:
             worked.append(label)
     for label in frame.locator("input[type=color]").evaluate_all("(all) => all.map((e) => e.labels[0].textContent)"):
         colour = frame.get_by_label(label, exact=True)
-        answered(hands, label, lambda: colour.fill("#3aa06c"))  # it is chosen in the system's own window
+        answered(hands, label, lambda: colour.fill("#3aa06c"))  # the system's own dialog chooses it
         worked.append(label)
     for label in frame.locator("select.choice").evaluate_all("(all) => all.map((e) => e.labels[0].querySelector('.control-name').textContent)"):
         choice = frame.locator("label.control", has=frame.get_by_text(label, exact=True)).locator("select")
@@ -260,7 +261,7 @@ def work_graph(hands: Hands, way: Mouse, frame: Locator) -> None:
     double = hands.page.mouse.dblclick if way.name == "mouse" else lambda x, y: [hands.page.touchscreen.tap(x, y) for _ in range(2)]
     answered(hands, "a point added", lambda: double(x, y))
     expect(graph).to_have_attribute("data-points", str(points + 1))
-    press_all(hands, way, frame, ["Remove this point"])
+    press_all(hands, way, frame, ["Delete point"])
 
 
 def work_ball(hands: Hands, way: Mouse, frame: Locator) -> None:
@@ -274,7 +275,7 @@ def work_ball(hands: Hands, way: Mouse, frame: Locator) -> None:
 
 
 def work_place(hands: Hands, way: Mouse, frame: Locator) -> None:
-    """The window itself: moved, and put back to the side."""
+    """Moves the window itself, and docks it again."""
     head, before = frame.locator("h2"), frame.bounding_box()
     if way.name == "keys":
         frame.locator(".window-grip").focus()
@@ -290,7 +291,7 @@ def work_place(hands: Hands, way: Mouse, frame: Locator) -> None:
 
 
 def type_nonsense(hands: Hands, frame: Locator) -> None:
-    """Out of range, no number, a page of junk pasted: said in words, and nothing is changed."""
+    """Numbers out of range, text and pasted junk are refused with a message, and nothing changes."""
     scene = hands.kept()[0]
     for field in frame.locator(".typed input").all():
         shown = field.input_value()
@@ -299,7 +300,7 @@ def type_nonsense(hands: Hands, frame: Locator) -> None:
             field.focus()
             hands.page.keyboard.insert_text(junk)
             field.press("Enter")
-            expect(frame.get_by_role("alert")).to_contain_text("A number from")
+            expect(frame.get_by_role("alert")).to_contain_text("Enter a value between")
         field.press("Escape")
         expect(frame.get_by_role("alert")).to_have_count(0)
         assert field.input_value() == shown
@@ -315,12 +316,12 @@ def close(way: Mouse, frame: Locator, name: str) -> None:
     expect(frame).to_have_count(0)
 
 
-@pytest.mark.parametrize("name", ["mouse", "keys", "touch"])
+@pytest.mark.parametrize("name", ["mouse", pytest.param("keys", marks=pytest.mark.nightly), pytest.param("touch", marks=pytest.mark.nightly)])
 def test_every_control_changes_the_picture_and_all_is_undone(stack: TestStack, visit, cranium: Path, pictures: Path, name: str):
     page = visit(small=True, touch=name == "touch")
     hands = open_viewer(stack, page, cranium, name, 720, 440)
     way = WAYS[name](page)
-    way.press(page.get_by_role("button", name="Hide the hints"))
+    way.press(page.get_by_role("button", name="Hide the tips"))
     begun, first = hands.kept()[0], hands.picture()
     worked: dict[str, list[str]] = {}
     for which, title in WINDOWS.items():
@@ -329,22 +330,22 @@ def test_every_control_changes_the_picture_and_all_is_undone(stack: TestStack, v
         expect(frame).to_be_focused()
         if which == "look":
             work_graph(hands, way, frame)
-            press_all(hands, way, frame, ["Add a point", "Remove this point", "Add a material"])
+            press_all(hands, way, frame, ["Add point", "Delete point", "Add material"])
         elif which == "light":
             work_ball(hands, way, frame)
         elif which == "cuts":
             way.press(frame.get_by_text("Planes", exact=True))
-            press_all(hands, way, frame, ["Add a plane"])
+            press_all(hands, way, frame, ["Add plane"])
             for plane in ("axial", "coronal", "sagittal"):
                 answered(hands, plane, lambda: way.switch(frame.get_by_label(f"Show the {plane} slice")))
         elif which == "lens":
-            answered(hands, "the focus", lambda: way.switch(frame.get_by_label("Sharp at the middle")))
+            answered(hands, "the focus", lambda: way.switch(frame.get_by_label("Focus on the centre")))
         worked[which] = work_all(hands, way, frame)
         if which == "look":
             press_all(hands, way, frame, ["Remove Material 2" if frame.get_by_role("button", name="Remove Material 2").count() else
                                           frame.get_by_role("button", name="Remove ").last.text_content()])
         elif which == "light":
-            press_all(hands, way, frame, ["Ring", "Nothing"])
+            press_all(hands, way, frame, ["Ring", "None"])
             answered(hands, "a light removed", lambda: way.press(frame.get_by_role("button", name="Remove ").last))
         elif which == "cuts":
             press_all(hands, way, frame, ["Remove plane 1"])

@@ -1,4 +1,4 @@
-"""What leaves the browser, byte by byte, while a person with a scan full of words uses it: none of them."""
+"""Checks every byte that leaves the browser while a user handles a scan full of canary words. It contains none of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from slow_network import SlowNetwork
 
 
 def disc(scan: CanaryScan, folder: Path) -> Path:
-    """As a scanner's viewer writes it: the names of folders and files are the person's, and there is more than the scan."""
+    """Writes a disc as a scanner's viewer does: names of folders and files identify the patient, and there are other files
+    besides the scan."""
     inside = folder / scan.words["names"] / scan.words["person"]
     inside.mkdir(parents=True)
     for number in range(24):
@@ -29,7 +30,7 @@ def disc(scan: CanaryScan, folder: Path) -> Path:
 
 
 def spoken(connection: bytes) -> bytes:
-    """What a connection carried, as its sender meant it: the frames of a WebSocket unmasked and unpacked (RFC 6455, 7692)."""
+    """Returns the contents of a connection: WebSocket frames are unmasked and decompressed (RFC 6455, 7692)."""
     head, gap, rest = connection.partition(b"\r\n\r\n")
     if b"upgrade: websocket" not in head.lower():
         return connection
@@ -69,8 +70,8 @@ def test_no_word_of_a_scan_leaves_the_browser(stack: TestStack, browser: Browser
         recorded = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, *way])
         page = recorded.new_context(viewport={"width": 480, "height": 320}).new_page()
         page.set_default_timeout(PATIENCE_MS)
-        person = Person.arrives(stack, page, "anna")
-        person.has_scan(folder, "Nameless scan")
+        person = Person.signs_up_and_in(stack, page, "anna")
+        person.uploads_scan(folder, "Nameless scan")
         person.open_scan("Nameless scan")
         wait_for_samples(stack, page, 2)
         drag(page, 60, 20)
@@ -79,7 +80,7 @@ def test_no_word_of_a_scan_leaves_the_browser(stack: TestStack, browser: Browser
         recorded.close()
         sent = [spoken(bytes(connection)) for connection in network.sent]
     everything = b"\n".join(sent)
-    # It is a recording of all that: what was typed, the scan itself, and what the viewer's socket said.
+    # The recording is complete: it contains what was typed, the scan itself, and the messages of the viewer's socket.
     assert Search(["Nameless scan"]).inside(everything)
     assert b"PATCH /v1/uploads/" in everything and everything.count(b"DICM") >= 20
     assert any(b"upgrade: websocket" in one.lower() and len(one) > 2000 for one in sent)

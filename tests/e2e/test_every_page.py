@@ -1,4 +1,4 @@
-"""Every page of the router, whoever made it: what an accessibility checker finds, and that nothing has to be scrolled sideways."""
+"""Every page of the router: the findings of an accessibility checker, and no horizontal scrolling."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ RULES = "['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice
 
 
 def faults(page: Page) -> list[str]:
-    """WCAG 2.2 AA and good practice as far as axe can see it; and a page that is wider than its window."""
+    """Returns violations of WCAG 2.2 AA and good practice that axe can detect, and whether the page is wider than its window."""
     page.evaluate(AXE.read_text(encoding="utf-8"))
-    # Texts on glass above the picture have no ground that axe could know: those it calls undecided, and they are no violations.
+    # axe cannot determine the background of texts on glass above the picture. It reports them as undecided, not as violations.
     result = page.evaluate(f"axe.run(document, {{ runOnly: {RULES}, resultTypes: ['violations'] }})")
     found = [f"{v['id']}: {n['html'][:160]}" for v in result["violations"] for n in v["nodes"]]
     if page.evaluate("document.documentElement.scrollWidth > innerWidth"):
@@ -30,7 +30,7 @@ def faults(page: Page) -> list[str]:
 
 @pytest.fixture(scope="module")
 def shown(stack: TestStack, browser, cranium: Path):
-    """Cookies of an administrator with one scan, and its id: all pages can be seen by that person."""
+    """Cookies of an administrator with one scan, and its id. This user can open all pages."""
     context = browser.new_context(viewport={"width": 960, "height": 640})
     context.set_default_timeout(PATIENCE_MS)
     person = Person.arrives(stack, context.new_page(), "walker.with-an-address-that-is-as-long-as-some")
@@ -40,7 +40,7 @@ def shown(stack: TestStack, browser, cranium: Path):
     context.close()
 
 
-# Each look and each kind of window once, not all of them with all.
+# Each theme and each kind of window at least once, without all combinations.
 LOOKS = [pytest.param({"viewport": {"width": 1440, "height": 900}, "color_scheme": "light"}, id="desk-light"),
          pytest.param({"viewport": {"width": 390, "height": 844}, "color_scheme": "dark", "is_mobile": True, "has_touch": True}, id="phone-dark")]
 
@@ -64,12 +64,12 @@ def test_no_page_has_a_fault_that_a_checker_finds(stack: TestStack, browser, sho
 
 
 ADMINISTRATOR = "administrator"
-# A desk at 200 %, and what WCAG 1.4.10 asks for: a desk at 400 %.
+# A desktop at 200%, and at 400% as WCAG 1.4.10 requires.
 WINDOWS = ((720, 450), (320, 256))
 
 
 def too_wide(page: Page) -> list[str]:
-    """What stands out of the window at its sides, where that makes the page wider."""
+    """Returns what extends beyond the sides of the window and thereby widens the page."""
     return page.evaluate("""() => document.documentElement.scrollWidth <= innerWidth ? [] :
         [`${document.documentElement.scrollWidth} px`, ...[...document.body.querySelectorAll("*")]
             .filter((e) => e.getBoundingClientRect().right > innerWidth + 1).slice(0, 3).map((e) => e.outerHTML.slice(0, 80))]""")
@@ -89,7 +89,7 @@ def test_every_page_fits_at_200_and_400_percent_and_moves_nothing_for_who_wants_
         if (place.who == page_walk.NOBODY) != (who == page_walk.NOBODY):
             continue
         if who == page_walk.PERSON and place.path.startswith("/admin"):
-            continue  # for this person there is nothing here
+            continue  # this user has nothing here
         page_walk.go(page, stack.url, place, data_set)
         for width, height in WINDOWS:
             page.set_viewport_size({"width": width, "height": height})

@@ -1,4 +1,5 @@
-"""kill -9 of what the picture's renderer does not need, while a picture is shown (the renderer's own: test_whole_way.py)."""
+"""kill -9 of programs that the picture's renderer does not need, while a picture is shown (for the renderer's own:
+test_whole_way.py)."""
 
 from __future__ import annotations
 
@@ -11,10 +12,10 @@ from harness import StackHouse, TestStack
 from person import Person
 from picture import difference, drag, last_input, pixels, wait_for_samples
 
-ENOUGH = 2  # samples a pixel
-SAID = "Diaphane cannot be reached. Trying again…"
-#: Without the gateway the page gets tickets, and no connection.
-CUT = "Connection lost. Coming back…"
+ENOUGH = 2  # samples per pixel
+SAID = "We can’t reach Diaphane. Trying again…"
+#: Without the gateway, the page gets tickets but no connection.
+CUT = "Connection lost. Reconnecting…"
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +39,7 @@ def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shak
     stack.kill(program, restart=False)
     if program == "gateway":
         expect(page.get_by_role("status").get_by_text(said)).to_be_visible()
-    drag(page, -260, 40)  # without api, Redis or Postgres the picture follows; without the gateway, when that is back
+    drag(page, -260, 40)  # without api, Redis or Postgres, the picture follows at once; without the gateway, after it is back
     last = last_input(page)
     if program != "gateway":
         wait_for_samples(stack, page, ENOUGH, input_seq=last)
@@ -52,7 +53,7 @@ def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shak
     late.close()
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     if program == "gateway":
-        # What was dragged meanwhile is sent, and numbered, once the page has come back.
+        # What was dragged meanwhile is sent and numbered once the page has reconnected.
         last = stack.wait_until(lambda: last_input(page), what="the drag to be sent")
     turned = wait_for_samples(stack, page, ENOUGH, input_seq=last)
     seen = pixels(page)

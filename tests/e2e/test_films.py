@@ -1,4 +1,4 @@
-"""Files that a worker makes: films, pictures larger than a page holds; and what the renderer left out."""
+"""Files that a worker makes: films, and pictures larger than a page can hold. Also the features that the renderer omitted."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from test_take_away import chunks, live_answers, wait_for_sessions
 
 @pytest.fixture(scope="module")
 def marked(tmp_path_factory) -> Path:
-    """A volume with one ball, at the patient's left (x rises to the left) and nowhere else."""
+    """A volume with one ball at the patient's left (x rises to the left) and nothing else."""
     folder = tmp_path_factory.mktemp("marked")
     places = slices(20, 2.0, origin=(-16.8, -17.2, -20.0), rows=44, columns=48, intercept=-2000.0)
     write(folder, [dataset(Series(values=markers((9.0, 0.0, 0.0), radius=4.0)), one) for one in places])
@@ -34,14 +34,14 @@ def probed(film: Path) -> dict:
 
 
 def frame(film: Path, number: int, width: int, height: int) -> np.ndarray:
-    """One frame's luma, rows from the top."""
+    """Returns the luma of one frame, rows from the top."""
     out = subprocess.run(["ffmpeg", "-v", "error", "-i", film, "-vf", f"select=eq(n\\,{number})", "-frames:v", "1", "-f", "rawvideo",
                           "-pix_fmt", "gray", "-"], check=True, capture_output=True)
     return np.frombuffer(out.stdout, np.uint8).reshape(height, width).astype(float)
 
 
 def middle(luma: np.ndarray) -> float:
-    """Where what is bright lies: -1 at the left edge, 1 at the right."""
+    """Returns where bright pixels are: -1 at the left edge, 1 at the right."""
     bright = np.clip(luma - np.percentile(luma, 50) - 8, 0, None)
     assert bright.sum() > 0
     across = np.linspace(-1, 1, luma.shape[1])
@@ -49,7 +49,7 @@ def middle(luma: np.ndarray) -> float:
 
 
 def opened_as_bone(stack: TestStack, page: Page, name: str, folder: Path, title: str) -> str:
-    """Somebody's scan on the screen, as bone; its id."""
+    """Opens a scan with the look Bone and returns its id."""
     scan = Person.arrives(stack, page, name).has_scan(folder, title)
     page.goto(f"{stack.url}/view/{scan}")
     page.get_by_role("button", name="Bone", exact=True).click()
@@ -59,14 +59,14 @@ def opened_as_bone(stack: TestStack, page: Page, name: str, folder: Path, title:
 
 def taking(page: Page, what: str):
     page.keyboard.press("s")
-    dialog = page.get_by_role("dialog", name="Take it with you")
-    dialog.get_by_label("What", exact=True).select_option(what)
+    dialog = page.get_by_role("dialog", name="Save or share")
+    dialog.get_by_label("File type", exact=True).select_option(what)
     return dialog
 
 
 def ask_for_ten_frames(dialog) -> None:
-    dialog.get_by_label("Seconds").fill("1")
-    dialog.get_by_label("Frames a second").select_option("10")
+    dialog.get_by_label("Length in seconds").fill("1")
+    dialog.get_by_label("Frames per second").select_option("10")
     dialog.get_by_label("Size").select_option("small")
 
 
@@ -77,12 +77,12 @@ def saved_film(page: Page, dialog, to: Path) -> Path:
     assert download.value.suggested_filename == "diaphane.mp4"
     film = to / "diaphane.mp4"
     download.value.save_as(film)
-    expect(page.get_by_text("The video is saved.")).to_be_visible()
+    expect(page.get_by_text("The video has been saved.")).to_be_visible()
     return film
 
 
 def expect_plain_film(film: Path, frames: int, rate: int, seconds: float) -> tuple[int, int]:
-    """What a player finds, and nothing about anybody; its size."""
+    """Checks what a player finds, and that there is no personal data. Returns the size."""
     seen = probed(film)
     [video] = seen["streams"]
     assert (video["codec_name"], video["pix_fmt"]) == ("h264", "yuv420p")
@@ -101,31 +101,31 @@ def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit
 
     dialog = taking(page, "turntable")
     page.screenshot(path=pictures / "film-dialog.png")
-    # What cannot be is said, and nothing is begun.
-    dialog.get_by_label("Seconds").fill("61")
+    # An invalid order is refused with a message, and nothing starts.
+    dialog.get_by_label("Length in seconds").fill("61")
     dialog.get_by_role("button", name="Save the video").click()
-    seconds = dialog.get_by_label("Seconds")
+    seconds = dialog.get_by_label("Length in seconds")
     expect(seconds).to_be_focused()
     expect(seconds).to_have_attribute("aria-invalid", "true")
-    expect(seconds).to_have_accessible_description("A video lasts 1 to 60 seconds. Please type a whole number.")
+    expect(seconds).to_have_accessible_description("Enter a whole number of seconds between 1 and 60.")
     ask_for_ten_frames(dialog)
-    expect(dialog.get_by_text("10 pictures are rendered for it.")).to_be_visible()
+    expect(dialog.get_by_text("We’ll render 10 pictures for this video.")).to_be_visible()
     film = saved_film(page, dialog, tmp_path)
     page.screenshot(path=pictures / "film-saved.png")
     width, height = expect_plain_film(film, frames=10, rate=10, seconds=1)
     assert width == 640 and height % 2 == 0
     assert b"Mustermann" not in film.read_bytes() and scan.encode() not in film.read_bytes()
     front, side, back = (middle(frame(film, n, width, height)) for n in (0, 2, 5))
-    # The patient's left is at the viewer's right, and after half a turn at the viewer's left.
+    # The patient's left is at the viewer's right, and after half a rotation at the viewer's left.
     assert front > 0.1 and back < -0.1 and abs(side) < abs(front), (front, side, back)
     wait_for_sessions(stack, page, 1)
-    page.get_by_role("button", name="Hide this").click()
+    page.get_by_role("button", name="Hide this message").click()
 
-    # Given up: nothing is saved, the live picture answers on the way, and nothing of it is left.
+    # After cancelling, nothing is saved, the live picture responds meanwhile, and nothing is left behind.
     page.on("download", lambda _: pytest.fail("something was saved"))
     dialog = taking(page, "turntable")
-    dialog.get_by_label("Seconds").fill("60")
-    dialog.get_by_label("Frames a second").select_option("60")
+    dialog.get_by_label("Length in seconds").fill("60")
+    dialog.get_by_label("Frames per second").select_option("60")
     dialog.get_by_role("button", name="Save the video").click()
     line = page.locator("[data-shot=rendering]")
     expect(line.locator("progress[value]")).to_be_visible()
@@ -137,18 +137,19 @@ def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit
     assert not [*Path(stack.data_dir).rglob("*.mp4")]
 
 
+@pytest.mark.nightly
 def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, marked: Path, pictures: Path, tmp_path: Path):
     page = visit(small=True)
     opened_as_bone(stack, page, "rudi", marked, "Tour")
     dialog = taking(page, "tour")
-    expect(dialog.get_by_text("No preset of this scan is saved yet.")).to_be_visible()
+    expect(dialog.get_by_text("There are no saved presets for this scan yet.")).to_be_visible()
     dialog.get_by_role("button", name="Save the video").click()
-    expect(dialog.get_by_role("alert")).to_have_text("A tour goes through 2 to 16 views.")
+    expect(dialog.get_by_role("alert")).to_have_text("Choose between 2 and 16 views for the tour.")
     page.keyboard.press("Escape")
     for name in ("From the front", "From the side"):
         page.get_by_role("button", name="Saved presets").click()
         page.get_by_label("Name of the new preset").fill(name)
-        page.get_by_role("button", name="Save the picture as it is now").click()
+        page.get_by_role("button", name="Save the current view").click()
         expect(page.get_by_text(f"Saved as {name}.")).to_be_visible()
         page.keyboard.press("Escape")
         before = facts(page).input_seq
@@ -156,7 +157,7 @@ def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, 
         wait_for_samples(stack, page, 4, input_seq=before + 1)
     dialog = taking(page, "tour")
     page.screenshot(path=pictures / "tour-dialog.png")
-    dialog.get_by_role("checkbox", name="What you see now").uncheck()
+    dialog.get_by_role("checkbox", name="Current view").uncheck()
     ask_for_ten_frames(dialog)
     film = saved_film(page, dialog, tmp_path)
     width, height = expect_plain_film(film, frames=10, rate=10, seconds=1)
@@ -166,6 +167,7 @@ def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, 
     assert steps.max() < 0.6 * abs(seen[0] - seen[-1]), f"no jump: {seen}"
 
 
+@pytest.mark.nightly
 def test_a_picture_larger_than_a_page_holds_is_saved(stack: TestStack, visit, marked: Path, tmp_path: Path):
     page = visit(small=True)
     person = Person.arrives(stack, page, "lars")
@@ -176,7 +178,7 @@ def test_a_picture_larger_than_a_page_holds_is_saved(stack: TestStack, visit, ma
     dialog.get_by_label("Size").select_option("other")
     dialog.get_by_label("Width").fill("4112")
     dialog.get_by_label("Height").fill("272")    # bands of 240 and 32 rows
-    dialog.get_by_label("How clean").select_option("quick")
+    dialog.get_by_label("Quality", exact=True).select_option("quick")
     with page.expect_download() as download:
         dialog.get_by_role("button", name="Save the picture").click()
     png = Path(download.value.path()).read_bytes()
@@ -200,13 +202,14 @@ def test_what_was_left_out_is_told_in_plain_words(stack: TestStack, visit, marke
         wait_for_samples(stack, page, 4)
         if phone:
             page.get_by_role("button", name="Show the quality").click()
-        page.get_by_role("button", name="What was left out to be faster").click()
-        expect(page.locator("[data-fact=left-out]")).to_contain_text("matter that glows")
+        page.get_by_text("Details", exact=True).click()
+        page.get_by_role("button", name="Optimisations").click()
+        expect(page.locator("[data-fact=left-out]")).to_contain_text("emission")
         expect(page.locator("[data-fact=compiled-in]")).not_to_be_empty()
         expect(page.get_by_text("of the volume is empty and is skipped")).to_be_visible()
         page.screenshot(path=pictures / f"kernel-{'phone' if phone else 'desk'}.png")
         page.keyboard.press("Escape")
         page.keyboard.press("s")
-        dialog = page.get_by_role("dialog", name="Take it with you")
-        dialog.get_by_label("What", exact=True).select_option("turntable")
+        dialog = page.get_by_role("dialog", name="Save or share")
+        dialog.get_by_label("File type", exact=True).select_option("turntable")
         page.screenshot(path=pictures / f"film-dialog-{'phone' if phone else 'desk'}.png")

@@ -1,6 +1,9 @@
-"""What is done by hand in the picture: cutting, lights, what is sharp; by mouse, touch and keys, on the pictures that come back."""
+"""Direct manipulation in the picture: clipping, lights and focus, with mouse, touch and keyboard, checked on the resulting
+pictures."""
 
 from __future__ import annotations
+
+import pytest
 
 import hashlib
 import json
@@ -41,14 +44,14 @@ def pull(page: Page, handle: Locator, right: float, down: float) -> None:
 
 
 def keep_handles(hands: Hands, window: str) -> None:
-    """The window's handles in the picture, without the window before it."""
+    """Keeps the window's handles in the picture and closes the window."""
     frame = hands.window(window)
-    frame.get_by_label("Handles stay when this window is closed").check()
+    frame.get_by_label("Keep the handles when this window is closed").check()
     frame.get_by_role("button", name=f"Close {window}").click()
 
 
 def sharpness(picture: bytes, x0: int, y0: int, side: int) -> float:
-    """How much neighbours differ in a square: edges that are sharp differ more."""
+    """Returns how much neighbouring pixels differ in a square, which is more for sharp edges."""
     def grey(x: int, y: int) -> float:
         at = 3 * (y * SIDE + x)
         return sum(picture[at:at + 3]) / 3
@@ -63,10 +66,10 @@ def sharpness(picture: bytes, x0: int, y0: int, side: int) -> float:
 def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     hands = open_viewer(stack, page, cranium, "hanna", 720, 440)
-    page.get_by_role("button", name="Hide the hints").click()
+    page.get_by_role("button", name="Hide the tips").click()
     begun = hands.kept()[0]
 
-    # By mouse: the patient's left, on the right of the picture, is cut away as far as the middle.
+    # With the mouse: cuts away the patient's left, on the right of the picture, up to the middle.
     keep_handles(hands, "Cuts and slices")
     handle = page.locator('[data-handle="x-high"]')
     before = middle(handle.bounding_box())
@@ -78,7 +81,7 @@ def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visi
     page.screenshot(path=pictures / "picture-cut.png")
     left, right = halves(cut)
     assert left > 4 * abs(right), (left, right)
-    # By keys: a mm further, ten with Shift; and all of it undone.
+    # With the keyboard: a millimetre per key, ten with Shift. Then everything is undone.
     value = float(handle.get_attribute("aria-valuenow"))
     hands.act(lambda: handle.press("ArrowLeft"))
     hands.act(lambda: handle.press("Shift+ArrowDown"))
@@ -86,11 +89,11 @@ def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visi
     while hands.kept()[0] != begun:
         hands.act(lambda: page.keyboard.press("Control+z"))
 
-    # A plane: one handle moves it, the other turns it.
+    # A plane: one handle moves it, the other rotates it.
     cuts = hands.window("Cuts and slices")
     cuts.get_by_text("Planes", exact=True).click()
-    hands.act(cuts.get_by_role("button", name="Add a plane").click)
-    hands.type(cuts, "Turned left", "50")
+    hands.act(cuts.get_by_role("button", name="Add plane").click)
+    hands.type(cuts, "Angle to the patient’s left", "50")
     cuts.get_by_role("button", name="Close Cuts and slices").click()
     tip, base = page.locator('[data-handle="tilt-0"]'), page.locator('[data-handle="plane-0"]')
     offset = float(base.get_attribute("aria-valuenow"))
@@ -103,10 +106,10 @@ def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visi
     while hands.kept()[0] != begun:
         hands.act(lambda: page.keyboard.press("Control+z"))
 
-    # A light alone, dragged to the left of the picture and to its right.
+    # A single light, dragged to the left of the picture and to its right.
     light = hands.window("Light")
-    for name in ("fill", "sky"):
-        hands.act(lambda: light.get_by_label(f"Switch on {name}").uncheck())
+    for name in ("Fill light", "Surrounding light"):
+        hands.act(lambda: light.get_by_label(f"Turn on {name}").uncheck())
     keep_handles(hands, "Light")
     lamp = page.locator('[data-handle="light-0"]')
     radius = 0.4 * min(box["width"], box["height"])
@@ -126,53 +129,54 @@ def test_what_is_pressed_becomes_sharp(stack: TestStack, visit, cranium: Path, p
     page = visit(small=True)
     hands = open_viewer(stack, page, cranium, "fokke", 720, 440)
     lens = hands.window("Lens and quality")
-    hands.type(lens, "Aperture", "30")
+    hands.type(lens, "Aperture radius", "30")
     wide = hands.kept()[0]
     at = (0.7, 0.5)  # beside the window
 
     def pick(x: float, y: float) -> None:
-        lens.get_by_role("button", name="Choose what is sharp").click()
-        picker = page.get_by_role("button", name="Press what is to be sharp.")
+        lens.get_by_role("button", name="Choose the focus point").click()
+        picker = page.get_by_role("button", name="Click or tap the point that should be in focus.")
         expect(picker).to_be_focused()
         box = picker.bounding_box()
         page.mouse.click(box["x"] + x * box["width"], box["y"] + y * box["height"])
 
-    # Background is nowhere; Escape ends it.
+    # The background has no depth. Escape ends the mode.
     pick(0.99, 0.45)
-    expect(page.get_by_text("There is only background.")).to_be_visible()
+    expect(page.get_by_text("There is only background at that point.")).to_be_visible()
     page.keyboard.press("Escape")
-    picker = page.get_by_role("button", name="Press what is to be sharp.")
+    picker = page.get_by_role("button", name="Click or tap the point that should be in focus.")
     expect(picker).to_have_count(0)
     assert hands.kept()[0] == wide
     hands.act(lambda: pick(*at))
     expect(picker).to_have_count(0)
-    distance = float(lens.get_by_label("Sharp at, typed").input_value())
+    distance = float(lens.get_by_label("Focus distance (value)").input_value())
     near = hands.picture()
     page.screenshot(path=pictures / "picture-focus.png")
-    # Elsewhere it is blurred.
-    hands.type(lens, "Sharp at", str(round(distance * 1.6)))
+    # At another depth, it is blurred.
+    hands.type(lens, "Focus distance", str(round(distance * 1.6)))
     blurred = hands.picture()
     x, y, side = round(at[0] * SIDE) - 8, round(at[1] * SIDE) - 8, 16
     assert sharpness(near, x, y, side) > 1.2 * sharpness(blurred, x, y, side), (sharpness(near, x, y, side), sharpness(blurred, x, y, side))
-    # By keys: the mark, from where it was, up a little and back, taken with Enter: as far away as before.
-    lens.get_by_role("button", name="Choose what is sharp").press("Enter")
+    # With the keyboard: moves the mark up and back, and accepts it with Enter. The distance is as before.
+    lens.get_by_role("button", name="Choose the focus point").press("Enter")
     expect(picker).to_be_focused()
     page.keyboard.press("Shift+ArrowUp")
     page.keyboard.press("Shift+ArrowDown")
     hands.act(lambda: page.keyboard.press("Enter"))
-    assert abs(float(lens.get_by_label("Sharp at, typed").input_value()) - distance) < 0.5
+    assert abs(float(lens.get_by_label("Focus distance (value)").input_value()) - distance) < 0.5
     for _ in range(3):
         hands.act(lambda: page.keyboard.press("Control+z"))
     assert hands.kept()[0] == wide
 
 
+@pytest.mark.nightly
 def test_what_is_undone_gives_the_same_picture_to_the_last_bit(stack: TestStack, visit, cranium: Path):
     page = visit(small=True)
     hands = open_viewer(stack, page, cranium, "retour", 320, 240)
     begun = hands.kept()[0]
 
     def lossless() -> str:
-        """Once each tile has been checked."""
+        """Waits until each tile has been verified."""
         def there() -> bool:
             page.wait_for_timeout(100)
             return page.locator("canvas[data-lossless]").count() == 1 and facts(page).input_seq >= hands.kept()[1]
@@ -199,13 +203,13 @@ COVERED = """() => [...document.querySelectorAll(".viewer-title :is(a, button), 
 
 
 def check_tools(page: Page) -> None:
-    """Nothing lies over the tools at the top, nor over the menu."""
+    """Checks that nothing covers the tools at the top or the menu."""
     page.wait_for_function(f"({COVERED})().length === 0")
     check_page(page)
 
 
 def look_focus_and_share_by_taps(hands: Hands) -> None:
-    """On a telephone: another look, what is sharp, and a link for others."""
+    """On a phone: another look, the focus, and a link to share."""
     page = hands.page
     old, look = hands.picture(), page.locator("[data-preset=airways]")
     hands.act(look.tap)
@@ -214,21 +218,21 @@ def look_focus_and_share_by_taps(hands: Hands) -> None:
     hands.act(page.locator("[data-preset=bone]").tap)
     page.get_by_role("button", name="Lens and quality", exact=True).tap()
     lens = page.get_by_role("dialog", name="Lens and quality", exact=True)
-    lens.get_by_role("button", name="Choose what is sharp").tap()
+    lens.get_by_role("button", name="Choose the focus point").tap()
     box = page.locator("canvas").bounding_box()
     hands.act(lambda: page.touchscreen.tap(*middle(box)))
-    expect(page.get_by_role("button", name="Press what is to be sharp.")).to_have_count(0)
-    # The head's forehead: before the middle of the volume, and not at the eye.
+    expect(page.get_by_role("button", name="Click or tap the point that should be in focus.")).to_have_count(0)
+    # The forehead: in front of the middle of the volume, and not at the eye.
     camera = json.loads(hands.kept()[0])["camera"]
     distance = math.dist([camera["eye"].get(axis, 0) for axis in "xyz"], [camera["target"].get(axis, 0) for axis in "xyz"])
     assert 0.5 * distance < camera["focalDistance"] < distance, (camera, distance)
     lens.get_by_role("button", name="Close Lens and quality").tap()
-    page.get_by_role("button", name="Share the picture").tap()
+    page.get_by_role("button", name="View together").tap()
     share = page.get_by_role("dialog")
-    share.get_by_role("button", name="Make a link").tap()
-    expect(share.get_by_label("The link to give away")).to_have_value(re.compile(r"^http.*/join#.+"))
-    share.get_by_role("button", name="End the link").tap()
-    expect(share.get_by_text("Ended. Who came by it has left.")).to_be_visible()
+    share.get_by_role("button", name="Create link").tap()
+    expect(share.get_by_label("Link to share")).to_have_value(re.compile(r"^http.*/join#.+"))
+    share.get_by_role("button", name="Disable link").tap()
+    expect(share.get_by_text("Link disabled. Everyone using it has been disconnected.")).to_be_visible()
     share.get_by_role("button", name="Close").last.tap()
     expect(share).to_have_count(0)
 
@@ -236,11 +240,11 @@ def look_focus_and_share_by_taps(hands: Hands) -> None:
 def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(phone=True)
     hands = open_viewer(stack, page, cranium, "vinger", 390, 844)
-    hint = page.get_by_role("complementary", name="Hint 1 of 3")
+    hint = page.get_by_role("complementary", name="Tip 1 of 3")
     expect(hint).to_be_visible()
     check_tools(page)
     page.screenshot(path=pictures / "hint-phone.png")
-    # Not over the middle of the picture; three, and never again.
+    # Three hints that do not cover the middle of the picture, and never appear again.
     box = page.locator("canvas").bounding_box()
     assert hint.bounding_box()["y"] > box["y"] + 0.6 * box["height"]
     page.get_by_role("button", name="Next").click()
@@ -263,17 +267,17 @@ def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, v
 
     hands.act(finger)
     assert abs(middle(lamp.bounding_box())[0] - (x + 40)) < 6
-    # A texture of those made here, and a file that is no picture.
+    # A built-in texture, and a file that is not an image.
     light.get_by_text("More", exact=True).click()
     hands.act(light.get_by_role("button", name="Ring", exact=True).click)
     expect(light.get_by_role("button", name="Ring", exact=True)).to_have_attribute("aria-pressed", "true")
     hands.picture()
-    light.get_by_label("A picture of your own to shine through").set_input_files({"name": "note.png", "mimeType": "image/png", "buffer": b"no picture"})
-    expect(light.get_by_role("alert")).to_contain_text("no picture")
+    light.get_by_label("Use your own picture as a light pattern").set_input_files({"name": "note.png", "mimeType": "image/png", "buffer": b"no picture"})
+    expect(light.get_by_role("alert")).to_contain_text("can’t read that file as a picture")
     page.screenshot(path=pictures / "texture-phone.png")
     light.get_by_role("button", name="Close Light").click()
 
-    # A low window, as of a laptop with another beside it.
+    # A low window, like that of a laptop beside another one.
     page.set_viewport_size({"width": 720, "height": 440})
     page.reload()
     wait_for_samples(stack, page, 1)

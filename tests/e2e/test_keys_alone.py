@@ -1,8 +1,9 @@
-"""A patient who has only keys: from signing in to a scan that was uploaded, looked at and shared, and out again.
-
-At each step what has the focus is asked: it is something, it is seen to have it, and it is in the window."""
+"""A patient who uses only the keyboard: from signing in to uploading, viewing and sharing a scan, and signing out. At each step,
+something has the focus, shows it, and is inside the window."""
 
 from __future__ import annotations
+
+import pytest
 
 import re
 from pathlib import Path
@@ -14,7 +15,7 @@ from person import PASSWORD, Person
 from picture import facts, wait_for_samples
 from test_upload import Dam
 
-# What a person with eyes goes by: a frame around it, or around what it fills (a card).
+# The visible focus indicator: a frame around the element, or around what it fills (a card).
 FOCUS = """() => {
     const e = document.activeElement;
     if (!e || e === document.body || e === document.documentElement) return { name: null };
@@ -30,7 +31,7 @@ FOCUS = """() => {
 
 
 def focus(page: Page) -> str | None:
-    """The name of what has the focus; None for nothing in the page."""
+    """Returns the name of the focused element, or None if nothing in the page has the focus."""
     found = page.evaluate(FOCUS)
     if found["name"] is None:
         return None
@@ -40,7 +41,8 @@ def focus(page: Page) -> str | None:
 
 
 def go_to(page: Page, wanted: Locator, key: str = "Tab") -> None:
-    """By the key alone. Behind the last thing of a page comes the browser itself, once; then the page again."""
+    """Uses only the given key. After the last element of a page, the focus goes to the browser itself once, and then back to the
+    page."""
     expect(wanted).to_be_visible()
     passed: list[str | None] = []
     while not wanted.evaluate("(e) => e === document.activeElement"):
@@ -55,21 +57,22 @@ def press(page: Page, wanted: Locator, key: str = "Enter") -> None:
     page.keyboard.press(key)
 
 
+@pytest.mark.nightly
 def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "keys")
     page.context.clear_cookies()
 
-    # In.
+    # Signing in.
     page.goto(stack.url)
-    go_to(page, page.get_by_label("E-mail address"))
+    go_to(page, page.get_by_label("Email address"))
     page.keyboard.type(person.email)
     go_to(page, page.get_by_label("Password", exact=True))
     page.keyboard.type(PASSWORD)
     page.keyboard.press("Enter")
     expect(page.get_by_role("heading", name="My scans")).to_be_focused()
 
-    # A scan of a folder: Enter opens the browser's own chooser.
+    # A scan from a folder: Enter opens the browser's own chooser.
     press(page, page.get_by_role("link", name="Add a scan").first)
     expect(page.get_by_role("heading", name="Add a scan")).to_be_focused()
     with page.expect_file_chooser() as chooser:
@@ -81,14 +84,14 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
     press(page, page.get_by_role("button", name="Upload", exact=True))
     expect(page.get_by_role("heading", name="My scans")).to_be_focused()
 
-    # Paused, gone on with, and not cancelled after all.
+    # Paused and resumed. Cancelling is not confirmed.
     card = person.card("Key head")
     dam.wait(stack)
-    expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
+    expect(card).to_contain_text(re.compile(r"[5-9]\d%"))
     press(page, page.get_by_role("button", name="Pause the upload of Key head"))
-    expect(card).to_contain_text(re.compile(r"Paused at \d\d %\."))
-    go_on = page.get_by_role("button", name="Go on with the upload of Key head")
-    expect(go_on).to_be_focused()  # where the button was that was pressed
+    expect(card).to_contain_text(re.compile(r"Paused at \d\d%\."))
+    go_on = page.get_by_role("button", name="Resume the upload of Key head")
+    expect(go_on).to_be_focused()  # at the position of the pressed button
     page.keyboard.press("Enter")
     expect(page.get_by_role("button", name="Pause the upload of Key head")).to_be_focused()
     cancel = page.get_by_role("button", name="Cancel the upload of Key head")
@@ -99,7 +102,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
     dam.opens()
     expect(card).to_have_attribute("data-state", "ready")
 
-    # The picture: the keys turn it at once.
+    # The keys rotate the picture at once.
     press(page, page.get_by_role("link", name="Open Key head"))
     expect(page.locator("canvas")).to_be_focused()
     at = wait_for_samples(stack, page, 1)
@@ -107,11 +110,11 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
     wait_for_samples(stack, page, 1, input_seq=at.input_seq + 1)
     assert facts(page).epoch > at.epoch
 
-    # Shown to a friend; the dialog keeps the focus and gives it back.
+    # Shared with a friend. The dialog keeps the focus and returns it.
     share = page.get_by_role("button", name="Share this scan")
     press(page, share)
     dialog = page.get_by_role("dialog")
-    go_to(page, dialog.get_by_label("E-mail address"))
+    go_to(page, dialog.get_by_label("Email address"))
     page.keyboard.type("friend@example.org")
     page.keyboard.press("Enter")
     expect(dialog.get_by_text("Shared with friend@example.org.")).to_be_visible()
@@ -122,7 +125,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
     expect(dialog).to_have_count(0)
     expect(share).to_be_focused()
 
-    # The account, and out.
+    # The account, and signing out.
     press(page, page.get_by_role("link", name="My scans"))
     expect(page.get_by_role("heading", name="My scans")).to_be_focused()
     press(page, page.get_by_role("link", name=re.compile("^Your account")))
@@ -136,6 +139,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
     expect(page.get_by_role("heading", name="Sign in")).to_be_focused()
 
 
+@pytest.mark.nightly
 def test_who_deletes_a_scan_by_keys_is_at_the_title_then(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "keys")

@@ -1,4 +1,4 @@
-"""The pages in German: all of their words, one catalogue loaded, chosen by the browser and by the person."""
+"""The pages in German: all texts are translated, only one catalogue is loaded, and browser and user choose the language."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from person import PASSWORD, Person
 from picture import wait_for_samples
 from test_every_page import faults
 
-#: What a visitor loads before a picture comes, as the edge sends it (bytes). The scan of DICOM files is loaded where files are chosen.
+#: Bytes that the edge sends to a visitor before a picture. The DICOM scanner is only loaded when files are chosen.
 MOST_BYTES = 300_000
 SENT = """() => [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
     .filter((r) => !r.name.includes("/v1/") && !r.name.startsWith("blob:")).map((r) => [new URL(r.name).pathname, r.transferSize])"""
@@ -24,17 +24,17 @@ def test_a_person_signs_up_and_looks_at_a_scan_in_german(stack: TestStack, visit
 
     page = visit(phone=True, locale="de-AT")
     page.goto(stack.url + "/sign-up")
-    expect(page.get_by_role("heading", name="Legen Sie Ihr Konto an")).to_be_visible()
+    expect(page.get_by_role("heading", name="Konto erstellen")).to_be_visible()
     assert page.evaluate("document.documentElement.lang") == "de"
-    assert page.title() == "Legen Sie Ihr Konto an · Diaphane"
+    assert page.title() == "Konto erstellen · Diaphane"
     assert faults(page) == []
     page.screenshot(path=pictures / "sign-up-german.png")
     page.get_by_label("E-Mail-Adresse").fill("keine")
-    page.get_by_role("button", name="Konto anlegen").click()
-    expect(page.get_by_text("Das sieht nicht wie eine E-Mail-Adresse aus.")).to_be_visible()
+    page.get_by_role("button", name="Konto erstellen").click()
+    expect(page.get_by_text("Geben Sie eine E-Mail-Adresse im Format name@example.com ein.")).to_be_visible()
     page.get_by_label("E-Mail-Adresse").fill(f"zweite-{owner.email}")
-    page.get_by_role("button", name="Konto anlegen").click()
-    expect(page.get_by_role("heading", name="Sehen Sie in Ihre E-Mails")).to_be_visible()
+    page.get_by_role("button", name="Konto erstellen").click()
+    expect(page.get_by_role("heading", name="Prüfen Sie Ihr Postfach")).to_be_visible()
 
     page.goto(stack.url + "/sign-in")
     page.get_by_label("E-Mail-Adresse").fill(owner.email)
@@ -52,7 +52,7 @@ def test_a_person_signs_up_and_looks_at_a_scan_in_german(stack: TestStack, visit
     sent = page.evaluate(SENT)
     catalogues = [path for path, _ in sent if re.search(r"/(en|de)-[\w-]+\.js$", path)]
     assert len(catalogues) == 1 and "/de-" in catalogues[0], sent
-    page.get_by_role("button", name="Qualität zeigen").click()
+    page.get_by_role("button", name="Qualität anzeigen").click()
     page.screenshot(path=pictures / "viewer-german-quality.png")
 
 
@@ -64,7 +64,7 @@ def test_the_language_is_chosen_and_kept_and_what_is_loaded_is_small(stack: Test
     assert 20_000 < sum(size for _, size in sent) <= MOST_BYTES, sent
     assert not any("/de-" in path or "scan_worker" in path for path, _ in sent), sent
 
-    page.get_by_label("E-mail address").fill("half@example.org")
+    page.get_by_label("Email address").fill("half@example.org")
     page.get_by_label("Language").select_option("de")
     expect(page.get_by_role("heading", name="Anmelden")).to_be_visible()
     assert page.evaluate("document.documentElement.lang") == "de"
@@ -74,7 +74,7 @@ def test_the_language_is_chosen_and_kept_and_what_is_loaded_is_small(stack: Test
     page.get_by_label("Sprache").select_option("en")
     expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
 
-    # A browser that keeps nothing shows the page in its own language.
+    # A browser without storage shows the page in its own language.
     bare = visit(locale="de-DE")
     bare.add_init_script("""const { getItem } = Storage.prototype;
         Storage.prototype.getItem = function (name) { if (name === "diaphane.language") throw new DOMException("no", "SecurityError"); return getItem.call(this, name); };""")

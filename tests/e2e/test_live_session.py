@@ -1,4 +1,4 @@
-"""Two browsers in one live session: what one turns, the other sees."""
+"""Two browsers in one live session: one rotates the picture, and the other sees it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from test_pages import check_page
 
 
 def same_picture(stack: TestStack, a: Page, b: Page) -> None:
-    """Both show one picture: the same samples of one epoch, and alike where the codec's noise is averaged away."""
+    """Both show the same samples of the same epoch, and the pictures are equal after averaging out the noise of the codec."""
 
     def alike() -> bool:
         one, other = facts(a), facts(b)
@@ -24,18 +24,18 @@ def same_picture(stack: TestStack, a: Page, b: Page) -> None:
 
 
 def settled(stack: TestStack, page: Page) -> Facts:
-    """A turn ends with one picture more: the whole one, once the pointer was lifted. That word is there long before so many
-    samples of what was shown while it moved."""
+    """After a rotation, the full picture follows the release of the pointer. Its status appears long before a picture with this
+    many samples."""
     return wait_for_samples(stack, page, 16)
 
 
 def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Page, pictures: Path) -> None:
-    """A follower's windows say whose the picture is and change nothing; the slices are for everybody to go through."""
+    """A follower's windows name the presenter and change nothing. Everyone can scroll through the slices."""
     seen = facts(owner).epoch
     for title in ("Materials", "Light", "Lens and quality", "Cuts and slices"):
         follower.get_by_role("button", name=title, exact=True).click()
         window = follower.get_by_role("dialog", name=title, exact=True)
-        expect(window.get_by_text("Somebody else shows this picture.")).to_be_visible()
+        expect(window.get_by_text("Someone else is presenting.")).to_be_visible()
         assert window.locator("fieldset.window-controls").evaluate("(set) => set.matches(':disabled') && set.querySelectorAll(':enabled:is(input, select, button)').length === 0")
     last = follower.get_by_role("dialog").last
     follower.screenshot(path=pictures / "live-follower-windows.png")
@@ -47,8 +47,8 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
     follower.keyboard.press("v")
     expect(follower.locator(".slice-pane")).to_have_count(0)
-    owner.get_by_role("button", name="Share the picture").click()
-    switch = owner.get_by_role("checkbox", name="Guests may also see the slices")
+    owner.get_by_role("button", name="View together").click()
+    switch = owner.get_by_role("checkbox", name="Guests can also see the slices")
     expect(switch).not_to_be_checked()
     switch.check()
     expect(switch).to_be_checked()
@@ -66,19 +66,21 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     value = follower.locator(".slice-pane[data-plane=axial] .slice-value")
     expect(value).to_contain_text("HU")
     follower.screenshot(path=pictures / "live-follower-slices.png")
+    cube, line = (follower.locator(name).bounding_box() for name in (".cube", ".live-line"))
+    assert cube["y"] + cube["height"] <= line["y"], "the cube covers the follower's line"
     assert facts(owner).epoch == seen
-    # The presenter's own are where they were, and the picture is the same.
+    # The presenter's slices and picture are unchanged.
     owner.keyboard.press("v")
     expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-index", str(begun))
     expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-came", "true")
     owner.keyboard.press("v")
 
-    # What the owner cuts away goes from the follower's slices too: the middle of the volume, where the crosshair is.
+    # What the owner cuts away also disappears from the follower's slices, here the middle of the volume with the crosshair.
     owner.get_by_role("button", name="Cuts and slices", exact=True).click()
     cuts = owner.get_by_role("dialog", name="Cuts and slices", exact=True)
     cuts.locator("details.more > summary").click()
-    cuts.get_by_role("button", name="Add a plane").click()
-    offset = cuts.get_by_label("From the middle, typed")
+    cuts.get_by_role("button", name="Add plane").click()
+    offset = cuts.get_by_label("Distance from the centre (value)")
     offset.fill("-40")
     offset.press("Enter")
     expect(value).to_have_text("Cut away")
@@ -87,9 +89,9 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     expect(value).to_contain_text("HU")
     owner.get_by_role("button", name="Close Cuts and slices").click()
 
-    # Switched off, they are gone from the follower's page at once.
-    owner.get_by_role("button", name="Share the picture").click()
-    owner.get_by_role("checkbox", name="Guests may also see the slices").uncheck()
+    # When switched off, they disappear from the follower's page at once.
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("checkbox", name="Guests can also see the slices").uncheck()
     expect(follower.locator(".slice-pane")).to_have_count(0)
     expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
@@ -102,26 +104,26 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     anna.open_scan("Head")
     owner = anna.page
     wait_for_samples(stack, owner, 1)
-    owner.get_by_role("button", name="Share the picture").click()
-    owner.get_by_role("button", name="Make a link").click()
-    link = owner.get_by_label("The link to give away").input_value()
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("button", name="Create link").click()
+    link = owner.get_by_label("Link to share").input_value()
     check_page(owner)
 
-    # The keyboard alone comes as far: the dialog keeps the focus, Escape closes it and gives the focus back.
+    # The same with the keyboard: the dialog keeps the focus, and Escape closes it and returns the focus.
     owner.keyboard.press("Escape")
-    expect(owner.get_by_role("button", name="Share the picture")).to_be_focused()
+    expect(owner.get_by_role("button", name="View together")).to_be_focused()
     owner.keyboard.press("Enter")
     expect(owner.get_by_role("dialog")).to_be_visible()
 
-    # Another browser: other cookies, no account.
+    # Another browser without cookies or an account.
     follower = visit()
     follower.goto(link)
-    follower.get_by_label("Your name, for who else is there").fill("Bob")
+    follower.get_by_label("Your name (visible to others in this session)").fill("Bob")
     follower.screenshot(path=pictures / "live-join.png")
     check_page(follower)
     follower.get_by_role("button", name="Join", exact=True).click()
     expect(follower.locator("canvas[data-samples]")).to_be_visible()
-    expect(follower.get_by_text("Owner presents")).to_be_visible()
+    expect(follower.get_by_text("Owner is presenting")).to_be_visible()
     expect(owner.locator("[data-participant]")).to_have_count(2)
     expect(owner.get_by_text("Bob")).to_be_visible()
     owner.screenshot(path=pictures / "live-share.png")
@@ -129,7 +131,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     same_picture(stack, owner, follower)
     assert spread(pixels(follower)) > 3
 
-    # The presenter's turn reaches the follower; the follower's turns nothing.
+    # The presenter's rotation reaches the follower. The follower's rotation changes nothing.
     before = pixels(follower)
     epoch = facts(owner).epoch
     drag(owner, 200, 0)
@@ -143,23 +145,23 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     check_page(follower)
     follows_with_windows_and_slices(stack, owner, follower, pictures)
 
-    # A phone has another shape: it shows all that the presenter sees.
+    # A phone with another aspect ratio shows everything that the presenter sees.
     phone = visit(phone=True)
     phone.goto(link)
     phone.get_by_role("button", name="Join", exact=True).click()
-    expect(phone.get_by_text("Owner presents")).to_be_visible()
+    expect(phone.get_by_text("Owner is presenting")).to_be_visible()
     wait_for_samples(stack, phone, 1)
     phone.screenshot(path=pictures / "live-phone.png")
     check_page(phone)
     phone.close()
 
-    # The role goes over; what was the presenter follows, and no picture of before comes back.
-    owner.get_by_role("button", name="Share the picture").click()
-    owner.get_by_role("button", name="Let Bob present").click()
+    # The role changes hands: the former presenter follows, and no earlier picture reappears.
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("button", name="Make Bob presenter").click()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
-    expect(owner.get_by_text("Bob presents")).to_be_visible()
-    expect(follower.get_by_text("Owner presents")).to_have_count(0)
-    same_picture(stack, owner, follower)  # of the new presenter's size now
+    expect(owner.get_by_text("Bob is presenting")).to_be_visible()
+    expect(follower.get_by_text("Owner is presenting")).to_have_count(0)
+    same_picture(stack, owner, follower)  # in the size of the new presenter
     before = pixels(owner)
     epochs = [facts(owner).epoch]
     drag(follower, 0, 120)
@@ -170,16 +172,16 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     assert epochs == sorted(epochs), "an older picture came after a newer one"
     assert difference(before, pixels(owner)) > 3
 
-    # A reload is the same guest, still presenting; the ended link sends him away.
+    # After a reload, the guest is the same and still presents. Disabling the link disconnects them.
     follower.reload()
     wait_for_samples(stack, follower, 1)
-    expect(owner.get_by_text("Bob presents")).to_be_visible()
-    owner.get_by_role("button", name="Share the picture").click()
-    owner.get_by_role("button", name="End the link").click()
-    expect(follower.get_by_role("status").filter(has_text="This link was ended")).to_be_visible()
+    expect(owner.get_by_text("Bob is presenting")).to_be_visible()
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("button", name="Disable link").click()
+    expect(follower.get_by_role("status").filter(has_text="This link has expired or was disabled")).to_be_visible()
     expect(owner.locator("[data-participant]")).to_have_count(1)
     owner.get_by_role("button", name="Present again").click()
-    expect(owner.get_by_text("presents", exact=True)).to_be_visible()
+    expect(owner.get_by_text("presenting", exact=True)).to_be_visible()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     epoch = facts(owner).epoch
     drag(owner, -80, 0)
@@ -193,7 +195,7 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     page = eve.page
     wait_for_samples(stack, page, 1)
     drag(page, 120, 0)
-    page.get_by_role("button", name="Recording").click()
+    page.get_by_role("button", name="Usage recording").click()
     switch = page.get_by_role("switch", name="Record how I look at pictures")
     expect(switch).to_be_enabled()
     expect(switch).not_to_be_checked()
@@ -204,16 +206,16 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     before = facts(page)
     drag(page, 150, 40)
     wait_for_samples(stack, page, 1, input_seq=before.input_seq + 1)
-    page.get_by_role("link", name="My scans").click()  # leaving keeps what was recorded
+    page.get_by_role("link", name="My scans").click()  # leaving the page saves the recording
     stored = stack.wait_until(lambda: stack.psql("SELECT body FROM recordings") or page.wait_for_timeout(50), what="the recording")
     body = stored[0][0]
     assert '"camera"' in body
     for secret in ("Private", eve.email, "bone"):
         assert secret not in body
     eve.open_scan("Private Title")
-    page.get_by_role("button", name="Recording").click()
+    page.get_by_role("button", name="Usage recording").click()
     with page.expect_download() as export:
-        page.get_by_role("link", name="Export").click()
+        page.get_by_role("link", name="Download").click()
     assert Path(export.value.path()).read_text() == body
     page.get_by_role("button", name="Delete").click()
     expect(page.get_by_role("button", name="Delete")).to_have_count(0)
@@ -222,7 +224,7 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     page.route(consent, lambda route: route.abort())
     switch.click()
     expect(page.get_by_role("dialog").get_by_role("alert")).to_be_visible()
-    expect(switch).to_be_checked()  # nobody was told
+    expect(switch).to_be_checked()  # the recording was not announced to anyone
     page.unroute(consent)
     switch.uncheck()
     stack.wait_until(lambda: stack.psql("SELECT count(*) FROM users WHERE recording_consent_at IS NOT NULL") == [(0,)]

@@ -1,4 +1,4 @@
-"""Browsers that lack something, files that are none, windows of no size: each has a second way, or is told in words."""
+"""Browsers without some features, invalid files, and windows without size: each has a fallback or a message."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from house import chromium, plan
 from person import PATIENCE_MS, Person
 from picture import ALIKE, difference, drag, facts, kept_view, pixels, spread, wait_for_samples
 
-#: As a browser is where storage is blocked: even looking at it throws.
+#: A browser with blocked storage, which throws on any access.
 NO_STORAGE = """for (const name of ["localStorage", "sessionStorage"])
     Object.defineProperty(window, name, { get() { throw new DOMException("The operation is insecure.", "SecurityError"); } });"""
 NO_CODECS = "for (const name of ['VideoDecoder', 'VideoFrame', 'EncodedVideoChunk', 'ImageDecoder']) delete window[name];"
@@ -20,7 +20,7 @@ NO_CODECS = "for (const name of ['VideoDecoder', 'VideoFrame', 'EncodedVideoChun
 
 @pytest.fixture(scope="module")
 def owner(stack: TestStack, browser: Browser, cranium: Path):
-    """A scan, and the cookies of the person whose it is."""
+    """A scan, and the cookies of its owner."""
     context = browser.new_context()
     context.set_default_timeout(PATIENCE_MS)
     person = Person.arrives(stack, context.new_page(), "otto")
@@ -50,12 +50,12 @@ def turns(stack: TestStack, page: Page) -> None:
 def test_a_browser_that_blocks_storage_shows_and_changes_the_picture(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner, NO_STORAGE)
     turns(stack, page)
-    # What would be kept is kept while the page stands: colours, the language, windows, what is preferred.
+    # Settings are kept while the page is open: colours, language, windows, preferences.
     page.get_by_role("button", name="Lens and quality", exact=True).click()
     lens = page.get_by_role("dialog", name="Lens and quality", exact=True)
     lens.get_by_text("More", exact=True).click()
-    lens.get_by_label("First pictures without grain").uncheck()
-    expect(lens.get_by_label("First pictures without grain")).not_to_be_checked()
+    lens.get_by_label("Denoise early pictures").uncheck()
+    expect(lens.get_by_label("Denoise early pictures")).not_to_be_checked()
     lens.get_by_role("button", name="Close Lens and quality").click()
     page.get_by_role("link", name="My scans").click()
     expect(page.get_by_role("heading", name="My scans")).to_be_visible()
@@ -70,8 +70,9 @@ def test_without_webcodecs_the_picture_comes_another_way(stack: TestStack, visit
     assert spread(pixels(page)) > 5
 
 
+@pytest.mark.nightly
 def test_where_the_page_is_not_secure_all_of_it_works(stack_house: StackHouse, browser: Browser, cranium: Path, monkeypatch):
-    """By http under a name, as in a hospital's own network: no WebCodecs, no SubtleCrypto, no clipboard there."""
+    """HTTP with a host name, as in a hospital's network: there is no WebCodecs, SubtleCrypto or clipboard."""
     monkeypatch.setattr(plan.Settings, "host", property(lambda _: "clinic.test"))
     stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
     way = f"--host-resolver-rules=MAP clinic.test:80 127.0.0.1:{stack.ports['edge']}"
@@ -79,27 +80,28 @@ def test_where_the_page_is_not_secure_all_of_it_works(stack_house: StackHouse, b
     page = near.new_context(viewport={"width": 320, "height": 240}).new_page()
     page.set_default_timeout(PATIENCE_MS)
     assert stack.url == "http://clinic.test"
-    person = Person.arrives(stack, page, "klinik")
+    person = Person.signs_up_and_in(stack, page, "klinik")
     assert page.evaluate("[isSecureContext, typeof VideoDecoder, typeof crypto.subtle]") == [False, "undefined", "undefined"]
-    scan = person.has_scan(cranium, "Head")
+    scan = person.uploads_scan(cranium, "Head")
     page.goto(f"{stack.url}/view/{scan}")
     wait_for_samples(stack, page, 1)
     before = facts(page)
     page.locator("canvas").focus()
     page.keyboard.press("ArrowRight")
     wait_for_samples(stack, page, 4, input_seq=before.input_seq + 1)
-    # The lossless end needs hashes: they are computed in software.
+    # Lossless pictures need hashes, which are computed in software.
     expect(page.locator("canvas[data-lossless]")).to_be_visible()
     near.close()
     stack_house.shut(stack)
 
 
+@pytest.mark.nightly
 def test_a_lost_gpu_and_a_window_of_no_size_leave_the_same_picture(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner)
     wait_for_samples(stack, page, 8)
     whole = pixels(page)
 
-    # As after the GPU's process ended: the canvas is black, and the browser says that it can be drawn on again.
+    # As after a crash of the GPU process: the canvas is black, and the browser reports that it is usable again.
     page.locator("canvas").evaluate("""(canvas) => {
         canvas.getContext("2d").fillRect(0, 0, canvas.width, canvas.height);
         canvas.dispatchEvent(new Event("contextlost"));
@@ -132,7 +134,7 @@ def test_a_file_that_is_no_preset_is_refused_in_words(stack: TestStack, visit, o
     dialog = page.get_by_role("dialog")
 
     def open_anew() -> None:
-        """Without a word about what came before."""
+        """Opens it again without a message about before."""
         if dialog.count():
             page.keyboard.press("Escape")
             expect(dialog).to_have_count(0)
@@ -144,12 +146,12 @@ def test_a_file_that_is_no_preset_is_refused_in_words(stack: TestStack, visit, o
     for name, body in (("a.xml", b""), ("b.xml", b"\xff\xd8\xff\xe0" + bytes(range(256))), ("c.xml", b"<html><body>Hello</body></html>"), ("d.xml", bomb),
                        ("e.xml", b'<preset xmlns="urn:diaphane:preset" version="1" name="x"><camera eye="far"/></preset>')):
         open_anew()
-        dialog.get_by_label("Open a preset file").set_input_files({"name": name, "mimeType": "application/xml", "buffer": body})
+        dialog.get_by_label("Upload a preset file").set_input_files({"name": name, "mimeType": "application/xml", "buffer": body})
         expect(dialog.get_by_role("alert")).to_be_visible()
         assert len(dialog.get_by_role("alert").inner_text()) > 10
         page.wait_for_timeout(200)
     open_anew()
-    dialog.get_by_label("Open a preset file").set_input_files({"name": "f.xml", "mimeType": "application/xml", "buffer": b" " * 300_000})
+    dialog.get_by_label("Upload a preset file").set_input_files({"name": "f.xml", "mimeType": "application/xml", "buffer": b" " * 300_000})
     expect(dialog.get_by_text("This file is too large to be a preset.")).to_be_visible()
-    expect(dialog.get_by_text("No presets yet")).to_be_visible()
+    expect(dialog.get_by_text("There are no presets yet")).to_be_visible()
     assert kept_view(page)["scene"] == scene

@@ -1,4 +1,4 @@
-"""The month's picture time: said before it ends, while it ends, and when it is over; and all goes on when there is more."""
+"""The monthly rendering time: the page warns before it ends and when it ends, and everything continues after an increase."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ MINUTE_MS = 60_000
 
 
 def leave(stack: TestStack, person: Person, left_ms: int) -> None:
-    """The quota is what was used and so much more. What is noted meanwhile counts against it: less is left, never more."""
+    """Sets the quota to the used time plus `left_ms`. Usage that is recorded meanwhile leaves less, never more."""
     stack.psql("""UPDATE users u SET render_quota_ms = COALESCE((SELECT r.device_ms FROM render_time r WHERE r.user_id = u.id
                   ORDER BY month DESC LIMIT 1), 0) + %s WHERE email = %s""", left_ms, person.email)
 
 
 def turn_until(stack: TestStack, page: Page, seen) -> None:
-    """A picture that is sharp takes no time: a hand turns it until it is so."""
+    """Rotates the picture until then, because a finished one uses no time."""
 
     def turned() -> bool:
         page.keyboard.press("ArrowRight")
@@ -36,47 +36,47 @@ def test_the_end_of_the_picture_time_is_said_before_and_when_it_has_come(stack: 
     scan = person.has_scan(cranium, "Head")
     person.open_scan("Head")
     wait_for_samples(stack, page, 1)
-    expect(page.get_by_text("of your picture time")).to_have_count(0)
+    expect(page.get_by_text("of rendering time left this month")).to_have_count(0)
 
-    # Some minutes before, and anew in the last one; it can be put away.
+    # Warned some minutes before the end and again in the last minute. The warning can be closed.
     leave(stack, person, 4 * MINUTE_MS)
     page.reload()
-    line = page.get_by_role("status").get_by_text("of your picture time")
-    expect(line).to_contain_text("A picture that has become sharp takes none.")
+    line = page.get_by_role("status").get_by_text("of rendering time left this month")
+    expect(line).to_contain_text("Finished pictures use no rendering time.")
     page.screenshot(path=pictures / "time-minutes.png")
-    page.get_by_role("button", name="Hide this").click()
+    page.get_by_role("button", name="Hide this message").click()
     expect(line).to_have_count(0)
     expect(page.locator("canvas")).to_be_focused()
     leave(stack, person, MINUTE_MS * 9 // 10)
     page.reload()
-    expect(page.get_by_text("Less than a minute of your picture time is left this month.")).to_be_visible()
+    expect(page.get_by_text("You have less than a minute of rendering time left this month.")).to_be_visible()
 
-    # All is used: the picture that is open has its grace.
+    # Everything is used, and the open picture has its grace period.
     leave(stack, person, 0)
-    ending = page.get_by_text("Your picture time of this month is used up. This picture ends at")
+    ending = page.get_by_text("You have used up your rendering time for this month. This picture stays open until")
     turn_until(stack, page, lambda: ending.count() > 0)
     page.screenshot(path=pictures / "time-ending.png")
     assert facts(page).samples > 0
     stack.psql("UPDATE render_time SET warned_at = warned_at - interval '3 minutes' WHERE user_id = (SELECT id FROM users WHERE email = %s)", person.email)
-    # Nobody touches it any more: it ends all the same, and says so.
-    over = page.get_by_role("heading", name="No picture time left")
+    # Without further input, it ends as well, with a message.
+    over = page.get_by_role("heading", name="No rendering time left")
     expect(over).to_be_visible()
-    expect(page.get_by_text("It starts anew on")).to_be_visible()
+    expect(page.get_by_text("It resets on")).to_be_visible()
     expect(over).to_be_focused()
     page.screenshot(path=pictures / "time-over.png")
 
-    # Opened anew it says the same, also on a phone; the scans are still there.
+    # Opened again, it shows the same message, also on a phone. The scans are still there.
     phone = visit(phone=True)
     phone.context.add_cookies(page.context.cookies())
     phone.goto(f"{stack.url}/view/{scan}")
-    expect(phone.get_by_role("heading", name="No picture time left")).to_be_visible()
+    expect(phone.get_by_role("heading", name="No rendering time left")).to_be_visible()
     phone.screenshot(path=pictures / "time-over-phone.png")
-    phone.get_by_role("link", name="See what was used").click()
-    expect(phone.get_by_text("Your picture time of this month is used up.")).to_be_visible()
+    phone.get_by_role("link", name="See your usage").click()
+    expect(phone.get_by_text("You have used up your rendering time for this month.")).to_be_visible()
     phone.get_by_role("link", name="My scans").first.click()
     expect(phone.locator("article.card", has_text="Head")).to_have_attribute("data-state", "ready")
 
-    # An administrator gives more.
+    # An administrator increases the quota.
     leave(stack, person, 600 * MINUTE_MS)
     page.reload()
     wait_for_samples(stack, page, 1)

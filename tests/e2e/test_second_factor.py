@@ -1,4 +1,5 @@
-"""A second factor on the pages: set up by the picture or the key that is shown, asked for, lost. By keyboard where a person would."""
+"""The second factor on the pages: set up with the QR code or the key, requested, and lost. With the keyboard where a user would.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ from test_every_page import faults
 
 
 def read_qr(page: Page, blank: Page) -> str:
-    """What a camera would read. `blank` turns the picture into grey values: a page without a policy of ours."""
+    """Reads the QR code like a camera. `blank` is a page without the content security policy, which converts the picture to grey
+    values."""
     code = page.get_by_role("img", name="QR code")
     expect(code.locator("path")).to_have_count(1)
     shown = base64.b64encode(code.screenshot()).decode()
@@ -35,18 +37,18 @@ def read_qr(page: Page, blank: Page) -> str:
 
 
 def panel(page: Page):
-    return page.get_by_role("region", name="Second factor")
+    return page.get_by_role("region", name="Two-factor authentication")
 
 
 def sets_up(person: Person, blank: Page) -> tuple[pyotp.TOTP, list[str]]:
-    """At the account's page; the device and the recovery codes."""
+    """Sets it up on the account's page. Returns the device and the recovery codes."""
     page, box = person.page, panel(person.page)
     box.get_by_label("Current password").fill(PASSWORD)
-    box.get_by_role("button", name="Set it up").click()
+    box.get_by_role("button", name="Set up").click()
     key = box.locator("code.secret").inner_text().replace(" ", "")
     device = pyotp.parse_uri(read_qr(page, blank))
     assert device.secret == key and device.issuer == "Diaphane" and device.name == person.email
-    code = box.get_by_label("Code of your device")
+    code = box.get_by_label("Authentication code")
     assert code.get_attribute("autocomplete") == "one-time-code" and code.get_attribute("inputmode") == "numeric"
     code.fill(device.now())
     code.press("Enter")
@@ -59,14 +61,14 @@ def gives_password(person: Person) -> None:
     person.stack.psql("DELETE FROM attempts")
     page = person.page
     page.goto(person.stack.url + "/sign-in")
-    page.get_by_label("E-mail address").fill(person.email)
+    page.get_by_label("Email address").fill(person.email)
     page.get_by_label("Password", exact=True).fill(PASSWORD)
     page.keyboard.press("Enter")
-    expect(page.get_by_role("heading", name="Your code")).to_be_visible()
+    expect(page.get_by_role("heading", name="Enter your code")).to_be_visible()
 
 
 def next_code(stack: TestStack, person: Person, device: pyotp.TOTP) -> str:
-    """One that was not used yet, without waiting for the clock: what was used is forgotten."""
+    """Returns an unused code without waiting for the clock, by forgetting which ones were used."""
     stack.psql("UPDATE second_factors SET last_step = 0 WHERE user_id = (SELECT id FROM users WHERE email = %s)", person.email)
     return device.now()
 
@@ -76,24 +78,24 @@ def test_it_is_set_up_asked_for_and_a_recovery_code_does_too(stack: TestStack, v
     page, blank = visit(**look), visit()
     anna = Person.arrives(stack, page, "anna")
     page.goto(stack.url + "/account")
-    expect(panel(page).get_by_role("button", name="Set it up")).to_be_visible()
+    expect(panel(page).get_by_role("button", name="Set up")).to_be_visible()
     assert faults(page) == []
     device, codes = sets_up(anna, blank)
     assert len(codes) == 10 and faults(page) == []
     page.screenshot(path=pictures / f"recovery-codes{'-phone' if look else ''}.png", full_page=True)
-    panel(page).get_by_role("button", name="I have kept them").click()
-    expect(panel(page).get_by_text("10 recovery codes are left.")).to_be_visible()
+    panel(page).get_by_role("button", name="I’ve saved them").click()
+    expect(panel(page).get_by_text("You have 10 recovery codes left.")).to_be_visible()
     page.get_by_role("button", name="Sign out", exact=True).click()
     expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
 
     gives_password(anna)
-    code = page.get_by_label("Code of your device")
+    code = page.get_by_label("Authentication code")
     expect(code).to_be_focused()
     assert faults(page) == []
     page.screenshot(path=pictures / f"sign-in-code{'-phone' if look else ''}.png")
     page.keyboard.type("000000")
     page.keyboard.press("Enter")
-    expect(page.get_by_text("This code is wrong, or was used already.")).to_be_visible()
+    expect(page.get_by_text("This code is incorrect or was already used.")).to_be_visible()
     expect(code).to_be_focused()
     code.fill(next_code(stack, anna, device))
     page.keyboard.press("Enter")
@@ -109,14 +111,14 @@ def test_it_is_set_up_asked_for_and_a_recovery_code_does_too(stack: TestStack, v
     page.keyboard.press("Enter")
     expect(page.get_by_role("heading", name="My scans")).to_be_visible()
     page.goto(stack.url + "/account")
-    expect(panel(page).get_by_text("9 recovery codes are left.")).to_be_visible()
-    panel(page).get_by_role("button", name="Remove it…").click()
+    expect(panel(page).get_by_text("You have 9 recovery codes left.")).to_be_visible()
+    panel(page).get_by_role("button", name="Turn off…").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("Current password").fill(PASSWORD)
-    dialog.get_by_label("Code of your device").fill(codes[1])
+    dialog.get_by_label("Authentication code").fill(codes[1])
     assert faults(page) == []
-    dialog.get_by_role("button", name="Remove it").click()
-    expect(panel(page).get_by_role("button", name="Set it up")).to_be_visible()
+    dialog.get_by_role("button", name="Turn off").click()
+    expect(panel(page).get_by_role("button", name="Set up")).to_be_visible()
 
 
 def test_an_administrator_is_led_to_set_it_up_first(stack: TestStack, visit, pictures: Path):
@@ -124,7 +126,7 @@ def test_an_administrator_is_led_to_set_it_up_first(stack: TestStack, visit, pic
     boss = Person.arrives(stack, page, "boss")
     stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", boss.email)
     page.goto(stack.url + "/admin")
-    expect(page.get_by_text("opens once you have set up a second factor")).to_be_visible()
+    expect(page.get_by_text("Set up two-factor authentication to use administrator features")).to_be_visible()
     assert faults(page) == []
     page.screenshot(path=pictures / "administrator-without.png")
     page.get_by_role("link", name="Set it up in your account").click()
@@ -141,8 +143,8 @@ def test_a_new_password_says_what_is_missing_while_it_is_typed(stack: TestStack,
     page.goto(person.mailed_link())
     password = page.get_by_label("Password", exact=True)
     said = page.locator(".strength")
-    for typed, words in (("kq7 zr4 vm2", "One character more."), ("kq7 zr4 vm2x", "Long enough. Longer is better."),
-                         ("aaaaaaaaaaaaaaaa", "Too much of it is the same."), ("three blind mice run far", "Very good.")):
+    for typed, words in (("kq7 zr4 vm2", "1 more character needed."), ("kq7 zr4 vm2x", "Long enough, but longer is better."),
+                         ("aaaaaaaaaaaaaaaa", "Too repetitive."), ("three blind mice run far", "Very good.")):
         password.fill(typed)
         expect(said).to_have_text(words)
     assert faults(page) == []

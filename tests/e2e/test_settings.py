@@ -1,4 +1,4 @@
-"""The windows in which a person changes the picture, on the pictures that come back."""
+"""The windows in which a user changes the picture, checked on the resulting pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SAMPLES = 6  # halves of the picture are means of a hundred thousand pixels
 
 
 class Hands:
-    """Somebody at the windows of one picture."""
+    """A user of the windows of one picture."""
 
     def __init__(self, stack: TestStack, page: Page):
         self.stack, self.page = stack, page
@@ -27,12 +27,12 @@ class Hands:
         return frame
 
     def kept(self) -> tuple[str, int]:
-        """The scene as the page would show it after a reload, and the number of the input that said it."""
+        """Returns the scene that the page would show after a reload, and the number of its input."""
         view = kept_view(self.page)
         return view.get("scene") or "", view.get("input_seq", 0)
 
     def act(self, deed: Callable[[], None]) -> None:
-        """Until the page has another scene for it."""
+        """Waits until the page has another scene."""
         before = self.kept()[0]
         deed()
 
@@ -43,7 +43,7 @@ class Hands:
         self.stack.wait_until(changed, what="another scene")
 
     def write(self, frame: Locator, label: str, text: str) -> None:
-        field = frame.get_by_label(f"{label}, typed")
+        field = frame.get_by_label(f"{label} (value)")
         field.fill(text)
         field.press("Enter")
 
@@ -51,13 +51,13 @@ class Hands:
         self.act(lambda: self.write(frame, label, text))
 
     def picture(self) -> bytes:
-        """Of the scene as it is now."""
+        """Returns the picture of the current scene."""
         wait_for_samples(self.stack, self.page, SAMPLES, input_seq=self.kept()[1])
         return pixels(self.page)
 
 
 def halves(picture: bytes) -> tuple[float, float]:
-    """Mean brightness of the left and the right half above that of the background, which fills the corners."""
+    """Returns the mean brightness of the left and the right half above that of the background in the corners."""
     ground = sum(picture[:3]) / 3
     left = right = 0
     for y in range(SIDE):
@@ -71,7 +71,7 @@ def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: Tes
     page = visit(small=True)
     person = Person.arrives(stack, page, "wilma")
     scan = person.has_scan(cranium, "Head")
-    page.set_viewport_size({"width": 720, "height": 440})  # no larger than it takes for windows that are no sheets
+    page.set_viewport_size({"width": 720, "height": 440})  # the smallest size at which windows are not sheets
     page.goto(f"{stack.url}/view/{scan}")
     wait_for_samples(stack, page, 1)
     hands = Hands(stack, page)
@@ -80,17 +80,17 @@ def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: Tes
     undo = page.get_by_role("button", name="Undo", exact=True)
     expect(undo).to_have_attribute("aria-disabled", "true")
 
-    # Light: one light alone, far to the left, then to the right.
+    # A single light, far to the left, then to the right.
     light = hands.window("Light")
-    for name in ("fill", "sky"):
-        hands.act(lambda: light.get_by_label(f"Switch on {name}").uncheck())
+    for name in ("Fill light", "Surrounding light"):
+        hands.act(lambda: light.get_by_label(f"Turn on {name}").uncheck())
     light.get_by_text("More", exact=True).click()
-    hands.type(light, "To the right", "-80")
-    hands.type(light, "Upwards", "0")
+    hands.type(light, "Angle to the right", "-80")
+    hands.type(light, "Angle upwards", "0")
     left, right = halves(hands.picture())
     assert left > 1.3 * right, (left, right)
     lit_left = hands.kept()[0]
-    hands.type(light, "To the right", "80")
+    hands.type(light, "Angle to the right", "80")
     left, right = halves(hands.picture())
     assert right > 1.3 * left, (left, right)
     page.screenshot(path=pictures / "lit-from-the-right.png")
@@ -99,17 +99,17 @@ def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: Tes
     left, right = halves(hands.picture())
     assert left > 1.3 * right, (left, right)
 
-    # Nonsense is answered in words, and changes nothing.
+    # Invalid values are refused with a message, and nothing changes.
     for typed in ("far", "999", ""):
-        hands.write(light, "Upwards", typed)
-        expect(light.get_by_role("alert")).to_have_text("A number from -90 to 90 °, please.")
-    light.get_by_label("Upwards, typed").press("Escape")
+        hands.write(light, "Angle upwards", typed)
+        expect(light.get_by_role("alert")).to_have_text("Enter a value between −90° and 90°.")
+    light.get_by_label("Angle upwards (value)").press("Escape")
     expect(light.get_by_role("alert")).to_have_count(0)
     assert hands.kept()[0] == lit_left
     hands.act(light.get_by_role("button", name="Reset the light").click)
     assert hands.kept()[0] == begun
 
-    # Cuts: all but the patient's left half goes, which is on the right of the picture.
+    # Clipping keeps only the patient's left half, on the right of the picture.
     cuts = hands.window("Cuts and slices")
     hands.type(cuts, "Patient’s right", "0")
     left, right = halves(hands.picture())
@@ -117,16 +117,16 @@ def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: Tes
     page.screenshot(path=pictures / "cut.png")
     hands.act(cuts.get_by_role("button", name="Remove all cuts and slices").click)
 
-    # A slice alone: grey and nothing else.
+    # A slice alone: only grey.
     hands.act(cuts.get_by_label("Show the coronal slice").check)
-    hands.act(cuts.get_by_label("Nothing but the slices").check)
+    hands.act(cuts.get_by_label("Show only the slices").check)
     alone = hands.picture()
     page.screenshot(path=pictures / "slice-alone.png")
     assert spread(alone) > 5
     assert all(max(alone[i:i + 3]) - min(alone[i:i + 3]) < 24 for i in range(0, len(alone), 3))
     hands.act(cuts.get_by_role("button", name="Remove all cuts and slices").click)
 
-    # Materials: by keys in the graph, over the histogram that the renderer has counted.
+    # Materials: with the keyboard in the graph, over the renderer's histogram.
     look = hands.window("Materials")
     expect(look).to_be_focused()
     graph = look.get_by_role("application")
@@ -138,7 +138,7 @@ def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: Tes
     expect(graph).to_have_attribute("data-points", str(points + 1))
     page.screenshot(path=pictures / "materials.png")
 
-    # Back to the beginning, step by step, by keys.
+    # Undoes all steps with the keyboard.
     while undo.get_attribute("aria-disabled") == "false":
         hands.act(lambda: page.keyboard.press("Control+z"))
     assert hands.kept()[0] == begun

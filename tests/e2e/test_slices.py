@@ -1,4 +1,4 @@
-"""The slices beside the picture, held against the stored voxels by numpy."""
+"""The slices beside the picture, compared with the stored voxels in numpy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
 
 
 def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: TestStack, visit, cranium: Path, pictures: Path):
-    page = visit(wide=True)  # so wide that a voxel is no smaller than a pixel of the screen
+    page = visit(wide=True)  # wide enough that a voxel covers at least one pixel
     person = Person.arrives(stack, page, "sasha")
     scan = person.has_scan(cranium, "Head")
     reader = Reader(stack, page, scan)
@@ -28,7 +28,7 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
         assert abs(reader.index(plane) - (slices - 1) / 2) <= 0.5
     page.screenshot(path=pictures / "four-up.png")
 
-    # Values under the pointer, and what is drawn of them.
+    # Values under the pointer, and how they are drawn.
     for plane in PLANES:
         spots = spots_of(reader.planes[plane], 6)
         for column, row in spots:
@@ -36,7 +36,7 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
             reader.says(plane, int(reader.planes[plane].voxels[reader.index(plane), row, column]))
         reader.shows_what_the_formula_says(plane, spots)
 
-    # The window, typed and dragged; what is no number is put back.
+    # The window, typed and dragged. Invalid numbers are reverted.
     spots = spots_of(reader.planes["coronal"], 20)
     reader.set_window(300, 2000)
     reader.shows_what_the_formula_says("coronal", spots)
@@ -55,7 +55,7 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
     assert reader.window() == (400, 1800)
     reader.shows_what_the_formula_says("axial", spots_of(reader.planes["axial"], 20))
 
-    # The crosshair links: Shift and moving in one slice goes through that place in the others.
+    # The linked crosshair: moving with Shift in one slice moves the others through that position.
     _, rows, columns = reader.planes["axial"].voxels.shape
     column, row = columns // 4, rows // 3
     page.keyboard.down("Shift")
@@ -65,12 +65,12 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
     expect(reader.canvas("sagittal")).to_have_attribute("data-index", str(column))
     expect(reader.canvas("coronal")).to_have_attribute("data-index", str(row))
     here = int(reader.planes["axial"].voxels[reader.index("axial"), row, column])
-    page.mouse.move(5, 5)  # no pointer on a slice: the crosshair's
+    page.mouse.move(5, 5)  # without a pointer on a slice, the crosshair's value
     for plane in PLANES:
         reader.index(plane)
         reader.says(plane, here)
 
-    # The wheel goes through the slices.
+    # The wheel scrolls through the slices.
     before = reader.index("axial")
     page.mouse.move(*reader.at("axial", column, row))
     page.mouse.wheel(0, 120)
@@ -81,7 +81,7 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
 
 
 def pixel_mm(reader: Reader, plane: str) -> float:
-    """Of a pixel of the screen: a mouse tells whole ones, so that each end is less than that beside what was aimed at."""
+    """Returns the size of a pixel. A mouse reports whole pixels, so each end is off by less than one."""
     return 1 / reader.planes[plane].per_mm(reader.canvas(plane).bounding_box())
 
 
@@ -94,7 +94,7 @@ def measured_by_mouse(reader: Reader) -> None:
     page.mouse.up()
     text = reader.pane("sagittal").locator(".slice-measure text")
     expect(text).to_have_text(re.compile(r"^\d+\.\d mm$"))
-    # Along the line one pixel at most, across it hardly anything; and it is told in tenths.
+    # The error is at most one pixel along the line and almost none across it. The length has one decimal.
     length, pixel = 20 * sagittal.width, pixel_mm(reader, "sagittal")
     bound = math.hypot(length + pixel, pixel) - length + 0.05
     assert abs(float(text.text_content().split()[0]) - length) <= bound, (text.text_content(), length, bound)
@@ -105,21 +105,21 @@ def measured_by_mouse(reader: Reader) -> None:
         page.mouse.click(*reader.at("axial", *spot))
     text = reader.pane("axial").locator(".slice-measure text")
     expect(text).to_have_text(re.compile(r"^\d+\.\d°$"))
-    # Either end of an arm less than a pixel beside where it should be, across it.
+    # Each end of an arm is less than a pixel off across it.
     axial, pixel = reader.planes["axial"], pixel_mm(reader, "axial")
     bound = math.degrees(math.atan(pixel / (25 * axial.width - pixel)) + math.atan(pixel / (20 * axial.height - pixel))) + 0.05
     assert abs(float(text.text_content()[:-1]) - 90) <= bound, (text.text_content(), bound)
-    # Of another slice it is not; back there it is.
+    # Hidden on another slice, and shown again on its own.
     page.mouse.wheel(0, 120)
     expect(reader.pane("axial").locator(".slice-measure")).to_have_count(0)
     page.mouse.wheel(0, -120)
     expect(reader.pane("axial").locator(".slice-measure")).to_have_count(1)
-    page.get_by_role("button", name="Remove the last measure").click()
+    page.get_by_role("button", name="Delete the last measurement").click()
     expect(reader.pane("axial").locator(".slice-measure")).to_have_count(0)
 
 
 def one_alone_by_mouse(reader: Reader) -> None:
-    """A double click, and back; what was set stays."""
+    """A double click maximises one slice and restores all. Settings are kept."""
     page, window = reader.page, reader.window()
     page.get_by_role("radio", name="Window").check()
     page.mouse.dblclick(*reader.at("axial", 20, 20))
@@ -130,7 +130,7 @@ def one_alone_by_mouse(reader: Reader) -> None:
     expect(page.locator(".slice-pane")).to_have_count(3)
     assert reader.window() == window
     expect(page.locator(".stage > canvas")).to_be_visible()
-    # Moved with the middle button, and nearer with the right one: what lies under the hand stays there.
+    # Panned with the middle button and zoomed with the right one, the point under the hand stays.
     x, y = reader.at("coronal", 30, 20)
     page.mouse.move(x, y)
     page.mouse.down(button="middle")
@@ -206,7 +206,7 @@ def test_on_a_phone_slices_come_one_at_a_time(stack: TestStack, visit, cranium: 
     page.get_by_role("radio", name="Coronal").check()
     reader.index("coronal")
     expect(page.locator(".slice-pane")).to_have_count(1)
-    # A tap with the crosshair, then the slice through that place.
+    # A tap with the crosshair selects the slices through that position.
     page.get_by_role("radio", name="Crosshair").check()
     page.touchscreen.tap(*reader.at("coronal", 20, 12))
     page.get_by_role("radio", name="Sagittal").check()
@@ -220,7 +220,7 @@ def test_on_a_phone_slices_come_one_at_a_time(stack: TestStack, visit, cranium: 
 
 
 def read_by_fingers(reader: Reader) -> None:
-    """One makes it darker, two move it and bring it nearer, three go through the slices."""
+    """One finger makes it darker, two pan and zoom, three scroll through the slices."""
     page, plane = reader.page, reader.planes["sagittal"]
     fingers = Fingers(page)
     _, rows, columns = plane.voxels.shape
@@ -237,8 +237,8 @@ def read_by_fingers(reader: Reader) -> None:
     expect(reader.canvas("sagittal")).to_have_attribute("data-index", str(before + 5))  # 12 pixels each
     reader.shows_what_the_formula_says("sagittal", spots_of(plane, 6))
 
-    reader.set_window(30, 120)  # in which the voxels there are of many greys
-    # Both 50 px to the right: so is what they lie on. Then twice as far apart, about a voxel that stays where it is.
+    reader.set_window(30, 120)  # where the voxels have many grey values
+    # Both fingers move 50 px to the right, and the voxels below them follow. Then the distance doubles around a fixed voxel.
     fingers.drag([((x - 20, y), (x + 30, y)), ((x + 20, y), (x + 70, y))])
     fingers.drag([((x + 30, y), (x + 10, y)), ((x + 70, y), (x + 90, y))])
     grown = 2 * plane.per_mm(reader.canvas("sagittal").bounding_box())

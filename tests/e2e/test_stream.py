@@ -1,4 +1,4 @@
-"""The stream as a browser shows it: each codec's colours, the lossless end, and all of it through a slow network."""
+"""The stream as a browser shows it: the colours of each codec, the lossless picture, and everything over a slow network."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from person import Person
 from picture import difference, facts, pixels, wait_for_samples
 from slow_network import SlowNetwork
 
-# What the page hears on its socket, kept for the test: the hash and place of each lossless tile.
+# Records messages of the page's socket: the hash and position of each lossless tile.
 HEARING = (REPO / "tools" / "house" / "page_wire.js", Path(__file__).parent / "hear_stills.js")
 
 
 @pytest.fixture(scope="module")
 def quick(stack_house: StackHouse):
-    """A stack whose pictures are finished soon."""
+    """A stack whose pictures are finished quickly."""
     stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
     yield stack
     stack_house.shut(stack)
@@ -31,9 +31,10 @@ def use_codec(page: Page, codec: str) -> None:
 
 
 def lossless(stack: TestStack, page: Page, input_seq: int = 0) -> int:
-    """Waits for the mark; the samples that it says."""
+    """Waits for the lossless picture and returns its samples."""
     def marked() -> int | None:
-        samples, shown = page.locator("canvas").evaluate("(c) => [c.dataset.lossless, c.dataset.inputSeq]")  # of one moment
+        # values of the same moment
+        samples, shown = page.locator("canvas").evaluate("(c) => [c.dataset.lossless, c.dataset.inputSeq]")
         page.wait_for_timeout(50)
         return int(samples) if samples and int(shown) >= input_seq else None
 
@@ -41,7 +42,7 @@ def lossless(stack: TestStack, page: Page, input_seq: int = 0) -> int:
 
 
 def check_every_pixel(page: Page) -> int:
-    """The canvas, read back, has the hash of each tile that the worker sent; their number."""
+    """Compares the canvas with the hash of each tile that the worker sent. Returns the number of tiles."""
     return page.evaluate(
         """async () => {
             const canvas = document.querySelector("canvas");
@@ -61,7 +62,7 @@ def check_every_pixel(page: Page) -> int:
 
 @pytest.fixture(scope="module")
 def anna(quick: TestStack, browser: Browser, cranium: Path):
-    """Somebody with a scan; pages of the module open it in contexts with these cookies."""
+    """A user with a scan. Pages of the module use contexts with these cookies."""
     context = browser.new_context()
     person = Person.arrives(quick, context.new_page(), "anna")
     scan = person.has_scan(cranium, "Head")
@@ -83,7 +84,7 @@ def view(visit, stack: TestStack, anna, codec: str | None = None, **choices) -> 
 
 
 def turn(page: Page) -> None:
-    """By a key: on so small a page the panels leave little for a hand to hold."""
+    """Rotates with a key, because the panels leave little space on such a small page."""
     page.locator("canvas").focus()
     page.keyboard.press("ArrowRight")
 
@@ -98,18 +99,20 @@ def test_each_codec_has_the_right_colours_and_its_end_is_exact(quick: TestStack,
     lossless(quick, page)
     page.evaluate("heardStills.keepCoded(document.querySelector('canvas'))")
     before = facts(page)
-    turn(page)  # another picture: the mark goes, and comes again with its own tiles
+    turn(page)  # another picture: the mark disappears and reappears with the new tiles
     samples = lossless(quick, page, before.input_seq + 1)
     assert facts(page).epoch > before.epoch
     assert check_every_pixel(page) == 4  # 480 x 320
+    page.get_by_role("button", name="Show the quality: Finished").click()
+    page.get_by_text("Details", exact=True).click()
     expect(page.get_by_text(f"Lossless, {samples:,} samples")).to_be_visible()
     page.screenshot(path=pictures / f"lossless-{codec}.png")
 
-    # The last coded picture against the lossless one: what coding changes is small, and has no cast.
+    # Compares the last encoded picture with the lossless one. Encoding changes little and adds no colour cast.
     assert heard_codecs(page) == {number}
     coded, exact = base64.b64decode(page.evaluate("heardStills.coded()")), pixels(page)
     casts = [(sum(coded[channel::3]) - sum(exact[channel::3])) / (len(exact) / 3) for channel in range(3)]
-    # A wrong matrix (BT.601 for BT.709) moves the mean of red or blue of skin by 4 and more, a wrong range every mean by 8.
+    # A wrong matrix (BT.601 for BT.709) changes the mean of red or blue of skin by at least 4, and a wrong range every mean by 8.
     assert difference(coded, exact) < 1.5
     assert all(abs(cast) < 1.5 for cast in casts), casts
 
@@ -120,7 +123,7 @@ def test_a_tile_that_came_damaged_is_said_and_the_streamed_picture_stays(quick: 
     page.evaluate("heardStills.spoil = true")
     before = facts(page)
     turn(page)
-    expect(page.get_by_role("status")).to_contain_text("came damaged")
+    expect(page.get_by_role("status")).to_contain_text("was corrupted in transit")
     assert facts(page).input_seq > before.input_seq
     assert page.locator("canvas").get_attribute("data-lossless") is None
     page.evaluate("heardStills.spoil = false")
@@ -129,7 +132,7 @@ def test_a_tile_that_came_damaged_is_said_and_the_streamed_picture_stays(quick: 
 
 
 def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStack, visit, anna):
-    """As when a graphics driver breaks: the test frame was decoded, then nothing more is."""
+    """As when a graphics driver fails: the test frame is decoded, and later frames are not."""
     scan, cookies = anna
     page = visit(small=True)
     page.context.add_cookies(cookies)
@@ -150,10 +153,10 @@ def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStac
 
 
 def test_far_away_the_picture_follows_a_hand_and_its_end_is_exact(quick: TestStack, browser: Browser, anna):
-    """100 ms there and back, 2 Mbit/s, as a browser sees it. How long, in numbers: tests/integration/test_slow_network.py."""
+    """100 ms round trip and 2 Mbit/s, as a browser sees it. For measurements: tests/integration/test_slow_network.py."""
     scan, cookies = anna
     with SlowNetwork(quick.ports["edge"], round_trip_s=0.1, bits_per_s=2e6, socks=True) as network:
-        # The address that the page sees stays the public one; only this browser is led another way.
+        # The page sees the public address. Only this browser takes another route.
         way = [f"--proxy-server=socks5://127.0.0.1:{network.port}", "--proxy-bypass-list=<-loopback>"]
         far = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, *way])
         context = far.new_context(viewport={"width": 480, "height": 320})
@@ -163,9 +166,9 @@ def test_far_away_the_picture_follows_a_hand_and_its_end_is_exact(quick: TestSta
             page.add_init_script(path=script)
         page.goto(f"{quick.url}/view/{scan}")
         wait_for_samples(quick, page, 1)
-        assert network.to_viewer.bytes > 100_000  # the page itself came this way
+        assert network.to_viewer.bytes > 100_000  # the page itself was loaded this way
         shown, turns = set(), 0
-        while turns < 20 or len(shown) < 5:  # it follows: not only the end is seen
+        while turns < 20 or len(shown) < 5:  # the picture follows, so intermediate ones are shown, too
             turn(page)
             turns += 1
             assert turns < 500, f"of {turns} turns only {len(shown)} were seen"

@@ -1,4 +1,4 @@
-"""What a person takes away: a picture as a file, and a link to what is seen."""
+"""What a user exports: a picture as a file, and a link to the view."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from person import Person
 from picture import SHRINK, SIDE, difference, drag, facts, last_input, pixels, spread, wait_for_samples
 
 PNG = b"\x89PNG\r\n\x1a\n"
-#: Mean difference of a channel, of 255, between two renderings of one view: 2 % and 5 % of noise, averaged over SIDE x SIDE boxes.
+#: Mean difference per channel, of 255, between two renderings of one view with 2% and 5% of noise, averaged over SIDE x SIDE
+#: boxes.
 ALIKE = 2.0
 
 
 def chunks(png: bytes) -> list[str]:
-    """Their names, in order."""
+    """Returns the names of the chunks in order."""
     assert png.startswith(PNG)
     names, at = [], len(PNG)
     while at < len(png):
@@ -30,7 +31,7 @@ def chunks(png: bytes) -> list[str]:
 
 
 def shrunk(page: Page, png: bytes) -> tuple[int, int, bytes]:
-    """Width, height, and the picture decoded by the browser and scaled as `pixels` does."""
+    """Returns width, height, and the picture as the browser decodes it and `pixels` scales it."""
     width, height, text = page.evaluate(
         f"""async ([data, side]) => {{
             const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
@@ -49,7 +50,7 @@ def wait_for_sessions(stack: TestStack, page: Page, count: int) -> None:
 
 
 def live_answers(stack: TestStack, page: Page) -> None:
-    """A key turns the picture on the screen, whatever else is rendered."""
+    """A key rotates the displayed picture while something else is rendered."""
     before = facts(page)
     page.keyboard.press("ArrowRight")
     stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
@@ -66,21 +67,21 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
 
     assert sessions(page) == 1
     page.keyboard.press("s")
-    dialog = page.get_by_role("dialog", name="Take it with you")
+    dialog = page.get_by_role("dialog", name="Save or share")
     expect(dialog).to_be_visible()
     page.screenshot(path=pictures / "take-dialog.png")
 
-    # What cannot be is said, and nothing is begun.
+    # Invalid sizes are refused with a message, and nothing starts.
     dialog.get_by_label("Size").select_option("other")
     dialog.get_by_label("Width").fill("16385")
     dialog.get_by_label("Height").fill("4320")
     dialog.get_by_role("button", name="Save the picture").click()
-    expect(dialog.get_by_role("alert")).to_have_text("A picture has 16 to 16,384 pixels a side. Please type whole numbers.")
+    expect(dialog.get_by_role("alert")).to_have_text("Each side must be between 16 and 16,384 pixels. Enter whole numbers.")
 
-    # Of the shape of the screen, in another size.
+    # The aspect ratio of the screen in another size.
     dialog.get_by_label("Width").fill("360")
     dialog.get_by_label("Height").fill("240")
-    dialog.get_by_label("How clean").select_option("quick")
+    dialog.get_by_label("Quality", exact=True).select_option("quick")
     with page.expect_download() as download:
         dialog.get_by_role("button", name="Save the picture").click()
         expect(page.locator("[data-shot=rendering]")).to_be_visible()
@@ -92,19 +93,19 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     (pictures / "taken.png").write_bytes(png)
     assert set(chunks(png)) <= {"IHDR", "sRGB", "gAMA", "IDAT", "IEND"}, chunks(png)
     assert b"Mustermann" not in png and scan.encode() not in png
-    expect(page.get_by_text("The picture is saved.")).to_be_visible()
+    expect(page.get_by_text("The picture has been saved.")).to_be_visible()
     wait_for_samples(stack, page, 32, input_seq=last_input(page))
     width, height, taken = shrunk(page, png)
     live = pixels(page)
     assert (width, height) == (360, 240)
     assert spread(taken) > 5 and difference(taken, live) < ALIKE, (spread(taken), difference(taken, live))
     wait_for_sessions(stack, page, 1)
-    page.get_by_role("button", name="Hide this").click()
+    page.get_by_role("button", name="Hide this message").click()
 
-    # Given up, nothing is saved, and the session is given back.
-    page.get_by_role("button", name="Save a picture").click()
+    # After cancelling, nothing is saved, and the session is released.
+    page.get_by_role("button", name="Save or share").click()
     dialog.get_by_label("Size").select_option("largest")
-    dialog.get_by_label("How clean").select_option("best")
+    dialog.get_by_label("Quality", exact=True).select_option("best")
     dialog.get_by_role("button", name="Save the picture").click()
     line = page.locator("[data-shot=rendering]")
     expect(line).to_be_visible()
@@ -125,7 +126,7 @@ def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: T
     drag(page, 90, 20)
     wait_for_samples(stack, page, 16, input_seq=last_input(page))
     page.keyboard.press("s")
-    field = page.get_by_label("The link")
+    field = page.get_by_role("textbox", name="Link", exact=True)
     expect(field).to_have_value(re.compile(r"#view="))
     link = field.input_value()
     assert link.startswith(f"{stack.url}/view/{scan}#view=1.") and len(link) < 2048
@@ -147,8 +148,8 @@ def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: T
     again.screenshot(path=pictures / "linked.png")
     again.close()
 
-    # Junk, and a link of a later version: said, and the scan as usual.
-    for address, words in ((link[:-40], "damaged or was cut off"), (link.replace("#view=1.", "#view=2."), "newer Diaphane")):
+    # Damaged links, and links of a later version, show a message and the scan as usual.
+    for address, words in ((link[:-40], "damaged or incomplete"), (link.replace("#view=1.", "#view=2."), "newer version of Diaphane")):
         odd = opened(address)
         expect(odd.get_by_text(words)).to_be_visible()
         wait_for_samples(stack, odd, 16)
@@ -156,8 +157,8 @@ def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: T
         odd.screenshot(path=pictures / "link-refused.png")
         odd.close()
 
-    # To somebody else the link opens nothing.
+    # The link grants another user no access.
     stranger = visit(small=True)
     Person.arrives(stack, stranger, "fremd")
     stranger.goto(link)
-    expect(stranger.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible()
+    expect(stranger.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()

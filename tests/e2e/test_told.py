@@ -1,4 +1,4 @@
-"""What the viewer tells beside the picture: the side that is seen, how good it is, names, how often values occur, the looks."""
+"""Information beside the picture: the visible side, its quality, names, the histogram, the looks."""
 
 from __future__ import annotations
 
@@ -15,50 +15,51 @@ from test_by_hand import Eye, answered
 from test_in_picture import open_viewer
 from test_settings import Hands
 
-#: Of the patient's axes (scene.proto), where they come towards the eye: below 0, above 0.
+#: The patient's axes (scene.proto) by the sign of the component towards the eye: below 0, above 0.
 SIDES = (("the patient’s right", "R", "the patient’s left", "L"), ("the front", "A", "the back", "P"), ("below", "I", "above", "S"))
 SIDE = 24
 
 
 def check_cube(hands: Hands) -> str:
-    """It shows the side from which the camera looks; its letter."""
+    """Checks that the cube shows the side from which the camera looks. Returns its letter."""
     away = Eye(hands).away
     axis = max(range(3), key=lambda n: abs(away[n]))
     low, low_letter, high, high_letter = SIDES[axis]
     side, letter = (high, high_letter) if away[axis] > 0 else (low, low_letter)
-    expect(hands.page.locator(".cube")).to_have_attribute("aria-label", f"Seen from {side}")
+    expect(hands.page.locator(".cube")).to_have_attribute("aria-label", f"Viewed from {side}")
     expect(hands.page.locator(".cube-letter").last).to_have_text(letter)
     return letter
 
 
 def check_plot(hands: Hands) -> None:
-    """The error falls, in the plot as in words, and there are samples and seconds."""
+    """Checks that the error falls, in the plot and as text, and that samples and seconds are shown."""
     page = hands.page
     panel = page.get_by_role("region", name="Quality", exact=True)
+    panel.get_by_text("Details", exact=True).click()
     wait_for_samples(hands.stack, page, 12, input_seq=hands.kept()[1])
     line = panel.locator(".plot-line")
-    expect(line).to_have_attribute("points", re.compile(r"\d \d"))  # two places or more
+    expect(line).to_have_attribute("points", re.compile(r"\d \d"))  # two points or more
     places = [tuple(map(float, at.split(","))) for at in line.get_attribute("points").split()]
-    assert places[-1][0] > places[0][0] and places[-1][1] > places[0][1], places  # y goes down
-    expect(panel.get_by_role("img", name="Error against time, both logarithmic")).to_be_visible()
-    expect(panel.locator("[data-fact=error]")).to_contain_text(" %")
+    assert places[-1][0] > places[0][0] and places[-1][1] > places[0][1], places  # y points down
+    expect(panel.get_by_role("img", name="Noise level over time, both axes logarithmic")).to_be_visible()
+    expect(panel.locator("[data-fact=error]")).to_contain_text("%")
     expect(panel.locator("[data-fact=time]")).to_contain_text(re.compile(r"\d (ms|s|min)$"))
-    panel.get_by_role("button", name="Error?").click()
-    expect(panel.get_by_text("It halves with four times the samples.")).to_be_visible()
+    panel.get_by_role("button", name="Noise level?").click()
+    expect(panel.get_by_text("Four times as many samples halve it.")).to_be_visible()
 
 
 def check_histogram(page: Page, look) -> None:
-    """Even or logarithmic, and so again in a window that is opened anew."""
+    """Linear or logarithmic, and the same in a window that is opened again."""
     drawn = look.locator(".graph-histogram")
     logarithmic = drawn.get_attribute("points")
-    look.get_by_label("Heights of the histogram").select_option("linear")
+    look.get_by_label("Histogram scale").select_option("linear")
     expect(drawn).not_to_have_attribute("points", logarithmic)
     even = drawn.get_attribute("points")
     look.get_by_role("button", name="Close Materials").click()
     page.get_by_role("button", name="Materials", exact=True).click()
     expect(drawn).to_have_attribute("points", even)
     look.get_by_text("More", exact=True).click()
-    look.get_by_label("Heights of the histogram").select_option("logarithmic")
+    look.get_by_label("Histogram scale").select_option("logarithmic")
     expect(drawn).to_have_attribute("points", logarithmic)
 
 
@@ -73,10 +74,10 @@ def rename(hands: Hands, frame, old: str, new: str) -> None:
 def test_sides_quality_names_and_looks_are_told(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(wide=True)
     hands = open_viewer(stack, page, cranium, "tilda", 1000, 640)
-    page.get_by_role("button", name="Hide the hints").click()
+    page.get_by_role("button", name="Hide the tips").click()
     begun = hands.kept()[0]
 
-    # Once round, and from above.
+    # A full rotation, and from above.
     canvas, seen = page.locator("canvas"), set()
     canvas.focus()
     for key in ["ArrowRight"] * 4 + ["ArrowDown"] * 3:
@@ -88,7 +89,7 @@ def test_sides_quality_names_and_looks_are_told(stack: TestStack, visit, cranium
     hands.act(page.get_by_role("button", name="Reset the view").click)
     check_plot(hands)
 
-    # Every look is a picture of this scan, and each is another.
+    # Every look has a picture of this scan, and all are different.
     images = page.locator(".preset-picture img")
     expect(images).to_have_count(5)
     looks = [base64.b64decode(image.evaluate(SHRINK, SIDE)) for image in images.all()]
@@ -97,7 +98,7 @@ def test_sides_quality_names_and_looks_are_told(stack: TestStack, visit, cranium
 
     look = hands.window("Materials")
     look.get_by_text("More", exact=True).click()
-    expect(look.get_by_text("Where materials overlap, the more opaque one decides")).to_be_visible()
+    expect(look.get_by_text("Where materials overlap, the more opaque one determines")).to_be_visible()
     check_histogram(page, look)
     named = json.loads(hands.kept()[0])["transferFunction"]["channels"][0].get("name", "")
     rename(hands, look, named, "<b>Bone & more</b>")
@@ -106,7 +107,7 @@ def test_sides_quality_names_and_looks_are_told(stack: TestStack, visit, cranium
     light = hands.window("Light")
     light.get_by_text("More", exact=True).click()
     rename(hands, light, json.loads(hands.kept()[0])["lights"][0].get("name", ""), "Lamp at the door")
-    # A picture of one's own before a light, made here: black on the left, white on the right.
+    # A custom picture before a light: black on the left, white on the right.
     picture = page.evaluate("""async () => {
         const canvas = new OffscreenCanvas(64, 32), context = canvas.getContext("2d");
         context.fillRect(0, 0, 64, 32);
@@ -115,11 +116,11 @@ def test_sides_quality_names_and_looks_are_told(stack: TestStack, visit, cranium
         const bytes = new Uint8Array(await (await canvas.convertToBlob()).arrayBuffer());
         return btoa(String.fromCharCode(...bytes));
     }""")
-    own = light.get_by_label("A picture of your own to shine through")
+    own = light.get_by_label("Use your own picture as a light pattern")
     answered(hands, "a texture of one's own", lambda: own.set_input_files({"name": "window.png", "mimeType": "image/png", "buffer": base64.b64decode(picture)}))
     expect(light.locator(".texture-own[data-chosen]")).to_be_visible()
     page.screenshot(path=pictures / "told.png")
     undo = page.get_by_role("button", name="Undo", exact=True)
     while undo.get_attribute("aria-disabled") == "false":
-        hands.act(undo.click)  # Ctrl+Z would be the text field's own
+        hands.act(undo.click)  # Ctrl+Z would undo in the text field
     assert hands.kept()[0] == begun

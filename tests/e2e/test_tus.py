@@ -1,6 +1,5 @@
-"""tus 1.0 as others speak it: plain tus-js-client in Chromium, from creation to termination, against the real edge and api.
-
-The page itself uses the same client; here it runs with nothing of ours around it."""
+"""tus 1.0 with a standard client: plain tus-js-client in Chromium, from creation to termination, against the real edge and api.
+The page uses the same client, here without Diaphane's code around it."""
 
 from __future__ import annotations
 
@@ -18,7 +17,7 @@ from test_upload import Dam
 CLIENT = REPO / "frontend" / "node_modules" / "tus-js-client" / "dist" / "tus.min.js"
 PART = 8 * 1024 * 1024
 
-# Bytes that both sides can make; `tus.Upload` with the page's token and what a test wants beside.
+# Reproducible bytes, and `tus.Upload` with the page's token and a test's options.
 SETUP = """async () => {
   const { csrf_token } = await (await fetch("/v1/me")).json();
   window.bytes_of = (length, seed) => {
@@ -52,7 +51,7 @@ def bytes_of(length: int, seed: int) -> bytes:
 
 @pytest.fixture(scope="module")
 def tus_stack(stack_house: StackHouse):
-    """No ingestd: what has been uploaded stays to be looked at."""
+    """Without ingestd, so that uploads stay and can be inspected."""
     stack = stack_house.open(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_MAX_UPLOAD_MB": "64"})
     yield stack
     stack_house.shut(stack)
@@ -92,7 +91,7 @@ def test_a_plain_client_creates_and_uploads_several_at_once(tus_stack: TestStack
         assert same_bytes(tus_stack, url, 400000 + seed, seed)
         data_set = url.rsplit("/", 1)[1]
         assert tus_stack.psql("SELECT title, state FROM data_sets WHERE id = %s", data_set) == [("By another client", "queued")]
-    # What such a client says of its file by itself is kept nowhere.
+    # Nothing that such a client sends about its file by default is stored.
     assert "Mustermann" not in "".join(tus_stack.log(program) for program in ("api", "edge"))
 
 
@@ -100,14 +99,14 @@ def test_an_upload_survives_the_server_killed_in_the_middle(tus_stack: TestStack
     length = 3 * PART + 1234
     page.evaluate("(length) => { window.run = begin(length, 7); run.upload.start(); }", length)
     tus_stack.wait_until(lambda: page.evaluate("run.offsets.length") >= 2, what="the second part")
-    # This client begins anew when it asks too early; who asks once the server is back finds all that had arrived.
+    # This client starts again if it asks too early. A client that asks once the server is back finds everything that had arrived.
     page.evaluate("run.upload.abort()")
     tus_stack.kill("api")
     tus_stack.wait_ready("api")
     page.evaluate("run.upload.start()")
     url = page.evaluate("run.done")
     assert same_bytes(tus_stack, url, length, 7)
-    assert page.evaluate("run.offsets").count(0) == 1  # what had arrived was not sent again
+    assert page.evaluate("run.offsets").count(0) == 1  # received parts are not sent again
 
 
 def test_the_page_itself_goes_on_through_the_servers_absence(tus_stack: TestStack, visit, cranium: Path):
@@ -121,7 +120,7 @@ def test_the_page_itself_goes_on_through_the_servers_absence(tus_stack: TestStac
     expect(person.card("Survivor")).to_be_visible()
     tus_stack.kill("api", restart=False)
     dam.opens()
-    expect(person.card("Survivor")).to_contain_text("The upload goes on by itself")
+    expect(person.card("Survivor")).to_contain_text("The upload will resume automatically")
     tus_stack.start("api")
     expect(person.card("Survivor")).to_have_attribute("data-state", "queued")
     assert parts.count("0") == 1 and parts.count(str(PART)) >= 2
@@ -134,7 +133,7 @@ def test_a_browser_begun_anew_goes_on_where_it_was(tus_stack: TestStack, page: P
         window.run = begin(length, 9, { onChunkComplete: () => { run.upload.abort(); resolve(); } });
         run.upload.start();
     })""", length)
-    # Another window of the same browser, as after a restart: nothing is left but what the client wrote down.
+    # Another window of the same browser, as after a restart: only what the client stored is left.
     again = page.context.new_page()
     page.close()
     again.goto(tus_stack.url)

@@ -1,4 +1,4 @@
-"""One picture in two windows of one person."""
+"""One picture in two windows of the same user."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     first = person.page
     wait_for_samples(stack, first, 1)
 
-    # What "Duplicate" in a browser does: the new window begins with what the old one remembers. (window.open would too,
-    # but a window of its own does not always take the mouse in a headless browser.)
+    # Like "Duplicate" in a browser: the new window starts with the state of the old one. (window.open would do this, too, but in
+    # a headless browser its window does not always receive mouse events.)
     assert kept_view(first)["session_id"]
     remembered = first.evaluate("JSON.stringify(sessionStorage)")
     second = first.context.new_page()
@@ -28,14 +28,15 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     second.goto(first.url)
     wait_for_samples(stack, second, 1)
     assert kept_view(first)["session_id"] == kept_view(second)["session_id"]
-    expect(first.get_by_role("status")).to_contain_text("This picture goes on in another window.")
+    expect(first.get_by_role("status")).to_contain_text("This picture is now open in another window.")
     drag(second, 200, 0)
     wait_for_samples(stack, second, 2, input_seq=last_input(second))
-    expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "elsewhere")  # it does not take it back by itself
+    # it does not reclaim the session on its own
+    expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "elsewhere")
 
     first.get_by_role("button", name="Continue here").click()
     expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     expect(first.get_by_role("button", name="Continue here")).to_have_count(0)
-    expect(second.get_by_role("status")).to_contain_text("This picture goes on in another window.")
+    expect(second.get_by_role("status")).to_contain_text("This picture is now open in another window.")
     drag(first, -100, 0)
     wait_for_samples(stack, first, 2, input_seq=last_input(first))

@@ -1,4 +1,4 @@
-"""Adding a scan: what is refused in which words, and an upload that is cut."""
+"""Adding a scan: refusals with their messages, and interrupted uploads."""
 
 from __future__ import annotations
 
@@ -28,34 +28,34 @@ def test_a_folder_without_dicom_is_refused_in_words(person: Person, tmp_path: Pa
     (tmp_path / "letter.pdf").write_bytes(b"%PDF-1.7 not a scan at all, and longer than a preamble" * 10)
     (tmp_path / "lies.dcm").write_text("its name says more than is true")
     person.choose_folder(tmp_path)
-    expect(person.page.get_by_role("alert")).to_contain_text("None of the 2 files is a DICOM file")
+    expect(person.page.get_by_role("alert")).to_contain_text("None of these 2 files is a DICOM file")
 
 
 def test_three_slices_are_refused_with_their_number(person: Person, cranium: Path, tmp_path: Path):
     some_slices(cranium, tmp_path / "few", 3)
     person.choose_folder(tmp_path / "few")
-    expect(person.page.get_by_text("Too few slices: 3, and 16 are needed to show depth.")).to_be_visible()
+    expect(person.page.get_by_text("There are only 3 slices. At least 16 are needed to show depth.")).to_be_visible()
 
 
 def test_a_scout_alone_is_refused_as_a_scout(person: Person, cranium: Path, tmp_path: Path):
     for path in some_slices(cranium, tmp_path / "scout", 2):
         path.write_bytes(with_image_type(path.read_bytes(), b"ORIGINAL\\PRIMARY\\LOCALIZER"))
     person.choose_folder(tmp_path / "scout")
-    expect(person.page.get_by_role("heading", name="No scan here that can be shown")).to_be_visible()
-    expect(person.page.get_by_text("This is a scout: a picture that the scan was planned by.")).to_be_visible()
+    expect(person.page.get_by_role("heading", name="No scan found that can be shown")).to_be_visible()
+    expect(person.page.get_by_text("This is an overview image that was used to plan the scan.")).to_be_visible()
 
 
 def test_a_dropped_folder_is_looked_into(person: Person, cranium: Path, tmp_path: Path):
     disc = tmp_path / "disc"
     (disc / "DICOM").mkdir(parents=True)
-    some_slices(cranium, disc / "DICOM" / "SE1")  # more files than a directory's reader gives at a time
+    some_slices(cranium, disc / "DICOM" / "SE1")  # more files than a directory reader returns at a time
     (disc / "readme.txt").write_text("start viewer.exe")
     page = person.page
     page.goto(person.stack.url + "/add")
     drop(page, disc)
-    expect(page.get_by_text("One series can be shown")).to_be_visible()
+    expect(page.get_by_text("1 image series can be shown")).to_be_visible()
     expect(page.get_by_text("108 slices")).to_be_visible()
-    expect(page.get_by_text("1 file is not DICOM and left alone.")).to_be_visible()
+    expect(page.get_by_text("1 file is not a DICOM file and was ignored.")).to_be_visible()
 
 
 def test_a_scan_over_the_quota_is_refused_with_both_sizes(person: Person, cranium: Path):
@@ -64,17 +64,17 @@ def test_a_scan_over_the_quota_is_refused_with_both_sizes(person: Person, craniu
     person.choose_folder(cranium)
     page.get_by_role("button", name="Upload", exact=True).click()
     expect(page.get_by_role("alert")).to_have_text(
-        re.compile(r"This scan needs \d+(\.\d)? MB, and 5(\.0)? MB of your space is free\. Delete a scan first\."))
+        re.compile(r"This scan needs \d+(\.\d)? MB, but you have only 5(\.0)? MB of storage left\. Delete a scan first\."))
     page.goto(person.stack.url + "/scans")
     expect(page.get_by_text("No scans yet")).to_be_visible()
 
 
 def test_a_truncated_slice_in_the_middle_is_missed(person: Person, cranium: Path, tmp_path: Path):
     slices = some_slices(cranium, tmp_path / "torn")
-    for torn in slices[50:54]:  # one more than is filled in
+    for torn in slices[50:54]:  # one more missing slice than is interpolated
         torn.write_bytes(torn.read_bytes()[:20_000])
     person.choose_folder(tmp_path / "torn")
-    expect(person.page.get_by_text("4 slices are missing within the series; copy the disc again.")).to_be_visible()
+    expect(person.page.get_by_text("4 slices are missing from this series. Try copying the files from the disc again.")).to_be_visible()
 
 
 def test_a_tiny_file_that_claims_a_huge_picture_stops_nothing(person: Person, cranium: Path, tmp_path: Path):
@@ -86,7 +86,7 @@ def test_a_tiny_file_that_claims_a_huge_picture_stops_nothing(person: Person, cr
     lie[rows + 8:rows + 10] = lie[columns + 8:columns + 10] = b"\xff\xff"
     (tmp_path / "trap" / "lie").write_bytes(bytes(lie))
     person.choose_folder(tmp_path / "trap")
-    expect(person.page.get_by_text(re.compile("can be shown|Nothing here|hidden"))).not_to_have_count(0)
+    expect(person.page.get_by_text(re.compile("can be shown|can’t be shown"))).not_to_have_count(0)
 
 
 def test_a_cut_upload_goes_on_by_itself_and_after_a_reload(person: Person, cranium: Path):
@@ -102,23 +102,23 @@ def test_a_cut_upload_goes_on_by_itself_and_after_a_reload(person: Person, crani
 
     page.route("**/v1/uploads/*", maybe_cut)
     person.upload(cranium, "Cut head")
-    expect(person.card("Cut head")).to_contain_text("The upload goes on by itself")
+    expect(person.card("Cut head")).to_contain_text("The upload will resume automatically")
 
     page.reload()
-    expect(person.card("Cut head")).to_contain_text(re.compile(r"Interrupted at \d\d %"))
+    expect(person.card("Cut head")).to_contain_text(re.compile(r"Interrupted at \d\d%"))
     expect(person.card("Cut head")).to_contain_text("Choose the same folder again")
     cut["on"] = False
     offsets.clear()
     person.choose_folder(cranium)
-    expect(page.get_by_text(re.compile(r"was interrupted at \d\d %\. What has arrived is not sent again"))).to_be_visible()
-    page.get_by_role("button", name="Go on with the upload").click()
+    expect(page.get_by_text(re.compile(r"was interrupted at \d\d%\. It will resume where it stopped"))).to_be_visible()
+    page.get_by_role("button", name="Resume upload").click()
     expect(person.card("Cut head")).to_have_attribute("data-state", "ready")
-    expect(person.card("Cut head")).to_have_count(1)  # the same data set went on
+    expect(person.card("Cut head")).to_have_count(1)  # the same data set was resumed
     assert offsets == ["8388608"]
 
 
 class Dam:
-    """Lets the first part of each upload pass and holds the others until it is opened."""
+    """Lets the first part of each upload pass and holds the others back until it is opened."""
 
     def __init__(self, page: Page):
         self.page, self.held, self.open = page, [], False
@@ -131,7 +131,7 @@ class Dam:
             self.held.append(route)
 
     def wait(self, stack: TestStack, uploads: int = 1) -> None:
-        """Until the first part of each has arrived and is stored: the browser begins the next one then."""
+        """Waits until the first part of each upload is stored, after which the browser sends the next one."""
         stack.wait_until(lambda: self.page.wait_for_timeout(50) or len(self.held) >= uploads, 120, "the second part")
 
     def opens(self) -> None:
@@ -149,18 +149,18 @@ def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: P
     person.upload(cranium, "Paused head")
     card = person.card("Paused head")
     dam.wait(stack)
-    expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
+    expect(card).to_contain_text(re.compile(r"[5-9]\d%"))
     upload = stack.data_dir / "uploads" / f"{card.get_attribute('data-id')}.tar"
     page.get_by_role("button", name="Pause the upload of Paused head").click()
-    expect(card).to_contain_text(re.compile(r"Paused at \d\d %\."))
+    expect(card).to_contain_text(re.compile(r"Paused at \d\d%\."))
     dam.opens()
     offsets = watch_parts(page)
-    # On another page it is still there, and the bar says so on every page.
+    # On other pages it continues, and the bar on every page shows it.
     page.get_by_role("link", name="Add a scan").first.click()
     expect(page.get_by_role("link", name=re.compile("1 upload, "))).to_be_visible()
     page.get_by_role("link", name=re.compile("1 upload, ")).click()
     assert offsets == []
-    page.get_by_role("button", name="Go on with the upload of Paused head").click()
+    page.get_by_role("button", name="Resume the upload of Paused head").click()
     expect(card).to_have_attribute("data-state", "ready")
     assert offsets == ["8388608"]
     assert not upload.exists()
@@ -169,13 +169,13 @@ def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: P
     person.upload(cranium, "Unwanted head")
     card = person.card("Unwanted head")
     dam.wait(stack)
-    expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
+    expect(card).to_contain_text(re.compile(r"[5-9]\d%"))
     upload = stack.data_dir / "uploads" / f"{card.get_attribute('data-id')}.tar"
     assert upload.exists()
     page.get_by_role("button", name="Cancel the upload of Unwanted head").click()
     page.get_by_role("dialog").get_by_role("button", name="Keep uploading").click()
     page.get_by_role("button", name="Cancel the upload of Unwanted head").click()
-    page.get_by_role("dialog").get_by_role("button", name="Cancel the upload").click()
+    page.get_by_role("dialog").get_by_role("button", name="Cancel upload").click()
     expect(card).to_have_count(0)
     stack.wait_until(lambda: not upload.exists(), what="the file's disposal")
 
@@ -185,22 +185,22 @@ def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person:
     dam = Dam(page)
     person.upload(cranium, "First head")
     some_slices(cranium, tmp_path / "other", 80)
-    # By the page's own links: the upload goes on while one looks at other pages.
+    # With the page's own links: the upload continues while the user views other pages.
     page.get_by_role("link", name="Add a scan").first.click()
     page.get_by_label("Choose a folder").set_input_files(tmp_path / "other")
     page.get_by_label("Your name for this scan").fill("Second head")
     page.get_by_role("button", name="Upload", exact=True).click()
     for title in ("First head", "Second head"):
-        expect(person.card(title)).to_contain_text(re.compile(r"[5-9]\d %"))
+        expect(person.card(title)).to_contain_text(re.compile(r"[5-9]\d%"))
     dam.wait(person.stack, uploads=2)  # both at once
 
     second = page.context.new_page()
     second.goto(person.stack.url + "/scans")
     for title in ("First head", "Second head"):
-        expect(second.locator("article.card", has_text=title)).to_contain_text(re.compile(r"\d\d %, in another window"))
+        expect(second.locator("article.card", has_text=title)).to_contain_text(re.compile(r"\d\d%, in another window"))
     second.goto(person.stack.url + "/add")
     second.get_by_label("Choose a folder").set_input_files(cranium)
-    second.get_by_role("button", name="Go on with the upload").click()
+    second.get_by_role("button", name="Resume upload").click()
     expect(second.get_by_role("alert")).to_contain_text("being uploaded in another window")
     second.close()
 
@@ -210,19 +210,19 @@ def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person:
 
 
 def test_a_full_disk_is_said_and_the_upload_goes_on_when_there_is_room(person: Person, cranium: Path):
-    """A limit on the size of the server's files stands for the full disk: a part is written up to it, then refused."""
+    """A limit on the size of the server's files simulates a full disk: a part is written up to it, then refused."""
     page, stack = person.page, person.stack
     limit_files(stack, "9000000")
     try:
         person.upload(cranium, "Large head")
-        expect(person.card("Large head")).to_contain_text("The server has no room left just now. What has arrived is kept")
+        expect(person.card("Large head")).to_contain_text("The server has run out of space. What you have uploaded so far is kept")
         upload = stack.data_dir / "uploads" / f"{person.card('Large head').get_attribute('data-id')}.tar"
-        assert upload.stat().st_size == 8388608  # nothing is left of the part that found no room
+        assert upload.stat().st_size == 8388608  # nothing of the refused part is left
     finally:
         limit_files(stack, "unlimited")
-    # A minute is long for a test; who does not want to wait either has these two.
+    # A minute is long for a test, and users who do not want to wait have these two buttons.
     page.get_by_role("button", name="Pause the upload of Large head").click()
-    page.get_by_role("button", name="Go on with the upload of Large head").click()
+    page.get_by_role("button", name="Resume the upload of Large head").click()
     expect(person.card("Large head")).to_have_attribute("data-state", "ready")
 
 
@@ -230,7 +230,7 @@ def test_each_part_carries_its_checksum(person: Person, cranium: Path):
     checksums = []
     person.page.on("request", lambda request: checksums.append(request.headers.get("upload-checksum", ""))
                    if request.method == "PATCH" else None)
-    person.has_scan(cranium, "Checked head")
+    person.uploads_scan(cranium, "Checked head")
     assert len(checksums) == 2
     assert all(re.fullmatch(r"sha1 [A-Za-z0-9+/]{27}=", checksum) for checksum in checksums)
 
@@ -239,7 +239,7 @@ def test_a_scan_is_deleted_after_a_question(person: Person, cranium: Path):
     person.has_scan(cranium, "Short-lived")
     page = person.page
     page.get_by_role("button", name="Delete Short-lived").click()
-    expect(page.get_by_role("dialog")).to_contain_text("gone for good")
+    expect(page.get_by_role("dialog")).to_contain_text("permanently delete")
     page.keyboard.press("Escape")
     expect(person.card("Short-lived")).to_have_count(1)
     page.get_by_role("button", name="Delete Short-lived").click()
@@ -247,15 +247,28 @@ def test_a_scan_is_deleted_after_a_question(person: Person, cranium: Path):
     expect(person.card("Short-lived")).to_have_count(0)
 
 
+def test_a_corrected_scan_says_so_and_gives_the_figures_on_request(person: Person, cranium: Path):
+    scan = person.has_scan(cranium, "Leaning head")
+    person.stack.psql("UPDATE data_sets SET repairs = ARRAY['straightened 18.5 degrees (gantry tilt)'] WHERE id = %s", scan)
+    page, card = person.page, person.card("Leaning head")
+    page.reload()
+    expect(card).to_contain_text("We corrected this scan: it was tilted.")
+    figures = card.get_by_text("Gantry tilt of 18.5° corrected.")
+    expect(figures).not_to_be_visible()
+    card.get_by_text("Details", exact=True).click()
+    expect(figures).to_be_visible()
+    expect(page.get_by_role("heading", name="My scans")).to_be_visible()  # the card's link was not followed
+
+
 def with_image_type(file: bytes, value: bytes) -> bytes:
-    """The same file with another ImageType (0008,0008), of even length; explicit little endian."""
+    """Returns the file with another ImageType (0008,0008) of even length, in explicit little endian."""
     at = file.index(b"\x08\x00\x08\x00CS")
     length = int.from_bytes(file[at + 6:at + 8], "little")
     return file[:at + 6] + len(value).to_bytes(2, "little") + value + file[at + 8 + length:]
 
 
 def drop(page: Page, folder: Path) -> None:
-    """As from a file manager onto the middle of the field: the browser itself opens the folder."""
+    """Drops as from a file manager onto the middle of the field. The browser itself opens the folder."""
     box = page.get_by_text("Drop a folder here").bounding_box()
     devtools = page.context.new_cdp_session(page)
     for kind in ("dragEnter", "dragOver", "drop"):
@@ -266,7 +279,7 @@ def drop(page: Page, folder: Path) -> None:
 
 
 def limit_files(stack: TestStack, most_bytes: str) -> None:
-    """How large the files of api may grow, from now on; the hard limit stays."""
+    """Limits the size of api's files. The hard limit stays."""
     command = ["prlimit", "--pid", str(stack.pids["api"]), f"--fsize={most_bytes}:"]
     subprocess.run(command, check=True, **stack.stack.run_as.popen())
 

@@ -1,4 +1,4 @@
-"""From a folder of DICOM files to a moving picture, as a person goes it."""
+"""From a folder of DICOM files to a moving picture, as a user does it."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from harness import TestStack
 from person import Person
 from picture import difference, drag, facts, kept_view, last_input, pixels, spread, wait_for_samples
 
-ENOUGH = 8  # samples a pixel: at 128 x 128 their noise is far below what a turn changes
+ENOUGH = 8  # samples per pixel; at 128 x 128 the noise is far below the changes of a rotation
 
 
 def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit()
-    person = Person.arrives(stack, page, "anna")
+    person = Person.signs_up_and_in(stack, page, "anna")
     expect(page.get_by_text("No scans yet")).to_be_visible()
 
     person.choose_folder(cranium)
-    expect(page.get_by_text("One series can be shown")).to_be_visible()
-    expect(page.get_by_text("Mustermann Canary7f3a")).to_be_visible()  # to the person, on this page
+    expect(page.get_by_text("1 image series can be shown")).to_be_visible()
+    expect(page.get_by_text("Mustermann Canary7f3a")).to_be_visible()  # visible to the user on this page
     expect(page.get_by_text("108 slices")).to_be_visible()
     page.screenshot(path=pictures / "series.png")
 
-    person.has_scan(cranium, "My head")
+    person.uploads_scan(cranium, "My head")
     person.open_scan("My head")
 
-    # The picture comes, is no empty one, and its error falls.
+    # The picture appears, is not empty, and its error falls.
     early = wait_for_samples(stack, page, 2)
     rested = wait_for_samples(stack, page, ENOUGH)
     first = pixels(page)
     assert spread(first) > 5
     later = wait_for_samples(stack, page, 2 * rested.samples)
-    # On a slow machine the very first picture is a small one: growing to the canvas begins an epoch, once.
+    # On a slow machine, the first picture is small. Growing to the canvas starts an epoch once.
     assert early.epoch <= rested.epoch <= early.epoch + 1
     assert later.epoch == rested.epoch
     assert later.error < rested.error
     assert rested.error < early.error or early.error == float("inf") or early.epoch < rested.epoch
     page.screenshot(path=pictures / "viewer.png")
 
-    # Noise: the same scene again, from nothing (a change of size there and back begins a new epoch).
+    # Noise: the same scene from the start (changing the size back and forth starts a new epoch).
     noise = difference(first, pixels(page))
 
     # A drag changes it by more than its noise.
@@ -54,7 +54,7 @@ def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visi
     assert difference(first, second) > 5 * max(noise, 0.2)
     page.screenshot(path=pictures / "turned.png")
 
-    # Reloaded, one is where one was: the same session goes on with what it had.
+    # A reload restores the view: the same session continues.
     session = kept_view(page)["session_id"]
     last = last_input(page)
     page.reload()
@@ -74,7 +74,7 @@ def test_a_second_person_sees_none_of_it(stack: TestStack, visit, cranium: Path)
     expect(bert.page.get_by_text("No scans yet")).to_be_visible()
     expect(bert.card("Private head")).to_have_count(0)
     bert.page.goto(f"{stack.url}/view/{scan}")
-    expect(bert.page.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible()
+    expect(bert.page.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
     expect(bert.page.locator("canvas[data-samples]")).to_have_count(0)
     for method, path, body in [
         ("GET", f"/v1/data-sets/{scan}", None),
@@ -95,12 +95,12 @@ def test_a_second_person_sees_none_of_it(stack: TestStack, visit, cranium: Path)
 
 def test_names_never_leave_the_browser_and_are_nowhere_on_the_server(stack_factory, visit, cranium: Path):
     stack = stack_factory()
-    person = Person.arrives(stack, visit(), "anna")
+    person = Person.signs_up_and_in(stack, visit(), "anna")
 
-    # The search finds what is there: the folder itself is full of canaries.
+    # The search works: the folder itself is full of canaries.
     assert len(canaries_in((sorted(cranium.iterdir())[0]).read_bytes())) > 0
 
-    stack.stop("ingestd")  # so that what was uploaded can be looked at before it is built and deleted
+    stack.stop("ingestd")  # so that the upload can be inspected before it is built and deleted
     person.upload(cranium, "Nameless head")
     expect(person.card("Nameless head")).to_have_attribute("data-state", "queued")
     uploaded = [path for path in (stack.data_dir / "uploads").iterdir() if path.stat().st_size > 10_000_000]
@@ -115,7 +115,7 @@ def test_names_never_leave_the_browser_and_are_nowhere_on_the_server(stack_facto
     stack.redis.save()
     assert canaries_below(stack.data_dir) == []
     dump = subprocess.run(["pg_dump", "--inserts", stack.dsn], capture_output=True, check=True).stdout
-    assert b"Nameless head" in dump  # what the person typed is there, so the dump is a real one
+    assert b"Nameless head" in dump  # the dump is real, because it contains what the user typed
     assert canaries_in(dump) == []
     assert [p.name for p in (stack.data_dir / "uploads").iterdir() if p.stat().st_size > 1000] == []
 
@@ -132,9 +132,9 @@ def test_a_lost_renderer_is_said_and_mended_to_the_same_picture(stack_factory, v
     before = pixels(page)
 
     stack.kill("renderd")
-    expect(page.get_by_role("status").get_by_text("Coming back")).to_be_visible()
+    expect(page.get_by_role("status").get_by_text("Reconnecting")).to_be_visible()
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     again = wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)
     assert again.input_seq >= turned.input_seq
     assert difference(before, pixels(page)) < 3
-    expect(page.get_by_role("status").get_by_text("Coming back")).to_have_count(0)
+    expect(page.get_by_role("status").get_by_text("Reconnecting")).to_have_count(0)

@@ -1,4 +1,4 @@
-"""The ways in which a person works a control: a mouse, keys, a finger. Each does the same deeds."""
+"""The input methods for controls: mouse, keyboard and touch. Each performs the same actions."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class Mouse:
         box.click()
 
     def slide(self, slider: Locator) -> None:
-        """To where the slider is not: a third or two of its way."""
+        """Moves the slider to another position, a third or two thirds of its range."""
         slider.scroll_into_view_if_needed()
         slider.click(position=beside(slider))
 
     def choose(self, choice: Locator, value: str) -> None:
-        choice.select_option(value)  # its list is the system's, which a headless browser does not show
+        choice.select_option(value)  # the system draws its list, which a headless browser does not show
 
     def drag(self, begin: tuple[float, float], right: float, down: float) -> None:
         x, y = begin
@@ -50,7 +50,7 @@ class Finger(Mouse):
         slider.tap(position=beside(slider))
 
     def drag(self, begin: tuple[float, float], right: float, down: float) -> None:
-        """Lifted while it moves, the finger flicks: the next tap is to count all the same."""
+        """Lifting the finger while it moves is a flick, after which the next tap must still work."""
         x, y = begin
         Fingers(self.page).drag([(begin, (x + right, y + down))])
 

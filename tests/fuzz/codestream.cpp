@@ -1,5 +1,5 @@
-// Any bytes as a compressed picture. The first chooses the way, the next four the size that is
-// claimed.
+// Any bytes as a compressed image. The first byte chooses the syntax, and the next four the claimed
+// size.
 #include "ingest/dicom/codestream.h"
 
 #include <array>

@@ -1,5 +1,5 @@
-// Any bytes as the body of a request, read as every kind of field, and as what is said beside a
-// body: parameters of a query, headers, the metadata of an upload. What is refused is answered.
+// Any bytes as the body of a request, read as every kind of field, and as query parameters, headers
+// and upload metadata. Refusals are turned into responses.
 #include <algorithm>
 #include <array>
 

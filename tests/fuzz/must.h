@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// Ends the fuzzer with a finding, in every kind of build.
+/// Ends the fuzzer with a finding, in every build type.
 #define MUST(what)                                                            \
   do {                                                                        \
     if (!(what)) {                                                            \

@@ -1,4 +1,4 @@
-// Any bytes as a DICOM file: the pre-check, the walk over elements, inflating, compressed pictures.
+// Any bytes as a DICOM file: the pre-check, the walk over elements, inflating, compressed images.
 #include "ingest/dicom/precheck.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   if (checked.state != FileState::kFit) {
     MUST(!checked.text.empty() && checked.text.size() < 200);
     MUST(checked.plain.empty());
-    // Words of ours, or a registered identifier: never a text of the file.
+    // The project's own words or a registered identifier, never text of the file.
     MUST(std::all_of(checked.text.begin(), checked.text.end(),
                      [](char c) { return c >= ' ' && c <= '~'; }));
     return 0;
@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   MUST(checked.plain.size() <= std::max<std::uint64_t>(size, limits.inflated_bytes) + 512);
   MUST(checked.has_pixels == !checked.pixels.empty());
   MUST(checked.unpacked_bytes <= std::max(limits.inflated_bytes, limits.pixel_bytes));
-  // What is handed on is a file that the pre-check finds the same in.
+  // The pre-check finds the same in the file that it hands on.
   const Precheck again = precheck(checked.plain, limits);
   MUST(again.state == FileState::kFit);
   MUST(again.rows == checked.rows && again.columns == checked.columns);

@@ -1,4 +1,4 @@
-// Any bytes as a preset: JSON or XML. What is taken is what can be kept, shown and given out again.
+// Any bytes as a preset in JSON or XML. An accepted preset can be stored, shown and returned.
 #include <google/protobuf/stubs/logging.h>
 
 #include "api/handlers/preset_format.h"
@@ -45,7 +45,7 @@ void read_xml(const Request& request) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
-  // Of each text that is no UTF-8 a line: findings would be lost among them.
+  // Suppresses a message per text that is not UTF-8, among which findings would be lost.
   static auto* const silenced = google::protobuf::SetLogHandler(nullptr);
   (void)silenced;
   const std::string_view text(reinterpret_cast<const char*>(data), size);

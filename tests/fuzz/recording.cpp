@@ -1,4 +1,4 @@
-// Any bytes as a recorded interaction. What is taken fits where it is kept and can be given again.
+// Any bytes as a recorded interaction. An accepted one fits where it is stored and can be returned.
 #include "api/handlers/recording_format.h"
 #include "tests/fuzz/requests.h"
 

@@ -1,4 +1,4 @@
-// Any bytes as what a child, which may have been taken over, reports.
+// Any bytes as the report of a child, which may be compromised.
 #include "ingest/pipeline/report.h"
 
 #include "tests/fuzz/must.h"

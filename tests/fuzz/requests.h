@@ -7,7 +7,7 @@
 #include "common/utf8.h"
 #include "tests/fuzz/must.h"
 
-/// What the fuzzers of the API's bodies share.
+/// Helpers shared by the fuzzers of the API's bodies.
 namespace diaphane::fuzz {
 
 inline api::Request request_of(std::string_view content_type, std::string_view body) {
@@ -17,7 +17,7 @@ inline api::Request request_of(std::string_view content_type, std::string_view b
   return request;
 }
 
-/// How many levels of objects and arrays; without recursion.
+/// Returns the number of levels of objects and arrays, without recursion.
 inline int depth_of(const nlohmann::json& value) {
   int deepest = 0;
   std::vector<std::pair<const nlohmann::json*, int>> open{{&value, 1}};

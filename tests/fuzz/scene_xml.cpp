@@ -1,5 +1,5 @@
-// Any bytes as a scene in XML and, behind a zero byte, as the document that a preset was once read
-// from, into which the scene is written. Without XML in front: as a scene in JSON.
+// Any bytes as a scene in XML and, after a zero byte, as the document of a preset into which the
+// scene is written. Without XML at the start: as a scene in JSON.
 #include "scene/scene_xml.h"
 
 #include <google/protobuf/stubs/logging.h>
@@ -15,7 +15,7 @@ namespace {
 
 void written(const scene::XmlPreset& preset, std::string_view kept) {
   const std::string xml = scene::preset_to_xml(preset.name, preset.scene, kept);
-  // A document grows when it is set out in lines; what is larger than a preset may be is not read.
+  // Indentation can make a document larger than the limit for presets, and then it is not read.
   if (xml.size() > scene::kMostXmlBytes) return;
   const auto again = scene::preset_from_xml(xml);
   MUST(again.has_value() || again.error().message.find("too many elements") != std::string::npos);

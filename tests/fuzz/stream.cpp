@@ -1,7 +1,6 @@
-// Any bytes as what three people say to one session, in steps of one byte (who, or what is done),
-// two of length, and a message. All messages of the stream and of the workers are read the way that
-// gateway and renderd read them; what the session lets in is done, live links and cameras of a
-// follower's own included.
+// Any bytes as messages of three people to one session: one byte chooses the person or action, two
+// give the length, and the message follows. Messages are parsed as gateway and renderd parse them,
+// and accepted ones are executed, including live links and followers' own cameras.
 #include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
@@ -22,7 +21,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kPeople{"owner", "0190b2a0-0000-7000-8000-000000000001",
                                                   "0190b2a0-0000-7000-8000-000000000002"};
 
-/// As gRPC and the sessions do it. What can be read can be written, and read again.
+/// Parses like gRPC and the sessions. A parsed message can be serialised and parsed again.
 template <typename T>
 bool read(const std::string& bytes) {
   T message;
@@ -33,7 +32,7 @@ bool read(const std::string& bytes) {
   return true;
 }
 
-/// Whatever the kind, a message that is nested more than 100 deep is refused.
+/// Any message that is nested more than 100 levels deep is refused.
 void read_all(const std::string& bytes) {
   (void)read<v1::ClientMessage>(bytes);
   (void)read<v1::ServerMessage>(bytes);

@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
                                     return {};
                                   });
   MUST(together <= size);
-  // Gone through again, it is the same; what is not wanted is passed over.
+  // A second visit gives the same result, and unwanted files are skipped.
   std::size_t n = 0;
   const auto again = source.visit([](std::size_t index) { return index % 2 == 0; },
                                   [&](std::size_t index, dicom::FileSource::Bytes) -> Result<void> {

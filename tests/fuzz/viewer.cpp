@@ -1,6 +1,5 @@
-// Any bytes as what one browser says to its session: messages one after the other, each behind its
-// length in two bytes. What is let in is then done: the depth is looked for, slices are cut, the
-// frames of a film are planned.
+// Any bytes as messages of one browser to its session, each after its length in two bytes. Accepted
+// messages are executed: depth is queried, slices are cut, and the frames of a film are planned.
 #include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
@@ -20,7 +19,7 @@ using namespace diaphane::render;
 
 namespace {
 
-// 12 x 10 x 8 voxels of a ball, tilted in the room.
+// A ball of 12 x 10 x 8 voxels, tilted in world space.
 const volume::Volume& ball() {
   static const volume::Volume made = [] {
     volume::Volume v;
@@ -128,7 +127,7 @@ class Browser {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
-  // Of each text that is no UTF-8 a line: findings would be lost among them.
+  // Suppresses a message per text that is not UTF-8, among which findings would be lost.
   static auto* const silenced = google::protobuf::SetLogHandler(nullptr);
   (void)silenced;
   Browser browser;

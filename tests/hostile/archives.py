@@ -1,4 +1,4 @@
-"""Uploads that are no plain tar of plain files: names, links, devices, sparse files, archives in archives."""
+"""Uploads that are not a plain tar of plain files: names, links, devices, sparse files, nested archives."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def links() -> Iterator[Case]:
 
 
 def pax(**records: bytes) -> bytes:
-    """Records of an extended header, each with its own length in front (POSIX)."""
+    """Returns records of an extended header, each prefixed with its length (POSIX)."""
     out = b""
     for key, value in records.items():
         body = b" " + key.replace("_", ".").encode() + b"=" + value + b"\n"
@@ -83,7 +83,7 @@ def sizes() -> Iterator[Case]:
     yield size("8 GB claimed, nothing there", "damaged", lambda: [tar_header(size=8 << 30), bytes(2048)])
     yield size("2^62 bytes claimed", "damaged", lambda: [tar_header(size=b"\x80" + (1 << 62).to_bytes(11, "big")), bytes(4096)])
     yield size("less than no bytes claimed", "damaged", lambda: [tar_header(size=b"\xff" * 12), bytes(4096)])
-    yield size("a size that is no number", "damaged not_dicom", lambda: [tar_header(size=b"many bytes!\0"), bytes(4096)])
+    yield size("a size that is not a number", "damaged not_dicom", lambda: [tar_header(size=b"many bytes!\0"), bytes(4096)])
     yield size("2^60 bytes by an extended header", "damaged", lambda: [
         entry(pax(size=b"1152921504606846976"), b"pax", b"x"), *named(b"a", series())])
     yield size("less than no bytes by an extended header", "damaged", lambda: [
@@ -93,7 +93,7 @@ def sizes() -> Iterator[Case]:
 
 
 def old_sparse(real: int) -> bytes:
-    """GNU's sparse file: 512 bytes at the end of `real`, the rest is said to be zeros."""
+    """Returns GNU's sparse format: 512 bytes at the end of `real`, with zeros before them."""
     rest = bytes(386 - 345) + b"%011o\0%011o\0" % (real - 512, 512) + bytes(3 * 24) + b"\0" + b"%011o\0" % real
     return tar_header(b"a", 512, b"S", magic=b"ustar  \0", rest=rest) + bytes(512)
 

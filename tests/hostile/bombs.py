@@ -1,4 +1,4 @@
-"""Little that unpacks to much: deflate, RLE, JPEG, JPEG-LS, JPEG 2000."""
+"""Small inputs that unpack to large ones: deflate, RLE, JPEG, JPEG-LS, JPEG 2000."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A good scan with a word in every place that could hold a text: what no server may keep."""
+"""A valid scan with a canary word in every place that can hold text, none of which a server may store."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import string
 
 from .dicom_bytes import EXPLICIT, TAR_END, element, entry, header, implicit, item, noise, padded, tar_header, u16
 
-#: Kinds of places, each with a word of its own: a hit says where it came from.
+#: Kinds of places, each with its own word, so that a hit shows where it came from.
 PLACES = ("person", "header", "nested", "private", "around", "names", "upload")
 TEXTS = {"LO": (0x00080080, 0x0008103E, 0x00081030, 0x00081040, 0x00100020, 0x00100021, 0x00101000, 0x00102180, 0x00180010,
                 0x00181000, 0x00181030, 0x00321060, 0x00324000, 0x00380010, 0x00400254, 0x00281055),
@@ -19,7 +19,7 @@ TEXTS = {"LO": (0x00080080, 0x0008103E, 0x00081030, 0x00081040, 0x00100020, 0x00
 
 
 class CanaryScan:
-    """`words`: by place, new at each making, so that nothing of another run is found."""
+    """`words`: by place, new for each scan, so that nothing of another run is found."""
 
     def __init__(self) -> None:
         letters = random.SystemRandom()
@@ -34,7 +34,7 @@ class CanaryScan:
         word = self.words
         inside = element(0x00081155, "UI", self.uid) + element(0x00100010, "PN", word["nested"])
         nested = element(0x00400275, "SQ", item(element(0x00400007, "LO", word["nested"]) + element(0x00081199, "SQ", item(inside))))
-        # Those of a plain slice that are texts, and all others that there are.
+        # All text elements of a plain slice, and further ones.
         parts = [part for part in header(number, image_type=element(
             0x00080008, "CS", f"ORIGINAL\\PRIMARY\\AXIAL\\{word['header']}"), patient=element(0x00100010, "PN", word["person"] + "^Jane"),
             sop_uid=element(0x00080018, "UI", f"{self.uid}.{number}"), series_uid=element(0x0020000E, "UI", self.uid))]
@@ -53,7 +53,7 @@ class CanaryScan:
         return (word["around"] * 9).encode()[:128] + b"DICM" + meta + b"".join(parts)
 
     def upload(self, slices: int = 20) -> bytes:
-        """A tar as another client than our page may send it: names of folders, files, owners, comments, and a tail."""
+        """Returns a tar as another client might send it: names of folders, files and owners, comments, and trailing data."""
         name, owner = self.words["names"].encode(), self.words["names"].encode()[:31]
         magic = b"ustar\x0000" + owner.ljust(32, b"\0") + owner.ljust(32, b"\0")
         comment = b" comment=" + name + b"\n"
@@ -65,7 +65,7 @@ class CanaryScan:
         return out + TAR_END + padded(name)
 
     def metadata(self) -> dict[str, str]:
-        """What tus clients tell about a file."""
+        """Returns what tus clients send about a file."""
         def coded(text: str) -> str:
             return base64.b64encode(text.encode()).decode()
 

@@ -11,14 +11,14 @@ from typing import Callable, Iterable
 
 from .dicom_bytes import bundle
 
-#: Refusals that say: it was not understood beforehand, only stopped. No case may end so.
+#: Refusals without a diagnosis, which only stop the input. No case may end with one of them.
 STOPPED = ("too_slow", "unreadable", "internal")
 
 
 @dataclass(frozen=True)
 class Case:
-    """`expected`: the refusal's code, or "ready" where the trick is harmless and the scan behind it a good one.
-    `make` gives the upload's bytes in order; a number stands for so many zeros, which take no room on the disk."""
+    """`expected`: the refusal's code, or "ready" if the trick is harmless and the scan behind it is valid. `make` yields the
+    upload's bytes in order. A number stands for that many zeros, which use no space on the disk."""
 
     group: str
     name: str
@@ -26,7 +26,7 @@ class Case:
     make: Callable[[], Iterable[bytes | int]]
 
     def write(self, path: Path) -> int:
-        """Its length."""
+        """Writes the upload and returns its length."""
         with path.open("wb") as file:
             for part in self.make():
                 if isinstance(part, int):
@@ -38,7 +38,7 @@ class Case:
 
 
 def of_files(group: str, name: str, expected: str, make: Callable[[], Iterable[bytes]]) -> Case:
-    """The files as a browser would pack them."""
+    """Packs the files as a browser would."""
     return Case(group, name, tuple(expected.split()), lambda: [bundle(make())])
 
 

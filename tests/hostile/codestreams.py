@@ -1,4 +1,4 @@
-"""Compressed pictures that claim more than they hold: JPEG, JPEG-LS, JPEG 2000, RLE."""
+"""Compressed images that claim more than they contain: JPEG, JPEG-LS, JPEG 2000, RLE."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def _segment(marker: int, body: bytes) -> bytes:
 
 def jpeg(width: int, height: int, sof: int = 0xFFC3, components: int = 1, bits: int = 16, scans: int = 1,
          data: bytes = b"\0" * 64, before: bytes = b"") -> bytes:
-    """A frame header, one Huffman table of a single code, and scans without end where `scans` says so."""
+    """Returns a frame header, a Huffman table with a single code, and endless scans if `scans` says so."""
     parts = b"".join(struct.pack(">BBB", n + 1, 0x11, 0) for n in range(components))
     frame = _segment(sof, struct.pack(">BHHB", bits, height, width, components) + parts)
     table = _segment(0xFFC4, b"\0" + bytes([1] + [0] * 15) + b"\0")
@@ -30,7 +30,7 @@ def jpeg_ls(width: int, height: int, data: bytes = b"\0" * 64, preset: bytes = b
 def jpeg_2000(width: int, height: int, tile: tuple[int, int] | None = None, origin: tuple[int, int] = (0, 0),
               components: int = 1, precinct: int | None = None, block: tuple[int, int] = (4, 4), levels: int = 5,
               layers: int = 1, data: bytes = b"\0" * 64) -> bytes:
-    """`block` and `precinct` are exponents as the standard writes them (ITU-T T.800, A.6.1)."""
+    """`block` and `precinct` are exponents as in the standard (ITU-T T.800, A.6.1)."""
     tiles = tile or (width, height)
     size = struct.pack(">H8LH", 0, width + origin[0], height + origin[1], *origin, *tiles, 0, 0, components)
     size += b"\x0b\1\1" * components
@@ -44,7 +44,7 @@ def jpeg_2000(width: int, height: int, tile: tuple[int, int] | None = None, orig
 
 
 def rle(*segments: bytes, count: int | None = None, offsets: list[int] | None = None) -> bytes:
-    """One frame (DICOM PS3.5, G); `count` and `offsets` where they are lies."""
+    """Returns one frame (DICOM PS3.5, G). `count` and `offsets` override the true values."""
     if offsets is None:
         offsets, at = [], 64
         for segment in segments:
@@ -55,5 +55,5 @@ def rle(*segments: bytes, count: int | None = None, offsets: list[int] | None = 
 
 
 def rle_zeros(count: int) -> bytes:
-    """`count` zeros in runs of 128: two bytes for each."""
+    """Returns `count` zeros in runs of 128, which take two bytes each."""
     return b"\x81\0" * (count // 128)

@@ -1,4 +1,4 @@
-"""DICOM and tar byte by byte, so that every lie can be told. (Writers that check what they write are of no use here.)"""
+"""Writes DICOM and tar byte by byte, because writers that validate their output cannot produce invalid files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def u32(value: int) -> bytes:
 
 
 def element(tag: int, vr: str, value: bytes | str = b"", length: int | None = None) -> bytes:
-    """An element in explicit little endian; `length` is what it claims, where that is a lie."""
+    """Returns an element in explicit little endian. `length` overrides the true length."""
     data = value.encode() if isinstance(value, str) else value
     if len(data) % 2:
         data += b"\0" if vr in ("UI", "OB", "UN") else b" "
@@ -51,20 +51,20 @@ def meta(syntax: str = EXPLICIT, preamble: bytes = bytes(128)) -> bytes:
 
 
 def encapsulated(*fragments: bytes, offsets: bytes = b"", end: bytes = SEQUENCE_END) -> bytes:
-    """Compressed pixels: the offset table, then the fragments."""
+    """Returns compressed pixels: the offset table, then the fragments."""
     body = b"".join(item(f + b"\0" * (len(f) % 2)) for f in (offsets, *fragments))
     return element(0x7FE00010, "OB", body, UNDEFINED) + end
 
 
 def noise(number: int, rows: int, columns: int = 1) -> bytes:
-    """16-bit values from 0 to 2047, always the same for a number: what compresses as little as a real slice."""
+    """Returns 16-bit values from 0 to 2047, always the same for a number, which compress as little as a real slice."""
     source, count = random.Random(number), rows * columns
     return struct.pack(f"<{count}H", *(source.randrange(2048) for _ in range(count)))
 
 
 def header(number: int = 0, rows: int | bytes = 16, columns: int | bytes = 16, **change: bytes | None) -> list[bytes]:
-    """The elements of a plain CT slice, rising. `change` replaces one by its name or, with None, leaves it out; `rows`
-    and `columns` of bytes are elements, too."""
+    """Returns the elements of a plain CT slice in ascending order. `change` replaces an element by its name or, with None, omits
+    it. `rows` and `columns` given as bytes are elements, too."""
     parts = {
         "image_type": element(0x00080008, "CS", "ORIGINAL\\PRIMARY\\AXIAL"),
         "sop_class": element(0x00080016, "UI", CT),
@@ -98,7 +98,7 @@ def slice_file(number: int = 0, pixels: bytes | None = None, syntax: str = EXPLI
 
 
 def series(count: int = 20, **change) -> list[bytes]:
-    """A good series, where nothing is changed; `change` as of slice_file, the same for all."""
+    """Returns a valid series unless something is changed. `change` is as in slice_file, the same for all slices."""
     return [slice_file(number, **change) for number in range(count)]
 
 
@@ -111,7 +111,7 @@ def deflate(data: bytes | Iterable[bytes], finish: bool = True) -> bytes:
 
 def tar_header(name: bytes = b"00001.dcm", size: int | bytes = 0, kind: bytes = b"0", link: bytes = b"",
                magic: bytes = b"ustar\x0000", devices: tuple[int, int] = (0, 0), rest: bytes = b"") -> bytes:
-    """One block; a `size` of bytes is put there as it is. `rest`: what stands from byte 345 on."""
+    """Returns one block. A `size` given as bytes is used unchanged. `rest` replaces the bytes after the first 345."""
     stated = size if isinstance(size, bytes) else b"%011o\0" % size
     block = bytearray(512)
     for at, field in ((0, name[:100]), (100, b"0000644\0"), (108, b"0000000\0"), (116, b"0000000\0"), (124, stated),
@@ -134,5 +134,5 @@ TAR_END = bytes(1024)
 
 
 def bundle(files: Iterable[bytes]) -> bytes:
-    """The tar that a browser makes of the files of a series (docs/contracts.md, "Upload bundle")."""
+    """Returns the tar that a browser creates from the files of a series (docs/contracts.md, "Upload bundle")."""
     return b"".join(entry(data, b"%05d.dcm" % n) for n, data in enumerate(files, 1)) + TAR_END

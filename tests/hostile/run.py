@@ -1,4 +1,4 @@
-"""Sends hostile uploads to a running ingestd, a good one behind each, and sees what becomes of them."""
+"""Sends hostile uploads to a running ingestd, each followed by a valid one, and checks the results."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import psycopg
 from .cases import STOPPED, Case, cases
 from .dicom_bytes import bundle, series
 
-#: What a child may take; the sandbox and the supervisor see to it (RLIMIT_AS, kill).
+#: Limits of a child, which the sandbox and the supervisor enforce (RLIMIT_AS, kill).
 MEMORY_MB, SECONDS = 1024, 10
 LIMITS = {"DIAPHANE_MEMORY_LIMIT_MB": str(MEMORY_MB), "DIAPHANE_TIME_LIMIT_S": str(SECONDS)}
 
@@ -21,7 +21,7 @@ LIMITS = {"DIAPHANE_MEMORY_LIMIT_MB": str(MEMORY_MB), "DIAPHANE_TIME_LIMIT_S": s
 @dataclass(frozen=True)
 class Outcome:
     case: Case
-    code: str       # of the refusal, or "ready"
+    code: str       # the refusal's code, or "ready"
     text: str
     next_is_ready: bool
     seconds: float
@@ -29,7 +29,7 @@ class Outcome:
 
     @property
     def fault(self) -> str:
-        """What is wrong with it; nothing: all is well."""
+        """Returns what is wrong with the outcome, or an empty text."""
         if self.code in STOPPED or "memory" in self.text:
             return "it was stopped by the limits, not understood"
         if self.code not in self.case.expected:
@@ -40,7 +40,7 @@ class Outcome:
 
 
 def outcomes(stack, chosen: Sequence[Case] | None = None, good_each: int = 1, timeout: float = 400.0) -> list[Outcome]:
-    """`stack`: a harness.TestStack with ingestd, made with LIMITS. A good upload stands behind each `good_each` of them."""
+    """`stack`: a harness.TestStack with ingestd, made with LIMITS. A valid upload follows every `good_each` cases."""
     good = Case("", "good", ("ready",), lambda: [bundle(series())])
     chosen = cases() if chosen is None else chosen
     sent: list[tuple[Case, str, str]] = []
@@ -64,7 +64,7 @@ def outcomes(stack, chosen: Sequence[Case] | None = None, good_each: int = 1, ti
 
 
 def _enqueue(stack, database, case: Case) -> str:
-    """As `api` leaves an upload that has just arrived whole."""
+    """Creates the rows and files that `api` leaves after a complete upload."""
     data_set = str(uuid.uuid4())
     path = stack.data_dir / "uploads" / f"{data_set}.tar"
     length = case.write(path)
@@ -83,7 +83,7 @@ def _costs(log: str) -> dict[str, dict]:
 
 
 def table(found: list[Outcome]) -> str:
-    """case, expected, got, what it took."""
+    """Returns case, expected and actual result, and cost per line."""
     rows = [("case", "expected", "got", "s", "MB", "")]
     rows += [(f"{o.case.group}: {o.case.name}", " or ".join(o.case.expected), o.code, f"{o.seconds:.2f}", f"{o.peak_mb:.0f}",
               o.fault.upper()) for o in found]

@@ -1,4 +1,4 @@
-"""Lies of single files: lengths, nesting, representations, numbers, truncations."""
+"""Invalid single files: lengths, nesting, representations, numbers, truncations."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def lengths() -> Iterator[Case]:
 
 
 def nested(depth: int, defined: bool, vr: str = "SQ") -> bytes:
-    """Written from inside out where lengths are stated, else as beginnings and ends."""
+    """Built from the inside out if lengths are stated, otherwise as begin and end markers."""
     if not defined:
         return (element(0x00081111, vr, b"", UNDEFINED) + item(b"", UNDEFINED)) * depth + (ITEM_END + SEQUENCE_END) * depth
     heads, inner = [], 0
@@ -164,7 +164,7 @@ def numbers() -> Iterator[Case]:
 
 
 def truncations() -> Iterator[Case]:
-    """Cut after one, or in the middle, of every kind of element."""
+    """Truncates after, or in the middle of, every kind of element."""
     cut = partial(of_files, "truncations")
     inside = element(0x00080104, "LO", "nested text")
     body = [("preamble", bytes(128)), ("magic", b"DICM"), ("header", meta()[132:])]

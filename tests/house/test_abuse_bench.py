@@ -1,4 +1,4 @@
-"""The measurement of attacks, without any: what it compares, and what its attackers send."""
+"""The measurement of attacks, without any attack: what it compares, and what its attackers send."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ def test_the_verdict_compares_each_attack_with_the_calm_before_it():
     calm = [Phase(delays_ms=[10.0] * 100), Phase(delays_ms=[20.0] * 100), Phase(delays_ms=[10.0] * 100)]
     attacked = [Phase(delays_ms=[14.0] * 100), Phase(delays_ms=[28.0] * 100), Phase(delays_ms=[90.0] * 100)]
     results = results_of(calm, attacked, [])
-    ratio = next(one for one in results if one.name == "p95 attacked over calm")
+    ratio = next(one for one in results if one.name == "p95 under attack / calm")
     assert ratio.value == 1.4 and ratio.met and ratio.spread > 0
     attacked[0].delays_ms = [16.0] * 100
     attacked[1].delays_ms = [32.0] * 100
-    assert met(results_of(calm, attacked, []))["p95 attacked over calm"] is False
+    assert met(results_of(calm, attacked, []))["p95 under attack / calm"] is False
 
 
 def test_one_failed_request_or_ended_program_is_a_miss():
     calm, attacked = [Phase(delays_ms=[10.0])], [Phase(delays_ms=[10.0])]
     assert all(one is not False for one in met(results_of(calm, attacked, [])).values())
-    assert met(results_of(calm, attacked, ["api"]))["programs that ended"] is False
+    assert met(results_of(calm, attacked, ["api"]))["programs that exited"] is False
     attacked[0].failures.append("/v1/me: 503")
-    assert met(results_of(calm, attacked, []))["failures of ordinary people"] is False
+    assert met(results_of(calm, attacked, []))["failed requests of ordinary users"] is False
 
 
 def test_textures_are_small_files_of_many_pixels_and_no_two_alike():

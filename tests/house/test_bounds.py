@@ -1,20 +1,19 @@
-"""docs/bounds.md is the one table of bounds. Each row quotes the code or configuration that enforces its limit and names the
-test that proves it; each limit in the code is in the table; and each kind of input is bounded in every way that it has to be."""
+"""docs/bounds.toml is the only table of limits, from which docs/bounds.md is written. Each row quotes the code that enforces its
+limit and names the test that proves it. Every limit in the code is in the table. Every kind of input has all required limits."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from house import bounds
 from test_named_tests import _cpp, _is_there, _python
 
 REPO = Path(__file__).resolve().parents[2]
-PAGE = REPO / "docs" / "bounds.md"
 
-#: In what each kind of input has to be bounded, and for whom.
+#: The dimensions in which each kind of input must be limited, and for whom.
 REQUIRED: dict[str, tuple[set[str], set[str]]] = {
     "request body": ({"bytes", "time", "number", "memory", "disk"}, {"request", "address", "total"}),
     "JSON": ({"bytes", "depth", "number"}, {"request"}),
@@ -37,15 +36,15 @@ REQUIRED: dict[str, tuple[set[str], set[str]]] = {
 }
 DIMENSIONS = {"bytes", "depth", "number", "time", "memory", "disk"}
 
-#: Directives of nginx that limit something.
+#: nginx directives that limit something.
 DIRECTIVES = ("client_max_body_size", "client_body_timeout", "client_header_timeout", "client_header_buffer_size", "large_client_header_buffers",
               "client_body_buffer_size", "limit_conn", "limit_req", "keepalive_timeout", "keepalive_requests", "worker_connections", "server")
 
-#: Where inputs are read: a constant named like a limit in here is in the table, or in NOT_OF_INPUT with the reason.
+#: Code that reads input: a constant with a name like a limit must be in the table, or in NOT_OF_INPUT with a reason.
 SOURCES = ("api/handlers", "api/service", "api/stream", "api/postgres", "api/http", "common", "scene", "volume", "ingest/pipeline", "ingest/dicom",
            "renderd/serve", "renderd/session", "renderd/scene", "renderd/film", "renderd/encode")
 LIMIT = re.compile(r"\bk(?:Max|Most|Largest|Longest|Deepest)\w*(?=\s*[={])")
-#: Limits of something that nobody outside can choose, or that describe what is recognised and not what is refused.
+#: Limits that no outsider can reach, or that describe what is recognised rather than refused.
 NOT_OF_INPUT: dict[tuple[str, str], str] = {
     ("ingest/dicom/classify.cpp", "kMostScouts"): "recognises localizers, which are left out",
     ("ingest/dicom/classify.h", "kLargestGap"): "says which gaps are filled in; larger ones are refused in words",
@@ -67,36 +66,16 @@ NOT_OF_INPUT: dict[tuple[str, str], str] = {
 }
 
 
-@dataclass(frozen=True)
-class Row:
-    kind: str
-    dimension: str
-    limit: str
-    scopes: frozenset[str]
-    quotes: tuple[tuple[str, str], ...]   # (file, literal text in it)
-    tests: tuple[str, ...]
-    line: int
-
-
-def rows() -> list[Row]:
-    found = []
-    for number, line in enumerate(PAGE.read_text(encoding="utf-8").splitlines(), 1):
-        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
-        if len(cells) != 6 or cells[0] in ("Input", "---") or set(cells[0]) <= {"-"}:
-            continue
-        kind, dimension, limit, scope, enforced, proof = cells
-        quotes = tuple(re.findall(r"`([^`]+)`: `([^`]+)`", enforced.replace("\\|", "|")))
-        found.append(Row(kind, dimension, limit, frozenset(one.strip() for one in scope.split(",")), quotes,
-                         tuple(re.findall(r"`([^`]+)`", proof)), number))
-    return found
-
-
-ROWS = rows()
-
-
 def squeezed(text: str) -> str:
-    """Comments after code stay; only the layout goes."""
+    """Ignores the layout, but not comments after code."""
     return re.sub(r"\s+", " ", text)
+
+
+ROWS = bounds.limits()
+
+
+def name(row: bounds.Limit) -> str:
+    return f"{row.kind}, {row.dimension}: {row.limit}"
 
 
 def text_of(file: str) -> str:
@@ -107,32 +86,33 @@ def quoted_in(file: str) -> str:
     return " ".join(squeezed(literal) for row in ROWS for where, literal in row.quotes if where == file)
 
 
-def test_the_table_is_read():
-    assert len(ROWS) > 60
+def test_the_page_is_what_the_generator_writes():
+    assert len(ROWS) > 110
+    assert bounds.PAGE.read_text(encoding="utf-8") == bounds.page(), "run ./diaphane bounds"
 
 
 def test_each_row_quotes_what_enforces_it():
     wrong = []
     for row in ROWS:
         if not row.quotes:
-            wrong.append(f"line {row.line}: no `file`: `code` that enforces it")
+            wrong.append(f"{name(row)}: no code is quoted that enforces it")
         for file, literal in row.quotes:
             if not (REPO / file).is_file():
-                wrong.append(f"line {row.line}: no file {file}")
+                wrong.append(f"{name(row)}: no file {file}")
             elif squeezed(literal) not in text_of(file):
-                wrong.append(f"line {row.line}: {file} does not have: {literal}")
+                wrong.append(f"{name(row)}: {file} does not have: {literal}")
     assert not wrong, "\n".join(wrong)
 
 
 def test_each_row_names_a_test_that_exists():
     python, cpp = _python(), _cpp()
-    wrong = [f"line {row.line}: {row.tests or 'no test is named'}" for row in ROWS
-             if not row.tests or not all(_is_there(name.rpartition("/")[2], python | cpp) for name in row.tests)]
+    wrong = [f"{name(row)}: {row.tests or 'no test is named'}" for row in ROWS
+             if not row.tests or not all(_is_there(test.rpartition("/")[2], python | cpp) for test in row.tests)]
     assert not wrong, "\n".join(wrong)
 
 
 def test_dimensions_are_known():
-    assert [f"line {row.line}: {row.dimension}" for row in ROWS if row.dimension not in DIMENSIONS] == []
+    assert [name(row) for row in ROWS if row.dimension not in DIMENSIONS] == []
 
 
 @pytest.mark.parametrize("kind", REQUIRED)
@@ -144,22 +124,24 @@ def test_each_kind_of_input_is_bounded_in_every_way(kind):
 
 
 def test_each_limit_of_the_edge_is_in_the_table():
-    """Each value that a limiting directive has: `client_max_body_size 1m` and `client_max_body_size 8388608` are two limits."""
+    """Each distinct value of a limiting directive counts: `client_max_body_size 1m` and `client_max_body_size 8388608` are two
+    limits."""
     file = "api/edge/nginx.conf.in"
     text = re.sub(r"#.*", "", (REPO / file).read_text(encoding="utf-8"))
     directives = {squeezed(one) for one in re.findall(rf"^\s*((?:{'|'.join(DIRECTIVES)}) [^;{{]+);", text, re.M)}
     directives = {one for one in directives if not one.startswith("server ") or "max_conns" in one}
     quoted = quoted_in(file)
-    missing = {one for one in directives if one not in quoted and one.replace("server 127.0.0.1:@API_PORT@ ", "") not in quoted} - {"client_max_body_size 0"}   # of the edge's own answers
+    # of the edge's own responses
+    missing = {one for one in directives if one not in quoted and one.replace("server 127.0.0.1:@API_PORT@ ", "") not in quoted} - {"client_max_body_size 0"}
     assert len(directives) > 10 and missing == set()
 
 
 def test_each_limit_of_request_bodies_is_in_the_table():
-    """Those that the edge's Lua enforces."""
+    """Limits that the edge's Lua enforces."""
     file = "api/edge/nginx.conf.in"
     text = squeezed((REPO / file).read_text(encoding="utf-8"))
     limits = re.findall(r"\w+ = \{ each = \d+, all = \d+ \}", text) + re.findall(r"local \w+ = [\d.]+", text)
-    internal = {"local count_seconds = 3600"}   # how long a count is remembered
+    internal = {"local count_seconds = 3600"}   # how long a count is kept
     assert len(limits) > 6
     assert {one for one in limits if one not in quoted_in(file)} - internal == set()
 
@@ -168,13 +150,13 @@ def test_each_limit_of_the_gateway_is_in_the_table():
     file = "api/stream/hub.h"
     body = re.search(r"struct GatewayLimits \{(.*?)\n\};", (REPO / file).read_text(encoding="utf-8"), re.S)
     fields = re.findall(r"(\w+)(?: = |\{)", re.sub(r"///.*", "", body.group(1)))
-    internal = {"attach", "goodbye", "probe", "watch", "links"}   # of workers and Redis, not of viewers
+    internal = {"attach", "goodbye", "probe", "watch", "links"}   # for workers and Redis, not for viewers
     assert len(fields) > 8
     assert {field for field in fields if not re.search(rf"\b{field}( = |\{{)", quoted_in(file))} - internal == set()
 
 
 def _limits_in_code() -> set[tuple[str, str]]:
-    """File and name."""
+    """Returns file and name."""
     files = [file for folder in SOURCES for file in sorted((REPO / folder).rglob("*")) if file.suffix in (".h", ".cpp") and "test" not in file.stem]
     return {(str(file.relative_to(REPO)), name) for file in files
             for line in file.read_text(encoding="utf-8").splitlines() if "constexpr" in line for name in LIMIT.findall(line)}

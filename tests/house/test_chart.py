@@ -1,4 +1,4 @@
-"""What of the chart can be told without helm: it asks the programs for what they have, and says all of its values."""
+"""Checks of the chart that need no helm: it uses every setting of the programs, and documents all of its values."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_templates_set_only_settings_that_programs_read():
 @pytest.mark.parametrize("program, file, one", [("api", "main.cpp", "FACTOR_KEY"), ("gateway", "gateway_main.cpp", "STREAM_PORT")])
 def test_a_container_is_given_every_setting_that_its_program_needs(program, file, one):
     text = (REPO / "api" / file).read_text(encoding="utf-8").partition("Settings read_settings")[2].partition("\n}\n")[0]
-    needed = {name.upper().replace("-", "_") for name in re.findall(r'in\.(?:text|port|directory)\("([a-z-]+)",\s*"[^"]*"\)', text)}
+    needed = {name.upper().replace("-", "_") for name in re.findall(r'in\.(?:text|port|directory)\(\s*"([a-z-]+)",\s*(?:"[^"]*"\s*)+\)', text)}
     assert one in needed
     container = (CHART / "templates" / "api.yaml").read_text(encoding="utf-8").partition(f"- name: {program}\n")[2].partition("- name: edge\n")[0]
     assert needed <= set(re.findall(r"name: DIAPHANE_([A-Z_]+)", container))
@@ -81,3 +81,25 @@ def test_the_fleet_of_the_chart_has_what_the_resource_knows():
     values = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))["fleet"]
     for name in ("sessionsPerWorker", "strategy", "minReplicas", "drainTimeout"):
         jsonschema.validate(values[name], {key: value for key, value in spec[name].items() if not key.startswith("x-")})
+
+
+@pytest.mark.parametrize("setting, value, templates", [
+    ("texture-memory-mb", ("fleet", "textureMemoryMb"), ("fleet.yaml",)),
+    ("visitor-share", ("visitorShare",), ("fleet.yaml", "api.yaml")),
+])
+def test_limits_of_the_chart_reach_the_programs_with_their_defaults_and_bounds(setting, value, templates):
+    schema = json.loads((CHART / "values.schema.json").read_text(encoding="utf-8"))
+    default = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))
+    for name in value:
+        schema, default = schema["properties"][name], default[name]
+    read = re.search(rf'"{setting}",\s*(?:"[^"]*"\s*)+,\s*(\d+),\s*([\d <]+),\s*([\w >]+)\)', (REPO / "renderd" / "main.cpp").read_text(encoding="utf-8"))
+    constants = {"kVisitorPercent": ("common/visitor_share.h", r"kVisitorPercent = (\d+)"), "kTextureMemory": ("renderd/scene/texture_store.h", r"kTextureMemory = std::size_t\{(1)\} << 30")}
+    constant = read[3].split()[0]
+    file, pattern = constants[constant]
+    [number] = re.findall(pattern, (REPO / file).read_text(encoding="utf-8"))
+    expected = int(number) << (10 if constant == "kTextureMemory" else 0)    # converts GiB to MiB
+    highest = int(read[2]) if "<<" not in read[2] else 1 << int(read[2].split("<<")[1])
+    assert (default, schema["minimum"], schema["maximum"]) == (expected, int(read[1]), highest)
+    for template in templates:
+        text = (CHART / "templates" / template).read_text(encoding="utf-8")
+        assert f"{{name: DIAPHANE_{setting.upper().replace('-', '_')}, value: {{{{ .Values.{'.'.join(value)} | int | quote }}}}}}" in text

@@ -1,4 +1,4 @@
-"""The soak's verdict on made series, and on what it counts."""
+"""The soak's verdict on synthetic series, and on its own counts."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def series(slope: float, noise: float, seed: int, count: int = 400) -> tuple[lis
 
 
 def like_renderd(growth: float, seed: int) -> tuple[list[float], list[float]]:
-    """Resident megabytes as a soak of 30 minutes has them past its first quarter: 9.2 MB of scatter, half of which is still
-    there after 20 s; and `growth` in all."""
+    """Resident megabytes like those of a soak of 30 minutes after its first quarter: noise of 9.2 MB that is half correlated
+    after 20 s, and a total growth of `growth`."""
     draws = random.Random(seed)
     kept = 0.5 ** (2 / 20)
     noise, values = draws.gauss(0, 9.2), []
@@ -37,12 +37,14 @@ def allowed() -> float:
 def test_a_leak_that_matters_is_found_and_scatter_is_not():
     scatter = [flat.judge(*like_renderd(0, seed), 0, allowed()) for seed in range(400)]
     leaks = [flat.judge(*like_renderd(allowed(), seed), 0, allowed()) for seed in range(400)]
-    # Two-sided 99%: 2 of 400 seem to grow by chance, 2 leaks seem to be none; more than 12 has a chance below 1e-6 (Poisson).
+    # Two-sided 99%: 2 of 400 appear to grow by chance, and 2 leaks appear not to. More than 12 has a probability below 1e-6
+    # (Poisson).
     assert sum(v.trend for v in scatter) <= 12 and sum(v.word == "flat" for v in leaks) <= 12
-    # What 15 means can tell: 2.3% of runs remain unclear, 2.2% of leaks unproven (of 1000); more than 24 of 400 has one below 1e-4.
+    # With 15 means, 2.3% of runs remain unclear and 2.2% of leaks unproven (of 1000). More than 24 of 400 has a probability below
+    # 1e-4.
     assert sum(v.word == "flat" for v in scatter) >= 376 and sum(v.trend for v in leaks) >= 376
     twice = [flat.judge(*like_renderd(2 * allowed(), seed), 0, allowed()) for seed in range(100)]
-    assert sum(v.word == "grows" for v in twice) >= 90         # of 98 expected
+    assert sum(v.word == "grows" for v in twice) >= 90         # 98 expected
 
 
 def test_a_single_peak_is_no_growth():
@@ -53,8 +55,8 @@ def test_a_single_peak_is_no_growth():
 
 def test_noise_is_flat_and_a_leak_within_it_grows():
     noise = [flat.judge(*series(0, 3, seed), 0.04, 0).word for seed in range(100)]
-    leaks = [flat.judge(*series(0.02, 3, seed), 0.04, 0) for seed in range(100)]    # 8 in all; 4 may be
-    # 99% and 98.5% of 200; fewer than 93 has a chance below 1e-3.
+    leaks = [flat.judge(*series(0.02, 3, seed), 0.04, 0) for seed in range(100)]    # 8 in total, of which 4 are permitted
+    # 99% and 98.5% of 200. Fewer than 93 has a probability below 1e-3.
     assert noise.count("flat") >= 93 and [leak.word for leak in leaks].count("grows") >= 93
 
 
@@ -64,7 +66,7 @@ def test_what_is_measured_too_shortly_is_unclear():
 
 def test_the_interval_holds_the_truth_as_often_as_it_says():
     held = sum((v := flat.judge(*series(0.01, 5, seed), 0.02, 0)).low <= 0.01 * 399 <= v.high for seed in range(1000))
-    assert held >= 975    # of 990 expected; fewer has a chance below 1e-4
+    assert held >= 975    # 990 expected; fewer has a probability below 1e-4
 
 
 def test_what_never_changes_does_not_grow():

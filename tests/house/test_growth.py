@@ -1,4 +1,4 @@
-"""The powers that `./diaphane bench growth` reads from its rows."""
+"""The exponents that `./diaphane bench growth` computes from its rows."""
 
 from house.benches import growth
 
@@ -20,9 +20,9 @@ def report(voxel_power, pixel_power):
 def test_powers_of_voxels_and_pixels_are_found_from_their_own_rows():
     found = {r.name: r.value for r in growth.results_of(report(0.3, 0.9))}
     for walk in ("exact", "tracking"):
-        for what in ("a pass", "to the target"):
-            assert abs(found[f"cuda, {walk}, voxels: {what}, power of the voxels"] - 0.3) < 1e-9
-            assert abs(found[f"cuda, {walk}, 512^3: {what}, power of the pixels"] - 0.9) < 1e-9
+        for what in ("time per pass", "time to the target"):
+            assert abs(found[f"cuda, {walk}, voxels: {what}, exponent of the voxel count"] - 0.3) < 1e-9
+            assert abs(found[f"cuda, {walk}, 512^3: {what}, exponent of the pixel count"] - 0.9) < 1e-9
     assert len(found) == 8
 
 

@@ -1,4 +1,4 @@
-"""What of the container image can be told without building one: it fits the chart, and its checks know what they look for."""
+"""Checks of the container image that need no build: it matches the chart, and its checks detect what they should."""
 
 from __future__ import annotations
 

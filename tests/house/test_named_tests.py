@@ -9,24 +9,24 @@ import pytest
 
 REPO = Path(__file__).resolve().parents[2]
 PAGES = ("bounds.md", "security.md", "threat-model.md", "privacy.md", "edge.md", "testing.md")
-SOURCES = ("common", "volume", "ingest", "scene", "api", "renderd", "operator")
+SOURCES = ("common", "directory", "volume", "ingest", "scene", "api", "renderd", "operator")
 
 
 def _python() -> set[str]:
-    """Functions and files of tests."""
+    """Returns functions and files of tests."""
     files = sorted((REPO / "tests").rglob("test_*.py"))
     return {file.name for file in files} | {name for file in files for name in re.findall(r"^def (test_\w+)\(", file.read_text(encoding="utf-8"), re.M)}
 
 
 def _cpp() -> set[str]:
-    """Suite.Name of GoogleTest, in C++ and CUDA."""
+    """Returns Suite.Name of GoogleTest tests in C++ and CUDA."""
     files = [file for folder in SOURCES for end in ("cpp", "cu") for file in (REPO / folder).rglob(f"*test*.{end}")]
     return {f"{suite}.{name}" for file in files
             for suite, name in re.findall(r"^\s*(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", file.read_text(encoding="utf-8"), re.M)}
 
 
 def _is_there(name: str, known: set[str]) -> bool:
-    """`…` and `*` at the end stand for the rest; a test with parameters is named with or without them."""
+    """A final `…` or `*` matches any rest. A parametrised test may be named with or without its parameters."""
     name = name.split("[")[0]
     if name[-1] in "…*":
         return any(one.startswith(name[:-1]) for one in known)

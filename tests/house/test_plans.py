@@ -1,9 +1,11 @@
-"""Laws of the house's pure parts: they start nothing, so they run in milliseconds."""
+"""Properties of the pure parts of tools/house. They start nothing, so they run in milliseconds."""
 
 from __future__ import annotations
 
 import functools
+import json
 import sys
+import threading
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -11,7 +13,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from house import contracts, datadir, filelint, gpu, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
+from house import contracts, datadir, filelint, gpu, install, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
 from house.layout import Layout  # noqa: E402
 from house.linkrules import PROGRAM, Graph  # noqa: E402
 from house.says import HouseError  # noqa: E402
@@ -51,7 +53,7 @@ def test_free_ports_are_given_as_wanted():
 def test_a_taken_port_is_named_and_the_next_free_one_given():
     given, notes = ports.allot({"edge": 8080}, free=lambda port: port not in (8080, 8081))
     assert given == {"edge": 8082}
-    assert notes == ["port 8080 (edge) is taken, using 8082"]
+    assert notes == ["Port 8080 (edge) is in use. Using 8082 instead."]
 
 
 def test_no_port_is_given_twice_and_no_program_takes_the_default_of_another():
@@ -71,7 +73,13 @@ def test_missing_packages_are_those_that_dpkg_does_not_have_installed():
 
 
 def test_the_list_of_packages_has_no_comment_and_no_blank_in_it():
-    assert all(name and " " not in name and "#" not in name for name in packages.wanted())
+    assert all(name and not set(" #[]") & set(name) for name in packages.wanted())
+
+
+def test_a_start_needs_no_browser_and_a_gpu_adds_the_cuda_compiler():
+    assert "chromium" in packages.wanted() and "chromium" not in packages.wanted(tests=False)
+    assert venv.CUDA in install.parts("up", "") and venv.CUDA not in install.parts("up", "no driver")
+    assert venv.CUDA in install.parts("test", "no driver") and venv.CUDA in install.parts("image", "no driver")
 
 
 # Plan
@@ -232,7 +240,31 @@ def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():
 
     always = ["unit"] * 4 + ["integration", "e2e"]
     assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
+    nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
+    assert nightly == [*always, *testing.NIGHTLY]
     assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 4
+
+
+def test_suites_that_wait_run_side_by_side_and_all_are_counted_and_timed(tmp_path):
+    together = threading.Barrier(2, timeout=10)
+
+    def waits(_):
+        together.wait()
+        return testing.Count(2)
+
+    done = testing.Run()
+    done.add_all([testing.Suite("first", "unit", lambda _: testing.Count(1, 1)), testing.Suite("one", "e2e", waits, waits=True),
+                  testing.Suite("other", "integration", waits, waits=True)], tmp_path)
+    assert done.total == testing.Count(5, 1)
+    assert done.times[0][0] == "first" and {name for name, _, _ in done.times[1:]} == {"one", "other"}
+
+
+def test_the_slowest_tests_of_all_reports_are_named(tmp_path):
+    (tmp_path / "integration.xml").write_text('<testsuite><testcase classname="integration.test_a" name="b" time="3.5"/></testsuite>')
+    (tmp_path / "ctest.xml").write_text('<testsuite><testcase classname="x" name="film_test" time="7"/></testsuite>')
+    (tmp_path / "vitest.json").write_text(json.dumps({"testResults": [{"assertionResults": [{"fullName": "a page", "duration": 5000}]}]}))
+    assert testing.slowest(tmp_path) == [(7, "film_test"), (5, "a page"), (3.5, "integration.test_a::b")]
+    assert testing.slowest(tmp_path, most=1) == [(7, "film_test")]
 
 
 # Node
@@ -246,8 +278,21 @@ def test_a_node_is_taken_only_where_the_tools_of_the_page_run_on_it(version: tup
 
 # GPU
 
+def test_a_gpu_is_seen_without_its_driver(tmp_path):
+    def device(name: str, vendor: str, kind: str) -> None:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "vendor").write_text(f"{vendor}\n")
+        (tmp_path / name / "class").write_text(f"{kind}\n")
+
+    device("audio", "0x10de", "0x040300")
+    device("other", "0x8086", "0x030000")
+    assert not gpu.is_plugged_in(tmp_path)
+    device("compute", "0x10de", "0x030200")
+    assert gpu.is_plugged_in(tmp_path)
+
+
 class Driver:
-    """libcuda with given answers."""
+    """A libcuda with given answers."""
 
     def __init__(self, init: int = 0, count_code: int = 0, devices: int = 0):
         self.cuInit = lambda flags: init
@@ -259,8 +304,8 @@ class Driver:
 
 
 @pytest.mark.parametrize("driver, said", [
-    (Driver(devices=1), ""), (Driver(devices=0), "finds no device"), (Driver(init=100), "does not start (CUDA error 100)"),
-    (Driver(count_code=3), "does not answer (CUDA error 3)")])
+    (Driver(devices=1), ""), (Driver(devices=0), "found no device"), (Driver(init=100), "failed to initialise (CUDA error 100)"),
+    (Driver(count_code=3), "failed to list its devices (CUDA error 3)")])
 def test_the_absence_of_a_gpu_is_said_with_its_reason(driver: Driver, said: str):
     why = gpu.absence(load=lambda name: driver)
     assert said in why and bool(why) == bool(said)
@@ -274,7 +319,7 @@ def test_without_a_driver_testing_the_gpu_fails_at_once_and_says_why(monkeypatch
     monkeypatch.setattr(testing, "_build", lambda kind: pytest.fail("built something"))
     assert testing.run("gpu") == 1
     said = capsys.readouterr()
-    assert "there is no GPU to test on: no driver of NVIDIA's is installed" in said.err
+    assert "cannot run the GPU tests: the NVIDIA driver is not installed" in said.err
 
 
 # Data directories
@@ -283,8 +328,8 @@ def test_a_path_that_can_hold_no_data_is_refused_before_anything_is_made(tmp_pat
     (tmp_path / "letters").mkdir()
     (tmp_path / "letters" / "dear.txt").write_text("not Diaphane's")
     (tmp_path / "file").write_text("")
-    for name, why in {"my data": "may hold only", "letters": "holds something else", "file": "not a directory",
-                      "file/below": "cannot be made in"}.items():
+    for name, why in {"my data": "may contain only", "letters": "files that are not Diaphane's", "file": "not a directory",
+                      "file/below": "cannot create"}.items():
         with pytest.raises(HouseError, match=why):
             datadir.check(tmp_path / name)
     datadir.check(tmp_path / "new" / "place")

@@ -40,9 +40,9 @@ def test_what_is_infinite_or_absent_is_not_drawn():
 
 def test_slope_and_estimate_are_held_against_their_bounds():
     met = {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report())}
-    assert met["slope, off -0.5 by"] and met["estimate off the truth by"]
-    assert not {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report(exponent=-0.4))}["slope, off -0.5 by"]
-    assert not {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report(ratio=0.85))}["estimate off the truth by"]
+    assert met["slope, distance from -0.5"] and met["estimate, deviation from the truth"]
+    assert not {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report(exponent=-0.4))}["slope, distance from -0.5"]
+    assert not {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report(ratio=0.85))}["estimate, deviation from the truth"]
 
 
 def test_the_table_has_a_line_for_each_point():

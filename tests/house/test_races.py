@@ -11,7 +11,7 @@ from house.says import HouseError
 
 
 def test_the_programs_are_tests_that_are_built():
-    built = {name for folder in ("api", "common", "operator", "renderd") for file in (paths.REPO / folder).rglob("CMakeLists.txt")
+    built = {name for folder in ("api", "common", "directory", "operator", "renderd") for file in (paths.REPO / folder).rglob("CMakeLists.txt")
              for name in re.findall(r"diaphane_test\((\w+)", file.read_text(encoding="utf-8"))}
     assert set(races.PROGRAMS) <= built
 

@@ -1,4 +1,4 @@
-"""./diaphane replay: what a recording says, and what is none."""
+"""./diaphane replay: how recordings are read, and invalid ones refused."""
 
 from __future__ import annotations
 

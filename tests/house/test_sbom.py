@@ -1,4 +1,4 @@
-"""The list of components: right by kind, valid by CycloneDX's own schema, and complete for the programs that are built."""
+"""The list of components: correct by kind, valid by CycloneDX's own schema, and complete for the built programs."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_a_package_url_is_as_the_specification_writes_it(part, url):
 
 
 def test_npm_s_lock_is_read_with_what_is_needed_to_run_and_its_hashes():
-    digest = "z4PhNX7vuL3xVChQ1m2AB9Yg5AULVxXcg/SpIdNs6c5H0NE8XYXysP+DGNKHfuwvY7kxvUdBeoGlODJ6+SfaPg=="   # of nothing
+    digest = "z4PhNX7vuL3xVChQ1m2AB9Yg5AULVxXcg/SpIdNs6c5H0NE8XYXysP+DGNKHfuwvY7kxvUdBeoGlODJ6+SfaPg=="   # hash of an empty input
     lock = {"packages": {"": {"name": "page", "version": "1"}, "node_modules/a": {"version": "1.0.0", "license": "MIT", "integrity": f"sha512-{digest}"},
                          "node_modules/a/node_modules/@x/b": {"version": "2.0.0", "dev": True}, "node_modules/c": {"link": True}}}
     a, b = sbom.npm_parts(lock)
@@ -79,7 +79,7 @@ def test_this_checkout_s_list_has_what_its_programs_link_and_the_page_has():
     made = sbom.document("1", WHEN, programs, parts)
     assert faults(made) == ""
     listed = by_name(made)
-    # By readelf, not ldd: what the program itself asks for is there by its library's name.
+    # Uses readelf instead of ldd to find the libraries that the program itself requests, by name.
     asked = subprocess.run(["readelf", "-d", str(folder / "diaphane-api")], capture_output=True, text=True).stdout
     names = re.findall(r"NEEDED.*\[(lib\w+)[-.\w+]*\.so", asked)
     assert len(names) > 10

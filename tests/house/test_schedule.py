@@ -1,4 +1,4 @@
-"""What `./diaphane bench schedule` makes of a report."""
+"""The results that `./diaphane bench schedule` derives from a report."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def test_targets_are_held_against_the_rows_for_them():
     results = {r.name: r for r in schedule._results(report(
         ("mixed", 16, "marginal-gain", figures(50)), ("mixed", 16, "round-robin", figures(120)),
         ("mixed", 16, "error-proportional", figures(45)), ("mixed", 64, "marginal-gain", figures(90, queue=34, switching=3))), "real")}
-    assert results["real: 16 mixed, to 5%: round-robin takes longer by"].met
-    assert not results["real: 16 mixed, to 5%: error-proportional takes longer by"].met
+    assert results["real: 16 mixed, time to 5% error: slowdown with round-robin"].met
+    assert not results["real: 16 mixed, time to 5% error: slowdown with error-proportional"].met
     assert not results["real: 64 mixed, queueing before the first frame, p95"].met
-    assert not results["real: 64 mixed, lost to switching"].met
-    assert results["real: a decision at 256 sessions"].met
+    assert not results["real: 64 mixed, switching overhead"].met
+    assert results["real: time per decision, 256 sessions"].met
 
 
 def test_rows_that_were_not_measured_have_no_target():

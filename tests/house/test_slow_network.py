@@ -1,4 +1,4 @@
-"""The slow network of the tests does what it says, before anything is believed that was measured through it."""
+"""The tests' slow network behaves as specified, on which measurements through it rely."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from slow_network import SlowNetwork  # noqa: E402
 
 
 def counted(begin: int, size: int) -> bytes:
-    """A piece of an endless text in which no long piece comes twice."""
+    """Returns a piece of an endless text without long repetitions."""
     first, skip = divmod(begin, 4)
     return struct.pack(f">{size // 4 + 2}I", *range(first, first + size // 4 + 2))[skip:skip + size]
 
 
 class Server:
-    """Says a counted text of that size to whoever connects, or gives back what it hears."""
+    """Sends a counted text of that size to every client, or echoes what it receives."""
 
     def __init__(self, size: int = 0):
         self.listener = socket.create_server(("127.0.0.1", 0))
@@ -45,7 +45,7 @@ class Server:
 
 
 def read(connection: socket.socket, size: int) -> float:
-    """Seconds until so much of the counted text has come, in order."""
+    """Returns the seconds until this much of the counted text has arrived, in order."""
     begin, come = time.monotonic(), 0
     while come < size:
         data = connection.recv(65536)
@@ -81,4 +81,4 @@ def test_a_full_buffer_stops_the_sender():
             socket.create_connection(("127.0.0.1", network.port)):
         time.sleep(0.5)
         assert network.to_viewer.most_waiting <= 20_000
-        assert server.said < 400_000  # what the kernel's own buffers hold, not ten million
+        assert server.said < 400_000  # the size of the kernel's buffers, rather than ten million

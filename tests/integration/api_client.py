@@ -1,4 +1,4 @@
-"""A person at the REST API: what the API tests share. Every answer is held against api/openapi.yaml."""
+"""A user of the REST API, shared by the API tests. Every response is validated against api/openapi.yaml."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ import pyotp
 import pytest
 from api_contract import Contract
 from harness import REPO, StackHouse, TestStack
+from seeds import PASSWORD, write_person
 
 CONTRACT = Contract(REPO / "api" / "openapi.yaml")
-PASSWORD = "a long and quiet password"
 PART = 8 * 1024 * 1024
 
 
 @pytest.fixture(scope="session")
 def api(stack_house: StackHouse) -> TestStack:
-    """Stores, api and edge, once for all API tests; no ingestd, so that what is queued stays queued."""
+    """Stores, api and edge, once for all API tests, without ingestd, so that queued jobs stay queued."""
     if not hasattr(stack_house, "api_stack"):
         stack_house.api_stack = stack_house.open(only=("postgres", "redis", "api", "edge"))
     return stack_house.api_stack
@@ -29,24 +29,24 @@ def api(stack_house: StackHouse) -> TestStack:
 
 @pytest.fixture(scope="module")
 def one(api: TestStack) -> "Person":
-    """Somebody, the same in all tests of a file."""
+    """A user that all tests of a file share."""
     return person(api)
 
 
 @pytest.fixture(scope="module")
 def other(api: TestStack) -> "Person":
-    """Somebody else."""
+    """Another user."""
     return person(api)
 
 
 def client(stack: TestStack) -> httpx.Client:
-    """A browser without a person, every answer checked against the contract."""
-    # The stack has no TLS, and reading the machine's certificates would take longer than most tests.
+    """Returns a browser without a user, whose every response is validated against the contract."""
+    # The stack has no TLS, and loading the machine's certificates would take longer than most tests.
     return httpx.Client(base_url=stack.url, timeout=30, verify=False, event_hooks={"response": [CONTRACT.check]})
 
 
 def problem(answer: httpx.Response, status: int, kind: str) -> dict:
-    """The problem document, which must be of that status and kind."""
+    """Returns the problem document, which must have this status and kind."""
     assert answer.status_code == status, f"{answer.status_code} {answer.text}"
     assert answer.headers["content-type"] == "application/problem+json"
     document = answer.json()
@@ -57,12 +57,12 @@ def problem(answer: httpx.Response, status: int, kind: str) -> dict:
 
 
 def forget_attempts(stack: TestStack) -> None:
-    """All tests come from one address; what one of them wore out, the next does not inherit."""
+    """Resets rate limits, because all tests come from one address."""
     stack.psql("DELETE FROM attempts")
 
 
 def link_token(stack: TestStack, email: str, page: str = "verify") -> str:
-    """The token of the newest link to that page mailed to that address."""
+    """Returns the token of the newest link to that page mailed to that address."""
     mails = stack.wait_until(lambda: [m for m in stack.mails(email) if f"/{page}#token=" in m.get_content()], what="the mail")
     found = re.search(rf"(\S+)/{page}#token=([0-9a-f]{{64}})\s", mails[-1].get_content())
     assert found and found[1] == stack.url
@@ -70,7 +70,7 @@ def link_token(stack: TestStack, email: str, page: str = "verify") -> str:
 
 
 class Device:
-    """What shows one-time codes to a person, who never gives one twice."""
+    """An authenticator app whose user never uses a code twice."""
 
     STEP = 30
 
@@ -79,19 +79,19 @@ class Device:
         self.given = 0
 
     def code(self) -> str:
-        """The next one that was not given yet; waits only for a third one within a minute."""
+        """Returns the next unused code. Waits only for a third one within a minute."""
         while self.given + 1 > time.time() // self.STEP + 1:
             time.sleep(0.2)
         self.given = max(self.given + 1, int(time.time() // self.STEP))
         return self.at(self.given)
 
     def at(self, step: int) -> str:
-        """That of a step of 30 s since 1970."""
+        """Returns the code of a 30 s step since 1970."""
         return self.totp.generate_otp(step)
 
 
 class Person:
-    """Somebody with an account, signed in."""
+    """A signed-in user with an account."""
 
     def __init__(self, stack: TestStack, email: str | None = None):
         self.stack = stack
@@ -108,6 +108,13 @@ class Person:
         assert answer.status_code == 204, answer.text
         return self
 
+    def is_seeded(self) -> "Person":
+        forget_attempts(self.stack)
+        _, token, self.csrf = write_person(self.stack.psql, self.email)
+        self.http.cookies.set("diaphane", token, domain="localhost.local")
+        self.http.headers["X-CSRF-Token"] = self.csrf
+        return self
+
     def sign_in(self) -> "Person":
         given = {"email": self.email, "password": PASSWORD, **({"code": self.device.code()} if self.device else {})}
         answer = self.shows_password("/v1/sign-in", given)
@@ -117,15 +124,14 @@ class Person:
         return self
 
     def becomes_administrator(self) -> "Person":
-        """One who may do all that administrators may, with a second factor; whoever is signed in as that person is one
-        from now on."""
+        """Makes this account an administrator with a second factor. Sessions that are signed in become administrators, too."""
         self.stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", self.email)
         if self.device is None:
             self.sets_up_second_factor()
         return self
 
     def sets_up_second_factor(self) -> list[str]:
-        """The recovery codes. All other browsers of the person are signed out."""
+        """Returns the recovery codes. Signs out all other browsers of the user."""
         self.begins_second_factor()
         assert self.device
         answer = self.http.post("/v1/me/second-factor/confirm", json={"code": self.device.code()})
@@ -145,7 +151,7 @@ class Person:
         self.device = None
 
     def shows_password(self, path: str, given: dict) -> httpx.Response:
-        """Comes again while so many passwords are checked that this one is sent away."""
+        """Retries while the server rejects password checks because too many are in progress."""
         for _ in range(100):
             answer = self.http.post(path, json=given)
             if answer.status_code != 503:
@@ -179,7 +185,7 @@ class Person:
         return int(answer.headers["upload-offset"])
 
     def upload(self, data: bytes, part_size: int = PART, title: str = "") -> dict:
-        """The data set, all of it uploaded."""
+        """Uploads a data set completely and returns it."""
         made = self.data_set(len(data), title)
         for start in range(0, len(data), part_size):
             answer = self.patch(made["upload_url"], start, data[start:start + part_size])
@@ -188,11 +194,17 @@ class Person:
 
 
 def person(stack: TestStack) -> Person:
+    """Returns a signed-in user who did not have to sign up."""
+    return Person(stack).is_seeded()
+
+
+def signed_up(stack: TestStack) -> Person:
+    """Returns a signed-in user as the page makes one: with a welcoming mail, and in a browser that is known from then on."""
     return Person(stack).sign_up().sign_in()
 
 
 def make_ready(stack: TestStack, data_set_id: str) -> None:
-    """What ingestd does in the end, as far as the database shows it."""
+    """Does what ingestd does in the end, as far as the database shows it."""
     stack.psql("""UPDATE data_sets SET state = 'ready', modality = 'CT', size_x = 10, size_y = 20, size_z = 30,
                   spacing_x = 1, spacing_y = 1, spacing_z = 2.5, volume_bytes = 12000, repairs = '{one repair}'
                   WHERE id = %s""", data_set_id)
@@ -201,7 +213,8 @@ def make_ready(stack: TestStack, data_set_id: str) -> None:
 
 
 def ready_without_upload(stack: TestStack, owner: Person) -> str:
-    """A data set that is ready although nothing was sent: an ingestd that runs has nothing to read, and refuses nothing."""
+    """Returns a data set that is ready although nothing was uploaded. A running ingestd finds nothing to read and refuses
+    nothing."""
     data_set = owner.data_set()["data_set"]["id"]
     make_ready(stack, data_set)
     (stack.data_dir / "uploads" / f"{data_set}.tar").unlink(missing_ok=True)
@@ -209,7 +222,7 @@ def ready_without_upload(stack: TestStack, owner: Person) -> str:
 
 
 def add_worker(stack: TestStack, name: str, slots: int = 4, seconds: int = 60) -> None:
-    """A render worker as its heartbeat shows it; nobody listens at its address."""
+    """Adds a render worker as its heartbeat would. Nothing listens at its address."""
     key = f"diaphane:worker:{name}"
     stack.redis.hset(key, mapping={
         "address": "127.0.0.1:1", "incarnation": uuid.uuid4().hex, "engine": "cpu", "device": "test", "slots": slots,

@@ -1,4 +1,4 @@
-"""Holds answers against api/openapi.yaml: the operation, the status, the headers and the body's schema."""
+"""Validates responses against api/openapi.yaml: the operation, the status, the headers and the schema of the body."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Contract:
         self.seen: set[tuple[str, int]] = set()
 
     def operations(self) -> Iterator[tuple[str, str, dict[str, Any]]]:
-        """(path, METHOD, operation), the parameters of the path among the operation's own."""
+        """Yields (path, METHOD, operation), with the parameters of the path among the operation's own."""
         for path, item in self.spec["paths"].items():
             for method, operation in item.items():
                 if method == "parameters":
@@ -37,7 +37,7 @@ class Contract:
         return node
 
     def schema(self, node: dict[str, Any]) -> dict[str, Any]:
-        """A schema that stands on its own."""
+        """Returns a self-contained schema."""
         return {**copy.deepcopy(node), "components": self.spec["components"]}
 
     def operation_of(self, method: str, path: str) -> dict[str, Any] | None:
@@ -48,7 +48,7 @@ class Contract:
         return None
 
     def check(self, answer: httpx.Response) -> None:
-        """An httpx event hook; AssertionError for an answer that the contract does not have."""
+        """An httpx event hook that raises AssertionError for a response that the contract does not allow."""
         answer.read()
         request = answer.request
         where = f"{request.method} {request.url.path} -> {answer.status_code}"

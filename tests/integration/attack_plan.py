@@ -1,4 +1,4 @@
-"""Which attacks are sent at which route in which role: every route of api/openapi.yaml, the stream and the pages; plain data."""
+"""Which attacks are sent to which route in which role: every route of api/openapi.yaml, the stream and the pages. Plain data."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from edge_attacks import REFUSED, Attack, Request
 from who_may_table import OPERATIONS, ROWS
 from who_may_world import ROLES
 
-#: The kind of what is no attack.
+#: The kind of the unmodified request.
 ITSELF = "the request itself"
 SAFE = ("GET", "HEAD", "OPTIONS")
 
 
 @dataclass(frozen=True)
 class Route:
-    """`may`: by role, "+" or the status that it is refused with (who_may.txt)."""
+    """`may`: by role, "+" or the status with which it is refused (who_may.txt)."""
 
     name: str
     group: str
     method: str
     path: str
     may: dict[str, str] = field(hash=False)
-    stated: frozenset[int] = frozenset()   # failures that the contract states for it
+    stated: frozenset[int] = frozenset()   # failure statuses that the contract states for it
 
     @property
     def changes(self) -> bool:
         return self.method not in SAFE or self.group == "stream"
 
 
-#: The page's own addresses and files; the last is none.
+#: The page's own addresses and files. The last one does not exist.
 PAGES = ("/", "/scans", "/verify", "/view/0d1f0c4e-0000-4000-8000-000000000000", "/favicon.svg", "/assets/none.js")
 
 
@@ -40,8 +40,8 @@ def routes() -> list[Route]:
     for name, (path, method, operation) in OPERATIONS.items():
         stated = frozenset(int(status) for status in operation["responses"] if status.startswith("5"))
         made.append(Route(name, operation["tags"][0], method, path, ROWS[name], stated))
-    # A ticket of one's own session is what opens it; who may open none has made one up, and is sent away by the gateway in words
-    # that a browser can read.
+    # A ticket of the user's own session opens the stream. A role without one uses an invented ticket, which the gateway refuses
+    # with a readable message.
     own = {role: "+" if cell == "+" else "101" for role, cell in ROWS["createSession"].items()}
     made.append(Route("stream", "stream", "GET", "/stream", own))
     made += [Route(path, "pages", "GET", path, dict.fromkeys(ROLES, "404" if path.endswith("none.js") else "+")) for path in PAGES]
@@ -66,7 +66,7 @@ def cells(chosen: Sequence[Route], roles: Sequence[str] = ROLES) -> list[Cell]:
     return [Cell(route, role) for route in chosen for role in roles]
 
 
-#: Of the list on a request, those that are sent at the cell with this number: all, or some.
+#: Selects the attacks on a request that are sent in the cell with this number: all or some.
 Choice = Callable[[int, Sequence[Attack]], Sequence[Attack]]
 
 
@@ -75,7 +75,7 @@ def all_of_them(number: int, attacks: Sequence[Attack]) -> Sequence[Attack]:
 
 
 def some_of(each: int) -> Choice:
-    """`each` of them at every cell: at the next route those that follow, and each role is elsewhere in the list."""
+    """Sends `each` attacks in every cell. The next route continues in the list, and each role starts elsewhere in it."""
     def choose(number: int, attacks: Sequence[Attack]) -> Sequence[Attack]:
         route, role = divmod(number, len(ROLES))
         first = route * each + role * len(attacks) // len(ROLES)
@@ -85,12 +85,12 @@ def some_of(each: int) -> Choice:
 
 @dataclass
 class Tally:
-    """What became of the attacks on one cell."""
+    """Results of the attacks on one cell."""
 
     sent: int = 0
     refused: int = 0
     answered: int = 0
-    silent: int = 0                        # closed without a word, as it may be where there was no request
+    silent: int = 0                        # closed without a response, as allowed if there was no request
     misses: list[str] = field(default_factory=list)
 
     def add(self, other: "Tally") -> None:
@@ -100,7 +100,7 @@ class Tally:
 
 
 def fault_of(cell: Cell, attack: Attack, statuses: Sequence[int]) -> str:
-    """What is wrong with these answers on one connection; nothing: all is well."""
+    """Returns what is wrong with these responses on one connection, or an empty text."""
     if not statuses:
         return "no answer" if attack.must_answer and not attack.leaves else ""
     if len(statuses) > attack.answers:
@@ -127,7 +127,7 @@ def fault_of(cell: Cell, attack: Attack, statuses: Sequence[int]) -> str:
 
 
 def table(tallies: dict[Cell, Tally]) -> list[dict[str, str | int]]:
-    """Rows by group of routes and role: sent, refused, answered, closed without an answer, misses."""
+    """Returns rows by group of routes and role: sent, refused, answered, closed without a response, failures."""
     summed: dict[tuple[str, str], Tally] = {}
     counted: Counter[str] = Counter()
     for route in {cell.route.name: cell.route for cell in tallies}.values():

@@ -1,8 +1,8 @@
-"""Sends the attacks of attack_plan.py at a running stack, each on a request that is authorised as its role, and sees what becomes of them.
+"""Sends the attacks of attack_plan.py to a running stack, each on a request that is authorised for its role, and checks the
+results.
 
-What only looks, or is not allowed, comes first: after it the database, the sessions and the files are what they were. What may change
-something follows, with persons and things made anew whenever it did.
-"""
+Attacks that only read, or are not permitted, come first. After them, the database, the sessions and the files must be unchanged.
+Attacks that may change something follow, with new users and objects whenever one did."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from psycopg import sql
 from who_may_table import OPERATIONS
 from who_may_world import World, able_to_render, free_slots, question
 
-#: Cells at a time, each with one connection: more than the API's threads, fewer than would make it refuse.
+#: Concurrent cells with one connection each: more than the API has threads, and too few to make it refuse.
 AT_ONCE = 24
-#: Seconds without a byte: behind an answer, and where there is none.
+#: Seconds without a byte, after a response and without one.
 KEPT_OPEN, UNANSWERED = 1.0, 8.0
-#: How often a request that can be carried out again is, before it is made anew: lists have an end.
+#: How often a repeatable request is repeated before it gets new objects, because lists are limited.
 REPEATED = 8
-#: Headers that a route has a use for; a client's others say nothing.
+#: Headers that matter to a route. Other headers of a client are ignored.
 TOLD = ("cookie", "x-csrf-token", "content-type", "tus-resumable", "upload-offset", "upload-length", "if-match")
 #: The first byte of the gateway's last message.
 CLOSE = b"\x88"
@@ -44,7 +44,7 @@ ADDRESS = re.compile(rb"person-[0-9a-f]{12}@example\.org")
 
 @dataclass
 class Aimed:
-    """A cell with what is sent there: the request, and the things that it is about."""
+    """A cell with its request, and the objects that the request concerns."""
 
     number: int
     cell: Cell
@@ -53,8 +53,8 @@ class Aimed:
     tally: Tally = field(default_factory=Tally)
 
 
-def take_aim(stack: TestStack, password_hash: str, cell: Cell, number: int = 0, world: World | None = None) -> Aimed:
-    world = world or World(stack, password_hash)
+def take_aim(stack: TestStack, cell: Cell, number: int = 0, world: World | None = None) -> Aimed:
+    world = world or World(stack)
     if cell.route.name in OPERATIONS:
         asked = question(world, cell.role, *OPERATIONS[cell.route.name])
         headers = tuple((name, value) for name, value in asked.headers.raw if name.decode().lower() in TOLD)
@@ -85,7 +85,7 @@ def _stream(world: World, cell: Cell, request: Request) -> Request:
 
 
 def mark(world: World) -> None:
-    """A word in what is told of its scan and presets, by which it is known wherever it comes out."""
+    """Puts a word into the texts of its scan and presets, by which leaks are recognised."""
     if world.data_set:
         world.word = f"marked-{world.data_set.replace('-', '')[:12]}"
         world.stack.psql("UPDATE data_sets SET title = %s, description = %s WHERE id = %s", world.word, world.word, world.data_set)
@@ -93,20 +93,20 @@ def mark(world: World) -> None:
 
 
 def make_room(stack: TestStack) -> None:
-    """What is limited by count, of all people together or of one, is counted anew."""
+    """Resets limits by count, for all users together or for one."""
     forget_attempts(stack)
     stack.psql("DELETE FROM visits")
     free_slots(stack)
 
 
 def addresses() -> Iterator[str]:
-    """Of the loopback, one after the other: what is limited by address is no part of this."""
+    """Yields loopback addresses in turn, because limits by address are not tested here."""
     for number in count():
         yield f"127.{16 + number // 65536 % 64}.{number // 256 % 256}.{number % 256}"
 
 
 class Attacker:
-    """Raw connections to the edge, each from an address of its own."""
+    """Raw connections to the edge, each from its own address."""
 
     def __init__(self, stack: TestStack):
         self.stack = stack
@@ -117,7 +117,7 @@ class Attacker:
         return await asyncio.open_connection("127.0.0.1", self.port, local_addr=(next(self.source), 0))
 
     async def talk(self, attack: Attack) -> bytes:
-        """All that comes back until the edge closes, or says nothing more of a stream."""
+        """Returns everything until the edge closes the connection, or a stream falls silent."""
         reader, writer = await self.connect()
         got = bytearray()
         try:
@@ -137,13 +137,14 @@ class Attacker:
             finally:
                 sending.cancel()
         except (ConnectionError, TimeoutError):
-            pass                            # refused while we were still talking; kept open behind its answer, or not answered
+            pass                            # refused while still sending; kept open after its response, or without one
         finally:
             writer.transport.abort() if attack.leaves == "reset" else writer.close()
         return bytes(got)
 
     async def send(self, aimed: Aimed, attack: Attack) -> list[int]:
-        """One attack, told apart into what was wanted and what was not; those that were merely too many are sent again."""
+        """Sends one attack and separates expected from unexpected responses. Repeats attacks that merely exceeded a rate limit.
+        """
         for last in (False, False, True):
             answer = await self.talk(attack)
             statuses = [int(found) for found in STATUS_LINE.findall(answer)]
@@ -167,7 +168,7 @@ class Attacker:
             tally.misses.append(f"{aimed.cell.route.name} as {aimed.cell.role}: {attack.kind}, {attack.name}: {fault}")
 
     async def drip(self, aimed: Aimed, seconds: int) -> None:
-        """Headers, and a body, a byte a second at the same time; what is answered is an end, and no more."""
+        """Sends headers and a body at one byte per second at the same time. Any response must end the connection."""
         async def one(name: str, data: bytes) -> None:
             reader, writer = await self.connect()
             got = b""
@@ -182,7 +183,7 @@ class Attacker:
                 pass
             finally:
                 writer.close()
-            # A body is refused before it is read where the role may not send one.
+            # For a role that may not send a body, it is refused before it is read.
             only = frozenset(range(400, 500)) if name == "a body" and aimed.request.reads_body else frozenset()
             attack = Attack("slow", f"{name}, a byte a second", data, name == "headers", must_answer=False, only=only)
             self.judge(aimed, attack, got)
@@ -198,7 +199,7 @@ async def _within(seconds: float, reading) -> bytes:
 
 
 def told(aimed: Aimed, answer: bytes) -> str:
-    """What of somebody else's is in the answer; nothing: all is well."""
+    """Returns another user's data in the response, or an empty text."""
     cell, world = aimed.cell, aimed.world
     if not cell.may and b"HTTP/1.1 101 " in answer and answer.rpartition(b"\r\n\r\n")[2][:1] not in (CLOSE, b""):
         return "it was let into a session"
@@ -215,9 +216,9 @@ def told(aimed: Aimed, answer: bytes) -> str:
     return ""
 
 
-# What must not have changed
+# State that must not change
 
-#: Work that goes on by itself, or counts who asks.
+#: Tables that change on their own, or count requests.
 PASSING = ("attempts", "mail_queue", "disposals", "schema_migrations")
 PASSING_COLUMNS = {"web_sessions": ("used_at", "expires_at"), "exports": ("state", "bytes", "attempts", "leased_until"),
                    "presets": ("pictured_at", "picture_not_before", "picture_tries")}
@@ -225,7 +226,8 @@ PASSING_COLUMNS = {"web_sessions": ("used_at", "expires_at"), "exports": ("state
 
 @dataclass(frozen=True)
 class State:
-    """Rows of all tables, sessions with what they are, sessions and links that were ended, files of uploads and volumes with their sizes."""
+    """Rows of all tables, sessions with their state, ended sessions and links, and files of uploads and volumes with their sizes.
+    """
 
     rows: Counter[str]
     sessions: dict[str, tuple]
@@ -239,7 +241,7 @@ def state_of(stack: TestStack) -> State:
         for (table,) in database.execute("SELECT tablename FROM pg_tables WHERE schemaname = 'public' ORDER BY 1").fetchall():
             if table in PASSING:
                 continue
-            # That an administrator looked is noted; it is all that looking changes.
+            # Excludes entries that record an administrator's access, the only change that reading causes.
             where = " WHERE action NOT LIKE '%%.looked-at'" if table == "audit_log" else ""
             row = sql.SQL("to_jsonb(t)" + " - {}" * len(gone := PASSING_COLUMNS.get(table, ()))).format(*map(sql.Literal, gone))
             found = database.execute(sql.SQL("SELECT ({})::text FROM {} t" + where).format(row, sql.Identifier(table)))
@@ -251,7 +253,7 @@ def state_of(stack: TestStack) -> State:
 
 
 def changes(before: State, after: State) -> list[str]:
-    """What is another than it was. A session that merely ran out of its time is none."""
+    """Returns what differs. Ignores sessions that merely expired."""
     found = [f"gone or changed: {row[:300]}" for row in before.rows - after.rows] + [f"new: {row[:300]}" for row in after.rows - before.rows]
     found += [f"ended: {key}" for key in after.ended - before.ended]
     found += [f"another session: {key}" for key, what in before.sessions.items() if after.sessions.get(key, what) != what]
@@ -261,11 +263,11 @@ def changes(before: State, after: State) -> list[str]:
 
 
 class Sent:
-    """What the edge sent on, and what the API was asked: nothing may have come to it but by the edge, and each but once."""
+    """Compares what the edge forwarded with what the API received: each request must come through the edge, exactly once."""
 
     def __init__(self, stack: TestStack):
         self.stack = stack
-        stack.stack.log_limit = 1 << 40     # to the end of the run all lines stay where they are
+        stack.stack.log_limit = 1 << 40     # keeps all log lines until the end of the run
         self.begun = {name: self._size(name) for name in ("edge", "api")}
 
     def _size(self, name: str) -> int:
@@ -281,13 +283,13 @@ class Sent:
 
     def smuggled(self) -> list[str]:
         asked = Counter(line["request_id"] for line in self._lines("api") if line.get("event") == "request")
-        # The edge notes a request when its answer has gone, which is later; other people go on asking meanwhile.
+        # The edge logs a request after its response, while other users continue to send requests.
         time.sleep(1)
         known = {line["request_id"] for line in self._lines("edge")}
         return [f"a request that the edge does not know, or more than once: {name}" for name, times in asked.items() if name not in known or times > 1]
 
 
-# The run
+# Running the attacks
 
 @dataclass
 class Outcome:
@@ -295,27 +297,28 @@ class Outcome:
     misses: list[str]
 
 
-def run(stack: TestStack, password_hash: str, chosen: Sequence[Cell], choice: Choice, drip_seconds: int = 12, anew: bool = True) -> Outcome:
-    """`anew`: whoever may change something does it about new things each time; else only where the request is of no more use."""
-    return asyncio.run(_run(stack, password_hash, chosen, choice, drip_seconds, anew))
+def run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_seconds: int = 12, anew: bool = True) -> Outcome:
+    """`anew`: a role with permission to change something gets new objects for each attack. Otherwise, only when the request can
+    no longer succeed."""
+    return asyncio.run(_run(stack, chosen, choice, drip_seconds, anew))
 
 
-async def _run(stack: TestStack, password_hash: str, chosen: Sequence[Cell], choice: Choice, drip_seconds: int, anew: bool) -> Outcome:
+async def _run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_seconds: int, anew: bool) -> Outcome:
     attacker, sent = Attacker(stack), Sent(stack)
-    aimed = await asyncio.to_thread(_aim, stack, password_hash, chosen)
+    aimed = await asyncio.to_thread(_aim, stack, chosen)
     able_to_render(stack)
     before = await asyncio.to_thread(state_of, stack)
     await asyncio.gather(*(attacker.drip(one, drip_seconds) for one in aimed if drip_seconds), _at_most(AT_ONCE, (
         _ask(attacker, one, choice) for one in aimed)))
     await asyncio.to_thread(forget_attempts, stack)
     misses = changes(before, await asyncio.to_thread(state_of, stack))
-    await _at_most(4, (_change(attacker, one, choice, anew, password_hash) for one in aimed if one.cell.may_change))
+    await _at_most(4, (_change(attacker, one, choice, anew) for one in aimed if one.cell.may_change))
     misses += await asyncio.to_thread(sent.smuggled)
     return Outcome({one.cell: one.tally for one in aimed}, misses + [miss for one in aimed for miss in one.tally.misses])
 
 
 async def _at_most(number: int, works: Iterable[Awaitable[None]]) -> None:
-    """All of them, so many at a time."""
+    """Runs all of them with limited concurrency."""
     left = iter(works)
 
     async def turn() -> None:
@@ -326,7 +329,7 @@ async def _at_most(number: int, works: Iterable[Awaitable[None]]) -> None:
 
 
 async def _ask(attacker: Attacker, aimed: Aimed, choice: Choice) -> None:
-    """What changes nothing, whether it is refused or only looks."""
+    """Sends attacks that change nothing, because they are refused or only read."""
     for attack in attacks_of(aimed, choice):
         if attack.refused or not aimed.cell.may_change:
             await attacker.send(aimed, attack)
@@ -336,16 +339,16 @@ def attacks_of(aimed: Aimed, choice: Choice) -> list[Attack]:
     return [Attack(ITSELF, "as it is", aimed.request.data()), *choice(aimed.number, attacks_on(aimed.request))]
 
 
-def _aim(stack: TestStack, password_hash: str, chosen: Sequence[Cell]) -> list[Aimed]:
-    """One world for all roles of a route."""
+def _aim(stack: TestStack, chosen: Sequence[Cell]) -> list[Aimed]:
+    """Creates one world for all roles of a route."""
     forget_attempts(stack)
     routes: dict[str, list[tuple[int, Cell]]] = {}
     for number, cell in enumerate(chosen):
         routes.setdefault(cell.route.name, []).append((number, cell))
 
     def at(numbered: list[tuple[int, Cell]]) -> list[Aimed]:
-        world = World(stack, password_hash)
-        made = [take_aim(stack, password_hash, cell, number, world) for number, cell in numbered]
+        world = World(stack)
+        made = [take_aim(stack, cell, number, world) for number, cell in numbered]
         mark(world)
         return made
 
@@ -353,13 +356,13 @@ def _aim(stack: TestStack, password_hash: str, chosen: Sequence[Cell]) -> list[A
         return [one for some in threads.map(at, routes.values()) for one in some]
 
 
-async def _change(attacker: Attacker, aimed: Aimed, choice: Choice, anew: bool, password_hash: str) -> None:
-    """Attacks on a request that may be carried out, one after the other."""
+async def _change(attacker: Attacker, aimed: Aimed, choice: Choice, anew: bool) -> None:
+    """Sends attacks on a request that may succeed, one after the other."""
     number, answered, most = 0, 0, 1 if anew else 1 << 30
     used = anew or b'"code"' in aimed.request.body
     while True:
         if used:
-            again = await asyncio.to_thread(take_aim, attacker.stack, password_hash, aimed.cell, aimed.number)
+            again = await asyncio.to_thread(take_aim, attacker.stack, aimed.cell, aimed.number)
             aimed.world, aimed.request = again.world, again.request
         attacks = [one for one in attacks_of(aimed, choice) if not one.refused and (anew or one.kind != ITSELF)]
         if number == len(attacks):

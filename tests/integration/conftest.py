@@ -1,4 +1,4 @@
-"""What the tests of the stream share: a stack, somebody with an account, a ball in the store."""
+"""Shared fixtures of the stream's tests: a stack, a user, and a ball in the store."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def ball(running, one) -> str:
 
 @pytest.fixture
 def session(one, ball):
-    """A session and its first stream URL; ended afterwards."""
+    """Yields a session and its first stream URL. Ended afterwards."""
     made = open_session(one, ball)
     yield made
     one.http.delete(f"/v1/sessions/{made[0]}")

@@ -1,4 +1,4 @@
-"""What schemathesis is told of this API (contract_run.py): bodies that are no JSON, and who asks what ends its own session."""
+"""Hooks for schemathesis (contract_run.py): bodies that are not JSON, and new users for operations that end their own session."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from api_client import CONTRACT
 from hypothesis import strategies as st
 from schemathesis.transport.requests import REQUESTS_TRANSPORT
 from schemathesis.transport.serialization import serialize_binary
-from who_may_world import write_person
+from seeds import write_person
 
-#: Each asked by somebody new: they end the session that asks, or give a count of all that one may ask for.
+#: Operations that need a new user, because they end the session or have a limited number of calls.
 BY_SOMEBODY_NEW = ("signOut", "signOutEverywhere", "deleteAccount", "endBrowserSession", "changePassword", "requestExport")
 
 
 def _example() -> bytes:
-    """A good preset in XML."""
+    """Returns a valid preset in XML."""
     [operation] = [one for _, _, one in CONTRACT.operations() if one["operationId"] == "importPreset"]
     return operation["requestBody"]["content"]["application/xml"]["example"].encode()
 
@@ -30,20 +30,19 @@ schemathesis.openapi.media_type("application/xml", st.just(_example()) | st.bina
 
 @REQUESTS_TRANSPORT.serializer("application/offset+octet-stream", "application/xml")
 def as_bytes(context, value) -> dict:
-    """Whatever was drawn, a list in place of a text, too."""
+    """Converts any generated value to bytes, including a list in place of a text."""
     return {"data": serialize_binary(value)}
 
 
 @schemathesis.auth(refresh_interval=None)
 class Signed:
-    """In, as the administrator that all share, or as somebody new where the operation would end that session."""
+    """Signs in as the shared administrator, or as a new user if the operation would end that session."""
 
     def get(self, case, context) -> tuple[str, str]:
         if case.operation.definition.raw.get("operationId") not in BY_SOMEBODY_NEW:
             return os.environ["DIAPHANE_FUZZ_COOKIE"], os.environ["DIAPHANE_FUZZ_CSRF"]
         with psycopg.connect(os.environ["DIAPHANE_FUZZ_DSN"], autocommit=True) as connection:
-            _, token, csrf = write_person(lambda query, *values: connection.execute(query, values), f"fuzz-{uuid.uuid4().hex}@example.org",
-                                          os.environ["DIAPHANE_FUZZ_PASSWORD_HASH"], "other")
+            _, token, csrf = write_person(lambda query, *values: connection.execute(query, values), f"fuzz-{uuid.uuid4().hex}@example.org")
         return token, csrf
 
     def set(self, case, data: tuple[str, str], context) -> None:

@@ -1,5 +1,6 @@
-"""Requests that schemathesis makes of api/openapi.yaml, right ones and wrong ones, against the live server, as an administrator,
-whom everything is open to: no 5xx that the contract does not state for the operation, no answer that it does not have."""
+"""Valid and invalid requests that schemathesis generates from api/openapi.yaml, sent to the live server as an administrator with
+all permissions. The server must not return a 5xx that the contract does not state for the operation, or any response outside the
+contract."""
 
 from __future__ import annotations
 
@@ -15,13 +16,13 @@ from typing import Any, Iterator
 import yaml
 from api_client import CONTRACT, add_worker, forget_attempts, remove_worker
 from harness import TestStack
-from who_may_world import known_hash, write_person
+from seeds import write_person
 
 PHASES = ("examples", "coverage", "fuzzing", "stateful")
 CHECKS = ("not_a_server_error", "status_code_conformance", "content_type_conformance", "response_headers_conformance",
           "response_schema_conformance", "ignored_auth", "unsupported_method", "missing_required_header", "use_after_free",
           "ensure_resource_availability")
-#: Of a list, as many as are worth writing.
+#: Maximum items of generated lists.
 MANY = 100
 
 
@@ -32,7 +33,7 @@ class Found:
 
     @property
     def cases(self) -> int:
-        """Requests, or in the stateful phase chains of them, that were made."""
+        """Returns the number of requests, or in the stateful phase of chains of them."""
         return int(found[1]) if (found := re.search(r"^ +(\d+) generated", self.output, re.M)) else 0
 
     @property
@@ -49,12 +50,11 @@ def _each(node: Any) -> Iterator[dict[str, Any]]:
 
 
 def for_generation(spec: dict[str, Any]) -> dict[str, Any]:
-    """The contract as requests are made of it, where it says what schemathesis would search for in vain.
+    """Returns the contract with changes for generation.
 
-    A header's text has no bound here: it is looked for a number that is none of these texts, a thousand times in each of some
-    hundred cases. The token against other pages is the session's (test_api_contract.py has wrong ones). Bodies that are no JSON are
-    bytes (contract_hooks.py). Lists have at most MANY items: twenty thousand take minutes to draw.
-    """
+    Texts of headers get no pattern, because schemathesis would search for a number that matches none of them, a thousand times in
+    each of some hundred cases. The CSRF token is the session's (test_api_contract.py has wrong ones). Bodies that are not JSON
+    are bytes (contract_hooks.py). Lists have at most MANY items, because generating twenty thousand takes minutes."""
     made = copy.deepcopy(spec)
     csrf = {"$ref": "#/components/parameters/Csrf"}
     for node in _each(made):
@@ -72,10 +72,8 @@ def for_generation(spec: dict[str, Any]) -> dict[str, Any]:
 
 
 def settings(spec: dict[str, Any]) -> str:
-    """schemathesis.toml: which operation may be answered with which failure.
-
-    A header that is missing: 412 where it is Tus-Resumable (tus 1.0), 404 where there is no such upload, else 422.
-    """
+    """Returns schemathesis.toml: which operation may fail with which status. A missing header gives 412 for Tus-Resumable (tus
+    1.0), 404 if there is no such upload, and otherwise 422."""
     lines = ["[checks]\nmissing_required_header.expected-statuses = [404, 412, 422]\n"]
     for _, _, operation in CONTRACT.operations():
         if stated := [status for status in operation["responses"] if status.startswith("5")]:
@@ -86,13 +84,12 @@ def settings(spec: dict[str, Any]) -> str:
 
 def run(stack: TestStack, folder: Path, phases: tuple[str, ...] = PHASES, examples: int = 10, seed: int = 1,
         only: tuple[str, ...] = ()) -> Found:
-    """`examples`: for each operation, of what is drawn; `only`: these operations."""
-    # One worker: two of them fall over each other in Hypothesis 6.148's cache of sources.
+    """`examples`: generated examples per operation. `only`: restricts the operations."""
+    # A single worker, because two of them conflict in Hypothesis 6.148's cache of sources.
     (folder / "openapi.yaml").write_text(yaml.safe_dump(for_generation(CONTRACT.spec), sort_keys=False), encoding="utf-8")
     (folder / "schemathesis.toml").write_text(settings(CONTRACT.spec), encoding="utf-8")
     add_worker(stack, "schemathesis", slots=1000, seconds=3600)
-    password_hash = known_hash(stack)
-    _, token, csrf = write_person(stack.psql, "schemathesis@example.org", password_hash, "administrator")
+    _, token, csrf = write_person(stack.psql, "schemathesis@example.org", "administrator")
     forget_attempts(stack)
     chosen = [word for name in only for word in ("--include-operation-id", name)]
     done = subprocess.run(
@@ -103,7 +100,7 @@ def run(stack: TestStack, folder: Path, phases: tuple[str, ...] = PHASES, exampl
          "--warnings", "off", "--no-color", "--suppress-health-check", "all", *chosen],
         cwd=folder, capture_output=True, text=True, env={
             **os.environ, "SCHEMATHESIS_HOOKS": "contract_hooks", "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[1]}",
-            "DIAPHANE_FUZZ_DSN": stack.dsn, "DIAPHANE_FUZZ_COOKIE": token, "DIAPHANE_FUZZ_CSRF": csrf, "DIAPHANE_FUZZ_PASSWORD_HASH": password_hash})
+            "DIAPHANE_FUZZ_DSN": stack.dsn, "DIAPHANE_FUZZ_COOKIE": token, "DIAPHANE_FUZZ_CSRF": csrf})
     remove_worker(stack, "schemathesis")
     forget_attempts(stack)
     lives = stack.psql("SELECT 1 FROM web_sessions s JOIN users u ON u.id = s.user_id WHERE s.expires_at > now() "

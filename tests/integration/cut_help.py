@@ -1,4 +1,5 @@
-"""What the tests of anonymising share: a stored volume with a mark outside of what is kept, orders, and a killer."""
+"""Shared helpers of the anonymisation tests: a stored volume with a mark outside the kept region, orders, and a program that
+kills ingestd."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ import numpy
 from api_client import ready_without_upload
 
 SIDE = 32
-# Voxels that nothing else makes: eight in a row, in what is cut away.
+# Eight voxels in a row in the removed part, with values that occur nowhere else.
 MARK = numpy.array([20011, -3257, 17389, -2111, 30103, -4999, 28657, -1597], "<i2")
 KEEP = {"box": {"low": [-40, -40, -40], "high": [40, 40, 0]}, "planes": []}  # the lower half, of 2 mm voxels
 
@@ -37,7 +38,7 @@ def hash_of(voxels: bytes) -> str:
 
 
 def store(stack, data_set: str) -> str:
-    """Puts the marked volume into the store; its content hash."""
+    """Puts the marked volume into the store and returns its content hash."""
     voxels, header = marked_volume()
     folder = stack.data_dir / "volumes" / data_set
     folder.mkdir()
@@ -49,13 +50,13 @@ def store(stack, data_set: str) -> str:
 
 
 def marked_scan(stack, owner) -> tuple[str, str]:
-    """A ready data set of somebody with the mark in it, and the hash of its volume."""
+    """Returns a ready data set of the owner with the mark in it, and the hash of its volume."""
     data_set = ready_without_upload(stack, owner)
     return data_set, store(stack, data_set)
 
 
 def ready_data_set(stack) -> tuple[str, str]:
-    """A ready data set of nobody, and the hash of its volume."""
+    """Returns a ready data set without an owner, and the hash of its volume."""
     data_set = str(uuid.uuid4())
     content = store(stack, data_set)
     stack.psql("INSERT INTO data_sets (id, state, modality, size_x, size_y, size_z, spacing_x, spacing_y, spacing_z,"
@@ -64,13 +65,13 @@ def ready_data_set(stack) -> tuple[str, str]:
 
 
 def order(stack, data_set: str, content: str, keep: dict = KEEP) -> None:
-    """What `api` leaves for ingestd."""
+    """Creates an order as `api` does."""
     stack.psql("UPDATE data_sets SET state = 'queued' WHERE id = %s", data_set)
     stack.psql("INSERT INTO ingest_jobs (data_set_id, cut, cut_of) VALUES (%s, %s, %s)", data_set, json.dumps(keep), content)
 
 
 def holders_of_mark(*roots: Path) -> list[str]:
-    """Files that hold the mark, whatever lies around it."""
+    """Returns files that contain the mark at any position."""
     wanted = MARK.tobytes()
     return [str(path) for root in roots for path in root.rglob("*") if path.is_file() and wanted in path.read_bytes()]
 
@@ -123,7 +124,7 @@ def build_killer(folder: Path) -> Path:
 
 
 def run_ingestd(stack, admin_port: int, killer: Path | None = None, step: int = 0, faults: Path | None = None) -> subprocess.Popen:
-    """An ingestd of the test's own on the stack's stores."""
+    """Yields a separate ingestd on the stack's stores."""
     folder = stack.data_dir
     environment = {**os.environ}
     if faults:

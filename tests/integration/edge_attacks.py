@@ -1,22 +1,23 @@
-"""Attacks on the edge as data (design: "The edge"): what hostile connections send in place of, or around, a request that is well formed."""
+"""Attacks on the edge as data (design: "The edge"): what hostile connections send instead of, or around, a well-formed request.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-#: What the edge refuses a malformed request with.
+#: Statuses with which the edge refuses a malformed request.
 REFUSED = frozenset({400, 405, 408, 411, 413, 414, 426, 431, 501, 505})
 
 
 @dataclass(frozen=True)
 class Request:
-    """As somebody sends it who means well. `headers`: without Host, Connection and lengths."""
+    """A well-formed request. `headers` excludes Host, Connection and lengths."""
 
     method: bytes
     path: bytes
     headers: tuple[tuple[bytes, bytes], ...] = ()
     body: bytes = b""
-    #: Read by the edge before anything else is done, so that a body that is none is refused; those of pages are thrown away.
+    #: The edge reads the body first, so that a malformed body is refused. Bodies to pages are discarded.
     reads_body: bool = True
     body_limit: int = 1 << 20
 
@@ -34,7 +35,7 @@ class Request:
         return self.line() + b"Host: localhost\r\n" + connection + self.own() + self.length() + extra + b"\r\n" + self.body
 
     def framed(self, framing: bytes, body: bytes) -> bytes:
-        """With other words about its length, and another body."""
+        """Returns the request with another framing and body."""
         connection = b"" if self._upgrades() else b"Connection: close\r\n"
         return self.line() + b"Host: localhost\r\n" + connection + self.own() + framing + b"\r\n" + body
 
@@ -44,20 +45,20 @@ class Request:
 
 @dataclass(frozen=True)
 class Attack:
-    """`refused`: every answer is one of REFUSED. Else it may also be what the request itself is answered with."""
+    """`refused`: every response has a status in REFUSED. Otherwise, it may also be the response to the request itself."""
 
     kind: str
     name: str
     data: bytes
     refused: bool = False
-    answers: int = 1                       # at most
+    answers: int = 1                       # maximum number
     must_answer: bool = True
-    only: frozenset[int] = frozenset()     # when not empty: each answer's status is one of these
-    page: bool = False                     # what it names may be an address of the page
-    leaves: str = ""                       # "close" or "reset": without reading an answer
+    only: frozenset[int] = frozenset()     # if not empty, the status of each response is one of these
+    page: bool = False                     # the attacked address may be one of the page
+    leaves: str = ""                       # "close" or "reset": leaves without reading a response
 
 
-#: Asked as nobody, and counted by the API under its own name.
+#: A request without a session, which the API counts under its own name.
 INNER = b"GET /v1/sessions HTTP/1.1\r\nHost: localhost\r\n\r\n"
 _CHUNKED = b"Transfer-Encoding: chunked\r\n"
 _BYTES = {"TAB": b"\t", "non-ASCII": b"\xe4", "0xff": b"\xff", "DEL": b"\x7f", "NUL": b"\0", "ESC": b"\x1b"}
@@ -118,10 +119,10 @@ def _lengths(one: Request) -> list[Attack]:
 
 
 def _headers(one: Request) -> list[Attack]:
-    # Wherever the listener cut it, a line of a request would follow, though of an unknown method.
+    # Wherever the listener cuts it, a request line with an unknown method would follow.
     hidden = b"X: " + b"P" * 700 + b" /v1/sessions HTTP/1.1\r\nY: b\r\n"
-    # It cuts behind what it has read at once: 512 bytes, or up to twice the largest request that its connection has had. So this is larger
-    # than all others, and goes only where its byte would get through an edge that lets headers pass, and is one that cuts.
+    # The listener cuts after what it reads at once: 512 bytes, or up to twice the largest request on its connection. This attack
+    # is therefore larger than all others. It is only sent where its byte would pass through an edge that forwards headers.
     long_hidden = b"".join(b"X%d: " % n + b"P" * 7000 + b" /v1/sessions HTTP/1.1\r\n" for n in range(3))
     made = [Attack("headers", f"{name} in one more {header.decode()}", one.data(header + b": a" + byte + b"b\r\n" +
                    (long_hidden if header == b"X-Any" and name in ("TAB", "non-ASCII", "0xff", "ESC") else hidden)))
@@ -153,7 +154,7 @@ def _headers(one: Request) -> list[Attack]:
 
 
 def _forged(one: Request) -> list[Attack]:
-    """What a client would like a proxy, or who stands behind it, to believe."""
+    """Headers that claim a false origin or client to a proxy."""
     from_elsewhere = frozenset({403}) if one.method in (b"POST", b"PATCH", b"DELETE") else frozenset()
     long_name = b"https://" + b"a." * 126 + b"test"
     made = [Attack("forged", f"from the page {name}", one.data(b"Origin: " + origin + b"\r\n"), only=from_elsewhere)
@@ -253,11 +254,11 @@ def _departures(one: Request) -> list[Attack]:
 
 
 def attacks_on(one: Request) -> list[Attack]:
-    """All but what takes its time: `slow`."""
+    """Returns all attacks except `slow`."""
     return [*_chunks(one), *_lengths(one), *_headers(one), *_forged(one), *_paths(one), *_lines(one), *_pipelines(one), *_departures(one)]
 
 
 def slow(one: Request) -> tuple[bytes, bytes]:
-    """Headers, and a body, that are to be sent a byte a second: what comes at once, what then is dripped for each."""
+    """Returns headers and a body to send at one byte per second: what is sent at once, and what is then dripped for each."""
     body = b"Content-Length: 1000\r\n"
     return one.data()[:-len(one.body) - 2 or None], one.framed(body, b"")

@@ -1,4 +1,4 @@
-"""What the tests of the edge share: raw connections, an ordinary client alongside, what the programs use."""
+"""Shared helpers of the edge's tests: raw connections, an ordinary client in parallel, and the resources of the programs."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ import time
 from collections import Counter
 from pathlib import Path
 
-#: Also right behind a body without a line's end.
+#: May directly follow a body without a line end.
 STATUS_LINE = re.compile(rb"HTTP/1\.[01] (\d{3}) ?[A-Za-z -]*\r\n")
 
 
 def connect(port: int, source: str = "127.0.0.66", timeout: float = 5.0) -> socket.socket:
-    """From an address of its own, as other people's connections are: limits are by address."""
+    """Connects from another address, because limits are by address."""
     return socket.create_connection(("127.0.0.1", port), timeout=timeout, source_address=(source, 0))
 
 
 def talk(port: int, data: bytes, source: str = "127.0.0.66", timeout: float = 5.0) -> bytes:
-    """Everything that comes back until the other side closes; b"" when it just closes."""
+    """Returns everything until the other side closes, or b"" if it just closes."""
     with connect(port, source, timeout) as one:
         try:
             one.sendall(data)
         except OSError:
-            pass  # refused while we were still talking
+            pass  # refused while still sending
         return read_all(one)
 
 
@@ -39,7 +39,7 @@ def read_all(one: socket.socket) -> bytes:
         pass
     except TimeoutError:
         if not got:
-            raise  # else: answered, and kept open a while so that the answer arrives
+            raise  # else: answered, and kept open for a while so that the response arrives
     return bytes(got)
 
 
@@ -55,7 +55,7 @@ def resident_mb(pid: int) -> float:
 
 
 def requests_of(stack) -> Counter[str]:
-    """How many requests have reached the API, by operation ("none": those that are of no operation)."""
+    """Returns the number of requests that reached the API by operation ("none": without an operation)."""
     counted: Counter[str] = Counter()
     for name, value in re.findall(r'requests_total\{operation="(\w+)"[^}]*\} (\S+)', stack.metrics("api")):
         counted[name] += int(float(value))
@@ -63,13 +63,13 @@ def requests_of(stack) -> Counter[str]:
 
 
 def family(pid: int) -> list[int]:
-    """The process and its children."""
+    """Returns the process and its children."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
     return [pid, *map(int, children)]
 
 
 def spooled(stack) -> int:
-    """Bytes of request bodies that the edge has on the disk now; their files have no name any more."""
+    """Returns the bytes of request bodies that the edge currently stores on disk, in unlinked files."""
     folder, found = str(stack.data_dir / "run" / "edge-body"), 0
     for pid in family(stack.pids["edge"]):
         for link in Path(f"/proc/{pid}/fd").iterdir():
@@ -82,19 +82,19 @@ def spooled(stack) -> int:
 
 
 def part_head(url: str, length: int, *headers: str, offset: int = 0) -> bytes:
-    """The head of a part of an upload."""
+    """Returns the headers of a part of an upload."""
     lines = (f"PATCH {url} HTTP/1.1", "Host: localhost", "Tus-Resumable: 1.0.0", f"Upload-Offset: {offset}",
              "Content-Type: application/offset+octet-stream", f"Content-Length: {length}", *headers)
     return "".join(f"{line}\r\n" for line in lines).encode() + b"\r\n"
 
 
 def signed(somebody) -> tuple[str, str]:
-    """The headers by which the page shows who it is."""
+    """Returns the headers with which the page identifies its user."""
     return f"Cookie: diaphane={somebody.http.cookies['diaphane']}", f"X-CSRF-Token: {somebody.csrf}"
 
 
 class Undisturbed:
-    """Somebody signed in goes on using the page while it is under attack; afterwards: what was wrong, and how large the programs are."""
+    """A signed-in user who uses the page during an attack. Afterwards, reports errors and the size of the programs."""
 
     def __init__(self, stack, somebody, source: str = "127.0.0.2"):
         self.stack = stack
@@ -104,7 +104,7 @@ class Undisturbed:
         self.ordinary.start()
 
     def faults(self, api_grows_mb: float = 100, edge_mb: float = 250) -> list[str]:
-        """Ends it."""
+        """Ends it and returns the faults."""
         self.ordinary.finish()
         found = [f"{name} died" for name, pid in self.pids.items() if self.stack.pids.get(name) != pid]
         found += self.ordinary.wrong
@@ -119,7 +119,7 @@ class Undisturbed:
 
 
 class Ordinary(threading.Thread):
-    """Somebody signed in who goes on using the page, by default from another address. Every answer must be theirs."""
+    """A signed-in user who uses the page, by default from another address. Every response must belong to them."""
 
     def __init__(self, port: int, cookie: str, user_id: str, source: str = "127.0.0.2"):
         super().__init__(daemon=True)
@@ -155,7 +155,7 @@ class Ordinary(threading.Thread):
         return times[int(len(times) * 0.99)] if times else 0.0
 
     def finish(self) -> None:
-        """Ends it, after a few rounds at least."""
+        """Ends it after at least a few rounds."""
         deadline = time.monotonic() + 10
         while len(self.seconds) < 15 and time.monotonic() < deadline:
             time.sleep(0.02)

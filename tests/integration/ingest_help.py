@@ -1,29 +1,17 @@
-"""What the tests of ingest share: data sets put into the queue, and what is left of them."""
+"""Shared helpers of the ingest tests: queueing data sets, and checking what is left of them."""
 
 from __future__ import annotations
 
-import io
 import os
 import subprocess
-import tarfile
 import uuid
 from pathlib import Path
 
 from canaries import Search
+from seeds import bundle
 
 CANARY = "Canary7f3a"
 BIRTH_DATE = "19370413"
-
-
-def bundle(files: list[bytes]) -> bytes:
-    """The tar that a browser makes of the files of a series (docs/contracts.md, "Upload bundle")."""
-    out = io.BytesIO()
-    with tarfile.open(fileobj=out, mode="w", format=tarfile.USTAR_FORMAT) as tar:
-        for number, data in enumerate(files, 1):
-            info = tarfile.TarInfo(f"{number:05d}.dcm")
-            info.size = len(data)
-            tar.addfile(info, io.BytesIO(data))
-    return out.getvalue()
 
 
 def tool(stack, name: str) -> str:
@@ -31,7 +19,7 @@ def tool(stack, name: str) -> str:
 
 
 def cranium(stack, folder: Path) -> list[bytes]:
-    """The files of the sample's DICOM series, with its made-up patient in them."""
+    """Returns the files of the sample's DICOM series, including its invented patient."""
     subprocess.run([tool(stack, "diaphane-sample"), "--write-dicom", str(folder)], check=True)
     return [file.read_bytes() for file in sorted(folder.iterdir())]
 
@@ -45,7 +33,7 @@ def volume_path(stack, data_set: str) -> Path:
 
 
 def enqueue(stack, data: bytes) -> str:
-    """A data set whose upload has just arrived, as `api` leaves it."""
+    """Creates a data set whose upload is complete, as `api` does."""
     data_set = str(uuid.uuid4())
     path = upload_path(stack, data_set)
     path.write_bytes(data)
@@ -64,7 +52,7 @@ def state(stack, data_set: str) -> tuple:
 
 
 def wait_end(stack, data_set: str, timeout: float = 30.0) -> tuple:
-    """State, refusal code and text, once it is neither queued nor building and its original is gone."""
+    """Returns state, refusal code and text once it is neither queued nor building and its original is deleted."""
     def ended():
         now = state(stack, data_set)
         return now if now[0] not in ("queued", "building") and not upload_path(stack, data_set).exists() else None
@@ -72,7 +60,7 @@ def wait_end(stack, data_set: str, timeout: float = 30.0) -> tuple:
 
 
 def nothing_left(stack, data_set: str) -> None:
-    """No job, no upload, no original, no temporary file of it."""
+    """Checks that no job, upload, original or temporary file of it exists."""
     assert stack.psql("SELECT count(*) FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(0,)]
     assert stack.psql("SELECT count(*) FROM uploads WHERE data_set_id = %s", data_set) == [(0,)]
     assert not upload_path(stack, data_set).exists()
@@ -81,5 +69,5 @@ def nothing_left(stack, data_set: str) -> None:
 
 
 def hiding_places(root: Path, text: str) -> list[str]:
-    """Files below `root` that hold `text` in any form, or have it in their names."""
+    """Returns files below `root` that contain `text` in any form, or in their names."""
     return Search([text]).below(root)

@@ -1,4 +1,4 @@
-"""A viewer at the stream, and a scan to look at: what the tests of the gateway share."""
+"""Shared helpers of the gateway's tests: a viewer of the stream, and a scan to view."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from websockets.sync.client import connect
 MESSAGES = messages()
 ClientMessage, ServerMessage = MESSAGES["ClientMessage"], MESSAGES["ServerMessage"]
 
-# What a stream needs to run.
+# Programs that a stream needs.
 PROGRAMS = ("postgres", "redis", "api", "gateway", "renderd", "edge")
 
 
 def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
-    """A ball of bone in air, in the volume store and ready, as ingest would have left it."""
+    """Stores a ball of bone in air as a ready data set, as ingest would."""
     data_set = ready_without_upload(stack, owner)
     middle, radius = (size - 1) / 2, size * 0.35
     voxels = bytearray()
@@ -50,14 +50,14 @@ def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
 
 
 def open_session(person: Person, data_set: str) -> tuple[str, str]:
-    """Session id and stream URL."""
+    """Returns the session id and the stream URL."""
     answer = person.http.post("/v1/sessions", json={"data_set_id": data_set}, headers={"Idempotency-Key": uuid.uuid4().hex})
     assert answer.status_code == 201, answer.text
     return answer.json()["session_id"], answer.json()["stream_url"]
 
 
 def new_ticket(person: Person, session: str) -> str | None:
-    """Another stream URL; nothing while no worker is free."""
+    """Returns another stream URL, or None while no worker has a free slot."""
     answer = person.http.post(f"/v1/sessions/{session}/tickets")
     if answer.status_code == 503:
         assert "retry-after" in answer.headers
@@ -73,7 +73,7 @@ def free_port() -> int:
 
 
 class OtherWorker:
-    """A renderd beside the stack's own, on its volumes. Without `redis` it has no sessions: no Redis is where it looks for one."""
+    """A second renderd on the stack's volumes. Without `redis`, it looks for one where none is, and so gets no sessions."""
 
     def __init__(self, stack: TestStack, name: str, *options: str, redis: str | None = None):
         self.stack, self.port, self.admin_port, self.process = stack, free_port(), free_port(), None
@@ -96,7 +96,7 @@ class OtherWorker:
 
 
 class Viewer:
-    """Speaks diaphane.v1 as the page does: greets, acknowledges each frame, sends scenes."""
+    """Speaks diaphane.v1 like the page: greets, acknowledges each frame, and sends scenes."""
 
     def __init__(self, origin: str, stream_url: str, side: int = 96, greet: bool = True, port: int | None = None,
                  codec: int = 1):
@@ -139,7 +139,7 @@ class Viewer:
         return self.until("frame", timeout, condition)
 
     def turn(self, degrees_like: float) -> int:
-        """Moves the eye; the new input's number."""
+        """Moves the eye and returns the number of the input."""
         update = ClientMessage()
         self.input_seq += 1
         update.scene.input_seq = self.input_seq
@@ -150,7 +150,7 @@ class Viewer:
         return self.input_seq
 
     def close_code(self, timeout: float = 10) -> int:
-        """Reads to the end; the code with which the stream was closed, 1006 when it broke off."""
+        """Reads to the end. Returns the close code of the stream, or 1006 if the connection was lost."""
         deadline = time.monotonic() + timeout
         try:
             while True:

@@ -1,4 +1,4 @@
-"""A data set is made anonymous: by its owner alone, for good, and nothing that was made of the old one is left."""
+"""Anonymising a data set: only by its owner, permanently, and without a trace of anything made from the old one."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def owner(running):
 
 @pytest.fixture
 def scan(running, owner) -> tuple[str, str]:
-    """A ready data set with the mark in it, and its volume's hash."""
+    """Returns a ready data set with the mark in it, and the hash of its volume."""
     return marked_scan(running, owner)
 
 
@@ -52,7 +52,7 @@ def loaded(running) -> str:
 
 
 def picture(running, owner, data_set: str):
-    """The thumbnail, rendered if it has to be."""
+    """Returns the thumbnail, rendered if necessary."""
     def made():
         answer = owner.http.get(f"/v1/data-sets/{data_set}/thumbnails/bone")
         return answer if answer.status_code == 200 else None
@@ -86,7 +86,7 @@ def test_nothing_of_what_was_cut_away_is_left_anywhere(running, owner, scan):
 
     new_picture = picture(running, owner, data_set)
     assert new_picture.content != old_picture.content and "no-cache" in new_picture.headers["cache-control"]
-    # 32 mm of the top are gone: the middle is 16 mm lower, so places are 16 mm higher.
+    # The cut removes 32 mm at the top, so the centre is 16 mm lower, and coordinates are 16 mm higher.
     moved = owner.http.get(f"/v1/presets/{preset['id']}").json()
     old, new = preset["scene"]["camera"]["eye"], moved["scene"]["camera"]["eye"]
     assert new.get("z", 0) - old.get("z", 0) == pytest.approx(16) and new["y"] == pytest.approx(old["y"])
@@ -97,7 +97,7 @@ def test_nothing_of_what_was_cut_away_is_left_anywhere(running, owner, scan):
     assert published.status_code == 200 and published.json()["is_public"]
 
 
-#: The camera beside the middle, a box that keeps the slab of the lower half alone, a lamp: all of it somewhere.
+#: A camera beside the centre, a box that keeps only the slab of the lower half, and a lamp, all with positions.
 SLAB_XML = """<preset xmlns="urn:diaphane:preset" version="1" name="Slab">
   <note where="62 mm behind the nose">of what is cut away</note>
   <transferFunction>
@@ -126,6 +126,7 @@ def difference(one: numpy.ndarray, other: numpy.ndarray) -> float:
     return float(numpy.sqrt(numpy.mean((one - other) ** 2)))
 
 
+@pytest.mark.nightly
 def test_a_preset_shows_after_the_cut_what_it_showed_before_and_speaks_of_nothing_that_is_gone(running, owner, scan):
     data_set, content = scan
     path = f"/v1/data-sets/{data_set}/presets"
@@ -145,7 +146,7 @@ def test_a_preset_shows_after_the_cut_what_it_showed_before_and_speaks_of_nothin
     assert ask(owner, data_set, content).status_code == 202
     wait_cut(running, owner, data_set)
     moved = owner.http.get(f"/v1/presets/{preset['id']}").json()
-    # The middle is 16 mm lower now, so every place is 16 mm higher.
+    # The centre is 16 mm lower now, so every coordinate is 16 mm higher.
     assert moved["scene"]["camera"]["eye"] == pytest.approx({"x": 20, "y": -190, "z": 76})
     assert moved["scene"]["camera"]["target"] == pytest.approx({"x": 4, "z": 1})
     assert moved["scene"]["clip"]["boxLow"] == pytest.approx({"x": -30, "y": -30, "z": -14})
@@ -156,7 +157,7 @@ def test_a_preset_shows_after_the_cut_what_it_showed_before_and_speaks_of_nothin
     assert running.psql("SELECT kept_xml, name FROM presets WHERE data_set_id = %s", data_set) == [(None, "Slab")]
 
     after = preset_picture(running, owner, moved)
-    assert file.read_bytes() != old_jpeg, "it was made anew"
+    assert file.read_bytes() != old_jpeg, "it was rendered again"
     stayed = owner.http.post(path, json={"name": "Where it was", "scene": preset["scene"]}).json()
     elsewhere = preset_picture(running, owner, stayed)
     assert difference(before, after) < 6 < 18 < difference(before, elsewhere)
@@ -175,7 +176,7 @@ def test_only_what_was_seen_is_cut_and_only_on_purpose(running, owner, scan):
     assert problem(ask(owner, data_set, content, keep={"box": {"low": [0, 0, 0], "high": [1, 1]}}), 422, "invalid")[
         "errors"][0]["field"] == "keep.box.high"
     assert owner.http.get(f"/v1/data-sets/{data_set}/anonymise").json()["anonymised_at"] is None
-    # Of two at once one is taken.
+    # Of two simultaneous requests, one is accepted.
     answers = sorted(ask(owner, data_set, content).status_code for _ in range(2))
     assert answers in ([202, 409], [202, 412])
     wait_cut(running, owner, data_set)

@@ -1,4 +1,4 @@
-"""The cut as ingestd makes it: what is kept is the same, the rest is gone, whatever ends ingestd on the way."""
+"""The cut as ingestd performs it: the kept part is unchanged and the rest is gone, at whatever step ingestd is killed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def is_cut(stack, data_set: str) -> bool:
 
 
 def finish(stack, data_sets: list[str], port: int) -> None:
-    """Whoever held the jobs is dead: their leases end, and another ingestd takes them up."""
+    """The claimers of the jobs are dead. Their leases expire, and another ingestd claims the jobs."""
     stack.psql("UPDATE ingest_jobs SET leased_until = now()")
     other = run_ingestd(stack, port)
     try:
@@ -112,7 +112,7 @@ def test_killed_between_exchange_and_erasing_nothing_stays_although_no_ingestd_c
 
 def test_a_cut_that_cannot_be_made_leaves_all_as_it_was_and_says_so(stores_and_api, port):
     for keep, of, words in (({"box": {"low": [0, 0, 90], "high": [9, 9, 99]}}, None, "Too little"),
-                            (None, "blake2b:" + "0" * 64, "not the one")):
+                            (None, "blake2b:" + "0" * 64, "has changed since you reviewed it")):
         data_set, content = ready_data_set(stores_and_api)
         order(stores_and_api, data_set, of or content, **({"keep": keep} if keep else {}))
         finish(stores_and_api, [data_set], port)

@@ -1,4 +1,4 @@
-"""Uploads are shown to ClamAV before anything of ours reads them. The daemon is the real one, with one signature: that of EICAR's test file."""
+"""ClamAV scans uploads before Diaphane's code reads them. The daemon is real and has only the signature of EICAR's test file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def metric(stack, result: str) -> float:
 
 
 def with_file(upload: bytes, data: bytes) -> bytes:
-    """The same upload, with one file more at its end."""
+    """Returns the upload with another file at its end."""
     out = io.BytesIO()
     with tarfile.open(fileobj=io.BytesIO(upload)) as old, tarfile.open(fileobj=out, mode="w", format=tarfile.USTAR_FORMAT) as new:
         for entry in old.getmembers():
@@ -50,11 +50,11 @@ def test_what_is_infected_is_refused_and_what_is_not_looked_at_waits(stack_facto
 
     scan = CanaryScan()
     good = scan.upload()
-    # A file that is nothing else; in the middle of a slice; behind what ends a tar.
+    # As a separate file, in the middle of a slice, and after the end of the tar.
     for infected in (with_file(good, clamav.EICAR), good.replace(b"SV10", b"SV10" + clamav.EICAR, 1), good + bytes(1024) + clamav.EICAR):
         data_set = enqueue(stack, infected)
         ended, code, words = wait_end(stack, data_set)
-        assert (ended, code) == ("refused", "infected") and "harmful" in words and "Nothing of it was kept" in words
+        assert (ended, code) == ("refused", "infected") and "malicious" in words and "Nothing of it was kept" in words
         nothing_left(stack, data_set)
         assert not volume_path(stack, data_set).exists()
     assert metric(stack, "infected") == 3
@@ -77,7 +77,7 @@ def test_where_it_is_said_so_what_cannot_be_looked_at_passes(stack_factory, tmp_
     assert metric(stack, "unchecked") == 1 and metric(stack, "clean") == 0
 
 
-@pytest.mark.parametrize(("address", "words"), [("clamd", "neither a path"), ("10.0.0.1:3310", "there is no TLS to it")])
+@pytest.mark.parametrize(("address", "words"), [("clamd", "neither an absolute path"), ("10.0.0.1:3310", "would not use TLS")])
 def test_addresses_that_make_no_sense_are_refused(stack_house, address, words):
     def said(*more: str) -> str:
         return subprocess.run([str(stack_house.layout().bin / "diaphane-ingestd"), "--antivirus", address, *more], capture_output=True, text=True, env={},

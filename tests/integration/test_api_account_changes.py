@@ -1,11 +1,11 @@
-"""Forgotten and changed passwords, another address, browsers that are signed in: through the edge."""
+"""Forgotten and changed passwords, email changes, and signed-in browsers, through the edge."""
 
 from __future__ import annotations
 
 import uuid
 
-from api_client import (PASSWORD, Person, add_worker, api, client, forget_attempts, link_token, make_ready, person,  # noqa: F401
-                        problem, remove_worker)
+from api_client import (PASSWORD, Person, add_worker, api, client, forget_attempts, link_token, make_ready,  # noqa: F401
+                        problem, remove_worker, signed_up)
 
 NEW = "another long and quiet one"
 
@@ -23,7 +23,7 @@ def reset_token(api, one: Person) -> str:  # noqa: F811
 
 
 def open_picture(api, one: Person, data_set: str | None = None) -> str:  # noqa: F811
-    """The id of a session on a worker that is not there: as far as Redis knows."""
+    """Returns the id of a session on a worker that exists only in Redis."""
     made = data_set or one.data_set(10)["data_set"]["id"]
     make_ready(api, made)
     add_worker(api, "account-changes")
@@ -38,7 +38,7 @@ def signed_in_with(api, one: Person, password: str) -> int:  # noqa: F811
 
 
 def test_a_forgotten_password_is_replaced_by_mail_and_everybody_is_signed_out(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     session = open_picture(api, one)
     stale = reset_token(api, one)
     token = reset_token(api, one)
@@ -65,7 +65,7 @@ def test_a_reset_looks_the_same_for_every_address(api):  # noqa: F811
     api.wait_until(lambda: api.mails(never), what="the mail")
     assert "no Diaphane account" in api.mails(never)[0]["Subject"] and "token" not in api.mails(never)[0].get_content()
     link_token(api, one.email, "reset")
-    # Nor can a letter box be filled, nor addresses tried without end.
+    # Nor can a mailbox be flooded, or addresses be probed without limit.
     forget_attempts(api)
     for _ in range(8):
         assert client(api).post("/v1/password-reset", json={"email": never}).status_code == 202
@@ -76,7 +76,7 @@ def test_a_reset_looks_the_same_for_every_address(api):  # noqa: F811
 
 
 def test_a_reset_link_is_no_link_for_anything_else_and_grows_old(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     token = reset_token(api, one)
     for path, body in (("/v1/accounts/verify", {"password": NEW}), ("/v1/email-change/confirm", {})):
         problem(one.http.post(path, json={"token": token, **body}), 410, "link-expired")
@@ -85,7 +85,7 @@ def test_a_reset_link_is_no_link_for_anything_else_and_grows_old(api):  # noqa: 
 
 
 def test_a_changed_password_keeps_this_browser_and_ends_the_others(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     other = Person(api, one.email).sign_in()
     token = reset_token(api, one)
     document = problem(one.http.post("/v1/me/password", json={"current": "not this one", "password": NEW}), 422, "invalid")
@@ -100,7 +100,7 @@ def test_a_changed_password_keeps_this_browser_and_ends_the_others(api):  # noqa
 
 
 def test_the_password_is_not_guessed_by_changing_it(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     forget_attempts(api)
     for path, body in (("/v1/me/password", {"current": "guess", "password": NEW}),
                        ("/v1/me/email", {"email": "x@example.org", "password": "guess"})):
@@ -113,7 +113,7 @@ def test_the_password_is_not_guessed_by_changing_it(api):  # noqa: F811
 
 
 def test_another_address_is_confirmed_there_and_told_here(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     old, new = one.email, f"New-{one.email}"
     forget_attempts(api)
     document = problem(one.http.post("/v1/me/email", json={"email": new, "password": "not this one"}), 422, "invalid")
@@ -121,29 +121,30 @@ def test_another_address_is_confirmed_there_and_told_here(api):  # noqa: F811
     assert one.http.post("/v1/me/email", json={"email": new, "password": PASSWORD}).status_code == 202
     token = link_token(api, new, "confirm-email")
     assert one.http.get("/v1/me").json()["email"] == old, "nothing changes before it is confirmed"
-    # Opened by whoever reads the new address's mail, who may never have asked for it.
+    # Opened by the reader of the new address's mail, who may never have requested it.
     problem(client(api).post("/v1/email-change/confirm", json={"token": token}), 401, "unauthenticated")
-    problem(person(api).http.post("/v1/email-change/confirm", json={"token": token}), 403, "forbidden")
-    api.wait_until(lambda: any("another address" in m["Subject"] for m in api.mails(old)), what="the old one is told")
+    problem(signed_up(api).http.post("/v1/email-change/confirm", json={"token": token}), 403, "forbidden")
+    api.wait_until(lambda: any("about to change" in m["Subject"] for m in api.mails(old)), what="the old one is told")
     assert one.http.post("/v1/email-change/confirm", json={"token": token}).status_code == 204
     assert one.http.get("/v1/me").json()["email"] == new
     problem(one.http.post("/v1/email-change/confirm", json={"token": token}), 410, "link-expired")
     assert signed_in_with(api, one, PASSWORD) == 401
     one.email = new
     assert signed_in_with(api, one, PASSWORD) == 200
-    api.wait_until(lambda: any("another address now" in m["Subject"] for m in api.mails(old)), what="the old one is told again")
+    api.wait_until(lambda: any("address of your Diaphane account was changed" in m["Subject"] for m in api.mails(old)), what="the old one is told again")
 
 
 def test_an_address_that_has_an_account_is_not_told_and_not_taken(api):  # noqa: F811
-    one, other = person(api), person(api)
+    one, other = signed_up(api), signed_up(api)
     forget_attempts(api)
     free = one.http.post("/v1/me/email", json={"email": "free-" + one.email, "password": PASSWORD})
     taken = one.http.post("/v1/me/email", json={"email": other.email.upper(), "password": PASSWORD})
     assert (free.status_code, free.content) == (taken.status_code, taken.content) == (202, b"")
     api.wait_until(lambda: any("already" in m["Subject"] for m in api.mails(other.email.upper())), what="the mail")
-    # Taken between the mail and the click.
+    # The address is taken between the mail and the click.
     token_of = link_token(api, "free-" + one.email, "confirm-email")
-    problem(one.http.post("/v1/email-change/confirm", json={"token": token_of}), 410, "link-expired")  # asked anew since
+    # another change was requested since
+    problem(one.http.post("/v1/email-change/confirm", json={"token": token_of}), 410, "link-expired")
     forget_attempts(api)
     late = "late-" + one.email
     one.http.post("/v1/me/email", json={"email": late, "password": PASSWORD})
@@ -177,7 +178,7 @@ def test_browsers_are_listed_roughly_and_ended_one_by_one(api):  # noqa: F811
     assert "127.0.0.1" not in str(listed) and "Mozilla" not in str(api.psql("SELECT * FROM web_sessions"))
 
     phone = next(item["id"] for item in listed if item["browser"] == "Safari on iOS")
-    stranger = person(api)
+    stranger = signed_up(api)
     problem(stranger.http.delete(f"/v1/me/browser-sessions/{phone}"), 404, "not-found")
     assert signed_in["Safari on iOS"].http.get("/v1/me").status_code == 200
     assert mine.http.delete(f"/v1/me/browser-sessions/{phone}").status_code == 204
@@ -191,7 +192,7 @@ def pictures(api, *ids: str) -> list[int]:  # noqa: F811
 
 
 def test_signing_out_ends_what_that_browser_looks_at_and_nothing_else(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     phone, laptop = Person(api, one.email).sign_in(), Person(api, one.email).sign_in()
     mine, on_phone, on_laptop = (open_picture(api, each) for each in (one, phone, laptop))
     [current] = [b for b in phone.http.get("/v1/me/browser-sessions").json()["items"] if b["current"]]
@@ -204,7 +205,7 @@ def test_signing_out_ends_what_that_browser_looks_at_and_nothing_else(api):  # n
 
 
 def test_a_second_factor_ends_what_other_browsers_look_at(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     other = Person(api, one.email).sign_in()
     mine, theirs = open_picture(api, one), open_picture(api, other)
     one.sets_up_second_factor()
@@ -213,7 +214,7 @@ def test_a_second_factor_ends_what_other_browsers_look_at(api):  # noqa: F811
 
 
 def test_a_stream_ends_when_the_sign_in_that_opened_it_expires(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     picture = open_picture(api, one)
     api.psql("UPDATE web_sessions SET expires_at = now() - interval '1 second' WHERE user_id = %s", one.id)
     problem(one.http.get("/v1/me"), 401, "unauthenticated")
@@ -222,7 +223,7 @@ def test_a_stream_ends_when_the_sign_in_that_opened_it_expires(api):  # noqa: F8
 
 
 def test_an_administrator_is_signed_in_for_twelve_hours_at_most(api):  # noqa: F811
-    one = person(api).becomes_administrator()
+    one = signed_up(api).becomes_administrator()
     assert one.http.get("/v1/me").status_code == 200
     [(hours,)] = api.psql("SELECT max(extract(epoch FROM expires_at - created_at))::float / 3600 FROM web_sessions "
                           "WHERE user_id = %s AND expires_at > now()", one.id)
@@ -230,7 +231,7 @@ def test_an_administrator_is_signed_in_for_twelve_hours_at_most(api):  # noqa: F
 
 
 def test_signing_out_everywhere_ends_browsers_and_pictures(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     other = Person(api, one.email).sign_in()
     session = open_picture(api, one)
     assert api.redis.exists(f"diaphane:session:{session}") == 1
@@ -244,7 +245,7 @@ def test_signing_out_everywhere_ends_browsers_and_pictures(api):  # noqa: F811
 
 
 def test_each_change_is_in_the_audit_log_without_an_address(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     me = one.id
     one.http.post("/v1/me/password", json={"current": PASSWORD, "password": NEW})
     one.http.delete("/v1/me/browser-sessions")
@@ -258,7 +259,7 @@ def test_the_audit_log_is_only_appended_to(api):  # noqa: F811
     import psycopg
     import pytest
 
-    one = person(api)
+    one = signed_up(api)
     one.http.delete("/v1/me/browser-sessions")
     [(entry,)] = api.psql("SELECT max(id) FROM audit_log")
     for statement in ("DELETE FROM audit_log WHERE id = %s", "UPDATE audit_log SET action = 'a.b' WHERE id = %s",

@@ -6,7 +6,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from api_client import PASSWORD, Person, api, client, forget_attempts, link_token, make_ready, person, problem  # noqa: F401
+from api_client import PASSWORD, Person, api, client, forget_attempts, link_token, make_ready, problem, signed_up  # noqa: F401
 
 
 def test_the_way_of_a_new_person(api):  # noqa: F811
@@ -36,7 +36,7 @@ def test_the_way_of_a_new_person(api):  # noqa: F811
 
 
 def test_a_cookie_that_was_signed_out_is_of_no_use(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     kept = one.http.cookies["diaphane"]
     assert one.http.post("/v1/sign-out").status_code == 204
     other = client(api)
@@ -58,7 +58,7 @@ def test_nobody_learns_who_has_an_account(api):  # noqa: F811
 
 
 def signs_up(api, email: str, mails: int) -> str:  # noqa: F811
-    """The newest token that was mailed there, of so many mails."""
+    """Signs up this many times and returns the token in the newest mail."""
     assert client(api).post("/v1/accounts", json={"email": email}).status_code == 202
     api.wait_until(lambda: len(api.mails(email)) == mails, what="the mail")
     return link_token(api, email)
@@ -66,9 +66,9 @@ def signs_up(api, email: str, mails: int) -> str:  # noqa: F811
 
 @pytest.mark.parametrize("opened", ["first", "last"])
 def test_a_stranger_who_signs_up_with_an_address_never_gets_its_account(api, opened):  # noqa: F811
-    """Neither before its owner nor after, nor by so many mails that the owner's own is not sent."""
+    """Neither before nor after the owner, nor by sending so many mails that the owner's own is not sent."""
     owner = Person(api)
-    sharing = person(api)
+    sharing = signed_up(api)
     scan = sharing.data_set(10)["data_set"]["id"]
     make_ready(api, scan)
     shared = {"email": owner.email, "may": "view"}
@@ -89,15 +89,15 @@ def test_a_stranger_who_signs_up_with_an_address_never_gets_its_account(api, ope
     problem(attacker.post("/v1/sign-in", json={"email": owner.email, "password": password}), 401, "wrong-credentials")
     for other in tokens:
         problem(attacker.post("/v1/accounts/verify", json={"token": other, "password": password}), 410, "link-expired")
-    # Nor does a sign-up that comes later change anything.
+    # A later sign-up changes nothing either.
     forget_attempts(api)
     assert attacker.post("/v1/accounts", json={"email": owner.email}).status_code == 202
     owner.sign_in()
 
 
 def test_mails_of_one_kind_leave_room_for_the_others(api):  # noqa: F811
-    """Four resets of an address without an account do not keep its owner from signing up, nor four sign-ups the owner
-    of an account from a new password."""
+    """Four resets for an address without an account do not prevent its owner from signing up, and four sign-ups do not prevent
+    the owner of an account from getting a new password."""
     one = Person(api)
     forget_attempts(api)
     for _ in range(5):
@@ -158,15 +158,15 @@ def test_wrong_passwords_are_counted_and_the_right_one_waits_too(api):  # noqa: 
         answer = one.http.post("/v1/sign-in", json={"email": one.email, "password": password})
         problem(answer, 429, "too-many-attempts")
         assert 1 <= int(answer.headers["retry-after"]) <= 15 * 60
-    # Another account is not held up by it, and time heals.
+    # Another account is not affected, and the limit expires.
     Person(api).sign_up().sign_in()
     api.psql("UPDATE attempts SET happened_at = happened_at - interval '16 minutes'")
     one.sign_in()
 
 
 def test_strangers_do_not_lock_out_a_browser_that_has_signed_in_before(api):  # noqa: F811
-    one = person(api)
-    returning = person(api)
+    one = signed_up(api)
+    returning = signed_up(api)
     assert returning.http.post("/v1/sign-out").status_code == 204
     for target in (one, returning):
         forget_attempts(api)
@@ -183,7 +183,7 @@ def test_strangers_do_not_lock_out_a_browser_that_has_signed_in_before(api):  # 
 
 
 def test_forged_and_expired_cookies_are_nobody(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     for forged in ("0" * 64, "nonsense", one.http.cookies["diaphane"][:-1] + "x", ""):
         other = client(api)
         other.cookies.set("diaphane", forged)
@@ -193,7 +193,7 @@ def test_forged_and_expired_cookies_are_nobody(api):  # noqa: F811
 
 
 def test_use_keeps_a_browser_signed_in_but_not_for_ever(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     me = one.id
     api.psql("UPDATE web_sessions SET expires_at = now() + interval '1 day' WHERE user_id = %s", me)
     answer = one.http.get("/v1/me")
@@ -207,7 +207,7 @@ def test_use_keeps_a_browser_signed_in_but_not_for_ever(api):  # noqa: F811
 
 
 def test_other_pages_cannot_act_for_the_person(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     for origin in ("https://evil.example", "null", api.url + ".evil.example"):
         problem(one.announce(1000, Origin=origin), 403, "origin")
         problem(one.http.post("/v1/sign-in", json={"email": one.email, "password": PASSWORD},
@@ -220,7 +220,7 @@ def test_other_pages_cannot_act_for_the_person(api):  # noqa: F811
 
 
 def test_no_secret_is_in_the_database_or_the_logs(api):  # noqa: F811
-    one = person(api)
+    one = signed_up(api)
     token = one.http.cookies["diaphane"]
     assert api.psql("SELECT 1 FROM web_sessions WHERE token_hash = %s", token) == []
     assert all(h.startswith("$argon2id$") for (h,) in api.psql("SELECT password_hash FROM users WHERE verified_at IS NOT NULL"))

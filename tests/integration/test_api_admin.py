@@ -1,4 +1,4 @@
-"""Administrators: made by a command, what they see and change; the audit log; render time as a quota."""
+"""Administrators: granted by a command, what they can see and change, the audit log, and render time as a quota."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def test_that_an_administrator_looked_is_in_the_log(api, admin):  # noqa: F811
     assert found[1]["subject_id"] == one.id and found[2]["details"] == {"items": 1} and found[0]["actor"] == "administrator"
     assert looks()[0]["action"] == "audit-log.looked-at" and looks()[0]["details"]["account"] == admin.id
     assert one.email not in api.psql("SELECT string_agg(details::text, ' ') FROM audit_log")[0][0]
-    # What did not get that far is no look.
+    # A request that fails earlier is not an access.
     before = looks()[0]["id"]
     problem(one.http.get(f"/v1/admin/users/{admin.id}"), 403, "forbidden")
     problem(admin.http.get("/v1/admin/users/00000000-0000-4000-8000-000000000000"), 404, "not-found")
@@ -158,8 +158,8 @@ def test_the_fleet_is_what_redis_says(api, admin):  # noqa: F811
     remove_worker(api, "fleet-test")
 
 
-# Render time. A worker adds to `diaphane:render_time` with its heartbeat (RegistryTest.WhatPicturesTookIsToldOnceForEachPerson
-# in renderd/serve); here that is done by hand.
+# Render time. A worker adds to `diaphane:render_time` with its heartbeat (RegistryTest.WhatPicturesTookIsToldOnceForEachPerson in
+# renderd/serve). Here, the test does.
 
 def spend(stack, one: Person, ms: int) -> None:
     before = one.http.get("/v1/me").json()["render_time"]["used_ms"]
@@ -183,18 +183,18 @@ def test_render_time_is_counted_and_over_the_quota_refused_in_words_and_ended_af
     spent = one.http.get("/v1/me").json()["render_time"]
     assert spent["pictures_end_at"] is not None and spent["used_ms"] == 61_000
     document = problem(one.http.post("/v1/sessions", json={"data_set_id": made}), 403, "render-time-spent")
-    assert "used up" in document["detail"] and "starts anew on 1 " in document["detail"]
-    # What runs goes on for a while, also over a lost connection; then it ends.
+    assert "used all of your rendering time" in document["detail"] and "resets on 1 " in document["detail"]
+    # A running session continues for a while, also over a reconnection, and then ends.
     assert api.redis.exists(f"diaphane:session:{session}") == 1
     assert one.http.post(f"/v1/sessions/{session}/tickets").status_code == 201
     api.psql("UPDATE render_time SET warned_at = now() - interval '121 seconds' WHERE user_id = %s", me)
-    # It is looked for every other second, so that it may be gone already; while it is there, that is why it is refused.
+    # Sessions are checked every two seconds, so it may already be gone. While it exists, this is the reason for the refusal.
     refused = one.http.post(f"/v1/sessions/{session}/tickets")
     there = api.redis.exists(f"diaphane:session:{session}") == 1
     problem(refused, *((403, "render-time-spent") if there or refused.status_code == 403 else (404, "not-found")))
     api.wait_until(lambda: api.redis.exists(f"diaphane:session:{session}") == 0, what="the end of the picture")
 
-    # An administrator gives more, or a month begins.
+    # An administrator increases the quota, or a month begins.
     admin.http.patch(f"/v1/admin/users/{me}", json={"render_quota_ms": 120_000})
     assert one.http.post("/v1/sessions", json={"data_set_id": made}).status_code == 201
     admin.http.patch(f"/v1/admin/users/{me}", json={"render_quota_ms": 60_000})

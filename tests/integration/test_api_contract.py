@@ -1,5 +1,5 @@
-"""api/openapi.yaml against the running server: every operation is there, and what the contract refuses is refused in
-its form. (All other API tests hold every answer against it too: api_client.client.)"""
+"""api/openapi.yaml compared with the running server: every operation exists, and what the contract forbids is refused in its
+form. (All other API tests validate every response against it: api_client.client.)"""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_who_is_not_signed_in_gets_nowhere(api, operation):  # noqa: F811
 
 @pytest.fixture(scope="module")
 def boss(api):  # noqa: F811
-    """Of the operations that only an administrator may call."""
+    """An administrator, for operations that only they may call."""
     made = person(api).becomes_administrator()
     yield made
     made.is_no_administrator()
@@ -74,7 +74,7 @@ def test_a_method_that_is_not_in_the_contract_is_said_to_be_none(api, one, opera
 
 
 def body_schema(operation) -> dict | None:
-    """Of a JSON body; None: there is none."""
+    """Returns the schema of a JSON body, or None without a body."""
     content = CONTRACT.resolve(operation[2].get("requestBody", {})).get("content", {})
     return CONTRACT.resolve(content["application/json"]["schema"]) if "application/json" in content else None
 
@@ -84,12 +84,12 @@ def good_body(schema: dict) -> dict:
 
 
 def wrong_bodies(schema: dict, rng: random.Random):
-    """(a body that the schema refuses, the field that is wrong or None)."""
+    """Yields (a body that the schema refuses, the wrong field or None)."""
     good = {**{name: valid(CONTRACT.resolve(part)) for name, part in schema["properties"].items()}, **good_body(schema)}
     for name in schema.get("required", []):
         yield {k: v for k, v in good.items() if k != name}, name
     for name, part in schema["properties"].items():
-        part = {"type": "string", **CONTRACT.resolve(part)}  # a const has none
+        part = {"type": "string", **CONTRACT.resolve(part)}  # a const has no type
         wrong = [None, [], {}, True, rng.random(), {"a": [1]}, -1 if part["type"] == "integer" else "\x00",
                  "x" * 10_000, 2**63, -(2**63), 1e300, "\ud7ff\u0007"]
         for value in wrong:
@@ -158,7 +158,7 @@ def test_options_says_what_a_route_allows(api):  # noqa: F811
 
 
 def account_ways(stack) -> None:
-    """Each operation of an account once, by somebody of their own."""
+    """Calls each operation of an account once, each as a new user."""
     other = person(stack)
     other.http.post("/v1/password-reset", json={"email": other.email})
     other.http.post("/v1/password-reset/confirm",
@@ -205,7 +205,7 @@ def preset_ways(stack, one, data_set: str) -> None:
 
 
 def report_ways(stack, data_set: str) -> None:
-    """The data set is public before; who took it down has lifted that after."""
+    """The data set is public before. Afterwards, the administrator who took it down has restored it."""
     boss, other = person(stack).becomes_administrator(), person(stack)
     boss.http.post(f"/v1/data-sets/{data_set}/reports", json={"reason": "other", "words": "twice"})
     other.http.post(f"/v1/data-sets/{data_set}/reports", json={"reason": "identifies"})
@@ -222,7 +222,7 @@ def report_ways(stack, data_set: str) -> None:
 
 
 def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # noqa: F811
-    """Runs the shortest good way through all of them, so that this holds for this file alone too."""
+    """Runs the shortest valid sequence through all operations, so that this also holds for this file alone."""
     made = one.upload(b"x" * 10)["id"]
     make_ready(api, made)
     folder = api.data_dir / "cache" / "thumbnails" / made

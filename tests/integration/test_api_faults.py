@@ -1,4 +1,4 @@
-"""The stores and the API itself go away, and come back. On a stack of its own."""
+"""The stores and the API fail and recover, on a separate stack."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def one(stack) -> Person:
 
 
 def until_well(stack, ask) -> httpx.Response:
-    """The first answer that is no 502 or 503."""
+    """Returns the first response other than 502 or 503."""
     return stack.wait_until(lambda: a if (a := ask()).status_code < 500 else None, what="the recovery")
 
 
@@ -39,7 +39,7 @@ def test_without_postgres_it_says_so_and_recovers_by_itself(stack, one):
     assert admin.status_code == 503 and not admin.json()["checks"]["postgres"]
     stack.start("postgres")
     stack.wait_ready("postgres")
-    # The very first request that comes after it: dead connections are found and replaced.
+    # The next request succeeds, because dead connections are detected and replaced.
     assert one.http.get("/v1/me").status_code == 200
     assert one.offset(made["upload_url"]) == 1000
     assert one.patch(made["upload_url"], 1000, data[1000:]).status_code == 204
@@ -62,7 +62,7 @@ def test_without_redis_only_sessions_are_away(stack, one):
     problem(one.http.get("/v1/sessions"), 503, "unavailable")
     assert one.http.get("/v1/me").status_code == 200
     assert one.data_set(100)
-    # It is gone for its owner although the sessions could not be ended.
+    # It is gone for its owner, although the sessions could not be ended.
     assert one.http.delete(f"/v1/data-sets/{made}").status_code == 204
     stack.start("redis")
     stack.wait_ready("redis")
@@ -96,11 +96,11 @@ def test_a_mail_that_could_not_be_sent_is_sent_later(stack):
 
 
 def test_a_stopped_api_finishes_what_is_in_flight(stack, one):
-    """SIGTERM in the middle of a slow request: it is answered, and the program ends well within 5 s."""
+    """SIGTERM during a slow request: the request is answered, and the program exits well within 5 s."""
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(2) as pool:
-        # Hashing a password takes tens of milliseconds; several of them queue for two slots.
+        # Hashing a password takes tens of milliseconds, and several requests queue for two slots.
         answers = [pool.submit(one.http.post, "/v1/sign-in", json={"email": one.email, "password": f"wrong {i} wrong"})
                    for i in range(2)]
         time.sleep(0.02)
@@ -119,7 +119,7 @@ def test_a_stopped_api_finishes_what_is_in_flight(stack, one):
 
 
 def test_more_at_once_than_it_can_do_is_refused_in_words(stack, one):
-    """A flood of sign-ins is bounded in memory and time, and an ordinary person is served meanwhile."""
+    """A flood of sign-ins is limited in memory and time, while an ordinary user is served."""
     from concurrent.futures import ThreadPoolExecutor
 
     def guess(i: int) -> int:

@@ -1,5 +1,5 @@
-"""The REST listener by itself, without the edge before it: what it must bear although the edge keeps most of it away.
-On a stack of its own, because some of it leaves connections behind."""
+"""The REST listener without the edge in front of it: what it must withstand although the edge blocks most of it. On a separate
+stack, because some tests leave connections behind."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def connect(stack) -> socket.socket:
 
 
 def exchange(stack, raw: bytes) -> bytes:
-    """All that is answered until the listener closes or is silent for a second."""
+    """Returns all responses until the listener closes or is silent for a second."""
     with connect(stack) as peer:
         peer.sendall(raw.replace(b"Host: x\r\n", b"Host: x\r\nConnection: close\r\n"))
         peer.settimeout(1)
@@ -70,7 +70,7 @@ def test_posts_whose_bodies_never_come_hold_nobody_up(stack):
 
 
 def send_until_answered(peer: socket.socket, head: bytes) -> bytes:
-    """The library looks at what it is to say only when more of the body comes, so the body goes on until then."""
+    """Continues the body, because the library only checks for a response when more of the body arrives."""
     peer.sendall(head)
     peer.setblocking(False)
     deadline = time.monotonic() + 5
@@ -123,7 +123,7 @@ def test_a_method_that_nobody_knows_is_refused(stack):
 
 
 def test_bodies_in_memory_are_bounded_in_all(stack):
-    """Parts of 8 MiB that are announced and never come: beyond the budget one is told to come again."""
+    """Announced parts of 8 MiB that never arrive. Beyond the budget, clients are told to retry."""
     head = (b"PATCH /v1/uploads/00000000-0000-4000-8000-000000000000 HTTP/1.1\r\nHost: x\r\nTus-Resumable: 1.0.0\r\n"
             b"Content-Type: application/offset+octet-stream\r\nContent-Length: 8388608\r\n\r\n")
     with contextlib.ExitStack() as open_ones:
@@ -135,7 +135,7 @@ def test_bodies_in_memory_are_bounded_in_all(stack):
         assert status(answer) == 503 and b"Retry-After" in answer
         serves_quickly(stack)
     time.sleep(0.2)
-    with connect(stack) as peer:   # given back when they have gone
+    with connect(stack) as peer:   # released once they disconnect
         peer.sendall(head + b"x" * 8388608)
         assert status(peer.recv(65536)) == 401
 

@@ -1,4 +1,4 @@
-"""`diaphane-api migrate`: up, down and up again; and what it says of mistakes."""
+"""`diaphane-api migrate`: up, down and up again, and its messages for mistakes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 @pytest.fixture
 def database(stores):
-    """An empty database of its own."""
+    """A separate empty database."""
     name = f"migrate_{uuid.uuid4().hex[:8]}"
     superuser = (stores.data_dir / "secrets" / "postgres-superuser").read_text(encoding="utf-8").strip()
     import psycopg
@@ -49,7 +49,7 @@ def test_up_down_and_up_again_give_the_same_schema(stores, database):
     whole = schema(database)
     assert {"users", "data_sets", "uploads", "ingest_jobs", "schema_migrations"} <= {row[0] for row in whole}
     assert migrate(stores, database, "up").stdout == "nothing to do\n"
-    # One by one, and each of them up again gives what was there before.
+    # One by one, and each migration up again restores the previous state.
     for name in reversed(names[1:]):
         before = schema(database)
         assert migrate(stores, database, "down").stdout.split() == ["down", name]
@@ -87,4 +87,4 @@ def test_mistakes_are_said_with_the_exit_code_for_them(stores, database, tmp_pat
     assert migrate(stores, database, "up", "--surprise", "1").returncode == 64
     assert migrate(stores, database, "up", migrations=tmp_path).returncode == 1
     away = migrate(stores, "postgresql://nobody@127.0.0.1:1/none", "up")
-    assert away.returncode == 69 and "away" in away.stderr
+    assert away.returncode == 69 and "unavailable" in away.stderr

@@ -1,4 +1,4 @@
-"""Presets: saved, changed under If-Match, voted for, made the default, read from and written to XML; hostile ones refused."""
+"""Presets: saving, changing with If-Match, voting, defaults, reading and writing XML, and refusing hostile ones."""
 
 from __future__ import annotations
 
@@ -105,7 +105,8 @@ def test_who_may_only_look_saves_none_and_changes_nobodys(api, one, other):  # n
     problem(delete(other, preset), 403, "forbidden")
     problem(change(one, theirs, {"name": "x"}, theirs["etag"]), 403, "forbidden")
     problem(other.http.post(f"/v1/data-sets/{made}/default-preset", json={"preset_id": theirs["id"]}), 403, "forbidden")
-    problem(other.http.post(f"/v1/presets/{preset['id']}/vote", json={"value": 1}), 403, "forbidden")   # private: no votes
+    # private presets have no votes
+    problem(other.http.post(f"/v1/presets/{preset['id']}/vote", json={"value": 1}), 403, "forbidden")
     assert delete(one, theirs).status_code == 204   # the owner of the scan may
 
 
@@ -128,7 +129,7 @@ def test_the_crowd_votes_once_each_and_the_best_comes_first(api, one, other, thi
     assert names(third, shown) == ["Second", "First"]
     assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": None}).status_code == 204
     problem(one.http.post(f"/v1/data-sets/{private(api, one)}/default-preset", json={"preset_id": first["id"]}), 404, "not-found")
-    problem(client(api).get(f"/v1/data-sets/{shown}/presets"), 404, "not-found")   # nobody sees samples alone
+    problem(client(api).get(f"/v1/data-sets/{shown}/presets"), 404, "not-found")   # samples are not private to anyone
 
 
 def test_there_are_only_so_many_of_a_person(api, one, other, shown):  # noqa: F811
@@ -156,7 +157,7 @@ def test_a_hostile_scene_is_refused_by_its_field(api, one, shown, broken, field)
 def test_a_later_version_and_a_huge_one_are_refused_by_name(api, one, shown):  # noqa: F811
     answer = one.http.post(f"/v1/data-sets/{shown}/presets", json={"name": "a", "scene": SCENE, "version": 2})
     document = problem(answer, 422, "invalid")
-    assert document["errors"] == [{"field": "version", "message": "is a later one than this server reads (1)"}]
+    assert document["errors"] == [{"field": "version", "message": "is newer than this server supports (1)"}]
     points = [{"value": n, "opacity": 0.5} for n in range(1024)]
     wide = SCENE | {"transferFunction": {"channels": [{"opacity": points} for _ in range(4)]}}
     document = problem(save(one, shown, scene=wide), 422, "invalid")
@@ -239,7 +240,7 @@ def test_the_same_idempotency_key_makes_one_preset(api, one, other, shown):  # n
     assert names(one, shown) == ["Once"]
     problem(one.http.post(path, json=body | {"name": "Another"}, headers=key), 422, "idempotency-key-reused")
     problem(one.http.post(f"/v1/data-sets/{private(api, one)}/presets", json=body, headers=key), 422, "idempotency-key-reused")
-    assert other.http.post(path, json=body, headers=key).json()["id"] != made   # keys are a person's own
+    assert other.http.post(path, json=body, headers=key).json()["id"] != made   # keys belong to a user
     xml = one.http.get(f"/v1/presets/{made}/xml").text
     imported = [import_xml(other, shown, xml, **{"Idempotency-Key": "a-file"}).json()["id"] for _ in range(2)]
     assert imported[0] == imported[1]
@@ -273,7 +274,7 @@ def test_a_picture_is_there_for_whoever_may_read_the_preset_until_either_changes
     problem(picture_of(one, preset), 404, "not-found")
     api.wait_until(lambda: not file.parent.exists(), what="the old picture's end")
     put_picture(api, preset["id"])
-    file.unlink()   # a cache may lose what it has: then it is made anew
+    file.unlink()   # a cache may lose its entries, which are then made again
     problem(picture_of(one, preset), 404, "not-found")
     assert one.http.get(f"/v1/presets/{preset['id']}").json()["pictured_at"] is None
     api.wait_until(lambda: not file.parent.exists(), what="the rest's end")
@@ -297,7 +298,7 @@ def test_a_picture_goes_with_the_data_set_and_with_its_authors_account(api, one,
 
 
 def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, third, shown):  # noqa: F811
-    """What a new session begins with, as the worker is told it."""
+    """The scene of a new session, as sent to the worker."""
     import secrets
 
     from stream_help import MESSAGES
@@ -326,7 +327,7 @@ def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, t
     assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": crowd["id"]}).status_code == 204
     first = [opened(one), opened(other), opened(third), visited()]
     assert [scene.bounces for scene in first] == [9] * 4 and all(scene.camera.eye.y == -500 for scene in first)
-    # What its author makes of it later is not what the owner chose, until they choose it again.
+    # Later changes by its author do not affect the owner's choice until the owner chooses it again.
     crowd = other.http.patch(f"/v1/presets/{crowd['id']}", json={"scene": SCENE | {"bounces": 7}},
                              headers={"If-Match": crowd["etag"]}).json()
     assert crowd["is_default"] and crowd["changed_since_default"] and crowd["scene"]["bounces"] == 7
@@ -338,7 +339,7 @@ def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, t
     mine = one.http.patch(f"/v1/presets/{mine['id']}", json={"scene": SCENE | {"bounces": 5}}, headers={"If-Match": mine["etag"]}).json()
     assert opened(other).bounces == 5 and not mine["changed_since_default"], "an owner sees what they change"
     assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": crowd["id"]}).status_code == 204
-    # Of a session that is there nothing changes: it shows what it has become.
+    # An existing session is unchanged and shows its current scene.
     kept = one.http.post("/v1/sessions", json={"data_set_id": shown}, headers={"Idempotency-Key": "mine"}).json()["session_id"]
     api.redis.hset(f"diaphane:session:{kept}", "scene", "as it is")
     assert one.http.post(f"/v1/sessions/{kept}/tickets").status_code == 201
@@ -356,8 +357,8 @@ def test_a_preset_that_offends_is_reported_and_taken_down(api, one, other, third
     report = lambda who, **words: who.http.post(f"/v1/presets/{offending['id']}/reports", json={"reason": "offensive", **words})  # noqa: E731
     for words in ("At first.", "Read its name."):
         assert report(third, words=words).status_code == 204
-    problem(report(other), 403, "forbidden")   # one's own
-    problem(report(one), 403, "forbidden")     # its owner deletes it himself
+    problem(report(other), 403, "forbidden")   # own preset
+    problem(report(one), 403, "forbidden")     # its owner can delete it
     down = lambda who: who.http.post(f"/v1/presets/{offending['id']}/take-down", json={"reason": "A slur."})  # noqa: E731
     for who in (one, other, third):
         problem(down(who), 403, "forbidden")
@@ -382,7 +383,7 @@ def test_a_preset_that_offends_is_reported_and_taken_down(api, one, other, third
     assert entry[:3] == ("administrator", "preset.taken-down", "preset") and "slur" not in entry[3]
     assert boss.http.delete(f"/v1/presets/{offending['id']}/take-down").status_code == 204
     assert names(third, shown) == ["A bad word"]
-    # A report that was wrong is dismissed; what is private is none of an administrator's business.
+    # A wrong report is dismissed. Administrators cannot see private presets.
     report(third)
     [again] = [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == shown]
     assert boss.http.delete(f"/v1/reports/{again['id']}").status_code == 204

@@ -1,4 +1,4 @@
-"""Sessions and thumbnails as far as the REST side goes, through the edge."""
+"""The REST side of sessions and thumbnails, through the edge."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_without_a_worker_one_is_told_to_come_again(api, one, ready):  # noqa: F
 
 
 def test_a_picture_that_is_being_made_holds_a_few_threads_of_the_api_only(api, one, ready, worker):  # noqa: F811
-    """40 requests for one new picture kept all threads waiting for as long as it took; here its worker never answers."""
+    """The worker never responds. 40 requests for one new picture once blocked all threads for as long as rendering took."""
     with socket.create_server(("127.0.0.1", 0)) as silent, ThreadPoolExecutor(40) as pool:
         api.redis.hset(f"diaphane:worker:{worker}", "address", f"127.0.0.1:{silent.getsockname()[1]}")
         asked = [pool.submit(one.http.get, f"/v1/data-sets/{ready}/thumbnails/skin") for _ in range(40)]

@@ -1,4 +1,4 @@
-"""Sharing a data set with people, by links, with everybody; taking it back; looking without an account."""
+"""Sharing a data set with people, by links and publicly, revoking it, and viewing without an account."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_shared_with_somebody_it_is_seen_and_unshared_its_session_ends(api, one,
     assert made in [item["id"] for item in other.http.get("/v1/data-sets").json()["items"]]
     assert one.http.get(f"/v1/data-sets/{made}").json()["shared"] == {"people": 1, "links": 0}
     theirs, mine = session_of(other, made), session_of(one, made)
-    problem(other.http.post(f"/v1/sessions/{theirs}/links"), 403, "forbidden")   # shared no further
+    problem(other.http.post(f"/v1/sessions/{theirs}/links"), 403, "forbidden")   # cannot be shared further
     for method, path in (("GET", "people"), ("GET", "links")):
         problem(other.http.request(method, f"/v1/data-sets/{made}/{path}"), 403, "forbidden")
     problem(other.http.delete(f"/v1/data-sets/{made}"), 403, "forbidden")
@@ -136,7 +136,7 @@ def test_an_invitation_waits_for_the_address_and_tells_nobody(api, one, other): 
     forget_attempts(api)
     late.sign_up().sign_in()
     assert late.http.get(f"/v1/data-sets/{made}").json()["role"] == "shared-view"
-    # It is that account's now, not the address's.
+    # It belongs to that account now, not to the address.
     api.psql("UPDATE users SET email_key = %s WHERE email_key = %s", f"moved-{stranger}", stranger)
     assert late.http.get(f"/v1/data-sets/{made}").status_code == 200
     problem(one.http.post(f"/v1/data-sets/{made}/people", json={"email": one.email, "may": "view"}), 422, "invalid")
@@ -149,13 +149,13 @@ def test_a_name_that_could_pass_for_something_else_is_refused(one, name):  # noq
     problem(one.http.patch("/v1/me/public-name", json={"public_name": name}), 422, "invalid")
 
 
-def test_a_name_in_a_mail_to_a_stranger_is_quoted_beside_the_confirmed_address(api):  # noqa: F811
+def test_an_invitation_names_the_sender_and_their_confirmed_address(api):  # noqa: F811
     one = person(api)
     made = ready(api, one)
     assert one.http.patch("/v1/me/public-name", json={"public_name": " Ann\u202e  O\u2019Hill\u200b "}).status_code == 204
     assert one.http.get("/v1/me/public-name").json() == {"public_name": "Ann O\u2019Hill"}
-    # One that was chosen before names were checked is not shown.
-    for kept, first in (("Ann O\u2019Hill", f'"Ann O\u2019Hill" ({one.email})'), ("Pay at evil.ex/x", one.email)):
+    # A name that was chosen before names were validated is not shown.
+    for kept, first in (("Ann O\u2019Hill", f"Ann O\u2019Hill ({one.email})"), ("Pay at evil.ex/x", one.email)):
         api.psql("UPDATE users SET public_name = %s WHERE id = %s", kept, one.id)
         stranger = f"stranger-{uuid.uuid4().hex[:8]}@example.org"
         share(one, made, stranger)
@@ -178,7 +178,7 @@ def test_what_a_disabled_account_shared_does_not_exist_until_it_is_enabled_again
     scene = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
     preset = owner.http.post(f"/v1/data-sets/{foreign}/presets", json={"name": "Mine", "scene": scene}).json()["id"]
 
-    key = secrets.token_hex(32)   # one visitor, who takes one place
+    key = secrets.token_hex(32)   # one visitor who takes one slot
 
     def visit() -> httpx.Response:
         return client(api).post("/v1/visits", json={"key": key, "token": token})
@@ -233,14 +233,14 @@ def test_a_public_one_is_found_in_the_gallery(api, one, other):  # noqa: F811
     assert [t[:6] for t in titles(other.http, q=word, body_part="arm")] == ["Broken"]
     assert titles(other.http, q=word, modality="MR") == []
     assert titles(other.http, q="'; DROP TABLE users; --") == [] and titles(other.http, q="!&|") == []
-    assert titles(client(api), q=word) == []   # without an account: samples
+    assert titles(client(api), q=word) == []   # visitors see samples only
     shown = other.http.get("/v1/gallery", params={"q": word}).json()["items"]
     assert {item["owner_name"] for item in shown} == {"Ann of the hills"} and {item["role"] for item in shown} == {"other"}
     assert one.email not in str(shown)
     page = other.http.get("/v1/gallery", params={"q": word, "limit": 2}).json()
     rest = other.http.get("/v1/gallery", params={"q": word, "limit": 2, "cursor": page["next_cursor"]}).json()
     assert [len(page["items"]), len(rest["items"])] == [2, 1] and rest["next_cursor"] is None
-    # Not among one's own: the list is of what is one's own or shared with one.
+    # The list contains only the user's own data sets and those shared with them.
     assert not {item["id"] for item in other.http.get("/v1/data-sets").json()["items"]} & set(made.values())
     problem(other.http.get("/v1/gallery", params={"body_part": "soul"}), 422, "invalid")
     problem(one.http.patch("/v1/me/public-name", json={"public_name": "me@example.org"}), 422, "invalid")
@@ -317,13 +317,13 @@ def test_a_sample_is_looked_at_without_an_account_and_nothing_else_is(api, one, 
     problem(visit(api, data_set_id=ready(api, one)), 404, "not-found")
     problem(visit(api), 422, "invalid")
     problem(visit(api, token="0" * 64, data_set_id=shown), 422, "invalid")
-    # Of time and number.
+    # Limited in time and number.
     api.psql("UPDATE visits SET expires_at = now() WHERE session_id = %s", here.json()["session_id"])
     api.wait_until(lambda: not runs(api, here.json()["session_id"]), what="the end of the visit")
     forget_attempts(api)
     api.psql("DELETE FROM visits")
-    api.redis.delete("diaphane:visitors")  # of the tests before
-    for _ in range(8):  # half of the visitors' quarter of 64 slots: from one address
+    api.redis.delete("diaphane:visitors")  # left over from earlier tests
+    for _ in range(8):  # half of the visitors' quarter of 64 slots, for one address
         assert visit(api, data_set_id=shown).status_code == 201
     problem(visit(api, data_set_id=shown), 503, "busy")
     assert api.psql("SELECT count(*) FROM visits")[0][0] == 8, "a refused visit is not counted"
@@ -371,7 +371,7 @@ def test_reported_and_taken_down_it_is_gone_for_all_but_its_owner(api, one, othe
     [entry] = api.psql("SELECT actor, action, subject, details::text FROM audit_log WHERE subject_id = %s", made)
     assert entry[:3] == ("administrator", "data-set.taken-down", "data_set") and "burnt" not in entry[3]
     assert boss.http.delete(f"/v1/data-sets/{made}/take-down").status_code == 204
-    problem(boss.http.get(f"/v1/data-sets/{made}"), 404, "not-found")   # private again: none of an administrator's business
+    problem(boss.http.get(f"/v1/data-sets/{made}"), 404, "not-found")   # private again, so administrators cannot see it
     assert publish(one, made).status_code == 200
 
 
@@ -389,14 +389,14 @@ def test_the_same_idempotency_key_makes_one_link_and_says_its_token_again(api, o
     assert len(tokens) == 4
     problem(ask(one, "k1", hours=2), 422, "idempotency-key-reused")
     problem(ask(one, "k1", data_set=ready(api, one)), 422, "idempotency-key-reused")
-    # In another browser nobody can say the token: it is made of the cookie.
+    # Another browser cannot know the token, because it derives from the cookie.
     elsewhere = Person(api, one.email)
     forget_attempts(api)
     assert elsewhere.http.post("/v1/sign-in", json={"email": one.email, "password": PASSWORD}).status_code == 200
     elsewhere.http.headers["X-CSRF-Token"] = elsewhere.http.get("/v1/me").json()["csrf_token"]
     problem(ask(elsewhere, "k1"), 409, "conflict")
     assert client(api).post("/v1/follow", json={"token": first.json()["token"]}).status_code == 200
-    # Ended, it does not come back; not even when the key was forgotten meanwhile.
+    # Once ended, it does not come back, even if the key was forgotten meanwhile.
     assert one.http.delete(f"/v1/data-sets/{made}/links/{second['id']}").status_code == 204
     problem(ask(one, "k2"), 409, "conflict")
     api.psql("DELETE FROM idempotency_keys WHERE key = 'k1'")
@@ -408,7 +408,7 @@ def test_the_same_idempotency_key_makes_one_link_to_a_session(api, one, worker):
     ask = lambda key: one.http.post(f"/v1/sessions/{session}/links", headers={"Idempotency-Key": key})  # noqa: E731
     first = ask("k")
     assert first.status_code == 201
-    for _ in range(12):   # one link, of the 8 that there may be
+    for _ in range(12):   # one link, of at most 8
         assert ask("k").json() == first.json()
     assert ask("another").json() != first.json()
     assert one.http.delete(f"/v1/sessions/{session}/links").status_code == 204

@@ -38,7 +38,7 @@ def test_an_upload_in_parts_with_a_cut_is_resumed_and_queued(api, one):  # noqa:
     assert now["state"] == "queued" and now["upload"] is None
     assert api.psql("SELECT upload_id::text FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(data_set,)]
     assert (api.data_dir / "uploads" / f"{data_set}.tar").read_bytes() == data
-    # The client that never got the last answer asks, and sees that all is there.
+    # The client that missed the last response asks, and learns that everything has arrived.
     assert one.offset(url) == len(data)
     assert one.patch(url, len(data), b"").status_code == 204
     problem(one.patch(url, 2 * PART, last), 409, "upload-complete")
@@ -104,7 +104,7 @@ def test_an_upload_is_created_by_tus_alone(api, one):  # noqa: F811
     assert made["title"] == "Knie, links" and made["upload"]["bytes"] == 1000 and made["state"] == "uploading"
     assert one.patch(url, 0, b"x" * 1000).status_code == 204
     assert one.http.get(f"/v1/data-sets/{made['id']}").json()["state"] == "queued"
-    # The same key asks for the same upload, whoever asks twice.
+    # The same key always refers to the same upload.
     key = {**TUS, "Upload-Length": "7", "Idempotency-Key": os.urandom(8).hex()}
     assert one.http.post("/v1/uploads", headers=key).headers["location"] == one.http.post("/v1/uploads", headers=key).headers["location"]
 
@@ -130,7 +130,7 @@ def test_what_cannot_become_an_upload_is_refused_before_the_first_byte(api, one,
 
 
 def test_a_full_disk_is_said_and_nothing_is_left_behind(stack_factory):
-    """A small file system of its own where that can be had; else a limit on the size of the server's files stands for it."""
+    """Uses a small file system if possible. Otherwise, a limit on the size of the server's files simulates it."""
     stack = stack_factory(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_DISK_RESERVE_MB": "0"})
     folder = stack.data_dir / "uploads"
     small = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=20m,mode=0777", "tmpfs", folder], capture_output=True).returncode == 0
@@ -149,7 +149,7 @@ def test_a_full_disk_is_said_and_nothing_is_left_behind(stack_factory):
         assert "kept" in problem(refused, 507, "storage-full")["detail"] and int(refused.headers["retry-after"]) > 0
         assert anna.offset(first["upload_url"]) == PART
         assert (folder / f"{first['data_set']['id']}.tar").stat().st_size == PART
-        # Room is made, and it goes on; what is given up leaves nothing.
+        # After space is freed, it resumes. A cancelled upload leaves nothing behind.
         if small:
             assert anna.http.delete(second["upload_url"], headers=TUS).status_code == 204
             stack.wait_until(lambda: len(os.listdir(folder)) == 1, what="the disposal")
@@ -211,7 +211,7 @@ def test_announcements_side_by_side_cannot_pass_the_quota_together(api):  # noqa
     poor = person(api)
     api.psql("UPDATE users SET quota_bytes = 5000 WHERE id = %s", poor.id)
     with ThreadPoolExecutor(6) as pool, psycopg.connect(api.dsn) as holding:
-        # All of them wait for the account here, and then run as close together as can be.
+        # All of them wait for the account here, and then run as simultaneously as possible.
         holding.execute("SELECT 1 FROM users WHERE id = %s FOR UPDATE", [poor.id])
         waiting = [pool.submit(poor.announce, 2000) for _ in range(6)]
         api.wait_until(lambda: api.psql("SELECT count(*) FROM pg_locks WHERE NOT granted")[0][0] >= 6, what="the queue")
@@ -233,7 +233,7 @@ def test_the_same_idempotency_key_makes_one_data_set(api, one):  # noqa: F811
 def test_a_list_is_read_page_by_page_without_gaps_or_repeats(api):  # noqa: F811
     many = person(api)
     made = [many.data_set(10, f"number {i}")["data_set"]["id"] for i in range(7)]
-    # Some at the very same instant: the id decides among them.
+    # Some with the same timestamp, which are ordered by id.
     api.psql("UPDATE data_sets SET created_at = date_trunc('hour', now()) WHERE id = ANY(%s::uuid[])", made[2:5])
     seen, cursor = [], None
     while True:
@@ -267,7 +267,7 @@ def test_what_is_somebody_elses_does_not_exist_on_any_route(api, one):  # noqa: 
     assert other.http.head(url, headers=TUS).status_code == 404
     assert other.http.get("/v1/sessions").json()["items"] == []
     assert all(not item["owned"] for item in other.http.get("/v1/data-sets").json()["items"])
-    # and to its owner it is as before
+    # unchanged for its owner
     assert one.http.get(data_set).status_code == 200 and one.offset(url) == 0
     assert one.http.get(f"/v1/sessions/{session}").status_code == 200
     assert list((api.data_dir / "uploads").glob(f"{made['data_set']['id']}*")) == []

@@ -1,7 +1,5 @@
-"""The attacks of edge_attacks.py on every route in every role, on requests that are authorised: nothing gets further than the role may.
-
-Here some at each; all of them: `./diaphane bench edge-attacks`.
-"""
+"""The attacks of edge_attacks.py on every route in every role, with authorised requests: none exceeds the role's rights. These
+tests send some in each cell. All of them: `./diaphane bench edge-attacks`."""
 
 from __future__ import annotations
 
@@ -14,11 +12,11 @@ from attack_run import Sent, changes, run, state_of
 from edge_attacks import Attack, Request, attacks_on
 from edge_help import Undisturbed, talk
 from who_may_table import OPERATIONS
-from who_may_world import ROLES, known_hash
+from who_may_world import ROLES
 
-#: Of the list at each cell, beside the request itself, and headers and a body that come a byte a second.
+#: Attacks per cell, besides the request itself, and headers and a body at one byte per second.
 EACH = 4
-#: Where all of the list is sent: with and without a body, a page, the stream.
+#: Routes that get the whole list: with and without a body, a page, the stream.
 WHOLE = ("getMe", "describeDataSet", "/", "stream")
 
 
@@ -30,18 +28,13 @@ def attacked(stack_house):
 
 
 @pytest.fixture(scope="module")
-def password_hash(attacked):
-    return known_hash(attacked)
-
-
-@pytest.fixture(scope="module")
 def somebody(attacked):
     return person(attacked)
 
 
 @pytest.fixture
 def ordinary(attacked, somebody):
-    """Goes on meanwhile; afterwards every answer was right, and the programs are the same and no larger."""
+    """A user who works meanwhile. Afterwards, every response was right, and the programs are the same and no larger."""
     watched = Undisturbed(attacked, somebody)
     yield
     assert watched.faults() == []
@@ -49,20 +42,21 @@ def ordinary(attacked, somebody):
     print(f"ordinary client: {3 * len(one.seconds)} answers, p99 {one.p99() * 1000:.1f} ms; api {watched.grown_mb:+.1f} MB, edge {watched.edge_mb:.1f} MB")
 
 
-def test_every_route_in_every_role_stands_some_of_each_attack(attacked, password_hash, ordinary):
+@pytest.mark.nightly
+def test_every_route_in_every_role_stands_some_of_each_attack(attacked, ordinary):
     chosen = cells(routes())
-    found = run(attacked, password_hash, chosen, some_of(EACH), anew=False)
+    found = run(attacked, chosen, some_of(EACH), anew=False)
     print(printed(table(found.tallies)))
     assert found.misses == []
     assert set(found.tallies) == set(chosen)
-    # Attacks got as far as requests do that are allowed.
+    # Attacks got as far as permitted requests.
     answered = Counter(cell.role for cell, tally in found.tallies.items() if tally.answered)
     assert all(answered[role] > 20 for role in ("other", "view", "edit", "owner", "administrator")), answered
 
 
-def test_a_few_routes_stand_the_whole_list(attacked, password_hash, ordinary):
+def test_a_few_routes_stand_the_whole_list(attacked, ordinary):
     chosen = [one for one in routes() if one.name in WHOLE]
-    found = run(attacked, password_hash, cells(chosen, ("nobody", "owner")), all_of_them, drip_seconds=0, anew=False)
+    found = run(attacked, cells(chosen, ("nobody", "owner")), all_of_them, drip_seconds=0, anew=False)
     print(printed(table(found.tallies)))
     assert found.misses == []
 
@@ -91,7 +85,7 @@ def test_every_operation_the_stream_and_the_pages_are_there():
 
 
 def test_some_of_each_are_all_of_them_in_the_end():
-    """Over all cells every attack occurs, and in every role every kind does."""
+    """Over all cells, every attack occurs, and in every role every kind does."""
     one = Request(b"PATCH", b"/v1/x", ((b"Cookie", b"a" * 64), (b"X-CSRF-Token", b"b" * 64)), b"{}")
     listed = attacks_on(one)
     assert len({(attack.kind, attack.name) for attack in listed}) == len(listed), "names tell them apart"

@@ -1,4 +1,4 @@
-"""A scan with a word in every text that it can hold: whatever becomes of its upload, no word of it is found afterwards."""
+"""A scan with a canary word in every text that it can contain. Whatever happens to its upload, no word is found afterwards."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ingest_help import upload_path, wait_end
 from test_ingest_faults import children
 
 PROGRAMS = ("postgres", "redis", "api", "edge", "ingestd")
-#: Places in ingestd where a test can have it killed (common/fault_point.h), in their order.
+#: Fault points in ingestd where tests kill it (common/fault_point.h), in order.
 STEPS = ("claimed", "built", "written", "stored", "said", "removed")
 
 
@@ -28,7 +28,7 @@ def faults(stack_house) -> Path:
 
 @pytest.fixture(scope="module")
 def kept(stack_house, faults):
-    """Everything that could keep something, and core files wanted by whoever started it."""
+    """A stack that keeps as much as possible, with core files enabled."""
     before = resource.getrlimit(resource.RLIMIT_CORE)
     resource.setrlimit(resource.RLIMIT_CORE, (before[1], before[1]))
     running = stack_house.open(only=PROGRAMS, extra_env={
@@ -54,7 +54,7 @@ def search(scan) -> Search:
 
 
 def announced(one: Person, scan: CanaryScan, data: bytes) -> tuple[str, str]:
-    """Data set and address of an upload that tells all it knows about its files."""
+    """Returns data set and address of an upload with all the information about its files that a client can send."""
     answer = one.http.post("/v1/uploads", headers={"Tus-Resumable": "1.0.0", "Upload-Length": str(len(data)), **scan.metadata()})
     assert answer.status_code == 201, answer.text
     url = answer.headers["location"]
@@ -62,7 +62,7 @@ def announced(one: Person, scan: CanaryScan, data: bytes) -> tuple[str, str]:
 
 
 def sent(one: Person, scan: CanaryScan, data: bytes | None = None) -> str:
-    """A data set, all of it uploaded in parts."""
+    """Returns a completely uploaded data set."""
     data = scan.upload() if data is None else data
     data_set, url = announced(one, scan, data)
     for start in range(0, len(data), 30_000):
@@ -72,19 +72,28 @@ def sent(one: Person, scan: CanaryScan, data: bytes | None = None) -> str:
 
 
 def nothing_is_left(kept, search: Search, still: str | None = None) -> None:
-    """`still`: an upload that is needed again, whose own file (and no other) may hold what it holds."""
+    """`still`: an upload that is still needed, whose own file alone may contain words."""
     assert search.in_stack(kept, leave_out=[upload_path(kept, still)] if still else []) == []
     assert [path for path in kept.data_dir.rglob("core*") if path.is_file() and not path.suffix] == [], "core files"
 
 
+def reads_its_input(child: int) -> bool:
+    """Whether the child has started to read its input (kChildInput)."""
+    try:
+        position = int(Path(f"/proc/{child}/fdinfo/3").read_text(encoding="ascii").split()[1])
+        return position > 0 and "/uploads/" in os.readlink(f"/proc/{child}/fd/3")
+    except OSError:
+        return False
+
+
 def frozen(kept, one: Person, scan: CanaryScan) -> tuple[str, int]:
-    """A data set whose child stands still in the middle of its work."""
+    """Returns a data set whose child is stopped while it reads the upload."""
     kept.wait_ready("ingestd")
     ingestd = kept.pids["ingestd"]
     data_set = sent(one, scan, scan.upload(400))
     deadline = time.monotonic() + 15
-    while not (pids := children(ingestd)):
-        assert time.monotonic() < deadline, "no child was started"
+    while not ((pids := children(ingestd)) and reads_its_input(pids[0])):
+        assert time.monotonic() < deadline, "no child reads the upload"
         time.sleep(0.0005)
     os.kill(pids[0], signal.SIGSTOP)
     return data_set, pids[0]
@@ -104,7 +113,7 @@ def test_the_scan_is_full_of_words_and_the_search_finds_every_form(scan, tmp_pat
 
 
 def test_a_leak_would_be_found(kept, scan, search):
-    """One planted in each place that is looked at."""
+    """Plants a word in each place that is searched."""
     word = scan.words["person"]
     for place in ("logs", "scratch", "volumes", "run", "postgres"):
         leak = kept.data_dir / place / "leak"
@@ -116,7 +125,7 @@ def test_a_leak_would_be_found(kept, scan, search):
     kept.redis.delete("leak")
     kept.psql("CREATE TABLE leak AS SELECT convert_to(%s, 'UTF8') AS bytes", word)
     assert any("dump of the database" in hit for hit in search.in_stack(kept))
-    # What Postgres and Redis wrote of it stays in their files for a while: its own word is searched no more from here on.
+    # Postgres and Redis keep deleted data in their files for a while, so its word is not searched from here on.
     search.needles = {name: needle for name, needle in search.needles.items() if not name.startswith(word)}
     kept.psql("DROP TABLE leak")
     with tempfile.NamedTemporaryFile() as file:
@@ -156,10 +165,10 @@ def test_after_kill_9_at_each_step(kept, one, scan, search, faults, step):
     killed = kept.pids["ingestd"]
     data_set = sent(one, scan)
     kept.wait_until(lambda: not armed.exists(), 20, f"the kill at {step}")
-    # At once, before anybody has mended anything: only the upload itself, which is needed again, may be there.
+    # Immediately, before any recovery, only the upload itself, which is still needed, may exist.
     nothing_is_left(kept, search, still=data_set)
     assert wait_end(kept, data_set)[0] == "ready"
-    # The last of the steps is killed after the data set was said to be ready: it comes back a moment later.
+    # The last step kills it after the data set was reported as ready. It restarts a moment later.
     kept.wait_until(lambda: kept.pids.get("ingestd", killed) != killed, 20, "another ingestd")
     nothing_is_left(kept, search)
 

@@ -1,4 +1,4 @@
-"""Every query of the chart's dashboard finds its metric, with its labels, in what the real programs say."""
+"""Every query of the chart's dashboard finds its metric and labels in the output of the real programs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from websockets.exceptions import ConnectionClosed
 
 from harness import TestStack
 
-#: Of programs that are asked here; the operator is asked in tests/cluster.
+#: Programs that are queried here. tests/cluster queries the operator.
 PROGRAMS = ("api", "gateway", "renderd", "ingestd")
 PREFIXES = ("diaphane_api_", "diaphane_stream_", "diaphane_renderd_", "diaphane_ingest_", "diaphane_start_")
 
@@ -30,12 +30,12 @@ def test_every_query_of_the_dashboard_is_answered(stack):
     session, url = open_session(somebody, ball)
     viewer = Viewer(stack.url, url)
     viewer.frame()
-    # Refused for its ticket; an upload that is none: what is counted by its kind begins with the first.
+    # A refused ticket and an invalid upload, because counters by kind appear with the first event.
     httpx.get(f"{stack.url}/stream?ticket={'0' * 64}", headers={"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
                                                                 "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==", "Origin": stack.url,
                                                                 "Sec-WebSocket-Protocol": "diaphane.v1"})
     viewer.leave()
-    # A worker that has no such volume ends its call with an error.
+    # A worker without that volume ends its call with an error.
     gone = store_ball(stack, somebody)
     shutil.rmtree(stack.data_dir / "volumes" / gone)
     lost, url = open_session(somebody, gone)

@@ -1,5 +1,5 @@
-"""The edge under floods, slow and vanishing clients, with the real API behind it; meanwhile an ordinary client's answers stay right and
-quick. Malformed requests: test_attacks_by_role.py."""
+"""The edge under floods, with slow and vanishing clients and the real API. An ordinary client's responses must stay right and
+fast. Malformed requests: test_attacks_by_role.py."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 from api_client import person, problem
 from edge_help import Undisturbed, connect, family, part_head, requests_of, signed, spooled, statuses, talk
 
-#: How slow an ordinary answer may be at worst while the machine is under attack (2 cores, shared with the attackers).
+#: Slowest acceptable response for an ordinary user during an attack (2 cores, shared with the attackers).
 P99_SECONDS = 0.5
 
 
@@ -33,13 +33,13 @@ def somebody(edge):
 
 @pytest.fixture(scope="module")
 def uploader(edge):
-    """Somebody else, who has uploads: those of `somebody` have none to list."""
+    """Another user with uploads, because `somebody` must have none to list."""
     return person(edge)
 
 
 @pytest.fixture
 def ordinary(edge, somebody, record_property):
-    """Runs beside the test; afterwards the API is the same process, no larger, and every answer was right."""
+    """Works during the test. Afterwards, the API is the same process, no larger, and every response was right."""
     watched = Undisturbed(edge, somebody)
     one = watched.ordinary
     yield one
@@ -52,7 +52,7 @@ def ordinary(edge, somebody, record_property):
 
 @pytest.fixture(scope="module", autouse=True)
 def many_files():
-    """As many descriptors as this process may have."""
+    """Raises the limit of this process on descriptors."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
     yield hard
@@ -60,18 +60,18 @@ def many_files():
 
 
 def reset(one: socket.socket) -> None:
-    """Closes with RST, as a client that vanishes."""
+    """Closes with RST, like a client that vanishes."""
     one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     one.close()
 
 
 def sessions_listed(stack) -> float:
-    """How often the API was asked for a list of sessions, which no test of this file does but by smuggling."""
+    """Returns how often sessions were listed, which tests of this file can only do by smuggling."""
     return requests_of(stack)["listSessions"]
 
 
 def cut_at(length: int, start: bytes, byte: bytes) -> bytes:
-    """A request whose first `length` bytes end where another one begins."""
+    """Returns a request whose first `length` bytes end where another request begins."""
     head = start + b"X-A: a" + byte + b"b\r\nX-P: "
     return head + b"p" * (length - len(head)) + b"GET /v1/sessions HTTP/1.1\r\nX: b\r\nConnection: close\r\n\r\n"
 
@@ -80,8 +80,7 @@ def cut_at(length: int, start: bytes, byte: bytes) -> bytes:
 def test_headers_that_the_listener_cuts_smuggle_nothing_through_the_edge(edge, ordinary, byte):
     start = b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\n"
     before = sessions_listed(edge)
-    # The weakness itself, behind the edge: such a byte cuts the headers at 512 bytes. One day it may be mended; then
-    # this line goes.
+    # The vulnerability itself, behind the edge: such a byte cuts the headers at 512 bytes. Remove this line once it is fixed.
     assert statuses(talk(edge.ports["api"], cut_at(512, start, byte))) == [401, 401]
     assert sessions_listed(edge) == before + 1
     for length in range(300, 560):  # the edge's own headers shift it
@@ -102,7 +101,7 @@ def test_each_answer_of_the_edge_has_its_security_headers_and_says_what_is_wrong
 
 @pytest.mark.parametrize(("line", "allowed"), [
     (b"TRACE /v1/me", [b"GET, HEAD, POST, PATCH, DELETE, OPTIONS"]), (b"PUT /scans", [b"GET, HEAD"]), (b"POST /", [b"GET, HEAD"]), (b"PUT /stream", [b"GET"]),
-    (b"POST /v1/me", [b"GET, HEAD"]), (b"GET /none.js", [])])  # the last but one in the REST side's own words
+    (b"POST /v1/me", [b"GET, HEAD"]), (b"GET /none.js", [])])  # the last but one is the REST side's message
 def test_a_method_that_is_not_allowed_is_told_which_are(edge, line, allowed):
     answer = talk(edge.ports["edge"], line + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
     assert statuses(answer) == ([405] if allowed else [404])
@@ -125,7 +124,7 @@ def test_clients_that_leave_at_every_stage_do_no_harm(edge, ordinary):
             one = connect(edge.ports["edge"])
             one.sendall(request[:stage])
             leave(one)
-    for _ in range(50):  # in the middle of an answer
+    for _ in range(50):  # during a response
         one = connect(edge.ports["edge"])
         one.sendall(b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\n\r\n" * 20)
         one.recv(10)
@@ -133,7 +132,7 @@ def test_clients_that_leave_at_every_stage_do_no_harm(edge, ordinary):
 
 
 def test_posts_of_headers_alone_do_not_stop_the_others(edge, ordinary):
-    """45 of them hung the listener for good when they reached it (design: "The edge")."""
+    """45 of them hung the listener permanently when they reached it (design: "The edge")."""
     head = (b"POST /v1/sign-in HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
             b"Content-Length: 100\r\n\r\n")
     waiting = [connect(edge.ports["edge"]) for _ in range(200)]
@@ -161,7 +160,7 @@ def test_parts_of_an_upload_are_not_mistaken_for_a_flood(edge, somebody):
 
 
 def all_ended(group: list[socket.socket], seconds: float) -> int:
-    """How many of them the edge has ended; waits until it has ended all."""
+    """Waits until the edge has ended all of them. Returns their number."""
     waiting = select.poll()
     for one in group:
         waiting.register(one, select.POLLIN | select.POLLHUP)
@@ -172,7 +171,7 @@ def all_ended(group: list[socket.socket], seconds: float) -> int:
 
 
 def drip(group: list[socket.socket]) -> None:
-    """One byte more on each."""
+    """Sends another byte on each."""
     for one in group:
         try:
             one.send(b"x")
@@ -185,7 +184,8 @@ PART = 8 * 1024 * 1024
 
 @pytest.mark.parametrize("cookie", [(), ("Cookie: diaphane=" + "5" * 64, "X-CSRF-Token: " + "5" * 64)], ids=["no cookie", "a forged one"])
 def test_nobody_without_a_session_writes_to_the_disk(edge, uploader, ordinary, cookie):
-    """205 parts of 8 MB less 300 bytes from one address filled 1.5 GB of a disk: they lay there until the last byte came."""
+    """205 parts of 8 MB less 300 bytes from one address once filled 1.5 GB of a disk, because they were stored until their last
+    byte arrived."""
     url = uploader.data_set(PART)["upload_url"]
     sent = bytes(256 * 1024)
     waiting, most = [], 0
@@ -195,7 +195,7 @@ def test_nobody_without_a_session_writes_to_the_disk(edge, uploader, ordinary, c
         try:
             one.sendall(part_head(url, PART - 300, *cookie) + sent)
         except OSError:
-            pass  # refused while we were still talking
+            pass  # refused while still sending
         most = max(most, spooled(edge))
     assert max(most, spooled(edge)) == 0
     for one in waiting[:20]:
@@ -226,7 +226,7 @@ def test_bodies_without_a_session_are_few_by_address_and_in_all(edge, uploader):
     for number in range(2, 10):
         send(32, f"127.0.4.{number}")
     edge.wait_until(lambda: refused() == [429] * 8 + [503] * 32, what="those beyond 256 in all refused")
-    assert uploader.announce(1000).status_code == 201, "with a session a body is taken all the same"
+    assert uploader.announce(1000).status_code == 201, "with a session a body is accepted"
     for one in waiting:
         one.close()
     edge.wait_until(lambda: statuses(talk(edge.ports["edge"], head + b" " * 100, source="127.0.4.1", timeout=1)) not in ([], [429]), what="the places given back")
@@ -249,7 +249,7 @@ def test_a_part_of_somebody_elses_upload_is_not_read(edge, uploader):
 
 
 def test_a_large_body_without_a_session_is_refused_before_it_is_read(edge):
-    """Where nobody needs to be signed in."""
+    """On routes without authentication."""
     for length, status in ((16 * 1024 + 1, 413), (1 << 20, 413)):
         head = b"POST /v1/sign-in HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: %d\r\n\r\n" % length
         with connect(edge.ports["edge"]) as one:
@@ -281,7 +281,7 @@ def test_one_account_has_four_parts_on_their_way_at_most(edge, uploader):
     edge.wait_until(lambda: len(select.select(waiting, [], [], 0)[0]) == 3, what="three refusals")
     assert [statuses(one.recv(65536)) for one in select.select(waiting, [], [], 0)[0]] == [[429]] * 3
     assert other.patch(other.data_set(1000)["upload_url"], 0, b"x" * 1000).status_code == 204, "another person's part goes through"
-    assert uploader.announce(1000).status_code == 201, "and what is no part"
+    assert uploader.announce(1000).status_code == 201, "and a body that is not a part"
     for one in waiting:
         one.close()
     edge.wait_until(lambda: uploader.patch(url, 0, bytes(100)).status_code == 204, what="the places given back")
@@ -289,7 +289,7 @@ def test_one_account_has_four_parts_on_their_way_at_most(edge, uploader):
 
 
 def test_a_body_that_cannot_be_kept_is_said_and_taken_later(edge, uploader):
-    """As on a full disk: nginx itself would say 500, which reads as a fault for good."""
+    """As with a full disk, for which nginx itself would return 500, which suggests a permanent fault."""
     made = uploader.data_set(200_000)
     folder = edge.data_dir / "run" / "edge-body"
     kept = folder.rename(folder.with_name("kept"))
@@ -305,7 +305,7 @@ def test_a_body_that_cannot_be_kept_is_said_and_taken_later(edge, uploader):
 
 
 def test_slow_bodies_are_ended_and_the_others_behind_their_address_served(edge, uploader):
-    """512 bodies of a byte a second, each of which would have lasted for ever, kept everybody behind their address from the service."""
+    """512 bodies at a byte per second, each endless, once blocked the service for all users behind the same address."""
     source, post = "127.0.0.74", b"POST %s HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n%s\r\n"
     mine = "".join(f"{line}\r\n" for line in signed(uploader)).encode()
     slow = [connect(edge.ports["edge"], source) for _ in range(512)]
@@ -332,7 +332,7 @@ def test_slow_bodies_are_ended_and_the_others_behind_their_address_served(edge, 
 
 
 def test_slow_and_idle_connections_are_borne_and_ended(edge, ordinary, many_files):
-    """1,000 slow headers, 1,000 slow bodies and 10,000 that say nothing, all at once, from four addresses."""
+    """1,000 slow headers, 1,000 slow bodies and 10,000 silent connections at the same time, from four addresses."""
     port = edge.ports["edge"]
     idle_count = min(10_000, many_files - 2_600)
     head = b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\n"
@@ -356,7 +356,7 @@ def test_slow_and_idle_connections_are_borne_and_ended(edge, ordinary, many_file
         sent += 1
         time.sleep(max(0.0, begun + sent - time.monotonic()))
     assert len(ordinary.seconds) > answered + 20, "the ordinary client was served meanwhile"
-    # Headers and bodies that take longer than 10 s, and connections that say nothing for as long, are ended.
+    # Headers and bodies that take longer than 10 s, and connections that are silent for this long, are ended.
     for name, group in (("slow headers", slow_heads), ("slow bodies", slow_bodies), ("idle", idle)):
         ended = all_ended(group, 5)
         assert ended == len(group), f"{len(group) - ended} of {len(group)} {name} connections live on"
@@ -365,7 +365,7 @@ def test_slow_and_idle_connections_are_borne_and_ended(edge, ordinary, many_file
 
 
 def test_more_connections_than_there_are_descriptors(edge, ordinary, many_files):
-    """The edge drops idle ones to serve those who speak; it never fails for good."""
+    """The edge drops idle connections to serve active ones, and never fails permanently."""
     port = edge.ports["edge"]
     limit = min(int(open(f"/proc/{pid}/limits").read().split("Max open files")[1].split()[0])
                 for pid in family(edge.pids["edge"])[1:])

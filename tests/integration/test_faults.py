@@ -1,4 +1,4 @@
-"""What goes wrong between browser and worker (docs/testing.md, "Faults"): who caused it is told, nobody else notices."""
+"""Faults between browser and worker (docs/testing.md, "Faults"): their cause gets an error, and nobody else notices."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def ball(running, one) -> str:
 
 @pytest.fixture
 def opened(running, one, ball):
-    """A session and its first stream URL; ended afterwards."""
+    """Yields a session and its first stream URL. Ended afterwards."""
     made = open_session(one, ball)
     yield made
     one.http.delete(f"/v1/sessions/{made[0]}")
@@ -38,7 +38,7 @@ def opened(running, one, ball):
 
 @pytest.fixture
 def unharmed(running, one, ball):
-    """Another person's viewer sees pictures all the while, and at the end."""
+    """Another user's viewer, which sees pictures throughout and at the end."""
     session, url = open_session(one, ball)
     viewer = Viewer(running.url, url)
     viewer.frame()
@@ -53,7 +53,7 @@ def unharmed(running, one, ball):
 
 def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory):
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_SLOTS": str(SIXTEEN)})
-    people = [person(stack), person(stack)]  # eight each: nobody may have more
+    people = [person(stack), person(stack)]  # eight each, the maximum
     balls = [store_ball(stack, one, 24) for one in people]
     sessions = [(people[i % 2], *open_session(people[i % 2], balls[i % 2])) for i in range(SIXTEEN)]
 
@@ -65,7 +65,7 @@ def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory
 
     with ThreadPoolExecutor(SIXTEEN) as together:
         viewers = list(together.map(look, range(SIXTEEN)))
-        time.sleep(1)  # a scene is kept at most 200 ms later
+        time.sleep(1)  # a scene is saved at most 200 ms later
         begun = time.monotonic()
         stack.kill("renderd")
 
@@ -148,7 +148,7 @@ def test_half_a_message_waits_for_the_rest_and_harms_nobody(running, opened, unh
     with connect_raw(running.ports["stream"], timeout=5) as raw:
         raw.sendall(handshake(running.url, opened[1][-64:]))
         assert raw.recv(4096).startswith(b"HTTP/1.1 101 ")
-        raw.sendall(frame(2, b"x" * 400, length=1000))  # then the line is cut
+        raw.sendall(frame(2, b"x" * 400, length=1000))  # then the connection is cut
         time.sleep(0.3)
         seq = unharmed.turn(1)
         unharmed.frame(condition=lambda shown: shown.input_seq >= seq)
@@ -179,7 +179,7 @@ def test_old_epochs_and_numbers_that_never_were_change_nothing(running, opened, 
         message.ack.seq, message.ack.epoch = number, epoch
         viewer.send(message)
     stale = ClientMessage()
-    stale.scene.input_seq = seq  # the number of before
+    stale.scene.input_seq = seq  # the previous number
     stale.scene.scene.CopyFrom(viewer.config.scene)
     stale.scene.scene.camera.eye.x += 500
     viewer.send(stale)
@@ -213,13 +213,13 @@ FAKETIME = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1"
 
 
 def clock_of(stack, name: str) -> float:
-    """The program's time in its newest log line."""
+    """Returns the program's time in its newest log line."""
     return datetime.fromisoformat(json.loads(stack.log(name).splitlines()[-1])["time"]).timestamp()
 
 
 def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory, stack_house):
-    """Of api, gateway and renderd, an hour on and an hour back. The clock for intervals goes on as ever, and so does Redis, whose time
-    is the only one that two programs share."""
+    """The clocks of api, gateway and renderd jump an hour ahead and an hour back. The monotonic clock is unaffected, and so is
+    Redis, whose time is the only one that two programs share."""
     offset = stack_house.folder() / "offset"
     offset.write_text("+0\n")
     offset.chmod(0o644)
@@ -241,7 +241,7 @@ def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory
     for jump in (3600, -3600):
         offset.write_text(f"{jump:+d}\n")
         begun = time.monotonic()
-        while time.monotonic() - begun < 5:  # past what a heartbeat and two looks at it take
+        while time.monotonic() - begun < 5:  # longer than a heartbeat and two polls of it
             seq = viewer.turn(1)
             viewer.frame(condition=lambda shown, seq=seq: shown.input_seq >= seq)
             time.sleep(0.2)
@@ -250,7 +250,7 @@ def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory
         another.frame()
         another.leave()
         for name in ("api", "gateway", "renderd"):
-            # The gateway logs the stream that ended a moment after the viewer has left.
+            # The gateway logs the end of the stream a moment after the viewer has left.
             stack.wait_until(lambda name=name, jump=jump: abs(clock_of(stack, name) - time.time() - jump) < 600, 10, f"the jump of {name}'s clock")
     viewer.leave()
     back_again(stack, somebody, session, 5).leave()

@@ -1,5 +1,5 @@
-"""What arrived whole is never lost to a full disk: whichever write finds it full, the work waits, the person is told, and
-processing resumes by itself when there is room again. Every write, in turn, is the one at which the disk fills up."""
+"""A complete upload is never lost to a full disk: whichever write fails, the work waits, the user is notified, and processing
+resumes when space is free again. Each write in turn is the one that fails."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Disk:
         return self.full_.exists()
 
     def make_room(self) -> None:
-        """And it stays empty."""
+        """Frees the disk permanently."""
         self.after_.unlink(missing_ok=True)
         self.full_.unlink(missing_ok=True)
 
@@ -65,8 +65,8 @@ def owner(running):
 
 
 def at_every_step(disk: Disk, act: Callable[[], None]) -> int:
-    """Acts with the disk filled at the first step, the second, and so on, until there is no further step; how many there
-    were. `act` makes room once it has seen that the disk is full, and returns when all is done."""
+    """Runs `act` with the disk full at the first step, the second, and so on, until there is no further step. Returns the number
+    of steps. `act` frees the disk once it has seen that it is full, and returns when everything is done."""
     for step in range(MOST_STEPS):
         disk.fill_after(step)
         act()
@@ -77,7 +77,7 @@ def at_every_step(disk: Disk, act: Callable[[], None]) -> int:
 
 
 def wait_through(stack, disk: Disk, done: Callable[[], object], told: Callable[[], object], whole: Callable[[], None]) -> None:
-    """Until `done`. When the disk is full before that, `told` must come true and `whole` pass before there is room."""
+    """Waits until `done`. If the disk fills up before, `told` must become true and `whole` must pass before it is freed."""
     stack.wait_until(lambda: disk.full or done(), what="the end, or a full disk")
     if disk.full:
         stack.wait_until(lambda: told() or done(), 20, "the person is told")
@@ -85,7 +85,7 @@ def wait_through(stack, disk: Disk, done: Callable[[], object], told: Callable[[
             whole()
         disk.make_room()
     stack.wait_until(done, 30, "the end")
-    disk.make_room()  # what follows is no part of it
+    disk.make_room()  # later steps are not tested
 
 
 def test_an_upload_survives_a_full_disk_at_every_write(running, owner):
@@ -121,6 +121,7 @@ def test_an_upload_survives_a_full_disk_at_every_write(running, owner):
     assert '"event":"job_waits"' in stack.log("ingestd") and stack.psql("SELECT count(*) FROM ingest_jobs") == [(0,)]
 
 
+@pytest.mark.nightly
 def test_a_cut_survives_a_full_disk_at_every_write(running, owner):
     stack, disk = running
 
@@ -145,6 +146,7 @@ def test_a_cut_survives_a_full_disk_at_every_write(running, owner):
     assert at_every_step(disk, act) >= 9
 
 
+@pytest.mark.nightly
 def test_an_export_waits_for_room_at_every_write(running):
     stack, disk = running
     somebody = person(stack)
@@ -169,6 +171,7 @@ def test_an_export_waits_for_room_at_every_write(running):
     assert at_every_step(disk, act) >= 3
 
 
+@pytest.mark.nightly
 def test_a_deletion_is_carried_out_however_full_the_disk_is(running, owner):
     stack, disk = running
 
@@ -179,7 +182,7 @@ def test_a_deletion_is_carried_out_however_full_the_disk_is(running, owner):
         def gone() -> bool:
             return not volume_path(stack, one).exists() and stack.psql("SELECT count(*) FROM disposals WHERE id = %s", one) == [(0,)]
 
-        noted = f'"event":"not disposed of yet","id":"{one}"'
+        noted = f'"event":"failed to delete files","id":"{one}"'
         wait_through(stack, disk, gone, lambda: noted in stack.log("api"), lambda: None)
         assert holders_of_mark(*(path for path in (stack.data_dir / "volumes").iterdir() if one in path.name)) == []
 

@@ -1,4 +1,4 @@
-"""Attacks on the stream port itself, as if the edge were not there."""
+"""Attacks directly on the stream port, without the edge."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def frame(opcode: int, payload: bytes = b"", masked: bool = True, length: int | 
 
 @pytest.fixture(scope="module")
 def ticket(running):
-    """Makes tickets of one session with a real worker."""
+    """Creates tickets of one session with a real worker."""
     somebody = person(running)
     session, _ = open_session(somebody, store_ball(running, somebody, 16))
     return lambda: new_ticket(somebody, session)[-64:]

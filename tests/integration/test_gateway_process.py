@@ -1,4 +1,4 @@
-"""The gateway is a process of its own: what befalls the REST API ends no stream, and the other way round."""
+"""The gateway is a separate process: faults of the REST API end no stream, and the other way round."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def stack(stack_house):
 
 
 class Watcher(threading.Thread):
-    """Turns the picture again and again. Each turn must be answered by a picture over the connection that was there at the start."""
+    """Rotates the picture continuously. A picture must answer each rotation over the original connection."""
 
     def __init__(self, viewer: Viewer):
         super().__init__(daemon=True)
@@ -50,7 +50,7 @@ class Watcher(threading.Thread):
 
 @pytest.fixture
 def watched(stack):
-    """Streams of several people that go on all the while; afterwards: none was interrupted, by the gateway's own count either."""
+    """Streams of several users that run throughout. Afterwards, none was interrupted, also according to the gateway's metrics."""
     def closes() -> str:
         return "\n".join(line for line in stack.metrics("gateway").splitlines() if line.startswith("diaphane_stream_closes_total"))
 
@@ -66,7 +66,7 @@ def watched(stack):
         watcher.start()
 
     def go_on() -> None:
-        """Until each stream has shown three more turns: pictures go on."""
+        """Waits until each stream has shown three more rotations."""
         marks = [watcher.turns + 3 for watcher in watchers]
         stack.wait_until(lambda: all(w.fault or w.turns >= mark for w, mark in zip(watchers, marks)), 60, "pictures after the fault")
         assert [w.fault for w in watchers if w.fault] == []
@@ -111,7 +111,7 @@ def test_restarting_the_rest_api_under_load_interrupts_no_stream(stack, watched)
             watched()
         ending.set()
         statuses = set().union(*(one.result(60) for one in loads))
-    # A request in flight is answered; those that come while nobody listens are told to try again.
+    # Requests in progress are answered. Requests while nothing listens are told to retry.
     assert 200 in statuses and statuses <= {200, 502, 503}, statuses
 
 
@@ -136,7 +136,7 @@ def test_kill_9_of_the_gateway_fails_no_rest_request_and_viewers_come_back(stack
 
 
 def test_the_gateway_needs_neither_the_database_nor_the_api(stack):
-    """It holds no secret of theirs, and tickets are redeemed while they are away."""
+    """It has no secrets of theirs, and tickets are redeemed while they are unavailable."""
     environment = Path(f"/proc/{stack.pids['gateway']}/environ").read_bytes()
     assert b"POSTGRES" not in environment and b"FACTOR_KEY" not in environment
     somebody = person(stack)

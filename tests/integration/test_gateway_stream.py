@@ -1,4 +1,4 @@
-"""The stream on real parts: browser's side, edge, gateway, Redis, renderd."""
+"""The stream on real components: browser side, edge, gateway, Redis, renderd."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from websockets.sync.client import connect
 
 @pytest.fixture
 def breakable(stack_factory):
-    """A stack of its own with somebody and a ball in it: stack, person, data set."""
+    """A separate stack with a user and a ball: stack, person, data set."""
     stack = stack_factory(only=PROGRAMS)
     somebody = person(stack)
     return stack, somebody, store_ball(stack, somebody)
@@ -58,10 +58,10 @@ def test_a_reload_is_where_one_was(running, one, session):
     viewer = Viewer(running.url, session[1])
     viewer.frame()
     viewer.turn(33)
-    viewer.leave()  # at once: what was sent last still counts
+    viewer.leave()  # at once: the last message still counts
 
     def is_there() -> bool:
-        # The new connection may be told the state before the old one's last message was read.
+        # The new connection may get the state from before the old one's last message.
         again = Viewer(running.url, new_ticket(one, session[0]))
         again.leave()
         return again.config.scene == viewer.config.scene
@@ -105,7 +105,7 @@ def test_a_page_of_another_origin_is_refused_and_uses_no_ticket_up(running, sess
 
 
 def test_a_viewer_that_stops_reading_slows_nobody(running, one, ball, session):
-    """It acknowledges without reading, so that frames pile up; the other goes on at its pace."""
+    """It acknowledges without reading, so that frames accumulate, while the other viewer continues at its pace."""
     stalled_session, url = open_session(one, ball)
     stalled = Viewer(running.url, url, side=512)
     stalled.frame()
@@ -113,7 +113,7 @@ def test_a_viewer_that_stops_reading_slows_nobody(running, one, ball, session):
     stopping = threading.Event()
 
     def acknowledge_blindly():
-        # Nobody calls `receive` any more: the client's queue fills, and it stops reading from its socket.
+        # Nothing calls `receive` any more, so the client's queue fills and it stops reading from its socket.
         seq = 1
         while not stopping.wait(0.02):
             seq += 1
@@ -157,7 +157,7 @@ def test_the_gateway_counts(running, session):
 
 
 def back_again(stack, somebody, session: str, seconds: float) -> Viewer:
-    """As the page comes back: asks for tickets until a picture comes."""
+    """Reconnects like the page: requests tickets until a picture arrives."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         try:
@@ -178,7 +178,7 @@ def test_a_killed_worker_costs_five_seconds_and_no_scene(breakable):
     viewer.frame()
     viewer.turn(77)
     viewer.frame(condition=lambda frame: frame.input_seq >= viewer.input_seq)
-    time.sleep(0.5)  # the scene is kept at most 200 ms later
+    time.sleep(0.5)  # the scene is saved at most 200 ms later
     begun = time.monotonic()
     stack.kill("renderd")
     assert viewer.close_code() == 4503

@@ -1,4 +1,4 @@
-"""What guests of a live session and visitors get of a scan: the clipped picture, and slices only where the owner allows them."""
+"""What guests of a live session and visitors receive of a scan: the clipped picture, and slices only if the owner allows them."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ SIZE, SPACING = 48, 2.0
 
 
 def textured(running, data_set: str) -> np.ndarray:
-    """The scan's voxels, each with a value that tells its place (z, y, x)."""
+    """Returns the scan's voxels, each with a value that identifies its position (z, y, x)."""
     folder = running.data_dir / "volumes" / data_set
     return stored(folder)
 
 
 @pytest.fixture(scope="module")
 def scan(running, one) -> str:
-    """A scan whose voxels differ from their neighbours, so that a voxel that leaks is known."""
+    """A scan whose voxels are distinguishable, so that leaked ones are recognised."""
     data_set = store_ball(running, one)
     folder = running.data_dir / "volumes" / data_set
     z, y, x = np.mgrid[:SIZE, :SIZE, :SIZE]
@@ -44,7 +44,7 @@ def scan(running, one) -> str:
 
 
 def clip_to_box(viewer: Viewer, low: float = -3, high: float = 3, plane: tuple | None = None) -> int:
-    """The presenter cuts away all but a box of 6 mm."""
+    """The presenter clips everything but a box of 6 mm."""
     message = ClientMessage()
     viewer.input_seq += 1
     message.scene.input_seq = viewer.input_seq
@@ -65,7 +65,7 @@ def clip_to_box(viewer: Viewer, low: float = -3, high: float = 3, plane: tuple |
 
 
 def inside(low: float = -3, high: float = 3, plane: tuple | None = None) -> np.ndarray:
-    """Which voxels' centres lie inside the clip (z, y, x), by the words of scene.proto."""
+    """Returns which voxels' centres lie inside the clip (z, y, x), as scene.proto defines it."""
     mm = (np.arange(SIZE) - (SIZE - 1) / 2) * SPACING
     z, y, x = np.meshgrid(mm, mm, mm, indexing="ij")
     kept = np.ones((SIZE,) * 3, bool)
@@ -78,14 +78,14 @@ def inside(low: float = -3, high: float = 3, plane: tuple | None = None) -> np.n
 
 
 def of_slice(voxels: np.ndarray, piece) -> np.ndarray:
-    """The voxels of a slice as a radiologist sees it."""
+    """Returns the voxels of a slice in radiological orientation."""
     if piece.plane == AXIAL:
         return voxels[piece.index]
     return voxels[::-1, piece.index, :] if piece.plane == CORONAL else voxels[::-1, :, piece.index]
 
 
 def ask_for_all(viewer: Viewer, plane: int = AXIAL, count: int = 40) -> list:
-    """As the attack did: slice after slice. What came, slices and refusals."""
+    """Requests slice after slice, as in the attack. Returns slices and refusals."""
     got, taken = [], 0
     for index in range(count):
         wish(viewer, (plane, index), taken=taken)
@@ -113,7 +113,7 @@ def set_guest_slices(viewer: Viewer, on: bool) -> None:
 
 
 def visitor(running, **what: str) -> Viewer:
-    """Who was here before holds a place for visitors for a while: this one comes again, as the page does."""
+    """A visitor keeps a slot for a while after leaving. This one comes back, like a page."""
     key = secrets.token_hex(32)
 
     def look() -> Viewer | None:
@@ -140,13 +140,13 @@ def test_a_guest_gets_no_voxel_unless_the_owner_allows_it(running, one, scan):
     assert audience(guest).slices == NONE
     for plane in (AXIAL, CORONAL, SAGITTAL):
         assert is_refused(ask_for_all(guest, plane))
-    # Nor does anything else tell what is cut away.
+    # Nothing else reveals what is clipped.
     config = guest.config
     assert config.volume.content_hash == "" and not config.volume.percentiles and not config.HasField("histogram")
     values_of_points = [point.value for channel in config.scene.transfer_function.channels for point in channel.opacity]
     assert (config.volume.minimum, config.volume.maximum) == (round(min(values_of_points)), round(max(values_of_points)))
     assert owner.config.volume.content_hash and owner.config.HasField("histogram")
-    # The owner's own slices are whole as before, whatever is cut away in the picture.
+    # The owner's own slices are still complete, whatever is clipped in the picture.
     wish(owner, (AXIAL, 7))
     assert np.array_equal(values(owner.until("slice")), textured(running, scan)[7])
     for viewer in (guest, owner):
@@ -173,7 +173,7 @@ def test_allowed_slices_hold_only_what_is_inside_the_clip(running, one, scan, pl
             assert np.array_equal(values(piece), expected)
             shown += int((values(piece) != BLANK).sum())
     assert shown == 3 * kept.sum(), "all of what is inside, in each of the three directions"
-    # More is shown: the guest is told, and asks again.
+    # When more is visible, the guest is notified and asks again.
     clip_to_box(owner, -10, 10)
     guest.until("slices_stale")
     wish(guest, (AXIAL, 24), taken=2**62)
@@ -205,7 +205,7 @@ def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(
     off.own_camera.on = False
     follower.send(off)
     follower.config = follower.until("config", condition=lambda config: config.follower)
-    # Presenting, a guest changes the picture, and not what is cut away.
+    # A presenting guest can change the picture, but not the clip.
     hand_over(owner, guest.id)
     follower.until("audience", condition=lambda who: who.presenter == guest.id)
     follower.config.scene.clip.Clear()
@@ -218,7 +218,7 @@ def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(
     assert not look.scene.slices.axial.shown
     assert look.scene.camera.eye.x == pytest.approx(follower.config.scene.camera.eye.x)
     assert is_refused(ask_for_all(follower, AXIAL, 3))
-    # And neither lets slices be seen, nor makes files.
+    # Nor can they permit slices or make files.
     set_guest_slices(follower, True)
     assert follower.until("problem").field == "guest_slices"
     film = ClientMessage()
@@ -291,7 +291,7 @@ def test_of_a_public_scan_others_have_slices_while_its_owner_allows_them(running
     assert audience(viewer).slices == WHOLE
     wish(viewer, (AXIAL, 7))
     assert np.array_equal(values(viewer.until("slice")), textured(running, scan)[7])
-    # Taken back, the sessions of those who had them end, and nobody else's.
+    # When this is revoked, only sessions of users who had slices end.
     assert one.http.post(path, json={"visibility": "public"}).json()["public_slices"] is False
     assert other.http.get(f"/v1/sessions/{session}").status_code == 404
     assert one.http.get(f"/v1/sessions/{mine}").status_code == 200
@@ -309,6 +309,6 @@ def test_slices_come_at_a_bounded_rate(running, one, scan):
         wish(viewer, (AXIAL, got % SIZE), taken=taken)
         piece = viewer.until("slice", 5)
         taken, got = piece.seq, got + 1
-    assert got <= 120 + 120 * (seconds + 1), "a burst of 120, and 120 a second"
+    assert got <= 120 + 120 * (seconds + 1), "a burst of 120, and 120 per second"
     viewer.leave()
     one.http.delete(f"/v1/sessions/{session}")

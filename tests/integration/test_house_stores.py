@@ -1,4 +1,4 @@
-"""The house with the stores alone: no program of ours is needed, so these run first and fast."""
+"""The stack with only the stores. It needs none of Diaphane's programs, so these tests run first and fast."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_a_recorded_pid_that_is_another_process_by_now_is_left_alone(stack_house
 
 
 def workers_of(running) -> list[Identity]:
-    """nginx's, once there are any."""
+    """Returns nginx's workers once they exist."""
     master = running.pids["edge"]
     return [one for one in Identity.of(master).group() if one.pid != master]
 
@@ -111,7 +111,7 @@ def test_a_killed_edge_serves_again_and_its_orphaned_workers_are_gone(stack_hous
 
 
 def leave_workers(stack_house) -> tuple[Path, list[Identity]]:
-    """The workers of an edge whose supervisor was killed, and then its master."""
+    """Kills an edge's supervisor and then its master. Returns the remaining workers."""
     data, given = stack_house.folder(), ports.random_free()
     ports.give_back(given.values())
     (data / "secrets").mkdir(mode=0o700)

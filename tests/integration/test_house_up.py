@@ -1,4 +1,4 @@
-"""`./diaphane up`, `down` and `status` as a person uses them."""
+"""`./diaphane up`, `down` and `status` as a user runs them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PROGRAMS = {"edge", "api", "gateway", "ingestd", "renderd", "postgres", "redis"}
 
 
 class Home:
-    """A data directory and the commands on it."""
+    """A data directory, and commands on it."""
 
     def __init__(self, house: StackHouse):
         self.data = house.folder()
@@ -47,14 +47,22 @@ class Home:
 
 
 @pytest.fixture
-def home(stack_house):
+def empty_home(stack_house):
     made = Home(stack_house)
     yield made
     made.run("down")
 
 
+@pytest.fixture
+def home(empty_home, stack_house):
+    """As after an earlier start, so that the database is there and the sample scan does not have to be loaded."""
+    stack_house.give_cluster(empty_home.data)
+    (empty_home.data / "sample.loaded").write_text("00000000-0000-4000-8000-000000000000\n", encoding="ascii")
+    return empty_home
+
+
 class Running:
-    """What bench_client.Person asks of a stack, of one that `up` has started."""
+    """Offers what bench_client.Person needs of a stack, for one started with `up`."""
 
     def __init__(self, home: Home):
         self.data = home.data
@@ -77,26 +85,26 @@ def answers(url: str) -> bool:
         return False
 
 
-def test_up_down_and_up_again_keeps_everything_and_is_quick(home):
-    url = url_of(home.up())
+def test_up_down_and_up_again_keeps_everything_and_is_quick(empty_home):
+    url = url_of(empty_home.up())
     assert answers(url)
-    status = home.status()
+    status = empty_home.status()
     assert {p["name"] for p in status["programs"] if p["ready"]} == PROGRAMS
     assert status["engine"] == "cpu"
-    secret = (home.data / "secrets" / "postgres").read_text(encoding="ascii")
-    sample = (home.data / "sample.loaded").read_text(encoding="ascii")
+    secret = (empty_home.data / "secrets" / "postgres").read_text(encoding="ascii")
+    sample = (empty_home.data / "sample.loaded").read_text(encoding="ascii")
 
     before = time.monotonic()
-    assert home.run("down").returncode == 0
+    assert empty_home.run("down").returncode == 0
     assert time.monotonic() - before < 5
     assert not answers(url)
-    assert home.run("status").returncode == 3
+    assert empty_home.run("status").returncode == 3
 
     before = time.monotonic()
-    url_of(home.up())
+    url_of(empty_home.up())
     assert time.monotonic() - before < 10
-    assert (home.data / "secrets" / "postgres").read_text(encoding="ascii") == secret
-    assert (home.data / "sample.loaded").read_text(encoding="ascii") == sample
+    assert (empty_home.data / "secrets" / "postgres").read_text(encoding="ascii") == secret
+    assert (empty_home.data / "sample.loaded").read_text(encoding="ascii") == sample
 
 
 def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
@@ -113,29 +121,31 @@ def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
     assert not account["administrator"] and somebody.http.get("/v1/admin/users").status_code == 403
     assert admin("list") == (0, "", "")
     code, said, _ = admin("grant", email.upper())
-    assert code == 0 and said.startswith(f"{email.upper()} is an administrator.\nThe role opens nothing before a second factor")
-    assert admin("list") == (0, f"{email} (no second factor yet)\n", "")
+    assert code == 0 and said.startswith(f"{email.upper()} is an administrator.\nThe role takes effect once")
+    assert admin("list") == (0, f"{email} (two-factor authentication not set up)\n", "")
     assert somebody.http.get("/v1/admin/users").status_code == 403
     somebody.sets_up_second_factor()
     assert admin("list") == (0, f"{email}\n", "")
     assert somebody.http.get("/v1/me").json()["administrator"] and somebody.http.get("/v1/admin/users").status_code == 200
     entries = somebody.http.get("/v1/admin/audit").json()["items"]
     assert [(e["action"], e["actor"]) for e in entries if e["action"].startswith("administrator.")] == [("administrator.granted", "machine")]
-    assert admin("forget-factor", email)[0] == 0 and somebody.http.get("/v1/admin/users").status_code == 403
+    assert admin("reset-2fa", email)[0] == 0 and somebody.http.get("/v1/admin/users").status_code == 403
+    code, _, words = admin("forget-factor", email)
+    assert code == 1 and "'forget-factor' is deprecated" in words and "No account with two-factor authentication has this email address." in words
     assert admin("revoke", email)[0] == 0 and admin("list") == (0, "", "")
     assert somebody.http.get("/v1/admin/users").status_code == 403
 
     code, _, words = admin("grant", "nobody@example.org")
-    assert code == 1 and "There is no account with this address, or it is not confirmed yet." in words
-    for wrong, code, said in ((("grant",), 64, "grant whom?"), (("list", email), 64, "list takes no address"),
+    assert code == 1 and "No confirmed account has this email address." in words
+    for wrong, code, said in ((("grant",), 64, "missing argument: EMAIL"), (("list", email), 64, "list takes no EMAIL"),
                               (("crown", email), 2, "invalid choice: 'crown'"), ((), 2, "usage: ./diaphane admin")):
         answer = admin(*wrong)
         assert answer[:2] == (code, "") and said in answer[2], wrong
 
 
-def test_the_help_of_admin_needs_nothing_that_runs(home):
-    done = home.run("admin", "--help")
-    assert done.returncode == 0 and "EMAIL" in done.stdout and "{grant,revoke,list,forget-factor}" in done.stdout
+def test_the_help_of_admin_needs_nothing_that_runs(empty_home):
+    done = empty_home.run("admin", "--help")
+    assert done.returncode == 0 and "EMAIL" in done.stdout and "{grant,revoke,list,reset-2fa}" in done.stdout
     assert done.stderr == ""
 
 
@@ -153,14 +163,14 @@ def test_a_taken_port_is_named_and_the_next_one_used(home):
         done = home.up()
         assert answers(url_of(done))
         assert f":{home.port}/" not in url_of(done)
-        assert f"port {home.port} (edge) is taken, using " in done.stdout
+        assert f"Port {home.port} (edge) is in use. Using " in done.stdout
 
 
 def test_a_second_up_says_where_the_first_is(home):
     first = url_of(home.up())
     again = home.up()
     assert again.returncode == 0
-    assert f"runs already: {first}" in again.stdout
+    assert f"already running: {first}" in again.stdout
 
 
 def test_after_a_kill_of_the_supervisor_the_next_up_takes_over_without_remains(home):
@@ -198,29 +208,29 @@ def test_interrupt_stops_everything_within_five_seconds(home):
     process.stdout.close()
 
 
-def test_no_install_lists_what_is_missing_and_installs_nothing(home, tmp_path):
+def test_no_install_lists_what_is_missing_and_installs_nothing(empty_home, tmp_path):
     # A machine on which dpkg knows no package.
     query = tmp_path / "dpkg-query"
     query.write_text("#!/bin/sh\nexit 1\n", encoding="ascii")
     query.chmod(0o755)
-    done = home.up("--no-install", env={"PATH": f"{tmp_path}:{os.environ['PATH']}"})
+    done = empty_home.up("--no-install", env={"PATH": f"{tmp_path}:{os.environ['PATH']}"})
     assert done.returncode == 1
     assert "missing: Debian package libvtk9-dev" in done.stdout
-    assert not (home.data / "stack.json").exists()
+    assert not (empty_home.data / "stack.json").exists()
 
 
-def test_a_directory_with_something_else_in_it_is_refused_and_left_as_it_is(home):
-    (home.data / "letters.txt").write_text("mine", encoding="ascii")
-    done = home.up()
+def test_a_directory_with_something_else_in_it_is_refused_and_left_as_it_is(empty_home):
+    (empty_home.data / "letters.txt").write_text("mine", encoding="ascii")
+    done = empty_home.up()
     assert done.returncode == 1
-    assert "holds something else" in done.stderr + done.stdout
-    assert [p.name for p in home.data.iterdir()] == ["letters.txt"]
+    assert "contains files that are not Diaphane's" in done.stderr + done.stdout
+    assert [p.name for p in empty_home.data.iterdir()] == ["letters.txt"]
 
 
 def test_a_program_that_refuses_its_settings_ends_up_with_its_own_words(home):
     done = home.up(env={"DIAPHANE_SLOTS": "many"})
     assert done.returncode == 1
-    assert "renderd refuses its settings (exit 78)" in done.stderr + done.stdout
+    assert "renderd rejected its configuration (exit 78)" in done.stderr + done.stdout
     assert "slots" in done.stderr + done.stdout
     assert home.run("status").returncode == 3
 
@@ -229,7 +239,7 @@ def test_a_data_directory_that_nginx_could_not_read_is_refused(stack_house):
     done = subprocess.run([str(REPO / "diaphane"), "up", "--data", "/tmp/a b;c"], stdin=subprocess.DEVNULL,
                           capture_output=True, text=True)
     assert done.returncode == 1
-    assert "may hold only" in done.stderr
+    assert "may contain only" in done.stderr
     assert not Path("/tmp/a b;c").exists()
 
 

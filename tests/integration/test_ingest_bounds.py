@@ -1,4 +1,4 @@
-"""What one account can take of ingest: storage, turns, memory, places in the queue and the disk of exports."""
+"""Limits of one account in ingest: storage, turns, memory, the queue, and the disk of exports."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from api_client import person, problem
 from hostile import codestreams as code
 from hostile.dicom_bytes import RLE, bundle, encapsulated, series
 from ingest_help import upload_path, volume_path
-from test_ingest_faults import children
+from test_ingest_faults import next_child
 
 SIDE, SLICES = 256, 20
 VOLUME = 2 * SIDE * SIDE * SLICES
@@ -67,14 +67,14 @@ def test_volumes_count_against_the_quota_however_small_their_uploads_were(runnin
 
 
 def test_a_quota_that_shrinks_during_a_build_is_kept(running):
-    """The check at the end: what was enough when the job was claimed is not any more."""
+    """The final check: the quota was sufficient when the job was claimed, but is not any more."""
     somebody = person(running)
     data = small_upload_of_a_large_volume()
     made = somebody.data_set(len(data))
     assert somebody.patch(made["upload_url"], 0, data[:100]).status_code == 204
     running.stop("ingestd")
     assert somebody.patch(made["upload_url"], 100, data[100:]).status_code == 204
-    # Whoever writes the volume's row finds the quota changed: a trigger at the claim stands for another volume of the owner.
+    # A trigger on the claim simulates another volume of the owner, so that the quota has changed when the row is written.
     running.psql("""CREATE FUNCTION shrink() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN
                       UPDATE users SET quota_bytes = 1000000 WHERE id = NEW.owner_id; RETURN NEW; END $$""")
     running.psql(f"""CREATE TRIGGER shrink AFTER UPDATE ON data_sets FOR EACH ROW
@@ -90,7 +90,7 @@ def test_a_quota_that_shrinks_during_a_build_is_kept(running):
 
 
 def test_accounts_are_served_in_turn(running):
-    """Of 20 uploads of one account and one of another that came last, the last is among the first to be taken up."""
+    """One account has 20 uploads, and another one has a later one. That is among the first to be processed."""
     running.stop("ingestd")
     many, single = person(running), person(running)
     first = [many.upload(b"x")["id"] for _ in range(20)]
@@ -107,7 +107,7 @@ def test_a_slow_job_of_one_account_does_not_hold_up_another(running):
     slow, quick = person(running), person(running)
     data = bundle(series())
     stuck = slow.upload(small_upload_of_a_large_volume())["id"]
-    [child] = running.wait_until(lambda: children(running.pids["ingestd"]), what="the child")
+    child = next_child(running.pids["ingestd"])
     os.kill(child, signal.SIGSTOP)
     try:
         behind = slow.upload(data)["id"]
@@ -135,7 +135,7 @@ def test_an_account_has_a_limited_number_of_scans_under_way_and_in_all(strict):
 
 
 def test_a_volume_too_large_for_the_light_worker_is_built_by_the_other(running):
-    """While a job of somebody else holds the other worker, only the light one can take it up; then it is handed over."""
+    """While another user's job occupies the other worker, only the light one can claim it, and then hands it over."""
     somebody, large = person(running), person(running)
     data = small_upload_of_a_large_volume()
     running.stop("ingestd")

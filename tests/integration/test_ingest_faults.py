@@ -1,13 +1,17 @@
-"""What breaks while ingestd works: itself, its child, Postgres. Nothing is lost and nothing is left behind."""
+"""Faults while ingestd works: of itself, its child, and Postgres. Nothing is lost and nothing is left behind."""
 
 from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import time
 from pathlib import Path
 
 import pytest
+from hostile import codestreams as code
+from hostile.dicom_bytes import RLE, encapsulated, series
+from hostile.dicom_bytes import bundle as dicom_bundle
 from ingest_help import bundle, cranium, enqueue, nothing_left, state, upload_path, volume_path, wait_end
 
 PROGRAMS = ("postgres", "redis", "api", "ingestd")
@@ -15,7 +19,7 @@ PROGRAMS = ("postgres", "redis", "api", "ingestd")
 
 @pytest.fixture(scope="module")
 def ingest(stack_house):
-    # A short lease and time limit, so that what waits for them does not take long.
+    # A short lease and time limit keep the test short.
     running = stack_house.open(only=PROGRAMS, extra_env={"DIAPHANE_LEASE_MS": "1500", "DIAPHANE_TIME_LIMIT_S": "8"})
     yield running
     stack_house.shut(running)
@@ -27,24 +31,32 @@ def head(ingest, tmp_path_factory) -> bytes:
 
 
 def children(pid: int) -> list[int]:
-    """Children that read an upload. One that is not yet that program is none: what it holds is ingestd's."""
+    """Returns children that read an upload. Excludes those before exec, which still have ingestd's state."""
     found = []
     for task in Path(f"/proc/{pid}/task").iterdir():
         found += [int(child) for child in (task / "children").read_text().split()]
     return [child for child in found if b"build-series" in Path(f"/proc/{child}/cmdline").read_bytes()]
 
 
-def frozen_child(stack, data: bytes) -> tuple[str, int]:
-    """A data set that is being built, and the child that builds it, stopped in the middle of its work."""
-    ingestd = stack.pids["ingestd"]
-    data_set = enqueue(stack, data)
-    deadline = time.monotonic() + 10
+def next_child(ingestd: int, timeout: float = 60) -> int:
+    """Returns the next child that reads an upload. Looks often, because a child may live for only some milliseconds."""
+    deadline = time.monotonic() + timeout
     while not (pids := children(ingestd)):
-        assert time.monotonic() < deadline, "no child was started"
+        assert time.monotonic() < deadline, f"no child was started within {timeout} s"
         time.sleep(0.0005)
-    os.kill(pids[0], signal.SIGSTOP)
+    return pids[0]
+
+
+def frozen_child(stack, data: bytes, reading: bool = False) -> tuple[str, int]:
+    """Returns a data set that is being built, and its child, stopped during its work. With `reading`, not before it reads the
+    upload."""
+    data_set = enqueue(stack, data)
+    child = next_child(stack.pids["ingestd"])
+    while reading and "pos:\t0\n" in Path(f"/proc/{child}/fdinfo/3").read_text():
+        pass
+    os.kill(child, signal.SIGSTOP)
     assert state(stack, data_set)[0] == "building"
-    return data_set, pids[0]
+    return data_set, child
 
 
 def is_gone(pid: int) -> bool:
@@ -69,7 +81,7 @@ def test_what_a_killed_ingestd_left_in_the_store_is_swept_and_overwritten(ingest
     volumes = ingest.data_dir / "volumes"
     data_set = enqueue(ingest, head)
     half, whole = volumes / f".tmp-{data_set}-0123456789abcdef", volumes / data_set
-    for left in (half, whole):  # stored, but killed before it could say so
+    for left in (half, whole):  # stored, but killed before it could report it
         left.mkdir()
         (left / "voxels.i16").write_bytes(b"half")
         os.chown(left, volumes.stat().st_uid, volumes.stat().st_gid)
@@ -80,17 +92,63 @@ def test_what_a_killed_ingestd_left_in_the_store_is_swept_and_overwritten(ingest
     assert (whole / "voxels.i16").stat().st_size == 256 * 256 * 108 * 2
 
 
-def test_a_job_that_ends_ingestd_every_time_is_given_up(ingest, head):
+def test_a_job_that_ends_ingestd_every_time_waits_longer_and_is_never_lost(ingest, head):
     data_set, _ = frozen_child(ingest, head)
-    for _ in range(2):
+    for interruptions in range(1, 4):
         ingest.kill("ingestd")
         ingest.wait_ready("ingestd")
-        caught = ingest.wait_until(lambda: children(ingest.pids["ingestd"]), what="the next attempt")
-        os.kill(caught[0], signal.SIGSTOP)
-    ingest.kill("ingestd")
-    ended, code, text = wait_end(ingest, data_set)
-    assert (ended, code) == ("refused", "internal") and "again" in text
+        ingest.wait_until(lambda n=interruptions: ingest.psql("SELECT interruptions, attempts FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(n, 0)],
+                          what="the interruption is counted")
+        if interruptions == 3:
+            break
+        os.kill(next_child(ingest.pids["ingestd"]), signal.SIGSTOP)
+    assert ingest.psql("SELECT waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [("interruption",)]
+    assert state(ingest, data_set)[0] == "queued" and upload_path(ingest, data_set).read_bytes() == head
+    assert f'"event":"job_interrupted","data_set":"{data_set}"' in ingest.log("ingestd")
+    ingest.wait_until(lambda: "diaphane_ingest_interrupted 1\n" in ingest.metrics("ingestd"), what="the metric")
+    assert wait_end(ingest, data_set)[0] == "ready"
     nothing_left(ingest, data_set)
+
+
+def interrupted(stack, data_set: str, times: int) -> None:
+    stack.psql("UPDATE ingest_jobs SET interruptions = %s WHERE data_set_id = %s", times, data_set)
+
+
+def begun(stack, since: int) -> list[str]:
+    return [line.split('"data_set":"')[1][:36] for line in stack.log("ingestd")[since:].splitlines() if '"ingest_begun"' in line]
+
+
+def test_a_job_that_was_interrupted_twice_runs_after_others_and_alone(ingest, head):
+    ingest.stop("ingestd")
+    since = len(ingest.log("ingestd"))
+    suspect, other = enqueue(ingest, head), enqueue(ingest, head)
+    interrupted(ingest, suspect, 2)
+    ingest.start("ingestd")
+    ingest.wait_until(lambda: len(begun(ingest, since)) == 2, what="both have begun")
+    assert begun(ingest, since) == [other, suspect] and state(ingest, other)[0] == "ready"
+    later = enqueue(ingest, head)
+    ingest.wait_until(lambda: state(ingest, suspect)[0] in ("building", "ready"), what="the suspect")
+    assert wait_end(ingest, suspect)[0] == wait_end(ingest, later)[0] == "ready"
+
+    caught, child = frozen_child(ingest, head)
+    interrupted(ingest, caught, 2)
+    later = enqueue(ingest, head)
+    time.sleep(2)
+    assert state(ingest, later)[0] == "queued", "what takes ingestd along would take this along, too"
+    os.kill(child, signal.SIGCONT)
+    assert wait_end(ingest, caught)[0] == wait_end(ingest, later)[0] == "ready"
+
+
+def test_a_job_that_was_interrupted_is_taken_up_in_the_end_however_many_others_wait(ingest, head):
+    ingest.stop("ingestd")
+    since = len(ingest.log("ingestd"))
+    others = [enqueue(ingest, b"x") for _ in range(10)]
+    suspect = enqueue(ingest, head)
+    interrupted(ingest, suspect, 2)
+    ingest.psql("UPDATE ingest_jobs SET not_before = now() - interval '11 minutes' WHERE data_set_id = %s", suspect)
+    ingest.start("ingestd")
+    assert wait_end(ingest, suspect)[0] == "ready" and begun(ingest, since)[0] == suspect
+    assert {wait_end(ingest, other)[0] for other in others} == {"refused"}
 
 
 @pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT, signal.SIGSYS])
@@ -98,7 +156,7 @@ def test_a_crash_of_the_child_is_a_refusal_and_touches_no_other_upload(ingest, h
     other = enqueue(ingest, head)
     assert wait_end(ingest, other)[0] == "ready"
     before = (volume_path(ingest, other) / "volume.json").read_bytes()
-    data_set, child = frozen_child(ingest, head)
+    data_set, child = frozen_child(ingest, head, reading=True)
     later = enqueue(ingest, head)
     os.kill(child, by)
     os.kill(child, signal.SIGCONT)
@@ -110,7 +168,7 @@ def test_a_crash_of_the_child_is_a_refusal_and_touches_no_other_upload(ingest, h
 
 
 def test_a_killed_child_is_tried_again(ingest, head):
-    """As the kernel kills it when memory is short."""
+    """As the kernel does when memory is short."""
     data_set, child = frozen_child(ingest, head)
     os.kill(child, signal.SIGKILL)
     ingest.wait_until(lambda: ingest.psql("SELECT attempts, waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(1, "memory")],
@@ -118,6 +176,56 @@ def test_a_killed_child_is_tried_again(ingest, head):
     assert upload_path(ingest, data_set).exists()
     assert wait_end(ingest, data_set)[0] == "ready"
     nothing_left(ingest, data_set)
+
+
+def test_a_machine_without_memory_refuses_no_upload(stack_factory):
+    """A limit on ingestd's writable memory simulates a machine with too little: the child is below its own limit."""
+    ingest = stack_factory(only=PROGRAMS)
+    plane = code.rle_zeros(512 * 512)
+    data = dicom_bundle(series(200, syntax=RLE, rows=512, columns=512, pixels=encapsulated(code.rle(plane, plane))))
+    pid = ingest.pids["ingestd"]
+    status = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
+    held = int(status["VmData"].split()[0]) * 1024
+    subprocess.run(["prlimit", "--pid", str(pid), f"--data={held + (16 << 20)}:"], check=True, **ingest.stack.run_as.popen())
+    data_set = enqueue(ingest, data)
+    try:
+        ingest.wait_until(lambda: ingest.psql("SELECT attempts, waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(1, "memory")],
+                          what="it waits")
+        assert upload_path(ingest, data_set).exists() and "got no memory below its limit" in ingest.log("ingestd")
+    finally:
+        subprocess.run(["prlimit", "--pid", str(pid), "--data=unlimited:"], check=True, **ingest.stack.run_as.popen())
+    assert wait_end(ingest, data_set, 60)[0] == "ready"
+    nothing_left(ingest, data_set)
+
+
+def test_uploads_wait_while_their_disk_is_not_mounted(ingest, head):
+    assert wait_end(ingest, enqueue(ingest, head))[0] == "ready"
+    ingest.stop("ingestd")
+    data_set = enqueue(ingest, head)
+    uploads = ingest.data_dir / "uploads"
+    for new_start in (True, False):
+        if not new_start:
+            data_set, child = frozen_child(ingest, head)
+        uploads.rename(uploads.with_name("unmounted"))
+        uploads.mkdir()
+        os.chown(uploads, (was := uploads.with_name("unmounted").stat()).st_uid, was.st_gid)
+        uploads.chmod(was.st_mode & 0o777)
+        if new_start:
+            ingest.start("ingestd")
+        else:
+            os.kill(child, signal.SIGKILL)
+            ingest.psql("UPDATE ingest_jobs SET waits = 100")
+        try:
+            ingest.wait_until(lambda: "the upload disk is not mounted" in ingest.log("ingestd"), what="it is logged")
+            ingest.wait_until(lambda one=data_set: ingest.psql("SELECT waiting_for, attempts <= 1 FROM ingest_jobs WHERE data_set_id = %s", one)
+                              == [("service", True)], what="it waits")
+            assert state(ingest, data_set) == ("queued", None, None)
+        finally:
+            uploads.rmdir()
+            uploads.with_name("unmounted").rename(uploads)
+        ingest.psql("UPDATE ingest_jobs SET not_before = now()")
+        assert wait_end(ingest, data_set)[0] == "ready"
+        nothing_left(ingest, data_set)
 
 
 def test_a_child_that_does_not_end_is_ended(ingest, head):

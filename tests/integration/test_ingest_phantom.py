@@ -1,5 +1,5 @@
-"""Where a thing lies in the patient it lies in the volume: small balls at known places (mm, LPS), through every geometry of
-slices that ingest mends, to within half a voxel along each axis."""
+"""A place in the patient is at the same place in the volume: small balls at known positions (mm, LPS), through every slice
+geometry that ingest corrects, to within half a voxel along each axis."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CORNER = (-16.8, -17.2, -14.0)
 
 
 def turned(place, orientation) -> tuple[float, ...]:
-    """The same place in a frame that is turned as the slices are, so that it stays inside them."""
+    """Returns the same place in a frame rotated like the slices, so that it stays inside them."""
     row, column = np.array(orientation[:3]), np.array(orientation[3:])
     return tuple(place[0] * row + place[1] * column + place[2] * np.cross(row, column))
 
@@ -56,7 +56,7 @@ def test_a_ball_is_where_it_was(tmp_path, name, packed):
     orientation, places, gap, tilt = GEOMETRIES[name]
     balls = [turned(ball, orientation) for ball in BALLS]
     slices = stack(places, gap, tilt, origin=turned(CORNER, orientation), orientation=orientation, **SIZE)
-    if tilt:    # the stack leans out of its box: begin further back
+    if tilt:    # the tilted stack extends beyond its box, so it starts further back
         lean = math.tan(math.radians(tilt)) * 24 * np.array(orientation[3:])
         slices = [replace(one, position=tuple(np.array(one.position) - lean / 2), rows=56) for one in slices]
     series = Series(ENHANCED_CT if packed else "1.2.840.10008.5.1.4.1.1.2", values=markers(*balls))
@@ -68,13 +68,13 @@ def test_a_ball_is_where_it_was(tmp_path, name, packed):
     for ball, place in zip(balls, found):
         off = volume.direction.T @ (place - np.array(ball))
         assert (np.abs(off) < volume.spacing / 2).all(), f"{off} mm along the axes of voxels of {volume.spacing}"
-    # And from ball to ball, which does not depend on where the volume is said to begin.
+    # Also the vector between the balls, which does not depend on the origin of the volume.
     between = volume.direction.T @ ((found[1] - found[0]) - (np.array(balls[1]) - np.array(balls[0])))
     assert (np.abs(between) < volume.spacing / 2).all()
 
 
 def picture(folder, scene: dict, out) -> np.ndarray:
-    """Brightness, row by row from the top, by the CPU renderer."""
+    """Returns brightness, row by row from the top, rendered by the CPU engine."""
     (folder / "scene.json").write_text(json.dumps(scene))
     subprocess.run([str(paths.build_dir() / "bin" / "diaphane-render"), str(folder / "disc"), "--scene", str(folder / "scene.json"),
                     "--size", "64x64", "--samples", "8", "--engine", "cpu", "--quiet", "--out", str(out)], check=True)
@@ -96,7 +96,7 @@ def seen_from(eye: tuple[float, float, float]) -> dict:
 @pytest.mark.parametrize("name", ["regular", "tilt", "oblique tilt", "gaps", "rows from the right", "columns from below",
                                   "coronal", "sagittal"])
 def test_left_is_left_in_the_picture(tmp_path, name):
-    """One ball at the patient's left (+x), in front (-y) and above (+z) of the middle, looked at from three sides."""
+    """A ball at the patient's left (+x), in front (-y) and above (+z) of the centre, seen from three sides."""
     orientation, places, gap, tilt = GEOMETRIES[name]
     ball = np.array((9.0, -8.0, 7.0))
     slices = stack(places, gap, tilt, origin=(0.0, 0.0, 0.0), orientation=orientation, **SIZE)
@@ -106,7 +106,7 @@ def test_left_is_left_in_the_picture(tmp_path, name):
     series = Series(values=markers(ball))
     write(tmp_path / "disc", [dataset(series, one) for one in slices])
     wanted = {"front": ((0, -200, 0), ball[0], ball[2]),       # the patient's left is at the right
-              "his left": ((200, 0, 0), ball[1], ball[2]),     # his front is at the left
+              "his left": ((200, 0, 0), ball[1], ball[2]),     # their front is at the left
               "behind": ((0, 200, 0), -ball[0], ball[2])}
     for side, (eye, right, up) in wanted.items():
         seen = picture(tmp_path, seen_from(eye), tmp_path / "picture.ppm")

@@ -1,4 +1,4 @@
-"""ingestd over a real queue: uploads become volumes or refusals, and originals are gone in every case."""
+"""ingestd with a real queue: uploads become volumes or refusals, and originals are always deleted."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_an_uploaded_series_becomes_a_volume_and_its_original_is_gone(ingest, he
     header = json.loads((volume_path(ingest, data_set) / "volume.json").read_text())
     assert len(voxels) == row[8]
     assert header["contentHash"].startswith("blake2b:")
-    # The nose points to the front (low y): at its height the head begins nearer to y = 0 than behind it.
+    # The nose points to the front (low y): at its height, the head begins nearer to y = 0 than behind it.
     values = struct.unpack_from("<256h", voxels, 2 * 256 * (256 * 35 + 40))
     assert max(values) > -300, "at y = 40 of slice 35 is the nose"
     behind = struct.unpack_from("<256h", voxels, 2 * 256 * (256 * 35 + 10))
@@ -65,7 +65,7 @@ def test_an_uploaded_series_becomes_a_volume_and_its_original_is_gone(ingest, he
 
 @pytest.mark.parametrize("packed", [False, True], ids=["a file a slice", "enhanced"])
 def test_a_tilted_series_is_straightened_in_the_sandbox(ingest, packed):
-    """VTK's filter works where no thread may be started; what it made is what the row says of it."""
+    """VTK's filter works although no thread may start, and the row describes its result."""
     slices = phantom.stack(20, tilt=15.0)
     if packed:
         files = [phantom.enhanced(phantom.Series(phantom.ENHANCED_CT), slices)]
@@ -75,9 +75,9 @@ def test_a_tilted_series_is_straightened_in_the_sandbox(ingest, packed):
     assert wait_end(ingest, data_set) == ("ready", None, None)
     nothing_left(ingest, data_set)
     row = ingest.psql("SELECT size_x, size_y, size_z, repairs FROM data_sets WHERE id = %s", data_set)[0]
-    assert row == (24, 20 + 13, 20, ["straightened 15.0 degrees (gantry tilt)"])
+    assert row == (24, 20 + 13, 20, ["gantry tilt of 15.0 degrees corrected"])
     header = json.loads((volume_path(ingest, data_set) / "volume.json").read_text())
-    assert header["minimum"] > -1024, "the corners beside the slices are no values of the scan"
+    assert header["minimum"] > -1024, "the corners beside the slices are not values of the scan"
 
 
 def written(ds) -> bytes:
@@ -115,7 +115,7 @@ def test_bad_uploads_are_refused_in_words(ingest, head):
     assert refusal(ingest, bundle([]))[0] == "empty"
     assert refusal(ingest, bundle([b"no picture at all " * 50] * 20))[0] == "not_dicom"
     assert refusal(ingest, bundle(head[:3]))[0] == "too_few_slices"
-    hole = range(50, 54)  # one more than is filled in
+    hole = range(50, 54)  # one more missing slice than is interpolated
     assert refusal(ingest, bundle([file for n, file in enumerate(head) if n not in hole]))[0] == "missing_slices"
     code, text = refusal(ingest, bundle([file if n not in hole else file[:5000] for n, file in enumerate(head)]))
     assert code == "missing_slices" and "damaged" in text
@@ -138,9 +138,20 @@ def test_a_tiny_file_that_claims_an_enormous_picture_is_refused(ingest):
     assert time.monotonic() - before < 10
 
 
-def test_an_upload_whose_file_is_gone_is_refused(ingest):
+def test_an_upload_whose_file_is_gone_waits_for_a_while_and_is_refused(ingest, head):
     data_set = enqueue(ingest, bundle([]))
     upload_path(ingest, data_set).unlink(missing_ok=True)
+    if state(ingest, data_set)[0] != "refused":     # it was not faster
+        ingest.wait_until(lambda: ingest.psql("SELECT waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [("service",)], what="it waits")
+
+    def given_up() -> bool:
+        # Both workers must find other uploads in the directory before they trust it.
+        for found in [enqueue(ingest, b"x") for _ in range(2)]:
+            wait_end(ingest, found)
+        ingest.psql("UPDATE ingest_jobs SET waits = 100, not_before = now() WHERE data_set_id = %s", data_set)
+        return state(ingest, data_set)[0] == "refused"
+
+    ingest.wait_until(given_up, what="the refusal")
     assert wait_end(ingest, data_set)[1] in ("upload_gone", "empty")
 
 

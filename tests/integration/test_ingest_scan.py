@@ -1,4 +1,4 @@
-"""`diaphane scan`: what is in a folder, in words and for programs. Needs no server."""
+"""`diaphane scan`: reports the contents of a folder as text and as JSON. Needs no server."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def scan(*arguments: str) -> subprocess.CompletedProcess:
 
 @pytest.fixture(scope="module")
 def disc(tmp_path_factory) -> Path:
-    """A folder as a hospital gives it: a series, a broken copy of one slice, and what is no picture."""
+    """A folder from a hospital: a series, a damaged copy of one slice, and a file that is not an image."""
     folder = tmp_path_factory.mktemp("disc")
     subprocess.run([str(BIN / "diaphane-sample"), "--write-dicom", str(folder / "DICOM" / "S1")], check=True)
     (folder / "README.TXT").write_text("viewer for another system")
@@ -70,9 +70,9 @@ def test_folders_and_words_that_make_no_sense(tmp_path, disc):
     assert scan(str(tmp_path / "nowhere")).returncode == 66
     assert scan(str(disc / "README.TXT")).returncode == 66
     empty = scan(str(tmp_path))
-    assert empty.returncode == 65 and "There are no files in it." in empty.stderr
+    assert empty.returncode == 65 and "It contains no files." in empty.stderr
     (tmp_path / "text").write_text("no DICOM")
-    assert "There are no DICOM files in it." in scan(str(tmp_path)).stderr
+    assert "It contains no DICOM files." in scan(str(tmp_path)).stderr
     assert scan().returncode == 64
     assert scan("--what").returncode == 64
     assert scan("a", "b").returncode == 64

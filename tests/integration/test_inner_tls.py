@@ -1,4 +1,4 @@
-"""TLS between api, renderd and Redis: all of it works with certificates of one authority, and nothing without."""
+"""TLS between api, renderd and Redis: everything works with certificates of one authority, and nothing without."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def ours(stack_house) -> Path:
 
 @pytest.fixture
 def redis_port(stack_house, ours):
-    """A Redis that talks TLS alone, to whom the authority has signed."""
+    """A Redis that accepts only TLS, with a certificate of the authority."""
     port, data = free_port(), stack_house.folder()
     files = ("--tls-ca-cert-file", str(ours / "ca.pem"), "--tls-cert-file", str(ours / "own.pem"), "--tls-key-file", str(ours / "own.key"))
     server = subprocess.Popen(["/usr/bin/redis-server", "--port", "0", "--tls-port", str(port), "--bind", "127.0.0.1", "--dir", str(data), "--save", "",
@@ -40,12 +40,12 @@ def settings(folder: Path) -> dict[str, str]:
 
 
 def by_port(port: int) -> dict[str, str]:
-    """For renderd: as between machines, not at the Unix socket that one machine has."""
+    """Settings for renderd as between machines, instead of the Unix socket on one machine."""
     return {"DIAPHANE_GRPC_ADDRESS": "127.0.0.1", "DIAPHANE_GRPC_PORT": str(port), "DIAPHANE_ADVERTISE": f"127.0.0.1:{port}"}
 
 
 def hears_in_plain(port: int, said: bytes) -> bytes:
-    """What somebody without TLS is told."""
+    """Returns the response to a client without TLS."""
     with socket.create_connection(("127.0.0.1", port), timeout=10) as one:
         one.sendall(said)
         try:
@@ -63,17 +63,17 @@ def test_a_picture_comes_over_tls_to_redis_and_renderd_and_nobody_else_gets_in(s
     assert stack.redis.dbsize() == 0, "the Redis without TLS was not used"
 
     assert b"PONG" not in hears_in_plain(redis_port, b"PING\r\n")
-    # The preface of HTTP/2 is what a plain gRPC server answers with its settings (a frame of type 4).
+    # A plain gRPC server answers the HTTP/2 preface with its settings (a frame of type 4).
     assert b"\0\0" not in hears_in_plain(grpc, b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0")[:3]
     nobody = ssl.create_default_context(cafile=str(ours / "ca.pem"))
     nobody.set_alpn_protocols(["h2"])
     with pytest.raises(OSError), socket.create_connection(("127.0.0.1", grpc), timeout=10) as one:
-        with nobody.wrap_socket(one, server_hostname="127.0.0.1") as inside:    # trusts the server, and has no certificate of its own
+        with nobody.wrap_socket(one, server_hostname="127.0.0.1") as inside:    # trusts the server, but has no certificate
             inside.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0")
             if not inside.recv(9):
                 raise ConnectionError("closed")
 
-    # Certificates of another authority: api reaches neither.
+    # With certificates of another authority, api reaches neither.
     viewer.leave()
     issue(ours)
     stack.kill("api", restart=False)
@@ -95,10 +95,10 @@ def test_another_machine_is_not_reached_without_tls_unless_somebody_says_so(stac
     binary = stack_house.layout().bin / f"diaphane-{name}"
 
     def said(*more: str) -> str:
-        """The mistakes of settings; those that are missing are among them, so that nothing starts."""
+        """Returns the errors about settings. Missing settings are included, so nothing starts."""
         return subprocess.run([str(binary), *command, f"--{setting}", value, *more], capture_output=True, text=True, env={}, timeout=60).stderr
 
-    words = "rediss:// needs --inner-tls-ca" if value.startswith("rediss") else "there is no TLS to it"
+    words = "rediss:// requires --inner-tls-ca" if value.startswith("rediss") else "is a remote host"
     assert words in said()
     if not value.startswith("rediss"):
         assert words not in said("--inner-plain", "1")

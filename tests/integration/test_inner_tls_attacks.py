@@ -1,4 +1,5 @@
-"""TLS between our programs under attack: nobody without a right certificate is served, and a stream goes on meanwhile."""
+"""Attacks on TLS between Diaphane's programs: clients without a valid certificate are not served, and a stream continues
+meanwhile."""
 
 from __future__ import annotations
 
@@ -17,9 +18,9 @@ from stream_help import PROGRAMS, Viewer, free_port, open_session, store_ball
 from test_gateway_process import Watcher
 from test_inner_tls import by_port, ours, redis_port, settings  # noqa: F401
 
-#: What a client of HTTP/2 begins with; a gRPC server answers with its own settings, a frame of type 4.
+#: The start of an HTTP/2 connection, which a gRPC server answers with its settings, a frame of type 4.
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0"
-#: renderd ends a handshake that takes longer (kHandshakeMs in renderd/serve/grpc_server.cpp).
+#: renderd ends handshakes that take longer (kHandshakeMs in renderd/serve/grpc_server.cpp).
 HANDSHAKE_S = 10
 
 
@@ -36,7 +37,7 @@ def context(folder: Path, own: tuple[str, str] | None, minimum=ssl.TLSVersion.TL
 
 
 def served(port: int, by: ssl.SSLContext | None, hello: bytes, answer: bytes) -> bool:
-    """Whether `hello` is answered as a server of ours would."""
+    """Whether `hello` is answered as one of Diaphane's servers would."""
     try:
         with socket.create_connection(("127.0.0.1", port), timeout=20) as plain:
             inside = by.wrap_socket(plain, server_hostname="127.0.0.1") if by else plain
@@ -44,14 +45,14 @@ def served(port: int, by: ssl.SSLContext | None, hello: bytes, answer: bytes) ->
             got = b""
             while len(got) < len(answer) and (part := inside.recv(100)):
                 got += part
-            # The length of the frame of settings is the server's own affair.
+            # The length of the settings frame is up to the server.
             return got[3:4] == answer[3:4] if hello == PREFACE else got.startswith(answer)
     except OSError:
         return False
 
 
 def attackers(folder: Path, foreign: Path) -> dict[str, ssl.SSLContext | None]:
-    """Clients that must not be served."""
+    """Returns clients that must not be served."""
     own = (str(folder / "own.pem"), str(folder / "own.key"))
     old = ssl.TLSVersion.TLSv1_1
     return {
@@ -66,7 +67,7 @@ def attackers(folder: Path, foreign: Path) -> dict[str, ssl.SSLContext | None]:
     }
 
 
-#: What is sent instead of a handshake, and then nothing more.
+#: Sent instead of a handshake, followed by silence.
 NO_HANDSHAKES = {
     "nothing": b"",
     "noise": bytes((i * 7919 + 13) % 256 for i in range(50_000)),
@@ -87,7 +88,7 @@ def foreign(stack_house) -> Path:
 
 @pytest.fixture
 def tls_stack(stack_factory, ours, redis_port):  # noqa: F811
-    """A stack that talks TLS inside, and a stream in it that goes on: stack, port of renderd, until_pictures()."""
+    """A stack with TLS and a running stream in it: stack, port of renderd, until_pictures()."""
     grpc = free_port()
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_REDIS": f"rediss://127.0.0.1:{redis_port}", **settings(ours), **by_port(grpc)})
     who = person(stack)
@@ -118,19 +119,19 @@ def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack
             assert not served(port, by, hello, answer), f"{name} served a client {who}"
     until_pictures()
 
-    # A TLS 1.2 client that has a right certificate asks to begin anew, and says nothing else.
+    # A TLS 1.2 client with a valid certificate requests renegotiation and sends nothing else.
     anew = subprocess.Popen(["openssl", "s_client", "-connect", f"127.0.0.1:{grpc}", "-tls1_2", "-alpn", "h2", "-CAfile", str(ours / "ca.pem"),
                              "-cert", str(ours / "own.pem"), "-key", str(ours / "own.key")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     anew.stdin.write(b"R\n")
     anew.stdin.flush()
-    # Meanwhile many that say something else than a handshake, and then nothing more.
+    # Meanwhile, many clients send something other than a handshake, followed by silence.
     begun = time.monotonic()
     held = [socket.create_connection(("127.0.0.1", grpc), timeout=5) for _ in range(40) for _ in NO_HANDSHAKES]
     for one, data in zip(held, list(NO_HANDSHAKES.values()) * 40):
         try:
             one.sendall(data)
         except OSError:
-            pass            # refused already
+            pass            # already refused
     until_pictures()
     assert served(grpc, right, *doors["renderd"][1:]), "another client is served meanwhile"
     for one in held:
@@ -139,7 +140,7 @@ def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack
             while one.recv(4096):
                 pass
         except ConnectionResetError:
-            pass            # ended, too
+            pass            # also ended
         one.close()
     said, _ = anew.communicate(timeout=3 * HANDSHAKE_S)
     assert b"RENEGOTIATING" in said and said.count(b"Verify return code") <= 1 and anew.returncode != 0, said[-1500:]
@@ -153,14 +154,15 @@ def test_a_handshake_of_a_byte_now_and_then_is_ended_too(tls_stack):
         for byte in b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\0" * 200:
             slow.send(bytes([byte]))
             time.sleep(0.2)
-            assert time.monotonic() < until, "it was let go on"
+            assert time.monotonic() < until, "it was not stopped"
     until_pictures()
 
 
-# Postgres, whose client we are
+# Postgres, with api as the client
 
 class FalsePostgres(threading.Thread):
-    """Answers the wish for TLS with `answer`, then shakes hands with that certificate; what a client said inside is in `heard`."""
+    """Responds to the TLS request with `answer`, then shakes hands with that certificate. `heard` contains what the client sent
+    over TLS."""
 
     def __init__(self, own: tuple[str, str] | None, answer: bytes = b"S"):
         super().__init__(daemon=True)

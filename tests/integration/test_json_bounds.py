@@ -1,4 +1,4 @@
-"""JSON that nests, floods or grows: refused before a value of it is built, and nobody else notices."""
+"""JSON with deep nesting, floods of values, or growth: refused before any value is built, and nobody else notices."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from edge_help import connect, read_all, resident_mb
 
 LEVELS = 250_000
 NESTED = "[" * LEVELS + "]" * LEVELS
-#: A preset has at most 256 KB.
+#: The limit for a preset is 256 KB.
 NESTED_PRESET = NESTED[LEVELS - 120_000:LEVELS + 120_000]
 JSON = {"Content-Type": "application/json"}
 XML = {"Content-Type": "application/xml"}
@@ -35,7 +35,7 @@ def attacker(stack) -> Person:
 
 @pytest.fixture(autouse=True)
 def never_restarted(stack):
-    """The API is the same process after each test as before it."""
+    """The API is the same process before and after each test."""
     stack.wait_ready("api")
     before = stack.pids["api"]
     yield
@@ -48,7 +48,7 @@ def within(name: str, value: str) -> str:
 
 
 def routes() -> dict[str, tuple[str, str, str]]:
-    """Method, path and body of each request that passes a value on to code that reads it by recursion."""
+    """Returns method, path and body of each request that passes a value on to recursive code."""
     some = str(uuid.uuid4())
     return {
         "cut": ("POST", f"/v1/data-sets/{some}/anonymise", within("keep", NESTED)),
@@ -56,7 +56,7 @@ def routes() -> dict[str, tuple[str, str, str]]:
         "changed preset": ("PATCH", f"/v1/presets/{some}", within("scene", NESTED_PRESET)),
         "recording, its viewport": ("POST", "/v1/recordings", within("viewport", NESTED)),
         "recording, its events": ("POST", "/v1/recordings", within("events", NESTED)),
-        # What all others have in common: a value that nobody asked for.
+        # Common to all others: an unexpected value.
         "unknown field": ("POST", "/v1/data-sets", within("x", NESTED)),
         "no object at all": ("PATCH", "/v1/me/public-name", NESTED),
     }
@@ -72,7 +72,7 @@ def test_deep_nesting_is_refused_before_it_is_read(attacker, name):
 def test_deep_nesting_from_somebody_without_an_account_is_refused(stack):
     nobody = client(stack)
     for path in ("/v1/accounts", "/v1/accounts/verify", "/v1/sign-in", "/v1/join", "/v1/follow"):
-        # Without a session a body has at most 16 KB.
+        # Without a session, a body is limited to 16 KB.
         answer = nobody.post(path, content=within("email", "[" * 8000 + "]" * 8000), headers=JSON)
         assert "64 levels" in problem(answer, 400, "bad-request")["detail"]
         problem(nobody.post(path, content=within("email", NESTED), headers=JSON), 413, "body-too-large")
@@ -89,7 +89,7 @@ def test_deep_nesting_in_xml_is_refused(attacker):
 
 @pytest.mark.parametrize("part", ["0", "[]", "{}", '{"":0}'])
 def test_a_flood_of_small_values_is_refused_and_takes_no_memory(stack, attacker, part):
-    """Of 1 MB of "[]" a tree of 20 MB would be built."""
+    """1 MB of "[]" would build a tree of 20 MB."""
     count = 1_000_000 // (len(part) + 1)
     body = within("keep", "[" + ",".join([part] * count) + "]")
     before = resident_mb(stack.pids["api"])
@@ -108,7 +108,7 @@ def test_a_recording_that_grows_when_it_is_kept_is_refused_in_words(attacker):
 
 
 def test_an_ordinary_client_notices_nothing_of_a_flood_of_deep_nesting(stack, attacker):
-    """As the attack was: the same few bodies again and again from four connections, with somebody else at work beside it."""
+    """As in the attack: the same few bodies repeatedly over four connections, while another user works."""
     ordinary = person(stack)
     over, refused, others = threading.Event(), [], []
 

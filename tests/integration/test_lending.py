@@ -1,4 +1,4 @@
-"""What a device has left, lent to the sessions of a neighbour that is asked for more than it has."""
+"""A device's spare time is lent to the sessions of a peer that is asked for more than it has."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def test_a_neighbour_helps_while_it_idles_and_is_given_back_when_somebody_comes_
     neighbour = OtherWorker(stack, "neighbour", "--max-error=0.0002", redis=stack.redis_address)
 
     def moves(*viewers, until):
-        """All of them move, so that their device is asked for more than it has, until it is so."""
+        """All of them rotate, which overloads their device, until it is so."""
         def step():
             for viewer in viewers:
                 viewer.turn(1 if viewer.input_seq % 2 else -1)
@@ -37,7 +37,7 @@ def test_a_neighbour_helps_while_it_idles_and_is_given_back_when_somebody_comes_
         assert gauge(metrics_at(neighbour.admin_port), "diaphane_renderd_helped_pictures") >= 1
         assert stack.log("renderd").count('"helper_asked"') == 1, "not to and fro"
 
-        # What it lends is not in the way of who comes.
+        # Lent time does not block new sessions.
         session, url = open_session(somebody, ball)
         assert stack.redis.hget(f"diaphane:session:{session}", "worker") == "neighbour"
         visitor = Viewer(stack.url, url, side=256)

@@ -1,4 +1,4 @@
-"""Several people in one session, over the real parts: links, roles, a worker that dies, a Redis that forgets."""
+"""Several users in one session on real components: links, roles, a worker that dies, and a Redis that loses its data."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_sessio
 
 
 class Guest:
-    """Somebody with a link and without an account."""
+    """A user with a link, without an account."""
 
     def __init__(self, stack, token: str, name: str = ""):
         self.stack, self.token, self.name, self.key = stack, token, name, secrets.token_hex(32)
@@ -81,7 +81,7 @@ def test_the_role_goes_over_and_comes_back_to_the_owner_alone(running, one, sess
     assert owner.until("problem").code == "forbidden", "the presenter is here"
     follower.leave()
     owner.until("audience", condition=lambda who: len(who.participants) == 1)
-    time.sleep(5.2)  # longer than a reload takes: then he has gone
+    time.sleep(5.2)  # longer than a reload, so they count as gone
     hand_over(owner, "owner")
     owner.until("audience", condition=lambda who: who.presenter == "owner")
     seq = owner.turn(1)
@@ -100,7 +100,7 @@ def test_a_link_that_is_ended_sends_its_guests_away_and_nobody_else(running, one
     owner.until("audience", condition=lambda who: len(who.participants) == 1)
     seq = owner.turn(3)
     owner.frame(condition=lambda frame: frame.input_seq >= seq)
-    # And another link is another one.
+    # Another link has another token.
     again = Guest(running, link_of(one, session[0])).join()
     again.frame()
     again.leave()
@@ -147,7 +147,7 @@ def test_a_recording_is_played_in_a_live_session_at_its_own_pace(running, one, s
     owner = Viewer(running.url, session[1])
     scene = json_format.MessageToDict(owner.config.scene)
     for named in (*scene["transferFunction"]["channels"], *scene["lights"]):
-        named.pop("name", None)  # as a recording is kept
+        named.pop("name", None)  # as a recording is stored
     camera = {"eye": {"x": 0.0}, **scene["camera"]}
     camera["eye"] = {"x": 0.0, **camera["eye"]}
     events = [{"at_ms": 0, "scene": scene}]
@@ -178,7 +178,7 @@ def test_a_recording_is_played_in_a_live_session_at_its_own_pace(running, one, s
 
 
 class SecondWorker:
-    """Another renderd beside the stack's, by hand: nobody starts it again."""
+    """Another renderd beside the stack's, which nothing restarts."""
 
     def __init__(self, stack, worker_id: str):
         build = Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release"))
@@ -214,7 +214,7 @@ def test_a_dead_worker_s_session_goes_on_at_another_with_its_scene_and_its_guest
     ball = store_ball(stack, somebody)
     second = SecondWorker(stack, "second")
     try:
-        # Placed where it will die: a worker that has the volume is preferred.
+        # Placed on the worker that will die, because a worker with the volume is preferred.
         stack.redis.hset(f"diaphane:worker:{second.id}", "volumes", ball)
         session, url = open_session(somebody, ball)
         assert stack.redis.hget(f"diaphane:session:{session}", "worker") == second.id
@@ -234,7 +234,7 @@ def test_a_dead_worker_s_session_goes_on_at_another_with_its_scene_and_its_guest
             url = new_ticket(somebody, session)
             return Viewer(stack.url, url) if url else None
 
-        # In either order: who comes first has it placed.
+        # In either order: the first to arrive has it placed.
         followed = come_back(guest.join, 5)
         picture = followed.frame(timeout=5)
         presented = come_back(again, 5)
@@ -268,7 +268,7 @@ def test_a_redis_that_was_started_empty_is_filled_from_heartbeats(stack_factory)
     stack.wait_until(lambda: stack.redis.hexists(key, "scene"), timeout=5, what="the session's place")
     print(f"an empty Redis had the session again after {time.monotonic() - begun:.2f} s")
     assert stack.redis.hget(key, "input_seq") == str(seq)
-    # Nobody was sent away, and everybody can come back the way he came.
+    # Nobody was disconnected, and everybody can reconnect in the same way.
     seq = owner.turn(3)
     follower.frame(condition=lambda frame: frame.input_seq >= seq)
     owner.leave()

@@ -1,4 +1,4 @@
-"""What other users of the same machine reach of a running Diaphane: its pages, and neither Redis nor renderd."""
+"""What other users of the same machine can reach of a running Diaphane: its pages, but neither Redis nor renderd."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from house.users import RunAs
 from stream_help import PROGRAMS, Viewer, open_session, store_ball
 
 NOBODY = pwd.getpwnam("nobody")
-#: Run as another user: what connecting to a Unix socket, and to a port, comes to.
+#: Run as another user: the result of connecting to a Unix socket and to a port.
 KNOCK = """
 import socket, sys
 for place in sys.argv[1:]:
@@ -43,7 +43,7 @@ def knock(*places: object) -> list[str]:
 
 
 def ports_of(pid: int) -> set[int]:
-    """On which the process listens."""
+    """Returns the ports on which the process listens."""
     inodes = set()
     for name in os.listdir(f"/proc/{pid}/fd"):
         target = os.readlink(f"/proc/{pid}/fd/{name}")
@@ -99,7 +99,7 @@ def test_a_folder_that_others_may_enter_or_own_is_not_used_for_sockets(tmp_path)
     (tmp_path / "run").chmod(0o700)
     assert datadir.socket_folder(tmp_path, us) == tmp_path / "run"
 
-    # What stack.json names was left by an earlier start: used again only while it is ours alone, and no link to elsewhere.
+    # A folder in stack.json from an earlier start is reused only while it is private and not a link.
     long = tmp_path / ("long" * 25)
     long.mkdir()
     elsewhere, link = tmp_path / "elsewhere", tmp_path / "link"
@@ -125,5 +125,5 @@ def test_a_second_renderd_takes_no_socket_from_the_first(running):
         free.bind(("127.0.0.1", 0))
         env = {**held.env, "DIAPHANE_ADMIN_PORT": str(free.getsockname()[1]), "DIAPHANE_WORKER_ID": "another"}
     done = subprocess.run(held.argv, env=env, capture_output=True, text=True, timeout=60, **running.stack.run_as.popen())
-    assert done.returncode == 69 and "another program listens on" in done.stderr
+    assert done.returncode == 69 and "another process is already listening on" in done.stderr
     pictures_come(running)

@@ -1,4 +1,4 @@
-"""A device whose memory is full: the session for which there is none goes on at another worker, and nobody is harmed."""
+"""A device with full memory: a session without memory continues on another worker, and nobody is affected."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 from api_client import person
 from stream_help import PROGRAMS, OtherWorker, Viewer, new_ticket, open_session, store_ball
 
-#: A ball of 64^3 takes 0.6 MB with its tables: one fits into 1 MB, two do not.
+#: A ball of 64^3 uses 0.6 MB with its tables, so one fits into 1 MB, and two do not.
 SIDE, FITS_ONE_MB = 64, "1"
 
 
@@ -43,7 +43,7 @@ def test_a_session_for_which_a_worker_has_no_memory_goes_on_at_another(two_worke
     Viewer(stack.url, url).frame()
     assert worker_of(stack, filler) == "second", "the least used"
 
-    # The second has one of four places taken, so the first is the least used, and has no memory for another volume.
+    # The second worker has one of four slots in use. The first is the least used, and has no memory for another volume.
     session, url = open_session(somebody, third)
     assert worker_of(stack, session) == worker_of(stack, here)
     refused = Viewer(stack.url, url, greet=False)
@@ -54,15 +54,15 @@ def test_a_session_for_which_a_worker_has_no_memory_goes_on_at_another(two_worke
     seq = unharmed.turn(30)
     unharmed.frame(condition=lambda frame: frame.input_seq >= seq)
 
-    # Where there is no other, that is said, and the session is kept until there is.
+    # Without another worker, the user is notified, and the session is kept until there is one.
     worker.kill()
     assert moved.close_code() == 4503
-    # A process that is killed may still take connections when its streams have broken already.
+    # A killed process may still accept connections after its streams have broken.
     stack.wait_until(lambda: not stack.redis.exists("diaphane:worker:second"), what="its loss is known")
     answer = somebody.http.post(f"/v1/sessions/{session}/tickets")
     assert answer.status_code == 503 and "memory" in answer.json()["detail"], answer.text
     start_second()
-    stack.wait_until(lambda: (again := new_ticket(somebody, session)) and Viewer(stack.url, again).frame(), what="it goes on")
+    stack.wait_until(lambda: (again := new_ticket(somebody, session)) and Viewer(stack.url, again).frame(), what="the session to continue")
     seq = unharmed.turn(30)
     unharmed.frame(condition=lambda frame: frame.input_seq >= seq)
     unharmed.leave()

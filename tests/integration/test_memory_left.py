@@ -1,4 +1,4 @@
-"""What was cut away, or was uploaded, is not in the memory of the programs afterwards."""
+"""What was cut away or uploaded is not in the memory of the programs afterwards."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OURS = ("api", "gateway", "ingestd", "renderd")
 
 
 def copies(pid: int, wanted: bytes) -> int:
-    """How often the bytes are in the memory of a process that it can write to."""
+    """Returns how often the bytes are in a process's writable memory."""
     found = 0
     with open(f"/proc/{pid}/maps") as maps, open(f"/proc/{pid}/mem", "rb", buffering=0) as memory:
         for line in maps:
@@ -37,7 +37,7 @@ def copies(pid: int, wanted: bytes) -> int:
 
 
 def assert_gone(stack, wanted: bytes, few: int = 0) -> None:
-    """Gone within a while, since caches are looked through once per second; but for `few` copies in one program."""
+    """Waits until it is gone, since caches are checked once per second. `few`: number of permitted copies in one program."""
     left: list[dict[str, int]] = [{}]
 
     def gone() -> bool:
@@ -84,9 +84,9 @@ def test_voxels_that_were_cut_away_are_in_no_memory(running, owner):
 
 
 def test_an_upload_is_in_no_memory_once_it_was_taken(running, owner):
-    # All over a part of the largest size, and of a last one of a few bytes.
+    # In a part of maximum size, and in a last part of a few bytes.
     mark = os.urandom(16)
     data = mark * ((8 << 20) // len(mark)) + mark * 20
     owner.upload(data)
-    # cpprest keeps a piece of the last body for each connection that the edge holds open, which is out of our reach.
+    # cpprest keeps a piece of the last body for each connection that the edge holds open, which cannot be changed from outside.
     assert_gone(running, mark, few=8192 // len(mark))

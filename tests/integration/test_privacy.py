@@ -1,4 +1,4 @@
-"""All that is held of a person, given as one file; and the end of an account, of which nothing is left anywhere."""
+"""All data about a person as one file, and the deletion of an account, which leaves nothing behind anywhere."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def store_volume(stack, data_set: str) -> None:
 
 
 def with_everything(stack) -> tuple[Person, str, str]:
-    """Somebody who has used everything; a ready scan, and one whose upload is under way."""
+    """A user who has used everything, with a ready scan, and one that is being uploaded."""
     one = person(stack)
     one.sets_up_second_factor()
     ready = one.upload(b"x" * 100, title=f"Title of {one.email}")["id"]
@@ -82,7 +82,7 @@ def test_an_export_holds_everything_of_the_person_and_nothing_of_others(api):  #
     for secret in (other.email, other.id, other_ready, one.http.cookies["diaphane"], one.csrf, "$argon2id$", one.device.totp.secret,
                    *api.psql("SELECT sealed_secret FROM second_factors")[0], *api.psql("SELECT code_hash FROM recovery_codes")[0]):
         assert secret.encode() not in whole
-    # Every table with rows of persons is in it, those of tomorrow too.
+    # Every table with rows of users is in it, including future tables.
     tables = {t for (t,) in api.psql("""SELECT DISTINCT conrelid::regclass::text FROM pg_constraint
                                         WHERE contype = 'f' AND confrelid = 'users'::regclass""")}
     assert {name.split("/")[1].split(".")[0] for name in records} >= tables
@@ -109,7 +109,7 @@ def test_an_export_is_of_one_person_and_goes_after_its_day(api):  # noqa: F811
 
 
 def everything_on_disk(folder: Path) -> dict[str, bytes]:
-    """But for the mails that were sent, the databases' own files (asked for as dumps), and the logs of requests."""
+    """Except sent mails, the databases' own files (which are dumped), and request logs."""
     left_out = {"postgres", "redis", "mail", "logs", "secrets"}
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*")
             if path.is_file() and path.relative_to(folder).parts[0] not in left_out}
@@ -120,16 +120,16 @@ def dump(stack) -> bytes:
 
 
 def redis_dump(stack, lasting: bool = False) -> bytes:
-    """All of it; `lasting`: but for tickets and for what says to workers that a session was ended, gone within a minute."""
+    """Returns everything. `lasting`: without tickets and ended-session notices for workers, which expire within a minute."""
     found = b""
-    raw = Redis(unix_socket_path=str(stack.stack.settings.socket("redis")))  # scenes are no text
+    raw = Redis(unix_socket_path=str(stack.stack.settings.socket("redis")))  # scenes are not text
     for key in stack.redis.scan_iter("*"):
         passing = key.startswith("diaphane:ticket:") or key.endswith(":ended")
         if lasting and passing and 0 < stack.redis.ttl(key) <= 60:
             continue
         kind = stack.redis.type(key)
         if kind == "none":
-            continue  # gone since
+            continue  # expired since
         found += key.encode() + b"\n"
         read = {"hash": raw.hgetall, "set": raw.smembers, "string": raw.get, "zset": lambda k: raw.zrange(k, 0, -1)}[kind]
         found += str(read(key)).encode() + b"\n"
@@ -148,7 +148,7 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
     watching = bystander.http.get("/v1/sessions").json()["items"]
     [(export,)] = api.psql("SELECT id::text FROM exports WHERE user_id = %s", me)
     [(preset,)] = api.psql("SELECT id::text FROM presets WHERE author_id = %s", me)
-    # What one wrote of somebody else's scan; of what is left nobody can say who said it.
+    # What the user wrote about another user's scan. What remains does not identify its author.
     api.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", bystander_ready)
     bystander.http.post(f"/v1/data-sets/{bystander_ready}/visibility", json={"visibility": "public"})
     words = f"I am their neighbour {uuid.uuid4().hex}"
@@ -183,7 +183,7 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
     assert bystander.http.get(f"/v1/data-sets/{bystander_ready}").status_code == 200
     assert bystander.http.get("/v1/sessions").json()["items"] == watching
     assert (api.data_dir / "volumes" / bystander_ready / "voxels.i16").read_bytes() == VOXELS
-    # The log still says that an account was deleted, and that its password was changed before; not whose.
+    # The log still contains that an account was deleted, and that its password was changed before, but not whose.
     rows = api.psql("SELECT action, actor_id, subject_id FROM audit_log ORDER BY id DESC LIMIT 3")
     assert rows[0] == ("account.deleted", None, None) and ("account.password-changed", None, None) in rows
     before = len(api.mails(one.email))

@@ -1,4 +1,4 @@
-"""Render time on real parts: who pays for which picture, who is stopped and how, and that nobody else notices."""
+"""Render time on real components: who is charged for which picture, who is stopped and how, and that others are not affected."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ KEY = "3" * 64
 
 @pytest.fixture(scope="module")
 def running(stack_house):
-    """Pictures that go on being rendered for as long as somebody looks."""
+    """Pictures that are rendered for as long as someone views them."""
     stack = stack_house.open(only=PROGRAMS, extra_env={"DIAPHANE_MAX_ERROR": "0.0001"})
     yield stack
     stack_house.shut(stack)
 
 
 def used(who) -> int:
-    """Milliseconds."""
+    """Returns milliseconds."""
     return who.http.get("/v1/me").json()["render_time"]["used_ms"]
 
 
 def turn_until(running, viewers: list[Viewer], done) -> None:
-    """Each of them looks from elsewhere and gets a picture of it, until it is so."""
+    """Each viewer rotates and receives the picture, until it is so."""
     def go_on() -> bool:
         for viewer in viewers:
             seq = viewer.turn(3)
@@ -43,13 +43,13 @@ def test_who_has_used_up_his_time_is_stopped_and_told_why_and_nobody_else_notice
     spent = one.http.get("/v1/me").json()["render_time"]
     assert spent["pictures_end_at"] is not None and spent["quota_ms"] == 1500
     document = problem(one.http.post("/v1/sessions", json={"data_set_id": ball}), 403, "render-time-spent")
-    assert "used up" in document["detail"]
-    # In its grace the picture goes on.
+    assert "used all of your rendering time" in document["detail"]
+    # The picture continues during its grace period.
     turn_until(running, [mine], lambda: True)
     running.psql("UPDATE render_time SET warned_at = now() - interval '10 minutes' WHERE user_id = %s", one.id)
     assert mine.close_code(60) == 4404, "the session has ended"
     problem(one.http.post(f"/v1/sessions/{session}/tickets"), 404, "not-found")
-    # The other's picture was neither ended nor charged for this.
+    # The other user's picture was neither ended nor charged for this.
     turn_until(running, [other_view], lambda: used(other) > 0)
     assert other.http.get("/v1/me").json()["render_time"]["pictures_end_at"] is None
     other_view.leave()
@@ -57,7 +57,7 @@ def test_who_has_used_up_his_time_is_stopped_and_told_why_and_nobody_else_notice
 
 
 def test_a_picture_at_rest_ends_too_when_the_grace_is_over(stack_factory):
-    """One that has become sharp takes no time, so that nothing is noted any more."""
+    """A finished picture uses no time, so nothing more is recorded."""
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_MAX_ERROR": "0.05"})
     who = person(stack)
     scan = store_ball(stack, who)
@@ -65,10 +65,10 @@ def test_a_picture_at_rest_ends_too_when_the_grace_is_over(stack_factory):
     viewer = Viewer(stack.url, url)
     viewer.until("state", 120, lambda state: state.converged)
     stack.wait_until(lambda: used(who) > 0, 60, "what it took")
-    # Less than was used, by an administrator, and nobody touches the picture.
+    # An administrator sets a quota below the used time, and nobody touches the picture.
     stack.psql("UPDATE users SET render_quota_ms = 0 WHERE email = %s", who.email)
     stack.wait_until(lambda: who.http.get("/v1/me").json()["render_time"]["pictures_end_at"], 30, "its end said")
-    assert who.http.post(f"/v1/sessions/{session}/tickets").status_code == 201, "in its grace it goes on"
+    assert who.http.post(f"/v1/sessions/{session}/tickets").status_code == 201, "within its grace it continues"
     stack.psql("UPDATE render_time SET warned_at = now() - interval '3 minutes' WHERE user_id = %s", who.id)
     assert viewer.close_code(60) == 4404, "the session has ended"
     problem(who.http.post("/v1/sessions", json={"data_set_id": scan}), 403, "render-time-spent")
@@ -91,7 +91,7 @@ def test_pictures_of_presets_and_what_visitors_look_at_cost_nobody_and_the_defau
     assert [c.name for c in visitor.config.scene.transfer_function.channels] == ["bone"]
     first = visitor.frame()
     assert first.input_seq == 0, "what is seen first is the default"
-    # Somebody's own picture, once it is counted, says that all before it would have been.
+    # Once the user's own picture is counted, all previous ones would have been counted.
     paying = Viewer(running.url, open_session(payer, store_ball(running, payer))[1])
     turn_until(running, [visitor, paying], lambda: used(payer) > 0)
     assert used(owner) == 0

@@ -1,4 +1,4 @@
-"""The second factor: set up, asked for, used once, not guessed, lost; and what an administrator may do without one."""
+"""The second factor: set up, requested, single-use, protected against guessing, and lost. Also an administrator without one."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import pytest
 from api_client import PASSWORD, Device, Person, api, client, forget_attempts, link_token, person, problem  # noqa: F401
 from test_api_admin import command
 from who_may_table import OPERATIONS, ROWS
-from who_may_world import World, known_hash, question
+from who_may_world import World, question
 
 
 def sign_in(stack, one: Person, code: str | None = None, password: str = PASSWORD) -> httpx.Response:
-    """From another browser."""
+    """Signs in from another browser."""
     given = {"email": one.email, "password": password, **({} if code is None else {"code": code})}
     return client(stack).post("/v1/sign-in", json=given)
 
@@ -52,7 +52,7 @@ def test_the_whole_way(api):  # noqa: F811
     assert one.http.get("/v1/me").json()["second_factor"] is True and one.http.get(path).json()["recovery_codes"] == 10
     problem(one.http.post(path, json={"password": PASSWORD}), 409, "conflict")
     problem(one.http.post(f"{path}/confirm", json={"code": "123456"}), 409, "conflict")
-    told(api, one, "asks for a code now")
+    told(api, one, "Two-factor authentication is now on")
 
     problem(sign_in(api, one), 401, "code-needed")
     problem(sign_in(api, one, password="not the password"), 401, "wrong-credentials")
@@ -68,7 +68,7 @@ def test_the_whole_way(api):  # noqa: F811
     for wrong, field in (({"password": "no", "code": fresh[0]}, "password"), ({"password": PASSWORD, "code": "000000"}, "code")):
         assert problem(one.http.post(f"{path}/removal", json=wrong), 422, "invalid")["errors"][0]["field"] == field
     assert one.http.post(f"{path}/removal", json={"password": PASSWORD, "code": fresh[0]}).status_code == 204
-    told(api, one, "no code any more")
+    told(api, one, "Two-factor authentication is now off")
     assert sign_in(api, one).status_code == 200
     problem(one.http.post(f"{path}/removal", json={"password": PASSWORD, "code": fresh[0]}), 409, "conflict")
     assert actions(api, one) == ["account.second-factor-added", "account.recovery-code-used", "account.recovery-codes-renewed",
@@ -79,19 +79,19 @@ def test_a_code_is_used_once_also_of_many_at_a_time(api):  # noqa: F811
     one = person(api)
     one.sets_up_second_factor()
     problem(sign_in(api, one, one.device.at(one.device.given)), 401, "wrong-code")
-    told(api, one, "was given twice")
+    told(api, one, "was used twice")
     assert actions(api, one)[-1] == "account.code-reused"
     code = one.device.code()
     forget_attempts(api)
     with ThreadPoolExecutor(4) as pool:
         answers = [done.result().status_code for done in [pool.submit(sign_in, api, one, code) for _ in range(4)]]
     assert sorted(answers) == [200, 401, 401, 401]
-    # The one before it, too: also where its step has not passed yet.
+    # The previous code, too, even while its step has not passed.
     problem(sign_in(api, one, one.device.at(one.device.given - 1)), 401, "wrong-code")
 
 
 def test_clocks_may_be_apart_a_little(api):  # noqa: F811
-    """By exactly how much: Totp.ClocksMayBeOneStepApartAndNoMore."""
+    """For the exact tolerance: Totp.ClocksMayBeOneStepApartAndNoMore."""
     one = person(api)
     one.sets_up_second_factor()
     for apart, status in ((5, 401), (-5, 401), (0, 200), (1, 200)):
@@ -138,7 +138,7 @@ def test_nothing_that_is_stored_makes_a_code(api):  # noqa: F811
     everything = str(api.psql("SELECT * FROM second_factors")) + str(api.psql("SELECT * FROM recovery_codes")) + api.log("api")
     for hidden in (secret, one.device.totp.byte_secret().hex(), *codes, *(code.replace("-", "") for code in codes)):
         assert hidden.lower() not in everything.lower()
-    # Somebody else's sealed secret is of no use to who can write to the database.
+    # Another user's sealed secret does not help an attacker who can write to the database.
     other = person(api)
     other.sets_up_second_factor()
     api.psql("UPDATE second_factors SET sealed_secret = %s, last_step = 0 WHERE user_id = %s", sealed, other.id)
@@ -165,22 +165,22 @@ def test_a_new_password_by_mail_does_not_pass_by_the_second_factor(api):  # noqa
 
 def test_who_lost_all_of_it_is_let_in_by_a_command_on_the_machine_alone(api):  # noqa: F811
     one = person(api)
-    assert command(api, "forget-factor", one.email).returncode == 1, "there is none"
+    assert command(api, "reset-2fa", one.email).returncode == 1, "there is none"
     one.sets_up_second_factor()
-    done = command(api, "forget-factor", one.email.upper())
+    done = command(api, "reset-2fa", one.email.upper())
     assert done.returncode == 0 and "password alone" in done.stdout
     assert sign_in(api, one).status_code == 200
     assert one.http.get("/v1/me/second-factor").json()["recovery_codes"] == 0
     [entry] = api.psql("SELECT actor FROM audit_log WHERE subject_id = %s AND action = 'account.second-factor-removed'", one.id)
     assert entry[0] == "machine"
-    told(api, one, "no code any more")
+    told(api, one, "Two-factor authentication is now off")
 
 
 def test_an_administrator_is_told_to_set_it_up_and_may_only_do_that(api):  # noqa: F811
     one = person(api)
     done = command(api, "grant", one.email)
-    assert "opens nothing before a second factor" in done.stdout
-    assert f"{one.email} (no second factor yet)" in command(api, "list").stdout
+    assert "once this user turns on two-factor authentication" in done.stdout
+    assert f"{one.email} (two-factor authentication not set up)" in command(api, "list").stdout
     me = one.http.get("/v1/me").json()
     assert me["administrator"] is True and me["second_factor"] is False
     assert one.http.get("/v1/me/second-factor").json()["required"] is True
@@ -188,24 +188,19 @@ def test_an_administrator_is_told_to_set_it_up_and_may_only_do_that(api):  # noq
     codes = one.sets_up_second_factor()
     assert one.http.get("/v1/admin/users").status_code == 200
     assert f"{one.email}\n" in command(api, "list").stdout
-    assert "second factor" not in command(api, "grant", one.email).stdout
+    assert "two-factor" not in command(api, "grant", one.email).stdout
     one.http.post("/v1/me/second-factor/removal", json={"password": PASSWORD, "code": codes[0]})
     problem(one.http.get("/v1/admin/users"), 403, "second-factor-required")
 
 
-@pytest.fixture(scope="module")
-def password_hash(api):  # noqa: F811
-    return known_hash(api)
-
-
-#: What an administrator may do and somebody with nothing to do with it may not.
+#: Operations that an administrator may perform and an unrelated user may not.
 OF_THE_ROLE = sorted(name for name, row in ROWS.items() if row["administrator"] == "+" and row["other"] != "+")
 
 
 @pytest.mark.parametrize("name", OF_THE_ROLE)
-def test_without_it_the_role_opens_nothing(api, password_hash, name):  # noqa: F811
+def test_without_it_the_role_opens_nothing(api, name):  # noqa: F811
     forget_attempts(api)
-    world = World(api, password_hash)
+    world = World(api)
     operation, _, exposure = name.partition(":")
     request = question(world, "administrator", *OPERATIONS[operation], exposure)
     boss = world.someone("administrator")
@@ -213,4 +208,4 @@ def test_without_it_the_role_opens_nothing(api, password_hash, name):  # noqa: F
     answer = boss.http.send(request)
     assert answer.status_code == int(ROWS[name]["other"]), answer.text
     if ROWS[name]["other"] == ROWS[name]["owner"] == "403":
-        problem(answer, 403, "second-factor-required")    # what is for administrators alone says why
+        problem(answer, 403, "second-factor-required")    # operations for administrators explain the refusal

@@ -1,4 +1,4 @@
-"""What every answer tells the browser to forbid; and that the page itself needs nothing of it."""
+"""The restrictions that every response imposes on the browser, none of which the page needs to violate."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_every_answer_has_a_strict_policy(api, path):  # noqa: F811
 
 
 class Inline(HTMLParser):
-    """Whatever in a page a strict policy would not run."""
+    """Collects everything in a page that a strict policy would block."""
 
     def __init__(self) -> None:
         super().__init__()

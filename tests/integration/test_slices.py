@@ -1,4 +1,4 @@
-"""Exact slices through edge, gateway and renderd: the stored voxels, and what bad wishes come to."""
+"""Exact slices through edge, gateway and renderd: the stored voxels, and the results of invalid requests."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def wish(viewer: Viewer, *slices: tuple[int, int], taken: int = 0) -> None:
 
 
 def values(piece) -> np.ndarray:
-    """By the words of the protocol."""
+    """Decodes a slice as the protocol defines it."""
     low, high = np.frombuffer(zlib.decompress(piece.data), np.uint8).reshape(2, piece.rows, piece.columns).astype(np.uint16)
     return (low + 256 * high).astype(np.int16)
 

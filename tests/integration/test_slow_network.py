@@ -1,4 +1,4 @@
-"""The stream through a slow network (tests/slow_network.py): what a viewer far away sees, and what it costs the others."""
+"""The stream through a slow network (tests/slow_network.py): what a distant viewer sees, and its effect on others."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ def stack(stack_house: StackHouse):
 
 @dataclass
 class Drag:
-    """What a viewer saw who turned the picture for a while."""
+    """What a viewer saw while rotating the picture."""
 
     sent: dict[int, float] = field(default_factory=dict)
-    ages: list[float] = field(default_factory=list)  # of each frame: since the input that it shows was sent
-    answers: list[float] = field(default_factory=list)  # of each input: until a frame showed it or a newer one
+    ages: list[float] = field(default_factory=list)  # per frame: since the input that it shows was sent
+    answers: list[float] = field(default_factory=list)  # per input: until a frame showed it or a newer one
     largest: int = 0
     bytes: int = 0
 
 
 def drag(viewer: Viewer, seconds: float) -> Drag:
-    """Turns at a hand's pace while the frames come; ends with the frame of the last input."""
+    """Rotates at the pace of a hand while frames arrive. Ends with the frame of the last input."""
     seen = Drag()
     unanswered: list[int] = []
     end = time.monotonic() + seconds
@@ -71,9 +71,11 @@ def drag(viewer: Viewer, seconds: float) -> Drag:
 
 
 @pytest.mark.parametrize(("bits_per_s", "loss", "codec"),
-                         [(BITS_PER_S, 0.0, H264), (BITS_PER_S, 0.02, H264), (BITS_PER_S / 5, 0.0, JPEG)])
+                         [(BITS_PER_S, 0.02, H264),
+                          pytest.param(BITS_PER_S, 0.0, H264, marks=pytest.mark.nightly),
+                          pytest.param(BITS_PER_S / 5, 0.0, JPEG, marks=pytest.mark.nightly)])
 def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, bits_per_s: float, loss: float, codec: int):
-    person = Person(stack).sign_up().sign_in()
+    person = Person(stack).is_seeded()
     session, url = open_session(person, store_ball(stack, person))
     with SlowNetwork(stack.ports["edge"], ROUND_TRIP_S, bits_per_s, BUFFER, loss) as network:
         viewer = Viewer(stack.url, url, side=SIDE, port=network.port, codec=codec)
@@ -83,8 +85,8 @@ def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, 
     print(f"{len(seen.sent)} inputs, {len(seen.ages)} frames, the largest {seen.largest} bytes; "
           f"p50 {1e3 * statistics.median(seen.answers):.0f} ms, p95 {1e3 * statistics.quantiles(seen.answers, n=20)[-1]:.0f} ms")
 
-    # At most two frames are under way; an input that comes when both have just left waits for them, then for its own. A loss
-    # costs a round trip each. The rest is the machine's own: rendering beside other tests on few cores.
+    # At most two frames are in transit. An input that arrives just after both were sent waits for them, then for its own frame.
+    # Each loss costs a round trip. The rest is the machine's: rendering beside other tests on few cores.
     frame_s = 8 * seen.largest / bits_per_s
     bound = 2 * ROUND_TRIP_S + 3 * frame_s + (4 * ROUND_TRIP_S if loss else 0) + 0.5
     assert statistics.quantiles(seen.answers, n=20)[-1] <= bound
@@ -93,10 +95,10 @@ def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, 
     assert last <= 1.5 * first + 0.1, (first, last)
 
 
-@pytest.mark.parametrize("together", [False, True], ids=["own-session", "follower"])
+@pytest.mark.parametrize("together", [pytest.param(False, marks=pytest.mark.nightly, id="own-session"), pytest.param(True, id="follower")])
 def test_a_slow_viewer_never_slows_another(stack: TestStack, together: bool):
-    """By counting: had the one to wait for the other, it would see no more frames than that one takes."""
-    person = Person(stack).sign_up().sign_in()
+    """Judged by counting: if one viewer had to wait for the other, it would see no more frames."""
+    person = Person(stack).is_seeded()
     data_set = store_ball(stack, person)
     session, near_url = open_session(person, data_set)
     far_url = follower_of(person, session) if together else open_session(person, data_set)[1]
@@ -124,11 +126,11 @@ def test_a_slow_viewer_never_slows_another(stack: TestStack, together: bool):
         thread.join()
         near.leave()
         far.leave()
-    assert 40 > 2 * (taken + 2), taken  # two more may be under way
+    assert 40 > 2 * (taken + 2), taken  # two more may be in transit
 
 
 def follower_of(owner: Person, session: str) -> str:
-    """The stream of a guest who was given a link."""
+    """Returns the stream of a guest with a link."""
     token = owner.http.post(f"/v1/sessions/{session}/links").json()["token"]
     answer = client(owner.stack).post("/v1/join", json={"token": token, "key": secrets.token_hex(32), "name": ""})
     assert answer.status_code == 201, answer.text

@@ -1,4 +1,4 @@
-"""What Diaphane says, logs and does when a store is frozen, cuts a commit off, or two requests want the same row."""
+"""Diaphane's messages, logs and actions when a store hangs, a commit is cut off, or two requests need the same row."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ def one(stack) -> Person:
 
 
 def family(pid: int) -> list[int]:
-    """A process and its children."""
+    """Returns a process and its children."""
     children = [int(child) for task in Path(f"/proc/{pid}/task").iterdir() for child in (task / "children").read_text().split()]
     return [pid, *children]
 
 
 @contextlib.contextmanager
 def frozen(stack, program: str):
-    """All processes of a program stand still, while the kernel still takes what is sent to them."""
+    """Suspends all processes of a program, while the kernel still accepts data for them."""
     stopped: list[int] = []
     try:
-        for _ in range(2):  # the second time for what was started in between
+        for _ in range(2):  # the second time for processes that were started in between
             for pid in family(stack.pids[program]):
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGSTOP)
@@ -55,23 +55,23 @@ def frozen(stack, program: str):
 
 @contextlib.contextmanager
 def held(stack, statement: str, *values: object):
-    """A transaction that has run the statement and is open; the caller ends it."""
+    """Yields an open transaction that has run the statement. The caller ends it."""
     with psycopg.connect(stack.dsn) as connection:
         connection.execute(statement, values)
         yield connection
 
 
 def waiting(stack) -> int:
-    """How many connections of api wait for another transaction."""
+    """Returns how many connections of api wait for another transaction."""
     return stack.psql("SELECT count(*) FROM pg_stat_activity WHERE application_name = 'diaphane-api' AND wait_event_type = 'Lock'")[0][0]
 
 
 def readiness(stack, program: str = "api") -> dict[str, bool]:
-    """The checks of /readyz. Far more time than it needs: a frozen store must not make it wait at all."""
+    """Returns the checks of /readyz. The time limit is generous, and a hanging store must not delay it."""
     return httpx.get(f"http://127.0.0.1:{stack.ports[f'{program}-admin']}/readyz", timeout=20).json()["checks"]
 
 
-# Two requests at the same time
+# Two simultaneous requests
 
 
 def test_one_of_three_accounts_gets_an_address_that_all_confirm_at_once_and_no_log_has_it(stack):
@@ -89,7 +89,7 @@ def test_one_of_three_accounts_gets_an_address_that_all_confirm_at_once_and_no_l
     def confirm(who: Person, token: str) -> int:
         return who.http.post("/v1/email-change/confirm", json={"token": token}).status_code
 
-    # Somebody else is about to have the address, so that all three wait for the same row, and then does not.
+    # Another user is about to take the address, so that all three wait for the same row, and then does not.
     row = "INSERT INTO users (id, email, email_key, password_hash, verified_at) VALUES (%s, %s, %s, 'x', now())"
     with held(stack, row, uuid.uuid4(), address, address) as other, concurrent.futures.ThreadPoolExecutor(3) as threads:
         answers = [threads.submit(confirm, who, token) for who, token in zip(people, tokens, strict=True)]
@@ -104,7 +104,7 @@ def test_one_of_three_accounts_gets_an_address_that_all_confirm_at_once_and_no_l
 Asked = tuple[str, str, dict | None]
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 
-#: What an account may ask for while it is being deleted.
+#: Requests of an account while it is being deleted.
 OF_AN_ACCOUNT: dict[str, Asked] = {
     "data set": ("POST", "/v1/data-sets", {"title": "", "bytes": 1000}),
     "export": ("POST", "/v1/me/export", None),
@@ -117,7 +117,7 @@ OF_AN_ACCOUNT: dict[str, Asked] = {
     "report": ("POST", "/v1/data-sets/{id}/reports", {"reason": "other", "words": ""}),
     "list": ("GET", "/v1/data-sets", None),
 }
-#: What its owner may ask for while a data set is being deleted.
+#: Requests of a data set's owner while it is being deleted.
 OF_A_DATA_SET: dict[str, Asked] = {
     "description": ("PATCH", "/v1/data-sets/{id}", {"title": "x"}),
     "person": ("POST", "/v1/data-sets/{id}/people", {"email": "friend@example.org", "may": "view"}),
@@ -129,7 +129,7 @@ OF_A_DATA_SET: dict[str, Asked] = {
 
 
 def asked_meanwhile(stack, who: Person, asked: Asked, data_set: str, statement: str, *values: object) -> httpx.Response:
-    """What the request is answered when the statement was run before it and is committed while it waits for that."""
+    """Returns the response to a request that waits for an earlier statement, which is committed meanwhile."""
     method, path, body = asked
     headers = {"X-CSRF-Token": who.csrf, "Idempotency-Key": uuid.uuid4().hex}
     with held(stack, statement, *values) as other, concurrent.futures.ThreadPoolExecutor(1) as thread:
@@ -146,7 +146,7 @@ def public_data_set(stack, owner: Person) -> str:
 
 
 def is_clear(answer: httpx.Response) -> bool:
-    """A success or a refusal, and no refusal of the test's own request."""
+    """Whether it is a success or a refusal, other than a refusal of the test's own request."""
     return answer.status_code < 500 and answer.status_code not in (400, 403, 405, 415, 422)
 
 
@@ -175,7 +175,7 @@ def test_a_data_set_that_is_taken_down_while_it_is_published_is_refused_in_words
     assert answer.status_code in (403, 404, 409), answer.text
 
 
-# Frozen stores
+# Hanging stores
 
 
 def test_a_frozen_postgres_keeps_no_request_waiting_and_its_connections_are_thrown_away(stack, one):
@@ -213,14 +213,14 @@ def test_ingestd_notices_a_frozen_postgres_and_goes_on_after_it(stack_factory):
         stack.wait_until(lambda: readiness(stack, "ingestd")["postgres"] is False, what="the notice")
     stack.wait_until(lambda: readiness(stack, "ingestd")["postgres"], what="the recovery")
     made = who.upload(b"x" * 100)["id"]
-    stack.wait_until(lambda: who.http.get(f"/v1/data-sets/{made}").json()["state"] == "refused", what="the refusal of what is no scan")
+    stack.wait_until(lambda: who.http.get(f"/v1/data-sets/{made}").json()["state"] == "refused", what="the refusal of an invalid scan")
 
 
-# Commits whose outcome is unknown
+# Commits with an unknown outcome
 
 
 class CutsCommits:
-    """A way to Postgres that, while it is told so, passes a COMMIT on and then closes both sides without its answer."""
+    """A proxy for Postgres that, while enabled, forwards a COMMIT and then closes both sides without its response."""
 
     COMMIT = b"Q" + (11).to_bytes(4, "big") + b"COMMIT\0"
 
@@ -248,7 +248,7 @@ class CutsCommits:
             while data := source.recv(65536):
                 if of_client and self.COMMIT in data and self.cutting.is_set():
                     self.cut += 1
-                    # Postgres commits; nobody hears that it did.
+                    # Postgres commits, but the response is lost.
                     source.shutdown(socket.SHUT_RDWR)
                     sink.sendall(data)
                     sink.shutdown(socket.SHUT_WR)
@@ -261,7 +261,7 @@ class CutsCommits:
 
 @pytest.fixture
 def cutter(stack):
-    """The stack's api, which reaches Postgres by this way for as long as the test runs."""
+    """The stack's api, which reaches Postgres through this proxy during the test."""
     way = CutsCommits(stack.ports["postgres"])
     entry = stack.stack.running_["api"]
     program = entry.program
@@ -284,7 +284,7 @@ def test_a_commit_whose_outcome_is_unknown_is_never_a_fault(stack, one, cutter):
     cutter.cutting.set()
     for path in ("/v1/me", "/v1/data-sets", "/v1/gallery"):
         answer = one.http.get(path)
-        if answer.status_code != 200:  # what is only read has no outcome to be in doubt
+        if answer.status_code != 200:  # a read has no uncertain outcome
             problem(answer, 503, "unavailable")
             assert int(answer.headers["retry-after"]) >= 1
     cutter.cut = 0
@@ -294,7 +294,7 @@ def test_a_commit_whose_outcome_is_unknown_is_never_a_fault(stack, one, cutter):
     assert "may or may not" in problem(answer, 503, "outcome-unknown")["detail"]
     assert int(answer.headers["retry-after"]) >= 1
     cutter.cutting.clear()
-    # It was made, and the same key makes no second one.
+    # It was created, and the same key creates no second one.
     made = one.announce(1000, "in doubt", **key)
     assert made.status_code in (200, 201)
     listed = [d["id"] for d in one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"] if d["title"] == "in doubt"]

@@ -1,4 +1,4 @@
-"""How what is secret travels: the cookie of https through the edge, and TLS to Postgres."""
+"""How secrets travel: the HTTPS cookie through the edge, and TLS to Postgres."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import pytest
 
 @pytest.fixture
 def passed_on(stack_factory):
-    """Asks the edge with a cookie, and gives what it passes on to api: somebody else stands in api's place and says so."""
+    """Requests the edge with a cookie, and returns what it forwards to api. A stand-in replaces api and records it."""
     stack = stack_factory(only=("postgres", "redis", "edge"))
 
     class Echo(BaseHTTPRequestHandler):
@@ -52,7 +52,7 @@ def test_the_edge_passes_the_cookie_of_https_before_any_other(passed_on):
 
 
 def certificate(folder: Path, name: str) -> Path:
-    """Signed by itself, for 127.0.0.1; its key beside it."""
+    """Creates a self-signed certificate for 127.0.0.1 with its key."""
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
                     "-subj", "/CN=diaphane-test", "-addext", "subjectAltName=IP:127.0.0.1",
                     "-keyout", str(folder / f"{name}.key"), "-out", str(folder / f"{name}.crt")], check=True, capture_output=True)
@@ -95,7 +95,7 @@ def test_postgres_is_reached_by_tls_and_only_with_the_right_certificate(stack_fa
 
 
 def test_the_admin_port_is_open_to_others_only_where_it_is_told_to_be(stack, stack_factory):
-    """In a pod who asks for metrics and health is another machine; on one machine nobody is."""
+    """In a pod, requests for metrics and health come from another machine. On a single machine, none do."""
     programs = ("api-admin", "gateway-admin", "ingestd-admin", "renderd-admin")
     for program in programs:
         with pytest.raises(httpx.ConnectError):

@@ -1,4 +1,4 @@
-"""Slots belong to people with accounts: what visitors and guests can hold is a share that gives way (common/visitor_share.h)."""
+"""Slots belong to users with accounts: visitors and guests can hold a share, which yields to them (common/visitor_share.h)."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def worker_counts(stack, **expected: int) -> bool:
 
 
 def fill(stack, count: int) -> list[Viewer]:
-    """So many sessions of somebody else with an account, each with its viewer."""
+    """Opens this many sessions of other users with accounts, each with a viewer."""
     somebody = person(stack)
     seen = store_ball(stack, somebody, 24)
     viewers = []
@@ -82,7 +82,7 @@ def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, 
                 break
     assert (own, refused) == (SHARE, SLOTS - SHARE)
     stack.wait_until(lambda: worker_counts(stack, used=1 + SHARE, visitors=SHARE), what="what the worker tells")
-    # Everybody with an account finds a place; in the end where the guests' cameras were.
+    # Every user with an account finds a slot, finally those of the guests' cameras.
     others = fill(stack, SLOTS - 1)
     told = guests[0].until("problem", condition=lambda said: said.field == "own_camera_taken")
     assert not told.fatal

@@ -1,4 +1,4 @@
-"""A node's copies of volumes: read instead of the store, by each worker of the node, gone with what they are copies of."""
+"""A node's copies of volumes: used instead of the store by each worker of the node, and deleted with their originals."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from harness import metrics_at
 
 @pytest.fixture(scope="module")
 def node(stack_house):
-    """A stack whose renderd keeps copies, and the folder that has them."""
+    """A stack whose renderd keeps copies, and their folder."""
     copies = stack_house.folder() / "copies"
     stack = stack_house.open(only=("postgres", "redis", "api", "gateway", "edge", "ingestd", "renderd"), extra_env={"DIAPHANE_VOLUME_COPIES_DIR": str(copies)})
     yield stack, copies
@@ -28,7 +28,7 @@ def copies_of(folder: Path, data_set: str) -> list[Path]:
 
 
 def copied(stack, folder: Path) -> tuple[Person, str, str]:
-    """Somebody who looks at a scan that there is a copy of, the scan, and the session."""
+    """Returns a user who views a scan with a copy, the scan, and the session."""
     somebody = person(stack)
     data_set = store_ball(stack, somebody)
     session, url = open_session(somebody, data_set)

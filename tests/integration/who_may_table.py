@@ -1,4 +1,4 @@
-"""The table who_may.txt, and the operations that it is about."""
+"""The access matrix who_may.txt, and its operations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from api_client import CONTRACT
 from who_may_world import ROLES
 
 TABLE = Path(__file__).with_name("who_may.txt")
-#: By operationId: path, method, operation.
+#: Path, method and operation by operationId.
 OPERATIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     operation["operationId"]: (path, method, operation) for path, method, operation in CONTRACT.operations()}
 

@@ -1,8 +1,6 @@
-"""What test_who_may.py asks about: persons of every role, and one thing of each kind that belongs to the owner.
-
-For a new operation: a row in who_may.txt; what its path names, as a method of World of that parameter's name; and a body in
-`bodies`, when the one made of the schema's required fields does not do.
-"""
+"""The objects of test_who_may.py: users of every role, and one object of each kind that belongs to the owner. A new operation
+needs a row in who_may.txt, a method of World for each new path parameter, and a body in `bodies` if one made of the schema's
+required fields is not enough."""
 
 from __future__ import annotations
 
@@ -12,9 +10,10 @@ from pathlib import Path
 from typing import Any, Callable
 
 import httpx
-from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready, person
+from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready
 from cut_help import KEEP, store
 from harness import TestStack
+from seeds import stored, write_person
 
 ROLES = ("nobody", "unverified", "other", "view", "edit", "owner", "administrator")
 
@@ -24,34 +23,33 @@ WORKER = "who-may"
 
 
 def able_to_render(stack: TestStack) -> None:
-    """It has more room than a whole list of attacks takes, for longer than that lasts."""
+    """Gives the worker enough slots for a whole list of attacks, for longer than it lasts."""
     add_worker(stack, WORKER, slots=100_000, seconds=36_000)
 
 
 def free_slots(stack: TestStack) -> None:
-    """What sessions have taken of it is given back (place.lua)."""
+    """Frees the slots that sessions have taken (place.lua)."""
     stack.redis.delete(f"diaphane:worker:{WORKER}:sessions")
 
 
 class World:
-    """One question's: everything in it is new, so that what one asks harms no other."""
+    """The objects of one request. Everything is new, so that requests do not affect each other."""
 
-    def __init__(self, stack: TestStack, password_hash: str):
+    def __init__(self, stack: TestStack):
         self.stack = stack
-        self.password_hash = password_hash
         self.people: dict[str, Person] = {}
         self.data_set = ""
         self.saved = ""
         self.stored_hash = ""
         self.taken_down = False
-        #: In what is told of its scan, where somebody searches for it.
+        #: A word in the scan's texts, for tests that search for it.
         self.word = ""
-        #: Whose presets, sessions and recordings are asked about; the scan is the owner's.
+        #: The user whose presets, sessions and recordings are requested. The scan is the owner's.
         self.maker = "owner"
         self.joined = ""
         self.linked: dict = {}
 
-    # Persons
+    # Users
 
     def someone(self, role: str) -> Person:
         if role not in self.people:
@@ -62,7 +60,7 @@ class World:
         one = Person(self.stack)
         if role == "nobody":
             return one
-        one_id, token, csrf = write_person(self.stack.psql, one.email, self.password_hash, role)
+        one_id, token, csrf = write_person(self.stack.psql, one.email, role, consents=True)
         one.http.cookies.set("diaphane", token)
         one.http.headers["X-CSRF-Token"] = csrf
         one.known_id = one_id
@@ -79,7 +77,7 @@ class World:
         self.data_set_id()
         return self.someone(self.maker)
 
-    # What paths name
+    # Path parameters
 
     def data_set_id(self) -> str:
         if not self.data_set:
@@ -93,7 +91,7 @@ class World:
         return self.stored_hash
 
     def share(self, data_set: str) -> None:
-        """With `view` and `edit`."""
+        """Shares it with `view` and `edit`."""
         for role in ("view", "edit"):
             given = {"email": self.someone(role).email, "may": "view" if role == "view" else "save"}
             answer = self.owner.http.post(f"/v1/data-sets/{data_set}/people", json=given)
@@ -101,7 +99,7 @@ class World:
 
     def publish(self) -> None:
         data_set = self.data_set_id()
-        # Long ago, so that pictures of it are younger.
+        # Long ago, so that its pictures are newer.
         self.stack.psql("UPDATE data_sets SET anonymised_at = now() - interval '1 hour' WHERE id = %s", data_set)
         answer = self.owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"})
         assert answer.status_code == 200, answer.text
@@ -115,7 +113,7 @@ class World:
         assert answer.status_code == 204, answer.text
 
     def make_sample(self) -> None:
-        """As one that the operator has uploaded: nobody's, seen by everybody."""
+        """Makes it a sample that the operator uploaded: without an owner, visible to everyone."""
         self.stack.psql("UPDATE data_sets SET owner_id = NULL, is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() - interval '1 hour' WHERE id = %s", self.data_set_id())
 
     def person_id(self) -> str:
@@ -136,7 +134,7 @@ class World:
         return self.saved
 
     def picture_preset(self) -> None:
-        """Its picture is there."""
+        """Creates its picture."""
         put_picture(self.stack, self.preset_id())
 
     def report_id(self) -> str:
@@ -145,7 +143,7 @@ class World:
         return self.stack.psql("SELECT id::text FROM reports WHERE data_set_id = %s", self.data_set)[0][0]
 
     def end_links(self) -> None:
-        """Whatever they lead to."""
+        """Ends all links, whatever they lead to."""
         for link in self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/links").json()["items"]:
             assert self.owner.http.delete(f"/v1/data-sets/{self.data_set}/links/{link['id']}").status_code == 204
         if self.joined:
@@ -156,19 +154,19 @@ class World:
             assert self.owner.http.delete(f"/v1/data-sets/{self.data_set}/people/{one['id']}").status_code == 204
 
     def cut(self) -> None:
-        """Its owner has asked for it to be made anonymous."""
+        """Requests its anonymisation as its owner."""
         if self.stored_hash:
             return
         keep = {"keep": KEEP, "volume_hash": self.volume_hash(), "confirm": "this cannot be undone"}
         assert self.owner.http.post(f"/v1/data-sets/{self.data_set}/anonymise", json=keep).status_code == 202
 
     def joining(self) -> str:
-        """The token of a link to the owner's session."""
+        """Returns the token of a link to the owner's session."""
         self.joined = self.session_id()
         return self.owner.http.post(f"/v1/sessions/{self.joined}/links").json()["token"]
 
     def upload_id(self) -> str:
-        """Of a scan that is shared before it has arrived."""
+        """Returns the upload of a scan that is shared before it is complete."""
         made = self.owner.data_set(10)["data_set"]["id"]
         self.share(made)
         return made
@@ -198,10 +196,10 @@ class World:
             self.stack.stack.run_as.own(path)
         return "bone"
 
-    # What has to be there before the question
+    # Preconditions of requests
 
     def token_for(self, one: Person, purpose: str) -> str:
-        """As a mail would hold it."""
+        """Returns the token as in a mail."""
         token = hashlib.sha256(uuid.uuid4().bytes).hexdigest()
         new_email = f"new-{uuid.uuid4().hex}@example.org" if purpose == "change" else None
         self.stack.psql("""INSERT INTO email_tokens (token_hash, user_id, purpose, expires_at, new_email)
@@ -210,7 +208,7 @@ class World:
         return token
 
     def export_of(self, one: Person, state: str) -> None:
-        """`one` has an export already."""
+        """Gives `one` an existing export."""
         if not hasattr(one, "known_id"):
             return
         export = str(uuid.uuid4())
@@ -224,20 +222,8 @@ class World:
             self.stack.stack.run_as.own(path)
 
 
-def write_person(psql: Callable[..., Any], email: str, password_hash: str, role: str) -> tuple[str, str, str]:
-    """Somebody signed in, written to the database as signing up would, without its half second: id, cookie, token against other pages."""
-    made, token, csrf = str(uuid.uuid4()), hashlib.sha256(uuid.uuid4().bytes).hexdigest(), "c" * 64
-    psql("""WITH made AS (
-              INSERT INTO users (id, email, email_key, password_hash, verified_at, is_administrator, recording_consent_at)
-              VALUES (%s, %s, %s, %s, CASE WHEN %s THEN now() END, %s, now()) RETURNING id)
-            INSERT INTO web_sessions (token_hash, user_id, csrf_token, expires_at)
-            SELECT %s, id, %s, now() + interval '1 day' FROM made""",
-         made, email, email, password_hash, role != "unverified", role == "administrator", stored(token), csrf)
-    return made, token, csrf
-
-
 def put_picture(stack: TestStack, preset: str, content: bytes = b"\xff\xd8\xff") -> Path:
-    """What api keeps of a preset's picture once a worker has made it."""
+    """Stores a preset's picture as api does after a worker rendered it."""
     file = stack.data_dir / "cache" / "presets" / preset / "picture.jpg"
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_bytes(content)
@@ -247,16 +233,12 @@ def put_picture(stack: TestStack, preset: str, content: bytes = b"\xff\xd8\xff")
     return file
 
 
-def stored(token: str) -> str:
-    return hashlib.blake2b(token.encode(), digest_size=32).hexdigest()
-
-
 RECORDING = {"format": "diaphane-interaction", "version": 1, "viewport": {"width": 64, "height": 64},
              "events": [{"at_ms": 0, "scene": {}}]}
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 NEW_PASSWORD = "another long and quiet one"
 
-#: Bodies by operation: (world, who asks) -> body.
+#: Bodies by operation: (world, requesting user) -> body.
 bodies: dict[str, Callable[[World, Person], Any]] = {
     "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org"},
     "verifyAccount": lambda world, who: {"token": world.token_for(world.someone("unverified"), "verify"),
@@ -301,7 +283,7 @@ def signed_in(who: Person) -> bool:
 
 
 def begin_second_factor(world: World, who: Person) -> None:
-    """Begun, not confirmed."""
+    """Started, but not confirmed."""
     without_second_factor(world, who)
     if signed_in(who):
         who.begins_second_factor()
@@ -313,12 +295,12 @@ def with_second_factor(world: World, who: Person) -> None:
 
 
 def without_second_factor(world: World, who: Person) -> None:
-    """Also an administrator, whose role opens nothing then."""
+    """An administrator without a second factor, whose role then grants nothing."""
     if signed_in(who) and who.device is not None:
         who.removes_second_factor()
 
 
-#: What is true before the question.
+#: Preconditions by operation.
 before: dict[str, Callable[[World, Person], None]] = {
     "beginSecondFactor": without_second_factor,
     "confirmSecondFactor": begin_second_factor,
@@ -340,7 +322,7 @@ before: dict[str, Callable[[World, Person], None]] = {
 }
 
 
-#: Without another word these are about a public scan, or one that was.
+#: Operations that concern a public scan, or one that was, unless stated otherwise.
 ABOUT_PUBLIC = ("voteForPreset", "reportDataSet", "takeDownDataSet", "restoreDataSet", "reportPreset")
 
 
@@ -352,7 +334,7 @@ def made_by_edit(world: World) -> None:
     world.maker = "edit"
 
 
-#: What is true in a row of the table, once all else is made: of the scan, of the links to it, or of who asks.
+#: States in rows of the table, applied last: of the scan, of its links, or of the requesting user.
 STATES: dict[str, Callable[[World, Person], None]] = {
     "private": lambda world, who: None,
     "public": lambda world, who: world.publish(),
@@ -366,9 +348,9 @@ STATES: dict[str, Callable[[World, Person], None]] = {
     "one-factor": without_second_factor,
     "disabled": disable,
 }
-#: The same before anything is made.
+#: Like STATES, but applied before anything else is created.
 FIRST: dict[str, Callable[[World], None]] = {"of-edit": made_by_edit}
-#: What a state is about, so that what an operation has before it (`before`) does not come.
+#: States of the scan, for which the operation's own precondition (`before`) is skipped.
 OF_THE_SCAN = ("private", "public", "taken-down", "sample")
 
 
@@ -378,13 +360,13 @@ def ready_to_render(world: World) -> str:
 
 
 def ask(world: World, role: str, path: str, method: str, operation: dict[str, Any], state: str = "") -> httpx.Response:
-    """One operation about the owner's things, as somebody of that role."""
+    """Requests one operation on the owner's objects as a user of that role."""
     request = question(world, role, path, method, operation, state)
     return world.someone(role).http.send(request)
 
 
 def question(world: World, role: str, path: str, method: str, operation: dict[str, Any], state: str = "") -> httpx.Request:
-    """What ask() sends; all that has to be there before is there. `state`: one of STATES, or what the operation is about."""
+    """Returns the request of ask() with all of its preconditions. `state`: one of STATES, or the object of the operation."""
     name = operation["operationId"]
     FIRST.get(state, lambda _: None)(world)
     who = world.someone(role)
@@ -416,10 +398,4 @@ def question(world: World, role: str, path: str, method: str, operation: dict[st
     return who.http.build_request(method, path, headers=headers, **({} if body is None else {"json": body}))
 
 
-def known_hash(stack: TestStack) -> str:
-    """The stored form of PASSWORD."""
-    one = person(stack)
-    return stack.psql("SELECT password_hash FROM users WHERE id = %s", one.id)[0][0]
-
-
-__all__ = ["ROLES", "World", "ask", "client", "known_hash", "question"]
+__all__ = ["ROLES", "World", "ask", "client", "question"]

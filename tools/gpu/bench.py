@@ -1,12 +1,10 @@
 #!/usr/bin/env python3
-"""`./diaphane bench NAME` with the programs of one build, on a machine where nothing else is installed.
+"""Runs `./diaphane bench NAME` with the programs of one build, on a machine where nothing else is installed.
 
-bench.py BUILD REPORT [NAME [OPTIONS...]]; NAME is `render` when none is given."""
+bench.py BUILD REPORT [NAME [OPTIONS...]]. NAME defaults to `render`."""
 
 import argparse
-import dataclasses
 import importlib
-import json
 import os
 import pathlib
 import sys
@@ -18,6 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from house import bench  # noqa: E402
 
+load = os.getloadavg()[0]
 measured = importlib.import_module(f"house.benches.{name}")
 if hasattr(measured, "add_options"):
     parser = argparse.ArgumentParser()
@@ -28,5 +27,4 @@ if hasattr(measured, "add_options"):
 else:
     results = measured.measure(quick=False)
 bench._print(results)
-written = {"bench": name, "machine": bench.machine(), "results": [dataclasses.asdict(r) for r in results]}
-pathlib.Path(report).write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
+bench.write_report(pathlib.Path(report), name.replace("_", "-"), " ".join(["tools/gpu/bench.py BUILD REPORT", name, *own]), load, results)

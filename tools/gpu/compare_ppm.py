@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the mean and the RMS difference, in levels of 255, of two PPM pictures of one size."""
+"""Prints the mean and the RMS difference, in levels of 255, of two PPM pictures of the same size."""
 
 import math
 import sys

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Writes the cranium of Debian's invesalius-examples as a directory of the volume store.
 
-The voxels are mapped before anything interpolates them, v = round(30000 clamp((HU - 150) / 450, 0, 1)), so that
-every renderer that is compared on this scene (tests/scenes/cranium.json) interpolates the same numbers. With --hounsfield
-they are left as they are, for pictures made with presets.
-"""
+The voxels are mapped before any interpolation, v = round(30000 clamp((HU - 150) / 450, 0, 1)), so that every renderer in a
+comparison of this scene (tests/scenes/cranium.json) interpolates the same numbers. With --hounsfield, they stay as they are, for
+pictures with presets."""
 
 import argparse
 import array
@@ -31,7 +30,7 @@ def read_hounsfield(source):
 
 
 def mapped(voxels):
-    # Indexed by the value itself: Python counts negative indices from the end.
+    # Indexed by the value itself, because Python counts negative indices from the end.
     table = [
         round(30000 * min(max((hu - 150) / 450, 0), 1))
         for hu in (i if i < 32768 else i - 65536 for i in range(65536))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Prints what one sample a pixel of a scene costs with the general kernel, with those compiled ahead of time and with the
-scene's own: medians of 5 runs, taken in turns."""
+"""Prints the cost of one sample per pixel of a scene with the general kernel, with those compiled ahead of time, and with the
+scene's own kernel: medians of 5 interleaved runs."""
 
 import json
 import os

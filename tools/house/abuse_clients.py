@@ -1,7 +1,7 @@
-"""Attackers for `./diaphane bench abuse`, as a process of its own that gives way to everything else. They stay on this machine,
-and end by themselves: at the time that they are given, and after so many requests.
+"""Attackers for `./diaphane bench abuse`, in a separate process with the lowest priority.
 
-Usage: python -m house.abuse_clients FILE, with what to do as JSON; on standard output, what came of it."""
+They attack only this machine, and stop at a given time or after a maximum number of requests. Usage: python -m
+house.abuse_clients FILE. FILE contains the task as JSON. The results are written to standard output."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from urllib.parse import urlsplit
 
 from .bench_client import Viewer
 
-MOST_REQUESTS = 200_000    # of one process
+MOST_REQUESTS = 200_000    # per process
 JSON_BYTES = 200_000
-SIDE = 4096                # of a texture: 7 KB as a file, 270 MB decoded
+SIDE = 4096                # of a texture: a file of 7 KB that decodes to 270 MB
 
 
 class Attack:
-    """Where to, until when, and what was answered so far."""
+    """The target, the end time, and the answers so far."""
 
     def __init__(self, plan: dict):
         self.plan, self.counts, self.lock = plan, Counter(), threading.Lock()
@@ -47,7 +47,7 @@ class Attack:
 
 
 def texture(number: int) -> bytes:
-    """A PNG of one bit a pixel; another file for each number."""
+    """A PNG of one bit per pixel. Each number gives another file."""
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -63,7 +63,7 @@ def request(method: str, path: str, origin: str, body: bytes = b"", more: str = 
             f"Content-Length: {len(body) if length is None else length}\r\n\r\n").encode() + body
 
 
-# 250 connections from one address, without an account
+# 250 connections from one address without an account
 
 async def one_of_a_crowd(attack: Attack, number: int) -> None:
     kinds = ("slow body", "slow body", "json", "join", "visit", "thumbnail", "upload")
@@ -117,13 +117,13 @@ async def crowd(attack: Attack) -> None:
     await asyncio.gather(*(one_of_a_crowd(attack, number) for number in range(attack.plan["connections"])))
 
 
-# On the stream, with a link or with an account
+# On the stream, through a link or with an account
 
 def flood_of_a_stream(attack: Attack, viewer: Viewer, name: str, seed: int) -> None:
-    """Scenes with large textures, and slices."""
+    """Sends scenes with large textures, and requests slices."""
     chance = random.Random(seed)
     make = viewer.messages["ClientMessage"]
-    taken = [0]    # the number of the newest slice
+    taken = [0]    # number of the newest slice
     reading = threading.Thread(target=_read, args=(viewer, attack, taken), daemon=True)
     reading.start()
     while not attack.over:
@@ -146,7 +146,7 @@ def flood_of_a_stream(attack: Attack, viewer: Viewer, name: str, seed: int) -> N
 
 
 def _read(viewer: Viewer, attack: Attack, taken: list[int]) -> None:
-    """Takes what comes, and acknowledges it as a page does."""
+    """Receives messages and acknowledges them like a page."""
     make, server = viewer.messages["ClientMessage"], viewer.messages["ServerMessage"]
     try:
         while not attack.over:
@@ -185,7 +185,7 @@ def guest(attack: Attack, number: int) -> None:
 
 
 def account(attack: Attack, number: int) -> None:
-    """Three things at once: a stream, uploads, and large JSON and thumbnails."""
+    """Attacks with a stream, uploads, and large JSON and thumbnails at the same time."""
     import httpx
 
     plan = attack.plan

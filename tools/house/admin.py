@@ -1,4 +1,4 @@
-"""`./diaphane admin`: who is an administrator, on the machine that runs it."""
+"""`./diaphane admin`: manages the administrators of a running instance."""
 
 from __future__ import annotations
 
@@ -9,23 +9,29 @@ from pathlib import Path
 from . import datadir, paths, supervise
 from .layout import of_checkout
 from .plan import Settings
-from .says import HouseError
+from .says import HouseError, warn
+
+#: The old name of reset-2fa, accepted for one release.
+DEPRECATED = "forget-factor"
 
 
 def run(data: Path, what: str, email: str | None) -> int:
-    """`what`: grant, revoke, forget-factor (of `email`) or list. Done by diaphane-api with the database of what runs on `data`."""
+    """Runs `diaphane-api admin` with the database of the instance on `data`. `what` is grant, revoke, reset-2fa or list."""
+    if what == DEPRECATED:
+        warn(f"'{DEPRECATED}' is deprecated and will be removed in the next release. Use 'reset-2fa'.")
+        what = "reset-2fa"
     if (what == "list") == (email is not None):
-        raise HouseError("list takes no address" if email else f"{what} whom? ./diaphane admin {what} EMAIL", 64)
+        raise HouseError("list takes no EMAIL" if email else f"missing argument: EMAIL (./diaphane admin {what} EMAIL)", 64)
     if supervise.running_supervisor(data) is None:
-        raise HouseError(f"nothing runs on {data}; start it first: ./diaphane up --detach")
+        raise HouseError(f"Diaphane is not running on {data}. Start it first: ./diaphane up --detach")
     secret = data / "secrets" / "postgres"
     try:
         password = secret.read_text(encoding="ascii").strip()
     except OSError as error:
-        raise HouseError(f"{secret} cannot be read: be root, or the user that Diaphane runs as") from error
+        raise HouseError(f"cannot read {secret}. Run this command as root or as the user that Diaphane runs as") from error
     settings = Settings(data=data, ports=datadir.read_record(data)["ports"], layout=of_checkout(), postgres_password=password)
     binary = paths.build_dir() / "bin" / "diaphane-api"
     if not binary.exists():
-        raise HouseError(f"{binary} is not built")
+        raise HouseError(f"{binary} is missing. Run ./diaphane up to build it")
     words = [what] if email is None else [what, email]
     return subprocess.run([str(binary), "admin", *words], env={**os.environ, "DIAPHANE_POSTGRES": settings.dsn}).returncode

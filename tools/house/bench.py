@@ -1,5 +1,5 @@
-"""`./diaphane bench`: measurements, all in one form. A measurement is a module in benches/ with ABOUT and measure(quick);
-one with options of its own has add_options(parser) and measure(quick, options)."""
+"""`./diaphane bench`: measurements in a common form. A measurement is a module in benches/ with ABOUT and measure(quick). One
+with its own options has add_options(parser) and measure(quick, options)."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import platform
 import statistics
 import subprocess
 import sys
+import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
@@ -23,8 +24,8 @@ from .says import HouseError, say
 
 @dataclass(frozen=True)
 class Result:
-    """One figure. `spread` is the standard deviation of the runs (0 for one run), in `unit` like `value`;
-    `target` is None where there is none, and then so is `met`."""
+    """One figure. `value` is the median and `spread` the standard deviation of `runs` runs, both in `unit`. The spread of a
+    single run is 0. `target` and `met` are None for a figure without a target."""
 
     name: str
     value: float
@@ -32,17 +33,18 @@ class Result:
     spread: float = 0.0
     target: float | None = None
     met: bool | None = None
+    runs: int = 1
 
 
 def result(name: str, runs: Sequence[float], unit: str, at_most: float | None = None, at_least: float | None = None) -> Result:
-    """The median of the runs, against a bound when there is one."""
+    """Returns the median of the runs, compared with a limit if there is one."""
     value = statistics.median(runs)
     spread = statistics.stdev(runs) if len(runs) > 1 else 0.0
     if at_most is not None:
-        return Result(name, value, unit, spread, at_most, value <= at_most)
+        return Result(name, value, unit, spread, at_most, value <= at_most, len(runs))
     if at_least is not None:
-        return Result(name, value, unit, spread, at_least, value >= at_least)
-    return Result(name, value, unit, spread)
+        return Result(name, value, unit, spread, at_least, value >= at_least, len(runs))
+    return Result(name, value, unit, spread, runs=len(runs))
 
 
 def percentile(runs: Sequence[float], percent: float) -> float:
@@ -54,10 +56,10 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
     known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)}
     if name is None:
         for shown, module in sorted(known.items()):
-            say(f"  {shown:<14} {importlib.import_module(f'{benches.__name__}.{module}').ABOUT}")
+            say(f"  {shown:<16} {importlib.import_module(f'{benches.__name__}.{module}').ABOUT}")
         return 0
     if name not in known:
-        raise HouseError(f"no bench '{name}'; there are: {', '.join(sorted(known))}", 64)
+        raise HouseError(f"unknown benchmark '{name}'; choose one of: {', '.join(sorted(known))}", 64)
     bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
     options = _own_options(bench, name, rest)
     if not in_venv():
@@ -66,21 +68,32 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
     build.build_programs(*getattr(bench, "PROGRAMS", ()))
     if getattr(bench, "PAGE", False):
         build.build_page()
+    load = os.getloadavg()[0]
     results = bench.measure(quick, options) if options else bench.measure(quick)
     _print(results)
     if json_file:
-        written = {"bench": name, "machine": machine(), "results": [asdict(result) for result in results]}
-        json_file.write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
+        write_report(json_file, name, " ".join(["./diaphane bench", name, *(["--quick"] if quick else []), *rest]), load, results)
     return 0 if all(result.met is not False for result in results) else 2
 
 
+def write_report(file: Path, name: str, command: str, load_before: float, results: list[Result]) -> None:
+    """Writes the results in the form that docs/figures/ holds, one result per line."""
+    head = {"bench": name, "command": command, "date": time.strftime("%Y-%m-%d"), "machine": machine(),
+            "load": [round(load_before, 1), round(os.getloadavg()[0], 1)]}
+    lines = [json.dumps(asdict(result), ensure_ascii=False) for result in results]
+    text = json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "results": [\n  ' + ",\n  ".join(lines) + "\n ]\n}\n"
+    file.write_text(text, encoding="utf-8")
+
+
 def _own_options(bench: ModuleType, name: str, rest: Sequence[str]) -> argparse.Namespace | None:
-    """What stands after the name, for a measurement that has options; for others nothing may."""
+    """Parses the options after the name. Rejects them for a measurement without options."""
+    parser = argparse.ArgumentParser(prog=f"./diaphane bench {name}", description=f"{bench.ABOUT[0].upper()}{bench.ABOUT[1:]}.")
     if not hasattr(bench, "add_options"):
+        if rest and set(rest) <= {"-h", "--help"}:
+            parser.parse_args(list(rest))
         if rest:
-            raise HouseError(f"bench {name} has no options of its own: {' '.join(rest)}", 64)
+            raise HouseError(f"unknown arguments: {' '.join(rest)} (benchmark {name} has no options of its own)", 64)
         return None
-    parser = argparse.ArgumentParser(prog=f"./diaphane bench {name}", description=bench.ABOUT)
     bench.add_options(parser)
     return parser.parse_args(list(rest))
 
@@ -90,12 +103,12 @@ def in_venv() -> bool:
 
 
 def again_in_venv() -> int:
-    """The same command with the libraries of .tools/venv (WebSocket client, Protobuf)."""
+    """Runs the same command again with the libraries of .tools/venv (WebSocket client, Protobuf)."""
     os.execv(paths.VENV_PYTHON, [str(paths.VENV_PYTHON), str(paths.TOOLS / "house"), *sys.argv[1:]])
 
 
 def machine() -> dict:
-    """What the figures were taken on."""
+    """Describes the machine of the measurement."""
     return {"cpu": _cpu(), "cores": len(os.sched_getaffinity(0)),
             "memory_gb": round(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9, 1),
             "gpu": _output("nvidia-smi", "--query-gpu=name", "--format=csv,noheader").splitlines() or None,

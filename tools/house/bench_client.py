@@ -1,4 +1,4 @@
-"""A person with an account, and a viewer on the stream: what measurements of the whole way need. Runs in .tools/venv."""
+"""A user with an account and a viewer of the stream, for end-to-end measurements. Runs in .tools/venv."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ PART = 8 << 20
 
 
 class Person:
-    """Signed up, confirmed by the mailed link, signed in."""
+    """A user who signs up, confirms the address by the mailed link, and signs in."""
 
     def __init__(self, stack: Stack, address: str | None = None):
-        """`address`: of this machine, from which the person comes (127.0.0.0/8)."""
+        """`address`: the address of this machine that the user connects from (127.0.0.0/8)."""
         import httpx
 
         self.stack, self.address = stack, address
@@ -49,14 +49,14 @@ class Person:
         deadline = time.monotonic() + 20
         while time.monotonic() < deadline:
             for mail in (self.stack.data / "mail").iterdir():
-                text = mail.read_text(encoding="utf-8", errors="replace") if mail.is_file() else ""
+                text = mail.read_text(encoding="utf-8", errors="replace") if mail.suffix == ".eml" and not mail.name.startswith(".") else ""
                 if email in text and (found := re.search(r"#token=(?:3D)?([0-9a-f]{64})", text.replace("=\n", ""))):
                     return found[1]
             time.sleep(0.05)
-        raise TimeoutError("the mail did not come")
+        raise TimeoutError("the email did not arrive within 20 s")
 
     def upload(self, bundle: Path) -> str:
-        """Id of the new data set, all of it sent."""
+        """Uploads a bundle completely. Returns the id of the new data set."""
         data = bundle.read_bytes()
         made = self._post("/v1/data-sets", {"title": "bench", "bytes": len(data)}).json()
         for offset in range(0, len(data), PART):
@@ -88,7 +88,7 @@ class Person:
 
 
 class Viewer:
-    """Speaks diaphane.v1 as the page does: acknowledges each frame, and nothing more."""
+    """Speaks diaphane.v1 like the page, but only acknowledges frames."""
 
     def __init__(self, origin: str, stream_url: str, width: int, height: int, codec: int = 1, address: str | None = None):
         from websockets.sync.client import connect
@@ -106,7 +106,7 @@ class Viewer:
         self.input_seq = self.config.input_seq
 
     def frame(self, timeout: float = 30):
-        """The next picture, acknowledged."""
+        """Returns the next picture after acknowledging it."""
         frame = self._until("frame", timeout)
         ack = self.messages["ClientMessage"]()
         ack.ack.seq, ack.ack.epoch = frame.seq, frame.epoch
@@ -124,7 +124,7 @@ class Viewer:
         return self.input_seq
 
     def film(self, wanted, timeout: float = 3600) -> bytes:
-        """The file that a message orders, of the scene as the connection began with it."""
+        """Returns the file that a message requests, of the scene with which the connection began."""
         view = self.messages["ClientMessage"]()
         view.key_view.index = 0
         view.key_view.scene.CopyFrom(self.config.scene)
@@ -148,14 +148,14 @@ class Viewer:
         while True:
             message = self.messages["ServerMessage"].FromString(self.socket_.recv(max(0.0, deadline - time.monotonic())))
             if message.WhichOneof("body") == "problem":
-                raise RuntimeError(f"the server says: {message.problem.message}")
+                raise RuntimeError(f"error from the server: {message.problem.message}")
             if message.WhichOneof("body") == kind:
                 return getattr(message, kind)
 
 
 @functools.cache
 def messages() -> dict[str, type]:
-    """Classes of the stream's messages, made from the contract at run time."""
+    """Returns the classes of the stream's messages, generated from the contract at run time."""
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
     with tempfile.NamedTemporaryFile(suffix=".pb") as made:
@@ -170,7 +170,7 @@ def messages() -> dict[str, type]:
 
 
 def cranium(stack: Stack, folder: Path) -> Path:
-    """The sample as a browser would upload it."""
+    """Returns the sample as a bundle that a browser would upload."""
     bundle = folder / "cranium.tar"
     subprocess.run([str(stack.layout.bin / "diaphane-sample"), "--write-bundle", str(bundle)], check=True,
                    stdout=subprocess.DEVNULL)

@@ -1,4 +1,4 @@
-"""A stack of its own for a measurement: free ports, a data directory that is removed afterwards."""
+"""A separate stack for a measurement, with free ports and a temporary data directory."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .stack import Stack
 
 @contextlib.contextmanager
 def folder(run_as: users.RunAs) -> Iterator[Path]:
-    """In /var/tmp, which is a disk where /tmp may be memory."""
+    """Yields a folder in /var/tmp, which is on disk where /tmp may be in memory."""
     made = Path(tempfile.mkdtemp(prefix="diaphane-bench-", dir="/var/tmp"))
     made.chmod(0o755)
     try:
@@ -25,7 +25,8 @@ def folder(run_as: users.RunAs) -> Iterator[Path]:
 
 
 def prepared(base: Path, engine: str = "auto", only: Iterable[str] | None = None, **extra_env: str) -> Stack:
-    """Not started yet; the same `base` gives a stack on the same data. `only`: those programs alone."""
+    """Returns a stack that is not started yet. The same `base` gives a stack on the same data. `only`: run only these programs.
+    """
     run_as = users.ordinary_user()
     return Stack(data=base / "data", ports=ports.random_free(), run_as=run_as, engine=engine, only=only, extra_env=extra_env,
                  layout=layout.reachable(run_as, base / "app"))
@@ -39,7 +40,7 @@ def running(engine: str = "auto", only: Iterable[str] | None = None, **extra_env
 
 
 def peak_memory_mb(pid: int) -> float:
-    """VmHWM of a process, in MB; 0 when it is gone."""
+    """Returns VmHWM of a process in MB, or 0 if it no longer exists."""
     try:
         for line in Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace").splitlines():
             if line.startswith("VmHWM:"):
@@ -50,7 +51,7 @@ def peak_memory_mb(pid: int) -> float:
 
 
 def descendants(pid: int) -> list[int]:
-    """Pids of all processes below one."""
+    """Returns the pids of all descendants of a process."""
     children: dict[int, list[int]] = {}
     for entry in os.listdir("/proc"):
         if entry.isdigit():

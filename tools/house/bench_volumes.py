@@ -1,4 +1,4 @@
-"""The volumes that the renderer is measured on."""
+"""The volumes for measurements of the renderer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CRANIUM = Path("/usr/share/doc/invesalius-examples/examples/Cranium.inv3")
 
 
 def cranium() -> str | None:
-    """The directory of the mapped cranium, made when it is not there; nothing where its package is not installed."""
+    """Returns the directory of the mapped cranium, which is created if missing. Returns None if its package is not installed."""
     given = os.environ.get("DIAPHANE_CRANIUM")
     if given:
         return given
@@ -30,12 +30,13 @@ def cranium() -> str | None:
 
 
 def volume_for(_scene: Path) -> str:
-    """All scene files fit the cranium; where it is not, a made head of its size stands in."""
+    """All scene files fit the cranium. Without it, a synthetic head of the same size replaces it."""
     return cranium() or "made:256"
 
 
 def grow(folder: Path) -> int:
-    """A volume of a store twice as large in each direction, of voxels half as large: the same picture of eight times the bytes; so many it has then."""
+    """Doubles the size of a stored volume in each direction and halves its voxels, which gives the same picture with eight times
+    the bytes. Returns the new size in bytes."""
     import numpy
 
     about = json.loads((folder / "volume.json").read_text(encoding="utf-8"))
@@ -45,14 +46,14 @@ def grow(folder: Path) -> int:
     about["size"] = [2 * one for one in about["size"]]
     about["spacing"] = [one / 2 for one in about["spacing"]]
     about["contentHash"] = "blake2b:" + hashlib.blake2b(voxels.data, digest_size=32).hexdigest()
-    # In place: they stay the store's, with its rights.
+    # Writes in place to keep the owner and mode of the files.
     (folder / "voxels.i16").write_bytes(voxels.data)
     (folder / "volume.json").write_text(json.dumps(about), encoding="utf-8")
     return voxels.nbytes
 
 
 def store_ball(stack, size: int = 48) -> str:
-    """A ball of bone in air in the volume store of a stack, as ingest would have left it; its id. No data set knows of it."""
+    """Writes a ball of bone in air to the volume store of a stack, as ingest would. Returns its id. No data set refers to it."""
     name = str(uuid.uuid4())
     middle, radius = (size - 1) / 2, size * 0.35
     voxels = array.array("h", (1200 if (x - middle) ** 2 + (y - middle) ** 2 + (z - middle) ** 2 < radius**2 else -1000

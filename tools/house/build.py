@@ -1,17 +1,19 @@
-"""Building: CMake, Ninja and the page."""
+"""Builds the programs and the page with CMake, Ninja and npm."""
 
 from __future__ import annotations
 
 import os
 import subprocess
+import time
 from pathlib import Path
 
-from . import paths, stamp, venv
+from . import paths, progress, stamp, venv
 from .says import HouseError, say, step
+from .says import progress as show_progress
 
 
 def environment() -> dict[str, str]:
-    """What compilers see: the CMake of .tools/venv and, unless the person has one, the CUDA compiler beside it."""
+    """Returns the compilers' environment: the CMake of .tools/venv and, unless the user has one, the CUDA compiler in it."""
     env = dict(os.environ)
     env["PATH"] = f"{paths.VENV / 'bin'}:{env.get('PATH', '')}"
     root = venv.cuda_root()
@@ -22,13 +24,14 @@ def environment() -> dict[str, str]:
 
 
 def jobs() -> int:
-    """As many as cores, and at most one for each 1.5 GB: Boost, gRPC and VTK take that much a compiler."""
+    """Returns the number of cores, but at most one job per 1.5 GB of memory, because Boost, gRPC and VTK need that much per
+    compiler."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     return max(1, min(len(os.sched_getaffinity(0)), int(memory / 1.5e9)))
 
 
 def configure(preset: str = "release") -> Path:
-    """The build directory of a preset, configured when it was not or when the compilers changed."""
+    """Returns the build directory of a preset, configured if it was not, or if the compilers changed."""
     folder = paths.REPO / "build" / preset
     env = environment()
     wanted = stamp.digest([paths.REPO / "CMakePresets.json"], env.get("CUDACXX", ""))
@@ -38,29 +41,49 @@ def configure(preset: str = "release") -> Path:
         done = subprocess.run(["cmake", "--preset", preset, *fresh], cwd=paths.REPO, env=env, stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode != 0:
-            raise HouseError(f"CMake cannot configure build/{preset}:\n{done.stdout}")
+            raise HouseError(f"CMake failed to configure build/{preset}:\n{done.stdout}")
         stamp.set_current(f"configure-{preset}", wanted)
     return folder
 
 
 def ninja(folder: Path, targets: list[str]) -> None:
-    """Builds the targets; prints nothing when there was nothing to do, and the compiler's words when one fails."""
+    """Builds the targets. Prints nothing if they are current, the progress while they are built, and all that a compiler says."""
     if not targets:
         return
-    say_none = subprocess.run(["ninja", "-C", str(folder), "-n", *targets], env=environment(), capture_output=True,
-                              text=True)
-    if "no work to do" in say_none.stdout:
-        return
-    step(f"Building {folder.relative_to(paths.REPO)} ({jobs()} at a time; the first time takes minutes)")
-    done = subprocess.run(["ninja", "-C", str(folder), "-j", str(jobs()), *targets],
-                          env={**environment(), "NINJA_STATUS": "[%f/%t %es] "}, stdin=subprocess.DEVNULL)
-    if done.returncode != 0:
-        raise HouseError("the build failed; the compiler's words are above")
-    step("Built")
+    estimate = progress.BuildEstimate(_planned_steps(folder, targets), jobs())
+    if estimate.steps:
+        step(f"Building the programs in {folder.relative_to(paths.REPO)} with {jobs()} parallel jobs: {estimate.text(0.0)}")
+    began = time.monotonic()
+    with subprocess.Popen(["ninja", "-C", str(folder), "-j", str(jobs()), *targets], stdin=subprocess.DEVNULL,
+                          env={**environment(), "NINJA_STATUS": "@%f/%t@ "}, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, errors="replace") as running:
+        for line in running.stdout:
+            if finished := progress.ninja_step(line.rstrip("\n")):
+                if not progress.is_work(finished):
+                    continue
+                estimate.finish(finished)
+                show_progress(f"Building the programs: {estimate.text(time.monotonic() - began)}")
+            elif not line.startswith(("ninja: Entering directory", "ninja: no work to do")):
+                say(line.rstrip("\n"))
+    if running.returncode != 0:
+        raise HouseError("build failed; see the compiler output above")
+    if estimate.steps:
+        step("Built the programs")
+
+
+def _planned_steps(folder: Path, targets: list[str]) -> list[str]:
+    """Returns what Ninja will do, as far as it knows before CMake has looked for new files."""
+    # A dry run of build.ninja itself would stop before the targets, because CMake's look for new files is always due.
+    plan = folder / "plan.ninja"
+    if not plan.exists():
+        plan.symlink_to("build.ninja")
+    planned = subprocess.run(["ninja", "-C", str(folder), "-f", plan.name, "-n", *targets], env=environment(), capture_output=True,
+                             text=True)
+    return [name for line in planned.stdout.splitlines() if (name := progress.ninja_step(line))]
 
 
 def programs(folder: Path) -> list[str]:
-    """The targets of all programs that a user runs."""
+    """Returns the targets of all programs that a user runs."""
     listed = subprocess.run(["ninja", "-C", str(folder), "-t", "targets", "all"], env=environment(),
                             capture_output=True, text=True).stdout
     names = (line.partition(":")[0] for line in listed.splitlines())
@@ -68,16 +91,20 @@ def programs(folder: Path) -> list[str]:
 
 
 def build_programs(*names: str) -> None:
-    """Builds those programs (`diaphane-api`), or all of them."""
+    """Builds these programs (such as `diaphane-api`), or all of them."""
     if "DIAPHANE_BUILD" in os.environ:
-        say(f"Using the programs in {paths.build_dir()} as they are (DIAPHANE_BUILD)")
+        say(f"Using the programs in {paths.build_dir()} without rebuilding them (DIAPHANE_BUILD is set)")
         return
     folder = configure()
     known = programs(folder)
     absent = [name for name in names if f"bin/{name}" not in known]
     if absent:
-        raise HouseError(f"this checkout has no target for {', '.join(absent)}")
+        raise HouseError(f"this checkout has no build target {', '.join(absent)}")
     ninja(folder, [f"bin/{name}" for name in names] or known)
+
+
+#: What an instance on one machine runs.
+RUN_BY_UP = ("diaphane-api", "diaphane-gateway", "diaphane-ingestd", "diaphane-renderd", "diaphane-sample")
 
 
 # The page
@@ -90,11 +117,11 @@ def _page_inputs() -> list[Path]:
         (paths.REPO / "api" / "proto").glob("*.proto"))
 
 
-def npm(*words: str, env: dict[str, str] | None = None) -> subprocess.CompletedProcess:
+def npm(*words: str, env: dict[str, str] | None = None, cwd: Path = paths.FRONTEND) -> subprocess.CompletedProcess:
     node = venv.ensure_node()
     environ = {**os.environ, "PATH": f"{node}:{os.environ.get('PATH', '')}", "CI": "true",
                "NO_COLOR": "1", **(env or {})}
-    return subprocess.run(["npm", *words], cwd=paths.FRONTEND, env=environ, stdin=subprocess.DEVNULL,
+    return subprocess.run(["npm", *words], cwd=cwd, env=environ, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
@@ -102,24 +129,33 @@ def npm_install() -> None:
     wanted = stamp.digest([paths.FRONTEND / "package.json", paths.FRONTEND / "package-lock.json"])
     if (paths.FRONTEND / "node_modules").is_dir() and stamp.is_current("npm", wanted):
         return
-    step("Installing the page's locked npm packages")
+    step("Installing the web page's npm packages")
     done = npm("ci", "--no-audit", "--no-fund")
     if done.returncode != 0:
         raise HouseError("npm ci failed:\n" + "\n".join(done.stdout.splitlines()[-30:]))
     stamp.set_current("npm", wanted)
 
 
-def build_page() -> None:
+def may_build_page() -> bool:
+    """Returns false if the programs and the page of another build are used."""
     if "DIAPHANE_BUILD" in os.environ:
-        return
+        return False
     if not (paths.FRONTEND / "package.json").exists():
-        raise HouseError("this checkout has no frontend/package.json: there is no page to build")
+        raise HouseError("cannot build the web page: frontend/package.json is missing")
+    return True
+
+
+def build_page() -> bool:
+    """Builds the page if its sources changed. Returns whether it did."""
+    if not may_build_page():
+        return False
     npm_install()
     wanted = stamp.digest(_page_inputs())
     if (paths.FRONTEND / "dist" / "index.html").exists() and stamp.is_current("page", wanted):
-        return
-    step("Building the page")
+        return False
+    step("Building the web page")
     done = npm("run", "build")
     if done.returncode != 0:
-        raise HouseError("the page does not build:\n" + "\n".join(done.stdout.splitlines()[-40:]))
+        raise HouseError("building the web page failed:\n" + "\n".join(done.stdout.splitlines()[-40:]))
     stamp.set_current("page", wanted)
+    return True

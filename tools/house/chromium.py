@@ -1,10 +1,10 @@
-"""The browser that tests and measurements drive."""
+"""The browser for tests and measurements."""
 
 from __future__ import annotations
 
 import os
 
-# Without the last ones Chromium tries to reach its maker at every start.
+# Without the last options, Chromium contacts its vendor at every start.
 ARGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
         "--disable-background-networking", "--disable-component-update", "--disable-sync"]
 

@@ -1,4 +1,5 @@
-"""ClamAV's daemon for the test and the measurement of it: unpacked, not installed, so that the machine has no service more and looks for no signatures."""
+"""ClamAV's daemon for its test and measurement. It is unpacked rather than installed, so that the machine gets no new service and
+downloads no signatures."""
 
 from __future__ import annotations
 
@@ -18,12 +19,12 @@ FOLDER = paths.REPO / ".tools" / "clamav"
 _PACKAGES = ("clamav-daemon", "libclamav12", "libmspack0")
 _LIBRARIES = FOLDER / "usr" / "lib" / "x86_64-linux-gnu"
 CLAMD = FOLDER / "usr" / "sbin" / "clamd"
-#: In two parts, so that no scanner takes this file for one.
+#: Split in two parts, so that no virus scanner reports this file.
 EICAR = rb"X5O!P%@AP[4\PZX54(P^)7CC)7}$" + b"EICAR-STANDARD-ANTIVIRUS-TEST-FILE!$H+H*"
 
 
 class Daemon:
-    """clamd by an ordinary user, in a folder of its own, with one signature: that of EICAR's test file."""
+    """clamd run by an ordinary user in a separate folder, with the signature of EICAR's test file alone."""
 
     def __init__(self, run_as: RunAs, folder: Path):
         self.run_as, self.folder = run_as, folder
@@ -43,7 +44,7 @@ class Daemon:
                 if one.connect_ex(str(self.path)) == 0:
                     return
             time.sleep(0.1)
-        raise HouseError("clamd does not listen")
+        raise HouseError("clamd does not accept connections")
 
     def kill(self) -> None:
         self.process.kill()
@@ -58,14 +59,14 @@ def ensure(may_install: bool = True) -> None:
     if CLAMD.exists():
         return
     if not may_install:
-        say(f"missing: {CLAMD} (Debian packages {', '.join(_PACKAGES)}, unpacked)")
-        raise HouseError("nothing was installed (--no-install)")
-    step("Fetching ClamAV's daemon for its test (7 MB)")
+        say(f"missing: {CLAMD} (from the Debian packages {', '.join(_PACKAGES)})")
+        raise HouseError("dependencies are missing, and --no-install was given")
+    step("Downloading clamd for its tests (7 MB)")
     with tempfile.TemporaryDirectory(prefix="diaphane-clamav-") as folder:
         if os.geteuid() == 0:
             shutil.chown(folder, "_apt")
         if _download(folder) != 0:
-            packages.update()      # the lists may be older than what the mirror still has
+            packages.update()      # the package lists may be older than the mirror
             if _download(folder) != 0:
                 raise HouseError("apt-get download failed: " + " ".join(_PACKAGES))
         beside = FOLDER.with_suffix(".new")

@@ -11,7 +11,7 @@ from .plan import POSTGRES_BIN
 from .says import HouseError
 from .users import RunAs
 
-#: The programs are no superuser: what gets into `api` still cannot read files or run programs through Postgres.
+#: The programs are not superusers, so an attacker in `api` still cannot read files or run programs through Postgres.
 _ROLE = """
 \\getenv password DIAPHANE_PASSWORD
 SELECT format('CREATE ROLE diaphane LOGIN PASSWORD %L', :'password')
@@ -22,7 +22,7 @@ SELECT 'CREATE DATABASE diaphane OWNER diaphane'
 
 
 def initialise(data: Path, run_as: RunAs, superuser_password_file: Path, durable: bool) -> None:
-    """initdb, once; made beside and renamed, so that a cluster is whole or not there."""
+    """Runs initdb once. The cluster is created under another name and renamed, so that it is either complete or absent."""
     cluster, beside = data / "postgres", data / "postgres.new"
     if cluster.exists():
         return
@@ -38,10 +38,10 @@ def initialise(data: Path, run_as: RunAs, superuser_password_file: Path, durable
 
 
 def make_database(port: int, superuser_password: str, password: str) -> None:
-    """The role and the database of the programs, when they are missing."""
+    """Creates the programs' role and database if they are missing."""
     env = {"PATH": os.environ.get("PATH", ""), "PGPASSWORD": superuser_password, "DIAPHANE_PASSWORD": password}
     command = [str(POSTGRES_BIN / "psql"), "-qtAX", "-v", "ON_ERROR_STOP=1", "-h", "127.0.0.1", "-p", str(port),
                "-U", "postgres", "-d", "postgres"]
     done = subprocess.run(command, input=_ROLE, env=env, cwd="/", capture_output=True, text=True)
     if done.returncode != 0:
-        raise HouseError(f"cannot make the database: {done.stderr.strip()}")
+        raise HouseError(f"cannot create the database: {done.stderr.strip()}")

@@ -1,4 +1,4 @@
-"""Lint of the contracts: OpenAPI and Protobuf."""
+"""Lint of the contracts, OpenAPI and Protobuf."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import subprocess
 
 from . import paths
 
-# Runs in .tools/venv, where the libraries are.
+# Runs in .tools/venv, which has the libraries.
 _READ_OPENAPI = """
 import json, sys, yaml
 from openapi_spec_validator import OpenAPIV31SpecValidator
@@ -34,7 +34,7 @@ def _openapi() -> list[str]:
 
 
 def style(spec: dict) -> list[str]:
-    """Beyond being valid: what a client generator and a reader need."""
+    """Checks what client generators and readers need beyond validity."""
     found = []
     seen: set[str] = set()
     for path, item in spec.get("paths", {}).items():
@@ -50,7 +50,7 @@ def style(spec: dict) -> list[str]:
             if not operation.get("summary"):
                 found.append(f"{name} has no summary")
             if not any(str(code)[0] in "4d" for code in operation.get("responses", {})):
-                found.append(f"{name} does not say how it fails")
+                found.append(f"{name} documents no error response")
     return found
 
 

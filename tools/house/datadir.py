@@ -1,4 +1,4 @@
-"""A data directory: its folders, its secrets, its record of what runs (stack.json)."""
+"""A data directory: its folders, its secrets, and its record of running programs (stack.json)."""
 
 from __future__ import annotations
 
@@ -19,38 +19,38 @@ from .users import RunAs
 
 
 def check(data: Path) -> None:
-    """HouseError when it cannot be one. Makes nothing: it is asked before anything that takes long."""
+    """Raises HouseError if this cannot be a data directory. Creates nothing, because it is called before any long operation."""
     if not re.fullmatch(r"[\w./@+~-]+", str(data)):
-        raise HouseError(f"{data}: a data directory's path may hold only letters, digits and ./@+~-_ (nginx reads it)")
+        raise HouseError(f"{data}: the path of a data directory may contain only letters, digits and ./@+~-_ (a limit of nginx)")
     try:
         if data.exists() and not data.is_dir():
             raise HouseError(f"{data} is not a directory")
         if data.exists() and any(data.iterdir()) and not (data / "secrets").is_dir():
-            raise HouseError(f"{data} holds something else than Diaphane's data; choose an empty directory (--data)")
+            raise HouseError(f"{data} contains files that are not Diaphane's. Choose an empty directory (--data)")
         above = next(folder for folder in data.parents if folder.exists())
         if not data.exists() and not (above.is_dir() and os.access(above, os.W_OK | os.X_OK)):
-            raise HouseError(f"{data} cannot be made in {above}; choose another place (--data)")
+            raise HouseError(f"cannot create {data}: no write access to {above}. Choose another directory (--data)")
     except OSError as error:
-        raise HouseError(f"{data} cannot be looked into: {error.strerror}; choose another place (--data)") from error
+        raise HouseError(f"cannot read {data}: {error.strerror}. Choose another directory (--data)") from error
 
 
 def claim(data: Path, run_as: RunAs) -> None:
-    """Makes the directory itself, owned by the ordinary user: all that root does there. One that holds something
-    else is refused, not taken over."""
+    """Creates the directory for the ordinary user, which is all that root does there. A directory with other contents is refused.
+    """
     check(data)
     try:
         data.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
-        raise HouseError(f"{data} cannot be made: {error.strerror}; choose another place (--data)") from error
+        raise HouseError(f"cannot create {data}: {error.strerror}. Choose another directory (--data)") from error
     if not any(data.iterdir()):
         run_as.own(data)
     if not run_as.can_write(data):
-        raise HouseError(f"the user '{run_as.name or users.current()}', which everything runs as, cannot write in {data}; "
-                         f"choose another place (--data), such as {users.default_data_dir()}")
+        raise HouseError(f"Diaphane runs as the user '{run_as.name or users.current()}', who cannot write to {data}. "
+                         f"Choose another directory (--data), such as {users.default_data_dir()}")
 
 
 def prepare(data: Path, run_as: RunAs) -> None:
-    """claim(), and what is missing of its folders."""
+    """Calls claim() and creates missing folders."""
     claim(data, run_as)
     for name in ("secrets", *FOLDERS):
         folder = data / name
@@ -60,7 +60,7 @@ def prepare(data: Path, run_as: RunAs) -> None:
 
 
 def secret(data: Path, name: str, run_as: RunAs) -> str:
-    """The secret of that name, made at random the first time; 256 bits in hex, in a file of mode 0600."""
+    """Returns the secret of that name: 256 bits in hex, created at random the first time, in a file of mode 0600."""
     path = data / "secrets" / name
     if not path.exists():
         beside = path.with_name(f".{name}")
@@ -80,7 +80,7 @@ def write_record(data: Path, record: dict) -> None:
 
 
 def read_record(data: Path) -> dict:
-    """What was written last; empty when there is none or it is unreadable."""
+    """Returns the last record, or an empty one if it is missing or unreadable."""
     try:
         record = json.loads((data / "stack.json").read_text(encoding="utf-8"))
         return record if isinstance(record, dict) else {}
@@ -89,7 +89,7 @@ def read_record(data: Path) -> dict:
 
 
 def recorded(entry: dict) -> Identity | None:
-    """The process of an entry of stack.json, when it is still the one that was written down, and alive."""
+    """Returns the process of an entry of stack.json if it is alive and still the recorded one."""
     try:
         identity = Identity(int(entry["pid"]), int(entry["start"]))
     except (KeyError, TypeError, ValueError):
@@ -97,18 +97,18 @@ def recorded(entry: dict) -> Identity | None:
     return identity if identity.alive() else None
 
 
-#: The longest path of a Unix socket (sockaddr_un), and the longest name of those in a data directory.
+#: The longest path of a Unix socket (sockaddr_un), and the longest name of a socket in a data directory.
 MOST_SOCKET_PATH, LONGEST_SOCKET = 107, "renderd.sock"
 
 
 def socket_folder(data: Path, run_as: RunAs) -> Path:
-    """Where Unix sockets lie: run/ of the data directory, or, where their paths would be too long for a socket, a private folder
-    below /run/user or /tmp. Nobody else can enter it."""
+    """Returns the folder for Unix sockets: run/ of the data directory or, if the paths would be too long for a socket, a private
+    folder below /run/user or /tmp that other users cannot enter."""
     uid = run_as.uid if run_as.uid >= 0 else os.geteuid()
     own = data / "run"
     if len(str(own / LONGEST_SOCKET)) <= MOST_SOCKET_PATH:
         if not is_private(own, uid):
-            raise HouseError(f"{own} must be open to its owner alone: chmod 700 {own}")
+            raise HouseError(f"{own} must be accessible to its owner only. Run: chmod 700 {own}")
         return own
     earlier = read_record(data).get("sockets")
     if isinstance(earlier, str) and is_private(Path(earlier), uid):
@@ -120,7 +120,7 @@ def socket_folder(data: Path, run_as: RunAs) -> Path:
 
 
 def is_private(folder: Path, uid: int) -> bool:
-    """A directory, no link to one, of that user, that nobody else can enter."""
+    """Whether this is a directory of that user, not a link, that nobody else can enter."""
     try:
         about = folder.lstat()
     except OSError:
@@ -129,7 +129,7 @@ def is_private(folder: Path, uid: int) -> bool:
 
 
 def left_running(record: dict) -> list[tuple[str, Identity]]:
-    """Name and leader of each program of stack.json of which something still runs, if only processes that it started."""
+    """Returns the name and leader of each program of stack.json that left a running process, even if only one that it started."""
     if record.get("boot", processes.boot()) != processes.boot():
         return []
     found = []
@@ -144,7 +144,7 @@ def left_running(record: dict) -> list[tuple[str, Identity]]:
 
 
 class Lock:
-    """Held while a supervisor runs on a data directory; the kernel drops it when the supervisor dies."""
+    """Held while a supervisor runs on a data directory. The kernel releases it when the supervisor dies."""
 
     def __init__(self, data: Path):
         self.file_ = open(data / "run" / "supervisor.lock", "a", encoding="ascii")

@@ -1,4 +1,4 @@
-"""The thesis's Figure 9 as SVG and as a table: whose iteration was computed, one column a situation."""
+"""The thesis's Figure 9 as SVG and as a table: which node's iteration was computed, with one column per situation."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def svg(situations: list[dict]) -> str:
 
 
 def table(situations: list[dict]) -> str:
-    """In Markdown."""
+    """Returns the table in Markdown."""
     lines = ["| | " + " | ".join(str(i + 1) for i in range(len(situations))) + " |", "|---" * (len(situations) + 1) + "|"]
     for row in range(len(situations[0]["turns"])):
         lines.append(f"| {row + 1} | " + " | ".join("{}: {}".format(*s["turns"][row]) for s in situations) + " |")

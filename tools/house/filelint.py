@@ -1,4 +1,4 @@
-"""Rules for every file of the repository: no path of one machine, no registry in lock files, no giants."""
+"""Rules for every file of the repository: no machine-specific paths, no registries in lock files, and no very large files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from . import paths
 from .says import warn
 
 LIMIT = 500
-# Assembled, so that this file keeps its own rule.
+# Assembled from parts, so that this file passes its own rule.
 _MACHINE = re.compile(r"(?<![\w.$}-])/(?:%s)/[\w.]" % "|".join(("ro" "ot", "ho" "me", "wo" "rk", "Us" "ers")))
 _RESOLVED = '"resolved"' + ":"
 _TEXT = {".h", ".cpp", ".cu", ".cuh", ".py", ".ts", ".tsx", ".js", ".mjs", ".css", ".html", ".md", ".txt", ".cmake", ".json",
@@ -25,15 +25,15 @@ def files() -> list[Path]:
 
 
 def violations(name: str, text: str) -> list[str]:
-    """What the rules forbid in one file."""
+    """Returns the violations in one file."""
     found = []
     for number, line in enumerate(text.splitlines(), 1):
         if _MACHINE.search(line):
-            found.append(f"{name}:{number}: a path of one machine: {line.strip()[:100]}")
+            found.append(f"{name}:{number}: an absolute path of one machine: {line.strip()[:100]}")
     if name.endswith("package-lock.json") and _RESOLVED in text:
-        found.append(f"{name}: names the registry it came from ('resolved'); take those lines out")
+        found.append(f"{name}: contains registry addresses ('resolved'). Remove those lines")
     if re.search(r"^(<{7} |>{7} )", text, re.MULTILINE):
-        found.append(f"{name}: an unresolved merge")
+        found.append(f"{name}: unresolved merge conflict")
     return found
 
 
@@ -41,7 +41,7 @@ def giants(name: str, text: str) -> list[str]:
     lines = text.count("\n")
     if lines <= LIMIT or Path(name).name in _NOT_WRITTEN_BY_HAND or name.endswith((".yaml", ".md")):
         return []
-    return [f"{name} has {lines} lines; more than {LIMIT} are seldom one subject"]
+    return [f"{name} has {lines} lines, more than the recommended {LIMIT}. Consider splitting it"]
 
 
 def check() -> list[str]:

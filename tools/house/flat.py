@@ -1,4 +1,4 @@
-"""Whether a series of measurements grows: Theil and Sen's slope with its confidence, held against what may be. Pure."""
+"""Tests whether a series of measurements grows: the Theil-Sen slope with its confidence interval, compared with a limit. Pure."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from typing import Sequence
 #: Two-sided confidence of 99%.
 Z_99 = 2.576
 FEWEST_BLOCKS, MOST_BLOCKS = 10, 20
-#: What programs hold is alike for about half a minute (renderd's memory, by its autocorrelation in a soak: 0.5 after 20 s,
-#: none after 40 s). The interval takes what it is given as independent: means of 90 s are.
+#: Measurements are correlated over about half a minute (autocorrelation of renderd's memory in a soak: 0.5 after 20 s, none after
+#: 40 s). The interval assumes independent values, and means of 90 s are.
 BLOCK_SECONDS = 90.0
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Of one series, in its unit. `growth` is slope times length; it lies between `low` and `high` with 99% confidence."""
+    """The verdict on one series, in its unit. `growth` is slope times length, and lies between `low` and `high` with 99%
+    confidence."""
 
     level: float
     growth: float
@@ -27,25 +28,25 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """`flat`: it does not grow by more than is allowed; `grows`: it does; `unclear`: measured too shortly to say."""
+        """`flat`: grows by no more than allowed. `grows`: grows by more. `unclear`: the measurement is too short."""
         return "flat" if self.high <= self.allowed else "grows" if self.low > self.allowed else "unclear"
 
     @property
     def trend(self) -> bool:
-        """It grows at all: what Mann and Kendall's test says at 0.5%, of which the interval is the inverse."""
+        """Whether it grows at all, according to the Mann-Kendall test at 0.5%, of which the interval is the inverse."""
         return self.low > 0
 
 
 def judge(times: Sequence[float], values: Sequence[float], share: float, least: float) -> Verdict:
-    """Allowed is `share` of the level, at least `least`. The slope is the median of those between any two of the blocks' means,
-    so that a single peak moves nothing; its interval is P. K. Sen's (J. Am. Stat. Assoc. 63, 1379, 1968)."""
+    """Allows growth by `share` of the level, and at least by `least`. The slope is the median over all pairs of block means, so
+    that a single peak has no effect. Its interval is that of P. K. Sen (J. Am. Stat. Assoc. 63, 1379, 1968)."""
     if len(times) != len(values) or len(times) < 2 * FEWEST_BLOCKS:
-        raise ValueError(f"a verdict needs {2 * FEWEST_BLOCKS} samples, there are {len(times)}")
+        raise ValueError(f"the trend test needs at least {2 * FEWEST_BLOCKS} samples, but got {len(times)}")
     length = times[-1] - times[0]
     blocks = max(FEWEST_BLOCKS, min(MOST_BLOCKS, int(length / BLOCK_SECONDS)))
     means = [_mean(times, values, block, blocks) for block in range(blocks)]
     slopes = sorted((y - before_y) / (x - before_x) for i, (before_x, before_y) in enumerate(means) for x, y in means[i + 1:])
-    # The spread of Kendall's S among independent values, all different; of equal ones it is less.
+    # The standard deviation of Kendall's S for independent, different values. It is smaller with equal values.
     spread = Z_99 * math.sqrt(blocks * (blocks - 1) * (2 * blocks + 5) / 18)
     rank = max(0, math.floor((len(slopes) - spread) / 2))
     level = statistics.fmean(y for _, y in means)

@@ -1,5 +1,5 @@
-"""A moving picture, recorded from a real worker, and played to a page at any pace: for measurements of what the page alone can
-do where the machine's renderer is slower than that. Runs in .tools/venv."""
+"""A moving picture, recorded from a real worker and played to a page at any rate. It measures the page alone on machines whose
+renderer is slower. Runs in .tools/venv."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ H264 = 2
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a connection begins with, and its frames, the first a key frame: messages of `kinds`."""
+    """The first messages of a connection and its frames, which start with a key frame: messages of `kinds`."""
 
     kinds: dict[str, type]
     config: object
@@ -25,7 +25,7 @@ class Recorded:
 
 
 def record(person: Person, data_set: str, width: int, height: int, turns: int) -> Recorded:
-    """A turn round the patient, a frame of the whole size for each step: as a GPU would send them."""
+    """Records a rotation around the patient with a full-size frame per step, as a GPU would send them."""
     viewer = person.viewer(data_set, width, height, codec=H264)
     try:
         scene = viewer.config.scene
@@ -44,17 +44,17 @@ def record(person: Person, data_set: str, width: int, height: int, turns: int) -
         viewer.close()
 
 
-#: As renderd does: a picture that comes while so many are unacknowledged is not sent (renderd/session/pictures.h).
+#: As in renderd: a picture is not sent while this many are unacknowledged (renderd/session/pictures.h).
 IN_FLIGHT = 2
 
 
 class Played:
-    """What was sent, and what the page acknowledged of it."""
+    """What was sent, and what the page acknowledged."""
 
     def __init__(self) -> None:
         self.over = threading.Event()
         self.sent: list[float] = []     # seconds since the first one, by number
-        self.held_back = 0              # pictures that would have been sent
+        self.held_back = 0              # pictures that were skipped because too many were unacknowledged
         self.presented: set[int] = set()
         self._acknowledged: set[int] = set()
         self._wants_key = False
@@ -79,7 +79,7 @@ class Played:
 
 
 def _play(socket, recorded: Recorded, rate: float, seconds: float, played: Played) -> None:
-    """The recorded frames again and again, numbered as one connection's."""
+    """Plays the recorded frames in a loop, numbered as those of one connection."""
     begun, turn = time.monotonic(), 0
     message = recorded.kinds["ServerMessage"]()
     for tick in range(int(rate * seconds)):
@@ -99,7 +99,7 @@ def _play(socket, recorded: Recorded, rate: float, seconds: float, played: Playe
 
 @contextlib.contextmanager
 def player(recorded: Recorded, rate: float, seconds: float) -> Iterator[tuple[int, Played]]:
-    """The port of a WebSocket server that plays to its visitor, and what comes of it."""
+    """Yields the port of a WebSocket server that plays to its visitor, and the result."""
     from websockets.exceptions import ConnectionClosed
     from websockets.sync.server import serve
 
@@ -117,7 +117,7 @@ def player(recorded: Recorded, rate: float, seconds: float) -> Iterator[tuple[in
         hearing.start()
         with contextlib.suppress(ConnectionClosed):
             _play(socket, recorded, rate, seconds, played)
-        hearing.join()  # the page goes first
+        hearing.join()  # the page closes first
 
     with serve(meet, "127.0.0.1", 0, subprotocols=["diaphane.v1"], compression=None, max_size=None) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()

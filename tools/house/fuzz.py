@@ -1,4 +1,4 @@
-"""`./diaphane fuzz`: libFuzzer on what reads bytes of strangers, with the address and undefined-behaviour sanitizers."""
+"""`./diaphane fuzz`: runs libFuzzer on the parsers of untrusted bytes, with the address and undefined-behaviour sanitizers."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .says import HouseError, say, step, warn
 
 TARGETS = ("precheck", "codestream", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml")
 SOURCES = paths.REPO / "tests" / "fuzz"
-#: A run longer than this, or larger, is a finding.
+#: A run that is longer or uses more memory is a finding.
 SECONDS_A_RUN, MEGABYTES = 5, 1024
-#: A stack this small overflows at the depth that 8 KB of input can nest, if anything recurses over it without a bound.
+#: At the depth that 8 KB of input can nest, unlimited recursion overflows a stack this small.
 STACK_BYTES = 1 << 20
 
 
@@ -25,8 +25,8 @@ STACK_BYTES = 1 << 20
 class Found:
     target: str
     runs: int
-    edges: int      # of the target's code, reached by these runs and the corpora
-    words: str      # of the finding; nothing: none
+    edges: int      # of the target's code that these runs and the corpora reached
+    words: str      # text of the finding, if any
 
     @property
     def well(self) -> bool:
@@ -35,12 +35,12 @@ class Found:
 
 def run(target: str | None, seconds: int, minimise: bool = False, may_install: bool = True) -> int:
     if target is not None and target not in TARGETS:
-        raise HouseError(f"no target '{target}'; there are: {', '.join(TARGETS)}", 64)
+        raise HouseError(f"unknown target '{target}'; choose one of: {', '.join(TARGETS)}", 64)
     install.ensure("test", may_install)
     chosen = TARGETS if target is None else (target,)
     all_found = fuzz(chosen, seconds)
     for found in all_found:
-        say(f"{found.target:<12} {found.runs:>9} runs, {found.edges:>5} edges reached: {'nothing found' if found.well else 'FOUND'}")
+        say(f"{found.target:<12} {found.runs:>9} runs, {found.edges:>5} edges covered: {'passed' if found.well else 'FAILED'}")
         if not found.well:
             warn(found.words)
     if minimise and all(found.well for found in all_found):
@@ -50,21 +50,21 @@ def run(target: str | None, seconds: int, minimise: bool = False, may_install: b
 
 
 def fuzz(targets: tuple[str, ...], seconds: int) -> list[Found]:
-    """As many at a time as there are cores."""
+    """Runs as many targets at the same time as there are cores. 0 seconds: only replays the kept corpora."""
     folder = build.configure("fuzz")
     build.ninja(folder, [f"bin/fuzz_{name}" for name in targets])
-    step(f"Fuzzing {', '.join(targets)}, {seconds} s each")
+    step(f"Fuzzing {', '.join(targets)}, {seconds} s per target" if seconds else f"Replaying the fuzz corpora of {', '.join(targets)}")
     with ThreadPoolExecutor(build.jobs()) as pool:
         return list(pool.map(lambda name: _fuzz(folder, name, seconds), targets))
 
 
 def _fuzz(folder: Path, name: str, seconds: int) -> Found:
-    """What is new goes to build/fuzz/corpus, findings to build/fuzz/findings; the kept corpus is only read."""
+    """Writes new inputs to build/fuzz/corpus and findings to build/fuzz/findings. Only reads the kept corpus."""
     corpus, findings = folder / "corpus" / name, folder / "findings"
     corpus.mkdir(parents=True, exist_ok=True)
     findings.mkdir(exist_ok=True)
     done = subprocess.run(
-        ["prlimit", f"--stack={STACK_BYTES}", folder / "bin" / f"fuzz_{name}", f"-max_total_time={seconds}", f"-timeout={SECONDS_A_RUN}",
+        ["prlimit", f"--stack={STACK_BYTES}", folder / "bin" / f"fuzz_{name}", *([f"-max_total_time={seconds}"] if seconds else ["-runs=0"]), f"-timeout={SECONDS_A_RUN}",
          f"-rss_limit_mb={MEGABYTES}", "-max_len=8192", "-print_final_stats=1", f"-artifact_prefix={findings}/{name}-",
          corpus, SOURCES / "corpus" / name],
         env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -80,7 +80,7 @@ def _environment() -> dict[str, str]:
 
 
 def _minimise(name: str) -> None:
-    """The kept corpus becomes the fewest and smallest files that reach all that has been reached."""
+    """Reduces the kept corpus to the fewest and smallest files with the same coverage."""
     folder, kept = paths.REPO / "build" / "fuzz", SOURCES / "corpus" / name
     fresh = folder / "fresh" / name
     shutil.rmtree(fresh, ignore_errors=True)

@@ -1,20 +1,34 @@
-"""Whether CUDA finds a device here: asked of the driver itself, as the programs do."""
+"""Whether CUDA finds a device, according to the driver that the programs use."""
 
 from __future__ import annotations
 
 import ctypes
+from pathlib import Path
 from typing import Callable
 
 
 def absence(load: Callable[[str], object] = ctypes.CDLL) -> str:
-    """Why there is none, in words; empty when there is one. `load` (tests) gives the driver's library."""
+    """Returns the reason why there is no device, or an empty text if there is one. `load` (for tests) returns the driver's
+    library."""
     try:
         driver = load("libcuda.so.1")
     except OSError:
-        return "no driver of NVIDIA's is installed (libcuda.so.1)"
+        return "the NVIDIA driver is not installed (libcuda.so.1 was not found)"
     if code := driver.cuInit(0):
-        return f"NVIDIA's driver does not start (CUDA error {code})"
+        return f"the NVIDIA driver failed to initialise (CUDA error {code})"
     count = ctypes.c_int(0)
     if code := driver.cuDeviceGetCount(ctypes.byref(count)):
-        return f"NVIDIA's driver does not answer (CUDA error {code})"
-    return "" if count.value > 0 else "NVIDIA's driver finds no device"
+        return f"the NVIDIA driver failed to list its devices (CUDA error {code})"
+    return "" if count.value > 0 else "the NVIDIA driver found no device"
+
+
+def is_plugged_in(devices: Path = Path("/sys/bus/pci/devices")) -> bool:
+    """Whether the machine has an NVIDIA display or compute device, with or without a driver."""
+    for device in devices.glob("*"):
+        try:
+            vendor, kind = ((device / name).read_text(encoding="ascii").strip() for name in ("vendor", "class"))
+        except OSError:
+            continue
+        if vendor == "0x10de" and kind.startswith("0x03"):
+            return True
+    return False

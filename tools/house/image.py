@@ -1,4 +1,4 @@
-"""The container image: what of this machine goes into it (`stage`), and its making by buildah (Containerfile)."""
+"""The container image: the files of this machine that go into it (`stage`), and its build with buildah (Containerfile)."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from .says import HouseError, say, step
 
 CHART = paths.REPO / "helm" / "diaphane"
 LIMIT = 600_000_000
-#: Beside what the chart's pods run: for a person in a pod, where the build has them.
+#: Besides the chart's programs: tools for a person in a pod, if the build contains them.
 _TOOLS = ("diaphane-scan", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
-#: What the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
+#: Modules that the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
 NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/lib/nginx/modules/ngx_http_lua_module.so"))
 _LUA_PACKAGES = ("lua-resty-core", "lua-resty-lrucache")
 _CERTIFICATES = Path("/usr/share/ca-certificates/mozilla")
-#: From Debian, on the machine that builds the image; only these names, no services.
+#: Debian packages on the machine that builds the image. They contain no services.
 _MAKERS = ["buildah", "debootstrap"]
 
 
 def version() -> str:
-    """Of the chart's programs, which is the image's tag."""
+    """Returns the version of the chart's programs, which is the image's tag."""
     return re.search(r'^appVersion: "(.+)"$', (CHART / "Chart.yaml").read_text(encoding="utf-8"), re.MULTILINE)[1]
 
 
@@ -36,25 +36,25 @@ def name() -> str:
 
 
 def chart_programs() -> list[str]:
-    """What the chart's pods start."""
+    """Returns the programs that the chart's pods start."""
     text = "".join(file.read_text(encoding="utf-8") for file in sorted((CHART / "templates").rglob("*.yaml")))
     return sorted(set(re.findall(r"/opt/diaphane/bin/(diaphane-[a-z]+)", text)))
 
 
-# What goes in
+# Contents
 
 def stage(into: Path) -> None:
-    """Lays it out in `into` as it will lie in the image."""
+    """Arranges the files in `into` as they will be in the image."""
     if into.exists():
-        raise HouseError(f"{into} is there already")
+        raise HouseError(f"{into} already exists")
     bin_dir = paths.build_dir() / "bin"
     needed = chart_programs()
     if absent := [program for program in needed if not (bin_dir / program).exists()]:
-        raise HouseError(f"{bin_dir} has no {', '.join(absent)}, which the chart starts")
+        raise HouseError(f"{bin_dir} lacks programs that the chart starts: {', '.join(absent)}")
     ours = [bin_dir / program for program in (*needed, *_TOOLS) if (bin_dir / program).exists()]
     page = paths.FRONTEND / "dist"
     if not (page / "index.html").exists():
-        raise HouseError("the page is not built (frontend/dist)")
+        raise HouseError("the web page is not built (frontend/dist is missing)")
     home = into / "opt" / "diaphane"
     (home / "bin").mkdir(parents=True)
     for file in ours:
@@ -70,7 +70,7 @@ def stage(into: Path) -> None:
 
 
 def _put(file: Path, into: Path) -> None:
-    """A file at its place, with what a link points at. Debian's /lib is /usr/lib."""
+    """Copies a file to its place, and the target of a link. Debian's /lib is /usr/lib."""
     place = into / str(file.parent.resolve() / file.name).lstrip("/")
     place.parent.mkdir(parents=True, exist_ok=True)
     if place.exists() or place.is_symlink():
@@ -87,30 +87,31 @@ def _lua_files() -> list[Path]:
 
 
 def _nvrtc(renderd: Path, into: Path) -> None:
-    """The run-time compiler of kernels, where the CUDA engine is compiled in."""
+    """Copies the run-time compiler of kernels if the CUDA engine is built in."""
     if b"nvrtcCompileProgram" not in renderd.read_bytes():
-        say("renderd is built without CUDA: the image has the CPU engine alone")
+        say("renderd was built without CUDA, so the image contains only the CPU engine")
         return
     found = [file for file in sorted((venv.cuda_root() / "lib").glob("libnvrtc*.so.*")) if ".alt." not in file.name]
     if len(found) != 2:
-        raise HouseError(f"NVRTC is not in {venv.cuda_root() / 'lib'} (docs/gpu.md)")
+        raise HouseError(f"NVRTC was not found in {venv.cuda_root() / 'lib'} (see docs/gpu.md)")
     into.mkdir(parents=True)
     for file in found:
         shutil.copy2(file, into / file.name)
 
 
 def _certificates(into: Path) -> None:
-    """Mozilla's, as Debian has them; not those that an administrator added to this machine."""
+    """Copies Mozilla's certificates from Debian, without those that an administrator added to this machine."""
     place = into / "etc" / "ssl" / "certs" / "ca-certificates.crt"
     place.parent.mkdir(parents=True)
     texts = [file.read_text(encoding="ascii") for file in sorted(_CERTIFICATES.glob("*.crt"))]
     if not texts:
-        raise HouseError("Debian's package ca-certificates is not installed")
+        raise HouseError("the Debian package ca-certificates is not installed")
     place.write_text("".join(texts), encoding="ascii")
 
 
 def _libraries(ours: list[Path], edge: list[Path], into: Path, home: Path) -> None:
-    """All that the loader would load, each package's licence and entry for scanners, and the list of components."""
+    """Copies all libraries that the loader would load, each package's licence and its entry for vulnerability scanners, and the
+    list of components."""
     programs = [*ours, *edge]
     linked = {program: sbom.linked_files(program) for program in programs}
     files = {file for listed in linked.values() for file in listed}
@@ -123,7 +124,7 @@ def _libraries(ours: list[Path], edge: list[Path], into: Path, home: Path) -> No
         _package(package, into)
     made = [sbom.Program(program.name, [parts[owner[file]].url for file in linked[program] if owner.get(file) in parts]) for program in programs]
     npm = sbom.npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
-    cuda = sbom.python_parts((paths.TOOLS / "requirements.txt").read_text(encoding="utf-8")) if (home / "lib").exists() else []
+    cuda = sbom.python_parts((paths.TOOLS / "cuda-requirements.txt").read_text(encoding="utf-8")) if (home / "lib").exists() else []
     listed = [*parts.values(), *(part for part in npm if part.needed), *(part for part in cuda if part.name == "cuda-toolkit")]
     document = sbom.document(version(), "1970-01-01T00:00:00Z", made, listed)
     (home / "sbom.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
@@ -139,7 +140,7 @@ def _package(package: str, into: Path) -> None:
 
 
 def _documents(of: Path, into: Path) -> None:
-    """A package's licence; libgcc-s1's folder and others are links to that of the package they were made with."""
+    """Copies a package's licence. Some folders, such as that of libgcc-s1, are links to that of their source package."""
     place = into / str(of).lstrip("/")
     if of.is_symlink():
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -151,14 +152,14 @@ def _documents(of: Path, into: Path) -> None:
         shutil.copy2(of / "copyright", place / "copyright")
 
 
-# Making it
+# Build
 
 def folder() -> Path:
     return paths.REPO / "build" / "image"
 
 
 def buildah(*words: str, capture: bool = True) -> str:
-    """With a store of its own. No overlay file system and no namespaces are asked for: they are not everywhere."""
+    """Runs buildah with its own store. Uses no overlay file system and no namespaces, which are not available everywhere."""
     store = folder()
     command = ["buildah", "--root", str(store / "store"), "--runroot", str(store / "run"), "--storage-driver", "vfs", *words]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, text=True, env={**os.environ, "BUILDAH_ISOLATION": "chroot"},
@@ -169,13 +170,13 @@ def buildah(*words: str, capture: bool = True) -> str:
 
 
 def _base() -> str:
-    """A Debian of this machine's release, made by debootstrap once."""
+    """Returns a Debian of this machine's release, which debootstrap creates once."""
     release = re.search(r"^VERSION_CODENAME=(\S+)", Path("/etc/os-release").read_text(encoding="utf-8"), re.MULTILINE)[1]
     tag = f"localhost/debian-minbase:{release}"
     made = folder() / f"base-{release}"
     archive = made / "base.tar"
     if not archive.exists():
-        step(f"Making a base of Debian {release} by debootstrap (minutes)")
+        step(f"Building a Debian {release} base image with debootstrap (takes several minutes)")
         shutil.rmtree(made, ignore_errors=True)
         root = made / "root"
         root.mkdir(parents=True)
@@ -202,7 +203,7 @@ def _base() -> str:
 
 
 def _mirror(release: str) -> str:
-    """Where this machine gets Debian from."""
+    """Returns the mirror from which this machine installs Debian."""
     told = subprocess.run(["apt-get", "indextargets", "--format", "$(REPO_URI)", "Identifier: Packages", f"Codename: {release}", "Component: main"],
                           capture_output=True, text=True).stdout.split()
     return told[0] if told else "http://deb.debian.org/debian"
@@ -210,9 +211,9 @@ def _mirror(release: str) -> str:
 
 def run(out: Path | None, check: bool, base: str | None, source: bool, only_stage: Path | None) -> int:
     if only_stage is None and os.geteuid() != 0:
-        raise HouseError("an image is built by root (debootstrap, and owners of files)")
+        raise HouseError("building an image requires root (for debootstrap and file ownership)")
     if not source:
-        install.ensure("up")
+        install.ensure("image")
         build.build_page()
         build.build_programs()
     if only_stage is not None:
@@ -224,7 +225,7 @@ def run(out: Path | None, check: bool, base: str | None, source: bool, only_stag
     base = base or _base()
     context = paths.REPO
     if not source:
-        step("Laying out what goes in")
+        step("Copying files into the build context")
         context = folder() / "context"
         shutil.rmtree(context, ignore_errors=True)
         stage(context / "staged")

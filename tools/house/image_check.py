@@ -1,4 +1,4 @@
-"""What an image must be: small, without a compiler, and able to do its work for an ordinary user on a root that nobody writes to."""
+"""Checks an image: it must be small, contain no compiler, and work for an ordinary user with a read-only root."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ USER = 10001
 _COMPILER = re.compile(r"(?:[a-z0-9_]+-linux-gnu-)?(?:gcc|g\+\+|cc|c\+\+|cpp|clang(?:\+\+)?|as|ld|ld\.(?:bfd|gold|lld))(?:-[\d.]+)?"
                        r"|cc1(?:plus)?|collect2|nvcc|ptxas|cicc|cudafe\+\+|make|gmake|ninja|cmake|go|rustc")
 
-#: As a pod is: read-only root, an own /tmp and /run/edge, no capability, no way to get one. $1: the root; "$2"...: OUTSIDE INSIDE pairs up to --.
+#: Like a pod: a read-only root, private /tmp and /run/edge, no capabilities, and no way to gain any. $1: the root. "$2"...:
+#: OUTSIDE INSIDE pairs up to --.
 _POD = """set -e
 root=$1; shift
 mount --bind "$root" "$root"
@@ -57,12 +58,12 @@ diaphane-render /tmp/scan --preset bone --size 128x128 --samples 4 --engine cpu 
 
 
 def compilers(files: Iterable[str]) -> list[str]:
-    """Those that are one by their name."""
+    """Returns the files that are compilers by their names."""
     return sorted(file for file in files if _COMPILER.fullmatch(file.rpartition("/")[2]) and re.search(r"/(?:s?bin|libexec|lib/gcc)/", file))
 
 
 def _walk(root: Path) -> tuple[int, list[str]]:
-    """The bytes of all files, each once however many names it has, and the paths of what can be started."""
+    """Returns the total bytes of all files, counting each once whatever its links, and the paths of executables."""
     total, programs, seen = 0, [], set()
     for where, _, names in os.walk(root):
         for name in names:
@@ -77,7 +78,7 @@ def _walk(root: Path) -> tuple[int, list[str]]:
 
 
 def inside(root: Path, env: list[str], script: str, files: dict[str, str] | None = None) -> tuple[int, str]:
-    """What `script` (bash) ends with and says in a pod of the image; `files`: outside -> inside, under /tmp."""
+    """Returns the exit code and output of `script` (bash) in a pod of the image. `files`: outside -> inside, under /tmp."""
     pairs = [word for pair in (files or {}).items() for word in pair]
     command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--propagation", "private", "sh", "-c", _POD, "pod", str(root),
                *pairs, "--", *env, "/bin/bash", "-c", script]
@@ -86,7 +87,7 @@ def inside(root: Path, env: list[str], script: str, files: dict[str, str] | None
 
 
 def _edge_config() -> tuple[str, int]:
-    """nginx's, with the places that the chart gives it, but on a free port of the loopback."""
+    """Returns nginx's configuration with the chart's paths and a free loopback port."""
     port = ports.random_free()["edge"]
     values = {"LISTEN": f"127.0.0.1:{port}", "API_PORT": "8081", "STREAM_PORT": "8082", "STATIC_DIR": "/opt/diaphane/page", "RUN_DIR": "/run/edge",
               "CACHE_DIR": "/data/cache", "LOG": "/tmp/access.log", "PUBLIC_HOST": "diaphane.test"}
@@ -100,7 +101,7 @@ def run() -> int:
     finally:
         image.buildah("rm", container)
     if faults:
-        raise HouseError("the image is not what it must be:\n" + "\n".join(faults))
+        raise HouseError("the image failed its checks:\n" + "\n".join(faults))
     return 0
 
 
@@ -116,23 +117,23 @@ def _faults(root: Path, config: dict) -> list[str]:
     held(f"{size / 1e6:.0f} MB, at most {image.LIMIT / 1e6:.0f} MB", size <= image.LIMIT)
     found = compilers(programs)
     held("no compiler, assembler, linker or make", not found, ", ".join(found))
-    held("runs as an ordinary user", config.get("User") == f"{USER}:{USER}", str(config.get("User")))
-    held("no program that changes its user", not [path for path in programs if os.lstat(root / path[1:]).st_mode & 0o6000 and not (root / path[1:]).is_dir()])
+    held("runs as a non-root user", config.get("User") == f"{USER}:{USER}", str(config.get("User")))
+    held("no setuid or setgid programs", not [path for path in programs if os.lstat(root / path[1:]).st_mode & 0o6000 and not (root / path[1:]).is_dir()])
     env = config["Env"]
 
     def works(what: str, script: str, files: dict[str, str] | None = None) -> None:
         code, said = inside(root, env, script, files)
-        held(what, code == 0, f"ended with {code}\n{said[-1500:]}")
+        held(what, code == 0, f"exited with {code}\n{said[-1500:]}")
 
-    works("the root cannot be written to, /tmp can", f"[ $(id -u) = {USER} ] && ! touch /x 2>/dev/null && ! touch /opt/diaphane/x 2>/dev/null && touch /tmp/x")
-    works("the loader finds every library", '''shopt -s nullglob
+    works("the root file system is read-only, /tmp is writable", f"[ $(id -u) = {USER} ] && ! touch /x 2>/dev/null && ! touch /opt/diaphane/x 2>/dev/null && touch /tmp/x")
+    works("all shared libraries are found", '''shopt -s nullglob
         lost=$(ldd /opt/diaphane/bin/* /opt/diaphane/lib/* /usr/sbin/nginx /usr/lib/nginx/modules/* 2>&1 | grep -E "not found|^/.*error") || true; echo "$lost"; [ -z "$lost" ]''')
     for program in sorted({*image.chart_programs(), *(Path(path).name for path in programs if path.startswith("/opt/diaphane/bin/"))}):
         works(f"{program} --help", f"/opt/diaphane/bin/{program} --help")
     text, port = _edge_config()
     config_file = image.folder() / "nginx.conf"
     config_file.write_text(text, encoding="utf-8")
-    works("the edge serves the page", _EDGE.replace("PORT", str(port)), {str(config_file): "/tmp/nginx.conf"})
+    works("the edge serves the web page", _EDGE.replace("PORT", str(port)), {str(config_file): "/tmp/nginx.conf"})
     if (root / "opt/diaphane/lib").exists():
         works("NVRTC loads", 'said=$(LD_PRELOAD="/opt/diaphane/lib/libnvrtc.so.13 $(echo /opt/diaphane/lib/libnvrtc-builtins.so.*)" /bin/true 2>&1); '
                              'echo "$said"; [ -z "$said" ]')
@@ -140,7 +141,7 @@ def _faults(root: Path, config: dict) -> list[str]:
         if test.exists():
             works("NVRTC compiles", 'said=$(/tmp/cuda_test --gtest_filter=NvrtcTest.ASourceThatIsWrongSaysWhere); echo "$said"; [[ $said == *"PASSED  ] 1 test"* ]]',
                   {str(test): "/tmp/cuda_test"})
-    works("migrations and the list of components", "ls /opt/diaphane/migrations/0001_*.up.sql && [ -s /opt/diaphane/sbom.json ]")
+    works("the migrations and the bill of materials are present", "ls /opt/diaphane/migrations/0001_*.up.sql && [ -s /opt/diaphane/sbom.json ]")
     if bench_volumes.CRANIUM.exists():
-        works("the sample: written, scanned, rendered by the CPU engine", _RENDER, {str(bench_volumes.CRANIUM): "/tmp/Cranium.inv3"})
+        works("the sample can be written, scanned and rendered on the CPU", _RENDER, {str(bench_volumes.CRANIUM): "/tmp/Cranium.inv3"})
     return faults

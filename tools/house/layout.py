@@ -1,4 +1,4 @@
-"""What was built and is needed to run, and a copy of it where the ordinary user cannot reach the checkout."""
+"""The built files that are needed to run, and a copy of them if the ordinary user cannot access the checkout."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def of_checkout() -> Layout:
 
 
 def copy_folder() -> Path:
-    """Where root keeps the copy of this checkout: a place that only root may change."""
+    """Returns where root keeps the copy of this checkout, which only root may change."""
     name = hashlib.sha256(str(paths.REPO).encode()).hexdigest()[:12]
     return Path("/var/cache/diaphane") / name
 
 
 def reachable(run_as: RunAs, copy_to: Path) -> Layout:
-    """The checkout itself, or a copy below `copy_to` when `run_as` has no access to the checkout."""
+    """Returns the checkout itself, or a copy below `copy_to` if `run_as` has no access to the checkout."""
     here = of_checkout()
     inside = [path for folder in here.all() if folder.is_dir() for path in _some_files(folder)]
     if run_as.can_read(*inside):
@@ -59,7 +59,7 @@ def _some_files(folder: Path) -> list[Path]:
 
 
 def _mirror(source: Path, target: Path) -> None:
-    """Copies what changed and removes what is gone. Tests stay behind: they are large and nobody runs them there."""
+    """Copies changed files and removes deleted ones. Excludes tests, which are large and never run from the copy."""
     target.mkdir(mode=0o755, exist_ok=True)
     wanted = {p.name for p in source.iterdir() if not p.name.endswith(("_test", "_bench"))}
     for stale in target.iterdir():
@@ -70,7 +70,7 @@ def _mirror(source: Path, target: Path) -> None:
         if one.is_dir():
             _mirror(one, other)
         elif not _same(one, other):
-            # Written beside and renamed: a program that still runs from the old file goes on undisturbed.
+            # Written to a temporary file and renamed, so that a program running from the old file is not disturbed.
             beside = other.with_name(f".new-{name}")
             shutil.copy2(one, beside)
             os.chmod(beside, 0o755 if os.access(one, os.X_OK) else 0o644)

@@ -1,4 +1,4 @@
-"""Who may link whom: the graph of CMake's targets against link_rules.toml."""
+"""Compares the graph of CMake's targets with the allowed links in link_rules.toml."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ import subprocess
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Iterable
 
-from . import build, paths
+from . import build, cycles, filelint, paths
 from .says import HouseError
 
 RULES = Path(__file__).with_name("link_rules.toml")
-PROGRAM = "egg"            # the shapes that CMake draws
+PROGRAM = "egg"            # shapes in CMake's graph
 UNKNOWN = "septagon"
 _NODE = re.compile(r'^\s*"(node\d+)" \[ label = "([^"]+)", shape = (\w+) \];')
 _EDGE = re.compile(r'^\s*"(node\d+)" -> "(node\d+)"')
@@ -21,7 +22,7 @@ _INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 @dataclass(frozen=True)
 class Graph:
-    """Our own targets: shape of each, and direct links between them."""
+    """The project's own targets: the shape of each, and direct links between them."""
 
     shapes: dict[str, str]
     links: frozenset[tuple[str, str]]
@@ -41,22 +42,23 @@ def parse(dot: str) -> Graph:
 
 
 def violations(graph: Graph, allowed: dict[str, list[str]]) -> list[str]:
-    """What the rules forbid, one sentence each. Tests and benchmarks may link any library, but no program."""
+    """Returns one sentence per violation. Tests and benchmarks may link any library, but no program."""
     found = []
     for name, shape in sorted(graph.shapes.items()):
         if not _is_trial(name) and name not in allowed:
-            found.append(f"target {name} is not in {RULES.name}: decide what it may link")
+            found.append(f"target {name} is missing from {RULES.name}: add it with the targets that it may link")
         for user, used in sorted(graph.links):
             if used == name and shape == PROGRAM:
-                found.append(f"{user} links the program {used}; programs never link each other")
+                found.append(f"{user} links the program {used}, but programs must not be linked")
     for user, used in sorted(graph.links):
         if user in allowed and used not in allowed[user] and graph.shapes[used] != PROGRAM:
-            found.append(f"{user} links {used}, which is not among what it may link: {', '.join(allowed[user]) or 'nothing'}")
+            found.append(f"{user} links {used}, but may link only: {', '.join(allowed[user]) or 'nothing'}")
     return found
 
 
 def header_violations(sources: dict[str, str], owners: dict[str, list[str]]) -> list[str]:
-    """Files (name below the checkout -> text) that include a library that belongs to another folder."""
+    """Returns files that include headers of a library in another folder that they may not use. `sources` maps names in the
+    checkout to texts."""
     found = []
     for name, text in sorted(sources.items()):
         if _is_trial(name.rpartition(".")[0]):
@@ -64,7 +66,17 @@ def header_violations(sources: dict[str, str], owners: dict[str, list[str]]) -> 
         for header in _INCLUDE.findall(text):
             for prefix, folders in owners.items():
                 if header.startswith(prefix) and not any(name.startswith(f"{folder}/") for folder in folders):
-                    found.append(f"{name} includes <{header}>, which only {', '.join(folders)} may")
+                    found.append(f"{name} includes <{header}>, but only {', '.join(folders)} may include it")
+    return found
+
+
+def prefix_violations(sources: Iterable[str], limits: dict[str, int]) -> list[str]:
+    """Returns files with a prefix that a folder should express."""
+    found = []
+    for prefix, limit in limits.items():
+        count = sum(name.rpartition("/")[2].startswith(prefix) for name in sources)
+        if count > limit:
+            found.append(f"{count} files begin with {prefix}, but at most {limit} are allowed. Put new ones into a folder instead")
     return found
 
 
@@ -88,11 +100,15 @@ def graph_of(folder: Path) -> Graph:
 def check() -> list[str]:
     book = rules()
     sources = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8") for path in cpp_sources()}
-    return violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
+    pages = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8") for path in filelint.files()
+             if path.suffix in (".ts", ".tsx") and path.is_relative_to(paths.FRONTEND)}
+    return (violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
+            + prefix_violations(sources, book["prefixes"])
+            + [f"cycle: {', '.join(part)}" for graph in (cycles.includes(sources), cycles.imports(pages)) for part in cycles.cycles(graph)])
 
 
 def cpp_sources() -> list[Path]:
-    """Our C++ and CUDA files, whether or not they are committed yet."""
+    """Returns the project's C++ and CUDA files, committed or not."""
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.h", "*.cpp", "*.cu", "*.cuh"],
                             cwd=paths.REPO, capture_output=True, text=True, check=True).stdout
     return [paths.REPO / line for line in sorted(set(listed.splitlines())) if (paths.REPO / line).exists()]

@@ -1,4 +1,4 @@
-"""Logs of the programs: each writes to its own file by itself, so that nothing is lost when the supervisor dies."""
+"""Logs of the programs. Each program writes to its own file, so that nothing is lost when the supervisor dies."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ KEPT = 2
 
 
 def bound(path: Path, limit: int = LIMIT_BYTES) -> None:
-    """Moves the text of a too large log to `.1`, `.2`, and empties it in place: the program holds it open for
-    appending, so what it writes next is at its start. A line written in between may be lost."""
+    """Moves the text of a log over the limit to `.1` and `.2`, and empties the file in place. The program has it open for
+    appending, so its next line is at the start. A line written in between may be lost."""
     try:
         if path.stat().st_size <= limit:
             return

@@ -1,4 +1,4 @@
-"""Debian packages: which are missing, and their installation."""
+"""Finds and installs missing Debian packages."""
 
 from __future__ import annotations
 
@@ -6,38 +6,44 @@ import contextlib
 import os
 import shutil
 import subprocess
+import time
 from pathlib import Path
 
 from . import paths
-from .says import HouseError, say, step
+from .progress import AptProgress
+from .says import HouseError, progress, say, step
 
-#: Services that Debian would start, and again at each boot, though Diaphane runs its own.
+#: Services that Debian would start, also at each boot, although Diaphane runs its own.
 SERVICES = {"postgresql": "postgresql", "redis-server": "redis-server", "nginx-light": "nginx"}
 _POLICY = Path("/usr/sbin/policy-rc.d")
 
 
-def wanted() -> list[str]:
+def wanted(tests: bool = True) -> list[str]:
+    """Returns what packages.txt lists, or without `tests` only what building and running needs."""
     lines = (paths.TOOLS / "packages.txt").read_text(encoding="utf-8").splitlines()
-    return [name for line in lines if (name := line.partition("#")[0].strip())]
+    names = [name for line in lines if (name := line.partition("#")[0].strip())]
+    section = names.index("[tests]")
+    return names[:section] + (names[section + 1:] if tests else [])
 
 
 def missing(names: list[str], query=None) -> list[str]:
-    """Those of `names` that dpkg does not have installed. `query` (tests) gives dpkg-query's answer."""
+    """Returns the `names` that dpkg does not list as installed. `query` (for tests) returns dpkg-query's output."""
     done = (query or _dpkg_query)(names)
     present = {line.split()[0] for line in done.splitlines() if line.endswith(" ok installed")}
     return [name for name in names if name not in present]
 
 
-def install(names: list[str]) -> None:
-    """Installs them, by root or sudo. The services among them are neither started nor enabled."""
-    _as_root()      # where it cannot, it says so first
-    step(f"Installing {len(names)} Debian packages (minutes): {' '.join(names)}")
+def install(names: list[str], afterwards: str = "") -> None:
+    """Installs packages as root or with sudo. Services among them are neither started nor enabled. `afterwards` says in the
+    progress what comes next."""
+    _as_root()      # exits with a message if it cannot become root
+    step(f"Installing {len(names)} Debian packages: {' '.join(names)}")
     if not any(Path("/var/lib/apt/lists").glob("*_Packages*")):
         _apt("update")
     with _services_stay_off(names):
-        if _apt("install", "--no-install-recommends", *names, check=False) != 0:
-            _apt("update")      # the lists may be older than what the mirror still has
-            _apt("install", "--no-install-recommends", *names)
+        if _apt("install", "--no-install-recommends", *names, check=False, afterwards=afterwards) != 0:
+            _apt("update")      # the package lists may be older than the mirror
+            _apt("install", "--no-install-recommends", *names, afterwards=afterwards)
 
 
 def update() -> None:
@@ -53,19 +59,28 @@ def _as_root() -> list[str]:
     if os.geteuid() == 0:
         return []
     if not shutil.which("sudo"):
-        raise HouseError("Debian packages are missing, and there is no sudo to install them with. As root:\n"
+        raise HouseError("Debian packages are missing, and sudo is not available to install them. Run as root:\n"
                          "apt-get update && apt-get install --no-install-recommends " + " ".join(missing(wanted())))
     return ["sudo"]
 
 
-def _apt(*words: str, check: bool = True) -> int:
-    command = [*_as_root(), "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", "-y",
-               "-o", "Dpkg::Use-Pty=0", *words]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True)
-    if done.returncode != 0 and check:
-        raise HouseError(f"apt-get {words[0]} failed:\n" + "\n".join(done.stdout.splitlines()[-20:]))
-    return done.returncode
+def _apt(*words: str, check: bool = True, afterwards: str = "") -> int:
+    # The status goes to standard output, because sudo closes all other files.
+    command = [*_as_root(), "env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8", "apt-get", "-qq", "-y",
+               "-o", "Dpkg::Use-Pty=0", "-o", "APT::Status-Fd=1", *words]
+    what = "Updating Debian's package lists" if words[0] == "update" else "Installing Debian packages"
+    state = AptProgress()
+    output = []
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, errors="replace") as running:
+        for line in running.stdout:
+            if state.read(line, time.monotonic()):
+                progress(f"{what}: {state.text(time.monotonic())}{afterwards}")
+            else:
+                output.append(line.rstrip("\n"))
+    if running.returncode != 0 and check:
+        raise HouseError(f"apt-get {words[0]} failed:\n" + "\n".join(output[-20:]))
+    return running.returncode
 
 
 @contextlib.contextmanager
@@ -81,5 +96,5 @@ def _services_stay_off(names: list[str]):
         if ours:
             subprocess.run([*_as_root(), "rm", "-f", str(_POLICY)], check=True)
     if new and Path("/run/systemd/system").is_dir():
-        say(f"Not started and not enabled, because Diaphane runs its own: {', '.join(new)}")
+        say(f"Left stopped and disabled, because Diaphane starts its own: {', '.join(new)}")
         subprocess.run([*_as_root(), "systemctl", "disable", "--quiet", *new], stderr=subprocess.DEVNULL)

@@ -1,5 +1,5 @@
-"""Goes to every page of the router (frontend/src/views/routes.ts), so that pictures are made of all of them and the checker of
-accessibility sees all of them: a page that is added there is walked to by itself."""
+"""Visits every page of the router (frontend/src/views/routes.ts) for screenshots and accessibility checks. New pages of the
+router are included automatically."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .says import HouseError
 
 ROUTES = paths.FRONTEND / "src" / "views" / "routes.ts"
 SECRET = "0123456789abcdef" * 4
-#: Pages below a page, where one word is not enough.
+#: Parts of pages whose address has more than one word.
 PARTS = {"admin": ("users", "audit", "fleet")}
 NOBODY, PERSON = "nobody", "person"
 
 
 @dataclass(frozen=True)
 class Place:
-    """An address, and who looks at it."""
+    """An address, and who views it."""
 
     name: str
     path: str
@@ -27,17 +27,16 @@ class Place:
 
 
 def first_words() -> list[str]:
-    """Of the router's table, in its order."""
+    """Returns the words of the router's table, in order."""
     table = re.search(r"^const pages\b.*?\{\n(.*?)^\};", ROUTES.read_text(encoding="utf-8"), re.M | re.S)
     if not table:
-        raise HouseError(f"{ROUTES}: the table of pages was not found")
+        raise HouseError(f"{ROUTES}: cannot find the table of pages")
     return [quoted if quoted is not None else plain
             for quoted, plain in ((m[1], m[2]) for m in re.finditer(r'^  (?:"([a-z-]*)"|([a-z_]+)):', table[1], re.M))]
 
 
 def places(data_set: str) -> Iterator[Place]:
-    """Every page as somebody who is not signed in sees it, then as somebody who is. Which form of address a page has is
-    tried out by `go`."""
+    """Yields every page as seen by a visitor, then as seen by a signed-in user. `go` tries which form of address a page has."""
     for who in (NOBODY, PERSON):
         for word in first_words():
             if word == "":
@@ -49,20 +48,20 @@ def places(data_set: str) -> Iterator[Place]:
 
 
 def go(page, url: str, place: Place, data_set: str) -> None:
-    """Waits until the page is there; HouseError where no form of its address leads to one."""
+    """Opens the page and waits for it. Raises HouseError if none of the forms of its address leads to a page."""
     forms = [place.path, f"{place.path}/{data_set}", f"{place.path}#{SECRET}", f"{place.path}#token={SECRET}"]
     for form in forms:
         page.goto("about:blank")    # a change behind the # alone would load nothing
         page.goto(url + form)
         settle(page)
-        if place.path == "/nothing-here" or page.get_by_role("heading", name="Nothing here").count() == 0:
+        if place.path == "/nothing-here" or page.get_by_role("heading", name="Page not found").count() == 0:
             return
-    raise HouseError(f"no address was found for /{place.path}: say in tools/house/page_walk.py what it needs")
+    raise HouseError(f"no address is known for /{place.path}: add it to tools/house/page_walk.py")
 
 
 def settle(page, milliseconds: int = 15_000) -> None:
-    """A heading is there, nothing says that it is loading, a viewer has its picture and what lies on it; what never ends (a
-    viewer without a renderer) is waited for no longer."""
+    """Waits until there is a heading, nothing is loading, and a viewer has its picture and overlays. Limited in time, because a
+    viewer without a renderer never gets there."""
     page.wait_for_selector("h1", timeout=milliseconds, state="attached")
     for _ in range(20):
         if page.get_by_text("Loading…", exact=True).count() == 0:

@@ -1,4 +1,4 @@
-"""Where things are in a checkout."""
+"""Locations in a checkout."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ FRONTEND = REPO / "frontend"
 
 
 def build_dir() -> Path:
-    """Where the programs are built; DIAPHANE_BUILD points a test run at another build."""
+    """Returns the folder of the built programs. DIAPHANE_BUILD selects another build for a test run."""
     chosen = os.environ.get("DIAPHANE_BUILD")
     return Path(chosen).resolve() if chosen else REPO / "build" / "release"

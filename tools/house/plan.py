@@ -1,4 +1,4 @@
-"""The plan of one machine: which programs run, with which settings, in which order. Plain data, nothing is started here."""
+"""The plan of one machine: which programs run, with which settings, in which order. Plain data that starts nothing."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ from .layout import Layout
 
 POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
 
-#: Folders of a data directory (docs/contracts.md), beside `postgres`, which initdb makes. `secrets` is 0700.
+#: Folders of a data directory (docs/contracts.md), besides `postgres`, which initdb creates. `secrets` has mode 0700.
 FOLDERS = ("redis", "uploads", "volumes", "cache", "mail", "scratch", "run", "logs", "secrets")
 
-#: Variables of the person who starts us that the programs may see; everything else stays out.
+#: Variables of the user's environment that are passed to the programs. No others are.
 PASSED_ON = ("PATH", "LANG", "TZ", "LD_LIBRARY_PATH", "CUDA_VISIBLE_DEVICES", "NVIDIA_VISIBLE_DEVICES",
              "ASAN_OPTIONS", "TSAN_OPTIONS", "UBSAN_OPTIONS")
 
 
 @dataclass(frozen=True)
 class Ready:
-    """How to see that a program is ready: `http` (GET path, 200), `answers` (any HTTP answer), `postgres`, `redis` (its socket: path)."""
+    """How to check that a program is ready: `http` (GET path, 200), `answers` (any HTTP response), `postgres`, `redis` (path of
+    its socket)."""
 
     kind: str
     port: int
@@ -34,12 +35,13 @@ class Program:
     name: str
     argv: tuple[str, ...]
     ready: Ready
-    port: int                       # 0: it is reached at a Unix socket
-    tier: int                       # started in rising order, stopped in falling order
+    port: int                       # 0: reached over a Unix socket
+    tier: int                       # started in ascending order, stopped in descending order
     env: Mapping[str, str] = field(default_factory=dict)
     stop_signal: int = signal.SIGTERM
-    stop_seconds: float = 2.8       # then it is killed; the tiers' sum stays below 5 s
+    stop_seconds: float = 2.8       # killed afterwards; the sum over the tiers must stay below 5 s
     requires: tuple[Path, ...] = () # files that must exist before it can start
+    nice: int = 0                   # lower CPU priority, so that rendering comes first on few cores
 
     def missing(self) -> list[Path]:
         return [path for path in self.requires if not path.exists()]
@@ -51,9 +53,9 @@ class Settings:
     ports: Mapping[str, int]
     layout: Layout
     postgres_password: str
-    sockets: Path | None = None     # where Unix sockets lie; none: in the data directory's run/
+    sockets: Path | None = None     # folder of the Unix sockets; None: run/ of the data directory
     engine: str = "auto"
-    durable: bool = True            # false: tests may lose data when the machine (not a program) dies
+    durable: bool = True            # False: tests accept data loss when the machine (not a program) fails
     extra_env: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -69,7 +71,8 @@ class Settings:
         return f"postgresql://diaphane:{self.postgres_password}@127.0.0.1:{self.ports['postgres']}/diaphane"
 
     def socket(self, name: str) -> Path:
-        """Of Redis, of renderd: files in a folder of mode 0700, so that other users of the machine reach neither."""
+        """Returns the socket of Redis or renderd. It lies in a folder of mode 0700, so that other users of the machine reach
+        neither."""
         return (self.sockets or self.data / "run") / f"{name}.sock"
 
     @property
@@ -78,13 +81,14 @@ class Settings:
 
     @property
     def socket_dir(self) -> str:
-        """Postgres's socket; none where the path would be longer than a socket's name may be (107 bytes)."""
+        """Returns the folder of Postgres's socket, or an empty text if the path would be longer than a socket's name may be (107
+        bytes)."""
         folder = str(self.data / "run")
         return folder if len(folder) < 80 else ""
 
 
 def programs(s: Settings) -> list[Program]:
-    """All programs in the order of their start."""
+    """Returns all programs in the order of their start."""
     return [_postgres(s), _redis(s), _api(s), _gateway(s), _ingestd(s), _renderd(s), _edge(s)]
 
 
@@ -95,8 +99,8 @@ def _inherited(settings: Settings) -> dict[str, str]:
 
 
 def _own(settings: Settings, **values: object) -> dict[str, str]:
-    """Environment of one of our programs: setting `api_port` becomes DIAPHANE_API_PORT. Not on the command line,
-    where everybody on the machine could read the passwords."""
+    """Returns the environment of one of Diaphane's programs, in which the setting `api_port` becomes DIAPHANE_API_PORT. The
+    command line would show passwords to every user of the machine."""
     return _inherited(settings) | {f"DIAPHANE_{k.upper()}": str(v) for k, v in values.items()} | settings.extra_env
 
 
@@ -104,8 +108,8 @@ def _postgres(s: Settings) -> Program:
     argv = [str(POSTGRES_BIN / "postgres"), "-D", str(s.data / "postgres"), "-p", str(s.ports["postgres"]),
             "-c", "listen_addresses=127.0.0.1", "-c", f"unix_socket_directories={s.socket_dir}",
             "-c", "logging_collector=off", "-c", "max_connections=60", "-c", "log_line_prefix=%m ",
-            # Neither statements and their parameters nor the DETAIL of an error, which quotes rows, reach the log:
-            # they hold people's addresses.
+            # Keeps statements, their parameters, and the DETAIL of an error, which quotes rows, out of the log, because they
+            # contain users' addresses.
             "-c", "log_min_error_statement=panic", "-c", "log_parameter_max_length_on_error=0",
             "-c", "log_error_verbosity=terse"]
     if not s.durable:
@@ -113,7 +117,7 @@ def _postgres(s: Settings) -> Program:
     return Program(
         name="postgres", argv=tuple(argv), env=_inherited(s), port=s.ports["postgres"], tier=0,
         ready=Ready("postgres", s.ports["postgres"]), requires=(POSTGRES_BIN / "postgres",),
-        stop_signal=signal.SIGINT, stop_seconds=1.3)   # "fast": ends its sessions, loses nothing
+        stop_signal=signal.SIGINT, stop_seconds=1.3)   # "fast" shutdown: ends its sessions and loses nothing
 
 
 def _redis(s: Settings) -> Program:
@@ -127,7 +131,7 @@ def _redis(s: Settings) -> Program:
 def _api(s: Settings) -> Program:
     binary = s.layout.bin / "diaphane-api"
     return Program(
-        name="api", argv=(str(binary),), port=s.ports["api"], tier=1, requires=(binary,),
+        name="api", argv=(str(binary),), port=s.ports["api"], tier=1, requires=(binary,), nice=5,
         ready=Ready("http", s.ports["api-admin"]),
         env=_own(s, postgres=s.dsn, redis=s.redis, api_port=s.ports["api"],
                  admin_port=s.ports["api-admin"], public_url=s.url,
@@ -146,7 +150,7 @@ def _gateway(s: Settings) -> Program:
 
 
 def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:
-    """Command and environment that bring the database to the newest schema."""
+    """Returns command and environment to migrate the database to the newest schema."""
     argv = [str(s.layout.bin / "diaphane-api"), "migrate", "up", "--migrations", str(s.layout.migrations)]
     return argv, _own(s, postgres=s.dsn)
 
@@ -154,7 +158,7 @@ def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:
 def _ingestd(s: Settings) -> Program:
     binary = s.layout.bin / "diaphane-ingestd"
     return Program(
-        name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,),
+        name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,), nice=10,
         ready=Ready("http", s.ports["ingestd-admin"]),
         env=_own(s, postgres=s.dsn, upload_dir=s.data / "uploads", volume_dir=s.data / "volumes",
                  scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"]))
@@ -171,7 +175,7 @@ def _renderd(s: Settings) -> Program:
 
 
 def nginx_conf(s: Settings, template: str) -> str:
-    """The edge’s configuration with every @NAME@ replaced."""
+    """Returns the edge's configuration with every @NAME@ replaced."""
     values = {
         "LISTEN": f"127.0.0.1:{s.ports['edge']}", "API_PORT": s.ports["api"], "STREAM_PORT": s.ports["stream"],
         "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache",
@@ -181,7 +185,7 @@ def nginx_conf(s: Settings, template: str) -> str:
 
 
 def filled(template: str, values: Mapping[str, object]) -> str:
-    """With each @NAME@ replaced by its value."""
+    """Replaces each @NAME@ by its value."""
     for name, value in values.items():
         template = template.replace(f"@{name}@", str(value))
     return template

@@ -1,4 +1,4 @@
-"""Log-log plots as SVG, without a library: small files, readable on light and dark pages."""
+"""Log-log plots as SVG without a library: small files that are readable on light and dark pages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ WIDTH, HEIGHT = 430, 330            # of one panel
 LEFT, RIGHT, TOP, BOTTOM = 62, 14, 34, 46
 ROW = 17                            # of the legend
 
-# Distinct on white and on near-black, and in their lightness where colours look alike.
+# Distinct on white and on near-black, and different in lightness where hues are similar.
 COLOURS = ("#d1495b", "#2e86ab", "#3c9d5d", "#b8860b", "#8e5bb5", "#7a7a7a", "#d2691e", "#1b998b")
 
 STYLE = """<style>
@@ -37,11 +37,11 @@ class Panel:
     x: str
     y: str
     lines: Sequence[Line] = field(default_factory=tuple)
-    level: float | None = None      # a horizontal line, at a target
+    level: float | None = None      # a horizontal line at a target
 
 
 def svg(title: str, panels: Sequence[Panel], legend: Sequence[tuple[str, int, bool]]) -> str:
-    """The panels side by side; `legend` has name, colour and whether dashed."""
+    """Draws the panels side by side. `legend` has name, colour and whether the line is dashed."""
     width, height = WIDTH * len(panels), 24 + HEIGHT + ROW * len(legend) + 8
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
              f'height="{height}" role="img" aria-label="{escape(title, quote=True)}">', STYLE,
@@ -108,7 +108,7 @@ def _figure(value: float) -> str:
 
 
 class _Axis:
-    """Logarithmic, a little wider than its values."""
+    """A logarithmic axis, slightly wider than its values."""
 
     def __init__(self, values: Sequence[float]) -> None:
         low, high = math.log10(min(values)), math.log10(max(values))

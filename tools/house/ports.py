@@ -1,4 +1,4 @@
-"""Ports: the wanted one, or the next that is free."""
+"""Chooses ports: the requested one, or the next free one."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import random
 import socket
 from typing import Iterable
 
-#: Default ports of one machine (docs/contracts.md), in the order in which they are handed out. Redis and renderd have none: their
-#: sockets are files that nobody else can reach.
+#: Default ports of one machine (docs/contracts.md) in the order of allocation. Redis and renderd use socket files that other
+#: users cannot reach.
 DEFAULTS = {
     "edge": 8080,
     "api": 8081,
@@ -21,7 +21,7 @@ DEFAULTS = {
 
 
 def is_free(port: int) -> bool:
-    """Nobody listens on it, on the loopback or on all addresses."""
+    """Whether no program listens on the port, on the loopback or on all addresses."""
     for address in ("127.0.0.1", "0.0.0.0"):
         with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -36,8 +36,8 @@ _claims: dict[int, socket.socket] = {}
 
 
 def claim(port: int) -> bool:
-    """No other start of Diaphane on this machine has chosen it: two that look at the same moment both find it free, and
-    one of them would fail later. Held by this process until it ends, however it ends (an abstract Unix address)."""
+    """Whether no other start of Diaphane on this machine has claimed the port. Two starts that check at the same time both find
+    it free, and one would fail later. This process holds the claim until it ends in any way (an abstract Unix address)."""
     if port in _claims:
         return True
     mark = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -51,33 +51,33 @@ def claim(port: int) -> bool:
 
 
 def give_back(given: Iterable[int]) -> None:
-    """What was claimed and is needed no more, so that others may have it."""
+    """Releases claimed ports that are no longer needed, so that others can use them."""
     for port in given:
         if mark := _claims.pop(port, None):
             mark.close()
 
 
 def allot(wanted: dict[str, int], free=is_free) -> tuple[dict[str, int], list[str]]:
-    """A port for each name, and what to say of those that were taken."""
+    """Returns a port for each name, and messages about those that were in use."""
     given: dict[str, int] = {}
     notes = []
     for name, first in wanted.items():
-        # Another name's own default is left to it, as long as there is another choice.
+        # Leaves another program's default port free as long as there is another choice.
         reserved = {port for other, port in wanted.items() if other != name}
         port = first
         while port in given.values() or (port != first and port in reserved) or not free(port):
             port += 1
             if port > 65535:
-                raise OSError(f"no free port for {name} from {first} on")
+                raise OSError(f"no free port for {name} at or above {first}")
         if port != first:
-            notes.append(f"port {first} ({name}) is taken, using {port}")
+            notes.append(f"Port {first} ({name}) is in use. Using {port} instead.")
         given[name] = port
     return given, notes
 
 
 def random_free() -> dict[str, int]:
-    """For tests and measurements: free ports below the range from which the kernel takes the ports of outgoing connections,
-    so that nobody takes one of them while a program that had it is being restarted. Claimed: give_back() when all is stopped."""
+    """Returns free ports for tests and measurements, below the range that the kernel uses for outgoing connections, so that none
+    is taken while its program restarts. They are claimed: call give_back() when everything is stopped."""
     given: dict[str, int] = {}
     while len(given) < len(DEFAULTS):
         port = random.randrange(15000, 30000)

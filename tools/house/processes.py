@@ -1,4 +1,4 @@
-"""Processes by identity: a pid alone may have been given to another program since it was written down."""
+"""Processes by identity, because a recorded pid may belong to another program by now."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Identity:
-    """A process: its pid and the time it started, in clock ticks since boot (/proc/PID/stat, field 22)."""
+    """A process: its pid and its start time in clock ticks since boot (/proc/PID/stat, field 22)."""
 
     pid: int
     start: int
@@ -21,11 +21,11 @@ class Identity:
         return None if start is None else Identity(pid, int(start))
 
     def alive(self) -> bool:
-        """False for a zombie too: it runs nothing and holds no port."""
+        """False for a zombie, which runs nothing and holds no port."""
         return _stat(self.pid, 19) == str(self.start) and _stat(self.pid, 0) not in (None, "Z", "X")
 
     def send(self, number: int) -> None:
-        """Signals the process; nothing when it is another by now."""
+        """Signals the process unless its pid belongs to another one by now."""
         if not self.alive():
             return
         try:
@@ -34,10 +34,8 @@ class Identity:
             pass
 
     def group(self) -> list["Identity"]:
-        """Live processes of the session and group that this process was started as leader of, also after its own death.
-
-        Linux gives its pid to nobody else while the group has members, so a leader with another start time means that the
-        group is somebody else's by now."""
+        """Returns live processes of the session and group that this process leads, even after its death. Linux does not reuse its
+        pid while the group has members, so a leader with another start time means that the group belongs to another program."""
         if _stat(self.pid, 19) not in (None, str(self.start)):
             return []
         own = str(self.pid)
@@ -53,14 +51,14 @@ class Identity:
 def _stat(pid: int, field_after_name: int) -> str | None:
     try:
         with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
-            # The name is in brackets and may hold anything, brackets included.
+            # The name is in brackets and may contain anything, including brackets.
             return file.read().rpartition(")")[2].split()[field_after_name]
     except (FileNotFoundError, ProcessLookupError, IndexError):
         return None
 
 
 def wait_gone(identities: list[Identity], seconds: float) -> list[Identity]:
-    """Those still alive after at most `seconds`."""
+    """Returns the processes that are still alive after at most `seconds`."""
     deadline = time.monotonic() + seconds
     left = [i for i in identities if i.alive()]
     while left and time.monotonic() < deadline:
@@ -70,8 +68,8 @@ def wait_gone(identities: list[Identity], seconds: float) -> list[Identity]:
 
 
 def kill_group(leader: Identity, seconds: float = 1.0) -> list[Identity]:
-    """Kills what there is of a program's group: nginx's workers, for instance, outlive a master that was killed, and keep its
-    port. Those that are still alive after `seconds`."""
+    """Kills the rest of a program's group, such as nginx's workers, which outlive a killed master and keep its port. Returns
+    those that are still alive after `seconds`."""
     deadline = time.monotonic() + seconds
     while members := leader.group():
         try:
@@ -85,13 +83,13 @@ def kill_group(leader: Identity, seconds: float = 1.0) -> list[Identity]:
 
 
 def end(identity: Identity, first: int = signal.SIGTERM, seconds: float = 3.0) -> None:
-    """Asks with `first`, then kills what is left of its group."""
+    """Signals the process with `first`, then kills the rest of its group."""
     identity.send(first)
     wait_gone([identity], seconds)
     kill_group(identity)
 
 
 def boot() -> str:
-    """What tells one start of the machine from another: start times of processes count from it."""
+    """Identifies the current boot of the machine, to which start times of processes refer."""
     with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
         return file.read().strip()

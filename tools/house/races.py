@@ -1,4 +1,4 @@
-"""`./diaphane races`: the programs' own tests of everything that has threads, under ThreadSanitizer."""
+"""`./diaphane races`: runs the programs' own multi-threaded tests under ThreadSanitizer."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from pathlib import Path
 from . import build, install, paths
 from .says import HouseError, say, step, warn
 
-#: The test programs in which threads meet; all else is pure functions.
-PROGRAMS = ("common_service_test", "api_redis_test", "api_stream_test", "render_thread_pool_test", "render_composite_test",
+#: The test programs that use several threads. All others test pure functions.
+PROGRAMS = ("common_service_test", "directory_test", "api_stream_test", "render_thread_pool_test", "render_composite_test",
             "render_schedule_test", "render_session_test", "render_encode_test", "render_serve_test", "render_grpc_test",
             "operator_kube_test", "operator_objects_test")
-#: Those that link gRPC, which is compiled without the sanitizer: what its threads do is left out by
-#: `ignore_noninstrumented_modules`. That leaves out every finding of locks taken in two orders too (seen: two in
-#: render_serve_test), so the others run without it.
+#: Programs that link gRPC, which is compiled without the sanitizer. `ignore_noninstrumented_modules` ignores its threads. It also
+#: hides every lock-order inversion (two were found in render_serve_test), so the other programs run without it.
 WITH_GRPC = ("api_stream_test", "render_grpc_test")
 #: A sanitized program is 5 to 15 times slower.
 SECONDS_A_PROGRAM = 1800
@@ -24,19 +23,19 @@ SECONDS_A_PROGRAM = 1800
 
 def run(programs: list[str], may_install: bool = True) -> int:
     if unknown := [name for name in programs if name not in PROGRAMS]:
-        raise HouseError(f"no program '{unknown[0]}'; there are: {', '.join(PROGRAMS)}", 64)
+        raise HouseError(f"unknown program '{unknown[0]}'; choose one of: {', '.join(PROGRAMS)}", 64)
     install.ensure("test", may_install)
     chosen = programs or list(PROGRAMS)
     folder = build.configure("tsan")
     build.ninja(folder, [f"bin/{name}" for name in chosen])
-    step("Looking for races")
+    step("Running the tests under ThreadSanitizer")
     faults = [name for name in chosen if not _is_clean(folder, name)]
     say(f"{len(chosen) - len(faults)} passed, {len(faults)} failed")
     return 1 if faults else 0
 
 
 def sanitizer_options(name: str = WITH_GRPC[0]) -> str:
-    """Those of the test preset, which are for all programs; of one that needs less, less."""
+    """Returns the options of the test preset, which suit all programs, without those that a program does not need."""
     presets = json.loads((paths.REPO / "CMakePresets.json").read_text(encoding="utf-8"))["testPresets"]
     [options] = [preset["environment"]["TSAN_OPTIONS"] for preset in presets if preset["name"] == "tsan"]
     if name not in WITH_GRPC:
@@ -50,10 +49,10 @@ def _is_clean(folder: Path, name: str) -> bool:
                               stderr=subprocess.STDOUT, text=True, errors="replace", timeout=SECONDS_A_PROGRAM,
                               env={**os.environ, "TSAN_OPTIONS": sanitizer_options(name)})
     except subprocess.TimeoutExpired:
-        warn(f"{name} did not end within {SECONDS_A_PROGRAM} s")
+        warn(f"{name} did not finish within {SECONDS_A_PROGRAM} s")
         return False
     races = done.stdout.count("WARNING: ThreadSanitizer")
-    say(f"{name:<26} {'well' if done.returncode == 0 else f'FAILED, {races} findings'}")
+    say(f"{name:<26} {'passed' if done.returncode == 0 else f'FAILED, {races} findings'}")
     if done.returncode != 0:
         warn("\n".join(done.stdout.splitlines()[-200:]))
     return done.returncode == 0

@@ -1,4 +1,4 @@
-"""Whether a program is ready, asked from outside as anybody would. Each answer comes within a second."""
+"""Checks from outside whether a program is ready. Each check takes at most one second."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def is_ready(probe: Ready) -> bool:
 
 
 def readyz(port: int) -> dict:
-    """The JSON of a program's /readyz, ready or not; empty when it gives none."""
+    """Returns the JSON of a program's /readyz, ready or not, or an empty result without an answer."""
     try:
         answer = json.loads(_get(port, "/readyz")[1])
         return answer if isinstance(answer, dict) else {}
@@ -27,7 +27,7 @@ def readyz(port: int) -> dict:
 
 
 def redis_command(path: str, *words: str) -> bytes:
-    """The raw answer (RESP) to one small command."""
+    """Returns the raw response (RESP) to one small command."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
         connection.settimeout(1.0)
         connection.connect(path)

@@ -1,4 +1,4 @@
-"""Recorded interaction (docs/contracts.md) played again: over a live session's link at its own pace, or as pictures."""
+"""Replay a recorded interaction (docs/contracts.md): in a live session in real time, or as pictures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LONGEST_PAUSE_MS = 10_000
 
 
 def read(path: Path) -> dict:
-    """The recording, checked: what is not one is said to be none."""
+    """Returns the recording after validation. Reports files that are not recordings."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -32,21 +32,21 @@ def read(path: Path) -> dict:
     except ValueError as error:
         raise HouseError(f"{path} is not JSON") from error
     if not isinstance(document, dict) or document.get("format") != "diaphane-interaction" or document.get("version") != 1:
-        raise HouseError(f"{path} is no recording of interaction, or one of a later version")
+        raise HouseError(f"{path} is not an interaction recording, or its version is not supported")
     events = document.get("events")
     if not isinstance(events, list) or not events or "scene" not in events[0]:
-        raise HouseError(f"{path}: a recording begins with a scene")
+        raise HouseError(f"{path}: a recording must begin with a scene")
     before = 0
     for number, event in enumerate(events):
         known = isinstance(event, dict) and isinstance(event.get("at_ms"), int) and ("scene" in event) != ("camera" in event)
         if not known or not 0 <= event["at_ms"] - before <= LONGEST_PAUSE_MS:
-            raise HouseError(f"{path}: event {number} is wrong")
+            raise HouseError(f"{path}: event {number} is invalid")
         before = event["at_ms"]
     return document
 
 
 def scenes(document: dict) -> list[tuple[int, dict]]:
-    """Whole scenes and when they were shown, in ms from the first."""
+    """Returns whole scenes with the times at which they were shown, in ms from the first."""
     played, scene = [], {}
     for event in document["events"]:
         scene = copy.deepcopy(event["scene"]) if "scene" in event else {**scene, "camera": event["camera"]}
@@ -55,7 +55,7 @@ def scenes(document: dict) -> list[tuple[int, dict]]:
 
 
 def shown_at(played: list[tuple[int, dict]], frames_per_second: float) -> list[dict]:
-    """The scene of each frame: the newest that was there by then. The last frame shows the last one."""
+    """Returns the scene of each frame, which is the newest at that time. The last frame shows the last scene."""
     frames, next_one = [], 0
     for frame in range(math.ceil(played[-1][0] * frames_per_second / 1000) + 1):
         while next_one + 1 < len(played) and played[next_one + 1][0] <= frame * 1000 / frames_per_second:
@@ -78,7 +78,7 @@ def to_pictures(document: dict, scan: str, out: Path, frames_per_second: float, 
         scene_file = Path(folder) / "scene.json"
         for number, scene in enumerate(frames):
             picture = out / f"{number:05}.png"
-            if before and before[0] == scene:    # a pause: the same picture
+            if before and before[0] == scene:    # a pause with the same picture
                 picture.write_bytes(before[1].read_bytes())
                 continue
             scene_file.write_text(json.dumps(scene), encoding="utf-8")
@@ -87,29 +87,29 @@ def to_pictures(document: dict, scan: str, out: Path, frames_per_second: float, 
             if done.returncode != 0:
                 raise HouseError(done.stderr.strip(), code=done.returncode)
             before = (scene, picture)
-            say(f"{number + 1} of {len(frames)}")
+            say(f"Rendered picture {number + 1} of {len(frames)}")
 
 
 def join(link: str, name: str) -> tuple[str, str, str]:
-    """Origin, stream address and participant of a guest by that link."""
+    """Returns origin, stream address and participant of a guest who joins by that link."""
     parts = urlsplit(link)
     origin = f"{parts.scheme}://{parts.netloc}"
     if parts.scheme not in ("http", "https") or parts.path != "/join" or len(parts.fragment) != 64:
-        raise HouseError("the link is one that the Share button makes: http://…/join#…")
+        raise HouseError("not a session link. Copy it from the Share dialog: http://…/join#…")
     body = json.dumps({"token": parts.fragment, "key": secrets.token_hex(32), "name": name}).encode()
     request = urllib.request.Request(origin + "/v1/join", body, {"Content-Type": "application/json", "Origin": origin})
     try:
         with urllib.request.urlopen(request, timeout=20) as answer:
             joined = json.load(answer)
     except urllib.error.HTTPError as refused:
-        raise HouseError(json.load(refused).get("detail", "the link leads nowhere")) from refused
+        raise HouseError(json.load(refused).get("detail", "the server rejected the link")) from refused
     except OSError as away:
-        raise HouseError(f"{origin} cannot be reached") from away
+        raise HouseError(f"cannot connect to {origin}") from away
     return origin, joined["stream_url"], joined["participant"]
 
 
 def over_link(document: dict, link: str, patience_s: float = 600) -> int:
-    """Plays it in a live session, once it is given the presenter's role. How many scenes were sent."""
+    """Plays it in a live session once it has the presenter's role. Returns how many scenes were sent."""
     from google.protobuf import json_format
     from websockets.sync.client import connect
 
@@ -128,7 +128,7 @@ def over_link(document: dict, link: str, patience_s: float = 600) -> int:
         socket.send(hello.SerializeToString())
 
         def hear(until: float) -> bool:
-            """Acknowledges what comes until then; whether the role is here."""
+            """Acknowledges messages until then. Returns whether this guest presents."""
             nonlocal presents
             while (left := until - time.monotonic()) > 0:
                 try:
@@ -147,16 +147,16 @@ def over_link(document: dict, link: str, patience_s: float = 600) -> int:
             return presents
 
         presents = False
-        say("Joined as \"Replay\". Give it the presenter's role (Share, Let Replay present).")
+        say("Joined as \"Replay\". In the Share dialog, make \"Replay\" the presenter.")
         waited = time.monotonic() + patience_s
         while not hear(min(waited, time.monotonic() + 0.2)):
             if time.monotonic() >= waited:
-                raise HouseError("nobody gave it the presenter's role")
+                raise HouseError("nobody made \"Replay\" the presenter in time")
         played = scenes(document)
         begun = time.monotonic()
         for number, (at_ms, scene) in enumerate(played, 1):
             if not hear(begun + at_ms / 1000) and not presents:
-                say("The presenter's role was given to somebody else.")
+                say("Someone else became the presenter, so the replay stopped.")
                 return number - 1
             update = kinds["ClientMessage"]()
             update.scene.input_seq = number
@@ -176,13 +176,13 @@ def _in_venv(rest: list[str]) -> int:
 
 def run(rest: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="./diaphane replay", description=__doc__)
-    parser.add_argument("recording", type=Path, help="as exported from the viewer")
+    parser.add_argument("recording", type=Path, help="recording exported from the viewer")
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--link", help="of a live session (the viewer's Share button): played there at its own pace")
-    where.add_argument("--scan", help="folder or file with a scan: rendered to pictures")
-    parser.add_argument("--out", type=Path, help="folder for the pictures")
-    parser.add_argument("--fps", type=float, default=10, help="pictures a second of the recording (10)")
-    parser.add_argument("--samples", type=int, default=16, help="of each pixel of a picture (16)")
+    where.add_argument("--link", help="link to a live session (from the viewer's Share dialog), to replay in real time")
+    where.add_argument("--scan", help="folder or file with a scan, to render to pictures")
+    parser.add_argument("--out", type=Path, help="output folder for the pictures")
+    parser.add_argument("--fps", type=float, default=10, help="pictures per second of the recording (default: 10)")
+    parser.add_argument("--samples", type=int, default=16, help="samples per pixel (default: 16)")
     options = parser.parse_args(rest)
     document = read(options.recording)
     if options.link:
@@ -190,10 +190,10 @@ def run(rest: list[str]) -> int:
             import websockets  # noqa: F401
         except ImportError:
             return _in_venv(rest)
-        say(f"{over_link(document, options.link)} scenes played.")
+        say(f"{over_link(document, options.link)} scenes replayed.")
     else:
         if options.out is None or not 0 < options.fps <= 120 or options.samples < 1:
-            parser.error("--scan needs --out FOLDER, --fps from 0 to 120, --samples from 1")
+            parser.error("--scan requires --out FOLDER, --fps above 0 and at most 120, and --samples of at least 1")
         to_pictures(document, options.scan, options.out, options.fps, options.samples)
     return 0
 

@@ -1,7 +1,5 @@
-"""What Diaphane is made of, as CycloneDX 1.6: Debian's packages by program, npm's and PyPI's locked ones, Go's modules.
-
-`document` is a pure function of `Part`s; the rest reads them from programs, dpkg and lock files.
-"""
+"""The components of Diaphane as CycloneDX 1.6: Debian's packages per program, locked npm and PyPI packages, and Go modules.
+`document` is a pure function of `Part`s. The rest reads them from programs, dpkg and lock files."""
 
 from __future__ import annotations
 
@@ -18,13 +16,13 @@ from urllib.parse import quote
 from . import build, packages, paths
 from .says import HouseError, say, to_stderr
 
-#: Of the URN that the document's own number is made from.
+#: Namespace of the URN that identifies the document.
 _NAMESPACE = uuid.UUID("9c1f8b52-6c0e-4a4f-9a5b-2f6d3e8a7c41")
 
 
 @dataclass(frozen=True)
 class Part:
-    """`kind`: deb, npm, pypi or golang. `needed`: by what runs; else by building and testing alone."""
+    """`kind`: deb, npm, pypi or golang. `needed`: needed at run time, not only for building and testing."""
 
     kind: str
     name: str
@@ -36,9 +34,9 @@ class Part:
 
     @property
     def url(self) -> str:
-        """Its package URL (purl-spec)."""
+        """Returns the package URL (purl-spec)."""
         name = {"pypi": re.sub(r"[-_.]+", "-", self.name).lower(), "deb": f"debian/{self.name}"}.get(self.kind, self.name)
-        # "+", ":" and "@" stand for something else there.
+        # "+", ":" and "@" have special meanings in URLs.
         url = f"pkg:{self.kind}/{quote(name, safe='/-._~')}@{quote(self.version, safe='-._~')}"
         return url + (f"?arch={self.arch}" if self.arch else "")
 
@@ -50,7 +48,7 @@ class Program:
 
 
 def document(version: str, when: str, programs: Sequence[Program], parts: Iterable[Part]) -> dict:
-    """The same parts give the same document. `when`: RFC 3339."""
+    """Returns the same document for the same parts. `when`: RFC 3339."""
     merged: dict[str, Part] = {}
     for part in parts:
         known = merged.get(part.url)
@@ -98,14 +96,14 @@ def npm_parts(lock: dict) -> list[Part]:
 
 
 def python_parts(text: str) -> list[Part]:
-    """Of a requirements file; all of PyPI's are for building and testing."""
+    """Returns the parts of a requirements file. All PyPI packages are for building and testing."""
     lines = (line.partition("#")[0].strip() for line in text.splitlines())
     found = (re.fullmatch(r"([A-Za-z0-9._-]+)(?:\[[^\]]*\])?==(\S+)", line) for line in lines if line)
     return [Part("pypi", match[1], match[2], needed=False) for match in found if match]
 
 
 def go_parts(text: str, needed: bool = True) -> list[Part]:
-    """Of a go.mod; a module that is replaced by another is that one."""
+    """Returns the parts of a go.mod. A replaced module counts as its replacement."""
     required: dict[str, str] = {}
     replaced: dict[str, tuple[str, str]] = {}
     block = ""
@@ -124,22 +122,23 @@ def go_parts(text: str, needed: bool = True) -> list[Part]:
     return [Part("golang", *replaced.get(name, (name, version)), needed) for name, version in required.items()]
 
 
-# What is installed
+# Installed packages
 
 def linked_files(program: Path) -> list[Path]:
-    """The libraries that the loader would load."""
+    """Returns the libraries that the loader would load."""
     done = subprocess.run(["ldd", str(program)], capture_output=True, text=True)
     if done.returncode != 0:
         return []                          # a script, or linked statically
     lost = re.findall(r"(\S+) => not found", done.stdout)
     if lost:
-        raise HouseError(f"{program.name} needs {', '.join(lost)}, which this machine does not have")
+        raise HouseError(f"{program.name} needs shared libraries that are not installed: {', '.join(lost)}")
     return [Path(found) for found in re.findall(r"(/\S+) \(0x", done.stdout)]
 
 
 def owners(files: Iterable[Path]) -> dict[Path, str]:
-    """Debian's package of each file, as dpkg-query names it (with `:amd64` where it has one); those of none are left out."""
-    # A library that was loaded as /lib/x may be known as /usr/lib/x, and the other way round.
+    """Returns the Debian package of each file as dpkg-query names it (with `:amd64` where applicable). Skips files without a
+    package."""
+    # dpkg may know a library loaded as /lib/x as /usr/lib/x, and the other way round.
     names: dict[str, Path] = {}
     for file in files:
         real = str(file.resolve())
@@ -157,7 +156,7 @@ def owners(files: Iterable[Path]) -> dict[Path, str]:
 
 
 def debian_parts(names: Iterable[str], needed: bool) -> dict[str, Part]:
-    """By the name that was asked for; what is not installed is left out."""
+    """Returns parts by the requested names. Skips packages that are not installed."""
     asked = sorted(set(names))
     if not asked:
         return {}
@@ -171,17 +170,17 @@ def debian_parts(names: Iterable[str], needed: bool) -> dict[str, Part]:
     return {name: made[name] for name in asked if name in made}
 
 
-#: Programs that `./diaphane up` starts and Debian has made.
+#: Debian's programs that `./diaphane up` starts.
 RUN = ("nginx-light", "libnginx-mod-http-lua", "postgresql", "redis-server")
-#: Compiled in from their headers alone, so that no program links them.
+#: Header-only libraries, which no program links.
 HEADERS_ONLY = ("libboost-dev", "libexpected-dev", "nlohmann-json3-dev", "libtinyexr-dev")
 
 
 def here(folder: Path) -> tuple[list[Program], list[Part]]:
-    """Of the programs in `folder`, of this checkout's lock files, and of this machine's Debian packages."""
+    """Returns the parts of the programs in `folder`, of this checkout's lock files, and of this machine's Debian packages."""
     binaries = sorted(file for file in folder.glob("diaphane-*") if file.is_file() and not file.name.endswith(("_test", "_bench")))
     if not binaries:
-        raise HouseError(f"there are no programs in {folder}; `./diaphane up` builds them")
+        raise HouseError(f"no programs found in {folder}. Run ./diaphane up to build them")
     linked = {file: linked_files(file) for file in binaries}
     owner = owners({library for libraries in linked.values() for library in libraries})
     libraries = debian_parts(owner.values(), needed=True)
@@ -190,7 +189,7 @@ def here(folder: Path) -> tuple[list[Program], list[Part]]:
     parts = list(libraries.values()) + list(debian_parts((*RUN, *HEADERS_ONLY), needed=True).values())
     parts += debian_parts(packages.wanted(), needed=False).values()
     parts += npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
-    for file in (paths.TOOLS / "requirements.txt", paths.TOOLS / "check-requirements.txt", paths.REPO / "tests" / "requirements.txt"):
+    for file in (paths.TOOLS / "requirements.txt", paths.TOOLS / "cuda-requirements.txt", paths.TOOLS / "check-requirements.txt", paths.REPO / "tests" / "requirements.txt"):
         parts += python_parts(file.read_text(encoding="utf-8"))
     for file in sorted(paths.REPO.rglob("go.mod")):
         if not {"node_modules", "build", ".tools"} & set(file.parts):

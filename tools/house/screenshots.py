@@ -1,5 +1,5 @@
-"""`./diaphane screenshots FOLDER`: a picture of every page and of every step through the viewer, at three sizes, light and dark,
-for somebody to look at. `./diaphane guide`: those that docs/guide.md shows."""
+"""`./diaphane screenshots FOLDER`: screenshots of every page and every step through the viewer, in three sizes, light and dark,
+for manual review. `./diaphane guide`: those of docs/guide.md."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .stack import Stack
 
 SIZES = {"phone": (390, 844), "tablet": (820, 1180), "desk": (1440, 900)}
 LOOKS = ("light", "dark")
-#: What docs/guide.md shows: steps, some of them on a telephone.
+#: The steps that docs/guide.md shows, some of them on a phone.
 GUIDE = paths.REPO / "docs" / "guide"
 GUIDE_SIZES = {"desk": (1200, 750), "phone": (390, 844)}
 
@@ -34,7 +34,7 @@ def run(out: Path, only: str, one_size: str | None = None, one_look: str | None 
                 for name, page in _pages(browser, stack, person, shown, (width, height), look, only):
                     page.screenshot(path=out / f"{name}-{size}-{look}.png", full_page=page.locator(".viewer").count() == 0)
                     made += 1
-    say(f"{made} pictures in {out}")
+    say(f"{made} screenshots saved to {out}")
     return 0
 
 
@@ -42,7 +42,7 @@ def guide() -> int:
     GUIDE.mkdir(parents=True, exist_ok=True)
     wanted = re.findall(r"\(guide/([\w-]+?)(-phone)?\.jpg\)", GUIDE.with_suffix(".md").read_text(encoding="utf-8"))
     if unknown := {name for name, _ in wanted} - {step.name for step in viewer_walk.STEPS}:
-        raise HouseError(f"docs/guide.md shows what no step of the walk leads to: {', '.join(sorted(unknown))}")
+        raise HouseError(f"docs/guide.md uses pictures that no step of viewer_walk.py makes: {', '.join(sorted(unknown))}")
     with _seen() as (browser, stack, person, shown):
         for size, window in GUIDE_SIZES.items():
             steps = [step for step, phone in wanted if bool(phone) == (size == "phone")]
@@ -51,13 +51,13 @@ def guide() -> int:
             for name in viewer_walk.walk(page, f"{stack.settings.url}/view/{shown}", only=steps):
                 page.screenshot(path=GUIDE / f"{name}{'-phone' if size == 'phone' else ''}.jpg", type="jpeg", quality=82)
             context.close()
-    say(f"Pictures in {GUIDE}")
+    say(f"Pictures saved to {GUIDE}")
     return 0
 
 
 @contextmanager
 def _seen() -> Iterator[tuple]:
-    """A browser, a running service, a person there who has scans, the one that can be looked at."""
+    """Yields a browser, a running service, a user with scans, and the scan to view."""
     install.ensure("bench")
     if not bench.in_venv():
         raise SystemExit(bench.again_in_venv())
@@ -74,7 +74,7 @@ def _seen() -> Iterator[tuple]:
 
 
 def _scans(stack: Stack, person: Person, folder: Path) -> str:
-    """One that is ready, and one in each other state that a card can have; the id of the first."""
+    """Creates one scan that is ready and one in each other state of a card. Returns the id of the first."""
     bundle = cranium(stack, folder)
     ready = person.upload(bundle)
     person.wait_ready(ready)
@@ -96,7 +96,7 @@ def _scans(stack: Stack, person: Person, folder: Path) -> str:
 
 
 def _pages(browser, stack: Stack, person: Person, shown: str, size: tuple[int, int], look: str, only: str) -> Iterator[tuple[str, object]]:
-    """(name, page that shows it), one after the other."""
+    """Yields (name, page that shows it), one after the other."""
     url = stack.settings.url
     for who in (page_walk.NOBODY, page_walk.PERSON):
         context = _context(browser, stack, person if who == page_walk.PERSON else None, size, look)
@@ -105,7 +105,7 @@ def _pages(browser, stack: Stack, person: Person, shown: str, size: tuple[int, i
             if place.who != who or only not in place.name:
                 continue
             page_walk.go(page, url, place, shown)
-            page.wait_for_timeout(400)    # pictures that come later
+            page.wait_for_timeout(400)    # wait for pictures that load late
             yield place.name, page
             if place.path == "/add" and who == page_walk.PERSON:
                 yield from _found(page, stack)
@@ -127,7 +127,7 @@ def _context(browser, stack: Stack, person: Person | None, size: tuple[int, int]
 
 
 def _found(page, stack: Stack) -> Iterator[tuple[str, object]]:
-    """What the page says of a disc: one series that fits, and some that do not."""
+    """Yields the page's results for a disc: one suitable series and some unsuitable ones."""
     with tempfile.TemporaryDirectory() as folder:
         disc = Path(folder) / "disc"
         subprocess.run([str(stack.layout.bin / "diaphane-sample"), "--write-dicom", str(disc)], check=True, stdout=subprocess.DEVNULL)

@@ -1,4 +1,4 @@
-"""Carries out the plan of one machine: starts its programs, restarts those that die, stops them in order."""
+"""Executes the plan of one machine: starts its programs, restarts those that die, and stops them in order."""
 
 from __future__ import annotations
 
@@ -20,22 +20,28 @@ from .ready import is_ready
 from .says import HouseError
 from .users import RunAs
 
-BACKOFF_FIRST, BACKOFF_MOST = 0.1, 2.0   # seconds; doubled at each death, forgotten after 10 s of life
-CONFIG_EXITS = (64, 78)                  # bad command line, bad setting: starting again cannot help
-#: Core files would keep what is deleted: no program writes one, nor what it starts.
+BACKOFF_FIRST, BACKOFF_MOST = 0.1, 2.0   # seconds; doubled at each death, reset after 10 s of life
+CONFIG_EXITS = (64, 78)                  # wrong command line or setting, where a restart cannot help
+#: Core files would contain deleted data, so no program or child of it writes one.
 WITHOUT_CORE_FILES = ("/bin/sh", "-c", 'ulimit -c 0; exec "$0" "$@"')
+
+
+def _with_priority(nice: int) -> tuple[str, ...]:
+    """Returns the prefix of a command line that sets this CPU priority. Each of the programs replaces itself by the next, so that
+    the process stays the same."""
+    return ("/usr/bin/nice", "-n", str(nice)) if nice else ()
 
 
 @dataclass
 class Running:
-    """A program of the plan and the process that carries it out at the moment."""
+    """A program of the plan and its current process."""
 
     program: Program
     process: subprocess.Popen | None = None
     identity: Identity | None = None
     wanted: bool = False
     started_at: float = 0.0
-    start_at: float = 0.0                # monotonic; when a dead one is started again
+    start_at: float = 0.0                # monotonic time at which to restart a dead program
     backoff: float = BACKOFF_FIRST
     restarts: int = 0
     last_exit: int | None = None
@@ -44,7 +50,7 @@ class Running:
 
 @dataclass
 class Stack:
-    """Programs of one data directory, held by this process. Use start() and stop(), or `with`."""
+    """The running programs of one data directory. Use start() and stop(), or `with`."""
 
     data: Path
     ports: dict[str, int]
@@ -52,11 +58,11 @@ class Stack:
     run_as: RunAs = field(default_factory=RunAs)
     engine: str = "auto"
     durable: bool = True
-    only: Iterable[str] | None = None    # names of the programs to run; all of them when None
+    only: Iterable[str] | None = None    # names of the programs to run; None: all
     extra_env: dict[str, str] = field(default_factory=dict)
     on_event: Callable[[str], None] = lambda text: None
-    log_limit: int = logfiles.LIMIT_BYTES    # of a program's log, before it is moved aside
-    stop_requested: threading.Event = field(default_factory=threading.Event)  # gives up a start that goes on
+    log_limit: int = logfiles.LIMIT_BYTES    # of a program's log before it is rotated
+    stop_requested: threading.Event = field(default_factory=threading.Event)  # aborts a start in progress
 
     def __post_init__(self) -> None:
         self.data = Path(self.data).resolve()
@@ -71,11 +77,11 @@ class Stack:
     # Start and stop
 
     def start(self, timeout: float = 60.0) -> "Stack":
-        """Starts everything and returns when all is ready. HouseError, with nothing left running, when it cannot."""
+        """Starts everything and returns when all programs are ready. Otherwise, raises HouseError with nothing left running."""
         datadir.prepare(self.data, self.run_as)
         self.lock_ = datadir.Lock(self.data)
         if not self.lock_.take():
-            raise HouseError(f"Diaphane runs already on {self.data}")
+            raise HouseError(f"Diaphane is already running on {self.data}")
         try:
             self._start(time.monotonic() + timeout)
         except BaseException:
@@ -104,12 +110,12 @@ class Stack:
                 superuser = datadir.secret(self.data, "postgres-superuser", self.run_as)
                 cluster.make_database(self.ports["postgres"], superuser, self.settings.postgres_password)
                 if "api" in self.running_:
-                    self._migrate()
+                    self.migrate()
         self.serving = True
         self._record()
 
     def stop(self) -> None:
-        """Stops all within 5 s, the edge first and the stores last. May be called at any time, and twice."""
+        """Stops all programs within 5 s, the edge first and the stores last. May be called at any time and repeatedly."""
         self.serving = False
         self.stopping_.set()
         if self.watcher_ and self.watcher_ is not threading.current_thread():
@@ -142,7 +148,7 @@ class Stack:
                 self._spawn(entry)
 
     def stop_program(self, name: str) -> None:
-        """Stops it in order and leaves it stopped until start_program()."""
+        """Stops the program in order and keeps it stopped until start_program()."""
         with self.guard_:
             entry = self.running_[name]
             entry.wanted = False
@@ -152,7 +158,7 @@ class Stack:
             self._record()
 
     def kill(self, name: str, restart: bool = True) -> int:
-        """SIGKILL, as a fault would; the supervisor starts it again unless told otherwise. The pid it had."""
+        """Sends SIGKILL to simulate a fault. The supervisor restarts the program unless `restart` is false. Returns the pid."""
         with self.guard_:
             entry = self.running_[name]
             entry.wanted = restart
@@ -164,17 +170,17 @@ class Stack:
         return identity.pid
 
     def wait_ready(self, name: str, timeout: float = 20.0) -> None:
-        """Until the program runs and says that it is ready. HouseError, with the end of its log, when it does not."""
+        """Waits until the program runs and reports that it is ready. Otherwise, raises HouseError with the end of its log."""
         deadline = time.monotonic() + timeout
         entry = self.running_[name]
         while True:
             identity = entry.identity
-            # Asked before and after: an answer of a process that was just killed says nothing of the next one.
+            # Checked before and after, because an answer from a process that was just killed says nothing about its successor.
             if identity and identity.alive() and is_ready(entry.program.ready) and entry.identity == identity:
                 entry.ever_ready = True
                 return
             if time.monotonic() > deadline:
-                raise HouseError(f"{name} is not ready after {timeout:.0f} s{self._last_words(name)}")
+                raise HouseError(f"{name} was not ready after {timeout:.0f} s{self._last_words(name)}")
             time.sleep(0.03)
 
     def is_ready(self, name: str) -> bool:
@@ -194,7 +200,7 @@ class Stack:
     def log_path(self, name: str) -> Path:
         return self.data / "logs" / f"{name}.log"
 
-    # Inside
+    # Internals
 
     def _make_settings(self) -> None:
         for name in ("postgres-superuser", "sample-token", "factor-key"):
@@ -214,23 +220,23 @@ class Stack:
         missing = {p.name: p.missing() for p in programs if p.missing()}
         if missing:
             lines = [f"  {name}: {', '.join(map(str, files))}" for name, files in missing.items()]
-            raise HouseError("not built or not installed yet:\n" + "\n".join(lines))
+            raise HouseError("files are missing (not built or not installed):\n" + "\n".join(lines))
 
     def _end_leftovers(self) -> None:
-        """Ends what a supervisor that was killed left behind, after making sure that each is still that process, or its group."""
+        """Ends processes that a killed supervisor left behind, after verifying the identity of each process or its group."""
         left = datadir.left_running(datadir.read_record(self.data))[::-1]
         if not left:
             return
-        self.on_event("ending what an earlier run left behind: " + ", ".join(name for name, _ in left))
+        self.on_event("Stopping programs left behind by an earlier run: " + ", ".join(name for name, _ in left))
         for name, identity in left:
             end(identity, signal.SIGINT if name == "postgres" else signal.SIGTERM)
 
-    def _migrate(self) -> None:
+    def migrate(self) -> None:
         argv, env = plan.migrate(self.settings)
         done = subprocess.run(argv, env=env, cwd="/", capture_output=True, text=True, timeout=120,
                               **self.run_as.popen())
         if done.returncode != 0:
-            raise HouseError(f"the migration of the database failed (exit {done.returncode}):\n"
+            raise HouseError(f"the database migration failed (exit {done.returncode}):\n"
                              f"{done.stdout}{done.stderr}".rstrip())
 
     def _spawn(self, entry: Running) -> None:
@@ -238,10 +244,10 @@ class Stack:
         handle = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         self.run_as.own(log)
         try:
-            # A group of its own: Ctrl-C in the terminal reaches only the supervisor, which stops all in order.
+            # A separate group, so that Ctrl-C in the terminal reaches only the supervisor, which stops everything in order.
             entry.process = subprocess.Popen(
-                [*WITHOUT_CORE_FILES, *entry.program.argv], env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL,
-                stdout=handle, stderr=handle, start_new_session=True, umask=0o077, **self.run_as.popen())
+                [*_with_priority(entry.program.nice), *WITHOUT_CORE_FILES, *entry.program.argv],
+                env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL, stdout=handle, stderr=handle, start_new_session=True, umask=0o077, **self.run_as.popen())
         finally:
             os.close(handle)
         entry.identity = Identity.of(entry.process.pid)
@@ -264,14 +270,14 @@ class Stack:
         if entry.process is not None and entry.process.poll() is not None:
             entry.last_exit = entry.process.returncode
             if entry.identity and kill_group(entry.identity):
-                self.on_event(f"processes that {entry.program.name} started cannot be ended")
+                self.on_event(f"Child processes of {entry.program.name} could not be stopped")
             entry.process = entry.identity = None
             if now - entry.started_at > 10:
                 entry.backoff = BACKOFF_FIRST
             entry.start_at = now + entry.backoff
             entry.backoff = min(2 * entry.backoff, BACKOFF_MOST)
             if entry.wanted:
-                self.on_event(f"{entry.program.name} ended ({_manner(entry.last_exit)}); starting it again")
+                self.on_event(f"{entry.program.name} exited ({_manner(entry.last_exit)}). Restarting it.")
             self._record()
         if entry.process is None and entry.wanted and now >= entry.start_at and self._may_start(entry):
             entry.restarts += 1
@@ -284,19 +290,19 @@ class Stack:
         entry = self.running_[name]
         while time.monotonic() < deadline and not self.stop_requested.is_set():
             if entry.process is None and entry.last_exit in CONFIG_EXITS:
-                raise HouseError(f"{name} refuses its settings (exit {entry.last_exit}){self._last_words(name)}")
+                raise HouseError(f"{name} rejected its configuration (exit {entry.last_exit}){self._last_words(name)}")
             if entry.restarts >= 4:
-                raise HouseError(f"{name} keeps ending ({_manner(entry.last_exit)}){self._last_words(name)}")
+                raise HouseError(f"{name} keeps exiting ({_manner(entry.last_exit)}){self._last_words(name)}")
             if self.is_ready(name):
                 entry.ever_ready = True
                 return
             time.sleep(0.03)
         if self.stop_requested.is_set():
-            raise HouseError("stopped before it was ready", 130)
-        raise HouseError(f"{name} does not become ready{self._last_words(name)}")
+            raise HouseError("stopped before everything was ready", 130)
+        raise HouseError(f"{name} did not become ready in time{self._last_words(name)}")
 
     def _stop_tier(self, entries: list[Running]) -> None:
-        # Taken once: the watcher forgets a process as soon as it has ended.
+        # Copied, because the watcher drops a process as soon as it has ended.
         alive = [(e, e.process, e.identity) for e in entries if e.process and e.identity]
         for entry, _, identity in alive:
             identity.send(entry.program.stop_signal)
@@ -305,16 +311,16 @@ class Stack:
             try:
                 process.wait(max(0.0, deadline - time.monotonic()))
             except subprocess.TimeoutExpired:
-                self.on_event(f"{entry.program.name} did not stop in time; killing it")
+                self.on_event(f"{entry.program.name} did not stop in time. Killing it.")
                 identity.send(signal.SIGKILL)
                 process.wait(1)
-            # What a program that died in its stride left of its own children.
+            # Children left by a program that crashed.
             kill_group(identity)
             entry.identity = None
 
     def _last_words(self, name: str) -> str:
         text = logfiles.tail(self.log_path(name))
-        return f"; the end of {self.log_path(name)}:\n{text}" if text else ""
+        return f"; last lines of {self.log_path(name)}:\n{text}" if text else ""
 
     def _record(self) -> None:
         with self.guard_:

@@ -1,4 +1,4 @@
-"""Work that is skipped while its inputs are unchanged, told by their contents and not by their times."""
+"""Skips work while its inputs are unchanged, judged by their contents and not by their times."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from . import paths
 
 
 def digest(inputs: Iterable[Path], *words: str) -> str:
-    """Over names and contents of files, directories taken whole; `words` are further inputs."""
+    """Hashes names and contents of files, including all files of directories. `words` are further inputs."""
     sums = hashlib.sha256("\0".join(words).encode())
     for path in inputs:
         for file in sorted(path.rglob("*")) if path.is_dir() else [path]:

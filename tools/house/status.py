@@ -1,4 +1,4 @@
-"""What runs on a data directory, and whether each program is ready."""
+"""Reports what runs on a data directory, and whether each program is ready."""
 
 from __future__ import annotations
 
@@ -37,23 +37,23 @@ def status(data: Path) -> dict:
 
 
 def _engine(entry: dict) -> dict:
-    """Engine and device, as the worker itself says."""
+    """Returns engine and device as the worker reports them."""
     return ready.readyz(entry["admin_port"]) if datadir.recorded(entry) and entry.get("admin_port") else {}
 
 
 def show(data: Path, as_json: bool) -> int:
-    """0 when all is ready, 3 when nothing runs (as LSB says), 1 in between."""
+    """Returns 0 if everything is ready, 3 if nothing runs (as in LSB), otherwise 1."""
     now = status(data)
     all_ready = all(program["ready"] for program in now["programs"])
     if as_json:
         say(json.dumps(now, indent=1))
     elif not any(program["running"] for program in now["programs"]):
-        say(f"Nothing runs on {data}")
+        say(f"Diaphane is not running on {data}")
     else:
-        say(now["url"] or "no supervisor: what runs was left behind (./diaphane up or down takes care of it)")
+        say(now["url"] or "The supervisor has died. Run ./diaphane down to stop its programs, or ./diaphane up to restart.")
         for program in now["programs"]:
             state = "ready" if program["ready"] else "not ready" if program["running"] else "not running"
-            restarts = f", started again {program['restarts']} times" if program["restarts"] else ""
+            restarts = f", restarts: {program['restarts']}" if program["restarts"] else ""
             say(f"  {program['name']:<9} {program['port'] or '-':>6}  {state}{restarts}")
         say(f"  engine: {now['engine'] or 'unknown'}, device: {now['device'] or 'unknown'}")
     if not any(program["running"] for program in now["programs"]):

@@ -1,4 +1,4 @@
-"""`up` once everything is built: holds the stack until it is told to stop."""
+"""`up` once everything is built: runs the stack until it receives a stop signal."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ def running_supervisor(data: Path) -> Identity | None:
 
 
 def hold(options: UpOptions, on_ready=lambda: None) -> int:
-    """Starts the stack, says where it is, and keeps it until SIGINT or SIGTERM. Exit code."""
+    """Starts the stack, prints its address, and keeps it until SIGINT or SIGTERM. Returns the exit code."""
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: stop.set())
-    # A directory that somebody has already stays theirs, also when root starts it.
+    # An existing directory keeps its owner, even if root starts the stack.
     owner = users.owner_of(options.data)
     run_as = owner if owner.uid >= 0 else users.ordinary_user()
     datadir.claim(options.data, run_as)
     programs = layout.reachable(run_as, layout.copy_folder())
-    os.chdir("/")           # where we were started may be closed to the ordinary user
+    os.chdir("/")           # the ordinary user may have no access to the current directory
     run_as = run_as.become()
     stack = Stack(data=options.data, ports=_ports(options), run_as=run_as, engine=options.engine, layout=programs,
                   extra_env=dict(options.extra_env), on_event=step, stop_requested=stop)
@@ -50,7 +50,7 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
         if options.sample and not stop.is_set():
             load_sample(stack)
         if not stop.is_set():
-            say(f"Diaphane is at {stack.settings.url}/  (mails are files in {stack.data / 'mail'})")
+            say(f"Diaphane is at {stack.settings.url}/  (emails are saved in {stack.data / 'mail'})")
             on_ready()
         stop.wait()
         step("Stopping")
@@ -63,7 +63,7 @@ def _ports(options: UpOptions) -> dict[str, int]:
     wanted = dict(ports.DEFAULTS)
     if options.port is not None:
         wanted["edge"] = options.port
-    # Ports of a supervisor that was killed are no longer taken once what it left behind is ended.
+    # Ports of a killed supervisor become free once its remaining processes are ended.
     record = datadir.read_record(options.data)
     ours = set(record.get("ports", {}).values()) if datadir.left_running(record) else set()
     given, notes = ports.allot(wanted, lambda port: (port in ours or ports.is_free(port)) and ports.claim(port))
@@ -73,18 +73,18 @@ def _ports(options: UpOptions) -> dict[str, int]:
 
 
 def load_sample(stack: Stack, again: bool = False) -> None:
-    """The sample scan, once for a data directory. Its absence is no reason not to start."""
+    """Loads the sample scan, once per data directory. A failure does not prevent the start."""
     marker = stack.data / "sample.loaded"
     tool = stack.layout.bin / "diaphane-sample"
     if (marker.exists() and not again) or not tool.exists():
         return
-    step("Loading the sample scan (once)")
+    step("Loading the sample scan (first start only)")
     done = subprocess.run(sample_command(tool, stack.settings.url, stack.data), cwd="/", capture_output=True, text=True,
                           timeout=300, **stack.run_as.popen())
     if done.returncode == 0:
-        marker.write_text(done.stdout, encoding="ascii")   # its data set's id
+        marker.write_text(done.stdout, encoding="ascii")   # id of its data set
     else:
-        warn(f"the sample scan could not be loaded (exit {done.returncode}): {done.stderr.strip() or done.stdout.strip()}")
+        warn(f"cannot load the sample scan (exit {done.returncode}): {done.stderr.strip() or done.stdout.strip()}")
 
 
 def sample_command(tool: Path, url: str, data: Path) -> list[str]:
@@ -92,7 +92,7 @@ def sample_command(tool: Path, url: str, data: Path) -> list[str]:
 
 
 def detach(options: UpOptions) -> int:
-    """hold() in the background; returns when it is ready, with its words passed on until then."""
+    """Runs hold() in the background and passes on its messages. Returns when it is ready."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -103,7 +103,7 @@ def detach(options: UpOptions) -> int:
         except HouseError as error:
             warn(str(error))
             code = error.code
-        except Exception:   # a defect: its traceback must reach the person before the process ends
+        except Exception:   # a bug: its traceback must reach the user before the process ends
             traceback.print_exc()
         finally:
             os._exit(code)
@@ -135,12 +135,12 @@ def _held_in_background(options: UpOptions, words: int) -> int:
 
 
 def down(data: Path) -> int:
-    """Stops what runs on a data directory: by its supervisor, or by itself when that one is dead."""
-    users.owner_of(data).become()   # so that root ends nothing that is not this user's
+    """Stops what runs on a data directory through its supervisor, or directly if that is dead."""
+    users.owner_of(data).become()   # so that root ends only processes of this user
     supervisor = running_supervisor(data)
     programs = datadir.left_running(datadir.read_record(data))
     if supervisor is None and not programs:
-        say(f"Nothing runs on {data}")
+        say(f"Diaphane is not running on {data}")
         return 0
     if supervisor is not None:
         supervisor.send(signal.SIGTERM)
@@ -149,7 +149,7 @@ def down(data: Path) -> int:
     for _, leader in reversed(programs):
         end(leader, seconds=1.0)
     if left := [name for name, leader in programs if leader.alive() or leader.group()]:
-        warn(f"still running: {', '.join(left)}")
+        warn(f"could not stop: {', '.join(left)}")
         return 1
     say("Stopped")
     return 0

@@ -1,10 +1,11 @@
-"""clang-tidy, one translation unit at a time, skipped while nothing that it saw has changed."""
+"""Runs clang-tidy on one translation unit at a time, and skips units whose inputs are unchanged."""
 
 from __future__ import annotations
 
 import concurrent.futures
 import hashlib
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -12,52 +13,109 @@ from pathlib import Path
 
 from . import build, paths
 
-_CACHE = paths.STAMPS / "tidy"
-_FOLDERS = "api|common|ingest|operator|renderd|volume"
+#: Shared by all checkouts of the user: keys hold no path of a checkout.
+_CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "tidy"
+_FOLDERS = "api|common|directory|ingest|operator|renderd|volume"
+
+
+#: What only GCC understands, or what makes no difference to clang-tidy.
+_NOT_FOR_CLANG = ("-Winvalid-pch", "-fpch-preprocess", "-Wno-subobject-linkage", "--param=ggc-")
+#: Sources and headers that other programs generate, as Ninja names them.
+_GENERATED = (".h", ".cc", ".cpp")
 
 
 def check() -> list[str]:
-    """Findings, the words of clang-tidy. Needs a finished build: its records say which headers each unit saw."""
+    """Returns clang-tidy's findings."""
     folder = build.configure()
-    build.ninja(folder, ["all"])
-    seen = _dependencies(folder)
+    build.ninja(folder, _generated(folder))
     database = folder / "tidy"
-    units = _units(folder, database)
+    commands = _commands(folder, database)
     common = _tool_digest()
-    todo = {}
-    for source, command in units.items():
-        key = _digest(source, command, seen.get(source, []), common)
-        if not (_CACHE / key).exists():
-            todo[source] = key
     _CACHE.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
+        todo = _changed(commands, database, common, pool)
         results = list(pool.map(lambda item: _tidy(item[0], database, _CACHE / item[1]), todo.items()))
     _forget_old()
     return [words for words in results if words]
 
 
-def _units(folder: Path, database: Path) -> dict[Path, str]:
-    """Our C++ units and how they are compiled, written down for clang without GCC's precompiled headers and flags."""
-    units = {}
+def _generated(folder: Path) -> list[str]:
+    listed = subprocess.run(["ninja", "-C", str(folder), "-t", "targets", "rule", "CUSTOM_COMMAND"], env=build.environment(),
+                            capture_output=True, text=True).stdout
+    return sorted(name for name in listed.splitlines() if name.endswith(_GENERATED))
+
+
+def _commands(folder: Path, database: Path) -> dict[Path, list[str]]:
+    """Returns the compile command of each of the project's C++ files, and writes them as a database for clang, without GCC's
+    precompiled headers and flags."""
+    commands = {}
     for entry in json.loads((folder / "compile_commands.json").read_text(encoding="utf-8")):
-        source = Path(entry["file"])
-        # Tests are left to the compiler's warnings: they are half of the time, and their style is GoogleTest's.
-        if source.suffix != ".cpp" or source.stem.endswith(("_test", "_bench")) or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
+        if entry["file"].endswith(".cu"):    # compiled by nvcc, whose flags clang does not know
             continue
-        words = shlex.split(entry["command"])
         # The launcher (ccache) comes before the compiler.
+        words = shlex.split(entry["command"])
         first = next(i for i, word in enumerate(words) if re.search(r"(^|/)(c\+\+|g\+\+|clang\+\+)(-\d+)?$", word))
-        units[source] = _for_clang(words[first:])
+        text = Path(entry["file"]).read_text(encoding="utf-8", errors="replace") if "/Unity/" in entry["file"] else None
+        for source, command in compiled_alone(entry["file"], words[first:], text).items():
+            # Excludes tests, which would take half of the time and follow GoogleTest's style.
+            if source.suffix != ".cpp" or source.stem.endswith(("_test", "_bench")) or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
+                continue
+            commands[source] = _for_clang(command)
     database.mkdir(exist_ok=True)
-    listed = [{"directory": str(folder), "file": str(source), "command": command} for source, command in units.items()]
+    listed = [{"directory": str(folder), "file": str(source), "command": shlex.join(command)} for source, command in commands.items()]
     text = json.dumps(listed, indent=0)
     target = database / "compile_commands.json"
     if not target.exists() or target.read_text(encoding="utf-8") != text:
         target.write_text(text, encoding="utf-8")
-    return units
+    return commands
 
 
-def _for_clang(words: list[str]) -> str:
+def compiled_alone(file: str, command: list[str], unity: str | None = None) -> dict[Path, list[str]]:
+    """Returns a compile command for each file that `command` compiles: `file`, or what the text `unity` of a unity file includes."""
+    if unity is None:
+        return {Path(file): command}
+    alone = {}
+    for name in re.findall(r'^#include "(.*)"$', unity, re.MULTILINE):
+        if name.startswith(".."):    # generated, and so named from the unity file's folder
+            continue
+        source = paths.REPO / name
+        target = command[command.index("-o") + 1]
+        folder, _, objects = target.partition("/CMakeFiles/")
+        made = f"{folder}/CMakeFiles/{objects.partition('/')[0]}/{os.path.relpath(name, folder)}.o"
+        alone[source] = [{target: made, file: str(source)}.get(word, word) for word in command]
+    return alone
+
+
+def _changed(commands: dict[Path, list[str]], database: Path, common: str, pool: concurrent.futures.Executor) -> dict[Path, str]:
+    """Returns the files that clang-tidy has not passed as they are now, each with the key of its result."""
+    record = database / "headers.json"
+    try:
+        headers = json.loads(record.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        headers = {}
+
+    def key(source: Path) -> str:
+        return _digest(source, shlex.join(commands[source]), [Path(name) for name in headers.get(str(source), [])], common)
+
+    # While none of the headers that were found last time has changed, these are still all.
+    changed = [source for source in commands if not (_CACHE / key(source)).exists()]
+    for source, found in zip(changed, pool.map(lambda source: _headers(commands[source], database.parent), changed)):
+        headers[str(source)] = found
+    record.write_text(json.dumps({str(source): headers[str(source)] for source in commands}), encoding="utf-8")
+    keys = {source: key(source) for source in changed}
+    return {source: name for source, name in keys.items() if not (_CACHE / name).exists()}
+
+
+def _headers(command: list[str], folder: Path) -> list[str]:
+    """Returns all files that the preprocessor reads for a compile command."""
+    at = command.index("-o")
+    done = subprocess.run([*command[:at], *command[at + 2:], "-M"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          errors="replace")
+    names = done.stdout.partition(":")[2].replace("\\\n", " ").split()
+    return [str((folder / name).resolve()) for name in names]
+
+
+def _for_clang(words: list[str]) -> list[str]:
     kept = []
     skip = False
     for number, word in enumerate(words):
@@ -65,30 +123,16 @@ def _for_clang(words: list[str]) -> str:
             skip = False
         elif word == "-include" and "cmake_pch" in words[number + 1]:
             skip = True
-        elif word not in ("-Winvalid-pch", "-fpch-preprocess"):
+        elif not word.startswith(_NOT_FOR_CLANG):
             kept.append(word)
-    return shlex.join(kept)
-
-
-def _dependencies(folder: Path) -> dict[Path, list[Path]]:
-    """Files that each source was last compiled with, from Ninja's log."""
-    done = subprocess.run(["ninja", "-C", str(folder), "-t", "deps"], env=build.environment(), capture_output=True,
-                          text=True, errors="replace")
-    seen: dict[Path, list[Path]] = {}
-    for block in done.stdout.split("\n\n"):
-        files = [(folder / line.strip()).resolve() for line in block.splitlines()[1:] if line.strip()]
-        for file in files:
-            if file.suffix == ".cpp":
-                seen[file] = files
-                break
-    return seen
+    return kept
 
 
 _file_digests: dict[Path, str] = {}
 
 
 def _file_digest(path: Path) -> str:
-    """By content for ours, by size and time for the system's: those come from packages."""
+    """Hashes own files by content, and system files by size and time, because they come from packages."""
     if path not in _file_digests:
         try:
             if path.is_relative_to(paths.REPO):
@@ -103,7 +147,7 @@ def _file_digest(path: Path) -> str:
 
 def _digest(source: Path, command: str, dependencies: list[Path], common: str) -> str:
     parts = [common, command, *(f"{path}={_file_digest(path)}" for path in sorted({source, *dependencies}))]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+    return hashlib.sha256("\n".join(parts).replace(f"{paths.REPO}/", "").encode()).hexdigest()
 
 
 def _tool_digest() -> str:
@@ -112,7 +156,7 @@ def _tool_digest() -> str:
 
 
 def _tidy(source: Path, database: Path, remembered: Path) -> str:
-    """What clang-tidy says; when that is nothing, it is remembered at once, so that an interrupted run is not lost."""
+    """Returns clang-tidy's output. An empty result is remembered at once, so that an interrupted run is not lost."""
     command = ["nice", "clang-tidy", "-p", str(database), "--quiet",
                f"--header-filter=^{re.escape(str(paths.REPO))}/({_FOLDERS})/",
                "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument", str(source)]

@@ -1,4 +1,4 @@
-"""The programs that a person runs by hand: built when needed, then handed the command line as it is."""
+"""Programs that a user runs by hand. They are built when needed and receive the command line unchanged."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ def run(name: str, arguments: list[str]) -> int:
     os.execv(binary, [name, *arguments])
 
 
-#: With one of these the sample's tool writes files, or sends where it is told: nothing needs to run here.
+#: With one of these options, the sample tool writes files or uploads to a given server, so no instance needs to run here.
 _OWN_WAY = ("--write-dicom", "--write-bundle", "--mapped-mha", "--mapped-volume", "--upload", "--help", "-h")
 
 
 def sample(data: Path, arguments: list[str]) -> int:
-    """Sends the sample scan once more to the Diaphane that runs on `data`, or does what `arguments` say."""
+    """Uploads the sample scan again to the Diaphane that runs on `data`, or does what `arguments` say."""
     if any(argument.partition("=")[0] in _OWN_WAY for argument in arguments):
         return run("diaphane-sample", arguments)
     if supervise.running_supervisor(data) is None:
-        raise HouseError(f"nothing runs on {data}; start it first: ./diaphane up --detach")
+        raise HouseError(f"Diaphane is not running on {data}. Start it first: ./diaphane up --detach")
     url = datadir.read_record(data).get("url", "")
     binary = paths.build_dir() / "bin" / "diaphane-sample"
     build.build_programs("diaphane-sample")
     done = subprocess.run([*supervise.sample_command(binary, url, data), *arguments], stdout=subprocess.PIPE, text=True)
     if done.returncode == 0:
-        says.say(f"The sample is at {url}/view/{done.stdout.strip()}")
+        says.say(f"The sample scan is at {url}/view/{done.stdout.strip()}")
     return done.returncode

@@ -1,4 +1,4 @@
-"""The ordinary user that everything runs as when `./diaphane` was started by root."""
+"""The ordinary user that runs everything if root started `./diaphane`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAME = "diaphane"
 
 @dataclass(frozen=True)
 class RunAs:
-    """Arguments for subprocess.Popen. Empty when we are an ordinary user already."""
+    """Arguments for subprocess.Popen. Empty for an ordinary user."""
 
     name: str = ""
     uid: int = -1
@@ -33,8 +33,8 @@ class RunAs:
             os.chown(path, self.uid, self.gid, follow_symlinks=False)
 
     def become(self) -> "RunAs":
-        """Gives up root for good in this process, so that nothing in a data directory, where the programs may write
-        and place links, is ever followed by root. Who we are afterwards: nobody in particular."""
+        """Permanently gives up root in this process, so that root never follows links in a data directory, where the programs can
+        create them. Returns the RunAs of the new user, which is empty."""
         if self.uid >= 0:
             os.setgroups([])
             os.setgid(self.gid)
@@ -43,7 +43,7 @@ class RunAs:
         return RunAs()
 
     def can_read(self, *paths: Path) -> bool:
-        """Whether this user gets at all of them (a clone below /root or in a mktemp directory: no)."""
+        """Whether this user can read all of the paths (not in a clone below /root or in a mktemp directory)."""
         return self.uid < 0 or self._try('for path; do [ -r "$path" ] || exit 1; done', *paths)
 
     def can_write(self, folder: Path) -> bool:
@@ -55,7 +55,7 @@ class RunAs:
 
 
 def ordinary_user() -> RunAs:
-    """Nobody in particular when we are not root; else the system user `diaphane`, made when it is missing."""
+    """Returns an empty RunAs unless root runs this. Otherwise, returns the system user `diaphane`, created if missing."""
     if os.geteuid() != 0:
         return RunAs()
     try:
@@ -63,8 +63,8 @@ def ordinary_user() -> RunAs:
     except KeyError:
         useradd = shutil.which("useradd") or "/usr/sbin/useradd"
         if not Path(useradd).exists():
-            raise HouseError(f"started by root, and there is neither a user '{NAME}' nor useradd to make it")
-        say(f"Started by root: making the system user '{NAME}' that everything will run as.")
+            raise HouseError(f"started as root, but the user '{NAME}' does not exist and useradd is not available to create it")
+        say(f"Started as root: creating the system user '{NAME}', which everything runs as.")
         subprocess.run([useradd, "--system", "--user-group", "--no-create-home", "--home-dir",
                         "/var/lib/diaphane", "--shell", "/usr/sbin/nologin", NAME], check=True)
         entry = pwd.getpwnam(NAME)
@@ -76,7 +76,7 @@ def current() -> str:
 
 
 def owner_of(path: Path) -> RunAs:
-    """For root: the user whose directory it is. Nobody in particular for others, and where root itself owns it."""
+    """For root, returns the user who owns the directory. Returns an empty RunAs for other users, and for directories of root."""
     try:
         entry = pwd.getpwuid(path.stat().st_uid)
     except (OSError, KeyError):
@@ -87,7 +87,7 @@ def owner_of(path: Path) -> RunAs:
 
 
 def default_data_dir() -> Path:
-    """~/.local/share/diaphane; for root /var/lib/diaphane, because nobody else can enter /root."""
+    """Returns ~/.local/share/diaphane, or /var/lib/diaphane for root, because other users cannot enter /root."""
     if os.geteuid() == 0:
         return Path("/var/lib/diaphane")
     base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"

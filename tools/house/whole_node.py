@@ -1,5 +1,6 @@
-"""A whole node for `./diaphane test node`: containerd and runc as Debian has them (taken out of their packages: nothing is installed, no
-service starts), kubelet from Kubernetes' sources, Debian's CNI plugins. It lives in namespaces of its own: when they end, so does all that runs in it."""
+"""A complete node for `./diaphane test node`: containerd and runc from Debian's packages (unpacked, not installed, so that no
+service starts), kubelet built from Kubernetes' sources, and Debian's CNI plugins. It runs in its own namespaces, and everything
+in them ends with them."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ from pathlib import Path
 from . import kubernetes, packages
 from .says import HouseError, say, step
 
-#: Everything of the test runs below this. The shell is the first process there, waits for those that lose their parents, and takes all with it when it ends.
+#: The prefix of all processes of the test. The shell is the first process of the namespace, reaps orphans, and ends all others
+#: when it exits.
 NAMESPACES = ("unshare", "--net", "--mount", "--propagation", "private", "--pid", "--fork", "--kill-child", "--mount-proc", "--",
               "/bin/sh", "-c", '"$@"; exit $?', "sh")
 CNI = Path("/usr/lib/cni")
@@ -24,29 +26,29 @@ _DEBIAN = ("containerd", "runc")
 _PROGRAMS = ("containerd", "containerd-shim-runc-v2", "ctr", "runc", "kubelet")
 _INSTALLED = ("containernetworking-plugins", "iproute2")
 _CONTROLLERS = ("cpu", "cpuset", "memory")
-#: What kubelet sets for the whole machine.
+#: Settings that kubelet changes for the whole machine.
 _TUNED = ("vm/overcommit_memory", "vm/panic_on_oom", "kernel/panic", "kernel/panic_on_oops", "kernel/keys/root_maxkeys", "kernel/keys/root_maxbytes")
 
 
 def absence() -> str:
-    """What this machine lacks for a node, in words; empty when nothing."""
+    """Returns what this machine lacks for a node, or an empty text."""
     if os.geteuid() != 0:
-        return "a node is run by root, and this is not root"
+        return "running a node requires root"
     if why := _no_cgroups():
         return why
     if "overlay" not in Path("/proc/filesystems").read_text(encoding="ascii"):
-        return "the kernel has no overlay file system, in which containerd lays images"
+        return "the kernel does not support overlayfs, which containerd requires"
     if not Path("/dev/kmsg").exists():
-        return "/dev/kmsg is not there, where kubelet hears of processes killed for memory"
+        return "/dev/kmsg is missing, which kubelet reads to detect out-of-memory kills"
     script = "ip link set lo up && ip link add probe0 type bridge && ip link add a0 type veth peer name b0 && mount -t tmpfs probe /mnt"
     tried = subprocess.run([*NAMESPACES, "/bin/sh", "-c", script], capture_output=True, text=True)
     if tried.returncode != 0:
-        return f"no namespaces of network, mounts and processes with a bridge in them: {tried.stderr.strip()}"
+        return f"cannot create network, mount and PID namespaces with a bridge: {tried.stderr.strip()}"
     return ""
 
 
 def cgroup_folders() -> list[Path]:
-    """Where a node's own cgroup is made: in each hierarchy of version 1, or in the one of version 2."""
+    """Returns the parent folders of a node's cgroup: one per hierarchy in version 1, or the one of version 2."""
     if (CONTROL_GROUPS / "cgroup.controllers").exists():
         return [CONTROL_GROUPS]
     found = []
@@ -63,14 +65,14 @@ def _no_cgroups() -> str:
     else:
         has = {name for folder in cgroup_folders() for name in folder.name.split(",")}
     if lacking := [name for name in _CONTROLLERS if name not in has]:
-        return f"control groups: no {', '.join(lacking)} below {CONTROL_GROUPS}"
+        return f"cgroup controllers are missing below {CONTROL_GROUPS}: {', '.join(lacking)}"
     for folder in cgroup_folders():
         probe = folder / f"diaphane-probe-{os.getpid()}"
         try:
             probe.mkdir()
             probe.rmdir()
         except OSError as error:
-            return f"control groups: {folder} cannot be written ({error.strerror})"
+            return f"cannot write to the cgroup folder {folder}: {error.strerror}"
     return ""
 
 
@@ -79,14 +81,14 @@ def folder() -> Path:
 
 
 def ensure() -> Path:
-    """Takes and builds what is not there."""
+    """Fetches and builds what is missing."""
     if absent := packages.missing(list(_INSTALLED)):
         packages.install(absent)
     folder().mkdir(parents=True, exist_ok=True)
     if any(not (folder() / name).exists() for name in _PROGRAMS if name != "kubelet"):
         _take()
     if not (folder() / "kubelet").exists():
-        step("Building kubelet (minutes)")
+        step("Building kubelet (takes several minutes)")
         _build_kubelet()
     return folder()
 
@@ -97,17 +99,18 @@ def _take() -> None:
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         found = sorted(Path(beside).glob("*.deb"))
         if done.returncode != 0 or len(found) != len(_DEBIAN):
-            raise HouseError(f"apt-get download {' '.join(_DEBIAN)} failed (apt-get update first?):\n{done.stdout}")
+            raise HouseError(f"apt-get download {' '.join(_DEBIAN)} failed (try apt-get update first):\n{done.stdout}")
         for package in found:
             subprocess.run(["dpkg", "-x", str(package), beside], check=True)
         for name in _PROGRAMS[:-1]:
             place = next(path for path in (Path(beside) / "usr/bin" / name, Path(beside) / "usr/sbin" / name) if path.is_file() and not path.is_symlink())
             shutil.move(place, folder() / name)
-        say(f"containerd and runc of Debian: {folder()}")
+        say(f"Unpacked Debian's containerd and runc to {folder()}")
 
 
 def _build_kubelet() -> None:
-    """By the control plane's module, and the few sums that only kubelet needs: with them in it all the rest would be built again."""
+    """Builds with the control plane's module and the few checksums that only kubelet needs. Adding them to the module would
+    rebuild everything else."""
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
         shutil.copy(kubernetes.MODULE / "go.mod", Path(beside) / "go.mod")
         sums = "".join((kubernetes.MODULE / name).read_text(encoding="ascii") for name in ("go.sum", "kubelet.sum"))
@@ -117,7 +120,7 @@ def _build_kubelet() -> None:
 
 
 def image_archive() -> Path:
-    """The image of `./diaphane image` as it is now, as an archive that containerd takes."""
+    """Returns the current image of `./diaphane image` as an archive for containerd."""
     from . import image
 
     out = image.folder() / "image.tar"
@@ -127,14 +130,15 @@ def image_archive() -> Path:
 
 @contextmanager
 def place() -> Iterator[Path]:
-    """A folder whose name is a control group's as well. Once nothing runs in NAMESPACES any more, nothing of them is left, however it ended."""
+    """Yields a folder whose name is also that of a control group. Both are removed once nothing runs in NAMESPACES any more,
+    however it ended."""
     settings = {name: (Path("/proc/sys") / name).read_text() for name in _TUNED if (Path("/proc/sys") / name).exists()}
     made = Path(tempfile.mkdtemp(prefix="diaphane-node-", dir="/var/tmp"))
     made.chmod(0o755)
     try:
         for group in (one / made.name for one in cgroup_folders()):
             group.mkdir()
-            for name in ("cpuset.cpus", "cpuset.mems"):     # version 1 begins with none
+            for name in ("cpuset.cpus", "cpuset.mems"):     # version 1 starts with empty values
                 if (group / name).exists() and not (group / name).read_text().strip():
                     (group / name).write_text((group.parent / name).read_text())
         yield made
@@ -148,7 +152,7 @@ def place() -> Iterator[Path]:
 
 
 def _remove_group(root: Path) -> None:
-    """From the leaves; the last process may still be on its way out."""
+    """Removes the groups from the leaves. The last process may still be exiting."""
     for _ in range(100):
         if not root.exists():
             return

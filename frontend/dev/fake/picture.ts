@@ -37,7 +37,11 @@ export function draw(scene: Scene, width: number, height: number, samples: numbe
     for (let x = 0; x < w; x++) {
       const a = ((2 * (x + 0.5)) / w - 1) * half * (w / h);
       const b = (1 - (2 * (y + 0.5)) / h) * half;
-      const way = norm([forward[0] + a * right[0] + b * up[0], forward[1] + a * right[1] + b * up[1], forward[2] + a * right[2] + b * up[2]]);
+      const way = norm([
+        forward[0] + a * right[0] + b * up[0],
+        forward[1] + a * right[1] + b * up[1],
+        forward[2] + a * right[2] + b * up[2],
+      ]);
       const light = shade(eye, way, up, right);
       const grain = light > 0 ? (Math.random() - 0.5) * noise : 0;
       const at = 4 * (y * w + x);

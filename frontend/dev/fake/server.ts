@@ -4,27 +4,76 @@ import type { Plugin } from "vite";
 import { WebSocketServer } from "ws";
 import type { DataSet, Me } from "../../src/api/types";
 import { draw } from "./picture";
-import { scene_named, serve_stream, type FakeSession } from "./stream";
+import { sceneNamed, serveStream, type FakeSession } from "./stream";
 
-const me: Me = { id: randomUUID(), email: "anna@example.org", csrf_token: "0".repeat(64), administrator: false, second_factor: false, quota: { bytes: 20e9, used_bytes: 3.1e9 }, render_time: { quota_ms: 72_000_000, used_ms: 0, renewed_at: "2027-01-01T00:00:00.000Z", pictures_end_at: null }, };
-let signed_in = false;
+const me: Me = {
+  id: randomUUID(),
+  email: "anna@example.org",
+  csrf_token: "0".repeat(64),
+  administrator: false,
+  second_factor: false,
+  quota: { bytes: 20e9, used_bytes: 3.1e9 },
+  render_time: { quota_ms: 72_000_000, used_ms: 0, renewed_at: "2027-01-01T00:00:00.000Z", pictures_end_at: null },
+};
+let signedIn = false;
 const now = () => new Date().toISOString();
 const base = {
-  description: "", body_part: null, role: "owner" as const, owner_name: "", shared: null, taken_down: null, published_at: null, anonymised_at: null,
-  owned: true, is_public: false, is_sample: false, public_slices: false, refusal: null, volume: null, upload: null, waiting_for: null, created_at: now(), updated_at: now() };
-const volume = { modality: "CT" as const, size: [256, 256, 108] as const, spacing_mm: [0.957, 0.957, 1.5] as const, bytes: 14e6, repairs: [] };
+  description: "",
+  body_part: null,
+  role: "owner" as const,
+  owner_name: "",
+  shared: null,
+  taken_down: null,
+  published_at: null,
+  anonymised_at: null,
+  owned: true,
+  is_public: false,
+  is_sample: false,
+  public_slices: false,
+  refusal: null,
+  volume: null,
+  upload: null,
+  waiting_for: null,
+  created_at: now(),
+  updated_at: now(),
+};
+const volume = {
+  modality: "CT" as const,
+  size: [256, 256, 108] as const,
+  spacing_mm: [0.957, 0.957, 1.5] as const,
+  bytes: 14e6,
+  repairs: [],
+};
 const sets: DataSet[] = [
   { ...base, id: randomUUID(), title: "Head, spring", state: "ready", volume },
-  { ...base, id: randomUUID(), title: "Knee after the fall", state: "ready", volume: { ...volume, modality: "MR", repairs: ["1 slice was on the disc twice"] } },
+  {
+    ...base,
+    id: randomUUID(),
+    title: "Knee after the fall",
+    state: "ready",
+    volume: { ...volume, modality: "MR", repairs: ["1 slice was on the disc twice"] },
+  },
   { ...base, id: randomUUID(), title: "", state: "building" },
-  { ...base, id: randomUUID(), title: "Chest", state: "refused", refusal: { code: "missing_slices", text: "3 slices are missing; copy the disc again." } },
-  { ...base, id: randomUUID(), title: "Shoulder", state: "uploading", upload: { url: "/v1/uploads/x", bytes: 2e8, received_bytes: 7.4e7, expires_at: now() } },
+  {
+    ...base,
+    id: randomUUID(),
+    title: "Chest",
+    state: "refused",
+    refusal: { code: "missing_slices", text: "3 slices are missing; copy the disc again." },
+  },
+  {
+    ...base,
+    id: randomUUID(),
+    title: "Shoulder",
+    state: "uploading",
+    upload: { url: "/v1/uploads/x", bytes: 2e8, received_bytes: 7.4e7, expires_at: now() },
+  },
   { ...base, id: randomUUID(), title: "", owned: false, is_public: true, is_sample: true, state: "ready", volume },
 ];
 const received = new Map<string, number>();
 const sessions = new Map<string, FakeSession>();
 
-async function body_of(request: IncomingMessage): Promise<Buffer> {
+async function bodyOf(request: IncomingMessage): Promise<Buffer> {
   const parts: Buffer[] = [];
   for await (const part of request) parts.push(part as Buffer);
   return Buffer.concat(parts);
@@ -33,12 +82,13 @@ async function body_of(request: IncomingMessage): Promise<Buffer> {
 async function answer(request: IncomingMessage, response: ServerResponse): Promise<void> {
   const path = (request.url ?? "").split("?")[0] ?? "";
   const [, , kind = "", id = "", more = "", name = ""] = path.split("/");
-  const body = await body_of(request);
+  const body = await bodyOf(request);
   const say = (status: number, value?: unknown, headers: Record<string, string> = {}) => {
     response.writeHead(status, { "Content-Type": "application/json", ...headers });
     response.end(value === undefined ? undefined : JSON.stringify(value));
   };
-  const problem = (status: number, type: string) => say(status, { type: `urn:diaphane:problem:${type}`, title: type, status, request_id: "x" });
+  const problem = (status: number, type: string) =>
+    say(status, { type: `urn:diaphane:problem:${type}`, title: type, status, request_id: "x" });
   const set = sets.find((one) => one.id === id);
   switch (`${request.method ?? ""} ${kind}`) {
     case "POST accounts":
@@ -49,15 +99,15 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         problem(401, "wrong-credentials");
         return;
       }
-      signed_in = true;
+      signedIn = true;
       say(200, me);
       return;
     case "POST sign-out":
-      signed_in = false;
+      signedIn = false;
       say(204);
       return;
     case "GET me":
-      if (signed_in) say(200, me);
+      if (signedIn) say(200, me);
       else problem(401, "unauthenticated");
       return;
     case "GET data-sets": {
@@ -74,7 +124,7 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         return;
       }
       response.writeHead(200, { "Content-Type": "image/jpeg" });
-      response.end(draw(scene_named(name), 640, 640, 400));
+      response.end(draw(sceneNamed(name), 640, 640, 400));
       return;
     }
     case "POST data-sets": {
@@ -83,14 +133,19 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
       const upload = { url: `/v1/uploads/${made}`, bytes: wanted.bytes, received_bytes: 0, expires_at: now() };
       sets.unshift({ ...base, id: made, title: wanted.title, state: "uploading", upload });
       received.set(made, 0);
-      say(201, { data_set: sets[0], upload_url: upload.url }); return;
+      say(201, { data_set: sets[0], upload_url: upload.url });
+      return;
     }
     case "DELETE data-sets":
       if (set) sets.splice(sets.indexOf(set), 1);
       say(204);
       return;
     case "HEAD uploads":
-      say(200, undefined, { "Upload-Offset": String(received.get(id) ?? 0), "Upload-Length": String(set?.upload?.bytes ?? 0), "Tus-Resumable": "1.0.0" });
+      say(200, undefined, {
+        "Upload-Offset": String(received.get(id) ?? 0),
+        "Upload-Length": String(set?.upload?.bytes ?? 0),
+        "Tus-Resumable": "1.0.0",
+      });
       return;
     case "PATCH uploads": {
       const offset = (received.get(id) ?? 0) + body.length;
@@ -100,7 +155,8 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         sets[at] = { ...set, state: "building", upload: null };
         setTimeout(() => (sets[at] = { ...set, state: "ready", upload: null, volume }), 3000);
       }
-      say(204, undefined, { "Upload-Offset": String(offset), "Tus-Resumable": "1.0.0" }); return;
+      say(204, undefined, { "Upload-Offset": String(offset), "Tus-Resumable": "1.0.0" });
+      return;
     }
     case "POST sessions": {
       const session = more === "tickets" ? id : randomUUID();
@@ -108,8 +164,9 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         problem(404, "not-found");
         return;
       }
-      if (!sessions.has(session)) sessions.set(session, { scene: scene_named("skin"), input_seq: 0n });
-      say(201, { session_id: session, stream_url: `/stream?ticket=${session}` }); return;
+      if (!sessions.has(session)) sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n });
+      say(201, { session_id: session, stream_url: `/stream?ticket=${session}` });
+      return;
     }
     default:
       say(204);
@@ -117,7 +174,7 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
   }
 }
 
-export function fake_server(): Plugin {
+export function fakeServer(): Plugin {
   return {
     name: "fake-server",
     configureServer(server) {
@@ -130,7 +187,7 @@ export function fake_server(): Plugin {
         if (!request.url?.startsWith("/stream")) return;
         const session = sessions.get(new URL(request.url, "http://x").searchParams.get("ticket") ?? "");
         streams.handleUpgrade(request, socket as never, head as never, (ws) => {
-          if (session) serve_stream(ws, session);
+          if (session) serveStream(ws, session);
           else ws.close(4401);
         });
       });

@@ -19,8 +19,8 @@ export class AnonymiseApi {
   }
 
   /** For good. `volume_hash` of the volume that was looked at. */
-  async cut(id: string, keep: RegionBody, volume_hash: string): Promise<Anonymise> {
-    const body = { keep, volume_hash, confirm: "this cannot be undone" };
+  async cut(id: string, keep: RegionBody, volumeHash: string): Promise<Anonymise> {
+    const body = { keep, volume_hash: volumeHash, confirm: "this cannot be undone" };
     return (await (await this.send("POST", `/v1/data-sets/${id}/anonymise`, body)).json()) as Anonymise;
   }
 }

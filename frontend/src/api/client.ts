@@ -2,7 +2,18 @@ import { AnonymiseApi } from "./anonymise";
 import { SecondFactorApi } from "./second_factor";
 import { PresetsApi, SharingApi } from "./sharing";
 import type {
-  AuditEntry, BrowserSession, DataSet, Export, Fleet, Listed, Me, PresetName, ProblemBody, Recordings, Stream, User,
+  AuditEntry,
+  BrowserSession,
+  DataSet,
+  Export,
+  Fleet,
+  Listed,
+  Me,
+  PresetName,
+  ProblemBody,
+  Recordings,
+  Stream,
+  User,
 } from "./types";
 
 /** A refusal of the server (RFC 9457), or, with `status` 0, no answer at all. */
@@ -14,7 +25,7 @@ export class ApiProblem extends Error {
     /** A sentence for the person, or empty. */
     readonly detail: string,
     readonly errors: readonly { readonly field: string; readonly message: string }[] = [],
-    readonly retry_after_ms = 0,
+    readonly retryAfterMs = 0,
   ) {
     super(`${kind} (${status})`);
   }
@@ -22,14 +33,15 @@ export class ApiProblem extends Error {
 
 const prefix = "urn:diaphane:problem:";
 
-export async function problem_of(response: Response): Promise<ApiProblem> {
+export async function problemOf(response: Response): Promise<ApiProblem> {
   let body: Partial<ProblemBody> = {};
   try {
     body = (await response.json()) as Partial<ProblemBody>;
   } catch {
     // Not ours: of a proxy on the way.
   }
-  const type = typeof body.type === "string" && body.type.startsWith(prefix) ? body.type.slice(prefix.length) : "internal";
+  const type =
+    typeof body.type === "string" && body.type.startsWith(prefix) ? body.type.slice(prefix.length) : "internal";
   const seconds = Number(response.headers.get("Retry-After") ?? "0");
   return new ApiProblem(
     response.status,
@@ -42,14 +54,14 @@ export async function problem_of(response: Response): Promise<ApiProblem> {
 
 /** The REST contract, one function a route. Every function rejects with ApiProblem. */
 export class Api {
-  private csrf_token_ = "";
+  private token = "";
 
   /** Needed by uploads, which do not go through `fetch`. */
-  get csrf_token(): string {
-    return this.csrf_token_;
+  get csrfToken(): string {
+    return this.token;
   }
 
-  async sign_up(email: string): Promise<void> {
+  async signUp(email: string): Promise<void> {
     await this.send("POST", "/v1/accounts", { email });
   }
 
@@ -58,13 +70,13 @@ export class Api {
   }
 
   /** Rejected with `code-needed` when the account has a second factor and `code` is empty. */
-  async sign_in(email: string, password: string, code = ""): Promise<Me> {
+  async signIn(email: string, password: string, code = ""): Promise<Me> {
     return this.known(await this.json<Me>("POST", "/v1/sign-in", { email, password, ...(code ? { code } : {}) }));
   }
 
-  async sign_out(): Promise<void> {
+  async signOut(): Promise<void> {
     await this.send("POST", "/v1/sign-out");
-    this.csrf_token_ = "";
+    this.token = "";
   }
 
   /** Nothing when nobody is signed in. */
@@ -77,41 +89,41 @@ export class Api {
     }
   }
 
-  async request_password_reset(email: string): Promise<void> {
+  async requestPasswordReset(email: string): Promise<void> {
     await this.send("POST", "/v1/password-reset", { email });
   }
 
-  async reset_password(token: string, password: string): Promise<void> {
+  async resetPassword(token: string, password: string): Promise<void> {
     await this.send("POST", "/v1/password-reset/confirm", { token, password });
   }
 
-  async confirm_email(token: string): Promise<void> {
+  async confirmEmail(token: string): Promise<void> {
     await this.send("POST", "/v1/email-change/confirm", { token });
   }
 
-  async change_password(current: string, password: string): Promise<void> {
+  async changePassword(current: string, password: string): Promise<void> {
     await this.send("POST", "/v1/me/password", { current, password });
   }
 
-  async change_email(email: string, password: string): Promise<void> {
+  async changeEmail(email: string, password: string): Promise<void> {
     await this.send("POST", "/v1/me/email", { email, password });
   }
 
-  async browser_sessions(): Promise<readonly BrowserSession[]> {
+  async browserSessions(): Promise<readonly BrowserSession[]> {
     return (await this.json<{ items: BrowserSession[] }>("GET", "/v1/me/browser-sessions")).items;
   }
 
-  async end_browser_session(id: string): Promise<void> {
+  async endBrowserSession(id: string): Promise<void> {
     await this.send("DELETE", `/v1/me/browser-sessions/${id}`);
   }
 
-  async sign_out_everywhere(): Promise<void> {
+  async signOutEverywhere(): Promise<void> {
     await this.send("DELETE", "/v1/me/browser-sessions");
-    this.csrf_token_ = "";
+    this.token = "";
   }
 
   /** Nothing when there is none. */
-  async export_state(): Promise<Export | null> {
+  async exportState(): Promise<Export | null> {
     try {
       return await this.json<Export>("GET", "/v1/me/export");
     } catch (thrown) {
@@ -120,29 +132,32 @@ export class Api {
     }
   }
 
-  request_export(): Promise<Export> {
+  requestExport(): Promise<Export> {
     return this.json("POST", "/v1/me/export");
   }
 
-  async delete_export(): Promise<void> {
+  async deleteExport(): Promise<void> {
     await this.send("DELETE", "/v1/me/export");
   }
 
-  async delete_account(password: string): Promise<void> {
+  async deleteAccount(password: string): Promise<void> {
     await this.send("POST", "/v1/me/deletion", { password });
-    this.csrf_token_ = "";
+    this.token = "";
   }
 
   users(query: string, cursor: string | null): Promise<Listed<User>> {
-    return this.json("GET", `/v1/admin/users${query_of({ query, cursor })}`);
+    return this.json("GET", `/v1/admin/users${queryOf({ query, cursor })}`);
   }
 
-  change_user(id: string, change: { quota_bytes?: number; render_quota_ms?: number; disabled?: boolean }): Promise<User> {
+  changeUser(
+    id: string,
+    change: { quota_bytes?: number; render_quota_ms?: number; disabled?: boolean },
+  ): Promise<User> {
     return this.json("PATCH", `/v1/admin/users/${id}`, change);
   }
 
   audit(filter: Readonly<Record<string, string | null>>): Promise<Listed<AuditEntry>> {
-    return this.json("GET", `/v1/admin/audit${query_of(filter)}`);
+    return this.json("GET", `/v1/admin/audit${queryOf(filter)}`);
   }
 
   fleet(): Promise<Fleet> {
@@ -150,13 +165,16 @@ export class Api {
   }
 
   /** All of them: a person has few. */
-  async data_sets(signal?: AbortSignal): Promise<DataSet[]> {
+  async dataSets(signal?: AbortSignal): Promise<DataSet[]> {
     const all: DataSet[] = [];
     let cursor: string | null = null;
     do {
       const query: string = cursor === null ? "" : `?cursor=${encodeURIComponent(cursor)}`;
       const page: { items: DataSet[]; next_cursor: string | null } = await this.json(
-        "GET", `/v1/data-sets${query}`, undefined, signal ? { signal } : {},
+        "GET",
+        `/v1/data-sets${query}`,
+        undefined,
+        signal ? { signal } : {},
       );
       all.push(...page.items);
       cursor = page.next_cursor;
@@ -164,40 +182,50 @@ export class Api {
     return all;
   }
 
-  data_set(id: string): Promise<DataSet> {
+  dataSet(id: string): Promise<DataSet> {
     return this.json("GET", `/v1/data-sets/${id}`);
   }
 
-  create_data_set(title: string, bytes: number, slices: number, key: string): Promise<{ data_set: DataSet; upload_url: string }> {
+  createDataSet(
+    title: string,
+    bytes: number,
+    slices: number,
+    key: string,
+  ): Promise<{ data_set: DataSet; upload_url: string }> {
     return this.json("POST", "/v1/data-sets", { title, bytes, slices }, { headers: { "Idempotency-Key": key } });
   }
 
-  async delete_data_set(id: string): Promise<void> {
+  async deleteDataSet(id: string): Promise<void> {
     await this.send("DELETE", `/v1/data-sets/${id}`);
   }
 
-  create_session(data_set_id: string, signal?: AbortSignal): Promise<Stream> {
-    return this.json("POST", "/v1/sessions", { data_set_id }, signal ? { signal } : {});
+  createSession(dataSetId: string, signal?: AbortSignal): Promise<Stream> {
+    return this.json("POST", "/v1/sessions", { data_set_id: dataSetId }, signal ? { signal } : {});
   }
 
-  create_ticket(session_id: string, signal?: AbortSignal): Promise<Stream> {
-    return this.json("POST", `/v1/sessions/${session_id}/tickets`, undefined, signal ? { signal } : {});
+  createTicket(sessionId: string, signal?: AbortSignal): Promise<Stream> {
+    return this.json("POST", `/v1/sessions/${sessionId}/tickets`, undefined, signal ? { signal } : {});
   }
 
-  async end_session(session_id: string): Promise<void> {
-    await this.send("DELETE", `/v1/sessions/${session_id}`, undefined, { keepalive: true });
+  async endSession(sessionId: string): Promise<void> {
+    await this.send("DELETE", `/v1/sessions/${sessionId}`, undefined, { keepalive: true });
   }
 
-  create_link(session_id: string): Promise<{ token: string; path: string }> {
-    return this.json("POST", `/v1/sessions/${session_id}/links`);
+  createLink(sessionId: string): Promise<{ token: string; path: string }> {
+    return this.json("POST", `/v1/sessions/${sessionId}/links`);
   }
 
-  async end_links(session_id: string): Promise<void> {
-    await this.send("DELETE", `/v1/sessions/${session_id}/links`);
+  async endLinks(sessionId: string): Promise<void> {
+    await this.send("DELETE", `/v1/sessions/${sessionId}/links`);
   }
 
   /** No account is needed. */
-  join(token: string, key: string, name: string, signal?: AbortSignal): Promise<{ participant: string; stream_url: string }> {
+  join(
+    token: string,
+    key: string,
+    name: string,
+    signal?: AbortSignal,
+  ): Promise<{ participant: string; stream_url: string }> {
     return this.json("POST", "/v1/join", { token, key, name }, signal ? { signal } : {});
   }
 
@@ -205,30 +233,30 @@ export class Api {
     return this.json("GET", "/v1/recordings");
   }
 
-  async record_interaction(consent: boolean): Promise<void> {
+  async recordInteraction(consent: boolean): Promise<void> {
     await this.send(consent ? "POST" : "DELETE", "/v1/recording-consent");
   }
 
-  async keep_recording(recording: object, keepalive: boolean): Promise<void> {
+  async keepRecording(recording: object, keepalive: boolean): Promise<void> {
     await this.send("POST", "/v1/recordings", recording, { keepalive });
   }
 
-  async delete_recording(id: string): Promise<void> {
+  async deleteRecording(id: string): Promise<void> {
     await this.send("DELETE", `/v1/recordings/${id}`);
   }
 
-  async thumbnail(data_set_id: string, preset: PresetName, signal: AbortSignal): Promise<Blob> {
-    const response = await this.send("GET", thumbnail_path(data_set_id, preset), undefined, { signal });
+  async thumbnail(dataSetId: string, preset: PresetName, signal: AbortSignal): Promise<Blob> {
+    const response = await this.send("GET", thumbnailPath(dataSetId, preset), undefined, { signal });
     return response.blob();
   }
 
   readonly sharing = new SharingApi((...call) => this.send(...call));
   readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
-  readonly second_factor = new SecondFactorApi((...call) => this.send(...call));
+  readonly secondFactor = new SecondFactorApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
 
   private known(me: Me): Me {
-    this.csrf_token_ = me.csrf_token;
+    this.token = me.csrf_token;
     return me;
   }
 
@@ -241,7 +269,7 @@ export class Api {
     const headers = new Headers(init.headers);
     const raw = body instanceof Blob;
     if (body !== undefined && !raw) headers.set("Content-Type", "application/json");
-    if (method !== "GET" && this.csrf_token_) headers.set("X-CSRF-Token", this.csrf_token_);
+    if (method !== "GET" && this.token) headers.set("X-CSRF-Token", this.token);
     let response: Response;
     try {
       response = await fetch(path, {
@@ -255,21 +283,21 @@ export class Api {
       if (init.signal?.aborted) throw thrown;
       throw new ApiProblem(0, "offline", "");
     }
-    if (!response.ok) throw await problem_of(response);
+    if (!response.ok) throw await problemOf(response);
     return response;
   }
 }
 
 /** "?a=1&b=2" of what is given, or nothing. */
-function query_of(given: Readonly<Record<string, string | null>>): string {
+function queryOf(given: Readonly<Record<string, string | null>>): string {
   const query = new URLSearchParams();
   for (const [name, value] of Object.entries(given)) if (value) query.set(name, value);
   return query.size > 0 ? `?${query.toString()}` : "";
 }
 
-export const export_path = "/v1/me/export/file";
+export const exportPath = "/v1/me/export/file";
 
-export const recording_path = (id: string): string => `/v1/recordings/${id}`;
+export const recordingPath = (id: string): string => `/v1/recordings/${id}`;
 
-export const thumbnail_path = (data_set_id: string, preset: PresetName): string =>
-  `/v1/data-sets/${data_set_id}/thumbnails/${preset}`;
+export const thumbnailPath = (dataSetId: string, preset: PresetName): string =>
+  `/v1/data-sets/${dataSetId}/thumbnails/${preset}`;

@@ -6,22 +6,22 @@ export type PictureTime =
   /** So many minutes of a renderer's work, or less. */
   | { readonly kind: "soon"; readonly minutes: number }
   /** All is used: the picture that is open ends then, also when it is at rest. */
-  | { readonly kind: "ending"; readonly at_ms: number };
+  | { readonly kind: "ending"; readonly atMs: number };
 
-const minute_ms = 60_000;
+const minuteMs = 60_000;
 /** Said when no more than this is left. */
-const said_at_ms = [5 * minute_ms, minute_ms];
+const saidAtMs = [5 * minuteMs, minuteMs];
 
-export function picture_time(time: Me["render_time"]): PictureTime {
-  if (time.pictures_end_at !== null) return { kind: "ending", at_ms: Date.parse(time.pictures_end_at) };
-  const left_ms = time.quota_ms - time.used_ms;
-  const soon = said_at_ms.some((at) => left_ms <= at);
-  return soon ? { kind: "soon", minutes: Math.max(1, Math.ceil(left_ms / minute_ms)) } : { kind: "enough" };
+export function pictureTime(time: Me["render_time"]): PictureTime {
+  if (time.pictures_end_at !== null) return { kind: "ending", atMs: Date.parse(time.pictures_end_at) };
+  const leftMs = time.quota_ms - time.used_ms;
+  const soon = saidAtMs.some((at) => leftMs <= at);
+  return soon ? { kind: "soon", minutes: Math.max(1, Math.ceil(leftMs / minuteMs)) } : { kind: "enough" };
 }
 
 /** After how long to ask the server again: a few open pictures use their time side by side, so soon enough for all of them. */
-export function asked_again_ms(time: Me["render_time"]): number {
-  const left_ms = time.quota_ms - time.used_ms;
-  const next_ms = said_at_ms.find((at) => at < left_ms) ?? 0;
-  return Math.min(Math.max((left_ms - next_ms) / 3, 5000), 2 * minute_ms);
+export function askedAgainMs(time: Me["render_time"]): number {
+  const leftMs = time.quota_ms - time.used_ms;
+  const nextMs = saidAtMs.find((at) => at < leftMs) ?? 0;
+  return Math.min(Math.max((leftMs - nextMs) / 3, 5000), 2 * minuteMs);
 }

@@ -36,7 +36,7 @@ export class SecondFactorApi {
     return this.codes("confirm", { code });
   }
 
-  renew_recovery_codes(password: string, code: string): Promise<readonly string[]> {
+  renewRecoveryCodes(password: string, code: string): Promise<readonly string[]> {
     return this.codes("recovery-codes", { password, code });
   }
 

@@ -1,11 +1,21 @@
-import { random_key } from "./random_key";
-import type { DataSet, DataSetLink, GalleryQuestion, Page, PresetInfo, Report, SavedPreset, SharedPerson, Visit } from "./types";
+import { randomKey } from "./random_key";
+import type {
+  DataSet,
+  DataSetLink,
+  GalleryQuery,
+  Page,
+  PresetInfo,
+  Report,
+  SavedPreset,
+  SharedPerson,
+  Visit,
+} from "./types";
 
 /** Sends a request with the token of the sign-in; rejects with ApiProblem. */
 export type Send = (method: string, path: string, body?: unknown, init?: RequestInit) => Promise<Response>;
 
 /** Sent again by whatever lies on the way, it still makes one thing. */
-const once = () => ({ headers: { "Idempotency-Key": random_key() } });
+const once = () => ({ headers: { "Idempotency-Key": randomKey() } });
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
 
@@ -18,15 +28,20 @@ export class SharingApi {
   }
 
   /** `slices`: of a public one, whether whoever looks may have them. */
-  set_visibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
-    return read(this.send("POST", `/v1/data-sets/${id}/visibility`, { visibility, ...(visibility === "public" ? { slices } : {}) }));
+  setVisibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
+    return read(
+      this.send("POST", `/v1/data-sets/${id}/visibility`, {
+        visibility,
+        ...(visibility === "public" ? { slices } : {}),
+      }),
+    );
   }
 
   async people(id: string): Promise<readonly SharedPerson[]> {
     return (await read<Page<SharedPerson>>(this.send("GET", `/v1/data-sets/${id}/people`))).items;
   }
 
-  async share_with(id: string, email: string, may: "view" | "save"): Promise<void> {
+  async shareWith(id: string, email: string, may: "view" | "save"): Promise<void> {
     await this.send("POST", `/v1/data-sets/${id}/people`, { email, may });
   }
 
@@ -38,17 +53,18 @@ export class SharingApi {
     return (await read<Page<DataSetLink>>(this.send("GET", `/v1/data-sets/${id}/links`))).items;
   }
 
-  make_link(id: string, hours: number, slices: boolean): Promise<DataSetLink & { readonly path: string }> {
+  makeLink(id: string, hours: number, slices: boolean): Promise<DataSetLink & { readonly path: string }> {
     return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours, slices }, once()));
   }
 
-  async end_link(id: string, link: string): Promise<void> {
+  async endLink(id: string, link: string): Promise<void> {
     await this.send("DELETE", `/v1/data-sets/${id}/links/${link}`);
   }
 
-  gallery(question: GalleryQuestion, cursor: string | null, signal?: AbortSignal): Promise<Page<DataSet>> {
+  gallery(question: GalleryQuery, cursor: string | null, signal?: AbortSignal): Promise<Page<DataSet>> {
     const query = new URLSearchParams();
-    for (const [name, value] of Object.entries(question) as [string, string][]) if (value.trim() !== "") query.set(name, value.trim());
+    for (const [name, value] of Object.entries(question) as [string, string][])
+      if (value.trim() !== "") query.set(name, value.trim());
     if (cursor !== null) query.set("cursor", cursor);
     return read(this.send("GET", `/v1/gallery?${query.toString()}`, undefined, signal ? { signal } : {}));
   }
@@ -59,7 +75,11 @@ export class SharingApi {
   }
 
   /** No account is needed. */
-  visit(what: { readonly token: string } | { readonly data_set_id: string }, key: string, signal?: AbortSignal): Promise<Visit> {
+  visit(
+    what: { readonly token: string } | { readonly data_set_id: string },
+    key: string,
+    signal?: AbortSignal,
+  ): Promise<Visit> {
     return read(this.send("POST", "/v1/visits", { ...what, key }, signal ? { signal } : {}));
   }
 
@@ -77,17 +97,17 @@ export class SharingApi {
   }
 
   /** What the report is about: the preset, or the scan. */
-  async take_down({ data_set_id, preset_id }: Report, reason: string): Promise<void> {
-    const what = preset_id === null ? `data-sets/${data_set_id}` : `presets/${preset_id}`;
+  async takeDown({ data_set_id: dataSetId, preset_id: presetId }: Report, reason: string): Promise<void> {
+    const what = presetId === null ? `data-sets/${dataSetId}` : `presets/${presetId}`;
     await this.send("POST", `/v1/${what}/take-down`, { reason });
   }
 
-  async public_name(): Promise<string> {
+  async publicName(): Promise<string> {
     return (await read<{ public_name: string }>(this.send("GET", "/v1/me/public-name"))).public_name;
   }
 
-  async set_public_name(public_name: string): Promise<void> {
-    await this.send("PATCH", "/v1/me/public-name", { public_name });
+  async setPublicName(publicName: string): Promise<void> {
+    await this.send("PATCH", "/v1/me/public-name", { public_name: publicName });
   }
 }
 
@@ -95,16 +115,16 @@ export class SharingApi {
 export class PresetsApi {
   constructor(private readonly send: Send) {}
 
-  async list(data_set: string): Promise<readonly PresetInfo[]> {
-    return (await read<Page<PresetInfo>>(this.send("GET", `/v1/data-sets/${data_set}/presets`))).items;
+  async list(dataSet: string): Promise<readonly PresetInfo[]> {
+    return (await read<Page<PresetInfo>>(this.send("GET", `/v1/data-sets/${dataSet}/presets`))).items;
   }
 
   get(id: string): Promise<SavedPreset> {
     return read(this.send("GET", `/v1/presets/${id}`));
   }
 
-  save(data_set: string, name: string, scene: object): Promise<SavedPreset> {
-    return read(this.send("POST", `/v1/data-sets/${data_set}/presets`, { name, scene, version: 1 }, once()));
+  save(dataSet: string, name: string, scene: object): Promise<SavedPreset> {
+    return read(this.send("POST", `/v1/data-sets/${dataSet}/presets`, { name, scene, version: 1 }, once()));
   }
 
   change(preset: PresetInfo, what: { name?: string; scene?: object }): Promise<SavedPreset> {
@@ -119,18 +139,22 @@ export class PresetsApi {
     await this.send("POST", `/v1/presets/${preset.id}/vote`, { value });
   }
 
-  async set_default(data_set: string, preset: PresetInfo | null): Promise<void> {
-    await this.send("POST", `/v1/data-sets/${data_set}/default-preset`, { preset_id: preset?.id ?? null });
+  async setDefault(dataSet: string, preset: PresetInfo | null): Promise<void> {
+    await this.send("POST", `/v1/data-sets/${dataSet}/default-preset`, { preset_id: preset?.id ?? null });
   }
 
   /** The exchange format (docs/presets.md). */
-  import_xml(data_set: string, xml: Blob): Promise<SavedPreset> {
-    return read(this.send("POST", `/v1/data-sets/${data_set}/presets/xml`, xml, { headers: { ...once().headers, "Content-Type": "application/xml" } }));
+  importXml(dataSet: string, xml: Blob): Promise<SavedPreset> {
+    return read(
+      this.send("POST", `/v1/data-sets/${dataSet}/presets/xml`, xml, {
+        headers: { ...once().headers, "Content-Type": "application/xml" },
+      }),
+    );
   }
 
   /** 404 until it is there. */
-  async picture({ data_set_id, id }: PresetInfo, signal: AbortSignal): Promise<Blob> {
-    return (await this.send("GET", `/v1/data-sets/${data_set_id}/presets/${id}/thumbnail`, undefined, { signal })).blob();
+  async picture({ data_set_id: dataSetId, id }: PresetInfo, signal: AbortSignal): Promise<Blob> {
+    return (await this.send("GET", `/v1/data-sets/${dataSetId}/presets/${id}/thumbnail`, undefined, { signal })).blob();
   }
 
   async report(id: string, reason: string, words: string): Promise<void> {
@@ -138,4 +162,4 @@ export class PresetsApi {
   }
 }
 
-export const preset_xml_path = (id: string): string => `/v1/presets/${id}/xml`;
+export const presetXmlPath = (id: string): string => `/v1/presets/${id}/xml`;

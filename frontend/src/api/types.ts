@@ -83,7 +83,18 @@ export interface Listed<T> {
 }
 
 export type BodyPart = "head" | "neck" | "chest" | "abdomen" | "pelvis" | "spine" | "arm" | "leg" | "whole" | "other";
-export const body_parts: readonly BodyPart[] = ["head", "neck", "chest", "abdomen", "pelvis", "spine", "arm", "leg", "whole", "other"];
+export const bodyParts: readonly BodyPart[] = [
+  "head",
+  "neck",
+  "chest",
+  "abdomen",
+  "pelvis",
+  "spine",
+  "arm",
+  "leg",
+  "whole",
+  "other",
+];
 
 export type DataSetState = "uploading" | "queued" | "building" | "ready" | "refused" | "expired";
 
@@ -103,7 +114,7 @@ export interface DataSet {
   readonly public_slices: boolean;
   readonly refusal: { readonly code: string; readonly text: string } | null;
   /** Queued, to the owner: what it waits for beyond its turn. */
-  readonly waiting_for: "room" | "memory" | "service" | null;
+  readonly waiting_for: "room" | "memory" | "service" | "interruption" | null;
   readonly volume: {
     readonly modality: "CT" | "MR" | "PT" | "OTHER";
     readonly size: readonly [number, number, number];
@@ -153,7 +164,7 @@ export interface Report {
   readonly created_at: string;
 }
 
-export interface GalleryQuestion {
+export interface GalleryQuery {
   readonly q: string;
   readonly body_part: string;
   readonly modality: string;
@@ -207,7 +218,7 @@ export interface ProblemBody {
 }
 
 export type PresetName = "skin" | "muscle" | "vessels" | "bone" | "airways";
-export const preset_names: readonly PresetName[] = ["skin", "muscle", "vessels", "bone", "airways"];
+export const presetNames: readonly PresetName[] = ["skin", "muscle", "vessels", "bone", "airways"];
 
 export interface RecordingInfo {
   readonly id: string;

@@ -2,17 +2,17 @@ import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpSta
 
 /** The only place that knows tus-js-client (docs/adr/0021). */
 
-export const part_bytes = 8 * 1024 * 1024;
+export const partBytes = 8 * 1024 * 1024;
 
 /** How an upload ended: done, or refused for good by the server with this status. */
 export type UploadEnd = { readonly kind: "done" } | { readonly kind: "refused"; readonly status: number };
 
 /** Why nothing is sent just now; the next try comes by itself. */
-export type Hindrance = "connection" | "storage_full";
+export type StallReason = "connection" | "storage_full";
 
 export interface UploadEvents {
   progress(sent: number, total: number): void;
-  hindered(by: Hindrance): void;
+  stalled(by: StallReason): void;
   end(end: UploadEnd): void;
 }
 
@@ -20,20 +20,20 @@ export interface RunningUpload {
   /** Stops sending; what has arrived stays at the server. */
   stop(): void;
   /** Sends again from where the server stands: after `stop`, or at once instead of after the wait that is on. */
-  go_on(): void;
+  goOn(): void;
 }
 
-const waits_ms = [300, 1000, 2000, 4000, 8000];
-const full_wait_ms = 60_000;
+const waitsMs = [300, 1000, 2000, 4000, 8000];
+const fullWaitMs = 60_000;
 /** A token that was renewed in another window is known here within moments. */
-const tries_with_old_token = 4;
+const triesWithOldToken = 4;
 
 /** Sends from where the server stands, part by part with a checksum each, and comes back after any cut by itself. */
-export function start_upload(bundle: Blob, url: string, csrf_token: () => string, events: UploadEvents): RunningUpload {
+export function startUpload(bundle: Blob, url: string, csrfToken: () => string, events: UploadEvents): RunningUpload {
   let sending = false;
   let failures = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const go_on = () => {
+  const goOn = () => {
     clearTimeout(timer);
     if (sending) return;
     sending = true;
@@ -41,11 +41,11 @@ export function start_upload(bundle: Blob, url: string, csrf_token: () => string
   };
   const upload = new Upload(bundle, {
     uploadUrl: url,
-    chunkSize: part_bytes,
+    chunkSize: partBytes,
     retryDelays: null, // ours know of restarts of the server, too
     storeFingerprintForResuming: false, // the library's own would keep more than a number
     httpStack: new ChecksumStack(),
-    onBeforeRequest: (request) => request.setHeader("X-CSRF-Token", csrf_token()),
+    onBeforeRequest: (request) => request.setHeader("X-CSRF-Token", csrfToken()),
     onProgress: (sent, total) => events.progress(sent, total),
     onChunkComplete: () => {
       failures = 0;
@@ -58,41 +58,44 @@ export function start_upload(bundle: Blob, url: string, csrf_token: () => string
       if (!sending) return; // stopped
       sending = false;
       const status = error instanceof DetailedError ? (error.originalResponse?.getStatus() ?? 0) : 0;
-      if (!worth_retrying(status, failures)) {
+      if (!worthRetrying(status, failures)) {
         events.end({ kind: "refused", status });
         return;
       }
-      const wait = status === 507 ? full_wait_ms : (waits_ms[Math.min(failures, waits_ms.length - 1)] ?? 8000);
+      const wait = status === 507 ? fullWaitMs : (waitsMs[Math.min(failures, waitsMs.length - 1)] ?? 8000);
       failures += 1;
-      events.hindered(status === 507 ? "storage_full" : "connection");
-      timer = setTimeout(go_on, wait);
+      events.stalled(status === 507 ? "storage_full" : "connection");
+      timer = setTimeout(goOn, wait);
     },
   });
-  go_on();
+  goOn();
   return {
     stop: () => {
       sending = false;
       clearTimeout(timer);
       void upload.abort(false).catch(() => undefined);
     },
-    go_on,
+    goOn,
   };
 }
 
 /** 403 the token is an older one, 409 the offset differs (ask again), 423 a part is still being written, 429 too fast, 460 damaged on the way. */
-export const worth_retrying = (status: number, failures: number): boolean =>
-  status === 0 || status >= 500 || [408, 409, 423, 429, 460].includes(status) || (status === 403 && failures < tries_with_old_token);
+export const worthRetrying = (status: number, failures: number): boolean =>
+  status === 0 ||
+  status >= 500 ||
+  [408, 409, 423, 429, 460].includes(status) ||
+  (status === 403 && failures < triesWithOldToken);
 
 /** Adds `Upload-Checksum` to each part, which the library leaves to others. */
 class ChecksumStack implements HttpStack {
-  private readonly plain_ = new DefaultHttpStack({});
+  private readonly plain = new DefaultHttpStack({});
 
   createRequest(method: string, url: string): HttpRequest {
-    const request = this.plain_.createRequest(method, url);
+    const request = this.plain.createRequest(method, url);
     if (method !== "PATCH") return request;
     const send = request.send.bind(request);
     request.send = async (body: unknown) => {
-      const checksum = body instanceof Blob ? await checksum_of(body) : null;
+      const checksum = body instanceof Blob ? await checksumOf(body) : null;
       if (checksum !== null) request.setHeader("Upload-Checksum", checksum);
       return send(body);
     };
@@ -105,7 +108,7 @@ class ChecksumStack implements HttpStack {
 }
 
 /** Nothing where the browser gives no digests: outside a secure context. */
-export async function checksum_of(part: Blob): Promise<string | null> {
+export async function checksumOf(part: Blob): Promise<string | null> {
   const subtle = (crypto as Partial<Crypto>).subtle;
   if (!subtle) return null;
   const digest = new Uint8Array(await subtle.digest("SHA-1", await part.arrayBuffer()));

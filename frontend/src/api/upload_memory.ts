@@ -20,16 +20,18 @@ function all(store: Store): Record<string, RememberedUpload> {
   }
 }
 
-export function remembered_upload(store: Store, fingerprint: string): RememberedUpload | null {
+export function rememberedUpload(store: Store, fingerprint: string): RememberedUpload | null {
   return all(store)[fingerprint] ?? null;
 }
 
-export function remember_upload(store: Store, fingerprint: string, upload: RememberedUpload): void {
-  const kept = Object.entries(all(store)).filter(([print]) => print !== fingerprint).slice(1 - most);
+export function rememberUpload(store: Store, fingerprint: string, upload: RememberedUpload): void {
+  const kept = Object.entries(all(store))
+    .filter(([print]) => print !== fingerprint)
+    .slice(1 - most);
   store.setItem(key, JSON.stringify(Object.fromEntries([...kept, [fingerprint, upload]])));
 }
 
-export function forget_upload(store: Store, data_set_id: string): void {
-  const kept = Object.entries(all(store)).filter(([, upload]) => upload.data_set_id !== data_set_id);
+export function forgetUpload(store: Store, dataSetId: string): void {
+  const kept = Object.entries(all(store)).filter(([, upload]) => upload.data_set_id !== dataSetId);
   store.setItem(key, JSON.stringify(Object.fromEntries(kept)));
 }

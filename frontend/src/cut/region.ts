@@ -1,6 +1,6 @@
 import type { Area } from "../input/flat";
 import { dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec3";
-import { apart, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye } from "../picture/project";
+import { apart, faceOf, middleOf, onScreen, planeInBox, type Axis, type Box, type Eye } from "../picture/project";
 
 /** Where a plane's normal points, from straight ahead, and where the plane is. */
 export interface FacePlane {
@@ -20,18 +20,28 @@ export interface Region {
   readonly plane: FacePlane;
 }
 
-export const least_side_mm = 10;
+export const leastSideMm = 10;
 
 /** The smallest box along the patient's axes around a volume. `direction` row by row, its columns the voxels' axes. */
-export function bounds_of(volume: { readonly size: readonly number[]; readonly spacing: readonly number[]; readonly direction: readonly number[] }): Box {
+export function boundsOf(volume: {
+  readonly size: readonly number[];
+  readonly spacing: readonly number[];
+  readonly direction: readonly number[];
+}): Box {
   const half = [0, 1, 2].map((p) =>
-    [0, 1, 2].reduce((sum, v) => sum + (Math.abs(volume.direction[3 * p + v] ?? 0) * (volume.spacing[v] ?? 1) * (volume.size[v] ?? 0)) / 2, 0));
+    [0, 1, 2].reduce(
+      (sum, v) =>
+        sum + (Math.abs(volume.direction[3 * p + v] ?? 0) * (volume.spacing[v] ?? 1) * (volume.size[v] ?? 0)) / 2,
+      0,
+    ),
+  );
   const [x = 0, y = 0, z = 0] = half;
   return { low: vec3(-x, -y, -z), high: vec3(x, y, z) };
 }
 
-export function plane_normal(plane: FacePlane): Vec3 {
-  const down = radians(plane.tilt), aside = radians(plane.aside);
+export function planeNormal(plane: FacePlane): Vec3 {
+  const down = radians(plane.tilt),
+    aside = radians(plane.aside);
   return vec3(Math.cos(down) * Math.sin(aside), -Math.cos(down) * Math.cos(aside), -Math.sin(down));
 }
 
@@ -55,57 +65,68 @@ export interface RegionBody {
 const vector = ([x = 0, y = 0, z = 0]: readonly number[]): Vec3 => vec3(x, y, z);
 const numbers = (v: Vec3): [number, number, number] => [v.x, v.y, v.z];
 
-export function from_proposal(proposal: RegionBody, bounds: Box): Region {
+export function fromProposal(proposal: RegionBody, bounds: Box): Region {
   const start = whole(bounds);
   const first = proposal.planes?.[0];
   if (!first) return start;
   const normal = vector(first.normal);
   const tilt = degrees(Math.atan2(-normal.z, Math.hypot(normal.x, normal.y)));
   const plane = { on: true, tilt, aside: degrees(Math.atan2(normal.x, -normal.y)), offset: 0 };
-  return { ...start, plane: { ...plane, offset: dot(plane_normal(plane), vector(first.point)) } };
+  return { ...start, plane: { ...plane, offset: dot(planeNormal(plane), vector(first.point)) } };
 }
 
-export function to_body(region: Region): RegionBody {
-  const normal = plane_normal(region.plane);
-  const planes = region.plane.on ? [{ point: numbers(scale(normal, region.plane.offset)), normal: numbers(normal) }] : [];
+export function toBody(region: Region): RegionBody {
+  const normal = planeNormal(region.plane);
+  const planes = region.plane.on
+    ? [{ point: numbers(scale(normal, region.plane.offset)), normal: numbers(normal) }]
+    : [];
   return { box: { low: numbers(region.low), high: numbers(region.high) }, planes };
 }
 
-export type Handle = { readonly kind: "face"; readonly axis: Axis; readonly side: "low" | "high" } | { readonly kind: "plane" };
+export type Handle =
+  { readonly kind: "face"; readonly axis: Axis; readonly side: "low" | "high" } | { readonly kind: "plane" };
 
 export const handles: readonly Handle[] = [
-  ...(["x", "y", "z"] as const).flatMap((axis) => (["low", "high"] as const).map((side) => ({ kind: "face" as const, axis, side }))),
+  ...(["x", "y", "z"] as const).flatMap((axis) =>
+    (["low", "high"] as const).map((side) => ({ kind: "face" as const, axis, side })),
+  ),
   { kind: "plane" },
 ];
 
 /** Where along its way a handle stands, mm, and how far it may go. */
-export function range_of(handle: Handle, region: Region, bounds: Box): { readonly at: number; readonly low: number; readonly high: number } {
+export function rangeOf(
+  handle: Handle,
+  region: Region,
+  bounds: Box,
+): { readonly at: number; readonly low: number; readonly high: number } {
   if (handle.kind === "plane") {
-    const normal = plane_normal(region.plane);
-    const reach = Math.abs(normal.x) * bounds.high.x + Math.abs(normal.y) * bounds.high.y + Math.abs(normal.z) * bounds.high.z;
+    const normal = planeNormal(region.plane);
+    const reach =
+      Math.abs(normal.x) * bounds.high.x + Math.abs(normal.y) * bounds.high.y + Math.abs(normal.z) * bounds.high.z;
     return { at: region.plane.offset, low: -reach, high: reach };
   }
   const { axis, side } = handle;
   return side === "low"
-    ? { at: region.low[axis], low: bounds.low[axis], high: region.high[axis] - least_side_mm }
-    : { at: region.high[axis], low: region.low[axis] + least_side_mm, high: bounds.high[axis] };
+    ? { at: region.low[axis], low: bounds.low[axis], high: region.high[axis] - leastSideMm }
+    : { at: region.high[axis], low: region.low[axis] + leastSideMm, high: bounds.high[axis] };
 }
 
 export function moved(handle: Handle, to: number, region: Region, bounds: Box): Region {
-  const { low, high } = range_of(handle, region, bounds);
+  const { low, high } = rangeOf(handle, region, bounds);
   const at = clamp(to, low, Math.max(low, high));
   if (handle.kind === "plane") return { ...region, plane: { ...region.plane, offset: at } };
   return { ...region, [handle.side]: { ...region[handle.side], [handle.axis]: at } };
 }
 
 /** Where the plane meets the box: a polygon, its corners in order around; nothing when it passes by or is off. */
-export const plane_in_region = (region: Region): Vec3[] => (region.plane.on ? plane_in_box(region, plane_normal(region.plane), region.plane.offset) : []);
+export const planeInRegion = (region: Region): Vec3[] =>
+  region.plane.on ? planeInBox(region, planeNormal(region.plane), region.plane.offset) : [];
 
 /** Where a handle is, and the direction in which it goes. */
-export function place_of(handle: Handle, region: Region): { readonly place: Vec3; readonly along: Vec3 } | null {
-  if (handle.kind === "face") return face_of(region, handle.axis, handle.side);
-  const place = middle_of(plane_in_region(region));
-  return place && { place, along: plane_normal(region.plane) };
+export function placeOf(handle: Handle, region: Region): { readonly place: Vec3; readonly along: Vec3 } | null {
+  if (handle.kind === "face") return faceOf(region, handle.axis, handle.side);
+  const place = middleOf(planeInRegion(region));
+  return place && { place, along: planeNormal(region.plane) };
 }
 
 export interface PlacedHandle {
@@ -120,25 +141,31 @@ export interface PlacedHandle {
  * The handles that a hand can take, each where it is on the screen. Of two that would lie on each other the one that is held
  * stays, then the plane's, then the nearer one.
  */
-export function handles_to_take(eye: Eye, screen: Area, region: Region, held: Handle | null): PlacedHandle[] {
+export function handlesToTake(eye: Eye, screen: Area, region: Region, held: Handle | null): PlacedHandle[] {
   const placed = handles.flatMap((handle) => {
-    const where = place_of(handle, region);
-    const point = where && on_screen(eye, screen, where.place);
+    const where = placeOf(handle, region);
+    const point = where && onScreen(eye, screen, where.place);
     return point ? [{ handle, ...where, ...point }] : [];
   });
-  return apart(placed, ({ handle, place }) => (handle === held ? -2 : handle.kind === "plane" ? -1 : length(subtract(place, eye.eye))));
+  return apart(placed, ({ handle, place }) =>
+    handle === held ? -2 : handle.kind === "plane" ? -1 : length(subtract(place, eye.eye)),
+  );
 }
 
 /** The part of the scan that goes, 0 to 1, by a lattice of places: for a person to read, not to rely on. */
-export function part_that_goes(region: Region, bounds: Box): number {
+export function partThatGoes(region: Region, bounds: Box): number {
   const steps = 24;
-  const normal = plane_normal(region.plane);
+  const normal = planeNormal(region.plane);
   const at = (axis: Axis, i: number) => bounds.low[axis] + ((i + 0.5) / steps) * (bounds.high[axis] - bounds.low[axis]);
   const within = (axis: Axis, value: number) => value >= region.low[axis] && value <= region.high[axis];
   let gone = 0;
   for (let i = 0; i < steps ** 3; ++i) {
     const p = vec3(at("x", i % steps), at("y", Math.floor(i / steps) % steps), at("z", Math.floor(i / steps ** 2)));
-    const kept = within("x", p.x) && within("y", p.y) && within("z", p.z) && !(region.plane.on && dot(normal, p) > region.plane.offset);
+    const kept =
+      within("x", p.x) &&
+      within("y", p.y) &&
+      within("z", p.z) &&
+      !(region.plane.on && dot(normal, p) > region.plane.offset);
     gone += Number(!kept);
   }
   return gone / steps ** 3;

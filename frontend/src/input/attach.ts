@@ -1,8 +1,12 @@
-import { Gestures, wheel_zoom, type Gesture, type PointerSample } from "./gestures";
-import { no_flick } from "./no_flick";
+import { Gestures, wheelZoom, type Gesture } from "./gestures";
+import { pointerSampleOf } from "./pointer_sample";
+import { preventBrowserGestures } from "./prevent_browser_gestures";
 
-/** Listens to the hands on `element` until the given signal is aborted. `rested`: the last one that moved was lifted. */
-export function attach_gestures(
+/**
+ * Listens to the gestures on `element` until `signal` is aborted. `rested` is called when the last pointer that acted is
+ * lifted.
+ */
+export function attachGestures(
   element: HTMLElement,
   act: (gesture: Gesture, held: boolean) => void,
   rested: () => void,
@@ -10,44 +14,25 @@ export function attach_gestures(
 ): void {
   const gestures = new Gestures();
   let acted = false;
-  const sample = (event: PointerEvent): PointerSample => {
-    const box = element.getBoundingClientRect();
-    return {
-      id: event.pointerId,
-      x: event.clientX - box.left,
-      y: event.clientY - box.top,
-      touch: event.pointerType === "touch",
-      button: event.button,
-      shift: event.shiftKey,
-      ctrl: event.ctrlKey || event.metaKey,
-    };
-  };
   const passive = { signal, passive: true };
-
-  element.addEventListener("pointerdown", (event) => {
-    gestures.down(sample(event));
-    element.setPointerCapture(event.pointerId);
-    element.dataset.held = "";
-  }, passive);
+  element.addEventListener(
+    "pointerdown",
+    (event) => {
+      gestures.down(pointerSampleOf(event, element));
+      element.setPointerCapture(event.pointerId);
+      element.dataset.held = "";
+    },
+    passive,
+  );
   const moved = (event: PointerEvent) => {
     if (!gestures.active) return;
     const area = { width: element.clientWidth, height: element.clientHeight };
-    for (const gesture of gestures.move(sample(event), area)) {
+    for (const gesture of gestures.move(pointerSampleOf(event, element), area)) {
       acted = true;
       act(gesture, true);
     }
   };
-  element.addEventListener("pointermove", moved, passive);
-  // A move is told with the next picture of the screen; by some browsers sooner, and then the first since the last
-  // picture is acted on at once. Not the others: a mouse may tell a thousand a second.
-  let early = false;
-  const moved_early = (event: Event) => {
-    if (early || !(event instanceof PointerEvent)) return;
-    early = true;
-    requestAnimationFrame(() => (early = false));
-    moved(event);
-  };
-  element.addEventListener("pointerrawupdate", moved_early, passive);
+  listenToMoves(element, moved, signal);
   const released = (event: PointerEvent) => {
     gestures.up(event.pointerId);
     if (gestures.active) return;
@@ -57,14 +42,30 @@ export function attach_gestures(
   };
   element.addEventListener("pointerup", released, passive);
   element.addEventListener("pointercancel", released, passive);
-  element.addEventListener("touchmove", no_flick, { signal, passive: false });
-  // These two would scroll the page and open the browser's menu.
-  element.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    act({ kind: "zoom", factor: wheel_zoom(event.deltaY, event.deltaMode, event.ctrlKey) }, false);
-  }, { signal, passive: false });
-  element.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
-  element.addEventListener("mousedown", (event) => {
-    if (event.button === 1) event.preventDefault(); // the browser's own scrolling
-  }, { signal });
+  element.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault(); // the page would scroll
+      act({ kind: "zoom", factor: wheelZoom(event.deltaY, event.deltaMode, event.ctrlKey) }, false);
+    },
+    { signal, passive: false },
+  );
+  preventBrowserGestures(element, signal);
+}
+
+/**
+ * Browsers report moves with the next screen refresh, some of them earlier as raw updates. The first raw update after a
+ * refresh is used at once. Later ones are not, because a mouse may send a thousand per second.
+ */
+function listenToMoves(element: HTMLElement, moved: (event: PointerEvent) => void, signal: AbortSignal): void {
+  const passive = { signal, passive: true };
+  let early = false;
+  const movedEarly = (event: Event) => {
+    if (early || !(event instanceof PointerEvent)) return;
+    early = true;
+    requestAnimationFrame(() => (early = false));
+    moved(event);
+  };
+  element.addEventListener("pointermove", moved, passive);
+  element.addEventListener("pointerrawupdate", movedEarly, passive);
 }

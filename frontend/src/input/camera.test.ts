@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { fitted_to_aspect, in_picture, orbit_frame, orbit_of, panned, pose_of, rolled, rotated, zoomed } from "./camera";
+import { fittedToAspect, inPicture, orbitFrame, orbitOf, panned, poseOf, rolled, rotated, zoomed } from "./camera";
 import type { CameraPose } from "./camera";
 import { add, cross, dot, length, scale, subtract, vec3, type Vec3 } from "./vec3";
 
@@ -12,8 +12,8 @@ function near(a: Vec3, b: Vec3, tolerance = 1e-6): void {
 
 /** The picture of a point: x to the right, y up, in parts of half the height. */
 function projected(pose: CameraPose, point: Vec3): { x: number; y: number } {
-  const frame = orbit_frame(orbit_of(pose));
-  const p = in_picture(frame, subtract(point, pose.eye));
+  const frame = orbitFrame(orbitOf(pose));
+  const p = inPicture(frame, subtract(point, pose.eye));
   const half = Math.tan((pose.verticalFovDegrees * Math.PI) / 360);
   return { x: p.x / (-p.z * half), y: p.y / (-p.z * half) };
 }
@@ -27,24 +27,24 @@ describe("the turntable camera", () => {
 
   it("is the same camera after going there and back", () => {
     for (const pose of poses) {
-      const back = pose_of(orbit_of(pose));
+      const back = poseOf(orbitOf(pose));
       near(back.eye, pose.eye);
       near(back.target, pose.target);
-      const again = pose_of(orbit_of(back));
+      const again = poseOf(orbitOf(back));
       near(again.up, back.up);
     }
   });
 
   it("keeps a roll on the way there and back", () => {
     for (const pose of poses) {
-      const turned = rolled(orbit_of(pose), 0.7);
-      expect(orbit_of(pose_of(turned)).roll).toBeCloseTo(turned.roll, 9);
+      const turned = rolled(orbitOf(pose), 0.7);
+      expect(orbitOf(poseOf(turned)).roll).toBeCloseTo(turned.roll, 9);
     }
   });
 
   it("has a right-handed frame of unit vectors whose up is the head's side", () => {
     for (const pose of poses) {
-      const frame = orbit_frame(orbit_of(pose));
+      const frame = orbitFrame(orbitOf(pose));
       near(cross(frame.right, frame.up), frame.back);
       expect(length(frame.right)).toBeCloseTo(1, 12);
       expect(frame.up.z).toBeGreaterThan(0);
@@ -52,19 +52,22 @@ describe("the turntable camera", () => {
   });
 
   it("seen from the front, the patient's left is on the right of the picture", () => {
-    const frame = orbit_frame(orbit_of(front));
-    near(in_picture(frame, vec3(1, 0, 0)), vec3(1, 0, 0));
-    near(in_picture(frame, vec3(0, 0, 1)), vec3(0, 1, 0));
-    near(in_picture(frame, vec3(0, -1, 0)), vec3(0, 0, 1));
+    const frame = orbitFrame(orbitOf(front));
+    near(inPicture(frame, vec3(1, 0, 0)), vec3(1, 0, 0));
+    near(inPicture(frame, vec3(0, 0, 1)), vec3(0, 1, 0));
+    near(inPicture(frame, vec3(0, -1, 0)), vec3(0, 0, 1));
   });
 
   it("a drag to the right takes the near side to the right, a drag down takes it down, at any roll", () => {
     for (const roll of [0, 0.5, Math.PI / 2, Math.PI, -2]) {
-      const orbit = rolled(orbit_of(front), roll);
-      const nearest = scale(orbit_frame(orbit).back, 80);
-      for (const [right, down] of [[0.01, 0], [0, 0.01]] as const) {
-        const after = pose_of(rotated(orbit, right, down));
-        const p = in_picture(orbit_frame(orbit_of(after)), subtract(nearest, after.eye));
+      const orbit = rolled(orbitOf(front), roll);
+      const nearest = scale(orbitFrame(orbit).back, 80);
+      for (const [right, down] of [
+        [0.01, 0],
+        [0, 0.01],
+      ] as const) {
+        const after = poseOf(rotated(orbit, right, down));
+        const p = inPicture(orbitFrame(orbitOf(after)), subtract(nearest, after.eye));
         expect(p.x).toBeCloseTo(80 * Math.sin(right), 2);
         expect(-p.y).toBeCloseTo(80 * Math.sin(down), 2);
       }
@@ -72,10 +75,10 @@ describe("the turntable camera", () => {
   });
 
   it("never goes over the pole and never changes its distance by turning", () => {
-    let orbit = orbit_of(front);
+    let orbit = orbitOf(front);
     for (let i = 0; i < 500; i++) {
       orbit = rotated(orbit, 0.11, i < 250 ? 0.05 : -0.07);
-      const pose = pose_of(orbit);
+      const pose = poseOf(orbit);
       expect(pose.up.z).toBeGreaterThan(0);
       expect(length(subtract(pose.eye, pose.target))).toBeCloseTo(500, 6);
       expect(dot(pose.up, subtract(pose.eye, pose.target))).toBeCloseTo(0, 6);
@@ -84,16 +87,16 @@ describe("the turntable camera", () => {
 
   it("panning by a part of the height moves the target's picture by that part", () => {
     for (const roll of [0, 1.1]) {
-      const orbit = rolled(orbit_of(poses[1] ?? front), roll);
-      const after = pose_of(panned(orbit, 0.1, 0.2));
+      const orbit = rolled(orbitOf(poses[1] ?? front), roll);
+      const after = poseOf(panned(orbit, 0.1, 0.2));
       const p = projected(after, orbit.target);
       expect(p.x).toBeCloseTo(0.2, 6);
       expect(p.y).toBeCloseTo(-0.4, 6);
     }
   });
 
-  it("zooming by a factor and by its inverse is no zoom, and stops at its bounds", () => {
-    const orbit = orbit_of(front);
+  it("zooming by a factor and by its inverse changes nothing, and stops at its bounds", () => {
+    const orbit = orbitOf(front);
     expect(zoomed(zoomed(orbit, 1.3), 1 / 1.3).distance).toBeCloseTo(500, 9);
     expect(zoomed(orbit, 1e9).distance).toBe(5);
     expect(zoomed(orbit, 1e-9).distance).toBe(20_000);
@@ -102,7 +105,7 @@ describe("the turntable camera", () => {
   });
 
   it("a positive roll turns the picture clockwise", () => {
-    const after = pose_of(rolled(orbit_of(front), 0.1));
+    const after = poseOf(rolled(orbitOf(front), 0.1));
     const head = projected(after, vec3(0, 0, 50));
     expect(head.x).toBeGreaterThan(0);
     expect(head.y).toBeGreaterThan(0);
@@ -112,16 +115,16 @@ describe("the turntable camera", () => {
     for (const up of [vec3(0, -1, 0), vec3(1, 0, 0)]) {
       for (const z of [400, -400]) {
         const pose: CameraPose = { eye: vec3(0, 0, z), target: vec3(0, 0, 0), up, verticalFovDegrees: 30 };
-        near(pose_of(orbit_of(pose)).up, up, 0.02);
+        near(poseOf(orbitOf(pose)).up, up, 0.02);
       }
     }
   });
 
   it("a narrow picture sees as much across as a square one", () => {
-    const pose = fitted_to_aspect(front, 0.5);
+    const pose = fittedToAspect(front, 0.5);
     const edge = projected(front, vec3(60, 0, 0)).x;
     expect(projected(pose, vec3(60, 0, 0)).x).toBeCloseTo(edge / 2, 9);
-    expect(fitted_to_aspect(front, 1.6)).toBe(front);
+    expect(fittedToAspect(front, 1.6)).toBe(front);
     near(add(pose.eye, vec3(0, 1000, 0)), vec3(0, 0, 0));
   });
 });

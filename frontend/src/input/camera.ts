@@ -50,7 +50,7 @@ function unrolled(azimuth: number, elevation: number): CameraFrame {
   return { right, up: cross(back, right), back };
 }
 
-export function orbit_frame(orbit: Orbit): CameraFrame {
+export function orbitFrame(orbit: Orbit): CameraFrame {
   const plain = unrolled(orbit.azimuth, orbit.elevation);
   const c = Math.cos(orbit.roll);
   const s = Math.sin(orbit.roll);
@@ -62,7 +62,7 @@ export function orbit_frame(orbit: Orbit): CameraFrame {
 }
 
 /** Precondition: `eye` differs from `target`. An `up` along the view counts as not rolled. */
-export function orbit_of(pose: CameraPose): Orbit {
+export function orbitOf(pose: CameraPose): Orbit {
   const away = subtract(pose.eye, pose.target);
   const distance = length(away);
   const back = normalize(away, vec3(0, -1, 0));
@@ -82,8 +82,8 @@ export function orbit_of(pose: CameraPose): Orbit {
   };
 }
 
-export function pose_of(orbit: Orbit): CameraPose {
-  const frame = orbit_frame(orbit);
+export function poseOf(orbit: Orbit): CameraPose {
+  const frame = orbitFrame(orbit);
   return {
     eye: add(orbit.target, scale(frame.back, orbit.distance)),
     target: orbit.target,
@@ -119,25 +119,25 @@ export function zoomed(orbit: Orbit, factor: number): Orbit {
 
 /** Moves the picture by a part of its height, to the right and down: the target stays under the hand. */
 export function panned(orbit: Orbit, right: number, down: number): Orbit {
-  const frame = orbit_frame(orbit);
+  const frame = orbitFrame(orbit);
   const height = 2 * orbit.distance * Math.tan((orbit.verticalFovDegrees * Math.PI) / 360);
   const shift = add(scale(frame.right, -right * height), scale(frame.up, down * height));
   return { ...orbit, target: add(orbit.target, shift) };
 }
 
 /** Far enough for a picture that is narrower than high: presets are fitted by their height. */
-export function fitted_to_aspect(pose: CameraPose, aspect: number): CameraPose {
+export function fittedToAspect(pose: CameraPose, aspect: number): CameraPose {
   if (!(aspect > 0) || aspect >= 1) return pose;
   const away = subtract(pose.eye, pose.target);
   return { ...pose, eye: add(pose.target, scale(away, 1 / aspect)) };
 }
 
 /** Where a unit axis of the patient points in the picture: x to the right, y up, z towards the viewer. */
-export function in_picture(frame: CameraFrame, axis: Vec3): Vec3 {
+export function inPicture(frame: CameraFrame, axis: Vec3): Vec3 {
   return vec3(dot(axis, frame.right), dot(axis, frame.up), dot(axis, frame.back));
 }
 
-export const patient_axes: readonly { readonly letter: string; readonly axis: Vec3 }[] = [
+export const patientAxes: readonly { readonly letter: string; readonly axis: Vec3 }[] = [
   { letter: "L", axis: vec3(1, 0, 0) },
   { letter: "R", axis: vec3(-1, 0, 0) },
   { letter: "P", axis: vec3(0, 1, 0) },

@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { cube_faces } from "./cube";
+import { cubeFaces } from "./cube";
 import { vec3 } from "./vec3";
 
 const from = (x: number, y: number, z: number) =>
-  cube_faces({ eye: vec3(x, y, z), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 });
+  cubeFaces({ eye: vec3(x, y, z), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 });
 
 describe("the orientation cube", () => {
   it("shows the side that is looked at", () => {

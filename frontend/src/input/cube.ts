@@ -1,4 +1,4 @@
-import { in_picture, orbit_frame, orbit_of, patient_axes, type CameraPose } from "./camera";
+import { inPicture, orbitFrame, orbitOf, patientAxes, type CameraPose } from "./camera";
 import { add, cross, scale, vec3, type Vec3 } from "./vec3";
 
 /** One face of the orientation cube as it is seen: y goes down, as on a screen; the cube's half edge is 1. */
@@ -10,23 +10,26 @@ export interface CubeFace {
   readonly facing: number;
 }
 
-const other_axis = (axis: Vec3): Vec3 => (Math.abs(axis.z) > 0.5 ? vec3(1, 0, 0) : vec3(0, 0, 1));
+const otherAxis = (axis: Vec3): Vec3 => (Math.abs(axis.z) > 0.5 ? vec3(1, 0, 0) : vec3(0, 0, 1));
 
 /** The faces turned towards the viewer, the most slanted first. */
-export function cube_faces(pose: CameraPose): CubeFace[] {
-  const frame = orbit_frame(orbit_of(pose));
-  const on_screen = (point: Vec3) => {
-    const p = in_picture(frame, point);
+export function cubeFaces(pose: CameraPose): CubeFace[] {
+  const frame = orbitFrame(orbitOf(pose));
+  const onScreen = (point: Vec3) => {
+    const p = inPicture(frame, point);
     return { x: p.x, y: -p.y };
   };
-  return patient_axes
+  return patientAxes
     .map(({ letter, axis }) => {
-      const u = other_axis(axis);
+      const u = otherAxis(axis);
       const v = cross(axis, u);
-      const corners = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([a = 0, b = 0]) =>
-        on_screen(add(axis, add(scale(u, a), scale(v, b)))),
-      );
-      return { letter, corners, middle: on_screen(axis), facing: in_picture(frame, axis).z };
+      const corners = [
+        [1, 1],
+        [1, -1],
+        [-1, -1],
+        [-1, 1],
+      ].map(([a = 0, b = 0]) => onScreen(add(axis, add(scale(u, a), scale(v, b)))));
+      return { letter, corners, middle: onScreen(axis), facing: inPicture(frame, axis).z };
     })
     .filter((face) => face.facing > 0.02)
     .sort((a, b) => a.facing - b.facing);

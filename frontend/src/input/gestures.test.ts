@@ -1,10 +1,18 @@
 import { describe, expect, it } from "vitest";
-import { Gestures, wheel_zoom, type PointerSample } from "./gestures";
-import { command_of, type Focused } from "./keys";
+import { Gestures, wheelZoom } from "./gestures";
+import type { PointerSample } from "./pointer_sample";
+import { commandOf, type Focused } from "./keys";
 
 const area = { width: 800, height: 400 };
 const at = (x: number, y: number, more: Partial<PointerSample> = {}): PointerSample => ({
-  id: 1, x, y, touch: false, button: 0, shift: false, ctrl: false, ...more,
+  id: 1,
+  x,
+  y,
+  touch: false,
+  button: 0,
+  shift: false,
+  ctrl: false,
+  ...more,
 });
 const drag = (more: Partial<PointerSample>, to = at(140, 120)) => {
   const gestures = new Gestures();
@@ -17,7 +25,8 @@ describe("the mouse", () => {
     expect(drag({})).toEqual([{ kind: "rotate", right: Math.PI / 10, down: Math.PI / 20 }]);
   });
   it("middle or Shift+left pans with the hand", () => {
-    for (const more of [{ button: 1 }, { shift: true }]) expect(drag(more)).toEqual([{ kind: "pan", right: 0.1, down: 0.05 }]);
+    for (const more of [{ button: 1 }, { shift: true }])
+      expect(drag(more)).toEqual([{ kind: "pan", right: 0.1, down: 0.05 }]);
   });
   it("right zooms, upwards nearer", () => {
     const [up] = drag({ button: 2 }, at(100, 50));
@@ -44,9 +53,9 @@ describe("the mouse", () => {
     expect(gestures.move(at(10, 0), area)).toEqual([]);
   });
   it("wheels there and back to where it was, whatever the unit, and never in one leap", () => {
-    expect(wheel_zoom(-120, 0, false) * wheel_zoom(120, 0, false)).toBeCloseTo(1, 12);
-    expect(wheel_zoom(-3, 1, false)).toBeGreaterThan(1);
-    expect(wheel_zoom(-1e9, 0, false)).toBeLessThan(2);
+    expect(wheelZoom(-120, 0, false) * wheelZoom(120, 0, false)).toBeCloseTo(1, 12);
+    expect(wheelZoom(-3, 1, false)).toBeGreaterThan(1);
+    expect(wheelZoom(-1e9, 0, false)).toBeLessThan(2);
   });
 });
 
@@ -71,22 +80,48 @@ describe("touch", () => {
 });
 
 describe("the keys", () => {
-  const press = (key: string, more = {}, focused: Focused = "none") => command_of({ key, shift: false, ctrl: false, alt: false, meta: false, ...more }, focused);
+  const press = (key: string, more = {}, focused: Focused = "none") =>
+    commandOf({ key, shift: false, ctrl: false, alt: false, meta: false, ...more }, focused);
   it("do what the table says", () => {
     expect(press("ArrowLeft")).toMatchObject({ gesture: { kind: "rotate", down: 0 } });
     expect(press("ArrowUp", { shift: true })).toMatchObject({ gesture: { kind: "pan", right: 0, down: -0.03 } });
     expect(press("ArrowRight", { ctrl: true })).toMatchObject({ gesture: { kind: "roll" } });
     expect(press("+")).toMatchObject({ gesture: { kind: "zoom", factor: 1.12 } });
-    expect(["r", "3", "f", "S", "?"].map((key) => press(key)?.kind)).toEqual(["reset", "preset", "fullscreen", "screenshot", "help"]);
+    expect(["r", "3", "f", "S", "?"].map((key) => press(key)?.kind)).toEqual([
+      "reset",
+      "preset",
+      "fullscreen",
+      "screenshot",
+      "help",
+    ]);
     expect(press("5")).toEqual({ kind: "preset", index: 4 });
   });
   it("leave what has the focus its own: text all of them, a row of choices but those of the views", () => {
     expect([press("v")?.kind, press("M")?.kind, press("v", { ctrl: true })]).toEqual(["slices", "alone", null]);
-    expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, "choice")?.kind)).toEqual(["slices", "alone", undefined, undefined, undefined]);
-    for (const focused of ["text", "list"] as const) expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, focused))).toEqual([null, null, null, null, null]);
+    expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, "choice")?.kind)).toEqual([
+      "slices",
+      "alone",
+      undefined,
+      undefined,
+      undefined,
+    ]);
+    for (const focused of ["text", "list"] as const)
+      expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, focused))).toEqual([
+        null,
+        null,
+        null,
+        null,
+        null,
+      ]);
   });
   it("leave the browser its own", () => {
-    for (const [key, more] of [["r", { ctrl: true }], ["s", { meta: true }], ["ArrowLeft", { alt: true }], ["6", {}], ["Tab", {}]] as const)
+    for (const [key, more] of [
+      ["r", { ctrl: true }],
+      ["s", { meta: true }],
+      ["ArrowLeft", { alt: true }],
+      ["6", {}],
+      ["Tab", {}],
+    ] as const)
       expect(press(key, more)).toBeNull();
   });
 });

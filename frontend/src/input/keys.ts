@@ -22,26 +22,26 @@ export interface KeyPress {
 }
 
 const step = (5 * Math.PI) / 180;
-const zoom_step = 1.12;
+const zoomStep = 1.12;
 
 /**
  * Arrows rotate, with Shift they pan, with Ctrl left and right roll: every drag has a key.
  * Nothing for keys that belong to the browser, or to what has the focus.
  */
-export function command_of(press: KeyPress, focused: Focused): KeyCommand | null {
+export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null {
   if (press.alt || press.meta || focused === "text" || focused === "list") return null;
   const view = press.ctrl ? undefined : views[press.key.toLowerCase()];
   if (view || focused === "choice") return view ?? null;
   const arrow = arrows[press.key];
-  if (arrow) return arrow_command(arrow, press);
+  if (arrow) return arrowCommand(arrow, press);
   if (press.ctrl) return null;
   switch (press.key) {
     case "+":
     case "=":
-      return { kind: "gesture", gesture: { kind: "zoom", factor: zoom_step } };
+      return { kind: "gesture", gesture: { kind: "zoom", factor: zoomStep } };
     case "-":
     case "_":
-      return { kind: "gesture", gesture: { kind: "zoom", factor: 1 / zoom_step } };
+      return { kind: "gesture", gesture: { kind: "zoom", factor: 1 / zoomStep } };
     case "r":
     case "R":
       return { kind: "reset" };
@@ -68,7 +68,7 @@ const arrows: Readonly<Record<string, readonly [number, number]>> = {
   ArrowDown: [0, 1],
 };
 
-function arrow_command([right, down]: readonly [number, number], press: KeyPress): KeyCommand | null {
+function arrowCommand([right, down]: readonly [number, number], press: KeyPress): KeyCommand | null {
   if (press.ctrl) return right === 0 ? null : { kind: "gesture", gesture: { kind: "roll", angle: right * step } };
   if (press.shift) return { kind: "gesture", gesture: { kind: "pan", right: right * 0.03, down: down * 0.03 } };
   return { kind: "gesture", gesture: { kind: "rotate", right: right * step, down: down * step } };

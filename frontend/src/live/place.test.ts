@@ -1,10 +1,10 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { ApiProblem } from "../api/client";
-import { guest_door } from "../api/session_door";
+import { guestTicketSource } from "../api/ticket_source";
 import { AudienceSchema } from "../protocol/gen/api/proto/stream_pb";
-import { new_guest, remembered_guest } from "./place";
-import { role_of } from "./role";
+import { newGuest, rememberedGuest } from "./place";
+import { roleOf } from "./role";
 
 const token = "a".repeat(64);
 
@@ -16,34 +16,46 @@ function store(): Pick<Storage, "getItem" | "setItem"> {
 describe("a guest", () => {
   it("is the same after a reload, and another at another link", () => {
     const here = store();
-    const guest = new_guest(here, token, "  Ann  ");
+    const guest = newGuest(here, token, "  Ann  ");
     expect(guest).toMatchObject({ name: "Ann" });
     expect(guest.key).toMatch(/^[0-9a-f]{64}$/);
-    expect(remembered_guest(here, token)).toEqual(guest);
-    expect(remembered_guest(here, "b".repeat(64))).toBeNull();
+    expect(rememberedGuest(here, token)).toEqual(guest);
+    expect(rememberedGuest(here, "b".repeat(64))).toBeNull();
     here.setItem(`diaphane.guest.${token.slice(0, 8)}`, "{broken");
-    expect(remembered_guest(here, token)).toBeNull();
+    expect(rememberedGuest(here, token)).toBeNull();
   });
 
   it("is told that a link was ended, and asks again for everything else", async () => {
     const signal = new AbortController().signal;
     const refused = (status: number, kind: string) =>
-      guest_door({ join: () => Promise.reject(new ApiProblem(status, kind, "")) }, token, "k", "Ann")(signal);
+      guestTicketSource({ join: () => Promise.reject(new ApiProblem(status, kind, "")) }, token, "k", "Ann")(signal);
     expect(await refused(404, "not-found")).toMatchObject({ ok: false, trouble: "link_ended", final: true });
     expect(await refused(503, "no-worker")).toMatchObject({ ok: false, trouble: "no_worker", final: false });
-    const joined = guest_door({ join: (at, key, name) => Promise.resolve({ stream_url: [at, key, name].join() }) }, token, "k", "Ann");
+    const joined = guestTicketSource(
+      { join: (at, key, name) => Promise.resolve({ stream_url: [at, key, name].join() }) },
+      token,
+      "k",
+      "Ann",
+    );
     expect(await joined(signal)).toEqual({ ok: true, url: `${token},k,Ann` });
   });
 });
 
 describe("the role", () => {
   const audience = (you: string, presenter: string) =>
-    create(AudienceSchema, { you, presenter, participants: [{ id: "owner", owner: true, presenter: presenter === "owner" }, { id: "ann", presenter: presenter === "ann" }] });
+    create(AudienceSchema, {
+      you,
+      presenter,
+      participants: [
+        { id: "owner", owner: true, presenter: presenter === "owner" },
+        { id: "ann", presenter: presenter === "ann" },
+      ],
+    });
 
   it("is the presenter's while nobody else is known, and as the server says it then", () => {
-    expect(role_of(null)).toMatchObject({ presents: true, follows: false, others: 0 });
-    expect(role_of(audience("ann", "owner"))).toMatchObject({ presents: false, follows: true, others: 1 });
-    expect(role_of(audience("ann", "ann"))).toMatchObject({ presents: true, presenter: { id: "ann" } });
-    expect(role_of(audience("owner", "gone"))).toMatchObject({ follows: true, presenter: null });
+    expect(roleOf(null)).toMatchObject({ presents: true, follows: false, others: 0 });
+    expect(roleOf(audience("ann", "owner"))).toMatchObject({ presents: false, follows: true, others: 1 });
+    expect(roleOf(audience("ann", "ann"))).toMatchObject({ presents: true, presenter: { id: "ann" } });
+    expect(roleOf(audience("owner", "gone"))).toMatchObject({ follows: true, presenter: null });
   });
 });

@@ -3,9 +3,13 @@ import { describe, expect, it } from "vitest";
 import { CameraSchema, SceneSchema, Vec3Schema, TransferFunctionSchema } from "../protocol/gen/api/proto/scene_pb";
 import { Recorder } from "./recorder";
 
-const seen_from = (x: number, extinction = 1) =>
+const seenFrom = (x: number, extinction = 1) =>
   create(SceneSchema, {
-    camera: create(CameraSchema, { eye: create(Vec3Schema, { x }), target: create(Vec3Schema, { x: 1 }), verticalFovDegrees: 40 }),
+    camera: create(CameraSchema, {
+      eye: create(Vec3Schema, { x }),
+      target: create(Vec3Schema, { x: 1 }),
+      verticalFovDegrees: 40,
+    }),
     transferFunction: create(TransferFunctionSchema, { extinctionPerMm: extinction }),
   });
 const size = { width: 640, height: 480 };
@@ -13,17 +17,21 @@ const size = { width: 640, height: 480 };
 describe("the recorder", () => {
   it("keeps a scene once and then where it is seen from, by times from the first", () => {
     const recorder = new Recorder();
-    recorder.add(seen_from(1), 1_000_000, size);
-    recorder.add(seen_from(2), 1_000_016.4, size);
-    recorder.add(seen_from(2, 3), 1_000_100, size);
+    recorder.add(seenFrom(1), 1_000_000, size);
+    recorder.add(seenFrom(2), 1_000_016.4, size);
+    recorder.add(seenFrom(2, 3), 1_000_100, size);
     const events = recorder.take(size)?.events ?? [];
-    expect(events.map((event) => [event.at_ms, Object.keys(event)[1]])).toEqual([[0, "scene"], [16, "camera"], [100, "scene"]]);
+    expect(events.map((event) => [event.at_ms, Object.keys(event)[1]])).toEqual([
+      [0, "scene"],
+      [16, "camera"],
+      [100, "scene"],
+    ]);
     expect(events[1]?.camera).toMatchObject({ eye: { x: 2 } });
   });
 
   it("makes a long pause a short one, and no time fall", () => {
     const recorder = new Recorder();
-    for (const at of [0, 3_600_000, 3_599_000]) recorder.add(seen_from(at), at, size);
+    for (const at of [0, 3_600_000, 3_599_000]) recorder.add(seenFrom(at), at, size);
     expect(recorder.take(size)?.events.map((event) => event.at_ms)).toEqual([0, 10_000, 10_000]);
   });
 
@@ -31,7 +39,7 @@ describe("the recorder", () => {
     const recorder = new Recorder();
     const parts = [];
     for (let i = 0; i < 9000; ++i) {
-      const part = recorder.add(seen_from(i), i * 16, size);
+      const part = recorder.add(seenFrom(i), i * 16, size);
       if (part) parts.push(part);
     }
     parts.push(recorder.take(size));
@@ -46,7 +54,7 @@ describe("the recorder", () => {
   it("gives nothing of a picture that was only looked at", () => {
     const recorder = new Recorder();
     expect(recorder.take(size)).toBeNull();
-    recorder.add(seen_from(1), 0, size);
+    recorder.add(seenFrom(1), 0, size);
     expect(recorder.take(size)).toBeNull();
   });
 });

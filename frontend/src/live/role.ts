@@ -8,14 +8,14 @@ export interface Role {
   readonly presents: boolean;
   /** Somebody else presents. */
   readonly follows: boolean;
-  readonly own_camera: boolean;
+  readonly ownCamera: boolean;
   /** By a link into somebody's session: what is cut away is not this viewer's to change. */
   readonly guest: boolean;
   /** Nothing while the presenter is away. */
   readonly presenter: Participant | null;
 }
 
-export function role_of(audience: Audience | null): Role {
+export function roleOf(audience: Audience | null): Role {
   const people = audience?.participants ?? [];
   const you = audience?.you ?? "";
   const presents = audience === null || audience.presenter === you;
@@ -25,7 +25,7 @@ export function role_of(audience: Audience | null): Role {
     others: people.filter(({ id }) => id !== you).length,
     presents,
     follows: !presents,
-    own_camera: people.find(({ id }) => id === you)?.ownCamera ?? false,
+    ownCamera: people.find(({ id }) => id === you)?.ownCamera ?? false,
     guest: people.some(({ id, owner }) => id === you && !owner),
     presenter: people.find(({ presenter }) => presenter) ?? null,
   };

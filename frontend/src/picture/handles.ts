@@ -1,12 +1,12 @@
 import type { Area, Point } from "../input/flat";
 import { add, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
-import { camera_of } from "../protocol/messages";
+import { cameraOf } from "../protocol/messages";
 import type { Scene } from "../protocol/gen/api/proto/scene_pb";
 import * as cuts from "../scene/cuts";
-import { direction_on_ball, unit_of } from "../scene/direction";
+import { directionOnBall, unitOf } from "../scene/direction";
 import * as lights from "../scene/lights";
 import { clamp } from "../scene/numbers";
-import { beside, dragged, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye } from "./project";
+import { beside, dragged, faceOf, middleOf, onScreen, planeInBox, type Axis, type Box, type Eye } from "./project";
 
 /** What a hand takes hold of in the picture. As a slider: where it is and how far it goes. */
 export interface Handle extends Point {
@@ -27,34 +27,42 @@ export type HandleOf =
   | { readonly kind: "light"; readonly index: number };
 
 /** The scene's camera. */
-export function eye_of(scene: Scene): Eye | null {
-  const pose = camera_of(scene);
+export function eyeOf(scene: Scene): Eye | null {
+  const pose = cameraOf(scene);
   return pose && { ...pose, orthographicHeight: scene.camera?.orthographicHeight ?? 0 };
 }
 
-const key_of = (of: HandleOf): string => (of.kind === "face" ? `${of.axis}-${of.side}` : `${of.kind}-${of.index}`);
+const keyOf = (of: HandleOf): string => (of.kind === "face" ? `${of.axis}-${of.side}` : `${of.kind}-${of.index}`);
 
 /** Of the box's faces and of each plane: one that moves it and one at the tip of its normal that turns it. */
-export function cut_handles(scene: Scene, bounds: Box, screen: Area): Handle[] {
-  const eye = eye_of(scene);
+export function cutHandles(scene: Scene, bounds: Box, screen: Area): Handle[] {
+  const eye = eyeOf(scene);
   if (!eye) return [];
-  const box = cuts.box_of(scene, bounds);
-  const faces = cuts.axes.flatMap((axis) => (["low", "high"] as const).flatMap((side) => {
-    const { place } = face_of(box, axis, side);
-    const point = on_screen(eye, screen, place);
-    const of = { kind: "face", axis, side } as const;
-    const { low, high } = cuts.face_limits(scene, bounds, axis, side);
-    return point ? [{ key: key_of(of), of, ...point, now: box[side][axis], low, high, rank: length(subtract(place, eye.eye)) }] : [];
-  }));
-  const planes = cuts.planes_of(scene).flatMap((plane, index) => {
-    const drawn = drawn_plane(scene, bounds, index);
+  const box = cuts.boxOf(scene, bounds);
+  const faces = cuts.axes.flatMap((axis) =>
+    (["low", "high"] as const).flatMap((side) => {
+      const { place } = faceOf(box, axis, side);
+      const point = onScreen(eye, screen, place);
+      const of = { kind: "face", axis, side } as const;
+      const { low, high } = cuts.faceLimits(scene, bounds, axis, side);
+      return point
+        ? [{ key: keyOf(of), of, ...point, now: box[side][axis], low, high, rank: length(subtract(place, eye.eye)) }]
+        : [];
+    }),
+  );
+  const planes = cuts.planesOf(scene).flatMap((plane, index) => {
+    const drawn = drawnPlane(scene, bounds, index);
     if (!drawn) return [];
-    const reach = cuts.reach_of(bounds);
-    const of_base = { kind: "plane", index } as const, of_tip = { kind: "tilt", index } as const;
-    const base = on_screen(eye, screen, drawn.base), tip = on_screen(eye, screen, drawn.tip);
+    const reach = cuts.reachOf(bounds);
+    const ofBase = { kind: "plane", index } as const,
+      ofTip = { kind: "tilt", index } as const;
+    const base = onScreen(eye, screen, drawn.base),
+      tip = onScreen(eye, screen, drawn.tip);
     return [
-      ...(base ? [{ key: key_of(of_base), of: of_base, ...base, now: plane.offset, low: -reach, high: reach, rank: -1 }] : []),
-      ...(tip ? [{ key: key_of(of_tip), of: of_tip, ...tip, now: plane.up, low: -90, high: 90, rank: 0 }] : []),
+      ...(base
+        ? [{ key: keyOf(ofBase), of: ofBase, ...base, now: plane.offset, low: -reach, high: reach, rank: -1 }]
+        : []),
+      ...(tip ? [{ key: keyOf(ofTip), of: ofTip, ...tip, now: plane.up, low: -90, high: 90, rank: 0 }] : []),
     ];
   });
   return [...planes, ...faces];
@@ -67,82 +75,95 @@ export interface DrawnPlane {
   readonly tip: Vec3;
 }
 
-export function drawn_plane(scene: Scene, bounds: Box, index: number): DrawnPlane | null {
-  const plane = cuts.planes_of(scene)[index];
+export function drawnPlane(scene: Scene, bounds: Box, index: number): DrawnPlane | null {
+  const plane = cuts.planesOf(scene)[index];
   if (!plane) return null;
-  const normal = cuts.normal_of(plane);
-  const polygon = plane_in_box(cuts.box_of(scene, bounds), normal, plane.offset);
+  const normal = cuts.normalOf(plane);
+  const polygon = planeInBox(cuts.boxOf(scene, bounds), normal, plane.offset);
   // Beside the box it has a place as well, or it could not be taken back.
-  const base = middle_of(polygon) ?? scale(normal, plane.offset);
-  return { polygon, base, tip: add(base, scale(normal, 0.45 * cuts.reach_of(bounds))) };
+  const base = middleOf(polygon) ?? scale(normal, plane.offset);
+  return { polygon, base, tip: add(base, scale(normal, 0.45 * cuts.reachOf(bounds))) };
 }
 
 /** The half of the picture's shorter side that is the radius of the ball on which lights stand. */
-const ball_part = 0.8;
-export const ball_radius = (screen: Area): number => Math.max(1, (ball_part * Math.min(screen.width, screen.height)) / 2);
+const ballPart = 0.8;
+export const ballRadius = (screen: Area): number => Math.max(1, (ballPart * Math.min(screen.width, screen.height)) / 2);
 
 /** Each light where it comes from, on a ball around the middle of the picture; the environment has no place. */
-export function light_handles(scene: Scene, screen: Area): Handle[] {
-  const eye = eye_of(scene);
+export function lightHandles(scene: Scene, screen: Area): Handle[] {
+  const eye = eyeOf(scene);
   if (!eye) return [];
-  const radius = ball_radius(screen);
+  const radius = ballRadius(screen);
   return scene.lights.flatMap((light, index) => {
-    const seen = light.disabled ? null : lights.seen_direction(light, eye);
+    const seen = light.disabled ? null : lights.seenDirection(light, eye);
     if (!seen) return [];
-    const n = unit_of(seen);
+    const n = unitOf(seen);
     const of = { kind: "light", index } as const;
     const point = { x: screen.width / 2 + n.x * radius, y: screen.height / 2 - n.y * radius };
-    return [{ key: key_of(of), of, ...point, now: seen.right, low: -180, high: 180, rank: index, behind: n.z < 0 }];
+    return [{ key: keyOf(of), of, ...point, now: seen.right, low: -180, high: 180, rank: index, behind: n.z < 0 }];
   });
 }
 
 /** The scene after a hand has taken a handle from where it is to `to`. */
-export function handle_dragged(scene: Scene, bounds: Box, screen: Area, handle: Handle, to: Point): Scene {
-  const eye = eye_of(scene);
+export function handleDragged(scene: Scene, bounds: Box, screen: Area, handle: Handle, to: Point): Scene {
+  const eye = eyeOf(scene);
   if (!eye) return scene;
   const by = { x: to.x - handle.x, y: to.y - handle.y };
   const { of } = handle;
   switch (of.kind) {
     case "face": {
-      const { place, along } = face_of(cuts.box_of(scene, bounds), of.axis, of.side);
+      const { place, along } = faceOf(cuts.boxOf(scene, bounds), of.axis, of.side);
       const mm = dragged(eye, screen, place, along, by);
-      return mm === null ? scene : cuts.move_face(scene, bounds, of.axis, of.side, handle.now + mm);
+      return mm === null ? scene : cuts.moveFace(scene, bounds, of.axis, of.side, handle.now + mm);
     }
     case "plane": {
-      const drawn = drawn_plane(scene, bounds, of.index), plane = cuts.planes_of(scene)[of.index];
-      const mm = drawn && plane && dragged(eye, screen, drawn.base, cuts.normal_of(plane), by);
-      return typeof mm === "number" ? cuts.move_plane(scene, bounds, of.index, { offset: handle.now + mm }) : scene;
+      const drawn = drawnPlane(scene, bounds, of.index),
+        plane = cuts.planesOf(scene)[of.index];
+      const mm = drawn && plane && dragged(eye, screen, drawn.base, cuts.normalOf(plane), by);
+      return typeof mm === "number" ? cuts.movePlane(scene, bounds, of.index, { offset: handle.now + mm }) : scene;
     }
     case "tilt": {
-      const drawn = drawn_plane(scene, bounds, of.index);
+      const drawn = drawnPlane(scene, bounds, of.index);
       if (!drawn) return scene;
       const normal = normalize(subtract(beside(eye, screen, drawn.tip, by), drawn.base), vec3(0, -1, 0));
-      return cuts.turn_plane(scene, bounds, of.index, normal, drawn.base);
+      return cuts.turnPlane(scene, bounds, of.index, normal, drawn.base);
     }
     case "light": {
-      const radius = ball_radius(screen);
-      const x = (to.x - screen.width / 2) / radius, y = (to.y - screen.height / 2) / radius;
-      return lights.aim_light(scene, of.index, eye, direction_on_ball(x, y, handle.behind ?? false).direction);
+      const radius = ballRadius(screen);
+      const x = (to.x - screen.width / 2) / radius,
+        y = (to.y - screen.height / 2) / radius;
+      return lights.aimLight(scene, of.index, eye, directionOnBall(x, y, handle.behind ?? false).direction);
     }
   }
 }
 
 /** By keys: `right` and `up` are presses of arrows; a face and a plane go one way only. */
-export function handle_stepped(scene: Scene, bounds: Box, handle: Handle, right: number, up: number): Scene {
+export function handleStepped(scene: Scene, bounds: Box, handle: Handle, right: number, up: number): Scene {
   const { of } = handle;
   switch (of.kind) {
     case "face":
-      return cuts.move_face(scene, bounds, of.axis, of.side, handle.now + right + up);
+      return cuts.moveFace(scene, bounds, of.axis, of.side, handle.now + right + up);
     case "plane":
-      return cuts.move_plane(scene, bounds, of.index, { offset: handle.now + right + up });
+      return cuts.movePlane(scene, bounds, of.index, { offset: handle.now + right + up });
     case "tilt": {
-      const plane = cuts.planes_of(scene)[of.index];
-      return plane ? cuts.move_plane(scene, bounds, of.index, { right: turned(plane.right + right), up: clamp(plane.up + up, -90, 90) }) : scene;
+      const plane = cuts.planesOf(scene)[of.index];
+      return plane
+        ? cuts.movePlane(scene, bounds, of.index, {
+            right: turned(plane.right + right),
+            up: clamp(plane.up + up, -90, 90),
+          })
+        : scene;
     }
     case "light": {
-      const eye = eye_of(scene), light = scene.lights[of.index];
-      const seen = eye && light && lights.seen_direction(light, eye);
-      return seen ? lights.aim_light(scene, of.index, eye, { right: turned(seen.right + 5 * right), up: clamp(seen.up + 5 * up, -90, 90) }) : scene;
+      const eye = eyeOf(scene),
+        light = scene.lights[of.index];
+      const seen = eye && light && lights.seenDirection(light, eye);
+      return seen
+        ? lights.aimLight(scene, of.index, eye, {
+            right: turned(seen.right + 5 * right),
+            up: clamp(seen.up + 5 * up, -90, 90),
+          })
+        : scene;
     }
   }
 }

@@ -1,5 +1,5 @@
 import type { Area, Point } from "../input/flat";
-import { orbit_frame, orbit_of, type CameraFrame, type CameraPose } from "../input/camera";
+import { orbitFrame, orbitOf, type CameraFrame, type CameraPose } from "../input/camera";
 import { add, dot, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { across } from "../scene/direction";
 
@@ -16,26 +16,31 @@ export interface Box {
 
 export type Axis = "x" | "y" | "z";
 
-export const frame_of = (eye: CameraPose): CameraFrame => orbit_frame(orbit_of(eye));
+export const frameOf = (eye: CameraPose): CameraFrame => orbitFrame(orbitOf(eye));
 
 /** How many pixels a mm is at so many mm ahead of the eye. */
-const pixels_per_mm = (eye: Eye, screen: Area, ahead: number): number =>
-  eye.orthographicHeight ? screen.height / eye.orthographicHeight : screen.height / 2 / Math.tan((eye.verticalFovDegrees * Math.PI) / 360) / ahead;
+const pixelsPerMm = (eye: Eye, screen: Area, ahead: number): number =>
+  eye.orthographicHeight
+    ? screen.height / eye.orthographicHeight
+    : screen.height / 2 / Math.tan((eye.verticalFovDegrees * Math.PI) / 360) / ahead;
 
 /** Nothing for what lies behind the eye. */
-export function on_screen(eye: Eye, screen: Area, place: Vec3): Point | null {
-  const frame = frame_of(eye);
-  const from_eye = subtract(place, eye.eye);
-  const ahead = -dot(from_eye, frame.back);
+export function onScreen(eye: Eye, screen: Area, place: Vec3): Point | null {
+  const frame = frameOf(eye);
+  const fromEye = subtract(place, eye.eye);
+  const ahead = -dot(fromEye, frame.back);
   if (ahead < 1) return null;
-  const pixels = pixels_per_mm(eye, screen, ahead);
-  return { x: screen.width / 2 + dot(from_eye, frame.right) * pixels, y: screen.height / 2 - dot(from_eye, frame.up) * pixels };
+  const pixels = pixelsPerMm(eye, screen, ahead);
+  return {
+    x: screen.width / 2 + dot(fromEye, frame.right) * pixels,
+    y: screen.height / 2 - dot(fromEye, frame.up) * pixels,
+  };
 }
 
 /** The place, no nearer and no farther than `place`, that is seen so many pixels beside it. */
 export function beside(eye: Eye, screen: Area, place: Vec3, by: Point): Vec3 {
-  const frame = frame_of(eye);
-  const mm = 1 / pixels_per_mm(eye, screen, Math.max(1, -dot(subtract(place, eye.eye), frame.back)));
+  const frame = frameOf(eye);
+  const mm = 1 / pixelsPerMm(eye, screen, Math.max(1, -dot(subtract(place, eye.eye), frame.back)));
   return add(place, add(scale(frame.right, by.x * mm), scale(frame.up, -by.y * mm)));
 }
 
@@ -44,9 +49,11 @@ export function beside(eye: Eye, screen: Area, place: Vec3, by: Point): Vec3 {
  * a pixel would be too far to be meant.
  */
 export function dragged(eye: Eye, screen: Area, place: Vec3, along: Vec3, by: Point): number | null {
-  const here = on_screen(eye, screen, place), ahead = on_screen(eye, screen, add(place, along));
+  const here = onScreen(eye, screen, place),
+    ahead = onScreen(eye, screen, add(place, along));
   if (!here || !ahead) return null;
-  const x = ahead.x - here.x, y = ahead.y - here.y;
+  const x = ahead.x - here.x,
+    y = ahead.y - here.y;
   const square = x * x + y * y;
   return square < 0.04 ? null : (by.x * x + by.y * y) / square;
 }
@@ -58,24 +65,37 @@ export function corners(box: Box): Vec3[] {
 
 /** Pairs of corners. */
 export const edges: readonly (readonly [number, number])[] = [
-  [0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7],
+  [0, 1],
+  [2, 3],
+  [4, 5],
+  [6, 7],
+  [0, 2],
+  [1, 3],
+  [4, 6],
+  [5, 7],
+  [0, 4],
+  [1, 5],
+  [2, 6],
+  [3, 7],
 ];
 
-export function middle_of(points: readonly Vec3[]): Vec3 | null {
+export function middleOf(points: readonly Vec3[]): Vec3 | null {
   return points.length === 0 ? null : scale(points.reduce(add), 1 / points.length);
 }
 
 /** Where the plane of that unit normal, so far from the middle along it, meets the box: corners in order around, or none. */
-export function plane_in_box(box: Box, normal: Vec3, offset: number): Vec3[] {
+export function planeInBox(box: Box, normal: Vec3, offset: number): Vec3[] {
   const points = corners(box);
   const crossing: Vec3[] = [];
   for (const [a, b] of edges) {
-    const from = points[a], to = points[b];
+    const from = points[a],
+      to = points[b];
     if (!from || !to) continue;
-    const before = dot(normal, from) - offset, behind = dot(normal, to) - offset;
+    const before = dot(normal, from) - offset,
+      behind = dot(normal, to) - offset;
     if (before * behind < 0) crossing.push(add(from, scale(subtract(to, from), before / (before - behind))));
   }
-  const middle = middle_of(crossing);
+  const middle = middleOf(crossing);
   if (!middle) return [];
   const [u, v] = across(normal, vec3(0, 0, 1));
   const angle = (p: Vec3) => Math.atan2(dot(subtract(p, middle), v), dot(subtract(p, middle), u));
@@ -83,14 +103,14 @@ export function plane_in_box(box: Box, normal: Vec3, offset: number): Vec3[] {
 }
 
 /** Where a handle for a face of the box stands, and the way in which it goes. */
-export function face_of(box: Box, axis: Axis, side: "low" | "high"): { readonly place: Vec3; readonly along: Vec3 } {
+export function faceOf(box: Box, axis: Axis, side: "low" | "high"): { readonly place: Vec3; readonly along: Vec3 } {
   const middle = scale(add(box.low, box.high), 0.5);
   const along = vec3(Number(axis === "x"), Number(axis === "y"), Number(axis === "z"));
   return { place: { ...middle, [axis]: box[side][axis] }, along };
 }
 
 /** Pixels: the side of a handle's target (style/picture.css). */
-export const handle_px = 44;
+export const handlePx = 44;
 
 /**
  * Of those that would lie on each other the one with the lowest rank: another would be hit by chance. The sliders are the
@@ -99,8 +119,7 @@ export const handle_px = 44;
 export function apart<Item extends Point>(items: readonly Item[], rank: (item: Item) => number): Item[] {
   const taken: Item[] = [];
   for (const one of [...items].sort((a, b) => rank(a) - rank(b))) {
-    if (taken.every(({ x, y }) => Math.hypot(x - one.x, y - one.y) >= handle_px)) taken.push(one);
+    if (taken.every(({ x, y }) => Math.hypot(x - one.x, y - one.y) >= handlePx)) taken.push(one);
   }
   return items.filter((one) => taken.includes(one));
 }
-

@@ -2,7 +2,7 @@ import { subprotocol } from "./messages";
 import type { OpenSocket } from "./stream_client";
 
 /** `url` is a path on the page's own origin. */
-export const open_browser_socket: OpenSocket = (url, events) => {
+export const openBrowserSocket: OpenSocket = (url, events) => {
   const address = new URL(url, location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   const socket = new WebSocket(address, subprotocol);

@@ -14,21 +14,33 @@ export type Phase =
   | "stopped";
 
 /** Why there is no picture (yet), as a key of the texts. */
-export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over" | "link_ended" | "displaced" | "time_spent";
+export type Trouble =
+  | "lost"
+  | "worker_lost"
+  | "no_worker"
+  | "unreachable"
+  | "not_found"
+  | "not_ready"
+  | "signed_out"
+  | "refused"
+  | "taken_over"
+  | "link_ended"
+  | "displaced"
+  | "time_spent";
 
 export interface ConnectionState {
   readonly phase: Phase;
   /** Tries since the last picture arrived. */
   readonly attempt: number;
   /** Something was seen before: it is a reconnection, not a first connection. */
-  readonly was_live: boolean;
+  readonly wasLive: boolean;
   readonly trouble: Trouble | null;
 }
 
 export type ConnectionEvent =
   | { readonly kind: "start" }
   | { readonly kind: "ticket"; readonly url: string }
-  | { readonly kind: "no_ticket"; readonly trouble: Trouble; readonly final: boolean; readonly retry_after_ms?: number }
+  | { readonly kind: "no_ticket"; readonly trouble: Trouble; readonly final: boolean; readonly retryAfterMs?: number }
   | { readonly kind: "opened" }
   | { readonly kind: "configured" }
   | { readonly kind: "picture" }
@@ -52,30 +64,31 @@ export interface Step {
   readonly effects: readonly ConnectionEffect[];
 }
 
-export const first_state: ConnectionState = { phase: "idle", attempt: 0, was_live: false, trouble: null };
+export const firstState: ConnectionState = { phase: "idle", attempt: 0, wasLive: false, trouble: null };
 
-const step_limit_ms = 10_000;
-const waits_ms = [150, 300, 600, 1000, 1500, 2000];
-const longest_wait_ms = 5000;
+const stepLimitMs = 10_000;
+const waitsMs = [150, 300, 600, 1000, 1500, 2000];
+const longestWaitMs = 5000;
 
 /** How long to wait before try number `attempt` (from 0). `spread` in [0, 1) keeps many pages from coming at once. */
-export function wait_ms(attempt: number, spread: number, retry_after_ms = 0): number {
-  const base = attempt < waits_ms.length ? (waits_ms[attempt] ?? longest_wait_ms) : attempt < 30 ? 2000 : longest_wait_ms;
-  return Math.max(base, Math.min(retry_after_ms, longest_wait_ms)) * (0.8 + 0.4 * spread);
+export function waitMs(attempt: number, spread: number, retryAfterMs = 0): number {
+  const base = attempt < waitsMs.length ? (waitsMs[attempt] ?? longestWaitMs) : attempt < 30 ? 2000 : longestWaitMs;
+  return Math.max(base, Math.min(retryAfterMs, longestWaitMs)) * (0.8 + 0.4 * spread);
 }
 
-/** `spread` in [0, 1): chance, given from outside. */
+const ask = (from: ConnectionState): Step => ({
+  state: { ...from, phase: "asking" },
+  effects: [{ kind: "ask_ticket" }, { kind: "timer", ms: stepLimitMs }],
+});
+
+const retryLater = (state: ConnectionState, spread: number, trouble: Trouble, retryAfterMs = 0): Step => ({
+  state: { ...state, phase: "waiting", attempt: state.attempt + 1, trouble },
+  effects: [{ kind: "close" }, { kind: "timer", ms: waitMs(state.attempt, spread, retryAfterMs) }],
+});
+
+/** The next step after an event. `spread` in [0, 1) is a random number, which the caller draws. */
 export function advance(state: ConnectionState, event: ConnectionEvent, spread: number): Step {
   const stay: Step = { state, effects: [] };
-  const ask = (from: ConnectionState): Step => ({
-    state: { ...from, phase: "asking" },
-    effects: [{ kind: "ask_ticket" }, { kind: "timer", ms: step_limit_ms }],
-  });
-  const later = (trouble: Trouble, retry_after_ms = 0): Step => ({
-    state: { ...state, phase: "waiting", attempt: state.attempt + 1, trouble },
-    effects: [{ kind: "close" }, { kind: "timer", ms: wait_ms(state.attempt, spread, retry_after_ms) }],
-  });
-
   if (state.phase === "stopped") return stay;
   switch (event.kind) {
     case "start":
@@ -86,35 +99,35 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
       if (state.phase !== "asking") return stay;
       return {
         state: { ...state, phase: "opening" },
-        effects: [{ kind: "open", url: event.url }, { kind: "timer", ms: step_limit_ms }],
+        effects: [
+          { kind: "open", url: event.url },
+          { kind: "timer", ms: stepLimitMs },
+        ],
       };
     case "no_ticket":
       if (state.phase !== "asking") return stay;
       if (event.final)
         return { state: { ...state, phase: "stopped", trouble: event.trouble }, effects: [{ kind: "disarm" }] };
-      return later(event.trouble, event.retry_after_ms);
+      return retryLater(state, spread, event.trouble, event.retryAfterMs);
     case "opened":
       if (state.phase !== "opening") return stay;
-      return { state: { ...state, phase: "greeting" }, effects: [{ kind: "greet" }, { kind: "timer", ms: step_limit_ms }] };
+      return {
+        state: { ...state, phase: "greeting" },
+        effects: [{ kind: "greet" }, { kind: "timer", ms: stepLimitMs }],
+      };
     case "configured":
       if (state.phase !== "greeting") return stay;
-      return { state: { ...state, phase: "live", was_live: true, trouble: null }, effects: [{ kind: "disarm" }] };
+      return { state: { ...state, phase: "live", wasLive: true, trouble: null }, effects: [{ kind: "disarm" }] };
     case "picture":
-      // Only a picture proves that it works: a worker that greets and dies must not be asked without pause.
+      // Only a picture resets the attempts, because a worker that greets and then dies must not be asked without pause.
       return state.phase === "live" && state.attempt > 0 ? { state: { ...state, attempt: 0 }, effects: [] } : stay;
     case "closed":
       if (state.phase !== "opening" && state.phase !== "greeting" && state.phase !== "live") return stay;
-      // Two windows that each come back by themselves would take the session from each other for ever.
-      if (event.code === taken_over)
-        return { state: { ...state, phase: "elsewhere", trouble: "taken_over" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
-      if (event.code === link_ended)
-        return { state: { ...state, phase: "stopped", trouble: "link_ended" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
-      if (event.code === displaced)
-        return { state: { ...state, phase: "stopped", trouble: "displaced" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
-      return later(trouble_of_close(event.code));
+      return afterClose(state, event.code, spread);
     case "timeout":
       if (state.phase === "waiting") return ask(state);
-      if (state.phase === "asking" || state.phase === "opening" || state.phase === "greeting") return later("unreachable");
+      if (state.phase === "asking" || state.phase === "opening" || state.phase === "greeting")
+        return retryLater(state, spread, "unreachable");
       return stay;
     case "again": {
       if (state.phase !== "live") return stay; // the next greeting is still to come
@@ -127,11 +140,24 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
 }
 
 /** Close codes of docs/contracts.md, "Stream". */
-const taken_over = 4409;
-const link_ended = 4410;
+const takenOver = 4409;
+const linkEnded = 4410;
 const displaced = 4411;
 
-function trouble_of_close(code: number): Trouble {
+/** After these codes the session must not come back by itself. Two windows would take it from each other for ever. */
+const finalCloses: Readonly<Record<number, Pick<ConnectionState, "phase" | "trouble">>> = {
+  [takenOver]: { phase: "elsewhere", trouble: "taken_over" },
+  [linkEnded]: { phase: "stopped", trouble: "link_ended" },
+  [displaced]: { phase: "stopped", trouble: "displaced" },
+};
+
+function afterClose(state: ConnectionState, code: number, spread: number): Step {
+  const final = finalCloses[code];
+  if (!final) return retryLater(state, spread, troubleOfClose(code));
+  return { state: { ...state, ...final }, effects: [{ kind: "disarm" }, { kind: "close" }] };
+}
+
+function troubleOfClose(code: number): Trouble {
   switch (code) {
     case 4503:
       return "worker_lost";

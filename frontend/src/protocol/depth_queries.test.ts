@@ -1,9 +1,9 @@
 import { create, fromBinary } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { DepthQueries, patience_ms, type Answered } from "./depth_queries";
+import { DepthQueries, patienceMs, type Answered } from "./depth_queries";
 import { ClientMessageSchema, DepthSchema } from "./gen/api/proto/stream_pb";
 
-function at_hand(live = true) {
+function atHand(live = true) {
   const sent: { id: bigint; x: number; y: number }[] = [];
   const timers = new Map<number, () => void>();
   let made = 0;
@@ -14,7 +14,7 @@ function at_hand(live = true) {
       return live;
     },
     after: (ms, task) => {
-      expect(ms).toBe(patience_ms);
+      expect(ms).toBe(patienceMs);
       const id = ++made;
       timers.set(id, task);
       return () => timers.delete(id);
@@ -22,13 +22,18 @@ function at_hand(live = true) {
   });
   return { queries, sent, timers };
 }
-const answer = (id: bigint, distance: number | null) => create(DepthSchema, { id, found: distance !== null, distance: distance ?? 0 });
+const answer = (id: bigint, distance: number | null) =>
+  create(DepthSchema, { id, found: distance !== null, distance: distance ?? 0 });
 
 describe("questions how far away something is", () => {
   it("have each its own answer, in whatever order they come", async () => {
-    const { queries, sent, timers } = at_hand();
-    const first = queries.ask(0.25, 0.5), second = queries.ask(1, 0);
-    expect(sent).toEqual([{ id: 1n, x: 0.25, y: 0.5 }, { id: 2n, x: 1, y: 0 }]);
+    const { queries, sent, timers } = atHand();
+    const first = queries.ask(0.25, 0.5),
+      second = queries.ask(1, 0);
+    expect(sent).toEqual([
+      { id: 1n, x: 0.25, y: 0.5 },
+      { id: 2n, x: 1, y: 0 },
+    ]);
     queries.heard(answer(2n, null));
     queries.heard(answer(1n, 480));
     queries.heard(answer(9n, 1)); // nobody asked
@@ -39,8 +44,8 @@ describe("questions how far away something is", () => {
 
   it("are given up with the connection, without one, and after a while", async () => {
     const none: Answered = { answered: false };
-    expect(await at_hand(false).queries.ask(0, 0)).toEqual(none);
-    const one = at_hand();
+    expect(await atHand(false).queries.ask(0, 0)).toEqual(none);
+    const one = atHand();
     const lost = one.queries.ask(0, 0);
     one.queries.lost();
     expect(await lost).toEqual(none);

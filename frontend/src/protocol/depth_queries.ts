@@ -1,4 +1,4 @@
-import { encode_depth_query } from "./messages";
+import { encodeDepthQuery } from "./messages";
 import type { Depth } from "./gen/api/proto/stream_pb";
 
 /** What is seen at a place of the picture; nothing where that is background, or nobody answered. */
@@ -9,28 +9,28 @@ export interface SeenPlace {
 
 export type Answered = { readonly answered: true; readonly seen: SeenPlace | null } | { readonly answered: false };
 
-export interface QuerySurroundings {
+export interface QueryDependencies {
   readonly send: (message: Uint8Array<ArrayBuffer>) => boolean;
   readonly after: (ms: number, task: () => void) => () => void;
 }
 
 /** So long an answer is waited for: it takes milliseconds and the way there and back. */
-export const patience_ms = 5000;
+export const patienceMs = 5000;
 
 /** Questions about the picture, each with its answer. */
 export class DepthQueries {
-  private last_ = 0n;
-  private readonly waiting_ = new Map<bigint, (answer: Answered) => void>();
+  private last = 0n;
+  private readonly waiting = new Map<bigint, (answer: Answered) => void>();
 
-  constructor(private readonly around_: QuerySurroundings) {}
+  constructor(private readonly dependencies: QueryDependencies) {}
 
   /** `x` and `y` from 0 to 1, from the picture's upper left. */
   ask(x: number, y: number): Promise<Answered> {
-    const id = ++this.last_;
-    if (!this.around_.send(encode_depth_query(id, x, y))) return Promise.resolve({ answered: false });
+    const id = ++this.last;
+    if (!this.dependencies.send(encodeDepthQuery(id, x, y))) return Promise.resolve({ answered: false });
     return new Promise((resolve) => {
-      const disarm = this.around_.after(patience_ms, () => this.settle(id, { answered: false }));
-      this.waiting_.set(id, (answer) => {
+      const disarm = this.dependencies.after(patienceMs, () => this.settle(id, { answered: false }));
+      this.waiting.set(id, (answer) => {
         disarm();
         resolve(answer);
       });
@@ -43,12 +43,12 @@ export class DepthQueries {
 
   /** Who was asked is gone. */
   lost(): void {
-    for (const id of [...this.waiting_.keys()]) this.settle(id, { answered: false });
+    for (const id of [...this.waiting.keys()]) this.settle(id, { answered: false });
   }
 
   private settle(id: bigint, answer: Answered): void {
-    const settled = this.waiting_.get(id);
-    this.waiting_.delete(id);
+    const settled = this.waiting.get(id);
+    this.waiting.delete(id);
     settled?.(answer);
   }
 }

@@ -1,7 +1,7 @@
 import { create, toBinary } from "@bufbuild/protobuf";
 import {
   ClientMessageSchema,
-  Film_Path,
+  Film_Path as FilmPath,
   FileTakenSchema,
   FileWantedSchema,
   FilmSchema,
@@ -15,17 +15,27 @@ import type { Scene, Viewport } from "./messages";
 export { KernelReport_Origin as KernelOrigin, type FilePart, type KernelReport } from "./gen/api/proto/stream_pb";
 
 type Bytes = Uint8Array<ArrayBuffer>;
-const encoded = (body: ClientMessage["body"]): Bytes => toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
+const encoded = (body: ClientMessage["body"]): Bytes =>
+  toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
 
 /** What a worker makes a file of; `error`: estimated, at which a frame or band is good enough. */
 export type FileOrder =
-  | { readonly kind: "turntable" | "tour"; readonly keys: readonly Scene[]; readonly size: Viewport; readonly frames: number; readonly frames_per_second: number; readonly error: number }
+  | {
+      readonly kind: "turntable" | "tour";
+      readonly keys: readonly Scene[];
+      readonly size: Viewport;
+      readonly frames: number;
+      readonly framesPerSecond: number;
+      readonly error: number;
+    }
   | { readonly kind: "picture"; readonly keys: readonly Scene[]; readonly size: Viewport; readonly error: number };
 
 /** The messages that ask for it, in their order. */
-export function encode_file(order: FileOrder): Bytes[] {
+export function encodeFile(order: FileOrder): Bytes[] {
   const { size, error } = order;
-  const keys = order.keys.map((scene, index) => encoded({ case: "keyView", value: create(KeyViewSchema, { index, scene }) }));
+  const keys = order.keys.map((scene, index) =>
+    encoded({ case: "keyView", value: create(KeyViewSchema, { index, scene }) }),
+  );
   const kind =
     order.kind === "picture"
       ? ({ case: "picture", value: create(LargePictureSchema, { ...size, error }) } as const)
@@ -34,14 +44,15 @@ export function encode_file(order: FileOrder): Bytes[] {
           value: create(FilmSchema, {
             ...size,
             error,
-            path: order.kind === "tour" ? Film_Path.TOUR : Film_Path.TURNTABLE,
+            path: order.kind === "tour" ? FilmPath.TOUR : FilmPath.TURNTABLE,
             frames: order.frames,
-            framesPerSecond: order.frames_per_second,
+            framesPerSecond: order.framesPerSecond,
           }),
         } as const);
   return [...keys, encoded({ case: "file", value: create(FileWantedSchema, { kind }) })];
 }
 
-export const encode_file_taken = (seq: bigint): Bytes => encoded({ case: "fileTaken", value: create(FileTakenSchema, { seq }) });
+export const encodeFileTaken = (seq: bigint): Bytes =>
+  encoded({ case: "fileTaken", value: create(FileTakenSchema, { seq }) });
 
-export const encode_kernel_wanted = (): Bytes => encoded({ case: "kernel", value: create(KernelWantedSchema) });
+export const encodeKernelWanted = (): Bytes => encoded({ case: "kernel", value: create(KernelWantedSchema) });

@@ -1,7 +1,7 @@
 import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } from "@bufbuild/protobuf";
 import type { CameraPose } from "../input/camera";
 import { length, subtract, vec3, type Vec3 } from "../input/vec3";
-import { full_effort, type Effort } from "../scene/effort";
+import { fullEffort, type Effort } from "../scene/effort";
 import type { Plane, Stack } from "../slices/stack";
 import type { Coming, SliceId } from "../slices/store";
 import {
@@ -28,15 +28,35 @@ import {
   type ServerMessage,
   type SliceStack,
 } from "./gen/api/proto/stream_pb";
-import { CameraSchema, Clip_PlaneSchema, ClipSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
+import {
+  CameraSchema,
+  Clip_PlaneSchema as ClipPlaneSchema,
+  ClipSchema,
+  SceneSchema,
+  TransferFunctionSchema,
+  Vec3Schema,
+  type Scene,
+} from "./gen/api/proto/scene_pb";
 
 export { Codec, SliceAccess, StillFormat };
-export type { Audience, Config, ExactSlice, Frame, Histogram, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
+export type {
+  Audience,
+  Config,
+  ExactSlice,
+  Frame,
+  Histogram,
+  Look,
+  Participant,
+  Problem,
+  State,
+  Stats,
+  Still,
+} from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
 export { VolumeHeader_Modality as Modality, type VolumeHeader } from "./gen/api/proto/volume_pb";
 export type { ServerMessage };
 
-export const protocol_version = 1;
+export const protocolVersion = 1;
 export const subprotocol = "diaphane.v1";
 
 /** In device pixels. */
@@ -46,7 +66,7 @@ export interface Viewport {
 }
 
 /** The bounds of the protocol, kept by scaling so that the shape stays. */
-export function within_bounds(viewport: Viewport, most: number): Viewport {
+export function withinBounds(viewport: Viewport, most: number): Viewport {
   const shrink = Math.min(1, most / Math.max(viewport.width, viewport.height, 1));
   const side = (n: number) => Math.max(16, Math.round(n * shrink));
   return { width: side(viewport.width), height: side(viewport.height) };
@@ -56,7 +76,7 @@ type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (message: ClientMessage): Bytes => toBinary(ClientMessageSchema, message);
 
 /** @throws on bytes that are no ServerMessage. */
-export const decode_server_message = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
+export const decodeServerMessage = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
 
 /** What this browser can show: each has been tried. */
 export interface Abilities {
@@ -64,11 +84,11 @@ export interface Abilities {
   readonly stills: readonly StillFormat[];
 }
 
-export function encode_hello({ codecs, stills }: Abilities, pixel_ratio: number, viewport: Viewport): Bytes {
+export function encodeHello({ codecs, stills }: Abilities, pixelRatio: number, viewport: Viewport): Bytes {
   const value = create(HelloSchema, {
-    protocol: protocol_version,
+    protocol: protocolVersion,
     codecs: [...codecs],
-    pixelRatio: pixel_ratio,
+    pixelRatio,
     viewport: create(ViewportSchema, viewport),
     stills: [...stills],
   });
@@ -83,88 +103,116 @@ export interface SceneChange {
   readonly effort?: Effort;
 }
 
-export function encode_scene(input_seq: number, change: SceneChange): Bytes {
-  const value = create(SceneUpdateSchema, { inputSeq: BigInt(input_seq) });
+export function encodeScene(inputSeq: number, change: SceneChange): Bytes {
+  const value = create(SceneUpdateSchema, { inputSeq: BigInt(inputSeq) });
   if (change.scene) value.scene = change.scene;
   if (change.viewport) value.viewport = create(ViewportSchema, change.viewport);
   value.rest = change.rest ?? false;
-  const { smooth, stop_error, stop_samples, moving_scale } = change.effort ?? full_effort;
+  const {
+    smooth,
+    stop_error: stopError,
+    stop_samples: stopSamples,
+    moving_scale: movingScale,
+  } = change.effort ?? fullEffort;
   value.raw = !smooth;
-  value.effort = create(EffortSchema, { stopError: stop_error, stopSamples: BigInt(stop_samples), movingScale: moving_scale });
+  value.effort = create(EffortSchema, {
+    stopError: stopError,
+    stopSamples: BigInt(stopSamples),
+    movingScale: movingScale,
+  });
   return encoded(create(ClientMessageSchema, { body: { case: "scene", value } }));
 }
 
 /** Times in milliseconds of a monotonic clock; absent: it never came so far. */
 export interface FrameTimes {
-  readonly received_ms: number;
-  readonly decoded_ms?: number;
-  readonly presented_ms?: number;
+  readonly receivedMs: number;
+  readonly decodedMs?: number;
+  readonly presentedMs?: number;
 }
 
-export function encode_ack(seq: bigint, epoch: bigint, times: FrameTimes, queue: number): Bytes {
+export function encodeAck(seq: bigint, epoch: bigint, times: FrameTimes, queue: number): Bytes {
   const us = (ms: number | undefined) => BigInt(Math.round((ms ?? 0) * 1000));
   const value = create(AckSchema, {
     seq,
     epoch,
-    receivedUs: us(times.received_ms),
-    decodedUs: us(times.decoded_ms),
-    presentedUs: us(times.presented_ms),
+    receivedUs: us(times.receivedMs),
+    decodedUs: us(times.decodedMs),
+    presentedUs: us(times.presentedMs),
     queue,
   });
   return encoded(create(ClientMessageSchema, { body: { case: "ack", value } }));
 }
 
-export function encode_need_key(): Bytes {
+export function encodeNeedKey(): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "needKey", value: create(NeedKeySchema) } }));
 }
 
 /** The presenter's role, to a participant. */
-export function encode_handover(to: string): Bytes {
+export function encodeHandover(to: string): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "handover", value: create(HandoverSchema, { to }) } }));
 }
 
-export function encode_own_camera(on: boolean): Bytes {
+export function encodeOwnCamera(on: boolean): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "ownCamera", value: create(OwnCameraSchema, { on }) } }));
 }
 
 /** Whether guests of one's session may have slices. */
-export function encode_guest_slices(on: boolean): Bytes {
-  return encoded(create(ClientMessageSchema, { body: { case: "guestSlices", value: create(GuestSlicesSchema, { on }) } }));
+export function encodeGuestSlices(on: boolean): Bytes {
+  return encoded(
+    create(ClientMessageSchema, { body: { case: "guestSlices", value: create(GuestSlicesSchema, { on }) } }),
+  );
 }
 
-const plane_numbers: Readonly<Record<Plane, AnatomicalPlane>> = {
+const planeNumbers: Readonly<Record<Plane, AnatomicalPlane>> = {
   axial: AnatomicalPlane.AXIAL,
   coronal: AnatomicalPlane.CORONAL,
   sagittal: AnatomicalPlane.SAGITTAL,
 };
-const plane_of = (number: AnatomicalPlane): Plane | null => (Object.entries(plane_numbers) as [Plane, AnatomicalPlane][]).find(([, one]) => one === number)?.[0] ?? null;
+const planeOf = (number: AnatomicalPlane): Plane | null =>
+  (Object.entries(planeNumbers) as [Plane, AnatomicalPlane][]).find(([, one]) => one === number)?.[0] ?? null;
 
-export function encode_slices(lacking: readonly SliceId[], taken: bigint): Bytes {
-  const value = create(SlicesWantedSchema, { taken, slices: lacking.map(({ plane, index }) => ({ plane: plane_numbers[plane], index })) });
+export function encodeSlices(lacking: readonly SliceId[], taken: bigint): Bytes {
+  const value = create(SlicesWantedSchema, {
+    taken,
+    slices: lacking.map(({ plane, index }) => ({ plane: planeNumbers[plane], index })),
+  });
   return encoded(create(ClientMessageSchema, { body: { case: "slices", value } }));
 }
 
 /** Nothing where it is of a plane that this page does not know. */
-export function coming_slice({ seq, plane, index, columns, rows, data }: ExactSlice): Coming | null {
-  const known = plane_of(plane);
+export function comingSlice({ seq, plane, index, columns, rows, data }: ExactSlice): Coming | null {
+  const known = planeOf(plane);
   return known && { seq, plane: known, index, columns, rows, data: data as Uint8Array<ArrayBuffer> };
 }
 
 /** Those that are whole; a server of an earlier version tells none. */
-export function stacks_of(stacks: readonly SliceStack[]): readonly Stack[] {
+export function stacksOf(stacks: readonly SliceStack[]): readonly Stack[] {
   return stacks.flatMap(({ plane, columns, rows, slices, first, right, down, next }) => {
-    const known = plane_of(plane);
+    const known = planeOf(plane);
     if (!known || !columns || !rows || !slices || !first || !right || !down || !next) return [];
-    return [{ plane: known, columns, rows, slices, first: plain(first), right: plain(right), down: plain(down), next: plain(next) }];
+    return [
+      {
+        plane: known,
+        columns,
+        rows,
+        slices,
+        first: plain(first),
+        right: plain(right),
+        down: plain(down),
+        next: plain(next),
+      },
+    ];
   });
 }
 
 /** `x` and `y` from 0 to 1, from the picture's upper left. */
-export function encode_depth_query(id: bigint, x: number, y: number): Bytes {
-  return encoded(create(ClientMessageSchema, { body: { case: "depthQuery", value: create(DepthQuerySchema, { id, x, y }) } }));
+export function encodeDepthQuery(id: bigint, x: number, y: number): Bytes {
+  return encoded(
+    create(ClientMessageSchema, { body: { case: "depthQuery", value: create(DepthQuerySchema, { id, x, y }) } }),
+  );
 }
 
-export function encode_visibility(visible: boolean): Bytes {
+export function encodeVisibility(visible: boolean): Bytes {
   const value = create(VisibilitySchema, { visible });
   return encoded(create(ClientMessageSchema, { body: { case: "visibility", value } }));
 }
@@ -172,7 +220,7 @@ export function encode_visibility(visible: boolean): Bytes {
 const plain = (v: { x: number; y: number; z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
 
 /** The camera of a scene; nothing when the scene has none. */
-export function camera_of(scene: Scene): CameraPose | null {
+export function cameraOf(scene: Scene): CameraPose | null {
   const camera = scene.camera;
   if (!camera?.eye || !camera.target) return null;
   return {
@@ -184,11 +232,11 @@ export function camera_of(scene: Scene): CameraPose | null {
 }
 
 /** The same scene seen from elsewhere through the same lens; the given one is not touched. */
-export function with_camera(scene: Scene, pose: CameraPose): Scene {
-  const before = camera_of(scene);
+export function withCamera(scene: Scene, pose: CameraPose): Scene {
+  const before = cameraOf(scene);
   const lens = scene.camera ?? create(CameraSchema);
   // Parallel rays show more from farther away, as others do: so that zooming is zooming.
-  const grown = before ? shown_height(pose) / shown_height(before) : 1;
+  const grown = before ? shownHeight(pose) / shownHeight(before) : 1;
   const camera = {
     ...lens,
     eye: create(Vec3Schema, pose.eye),
@@ -200,11 +248,11 @@ export function with_camera(scene: Scene, pose: CameraPose): Scene {
   return { ...scene, camera };
 }
 
-const shown_height = ({ eye, target, verticalFovDegrees }: CameraPose): number =>
+const shownHeight = ({ eye, target, verticalFovDegrees }: CameraPose): number =>
   length(subtract(eye, target)) * Math.tan((verticalFovDegrees * Math.PI) / 360);
 
 /** The same scene, of which only what lies in the box and behind the planes is there. mm. */
-export function with_clip(
+export function withClip(
   scene: Scene,
   box: { readonly low: readonly number[]; readonly high: readonly number[] },
   planes: readonly { readonly point: readonly number[]; readonly normal: readonly number[] }[],
@@ -213,30 +261,37 @@ export function with_clip(
   const clip = create(ClipSchema, {
     boxLow: vector(box.low),
     boxHigh: vector(box.high),
-    planes: planes.map((plane) => create(Clip_PlaneSchema, { point: vector(plane.point), normal: vector(plane.normal) })),
+    planes: planes.map((plane) =>
+      create(ClipPlaneSchema, { point: vector(plane.point), normal: vector(plane.normal) }),
+    ),
     cutsLight: true,
   });
   return { ...scene, clip };
 }
 
 /** Whether two scenes show the same materials; cameras may differ. */
-export function same_look(a: Scene, b: Scene): boolean {
+export function sameLook(a: Scene, b: Scene): boolean {
   if (!a.transferFunction || !b.transferFunction) return a.transferFunction === b.transferFunction;
   return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
 }
 
-export const same_scene = (a: Scene, b: Scene): boolean => equals(SceneSchema, a, b);
+export const sameScene = (a: Scene, b: Scene): boolean => equals(SceneSchema, a, b);
 
 /** Whether two scenes are one seen from different places. */
-export const same_but_for_camera = (a: Scene, b: Scene): boolean =>
-  equals(SceneSchema, create(SceneSchema, { ...a, camera: undefined }), create(SceneSchema, { ...b, camera: undefined }));
+export const sameButForCamera = (a: Scene, b: Scene): boolean =>
+  equals(
+    SceneSchema,
+    create(SceneSchema, { ...a, camera: undefined }),
+    create(SceneSchema, { ...b, camera: undefined }),
+  );
 
-export const camera_to_json = (scene: Scene): string => (scene.camera ? toJsonString(CameraSchema, scene.camera) : "null");
+export const cameraToJson = (scene: Scene): string =>
+  scene.camera ? toJsonString(CameraSchema, scene.camera) : "null";
 
-export const scene_to_json = (scene: Scene): string => toJsonString(SceneSchema, scene);
+export const sceneToJson = (scene: Scene): string => toJsonString(SceneSchema, scene);
 
 /** Nothing when it is no scene (of another version, or damaged). */
-export function scene_from_json(json: string): Scene | null {
+export function sceneFromJson(json: string): Scene | null {
   try {
     return fromJsonString(SceneSchema, json);
   } catch {

@@ -1,6 +1,6 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
-import { full_effort } from "../scene/effort";
+import { fullEffort } from "../scene/effort";
 import { SceneSchema, type Scene } from "./gen/api/proto/scene_pb";
 import {
   ClientMessageSchema,
@@ -28,26 +28,26 @@ class World {
   seen: string[] = [];
   configs: (number | undefined)[] = [];
   looks: (number | undefined)[] = [];
-  doors = 0;
+  tickets = 0;
   client: StreamClient;
 
   constructor() {
     this.client = new StreamClient(
       {
-        door: () => Promise.resolve({ ok: true, url: `/stream?ticket=${++this.doors}` }),
-        open_socket: (url, events) => {
+        ticketSource: () => Promise.resolve({ ok: true, url: `/stream?ticket=${++this.tickets}` }),
+        openSocket: (url, events) => {
           this.urls.push(url);
           this.sockets.push(events);
           return { send: (data) => this.sent.push(fromBinary(ClientMessageSchema, data)), close: () => undefined };
         },
-        next_frame: (task) => this.frames.push(task),
+        nextFrame: (task) => this.frames.push(task),
         after: (_ms, task) => {
           this.timers = [task];
           return () => (this.timers = []);
         },
         chance: () => 0.5,
         abilities: { codecs: [Codec.JPEG], stills: [StillFormat.PNG] },
-        pixel_ratio: () => 2,
+        pixelRatio: () => 2,
       },
       {
         connection: (state) => this.seen.push(state.phase),
@@ -55,13 +55,13 @@ class World {
         frame: () => this.seen.push("frame"),
         still: () => this.seen.push("still"),
         slice: () => this.seen.push("slice"),
-        slices_stale: () => this.seen.push("slices stale"),
+        slicesStale: () => this.seen.push("slices stale"),
         state: () => undefined,
         audience: () => this.seen.push("audience"),
         look: (scene) => this.looks.push(scene.camera?.eye?.x),
         stats: () => undefined,
-        file_progress: (done) => this.seen.push(`file ${done}`),
-        file_part: (part) => this.seen.push(`part ${part.seq}`),
+        fileProgress: (done) => this.seen.push(`file ${done}`),
+        filePart: (part) => this.seen.push(`part ${part.seq}`),
         kernel: (report) => this.seen.push(`without ${report.leftOut.join(", ")}`),
         problem: () => this.seen.push("problem"),
       },
@@ -72,8 +72,11 @@ class World {
   say(body: ServerMessage["body"]): void {
     this.sockets.at(-1)?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
   }
-  config(x: number, input_seq: number, follower = false): void {
-    this.say({ case: "config", value: create(ConfigSchema, { scene: scene(x), inputSeq: BigInt(input_seq), follower }) });
+  config(x: number, inputSeq: number, follower = false): void {
+    this.say({
+      case: "config",
+      value: create(ConfigSchema, { scene: scene(x), inputSeq: BigInt(inputSeq), follower }),
+    });
   }
   screen(): void {
     for (const task of this.frames.splice(0)) task();
@@ -81,10 +84,10 @@ class World {
   timeout(): void {
     for (const task of this.timers.splice(0)) task();
   }
-  async live(x = 1, input_seq = 0): Promise<void> {
+  async live(x = 1, inputSeq = 0): Promise<void> {
     await Promise.resolve();
     this.sockets.at(-1)?.opened();
-    this.config(x, input_seq);
+    this.config(x, inputSeq);
     this.screen();
   }
   updates(): { seq: number; x: number | undefined }[] {
@@ -103,23 +106,29 @@ describe("the stream client", () => {
 
   it("greets with what it can decode and the size of its picture, before all else", async () => {
     await Promise.resolve();
-    world.client.set_scene(scene(5));
+    world.client.setScene(scene(5));
     world.screen();
     world.sockets[0]?.opened();
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello"]);
-    expect(world.sent[0]?.body.value).toMatchObject({ protocol: 1, codecs: [Codec.JPEG], stills: [StillFormat.PNG], pixelRatio: 2, viewport: { width: 640 } });
+    expect(world.sent[0]?.body.value).toMatchObject({
+      protocol: 1,
+      codecs: [Codec.JPEG],
+      stills: [StillFormat.PNG],
+      pixelRatio: 2,
+      viewport: { width: 640 },
+    });
   });
 
   it("sends a scene at once, and of those that follow only the newest with the next screen picture", async () => {
     await world.live();
-    for (const x of [2, 3, 4]) world.client.set_scene(scene(x));
+    for (const x of [2, 3, 4]) world.client.setScene(scene(x));
     expect(world.updates()).toEqual([{ seq: 1, x: 2 }]);
     world.screen();
-    world.client.set_scene(scene(5));
+    world.client.setScene(scene(5));
     expect(world.updates()).toHaveLength(2);
     world.screen();
     world.screen();
-    world.client.set_scene(scene(6));
+    world.client.setScene(scene(6));
     expect(world.updates()).toEqual([
       { seq: 1, x: 2 },
       { seq: 2, x: 4 },
@@ -131,31 +140,31 @@ describe("the stream client", () => {
   it("says that a gesture is over, with its last scene or after it, and not of the next", async () => {
     await world.live();
     const rests = () => world.sent.flatMap(({ body }) => (body.case === "scene" ? [body.value.rest] : []));
-    world.client.set_scene(scene(2));
-    world.client.set_scene(scene(3));
+    world.client.setScene(scene(2));
+    world.client.setScene(scene(3));
     world.client.rest();
     world.screen();
     expect(rests()).toEqual([false, true]);
     world.screen();
-    world.client.set_scene(scene(4));
+    world.client.setScene(scene(4));
     world.screen();
     world.client.rest();
     expect(rests()).toEqual([false, true, false, true]);
-    expect(world.client.input_seq).toBe(4);
+    expect(world.client.inputSeq).toBe(4);
   });
 
   it("takes the scene of a session that is further than it, and counts on from there", async () => {
     await world.live(7, 41);
     expect(world.updates()).toEqual([]);
     expect(world.configs).toEqual([7]);
-    world.client.set_scene(scene(8));
+    world.client.setScene(scene(8));
     world.screen();
     expect(world.updates()).toEqual([{ seq: 42, x: 8 }]);
   });
 
   it("says its scene again to a worker that has not seen it, after a loss and in a new session", async () => {
     await world.live(1, 0);
-    world.client.set_scene(scene(9));
+    world.client.setScene(scene(9));
     world.screen();
     world.sockets.at(-1)?.closed(4503);
     world.timeout();
@@ -170,7 +179,7 @@ describe("the stream client", () => {
 
   it("does not disturb a worker that has seen everything", async () => {
     await world.live(1, 0);
-    world.client.set_scene(scene(9));
+    world.client.setScene(scene(9));
     world.screen();
     world.sockets.at(-1)?.closed(1006);
     world.timeout();
@@ -178,10 +187,10 @@ describe("the stream client", () => {
     expect(world.updates()).toHaveLength(1);
   });
 
-  it("what was moved while the connection was away is sent when it is back", async () => {
+  it("what moved during a lost connection is sent after it returns", async () => {
     await world.live(1, 0);
     world.sockets.at(-1)?.closed(1006);
-    world.client.set_scene(scene(3));
+    world.client.setScene(scene(3));
     world.screen();
     world.timeout();
     await world.live(1, 0);
@@ -208,7 +217,12 @@ describe("the stream client", () => {
     world.timeout();
     await world.live();
     const before = world.seen.length;
-    old?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: "frame", value: create(FrameSchema) } })));
+    old?.message(
+      toBinary(
+        ServerMessageSchema,
+        create(ServerMessageSchema, { body: { case: "frame", value: create(FrameSchema) } }),
+      ),
+    );
     old?.closed(1006);
     expect(world.seen).toHaveLength(before);
     expect(world.client.connection.phase).toBe("live");
@@ -222,42 +236,49 @@ describe("the stream client", () => {
 
   it("a change of size alone carries no scene", async () => {
     await world.live();
-    world.client.set_viewport({ width: 800, height: 600 });
+    world.client.setViewport({ width: 800, height: 600 });
     world.screen();
     expect(world.updates()).toEqual([{ seq: 1, x: undefined }]);
   });
 
   it("greets with other abilities over a connection of its own, and the worker keeps its scene", async () => {
     await world.live(1, 0);
-    world.client.set_scene(scene(2));
+    world.client.setScene(scene(2));
     world.screen();
-    world.client.greet_again({ codecs: [Codec.MPEG1], stills: [] });
+    world.client.greetAgain({ codecs: [Codec.MPEG1], stills: [] });
     await world.live(2, 1);
     const greetings = world.sent.flatMap(({ body }) => (body.case === "hello" ? [body.value.codecs] : []));
     expect(greetings).toEqual([[Codec.JPEG], [Codec.MPEG1]]);
-    expect(world.doors).toBe(2);
+    expect(world.tickets).toBe(2);
     expect(world.updates()).toEqual([{ seq: 1, x: 2 }]);
   });
 
   it("asks for a key frame only where somebody hears it", async () => {
-    world.client.need_key();
+    world.client.needKey();
     await world.live();
-    world.client.need_key();
+    world.client.needKey();
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "needKey"]);
   });
 
-  const audience = (presenter: string, own_camera = false) =>
+  const audience = (presenter: string, ownCamera = false) =>
     world.say({
       case: "audience",
-      value: create(AudienceSchema, { you: "me", presenter, participants: [{ id: "me", ownCamera: own_camera }, { id: "ann", presenter: presenter === "ann" }] }),
+      value: create(AudienceSchema, {
+        you: "me",
+        presenter,
+        participants: [
+          { id: "me", ownCamera },
+          { id: "ann", presenter: presenter === "ann" },
+        ],
+      }),
     });
 
   it("says no scene as a follower, not even one of before, and takes the presenter's for its own", async () => {
     await world.live(1, 0);
-    world.client.set_scene(scene(5));
+    world.client.setScene(scene(5));
     await Promise.resolve();
     world.config(9, 3, true);
-    world.client.set_scene(scene(6));
+    world.client.setScene(scene(6));
     world.screen();
     expect(world.updates()).toEqual([{ seq: 1, x: 5 }]);
     expect(world.configs.at(-1)).toBe(9);
@@ -269,12 +290,12 @@ describe("the stream client", () => {
     await world.live(1, 0);
     expect(world.updates()).toEqual([]);
     const effort = { smooth: false, stop_error: 0.1, stop_samples: 0, moving_scale: 0.5 };
-    world.client.set_effort(effort);
+    world.client.setEffort(effort);
     world.screen();
     const said = () => world.sent.flatMap(({ body }) => (body.case === "scene" ? [body.value] : [])).at(-1);
     expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1, movingScale: 0.5 } });
     expect(said()?.scene).toBeUndefined();
-    world.client.set_scene(scene(6));
+    world.client.setScene(scene(6));
     world.screen();
     expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1 } });
     world.sockets.at(-1)?.closed(4503);
@@ -291,10 +312,10 @@ describe("the stream client", () => {
 
   it("tells a worker that has its session still what was chosen while nobody heard it", async () => {
     await world.live(1, 0);
-    world.client.set_effort({ ...full_effort, stop_error: 0.1 });
+    world.client.setEffort({ ...fullEffort, stop_error: 0.1 });
     world.screen();
     world.sockets.at(-1)?.closed(4503);
-    world.client.set_effort(full_effort);
+    world.client.setEffort(fullEffort);
     world.timeout();
     await Promise.resolve();
     await Promise.resolve();
@@ -311,23 +332,23 @@ describe("the stream client", () => {
     world.config(9, 3, true);
     audience("ann");
     audience("me");
-    world.client.set_scene(scene(6));
+    world.client.setScene(scene(6));
     expect(world.updates().at(-1)?.x).toBe(6);
     audience("ann");
-    world.client.set_scene(scene(7));
+    world.client.setScene(scene(7));
     world.screen();
     expect(world.updates().at(-1)?.x).toBe(6);
-    world.client.hand_over("ann");
+    world.client.handOver("ann");
     expect(world.sent.at(-1)?.body).toMatchObject({ case: "handover", value: { to: "ann" } });
   });
 
   it("comes back to its own camera over another connection", async () => {
     await world.live(1, 0);
     world.config(9, 3, true);
-    world.client.use_own_camera(true);
+    world.client.useOwnCamera(true);
     world.config(9, 0, false);
     audience("ann", true);
-    world.client.set_scene(scene(44));
+    world.client.setScene(scene(44));
     world.screen();
     world.sockets.at(-1)?.closed(4503);
     world.timeout();

@@ -1,19 +1,26 @@
 import type { CameraPose } from "../input/camera";
-import { advance, first_state, type ConnectionEffect, type ConnectionEvent, type ConnectionState, type Trouble } from "./connection";
+import {
+  advance,
+  firstState,
+  type ConnectionEffect,
+  type ConnectionEvent,
+  type ConnectionState,
+  type Trouble,
+} from "./connection";
 import { DepthQueries, type Answered } from "./depth_queries";
 import {
-  decode_server_message,
-  encode_ack,
-  encode_handover,
-  encode_hello,
-  encode_need_key,
-  encode_guest_slices,
-  encode_own_camera,
-  encode_scene,
-  encode_slices,
-  encode_visibility,
-  camera_of,
-  with_camera,
+  decodeServerMessage,
+  encodeAck,
+  encodeHandover,
+  encodeHello,
+  encodeNeedKey,
+  encodeGuestSlices,
+  encodeOwnCamera,
+  encodeScene,
+  encodeSlices,
+  encodeVisibility,
+  cameraOf,
+  withCamera,
   type Abilities,
   type Audience,
   type Config,
@@ -27,14 +34,23 @@ import {
   type Still,
   type Viewport,
 } from "./messages";
-import { encode_file, encode_file_taken, encode_kernel_wanted, type FileOrder, type FilePart, type KernelReport } from "./file_messages";
-import { full_effort, type Effort } from "../scene/effort";
+import {
+  encodeFile,
+  encodeFileTaken,
+  encodeKernelWanted,
+  type FileOrder,
+  type FilePart,
+  type KernelReport,
+} from "./file_messages";
+import { fullEffort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
 
-/** Leads to a worker: a one-time address, or why there is none. Asked anew for each try. */
-export type Door = (signal: AbortSignal) => Promise<
+/** Returns a worker's one-time address, or why there is none. Every connection attempt calls it again. */
+export type TicketSource = (
+  signal: AbortSignal,
+) => Promise<
   | { readonly ok: true; readonly url: string }
-  | { readonly ok: false; readonly trouble: Trouble; readonly final: boolean; readonly retry_after_ms?: number }
+  | { readonly ok: false; readonly trouble: Trouble; readonly final: boolean; readonly retryAfterMs?: number }
 >;
 
 /** As much of a WebSocket as is used; a test gives its own. */
@@ -49,15 +65,15 @@ export interface SocketEvents {
 }
 export type OpenSocket = (url: string, events: SocketEvents) => Socket;
 
-export interface Surroundings {
-  readonly door: Door;
-  readonly open_socket: OpenSocket;
+export interface StreamDependencies {
+  readonly ticketSource: TicketSource;
+  readonly openSocket: OpenSocket;
   /** Runs `task` once before the next picture of the screen. */
-  readonly next_frame: (task: () => void) => void;
+  readonly nextFrame: (task: () => void) => void;
   readonly after: (ms: number, task: () => void) => () => void;
   readonly chance: () => number;
   readonly abilities: Abilities;
-  readonly pixel_ratio: () => number;
+  readonly pixelRatio: () => number;
 }
 
 export interface StreamEvents {
@@ -68,7 +84,7 @@ export interface StreamEvents {
   still(still: Still): void;
   slice(slice: ExactSlice): void;
   /** The slices that have come are of another clip than the session's now. */
-  slices_stale(): void;
+  slicesStale(): void;
   /** Who is here; this page may have become, or may be no more, the presenter's. */
   audience(audience: Audience): void;
   /** The scene as the presenter has it. */
@@ -77,8 +93,8 @@ export interface StreamEvents {
   stats(stats: Stats): void;
   problem(problem: Problem): void;
   /** Of the file that was asked for: 0 to 1. */
-  file_progress(done: number): void;
-  file_part(part: FilePart): void;
+  fileProgress(done: number): void;
+  filePart(part: FilePart): void;
   /** What renders the picture, to whoever asked. */
   kernel(report: KernelReport): void;
 }
@@ -88,47 +104,47 @@ export interface StreamEvents {
  * most once a screen picture, and sent again to a worker that does not have it.
  */
 export class StreamClient {
-  private state_: ConnectionState = first_state;
-  private socket_: Socket | null = null;
-  private socket_number_ = 0;
-  private disarm_: () => void = () => undefined;
-  private asking_: AbortController | null = null;
+  private state: ConnectionState = firstState;
+  private socket: Socket | null = null;
+  private socketNumber = 0;
+  private disarm: () => void = () => undefined;
+  private asking: AbortController | null = null;
 
-  private scene_: Scene | null = null;
-  private viewport_: Viewport;
-  private abilities_: Abilities;
-  private visible_ = true;
-  private input_seq_ = 0;
-  private scene_pending_ = false;
-  private rest_pending_ = false;
-  private viewport_pending_ = false;
-  private effort_ = full_effort;
-  private effort_pending_ = false;
-  private holding_ = false;
+  private scene: Scene | null = null;
+  private viewport: Viewport;
+  private abilities: Abilities;
+  private visible = true;
+  private lastInputSeq = 0;
+  private scenePending = false;
+  private restPending = false;
+  private viewportPending = false;
+  private effort = fullEffort;
+  private effortPending = false;
+  private holding = false;
   /** The scene is this page's to change: it presents, or has a camera of its own. */
-  private leads_ = true;
-  private own_camera_ = false;
-  private readonly depths_: DepthQueries;
+  private leading = true;
+  private ownCamera = false;
+  private readonly depths: DepthQueries;
   /** Where the own camera was before the connection was lost. */
-  private own_pose_: CameraPose | null = null;
+  private ownPose: CameraPose | null = null;
 
   constructor(
-    private readonly around_: Surroundings,
-    private readonly events_: StreamEvents,
+    private readonly dependencies: StreamDependencies,
+    private readonly events: StreamEvents,
     viewport: Viewport,
   ) {
-    this.viewport_ = viewport;
-    this.abilities_ = around_.abilities;
-    this.depths_ = new DepthQueries({ send: (message) => this.say(message), after: around_.after });
+    this.viewport = viewport;
+    this.abilities = dependencies.abilities;
+    this.depths = new DepthQueries({ send: (message) => this.say(message), after: dependencies.after });
   }
 
   get connection(): ConnectionState {
-    return this.state_;
+    return this.state;
   }
 
   /** The number of the newest input that has been given. */
-  get input_seq(): number {
-    return this.input_seq_;
+  get inputSeq(): number {
+    return this.lastInputSeq;
   }
 
   start(): void {
@@ -145,191 +161,191 @@ export class StreamClient {
   }
 
   /** Before `start`: what an earlier visit wanted last. Said only to a worker that has seen less. */
-  remember(scene: Scene, input_seq: number): void {
-    this.scene_ = scene;
-    this.input_seq_ = input_seq;
+  remember(scene: Scene, inputSeq: number): void {
+    this.scene = scene;
+    this.lastInputSeq = inputSeq;
   }
 
   get leads(): boolean {
-    return this.leads_;
+    return this.leading;
   }
 
-  hand_over(to: string): void {
-    if (this.state_.phase === "live") this.socket_?.send(encode_handover(to));
+  handOver(to: string): void {
+    if (this.state.phase === "live") this.socket?.send(encodeHandover(to));
   }
 
   /** A camera of one's own, or the presenter's again; also over a reconnection. */
-  use_own_camera(on: boolean): void {
-    this.own_camera_ = on;
-    this.own_pose_ = null;
-    if (this.state_.phase === "live") this.socket_?.send(encode_own_camera(on));
+  useOwnCamera(on: boolean): void {
+    this.ownCamera = on;
+    this.ownPose = null;
+    if (this.state.phase === "live") this.socket?.send(encodeOwnCamera(on));
   }
 
-  set_guest_slices(on: boolean): void {
-    if (this.state_.phase === "live") this.socket_?.send(encode_guest_slices(on));
+  setGuestSlices(on: boolean): void {
+    if (this.state.phase === "live") this.socket?.send(encodeGuestSlices(on));
   }
 
-  set_scene(scene: Scene, rest = false): void {
-    if (!this.leads_) return;
-    this.scene_ = scene;
-    this.scene_pending_ = true;
-    this.rest_pending_ = rest;
-    this.plan_flush();
+  setScene(scene: Scene, rest = false): void {
+    if (!this.leading) return;
+    this.scene = scene;
+    this.scenePending = true;
+    this.restPending = rest;
+    this.planFlush();
   }
 
   /** Nothing more comes for now (the pointer was lifted): the whole picture need not wait for silence. */
   rest(): void {
-    if (!this.leads_) return;
-    this.rest_pending_ = true;
-    this.plan_flush();
+    if (!this.leading) return;
+    this.restPending = true;
+    this.planFlush();
   }
 
   /** Said to each worker anew. */
-  set_effort(effort: Effort): void {
-    this.effort_ = effort;
-    if (!this.leads_) return;
-    this.effort_pending_ = true;
-    this.plan_flush();
+  setEffort(effort: Effort): void {
+    this.effort = effort;
+    if (!this.leading) return;
+    this.effortPending = true;
+    this.planFlush();
   }
 
-  set_viewport(viewport: Viewport): void {
-    if (viewport.width === this.viewport_.width && viewport.height === this.viewport_.height) return;
-    this.viewport_ = viewport;
-    this.viewport_pending_ = true;
-    this.plan_flush();
+  setViewport(viewport: Viewport): void {
+    if (viewport.width === this.viewport.width && viewport.height === this.viewport.height) return;
+    this.viewport = viewport;
+    this.viewportPending = true;
+    this.planFlush();
   }
 
-  set_visible(visible: boolean): void {
-    if (visible === this.visible_) return;
-    this.visible_ = visible;
-    if (this.state_.phase === "live") this.socket_?.send(encode_visibility(visible));
+  setVisible(visible: boolean): void {
+    if (visible === this.visible) return;
+    this.visible = visible;
+    if (this.state.phase === "live") this.socket?.send(encodeVisibility(visible));
   }
 
   /** Greets the worker anew with other abilities, over another connection. The scene stays. */
-  greet_again(abilities: Abilities): void {
-    this.abilities_ = abilities;
+  greetAgain(abilities: Abilities): void {
+    this.abilities = abilities;
     this.happened({ kind: "again" });
   }
 
   /** What is lacking now; said again after a reconnection by whoever lacks it. */
-  want_slices(lacking: readonly SliceId[], taken: bigint): void {
-    if (this.state_.phase === "live") this.socket_?.send(encode_slices(lacking, taken));
+  wantSlices(lacking: readonly SliceId[], taken: bigint): void {
+    if (this.state.phase === "live") this.socket?.send(encodeSlices(lacking, taken));
   }
 
   /** How far away that is which is seen at a place of the picture. */
-  depth_at(x: number, y: number): Promise<Answered> {
-    return this.depths_.ask(x, y);
+  depthAt(x: number, y: number): Promise<Answered> {
+    return this.depths.ask(x, y);
   }
 
   /** One at a time; given up with the connection. */
-  ask_for_file(order: FileOrder): void {
-    for (const message of encode_file(order)) this.say(message);
+  askForFile(order: FileOrder): void {
+    for (const message of encodeFile(order)) this.say(message);
   }
 
-  file_taken({ seq }: FilePart): void {
-    this.say(encode_file_taken(seq));
+  fileTaken({ seq }: FilePart): void {
+    this.say(encodeFileTaken(seq));
   }
 
-  ask_for_kernel(): void {
-    this.say(encode_kernel_wanted());
+  askForKernel(): void {
+    this.say(encodeKernelWanted());
   }
 
-  need_key(): void {
-    if (this.state_.phase === "live") this.socket_?.send(encode_need_key());
+  needKey(): void {
+    if (this.state.phase === "live") this.socket?.send(encodeNeedKey());
   }
 
   /** Owed for each frame and still, shown or not: the server keeps about two in flight. */
   ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
-    if (this.state_.phase === "live") this.socket_?.send(encode_ack(frame.seq, frame.epoch, times, queue));
-    if (times.presented_ms !== undefined) this.happened({ kind: "picture" });
+    if (this.state.phase === "live") this.socket?.send(encodeAck(frame.seq, frame.epoch, times, queue));
+    if (times.presentedMs !== undefined) this.happened({ kind: "picture" });
   }
 
   private say(message: Uint8Array<ArrayBuffer>): boolean {
-    if (this.state_.phase !== "live" || !this.socket_) return false;
-    this.socket_.send(message);
+    if (this.state.phase !== "live" || !this.socket) return false;
+    this.socket.send(message);
     return true;
   }
 
   /** At once, unless something was sent since the last picture of the screen: then with the next, as it is by then. */
-  private plan_flush(): void {
-    if (this.holding_ || !this.flush()) return;
-    this.holding_ = true;
-    this.around_.next_frame(() => {
-      this.holding_ = false;
-      this.plan_flush();
+  private planFlush(): void {
+    if (this.holding || !this.flush()) return;
+    this.holding = true;
+    this.dependencies.nextFrame(() => {
+      this.holding = false;
+      this.planFlush();
     });
   }
 
   /** Whether there was something to send, and somebody to hear it. */
   private flush(): boolean {
-    if (!this.scene_pending_ && !this.viewport_pending_ && !this.rest_pending_ && !this.effort_pending_) return false;
-    if (this.state_.phase !== "live" || !this.socket_) return false; // said by `configured` once there is a connection
-    this.input_seq_ += 1;
-    this.socket_.send(
-      encode_scene(this.input_seq_, {
-        ...(this.scene_pending_ && this.scene_ ? { scene: this.scene_ } : {}),
-        ...(this.viewport_pending_ ? { viewport: this.viewport_ } : {}),
-        rest: this.rest_pending_,
-        effort: this.effort_,
+    if (!this.scenePending && !this.viewportPending && !this.restPending && !this.effortPending) return false;
+    if (this.state.phase !== "live" || !this.socket) return false; // said by `configured` once there is a connection
+    this.lastInputSeq += 1;
+    this.socket.send(
+      encodeScene(this.lastInputSeq, {
+        ...(this.scenePending && this.scene ? { scene: this.scene } : {}),
+        ...(this.viewportPending ? { viewport: this.viewport } : {}),
+        rest: this.restPending,
+        effort: this.effort,
       }),
     );
-    this.scene_pending_ = false;
-    this.rest_pending_ = false;
-    this.viewport_pending_ = false;
-    this.effort_pending_ = false;
+    this.scenePending = false;
+    this.restPending = false;
+    this.viewportPending = false;
+    this.effortPending = false;
     return true;
   }
 
   private configured(config: Config): void {
     this.happened({ kind: "configured" });
-    if (this.state_.phase !== "live") return;
+    if (this.state.phase !== "live") return;
     const seen = Number(config.inputSeq);
-    this.take_role(config);
+    this.takeRole(config);
     // What this page wanted last and the worker has not seen (lost on the way, or a new session) wins.
-    if (this.scene_ && (this.scene_pending_ || seen < this.input_seq_)) this.scene_pending_ = true;
-    else if (config.scene) this.scene_ = config.scene;
-    this.input_seq_ = Math.max(this.input_seq_, seen);
+    if (this.scene && (this.scenePending || seen < this.lastInputSeq)) this.scenePending = true;
+    else if (config.scene) this.scene = config.scene;
+    this.lastInputSeq = Math.max(this.lastInputSeq, seen);
     // A worker begins with all of it; what was chosen while nobody heard it is said too.
-    this.effort_pending_ = this.leads_ && (this.effort_pending_ || this.effort_ !== full_effort);
-    if (!this.visible_) this.socket_?.send(encode_visibility(false));
-    this.events_.config(this.scene_ ? { ...config, scene: this.scene_ } : config);
-    this.plan_flush();
+    this.effortPending = this.leading && (this.effortPending || this.effort !== fullEffort);
+    if (!this.visible) this.socket?.send(encodeVisibility(false));
+    this.events.config(this.scene ? { ...config, scene: this.scene } : config);
+    this.planFlush();
   }
 
   /** Whose the scene is from here on. */
-  private take_role(config: Config): void {
+  private takeRole(config: Config): void {
     if (config.follower) {
-      if (this.own_camera_) {
+      if (this.ownCamera) {
         // It comes back over a new connection, which does not know of the own camera yet.
-        if (this.leads_ && this.scene_) this.own_pose_ = camera_of(this.scene_);
-        this.socket_?.send(encode_own_camera(true));
+        if (this.leading && this.scene) this.ownPose = cameraOf(this.scene);
+        this.socket?.send(encodeOwnCamera(true));
       }
-      this.leads_ = false;
-      this.scene_pending_ = false;
-      this.scene_ = null;
-    } else if (!this.leads_) {
-      this.leads_ = true;
-      this.scene_ = null; // the presenter's is the newest
+      this.leading = false;
+      this.scenePending = false;
+      this.scene = null;
+    } else if (!this.leading) {
+      this.leading = true;
+      this.scene = null; // the presenter's is the newest
       const scene = config.scene;
-      if (this.own_pose_ && scene) {
-        this.scene_ = with_camera(scene, this.own_pose_);
-        this.scene_pending_ = true;
+      if (this.ownPose && scene) {
+        this.scene = withCamera(scene, this.ownPose);
+        this.scenePending = true;
       }
-      this.own_pose_ = null;
+      this.ownPose = null;
     }
   }
 
-  private heard_audience(audience: Audience): void {
+  private heardAudience(audience: Audience): void {
     const me = audience.participants.find(({ id }) => id === audience.you);
-    this.leads_ = audience.presenter === audience.you || (me?.ownCamera ?? false);
-    if (!this.leads_) this.scene_pending_ = false;
-    this.events_.audience(audience);
+    this.leading = audience.presenter === audience.you || (me?.ownCamera ?? false);
+    if (!this.leading) this.scenePending = false;
+    this.events.audience(audience);
   }
 
   private received(data: Uint8Array): void {
     let message;
     try {
-      message = decode_server_message(data);
+      message = decodeServerMessage(data);
     } catch {
       this.happened({ kind: "closed", code: 4400 });
       return;
@@ -340,61 +356,61 @@ export class StreamClient {
         this.configured(body.value);
         break;
       case "frame":
-        this.events_.frame(body.value);
+        this.events.frame(body.value);
         break;
       case "still":
-        this.events_.still(body.value);
+        this.events.still(body.value);
         break;
       case "slice":
-        this.events_.slice(body.value);
+        this.events.slice(body.value);
         break;
       case "slicesStale":
-        this.events_.slices_stale();
+        this.events.slicesStale();
         break;
       case "state":
-        this.events_.state(body.value);
+        this.events.state(body.value);
         break;
       case "stats":
-        this.events_.stats(body.value);
+        this.events.stats(body.value);
         break;
       case "audience":
-        this.heard_audience(body.value);
+        this.heardAudience(body.value);
         break;
       case "look":
-        if (!body.value.scene || (this.own_camera_ && this.leads_)) break;
-        this.scene_ = body.value.scene;
-        this.events_.look(body.value.scene);
+        if (!body.value.scene || (this.ownCamera && this.leading)) break;
+        this.scene = body.value.scene;
+        this.events.look(body.value.scene);
         break;
       case "depth":
-        this.depths_.heard(body.value);
+        this.depths.heard(body.value);
         break;
       case "problem":
         // Without a slot for it, it is not asked for again by itself.
-        if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.own_camera_ = false;
-        this.events_.problem(body.value);
+        if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.ownCamera = false;
+        this.events.problem(body.value);
         break;
       case "fileProgress":
-        this.events_.file_progress(body.value.done);
+        this.events.fileProgress(body.value.done);
         break;
       case "filePart":
-        this.events_.file_part(body.value);
+        this.events.filePart(body.value);
         break;
       case "kernel":
-        this.events_.kernel(body.value);
+        this.events.kernel(body.value);
         break;
       default: // of a later protocol: nothing that this page must know
     }
   }
 
   private happened(event: ConnectionEvent): void {
-    const before = this.state_;
-    const step = advance(before, event, this.around_.chance());
-    this.state_ = step.state;
-    for (const effect of step.effects) this.carry_out(effect);
-    if (step.state !== before) this.events_.connection(step.state);
+    const before = this.state;
+    const step = advance(before, event, this.dependencies.chance());
+    this.state = step.state;
+    for (const effect of step.effects) this.carryOut(effect);
+    if (step.state !== before) this.events.connection(step.state);
   }
 
-  private carry_out(effect: ConnectionEffect): void {
+  private carryOut(effect: ConnectionEffect): void {
     switch (effect.kind) {
       case "ask_ticket":
         this.ask();
@@ -403,31 +419,31 @@ export class StreamClient {
         this.open(effect.url);
         break;
       case "greet":
-        this.viewport_pending_ = false; // the greeting says it
-        this.socket_?.send(encode_hello(this.abilities_, this.around_.pixel_ratio(), this.viewport_));
+        this.viewportPending = false; // the greeting says it
+        this.socket?.send(encodeHello(this.abilities, this.dependencies.pixelRatio(), this.viewport));
         break;
       case "close":
-        this.asking_?.abort();
-        this.socket_number_ += 1; // whatever the old one still says is not heard
-        this.socket_?.close();
-        this.socket_ = null;
-        this.depths_.lost();
+        this.asking?.abort();
+        this.socketNumber += 1; // whatever the old one still says is not heard
+        this.socket?.close();
+        this.socket = null;
+        this.depths.lost();
         break;
       case "timer":
-        this.disarm_();
-        this.disarm_ = this.around_.after(effect.ms, () => this.happened({ kind: "timeout" }));
+        this.disarm();
+        this.disarm = this.dependencies.after(effect.ms, () => this.happened({ kind: "timeout" }));
         break;
       case "disarm":
-        this.disarm_();
+        this.disarm();
         break;
     }
   }
 
   private ask(): void {
-    this.asking_?.abort();
+    this.asking?.abort();
     const asking = new AbortController();
-    this.asking_ = asking;
-    this.around_.door(asking.signal).then(
+    this.asking = asking;
+    this.dependencies.ticketSource(asking.signal).then(
       (answer) => {
         if (asking.signal.aborted) return;
         if (answer.ok) this.happened({ kind: "ticket", url: answer.url });
@@ -440,11 +456,11 @@ export class StreamClient {
   }
 
   private open(url: string): void {
-    const number = ++this.socket_number_;
+    const number = ++this.socketNumber;
     const heard = (task: () => void) => {
-      if (number === this.socket_number_) task();
+      if (number === this.socketNumber) task();
     };
-    this.socket_ = this.around_.open_socket(url, {
+    this.socket = this.dependencies.openSocket(url, {
       opened: () => heard(() => this.happened({ kind: "opened" })),
       message: (data) => heard(() => this.received(data)),
       closed: (code) => heard(() => this.happened({ kind: "closed", code })),

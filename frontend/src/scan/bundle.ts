@@ -4,14 +4,14 @@
  */
 const block = 512;
 
-export function bundle_size(sizes: readonly number[]): number {
+export function bundleSize(sizes: readonly number[]): number {
   return sizes.reduce((sum, size) => sum + block + Math.ceil(size / block) * block, 0) + 2 * block;
 }
 
-export function make_bundle(files: readonly Blob[]): Blob {
+export function makeBundle(files: readonly Blob[]): Blob {
   const parts: BlobPart[] = [];
   files.forEach((file, i) => {
-    parts.push(tar_header(`${String(i + 1).padStart(5, "0")}.dcm`, file.size), file);
+    parts.push(tarHeader(`${String(i + 1).padStart(5, "0")}.dcm`, file.size), file);
     const rest = file.size % block;
     if (rest > 0) parts.push(new Uint8Array(block - rest));
   });
@@ -19,7 +19,7 @@ export function make_bundle(files: readonly Blob[]): Blob {
   return new Blob(parts, { type: "application/octet-stream" });
 }
 
-function tar_header(name: string, size: number): Uint8Array<ArrayBuffer> {
+function tarHeader(name: string, size: number): Uint8Array<ArrayBuffer> {
   const header = new Uint8Array(block);
   const put = (offset: number, text: string) => {
     for (let i = 0; i < text.length; i++) header[offset + i] = text.charCodeAt(i);

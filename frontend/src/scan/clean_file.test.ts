@@ -1,19 +1,26 @@
 import { describe, expect, it } from "vitest";
 import { HeaderReader } from "./read_file";
-import { scan_files } from "./scan";
-import { concat, make_series, make_slice, type MadeSlice } from "./testing";
-import { part_blobs } from "./upload_plan";
+import { scanFiles } from "./scan";
+import { concat, makeSeries, makeSlice, type MadeSlice } from "./testing";
+import { partBlobs } from "./upload_plan";
 
 const pixels = Uint8Array.from({ length: 128 }, (_, i) => 255 - i);
 
 async function cleaned(change: MadeSlice, tail = new Uint8Array()): Promise<Blob[]> {
-  const files = make_series(20, 1.5, () => ({ pixels, patient_name: "Secret^Name", patient_id: "Secret-1", ...change })).map(
-    (blob) => new Blob([blob, tail]),
+  const files = makeSeries(20, 1.5, () => ({
+    pixels,
+    patientName: "Secret^Name",
+    patientId: "Secret-1",
+    ...change,
+  })).map((blob) => new Blob([blob, tail]));
+  const result = await scanFiles(
+    files,
+    () => undefined,
+    () => false,
   );
-  const result = await scan_files(files, () => undefined, () => false);
   const series = result.series[0];
   if (!series?.verdict.suitable) throw new Error(JSON.stringify(series?.verdict));
-  return part_blobs(series.upload, files);
+  return partBlobs(series.upload, files);
 }
 
 describe("what is sent of a slice", () => {
@@ -22,7 +29,7 @@ describe("what is sent of a slice", () => {
     ["implicit", { syntax: "1.2.840.10008.1.2" }],
     ["without preamble", { preamble: "none" }],
     ["without a meta header", { preamble: "nothing" }],
-    ["with private elements", { padding_bytes: 5000 }],
+    ["with private elements", { paddingBytes: 5000 }],
   ])("is the same slice without its names: %s", async (_, change) => {
     const blobs = await cleaned(change, new TextEncoder().encode("Secret tail"));
     expect(blobs).toHaveLength(20);
@@ -33,9 +40,21 @@ describe("what is sent of a slice", () => {
       const found = read.kind === "headers" ? read.headers[0] : undefined;
       if (!found) throw new Error(read.kind);
       expect(found).toMatchObject({
-        sop_class: "1.2.840.10008.5.1.4.1.1.2", modality: "CT", rows: 8, columns: 8, position: [0, 0, i * 1.5], orientation: [1, 0, 0, 0, 1, 0],
-        pixel_spacing: [0.5, 0.5], intercept: -1024, slope: 1, is_signed: true, bits_stored: 16, window: { center: 40, width: 400 },
-        patient: { name: "", id: "", birth_date: "" }, description: "", truncated: false,
+        sopClass: "1.2.840.10008.5.1.4.1.1.2",
+        modality: "CT",
+        rows: 8,
+        columns: 8,
+        position: [0, 0, i * 1.5],
+        orientation: [1, 0, 0, 0, 1, 0],
+        pixelSpacing: [0.5, 0.5],
+        intercept: -1024,
+        slope: 1,
+        isSigned: true,
+        bitsStored: 16,
+        window: { center: 40, width: 400 },
+        patient: { name: "", id: "", birthDate: "" },
+        description: "",
+        truncated: false,
       });
       const { offset, length } = found.pixels ?? { offset: 0, length: 0 };
       expect(new Uint8Array(await blob.slice(offset, offset + length).arrayBuffer())).toEqual(pixels);
@@ -43,21 +62,26 @@ describe("what is sent of a slice", () => {
   });
 
   it("is judged as the slices were", async () => {
-    const result = await scan_files(await cleaned({}), () => undefined, () => false);
+    const result = await scanFiles(
+      await cleaned({}),
+      () => undefined,
+      () => false,
+    );
     expect(result.series[0]?.verdict).toMatchObject({ suitable: true, size: [8, 8, 20] });
   });
 
   it("keeps no word in a coded field that is not known", async () => {
-    const text = await (await cleaned({ image_type: "ORIGINAL\\PRIMARY\\AXIAL\\SECRETNAME" }))[0]?.text();
+    const text = await (await cleaned({ imageType: "ORIGINAL\\PRIMARY\\AXIAL\\SECRETNAME" }))[0]?.text();
     expect(text).toContain("ORIGINAL\\PRIMARY\\AXIAL\\OTHER");
     expect(text).not.toContain("SECRETNAME");
   });
 
   it("ends compressed voxels with their last fragment", async () => {
     const fragments = Uint8Array.from([
-      0xfe, 0xff, 0x00, 0xe0, 0, 0, 0, 0, 0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0, 1, 2, 3, 4, 0xfe, 0xff, 0xdd, 0xe0, 0, 0, 0, 0,
+      0xfe, 0xff, 0x00, 0xe0, 0, 0, 0, 0, 0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0, 1, 2, 3, 4, 0xfe, 0xff, 0xdd, 0xe0, 0, 0,
+      0, 0,
     ]);
-    const plain = make_slice({ syntax: "1.2.840.10008.1.2.4.70", pixels: fragments, patient_name: "Secret^Name" });
+    const plain = makeSlice({ syntax: "1.2.840.10008.1.2.4.70", pixels: fragments, patientName: "Secret^Name" });
     plain.set([255, 255, 255, 255], plain.length - fragments.length - 4); // of undefined length
     const files = [new Blob([concat([plain, new TextEncoder().encode("Secret tail")])])];
     const read = await new HeaderReader().read(files[0] ?? new Blob(), 0);

@@ -6,27 +6,85 @@ import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./typ
  */
 
 /** Numbers and coded words, by their kind. Texts that a person may have typed are not among them. */
-const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy" | "offsets">> = {
-  x00080008: "image_type", x00080016: "class", x00080060: "modality",
-  x00180050: "number", x00180081: "number", x00180086: "number", x00181060: "number", x00189087: "number",
-  x00200012: "number", x00200013: "number", x00200032: "number", x00200037: "number", x00200100: "number",
-  x00280002: "us", x00280004: "photometric", x00280006: "us", x00280008: "number", x00280010: "us", x00280011: "us",
-  x00280030: "number", x00280034: "number", x00280100: "us", x00280101: "us", x00280102: "us", x00280103: "us",
-  x00280106: "us", x00280107: "us", x00280120: "us", x00280121: "us",
+const wanted: Readonly<
+  Record<
+    string,
+    "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy" | "offsets"
+  >
+> = {
+  x00080008: "image_type",
+  x00080016: "class",
+  x00080060: "modality",
+  x00180050: "number",
+  x00180081: "number",
+  x00180086: "number",
+  x00181060: "number",
+  x00189087: "number",
+  x00200012: "number",
+  x00200013: "number",
+  x00200032: "number",
+  x00200037: "number",
+  x00200100: "number",
+  x00280002: "us",
+  x00280004: "photometric",
+  x00280006: "us",
+  x00280008: "number",
+  x00280010: "us",
+  x00280011: "us",
+  x00280030: "number",
+  x00280034: "number",
+  x00280100: "us",
+  x00280101: "us",
+  x00280102: "us",
+  x00280103: "us",
+  x00280106: "us",
+  x00280107: "us",
+  x00280120: "us",
+  x00280121: "us",
   x00282110: "lossy",
-  x00281050: "number", x00281051: "number", x00281052: "number", x00281053: "number", x00281054: "rescale_type",
+  x00281050: "number",
+  x00281051: "number",
+  x00281052: "number",
+  x00281053: "number",
+  x00281054: "rescale_type",
   x7fe00001: "offsets",
 };
 
-export const wanted_tags: readonly string[] = Object.keys(wanted);
+export const wantedTags: readonly string[] = Object.keys(wanted);
 
-const image_words = new Set([
-  "ORIGINAL", "DERIVED", "MIXED", "PRIMARY", "SECONDARY", "AXIAL", "LOCALIZER", "REFORMATTED", "MPR", "AVERAGE", "RESAMPLED", "VOLUME",
-  "HELIX", "NORM", "M", "P", "R", "I", "ND", "NONE", "DIFFUSION", "ADC", "TRACEW", "FFE", "SE", "M_FFE", "M_SE", "STATIC",
+const imageWords = new Set([
+  "ORIGINAL",
+  "DERIVED",
+  "MIXED",
+  "PRIMARY",
+  "SECONDARY",
+  "AXIAL",
+  "LOCALIZER",
+  "REFORMATTED",
+  "MPR",
+  "AVERAGE",
+  "RESAMPLED",
+  "VOLUME",
+  "HELIX",
+  "NORM",
+  "M",
+  "P",
+  "R",
+  "I",
+  "ND",
+  "NONE",
+  "DIFFUSION",
+  "ADC",
+  "TRACEW",
+  "FFE",
+  "SE",
+  "M_FFE",
+  "M_SE",
+  "STATIC",
 ]);
 
 /** The element as it may leave, or nothing when its value is not of the form that belongs there. */
-export function kept_element(tag: string, vr: string, bytes: Uint8Array): KeptElement | null {
+export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptElement | null {
   const kind = wanted[tag];
   if (kind === undefined) return null;
   const plain = () => new Uint8Array(bytes);
@@ -35,10 +93,10 @@ export function kept_element(tag: string, vr: string, bytes: Uint8Array): KeptEl
   switch (kind) {
     case "number":
       if (vr === "FD" || vr === "FL") return { tag, vr, bytes: plain() };
-      return /^[-+0-9.eE \\]*$/.test(text) ? { tag, vr: number_vr(tag), bytes: plain() } : null;
+      return /^[-+0-9.eE \\]*$/.test(text) ? { tag, vr: numberVr(tag), bytes: plain() } : null;
     case "image_type": {
       const words = text.split("\\").map((word) => word.trim().toUpperCase());
-      return coded(tag, "CS", words.map((word) => (image_words.has(word) ? word : "OTHER")).join("\\"));
+      return coded(tag, "CS", words.map((word) => (imageWords.has(word) ? word : "OTHER")).join("\\"));
     }
     case "modality":
       return /^(CT|MR|PT)$/.test(text) ? coded(tag, "CS", text) : null;
@@ -56,8 +114,8 @@ export function kept_element(tag: string, vr: string, bytes: Uint8Array): KeptEl
 }
 
 /** Integer strings; all other numbers here are decimal strings. */
-const integer_tags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
-const number_vr = (tag: string) => (integer_tags.has(tag) ? "IS" : "DS");
+const integerTags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
+const numberVr = (tag: string) => (integerTags.has(tag) ? "IS" : "DS");
 
 function coded(tag: string, vr: string, text: string): KeptElement {
   const bytes = new Uint8Array(text.length + (text.length % 2)).fill(vr === "UI" ? 0 : 32);
@@ -66,7 +124,7 @@ function coded(tag: string, vr: string, text: string): KeptElement {
 }
 
 /** What may leave of the functional groups of an enhanced file: by group, those elements in it. */
-export const grouped_tags: Readonly<Record<string, readonly string[]>> = {
+export const groupedTags: Readonly<Record<string, readonly string[]>> = {
   x00209111: ["x00209056"],
   x00209113: ["x00200032"],
   x00209116: ["x00200037"],
@@ -79,44 +137,49 @@ export const grouped_tags: Readonly<Record<string, readonly string[]>> = {
 };
 
 /** Of a stack's name only whether it is the same is kept, by its number of letters and their sum: it may be any text. */
-const disguised = (text: string): string => String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));
+const disguised = (text: string): string =>
+  String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));
 
-export function grouped_element(group: string, tag: string, bytes: Uint8Array): GroupedElement | null {
+export function groupedElement(group: string, tag: string, bytes: Uint8Array): GroupedElement | null {
   if (tag === "x00209056") return { ...coded(tag, "SH", disguised(String.fromCharCode(...bytes).trim())), group };
-  const kept = tag === "x00089007" ? kept_element("x00080008", "CS", bytes) : kept_element(tag, "DS", bytes);
+  const kept = tag === "x00089007" ? keptElement("x00080008", "CS", bytes) : keptElement(tag, "DS", bytes);
   return kept && { ...kept, tag, group };
 }
 
-const big_endian = "1.2.840.10008.1.2.2";
-const implicit_little = "1.2.840.10008.1.2";
+const bigEndian = "1.2.840.10008.1.2.2";
+const implicitLittle = "1.2.840.10008.1.2";
 
 /** What is sent of the slices chosen: a part a file, in the order of the first slice of each. */
-export function upload_parts(slices: readonly SliceHeader[]): UploadPart[] {
+export function uploadParts(slices: readonly SliceHeader[]): UploadPart[] {
   const files = new Map<number, SliceHeader[]>();
   for (const slice of slices) {
     const others = files.get(slice.file);
     if (others) others.push(slice);
     else files.set(slice.file, [slice]);
   }
-  return [...files.values()].flatMap((of_file, i) => upload_part(of_file, i + 1) ?? []);
+  return [...files.values()].flatMap((ofFile, i) => uploadPart(ofFile, i + 1) ?? []);
 }
 
 /** `number`: which file of the bundle it is, from 1; stands where the identifiers were. */
-function upload_part(slices: readonly SliceHeader[], number: number): UploadPart | null {
+function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart | null {
   const slice = slices[0];
   const voxels = slice?.voxels;
   if (!slice || !voxels) return null;
   const own = `2.25.${1000 + number}`;
   const meta = [
-    element(coded("x00020002", "UI", slice.sop_class)),
+    element(coded("x00020002", "UI", slice.sopClass)),
     element(coded("x00020003", "UI", own)),
-    element(coded("x00020010", "UI", slice.transfer_syntax)),
+    element(coded("x00020010", "UI", slice.transferSyntax)),
     element(coded("x00020012", "UI", "2.25.3")),
   ];
-  const meta_length = new Uint8Array(4);
-  new DataView(meta_length.buffer).setUint32(0, meta.reduce((sum, part) => sum + part.length, 0), true);
-  const implicit = slice.transfer_syntax === implicit_little;
-  const little = slice.transfer_syntax !== big_endian;
+  const metaLength = new Uint8Array(4);
+  new DataView(metaLength.buffer).setUint32(
+    0,
+    meta.reduce((sum, part) => sum + part.length, 0),
+    true,
+  );
+  const implicit = slice.transferSyntax === implicitLittle;
+  const little = slice.transferSyntax !== bigEndian;
   const body = [
     ...slice.kept,
     coded("x00080018", "UI", own),
@@ -128,26 +191,34 @@ function upload_part(slices: readonly SliceHeader[], number: number): UploadPart
   const length = voxels.encapsulated ? 0xffffffff : voxels.to - voxels.from;
   const head = joined([
     preamble,
-    element({ tag: "x00020000", vr: "UL", bytes: meta_length }),
+    element({ tag: "x00020000", vr: "UL", bytes: metaLength }),
     ...meta,
-    ...body.filter(({ tag }) => tag < frame_groups_tag).map((one) => element(one, implicit, little)),
-    ...(slice.stack === "" ? [] : [frame_groups(slices, implicit, little)]),
-    ...body.filter(({ tag }) => tag > frame_groups_tag).map((one) => element(one, implicit, little)),
+    ...body.filter(({ tag }) => tag < frameGroupsTag).map((one) => element(one, implicit, little)),
+    ...(slice.stack === "" ? [] : [frameGroups(slices, implicit, little)]),
+    ...body.filter(({ tag }) => tag > frameGroupsTag).map((one) => element(one, implicit, little)),
     element({ tag: "x7fe00010", vr: voxels.vr, bytes: new Uint8Array() }, implicit, little, length),
   ]);
   return { file: slice.file, head, from: voxels.from, to: voxels.to, inflated: slice.inflated };
 }
 
-const frame_groups_tag = "x52009230";
+const frameGroupsTag = "x52009230";
 
 /** PerFrameFunctionalGroupsSequence: nothing is said of a frame that was not chosen, and the server passes over it. */
-function frame_groups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
+function frameGroups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
   const chosen = new Map(slices.map((slice) => [slice.frame, slice]));
-  const frames = Number(text_of(slices[0]?.kept.find(({ tag }) => tag === "x00280008")) || 1);
+  const frames = Number(textOf(slices[0]?.kept.find(({ tag }) => tag === "x00280008")) || 1);
   const sequence = (tag: string, items: readonly Uint8Array[]) =>
-    element({ tag, vr: "SQ", bytes: joined(items.map((item) => element({ tag: "xfffee000", vr: "", bytes: item }, true, little))) }, implicit, little);
+    element(
+      {
+        tag,
+        vr: "SQ",
+        bytes: joined(items.map((item) => element({ tag: "xfffee000", vr: "", bytes: item }, true, little))),
+      },
+      implicit,
+      little,
+    );
   return sequence(
-    frame_groups_tag,
+    frameGroupsTag,
     Array.from({ length: frames }, (_, frame) => {
       const said = chosen.get(frame)?.grouped ?? [];
       const groups = [...new Set(said.map(({ group }) => group))].sort();
@@ -162,12 +233,12 @@ function frame_groups(slices: readonly SliceHeader[], implicit: boolean, little:
   );
 }
 
-const text_of = (kept: KeptElement | undefined): string => (kept ? String.fromCharCode(...kept.bytes).trim() : "");
+const textOf = (kept: KeptElement | undefined): string => (kept ? String.fromCharCode(...kept.bytes).trim() : "");
 
-const long_form = new Set(["OB", "OV", "OW", "UN", "SQ"]);
+const longForm = new Set(["OB", "OV", "OW", "UN", "SQ"]);
 
 function element({ tag, vr, bytes }: KeptElement, implicit = false, little = true, length = bytes.length): Uint8Array {
-  const long = implicit || long_form.has(vr);
+  const long = implicit || longForm.has(vr);
   const start = implicit || !long ? 8 : 12;
   const all = new Uint8Array(start + bytes.length);
   const view = new DataView(all.buffer);

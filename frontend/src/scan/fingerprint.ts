@@ -12,7 +12,7 @@ export function fingerprint(slices: readonly SliceHeader[]): string {
     high = Math.imul(high ^ code, 1597334677);
   };
   for (const slice of slices) {
-    const text = `${slice.sop_uid} ${slice.file_bytes};`;
+    const text = `${slice.sopUid} ${slice.fileBytes};`;
     for (let i = 0; i < text.length; i++) mix(text.charCodeAt(i));
   }
   low = Math.imul(low ^ (low >>> 16), 2246822507) ^ Math.imul(high ^ (high >>> 13), 3266489909);

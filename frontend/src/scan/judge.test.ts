@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { judge } from "./judge";
 import { HeaderReader } from "./read_file";
-import { make_series, make_slice, type MadeSlice } from "./testing";
+import { makeSeries, makeSlice, type MadeSlice } from "./testing";
 import type { SliceHeader } from "./types";
 
 async function headers(blobs: readonly Blob[]): Promise<SliceHeader[]> {
@@ -10,7 +10,7 @@ async function headers(blobs: readonly Blob[]): Promise<SliceHeader[]> {
 }
 
 const judged = async (blobs: readonly Blob[]) => judge(await headers(blobs));
-const series = (change: (i: number) => MadeSlice, count = 24, gap = 1.5) => make_series(count, gap, change);
+const series = (change: (i: number) => MadeSlice, count = 24, gap = 1.5) => makeSeries(count, gap, change);
 
 async function refusal(blobs: readonly Blob[]) {
   const verdict = await judged(blobs);
@@ -21,56 +21,77 @@ describe("what can become a volume", () => {
   it("takes a regular series and orders it by position, not by name or number", async () => {
     const blobs = series((i) => ({ z: ((i * 7) % 24) * 1.5 - 10 }));
     const verdict = await judged(blobs);
-    expect(verdict).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { scouts: 0, doubles: 0, damaged: 0, others: 0 } });
+    expect(verdict).toMatchObject({
+      suitable: true,
+      size: [8, 8, 24],
+      leftOut: { scouts: 0, doubles: 0, damaged: 0, others: 0 },
+    });
     if (!verdict.suitable) return;
     expect(verdict.slices.map(({ file }) => (file * 7) % 24)).toEqual([...Array(24).keys()]);
-    expect(verdict.size_mm[2]).toBeCloseTo(36, 9);
+    expect(verdict.sizeMm[2]).toBeCloseTo(36, 9);
   });
 
   it("measures positions along the normal of an oblique series", async () => {
     const c = Math.SQRT1_2;
-    const verdict = await judged(series((i) => ({ position: [0, -i * c, i * c], orientation: [1, 0, 0, 0, c, c] }), 30));
+    const verdict = await judged(
+      series((i) => ({ position: [0, -i * c, i * c], orientation: [1, 0, 0, 0, c, c] }), 30),
+    );
     expect(verdict).toMatchObject({ suitable: true });
-    if (verdict.suitable) expect(verdict.size_mm[2]).toBeCloseTo(30, 6);
+    if (verdict.suitable) expect(verdict.sizeMm[2]).toBeCloseTo(30, 6);
   });
 
-  it("allows a jitter of two in a hundred, and says that more will be computed anew", async () => {
+  it("allows a jitter of two per cent, and says that more will be resampled", async () => {
     expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.014 })))).toBe("suitable");
-    expect(await judged(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toMatchObject({ suitable: true, repairs: [{ kind: "varying" }] });
+    expect(await judged(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toMatchObject({
+      suitable: true,
+      repairs: [{ kind: "varying" }],
+    });
     expect(await refusal(series((i) => ({ z: i < 12 ? i : 12 + (i - 12) * 9 })))).toBe("varying_spacing");
   });
 
   it("keeps one of two same objects and drops a scout inside a good series", async () => {
     const blobs = [
-      ...series((i) => ({ sop_uid: `9.${i}` })),
-      new Blob([make_slice({ z: 3, sop_uid: "9.2" })]),
-      new Blob([make_slice({ z: 3, image_type: "ORIGINAL\\PRIMARY\\LOCALIZER", orientation: [0, 1, 0, 0, 0, -1] })]),
+      ...series((i) => ({ sopUid: `9.${i}` })),
+      new Blob([makeSlice({ z: 3, sopUid: "9.2" })]),
+      new Blob([makeSlice({ z: 3, imageType: "ORIGINAL\\PRIMARY\\LOCALIZER", orientation: [0, 1, 0, 0, 0, -1] })]),
     ];
-    expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { doubles: 1, scouts: 1 } });
+    expect(await judged(blobs)).toMatchObject({
+      suitable: true,
+      size: [8, 8, 24],
+      leftOut: { doubles: 1, scouts: 1 },
+    });
   });
 
   it("leaves a truncated slice out at the end, and fills it in in the middle", async () => {
     const cut = (at: number) => series(() => ({})).map((blob, i) => (i === at ? blob.slice(0, blob.size - 40) : blob));
-    expect(await judged(cut(23))).toMatchObject({ suitable: true, size: [8, 8, 23], left_out: { damaged: 1 } });
-    const filled = { suitable: true, size: [8, 8, 24], repairs: [{ kind: "filled_in", slices: 1 }], left_out: { damaged: 1 } };
+    expect(await judged(cut(23))).toMatchObject({ suitable: true, size: [8, 8, 23], leftOut: { damaged: 1 } });
+    const filled = {
+      suitable: true,
+      size: [8, 8, 24],
+      repairs: [{ kind: "filled_in", slices: 1 }],
+      leftOut: { damaged: 1 },
+    };
     expect(await judged(cut(11))).toMatchObject(filled);
   });
 
   it("does not hide a series for one file that was cut off in its header, and so no longer says how it is coded", async () => {
     const blobs = series(() => ({})).map((blob, i) => (i === 23 ? blob.slice(0, blob.size - 160) : blob));
-    expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 23], left_out: { damaged: 1 } });
+    expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 23], leftOut: { damaged: 1 } });
   });
 
   it("keeps the size that most slices have", async () => {
-    const found = { suitable: true, size: [8, 8, 21], left_out: { others: 3 } };
+    const found = { suitable: true, size: [8, 8, 21], leftOut: { others: 3 } };
     expect(await judged(series((i) => (i > 20 ? { rows: 4 } : {})))).toMatchObject(found);
     expect(await judged(series((i) => (i > 20 ? { spacing: [1, 1] } : {})))).toMatchObject(found);
   });
 
   it("says by how much a tilted series will be straightened", async () => {
-    const verdict = await judged(series((i) => ({ position: [0, i * 1.5 * Math.tan((18.5 * Math.PI) / 180), i * 1.5] })));
+    const verdict = await judged(
+      series((i) => ({ position: [0, i * 1.5 * Math.tan((18.5 * Math.PI) / 180), i * 1.5] })),
+    );
     expect(verdict).toMatchObject({ suitable: true, repairs: [{ kind: "straightened" }] });
-    if (verdict.suitable && verdict.repairs[0]?.kind === "straightened") expect(verdict.repairs[0].degrees).toBeCloseTo(18.5, 6);
+    if (verdict.suitable && verdict.repairs[0]?.kind === "straightened")
+      expect(verdict.repairs[0].degrees).toBeCloseTo(18.5, 6);
   });
 
   it("says before anything is sent that a file or a scan is larger than the server takes", async () => {
@@ -82,7 +103,8 @@ describe("what can become a volume", () => {
     const sent = (bytes: number) => reason({ voxels: { from: 1000, to: 1000 + bytes, vr: "OW", encapsulated: false } });
     expect([sent(980e6), sent(2 ** 30), sent(2 ** 30 + 1)]).toEqual(["suitable", "suitable", "too_large"]);
     // 24 slices of one file; then of one each
-    const sized = (rows: number, one_file: boolean) => reason({ rows, columns: 4096, bits_allocated: 16, ...(one_file ? { file: 0 } : {}) });
+    const sized = (rows: number, oneFile: boolean) =>
+      reason({ rows, columns: 4096, bitsAllocated: 16, ...(oneFile ? { file: 0 } : {}) });
     expect([sized(4096, true), sized(6000, true)]).toEqual(["suitable", "too_large"]);
     expect([sized(6000, false), sized(12000, false)]).toEqual(["suitable", "too_large"]);
   });
@@ -93,20 +115,23 @@ describe("what can become a volume", () => {
       const verdict = judge(found.map((slice) => ({ ...slice, ...change })));
       return verdict.suitable ? "suitable" : verdict.reason;
     };
-    expect([0, 1e38, -1e38, 1e-300, 1].map((slope) => reason({ slope }))).toEqual([...Array<string>(4).fill("bad_rescale"), "suitable"]);
+    expect([0, 1e38, -1e38, 1e-300, 1].map((slope) => reason({ slope }))).toEqual([
+      ...Array<string>(4).fill("bad_rescale"),
+      "suitable",
+    ]);
     expect(reason({ intercept: 1e30 })).toBe("bad_rescale");
   });
 
   it.each<[string, Blob[]]>([
     ["too_few_slices", series(() => ({}), 3)],
     ["too_short", series(() => ({}), 24, 0.5)],
-    ["scout", series(() => ({ image_type: "ORIGINAL\\PRIMARY\\LOCALIZER" }), 2)],
-    ["views_not_slices", series(() => ({ image_type: "DERIVED\\SECONDARY\\PROJECTION IMAGE" }))],
-    ["not_original", series(() => ({ image_type: "DERIVED\\SECONDARY\\MPR" }))],
+    ["scout", series(() => ({ imageType: "ORIGINAL\\PRIMARY\\LOCALIZER" }), 2)],
+    ["views_not_slices", series(() => ({ imageType: "DERIVED\\SECONDARY\\PROJECTION IMAGE" }))],
+    ["not_original", series(() => ({ imageType: "DERIVED\\SECONDARY\\MPR" }))],
     ["screenshots", series(() => ({ photometric: "RGB", samples: 3, pixels: new Uint8Array(384) }))],
-    ["no_slices", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.7" }))],
-    ["no_slices", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.88.22" }), 1)],
-    ["no_position", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.2.1", frames: 40 }), 1)],
+    ["no_slices", series(() => ({ sopClass: "1.2.840.10008.5.1.4.1.1.7" }))],
+    ["no_slices", series(() => ({ sopClass: "1.2.840.10008.5.1.4.1.1.88.22" }), 1)],
+    ["no_position", series(() => ({ sopClass: "1.2.840.10008.5.1.4.1.1.2.1", frames: 40 }), 1)],
     ["no_position", series(() => ({ position: null }))],
     ["no_position", series(() => ({ orientation: null }))],
     ["one_position", series(() => ({ z: 5 }))],

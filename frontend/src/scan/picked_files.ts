@@ -1,5 +1,5 @@
 /** All files of what was dropped, folders included, in a stable order. */
-export async function dropped_files(transfer: DataTransfer): Promise<File[]> {
+export async function droppedFiles(transfer: DataTransfer): Promise<File[]> {
   // The entries must be asked for before the first wait: the list is empty afterwards.
   const entries = [...transfer.items].flatMap((item) => {
     const entry = item.kind === "file" ? item.webkitGetAsEntry() : null;

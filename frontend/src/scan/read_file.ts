@@ -1,32 +1,35 @@
-import { read_at_most } from "../streams";
-import { deflated_from, read_header, type HeaderRead } from "./dicom";
+import { readAtMost } from "../streams";
+import { deflatedFrom, readHeader, type HeaderRead } from "./dicom";
 import type { SliceHeader } from "./types";
 
 /** 8 KB hold most headers of CT, 64 KB nearly every one; the last is a bound that no header reaches. */
 const steps = [8 * 1024, 64 * 1024, 256 * 1024, 64 * 1024 * 1024];
 /** The step that is taken without knowing that it is needed. */
-const most_at_once = 2;
-const inflated_limit = 16 * 1024 * 1024;
+const mostAtOnce = 2;
+const inflatedLimit = 16 * 1024 * 1024;
 
 /** Of the files of a disc, one after the other: those of a series have headers of one length. */
 export class HeaderReader {
   /** The step that was enough for the file before. */
-  private usual_ = 0;
+  private usual = 0;
 
   /** Never throws: a bad file must not stop the scan. */
   async read(file: Blob, index: number): Promise<HeaderRead> {
     try {
-      for (let step = this.usual_; step < steps.length; step++) {
+      for (let step = this.usual; step < steps.length; step++) {
         const size = Math.min(steps[step] ?? 0, file.size);
         const bytes = new Uint8Array(await file.slice(0, size).arrayBuffer());
-        const deflated = deflated_from(bytes);
-        if (deflated !== null) return await read_deflated(file.slice(deflated), index, file.size);
-        const read = read_header(bytes, index, file.size);
+        const deflated = deflatedFrom(bytes);
+        if (deflated !== null) return await readDeflated(file.slice(deflated), index, file.size);
+        const read = readHeader(bytes, index, file.size);
         if (read.kind === "headers") {
           const [{ voxels } = { voxels: null }] = read.headers;
           const used = voxels?.from ?? 0;
-          this.usual_ = Math.min(most_at_once, steps.findIndex((enough) => used < enough));
-          return { kind: "headers", headers: await with_end_of_fragments(file, bytes, read.headers) };
+          this.usual = Math.min(
+            mostAtOnce,
+            steps.findIndex((enough) => used < enough),
+          );
+          return { kind: "headers", headers: await withEndOfFragments(file, bytes, read.headers) };
         }
         if (read.kind !== "more") return read;
         if (size === file.size) break;
@@ -39,23 +42,30 @@ export class HeaderReader {
 }
 
 /** What it unpacks to is a file of its own, without a header, and is what is sent. */
-async function read_deflated(packed: Blob, index: number, file_bytes: number): Promise<HeaderRead> {
+async function readDeflated(packed: Blob, index: number, fileBytes: number): Promise<HeaderRead> {
   // Where the end of the file was cut off, what came before it is used.
-  const { bytes } = await read_at_most(packed.stream().pipeThrough(new DecompressionStream("deflate-raw")), inflated_limit);
-  const read = read_header(bytes, index, bytes.length);
+  const { bytes } = await readAtMost(
+    packed.stream().pipeThrough(new DecompressionStream("deflate-raw")),
+    inflatedLimit,
+  );
+  const read = readHeader(bytes, index, bytes.length);
   if (read.kind !== "headers") return { kind: "unreadable" };
   const inflated = new Blob([bytes]);
-  return { kind: "headers", headers: read.headers.map((header) => ({ ...header, file_bytes, inflated })) };
+  return { kind: "headers", headers: read.headers.map((header) => ({ ...header, file_bytes: fileBytes, inflated })) };
 }
 
-const most_fragments = 100_000;
+const mostFragments = 100_000;
 
 /** Compressed voxels end where their last fragment does; what comes behind it is not sent. */
-async function with_end_of_fragments(file: Blob, begin: Uint8Array<ArrayBuffer>, headers: readonly SliceHeader[]): Promise<readonly SliceHeader[]> {
+async function withEndOfFragments(
+  file: Blob,
+  begin: Uint8Array<ArrayBuffer>,
+  headers: readonly SliceHeader[],
+): Promise<readonly SliceHeader[]> {
   const voxels = headers[0]?.voxels;
   if (!voxels?.encapsulated) return headers;
   let at = voxels.from;
-  for (let i = 0; i < most_fragments && at + 8 <= file.size; i++) {
+  for (let i = 0; i < mostFragments && at + 8 <= file.size; i++) {
     // A read of the file costs about a millisecond: the first items are there already.
     const there = at + 8 <= begin.length;
     const item = there ? new DataView(begin.buffer, at, 8) : new DataView(await file.slice(at, at + 8).arrayBuffer());

@@ -1,10 +1,15 @@
 import { deflateRawSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
 import { HeaderReader } from "./read_file";
-import { scan_files } from "./scan";
-import { concat, make_series, make_slice } from "./testing";
+import { scanFiles } from "./scan";
+import { concat, makeSeries, makeSlice } from "./testing";
 
-const scan = (files: readonly Blob[]) => scan_files(files, () => undefined, () => false);
+const scan = (files: readonly Blob[]) =>
+  scanFiles(
+    files,
+    () => undefined,
+    () => false,
+  );
 const header = async (blob: Blob) => {
   const read = await new HeaderReader().read(blob, 0);
   return read.kind === "headers" ? (read.headers[0] ?? "nothing") : read.kind;
@@ -12,21 +17,28 @@ const header = async (blob: Blob) => {
 
 describe("reading a header", () => {
   it("finds the patient's name in its own character set, for this screen only", async () => {
-    expect(await header(new Blob([make_slice()]))).toMatchObject({ patient: { name: "Müller Änne", id: "4711" } });
+    expect(await header(new Blob([makeSlice()]))).toMatchObject({ patient: { name: "Müller Änne", id: "4711" } });
   });
 
   it("reads implicit coding, no preamble, and no meta header at all", async () => {
-    const want = { series_uid: "1.2.5", rows: 8, columns: 8, truncated: false };
-    expect(await header(new Blob([make_slice({ syntax: "1.2.840.10008.1.2" })]))).toMatchObject(want);
-    expect(await header(new Blob([make_slice({ preamble: "none" })]))).toMatchObject(want);
-    expect(await header(new Blob([make_slice({ preamble: "nothing" })]))).toMatchObject(want);
-    expect(await header(new Blob([make_slice({ preamble: "nothing", syntax: "1.2.840.10008.1.2" })]))).toMatchObject(want);
+    const want = { seriesUid: "1.2.5", rows: 8, columns: 8, truncated: false };
+    expect(await header(new Blob([makeSlice({ syntax: "1.2.840.10008.1.2" })]))).toMatchObject(want);
+    expect(await header(new Blob([makeSlice({ preamble: "none" })]))).toMatchObject(want);
+    expect(await header(new Blob([makeSlice({ preamble: "nothing" })]))).toMatchObject(want);
+    expect(await header(new Blob([makeSlice({ preamble: "nothing", syntax: "1.2.840.10008.1.2" })]))).toMatchObject(
+      want,
+    );
   });
 
   it("knows where the voxels are, whatever stands before them", async () => {
-    for (const made of [{}, { preamble: "none" as const }, { preamble: "nothing" as const }, { padding_bytes: 30_000 }]) {
+    for (const made of [
+      {},
+      { preamble: "none" as const },
+      { preamble: "nothing" as const },
+      { paddingBytes: 30_000 },
+    ]) {
       const pixels = Uint8Array.from({ length: 128 }, (_, i) => i);
-      const blob = new Blob([make_slice({ ...made, pixels })]);
+      const blob = new Blob([makeSlice({ ...made, pixels })]);
       const found = await header(blob);
       if (typeof found === "string" || !found.pixels) throw new Error("no voxels found");
       const { offset, length } = found.pixels;
@@ -36,9 +48,9 @@ describe("reading a header", () => {
 
   it("reads more than 8 KB only where the header is that long, and the next file at once as far as that", async () => {
     const reader = new HeaderReader();
-    const reads = async (padding_bytes: number) => {
+    const reads = async (paddingBytes: number) => {
       const sizes: number[] = [];
-      const blob = new Blob([make_slice({ padding_bytes }), new Uint8Array(1_000_000)]);
+      const blob = new Blob([makeSlice({ paddingBytes }), new Uint8Array(1_000_000)]);
       const slice = blob.slice.bind(blob);
       blob.slice = (from?: number, to?: number) => {
         sizes.push(((to ?? 0) - (from ?? 0)) / 1024);
@@ -57,19 +69,19 @@ describe("reading a header", () => {
   });
 
   it("inflates a deflated header, within bounds", async () => {
-    const plain = make_slice({ syntax: "1.2.840.10008.1.2.1.99" });
-    const at = plain.length - make_slice({ preamble: "nothing" }).length;
-    const body = make_slice({ preamble: "nothing", pixels: new Uint8Array(8_000_000), rows: 2000, columns: 2000 });
+    const plain = makeSlice({ syntax: "1.2.840.10008.1.2.1.99" });
+    const at = plain.length - makeSlice({ preamble: "nothing" }).length;
+    const body = makeSlice({ preamble: "nothing", pixels: new Uint8Array(8_000_000), rows: 2000, columns: 2000 });
     const bomb = concat([plain.subarray(0, at), deflateRawSync(body)]);
     expect(bomb.length).toBeLessThan(100_000);
-    expect(await header(new Blob([bomb]))).toMatchObject({ rows: 2000, transfer_syntax: "1.2.840.10008.1.2.1" });
+    expect(await header(new Blob([bomb]))).toMatchObject({ rows: 2000, transferSyntax: "1.2.840.10008.1.2.1" });
   });
 
   it("calls other files what they are", async () => {
     expect(await header(new Blob(["%PDF-1.7 and so on, long enough to look at"]))).toBe("not_dicom");
     expect(await header(new Blob([]))).toBe("not_dicom");
     expect(await header(new Blob([new Uint8Array([8, 0, 255, 255, 3, 4]), new Uint8Array(400)]))).toBe("not_dicom");
-    expect(await header(new Blob([make_slice().slice(0, 180)]))).toBe("unreadable");
+    expect(await header(new Blob([makeSlice().slice(0, 180)]))).toBe("unreadable");
     expect(await header(new Blob([new Uint8Array(128), "DICM", new Uint8Array(64).fill(255)]))).toBe("unreadable");
   });
 });
@@ -80,16 +92,20 @@ describe("scanning a folder", () => {
     broken.slice = () => {
       throw new Error("the disc was taken out");
     };
-    const files = [new Blob(["readme"]), ...make_series(20, 1.5), broken, new Blob([make_slice().slice(0, 180)])];
+    const files = [new Blob(["readme"]), ...makeSeries(20, 1.5), broken, new Blob([makeSlice().slice(0, 180)])];
     const progress: number[] = [];
-    const result = await scan_files(files, (done) => progress.push(done), () => false);
-    expect(result).toMatchObject({ not_dicom: 1, unreadable: 2, files: 23 });
+    const result = await scanFiles(
+      files,
+      (done) => progress.push(done),
+      () => false,
+    );
+    expect(result).toMatchObject({ notDicom: 1, unreadable: 2, files: 23 });
     expect(result.series).toHaveLength(1);
     expect(progress).toEqual(Array.from({ length: 23 }, (_, i) => i + 1));
   });
 
   it("lists two patients apart, even with one series number between them", async () => {
-    const result = await scan([...make_series(20, 1.5), ...make_series(18, 1.5, () => ({ patient_id: "4712" }))]);
+    const result = await scan([...makeSeries(20, 1.5), ...makeSeries(18, 1.5, () => ({ patientId: "4712" }))]);
     expect(result.series.map((series) => [series.patient.id, series.slices])).toEqual([
       ["4711", 20],
       ["4712", 18],
@@ -98,17 +114,19 @@ describe("scanning a folder", () => {
 
   it("lists what is suitable first and shows nothing of a DICOMDIR", async () => {
     const result = await scan([
-      new Blob([make_slice({ sop_class: "1.2.840.10008.1.3.10" })]),
-      ...make_series(40, 1, () => ({ series_uid: "1.9", image_type: "ORIGINAL\\PRIMARY\\LOCALIZER" })),
-      ...make_series(20, 1.5),
+      new Blob([makeSlice({ sopClass: "1.2.840.10008.1.3.10" })]),
+      ...makeSeries(40, 1, () => ({ seriesUid: "1.9", imageType: "ORIGINAL\\PRIMARY\\LOCALIZER" })),
+      ...makeSeries(20, 1.5),
     ]);
     expect(result.series.map((series) => series.verdict.suitable)).toEqual([true, false]);
-    expect(result.not_slices).toBe(1);
+    expect(result.notSlices).toBe(1);
   });
 
   it("draws the middle slice under its window, as wide as it is in the patient", async () => {
     const pixels = new Uint8Array(new Int16Array(64).fill(1024 + 40).buffer); // 40 HU: the centre of the window
-    const result = await scan(make_series(21, 1.5, (i) => ({ pixels: i === 10 ? pixels : new Uint8Array(128), spacing: [1, 0.5] })));
+    const result = await scan(
+      makeSeries(21, 1.5, (i) => ({ pixels: i === 10 ? pixels : new Uint8Array(128), spacing: [1, 0.5] })),
+    );
     const thumbnail = result.series[0]?.thumbnail;
     expect(thumbnail).toMatchObject({ width: 80, height: 160 });
     expect([...new Set(thumbnail?.gray)]).toEqual([127]);
@@ -116,16 +134,18 @@ describe("scanning a folder", () => {
 
   it("forgets the bits above the stored ones, signed or not", async () => {
     const stored = new Uint8Array(new Uint16Array(64).fill(0xf000 | 2064).buffer); // 2064 - 1024: white; as 16 bits: far out
-    for (const is_signed of [true, false]) {
-      const result = await scan(make_series(20, 1.5, () => ({ pixels: stored, bits_stored: 12, is_signed })));
-      expect(result.series[0]?.thumbnail?.gray[0]).toBe(is_signed ? 0 : 255); // 12 bits signed: -2032
+    for (const isSigned of [true, false]) {
+      const result = await scan(makeSeries(20, 1.5, () => ({ pixels: stored, bitsStored: 12, isSigned })));
+      expect(result.series[0]?.thumbnail?.gray[0]).toBe(isSigned ? 0 : 255); // 12 bits signed: -2032
     }
   });
 
   it("gives the same files the same fingerprint, and others another", async () => {
-    const uid = (i: number) => ({ sop_uid: `7.${i}` });
+    const uid = (i: number) => ({ sopUid: `7.${i}` });
     const prints = await Promise.all(
-      [make_series(20, 1.5, uid), make_series(20, 1.5, uid).reverse(), make_series(21, 1.5, uid)].map(async (files) => (await scan(files)).series[0]?.fingerprint),
+      [makeSeries(20, 1.5, uid), makeSeries(20, 1.5, uid).reverse(), makeSeries(21, 1.5, uid)].map(
+        async (files) => (await scan(files)).series[0]?.fingerprint,
+      ),
     );
     expect(prints[0]).toBe(prints[1]);
     expect(prints[2]).not.toBe(prints[0]);
@@ -133,7 +153,7 @@ describe("scanning a folder", () => {
   });
 
   it("reads three thousand headers", async () => {
-    const bytes = make_slice({ pixels: new Uint8Array(2 * 256 * 256), rows: 256, columns: 256 });
+    const bytes = makeSlice({ pixels: new Uint8Array(2 * 256 * 256), rows: 256, columns: 256 });
     const files = Array.from({ length: 3000 }, () => new Blob([bytes]));
     expect((await scan(files)).series[0]?.slices).toBe(3000);
   }, 60_000);

@@ -4,7 +4,7 @@ import type { FromWorker, ToWorker } from "./scan_worker";
 import type { ScanResult } from "./types";
 
 /** Scans in a worker, so that the page stays alive. Aborting ends the worker; the promise then never settles. */
-export function scan_in_worker(files: readonly File[], progress: Progress, signal: AbortSignal): Promise<ScanResult> {
+export function scanInWorker(files: readonly File[], progress: Progress, signal: AbortSignal): Promise<ScanResult> {
   return new Promise((resolve, reject) => {
     const worker = new Worker(new URL("./scan_worker.ts", import.meta.url), { type: "module" });
     signal.addEventListener("abort", () => worker.terminate(), { once: true });
@@ -21,7 +21,7 @@ export function scan_in_worker(files: readonly File[], progress: Progress, signa
       worker.terminate();
       resolve(message.result);
     };
-    void hand_over(worker, files, signal);
+    void handOver(worker, files, signal);
   });
 }
 
@@ -29,15 +29,15 @@ export function scan_in_worker(files: readonly File[], progress: Progress, signa
  * Bit by bit: the browser asks the disk for the size of each file when it is first wanted, and the page stands still for
  * that millisecond; for all 3,000 of a disc, for seconds.
  */
-async function hand_over(worker: Worker, files: readonly File[], signal: AbortSignal): Promise<void> {
+async function handOver(worker: Worker, files: readonly File[], signal: AbortSignal): Promise<void> {
   const say = (message: ToWorker) => worker.postMessage(message);
   say({ kind: "begin", total: files.length });
   // The browser still takes in what was chosen, and the first question would wait for all of it.
-  await new Promise((go_on) => setTimeout(go_on, settling_ms));
+  await new Promise((goOn) => setTimeout(goOn, settlingMs));
   const pause = pauses();
   let handed = 0;
   for (let at = 0; at < files.length && !signal.aborted; at++) {
-    ask_size(files[at]);
+    askSize(files[at]);
     const waited = pause();
     if (!waited && at + 1 < files.length) continue;
     say({ kind: "files", files: files.slice(handed, at + 1) });
@@ -46,5 +46,5 @@ async function hand_over(worker: Worker, files: readonly File[], signal: AbortSi
   }
 }
 
-const settling_ms = 50;
-const ask_size = (file: File | undefined): number => file?.size ?? 0;
+const settlingMs = 50;
+const askSize = (file: File | undefined): number => file?.size ?? 0;

@@ -1,16 +1,20 @@
 import { Arriving } from "./arriving";
-import { scan_files } from "./scan";
+import { scanFiles } from "./scan";
 import type { ScanResult, Series } from "./types";
-import { buffers_of } from "./upload_plan";
+import { buffersOf } from "./upload_plan";
 
-export type ToWorker = { readonly kind: "begin"; readonly total: number } | { readonly kind: "files"; readonly files: readonly File[] };
+export type ToWorker =
+  { readonly kind: "begin"; readonly total: number } | { readonly kind: "files"; readonly files: readonly File[] };
 
 export type FromWorker =
   | { readonly kind: "progress"; readonly done: number; readonly total: number }
   | { readonly kind: "result"; readonly result: ScanResult };
 
-const shown_every_ms = 100;
-const buffers_of_series = ({ upload, thumbnail }: Series) => [...buffers_of(upload), ...(thumbnail ? [thumbnail.gray.buffer] : [])];
+const shownEveryMs = 100;
+const buffersOfSeries = ({ upload, thumbnail }: Series) => [
+  ...buffersOf(upload),
+  ...(thumbnail ? [thumbnail.gray.buffer] : []),
+];
 let arriving: Arriving | null = null;
 
 self.onmessage = (event: MessageEvent<ToWorker>) => {
@@ -22,10 +26,12 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
   const say = (message: FromWorker, given: ArrayBuffer[] = []) => self.postMessage(message, { transfer: given });
   const progress = (done: number, total: number) => {
     const now = performance.now();
-    if (done < total && now - last < shown_every_ms) return;
+    if (done < total && now - last < shownEveryMs) return;
     last = now;
     say({ kind: "progress", done, total });
   };
   arriving = new Arriving(event.data.total);
-  void scan_files(arriving, progress, () => false).then((result) => say({ kind: "result", result }, result.series.flatMap(buffers_of_series)));
+  void scanFiles(arriving, progress, () => false).then((result) =>
+    say({ kind: "result", result }, result.series.flatMap(buffersOfSeries)),
+  );
 };

@@ -31,34 +31,36 @@ export type Arranged =
       readonly repairs: readonly Repair[];
     };
 
-const jitter_mm = 0.01;
-const jitter_share = 0.02;
+const jitterMm = 0.01;
+const jitterShare = 0.02;
 const rounding = 1e-6;
-const steepest_shear = 0.1;
-const steepest_tilt = 45;
-const most_missing = 0.05;
-const largest_gap = 3;
-const most_varying = 8;
+const steepestShear = 0.1;
+const steepestTilt = 45;
+const mostMissing = 0.05;
+const largestGap = 3;
+const mostVarying = 8;
 
-const tolerance_of = (spacing: number) => Math.max(jitter_mm, jitter_share * spacing);
+const toleranceOf = (spacing: number) => Math.max(jitterMm, jitterShare * spacing);
 const no = (reason: Reason, count = 0): Arranged => ({ volume: false, reason, count });
 const sum = (values: readonly number[]) => values.reduce((a, b) => a + b, 0);
 
 /** `pixel`: the smaller pixel spacing, mm. At least two positions. */
 export function arrange(positions: readonly Vector[], axes: Axes, pixel: number): Arranged {
-  const placed = positions.map((at, index) => ({ at, index, along: dot(at, axes.normal) })).sort((a, b) => a.along - b.along);
+  const placed = positions
+    .map((at, index) => ({ at, index, along: dot(at, axes.normal) }))
+    .sort((a, b) => a.along - b.along);
   const first = placed[0];
   const last = placed.at(-1);
   if (!first || !last) return no("too_few_slices");
   const gaps = placed.slice(1).map(({ along }, i) => along - (placed[i]?.along ?? 0));
-  const places = 1 + gaps.filter((gap) => gap > jitter_mm).length;
+  const places = 1 + gaps.filter((gap) => gap > jitterMm).length;
   if (places < placed.length) return repeated(places, placed.length);
 
   const whole = minus(last.at, first.at);
   const height = dot(whole, axes.normal);
-  const [shift_x, shift_y] = [dot(whole, axes.row), dot(whole, axes.column)];
-  const shear = (Math.atan2(Math.hypot(shift_x, shift_y), height) * 180) / Math.PI;
-  if (shear > steepest_tilt) return no("tilted");
+  const [shiftX, shiftY] = [dot(whole, axes.row), dot(whole, axes.column)];
+  const shear = (Math.atan2(Math.hypot(shiftX, shiftY), height) * 180) / Math.PI;
+  if (shear > steepestTilt) return no("tilted");
   const spacing = height / gaps.length;
   let jitter = 0;
   let sideways = 0;
@@ -67,19 +69,28 @@ export function arrange(positions: readonly Vector[], axes: Axes, pixel: number)
     const up = dot(here, axes.normal);
     jitter = Math.max(jitter, Math.abs(up - i * spacing));
     const share = up / height;
-    sideways = Math.max(sideways, Math.hypot(dot(here, axes.row) - share * shift_x, dot(here, axes.column) - share * shift_y));
+    sideways = Math.max(
+      sideways,
+      Math.hypot(dot(here, axes.row) - share * shiftX, dot(here, axes.column) - share * shiftY),
+    );
   });
-  if (sideways > Math.max(jitter_mm, 0.1 * pixel)) return no("shifted_slices");
+  if (sideways > Math.max(jitterMm, 0.1 * pixel)) return no("shifted_slices");
 
-  const straightened: Repair[] = shear > steepest_shear ? [{ kind: "straightened", degrees: shear }] : [];
+  const straightened: Repair[] = shear > steepestShear ? [{ kind: "straightened", degrees: shear }] : [];
   const order = placed.map(({ index }) => index);
-  const tolerance = tolerance_of(spacing) + rounding;
-  const gap_error = Math.max(...gaps.map((gap) => Math.abs(gap - spacing)));
-  if (jitter <= tolerance || (gap_error <= tolerance && jitter <= spacing / 4))
+  const tolerance = toleranceOf(spacing) + rounding;
+  const gapError = Math.max(...gaps.map((gap) => Math.abs(gap - spacing)));
+  if (jitter <= tolerance || (gapError <= tolerance && jitter <= spacing / 4))
     return { volume: true, order, slices: order.length, spacing, repairs: straightened };
-  const uneven = judge_uneven(gaps, height);
+  const uneven = judgeUneven(gaps, height);
   if ("reason" in uneven) return no(uneven.reason, uneven.count);
-  return { volume: true, order, slices: uneven.slices, spacing: height / (uneven.slices - 1), repairs: [...straightened, uneven.repair] };
+  return {
+    volume: true,
+    order,
+    slices: uneven.slices,
+    spacing: height / (uneven.slices - 1),
+    repairs: [...straightened, uneven.repair],
+  };
 }
 
 function repeated(places: number, slices: number): Arranged {
@@ -87,32 +98,34 @@ function repeated(places: number, slices: number): Arranged {
   return no(slices >= 2 * places - Math.floor(places / 10) ? "time_series" : "repeated_position", slices);
 }
 
-type Uneven = { readonly reason: Reason; readonly count: number } | { readonly slices: number; readonly repair: Repair };
+type Uneven =
+  { readonly reason: Reason; readonly count: number } | { readonly slices: number; readonly repair: Repair };
 
-function judge_uneven(gaps: readonly number[], height: number): Uneven {
+function judgeUneven(gaps: readonly number[], height: number): Uneven {
   const sorted = [...gaps].sort((a, b) => a - b);
-  const mains = main_gaps(gaps);
+  const mains = mainGaps(gaps);
   if (mains.length < 2) {
-    const steps = whole_steps(gaps, mains[0] ?? sorted[Math.floor(sorted.length / 2)] ?? 1);
-    if (has_holes(steps, gaps, height)) {
+    const steps = wholeSteps(gaps, mains[0] ?? sorted[Math.floor(sorted.length / 2)] ?? 1);
+    if (hasHoles(steps, gaps, height)) {
       const slices = 1 + sum(steps);
       const missing = sum(steps) - steps.length;
-      if (missing > most_missing * slices || Math.max(...steps) > largest_gap) return { reason: "missing_slices", count: missing };
+      if (missing > mostMissing * slices || Math.max(...steps) > largestGap)
+        return { reason: "missing_slices", count: missing };
       return { slices, repair: { kind: "filled_in", slices: missing } };
     }
   }
   const [least, most] = [sorted[0] ?? 1, sorted.at(-1) ?? 1];
-  if (most > most_varying * least) return { reason: "varying_spacing", count: 0 };
+  if (most > mostVarying * least) return { reason: "varying_spacing", count: 0 };
   const wanted = mains[0] ?? sorted[Math.floor(sorted.length / 10)] ?? least;
-  return { slices: 1 + Math.ceil(height / wanted - 0.01), repair: { kind: "varying", from_mm: least, to_mm: most } };
+  return { slices: 1 + Math.ceil(height / wanted - 0.01), repair: { kind: "varying", fromMm: least, toMm: most } };
 }
 
-const alike = (a: number, b: number) => Math.abs(a - b) <= 2 * tolerance_of(Math.min(a, b)) + rounding;
+const alike = (a: number, b: number) => Math.abs(a - b) <= 2 * toleranceOf(Math.min(a, b)) + rounding;
 
 /** Distances that several slices in succession keep: what the scanner was set to. A hole stands alone. */
-function main_gaps(gaps: readonly number[]): number[] {
+function mainGaps(gaps: readonly number[]): number[] {
   const found: number[] = [];
-  for (let from = 0; from < gaps.length; ) {
+  for (let from = 0; from < gaps.length;) {
     let to = from + 1;
     while (to < gaps.length && alike(gaps[from] ?? 0, gaps[to] ?? 0)) to += 1;
     const mean = sum(gaps.slice(from, to)) / (to - from);
@@ -123,14 +136,14 @@ function main_gaps(gaps: readonly number[]): number[] {
 }
 
 /** How many steps of `usual` each gap is; none where one is no whole number of them. */
-function whole_steps(gaps: readonly number[], usual: number): number[] {
+function wholeSteps(gaps: readonly number[], usual: number): number[] {
   const steps = gaps.map((gap) => Math.round(gap / usual));
-  const fits = steps.every((n, i) => n >= 1 && Math.abs((gaps[i] ?? 0) - n * usual) <= 2 * tolerance_of(usual) * n);
+  const fits = steps.every((n, i) => n >= 1 && Math.abs((gaps[i] ?? 0) - n * usual) <= 2 * toleranceOf(usual) * n);
   return fits ? steps : [];
 }
 
 /** Whether holes alone are what is uneven: with them filled each slice is near its place. */
-function has_holes(steps: readonly number[], gaps: readonly number[], height: number): boolean {
+function hasHoles(steps: readonly number[], gaps: readonly number[], height: number): boolean {
   const all = sum(steps);
   if (steps.length === 0 || all === steps.length) return false;
   const spacing = height / all;

@@ -4,35 +4,35 @@ export interface MadeSlice {
   z?: number;
   position?: readonly [number, number, number] | null;
   orientation?: readonly number[] | null;
-  sop_uid?: string;
-  series_uid?: string;
-  sop_class?: string;
+  sopUid?: string;
+  seriesUid?: string;
+  sopClass?: string;
   modality?: string;
-  image_type?: string;
+  imageType?: string;
   syntax?: string;
-  patient_name?: string;
-  patient_id?: string;
+  patientName?: string;
+  patientId?: string;
   photometric?: string;
   samples?: number;
   frames?: number;
   rows?: number;
   columns?: number;
   spacing?: readonly [number, number];
-  bits_stored?: number;
-  is_signed?: boolean;
+  bitsStored?: number;
+  isSigned?: boolean;
   pixels?: Uint8Array;
-  padding_bytes?: number; // a private element of that length before the voxels
+  paddingBytes?: number; // a private element of that length before the voxels
   preamble?: "whole" | "none" | "nothing"; // nothing: not even the meta header
 }
 
-const long_vrs = new Set(["OB", "OW", "SQ", "UN", "UT"]);
+const longVrs = new Set(["OB", "OW", "SQ", "UN", "UT"]);
 
 function element(group: number, number: number, vr: string, value: string | Uint8Array, implicit = false): Uint8Array {
   const text = typeof value === "string" ? new TextEncoder().encode(value) : value;
   const padded = new Uint8Array(text.length + (text.length % 2));
   padded.fill(vr === "UI" || text !== value ? (vr === "UI" ? 0 : 32) : 0);
   padded.set(text);
-  const long = implicit || long_vrs.has(vr);
+  const long = implicit || longVrs.has(vr);
   const bytes = new Uint8Array((implicit || !long ? 8 : 12) + padded.length);
   const view = new DataView(bytes.buffer);
   view.setUint16(0, group, true);
@@ -62,7 +62,7 @@ export function concat(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
 
 let counter = 0;
 
-export function make_slice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
+export function makeSlice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
   const syntax = made.syntax ?? "1.2.840.10008.1.2.1";
   const implicit = syntax === "1.2.840.10008.1.2";
   const rows = made.rows ?? 8;
@@ -71,21 +71,23 @@ export function make_slice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     element(group, number, vr, value, implicit);
   const position = made.position === undefined ? [0, 0, made.z ?? 0] : made.position;
   const orientation = made.orientation === undefined ? [1, 0, 0, 0, 1, 0] : made.orientation;
-  const sop_class = made.sop_class ?? "1.2.840.10008.5.1.4.1.1.2";
+  const sopClass = made.sopClass ?? "1.2.840.10008.5.1.4.1.1.2";
   const body = [
     e(0x0008, 0x0005, "CS", "ISO_IR 192"),
-    e(0x0008, 0x0008, "CS", made.image_type ?? "ORIGINAL\\PRIMARY\\AXIAL"),
-    e(0x0008, 0x0016, "UI", sop_class),
-    e(0x0008, 0x0018, "UI", made.sop_uid ?? `1.2.3.${++counter}`),
+    e(0x0008, 0x0008, "CS", made.imageType ?? "ORIGINAL\\PRIMARY\\AXIAL"),
+    e(0x0008, 0x0016, "UI", sopClass),
+    e(0x0008, 0x0018, "UI", made.sopUid ?? `1.2.3.${++counter}`),
     e(0x0008, 0x0060, "CS", made.modality ?? "CT"),
     e(0x0008, 0x103e, "LO", "Head 1.5"),
-    ...(made.padding_bytes ? [e(0x0009, 0x0010, "LO", "PAD"), e(0x0009, 0x1001, "OB", new Uint8Array(made.padding_bytes))] : []),
-    e(0x0010, 0x0010, "PN", made.patient_name ?? "Müller^Änne"),
-    e(0x0010, 0x0020, "LO", made.patient_id ?? "4711"),
+    ...(made.paddingBytes
+      ? [e(0x0009, 0x0010, "LO", "PAD"), e(0x0009, 0x1001, "OB", new Uint8Array(made.paddingBytes))]
+      : []),
+    e(0x0010, 0x0010, "PN", made.patientName ?? "Müller^Änne"),
+    e(0x0010, 0x0020, "LO", made.patientId ?? "4711"),
     e(0x0018, 0x0015, "CS", "HEAD"),
     e(0x0018, 0x0050, "DS", "99"), // a slice thickness that lies
     e(0x0020, 0x000d, "UI", "1.2.4"),
-    e(0x0020, 0x000e, "UI", made.series_uid ?? "1.2.5"),
+    e(0x0020, 0x000e, "UI", made.seriesUid ?? "1.2.5"),
     e(0x0020, 0x0011, "IS", "3"),
     ...(position ? [e(0x0020, 0x0032, "DS", position.join("\\"))] : []),
     ...(orientation ? [e(0x0020, 0x0037, "DS", orientation.join("\\"))] : []),
@@ -96,8 +98,8 @@ export function make_slice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     e(0x0028, 0x0011, "US", us(columns)),
     e(0x0028, 0x0030, "DS", (made.spacing ?? [0.5, 0.5]).join("\\")),
     e(0x0028, 0x0100, "US", us(16)),
-    e(0x0028, 0x0101, "US", us(made.bits_stored ?? 16)),
-    e(0x0028, 0x0103, "US", us(made.is_signed === false ? 0 : 1)),
+    e(0x0028, 0x0101, "US", us(made.bitsStored ?? 16)),
+    e(0x0028, 0x0103, "US", us(made.isSigned === false ? 0 : 1)),
     e(0x0028, 0x1050, "DS", "40"),
     e(0x0028, 0x1051, "DS", "400"),
     e(0x0028, 0x1052, "DS", "-1024"),
@@ -105,15 +107,15 @@ export function make_slice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     e(0x7fe0, 0x0010, "OW", made.pixels ?? new Uint8Array(rows * columns * 2 * (made.frames ?? 1))),
   ];
   if (made.preamble === "nothing") return concat(body);
-  const meta = [element(0x0002, 0x0002, "UI", sop_class), element(0x0002, 0x0010, "UI", syntax)];
+  const meta = [element(0x0002, 0x0002, "UI", sopClass), element(0x0002, 0x0010, "UI", syntax)];
   const length = meta.reduce((sum, part) => sum + part.length, 0);
-  const length_bytes = new Uint8Array(4);
-  new DataView(length_bytes.buffer).setUint32(0, length, true);
+  const lengthBytes = new Uint8Array(4);
+  new DataView(lengthBytes.buffer).setUint32(0, length, true);
   const start = made.preamble === "none" ? [] : [concat([new Uint8Array(128), new TextEncoder().encode("DICM")])];
-  return concat([...start, element(0x0002, 0x0000, "UL", length_bytes), ...meta, ...body]);
+  return concat([...start, element(0x0002, 0x0000, "UL", lengthBytes), ...meta, ...body]);
 }
 
 /** `count` slices along z, `gap` mm apart, each changed by `change`. */
-export function make_series(count: number, gap: number, change: (i: number) => MadeSlice = () => ({})): Blob[] {
-  return Array.from({ length: count }, (_, i) => new Blob([make_slice({ z: i * gap, ...change(i) })]));
+export function makeSeries(count: number, gap: number, change: (i: number) => MadeSlice = () => ({})): Blob[] {
+  return Array.from({ length: count }, (_, i) => new Blob([makeSlice({ z: i * gap, ...change(i) })]));
 }

@@ -3,12 +3,12 @@ import type { SliceHeader, Thumbnail } from "./types";
 const side = 160;
 
 /** A small picture of one slice under its window. Nothing for compressed files: the server's picture comes later. */
-export function draw_thumbnail(slice: SliceHeader, pixels: ArrayBuffer): Thumbnail | null {
+export function drawThumbnail(slice: SliceHeader, pixels: ArrayBuffer): Thumbnail | null {
   const read = reader(slice, pixels);
-  if (!read || slice.rows === 0 || slice.columns === 0 || !slice.pixel_spacing) return null;
+  if (!read || slice.rows === 0 || slice.columns === 0 || !slice.pixelSpacing) return null;
   // As large as the slice is in the patient, not as it is in pixels.
-  const tall = slice.rows * slice.pixel_spacing[0];
-  const wide = slice.columns * slice.pixel_spacing[1];
+  const tall = slice.rows * slice.pixelSpacing[0];
+  const wide = slice.columns * slice.pixelSpacing[1];
   const shrink = side / Math.max(tall, wide);
   const width = Math.max(1, Math.round(wide * shrink));
   const height = Math.max(1, Math.round(tall * shrink));
@@ -19,32 +19,32 @@ export function draw_thumbnail(slice: SliceHeader, pixels: ArrayBuffer): Thumbna
       const column = Math.floor(((x + 0.5) / width) * slice.columns);
       values[y * width + x] = read(row * slice.columns + column) * slice.slope + slice.intercept;
     }
-  const { center, width: range } = slice.window ?? spread_of(values);
-  const dark_first = slice.photometric !== "MONOCHROME1";
+  const { center, width: range } = slice.window ?? spreadOf(values);
+  const darkFirst = slice.photometric !== "MONOCHROME1";
   const gray = new Uint8Array(width * height);
   values.forEach((value, i) => {
     const level = Math.min(255, Math.max(0, ((value - center) / range + 0.5) * 255));
-    gray[i] = dark_first ? level : 255 - level;
+    gray[i] = darkFirst ? level : 255 - level;
   });
   return { width, height, gray };
 }
 
 function reader(slice: SliceHeader, pixels: ArrayBuffer): ((index: number) => number) | null {
   const count = slice.rows * slice.columns;
-  if (slice.bits_allocated === 8 && pixels.byteLength >= count) {
+  if (slice.bitsAllocated === 8 && pixels.byteLength >= count) {
     const bytes = new Uint8Array(pixels);
     return (i) => bytes[i] ?? 0;
   }
-  if (slice.bits_allocated !== 16 || pixels.byteLength < 2 * count) return null;
+  if (slice.bitsAllocated !== 16 || pixels.byteLength < 2 * count) return null;
   const view = new DataView(pixels);
-  const unused = 32 - Math.min(16, Math.max(1, slice.bits_stored));
-  return slice.is_signed
+  const unused = 32 - Math.min(16, Math.max(1, slice.bitsStored));
+  return slice.isSigned
     ? (i) => (view.getUint16(2 * i, true) << unused) >> unused // case 17: the bits above the stored ones mean nothing
     : (i) => (view.getUint16(2 * i, true) << unused) >>> unused;
 }
 
 /** Without a window: from the 2nd to the 98th percentile. */
-function spread_of(values: Float32Array): { center: number; width: number } {
+function spreadOf(values: Float32Array): { center: number; width: number } {
   const sorted = Float32Array.from(values).sort();
   const at = (part: number) => sorted[Math.floor(part * (sorted.length - 1))] ?? 0;
   return { center: (at(0.02) + at(0.98)) / 2, width: Math.max(1, at(0.98) - at(0.02)) };

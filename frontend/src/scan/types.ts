@@ -6,37 +6,37 @@ export interface SliceHeader {
   readonly frame: number;
   /** Frames of one stack lie behind one another; "" where a file holds one slice. */
   readonly stack: string;
-  readonly file_bytes: number;
-  readonly sop_class: string;
-  readonly sop_uid: string;
-  readonly study_uid: string;
-  readonly series_uid: string;
-  readonly transfer_syntax: string;
+  readonly fileBytes: number;
+  readonly sopClass: string;
+  readonly sopUid: string;
+  readonly studyUid: string;
+  readonly seriesUid: string;
+  readonly transferSyntax: string;
   readonly modality: string;
-  readonly image_type: readonly string[];
+  readonly imageType: readonly string[];
   /** Was compressed with loss, which alone makes it "DERIVED". */
-  readonly is_lossy: boolean;
+  readonly isLossy: boolean;
   readonly patient: Patient;
-  readonly series_number: number | null;
+  readonly seriesNumber: number | null;
   readonly description: string;
-  readonly body_part: string;
+  readonly bodyPart: string;
   readonly rows: number;
   readonly columns: number;
   /** More than one: several pictures of which it is not said where they lie. */
   readonly frames: number;
   readonly samples: number;
   readonly photometric: string;
-  readonly bits_allocated: number;
-  readonly bits_stored: number;
-  readonly is_signed: boolean;
-  readonly has_lookup_table: boolean;
+  readonly bitsAllocated: number;
+  readonly bitsStored: number;
+  readonly isSigned: boolean;
+  readonly hasLookupTable: boolean;
   /** Whether slope and intercept are said. */
-  readonly has_scale: boolean;
+  readonly hasScale: boolean;
   readonly slope: number;
   readonly intercept: number;
   readonly window: { readonly center: number; readonly width: number } | null;
   /** Between rows, between columns; mm. */
-  readonly pixel_spacing: readonly [number, number] | null;
+  readonly pixelSpacing: readonly [number, number] | null;
   /** Centre of the first pixel; mm, patient's axes (LPS). */
   readonly position: readonly [number, number, number] | null;
   /** Directions of a row and of a column. */
@@ -46,7 +46,12 @@ export interface SliceHeader {
   /** Where the voxels are, when they are plain little-endian bytes in the file. */
   readonly pixels: { readonly offset: number; readonly length: number } | null;
   /** Where the bytes of the voxels are in the file, compressed or not; nothing where they cannot be cut out. */
-  readonly voxels: { readonly from: number; readonly to: number; readonly vr: string; readonly encapsulated: boolean } | null;
+  readonly voxels: {
+    readonly from: number;
+    readonly to: number;
+    readonly vr: string;
+    readonly encapsulated: boolean;
+  } | null;
   /** What may leave the browser besides the voxels. */
   readonly kept: readonly KeptElement[];
   /** The same of the functional groups, of a file with several pictures: what says where this one lies. */
@@ -77,10 +82,10 @@ export interface UploadPart {
   readonly inflated: Blob | null;
 }
 
-/** What is sent of a series: its parts in order, part i with a head that ends at `head_ends[i]`. */
+/** What is sent of a series: its parts in order, part i with a head that ends at `headEnds[i]`. */
 export interface UploadPlan {
   readonly heads: Uint8Array<ArrayBuffer>;
-  readonly head_ends: Uint32Array<ArrayBuffer>;
+  readonly headEnds: Uint32Array<ArrayBuffer>;
   readonly files: Uint32Array<ArrayBuffer>;
   readonly froms: Float64Array<ArrayBuffer>;
   readonly tos: Float64Array<ArrayBuffer>;
@@ -91,7 +96,7 @@ export interface UploadPlan {
 export interface Patient {
   readonly name: string;
   readonly id: string;
-  readonly birth_date: string;
+  readonly birthDate: string;
 }
 
 /** Why a series cannot become a volume: the codes of ingest (ingest/dicom/classify.cpp), as keys of the texts. */
@@ -124,18 +129,21 @@ export type Reason =
   | "too_short"
   | "too_large";
 
+/** What ingest finds only once a scan is built (ingest/pipeline), beside those. */
+export type LateReason = "over_quota" | "values_out_of_range" | "no_memory" | "upload_gone";
+
 /** What will be mended of a suitable series, with how much of it. */
 export type Repair =
   | { readonly kind: "straightened"; readonly degrees: number }
   | { readonly kind: "filled_in"; readonly slices: number }
-  | { readonly kind: "varying"; readonly from_mm: number; readonly to_mm: number };
+  | { readonly kind: "varying"; readonly fromMm: number; readonly toMm: number };
 
 export interface Suitable {
   readonly suitable: true;
   /** Voxels along a row, along a column, across slices. */
   readonly size: readonly [number, number, number];
-  readonly size_mm: readonly [number, number, number];
-  readonly left_out: LeftOut;
+  readonly sizeMm: readonly [number, number, number];
+  readonly leftOut: LeftOut;
   readonly repairs: readonly Repair[];
 }
 
@@ -170,9 +178,9 @@ export interface Thumbnail {
 export interface Series {
   readonly key: string;
   readonly description: string;
-  readonly body_part: string;
+  readonly bodyPart: string;
   readonly modality: string;
-  readonly series_number: number | null;
+  readonly seriesNumber: number | null;
   readonly patient: Patient;
   readonly slices: number;
   readonly verdict: Suitable | Unsuitable;
@@ -186,9 +194,9 @@ export interface Series {
 export interface ScanResult {
   readonly series: readonly Series[];
   /** Files that are no DICOM, or could not be read. */
-  readonly not_dicom: number;
+  readonly notDicom: number;
   readonly unreadable: number;
   /** Reports, screenshots, plans and the like: no slices, and never listed. */
-  readonly not_slices: number;
+  readonly notSlices: number;
   readonly files: number;
 }

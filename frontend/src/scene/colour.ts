@@ -5,31 +5,38 @@ import { clamp } from "./numbers";
 export const rgb = (r: number, g: number, b: number): Rgb => create(RgbSchema, { r, g, b });
 const none = rgb(0, 0, 0);
 
-const to_screen = (linear: number): number => (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
-const from_screen = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+const toScreen = (linear: number): number =>
+  linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
+const fromScreen = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
 
 /** "#rrggbb" (sRGB) of a linear colour; what is brighter than the screen is as bright as it. */
-export function hex_of(colour: Rgb | undefined): string {
+export function hexOf(colour: Rgb | undefined): string {
   const { r, g, b } = colour ?? none;
-  return `#${[r, g, b].map((c) => Math.round(255 * to_screen(clamp(c, 0, 1))).toString(16).padStart(2, "0")).join("")}`;
+  return `#${[r, g, b]
+    .map((c) =>
+      Math.round(255 * toScreen(clamp(c, 0, 1)))
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("")}`;
 }
 
 /** Linear; black for what is no colour. */
-export function rgb_of(hex: string): Rgb {
+export function rgbOf(hex: string): Rgb {
   const parts = /^#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(hex);
-  const [r = 0, g = 0, b = 0] = parts ? parts.slice(1).map((part) => from_screen(parseInt(part, 16) / 255)) : [];
+  const [r = 0, g = 0, b = 0] = parts ? parts.slice(1).map((part) => fromScreen(parseInt(part, 16) / 255)) : [];
   return rgb(r, g, b);
 }
 
-export const strength_of = (colour: Rgb | undefined): number => (colour ? Math.max(colour.r, colour.g, colour.b) : 0);
+export const strengthOf = (colour: Rgb | undefined): number => (colour ? Math.max(colour.r, colour.g, colour.b) : 0);
 
 /** A colour that may be brighter than 1 as its hue, the strongest part of which is 1. White where there is none. */
-export function hue_of(colour: Rgb | undefined): Rgb {
-  const strength = strength_of(colour);
+export function hueOf(colour: Rgb | undefined): Rgb {
+  const strength = strengthOf(colour);
   return colour && strength > 0 ? scaled(colour, 1 / strength) : rgb(1, 1, 1);
 }
 
 export const scaled = ({ r, g, b }: Rgb, by: number): Rgb => rgb(r * by, g * by, b * by);
 
 /** Another hue, as strong as before. Black has no hue: white then. */
-export const with_hue = (colour: Rgb | undefined, hue: Rgb): Rgb => scaled(hue_of(hue), strength_of(colour));
+export const withHue = (colour: Rgb | undefined, hue: Rgb): Rgb => scaled(hueOf(hue), strengthOf(colour));

@@ -1,4 +1,4 @@
-import { orbit_frame, orbit_of, type CameraPose } from "../input/camera";
+import { orbitFrame, orbitOf, type CameraPose } from "../input/camera";
 import { add, cross, dot, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { clamp, degrees, radians } from "./numbers";
 
@@ -9,31 +9,32 @@ export interface Direction {
 }
 
 /** x to the right, y up, z to who looks. */
-export function unit_of({ right, up }: Direction): Vec3 {
-  const r = radians(right), u = radians(up);
+export function unitOf({ right, up }: Direction): Vec3 {
+  const r = radians(right),
+    u = radians(up);
   return vec3(Math.sin(r) * Math.cos(u), Math.sin(u), Math.cos(r) * Math.cos(u));
 }
 
 /** Straight above or below there is no right; what it was is kept. */
-export function direction_of(place: Vec3, otherwise = 0): Direction {
+export function directionOf(place: Vec3, otherwise = 0): Direction {
   const n = normalize(place, vec3(0, 0, 1));
   const upright = Math.hypot(n.x, n.z) < 1e-9;
   return { right: upright ? otherwise : degrees(Math.atan2(n.x, n.z)), up: degrees(Math.asin(clamp(n.y, -1, 1))) };
 }
 
 /** The patient's axes as one sees them who looks at the patient from the front, and back. */
-export const seen_from_front = ({ x, y, z }: Vec3): Vec3 => vec3(x, z, -y);
-export const of_patient = ({ x, y, z }: Vec3): Vec3 => vec3(x, -z, y);
+export const seenFromFront = ({ x, y, z }: Vec3): Vec3 => vec3(x, z, -y);
+export const ofPatient = ({ x, y, z }: Vec3): Vec3 => vec3(x, -z, y);
 
 /** From the camera's frame (origin at the target) to the world and back: places, or (`free`) directions. */
-export function to_world(pose: CameraPose, v: Vec3, free = false): Vec3 {
-  const frame = orbit_frame(orbit_of(pose));
+export function toWorld(pose: CameraPose, v: Vec3, free = false): Vec3 {
+  const frame = orbitFrame(orbitOf(pose));
   const turned = add(add(scale(frame.right, v.x), scale(frame.up, v.y)), scale(frame.back, v.z));
   return free ? turned : add(turned, pose.target);
 }
 
-export function from_world(pose: CameraPose, v: Vec3, free = false): Vec3 {
-  const frame = orbit_frame(orbit_of(pose));
+export function fromWorld(pose: CameraPose, v: Vec3, free = false): Vec3 {
+  const frame = orbitFrame(orbitOf(pose));
   const p = free ? v : subtract(v, pose.target);
   return vec3(dot(p, frame.right), dot(p, frame.up), dot(p, frame.back));
 }
@@ -41,17 +42,24 @@ export function from_world(pose: CameraPose, v: Vec3, free = false): Vec3 {
 /** Two unit vectors across `normal`, the first level with regard to `up`; cross(first, second) is `normal`. */
 export function across(normal: Vec3, up: Vec3): readonly [Vec3, Vec3] {
   const level = cross(up, normal);
-  const u = length(level) > 1e-6 ? normalize(level, vec3(1, 0, 0)) : normalize(cross(vec3(up.y, up.z, up.x), normal), vec3(1, 0, 0));
+  const u =
+    length(level) > 1e-6
+      ? normalize(level, vec3(1, 0, 0))
+      : normalize(cross(vec3(up.y, up.z, up.x), normal), vec3(1, 0, 0));
   return [u, cross(normal, u)];
 }
 
 /** A point of the ball drawn with radius 1, x to the right and y down; beyond its rim one goes on at the back. */
-export function direction_on_ball(x: number, y: number, behind: boolean): { readonly direction: Direction; readonly behind: boolean } {
+export function directionOnBall(
+  x: number,
+  y: number,
+  behind: boolean,
+): { readonly direction: Direction; readonly behind: boolean } {
   const r = Math.hypot(x, y);
   const over = r > 1;
   const near = over ? Math.max(0, 2 - r) : r;
   const s = r > 1e-9 ? near / r : 0;
   const back = over ? !behind : behind;
   const depth = Math.sqrt(Math.max(0, 1 - near * near)) * (back ? -1 : 1);
-  return { direction: direction_of(vec3(x * s, -y * s, depth)), behind };
+  return { direction: directionOf(vec3(x * s, -y * s, depth)), behind };
 }

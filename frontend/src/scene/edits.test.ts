@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
-import { Shading_Mode, type Scene } from "../protocol/gen/api/proto/scene_pb";
-import { camera_of } from "../protocol/messages";
+import { Shading_Mode as ShadingMode, type Scene } from "../protocol/gen/api/proto/scene_pb";
+import { cameraOf } from "../protocol/messages";
 import { rgb } from "./colour";
 import * as cuts from "./cuts";
 import * as lens from "./lens";
 import * as lights from "./lights";
-import { refused, some_bounds, some_scene } from "./testing";
+import { refused, someBounds, someScene } from "./testing";
 import * as transfer from "./transfer";
 
 // A fixed sequence, so that what fails once fails again.
@@ -19,59 +19,62 @@ function chance(seed: number): () => number {
 
 const strange = [NaN, Infinity, -Infinity, 0, -0, 1e-30, 1e30, -1e30, -1, 1, 0.5, 90, -90, 180, 1024.5, 3072];
 const grey = { centre: 40, width: 0 };
-const pose = camera_of(some_scene());
+const pose = cameraOf(someScene());
 
 /** Every edit that a window can make, with any number. */
 function edits(any: () => number, index: number, flag: boolean): ((scene: Scene) => Scene)[] {
   const axis = cuts.axes[index % 3] ?? "x";
-  const slice = cuts.slice_names[index % 3] ?? "axial";
+  const slice = cuts.sliceNames[index % 3] ?? "axial";
   const side = flag ? "low" : "high";
   return [
-    (s) => transfer.move_point(s, index % 3, index, { value: any(), opacity: any() }),
-    (s) => transfer.add_point(s, index % 3, any(), any())?.scene ?? s,
-    (s) => transfer.remove_point(s, index % 3, index),
-    (s) => transfer.add_channel(s, "new", { low: -1000, high: any() || 0 }),
-    (s) => transfer.remove_channel(s, index),
-    (s) => transfer.set_material(s, index % 3, { gloss: any(), name: "x".repeat(200), disabled: flag }),
-    (s) => transfer.set_density(s, any()),
-    (s) => ({ ...s, transferFunction: transfer.shifted(transfer.transfer_of(s), any()) }),
-    (s) => lights.place_light(s, index, { right: any(), up: any(), distance: any() }),
-    (s) => lights.size_light(s, index, any()),
-    (s) => lights.colour_light(s, index, rgb(0, flag ? 0 : 1, 0)),
-    (s) => lights.dim_light(s, index, any()),
-    (s) => (pose ? lights.lock_light(s, index, flag, pose) : s),
-    (s) => lights.add_light(s, flag ? "disk" : "rectangle", "new", any()),
-    (s) => (s.lights.length > 3 ? lights.remove_light(s, index) : s),
-    (s) => lens.set_fov(s, any()),
-    (s) => lens.set_orthographic(s, flag),
-    (s) => lens.set_aperture(s, any()),
-    (s) => lens.set_focus(s, flag ? null : any()),
-    (s) => lens.set_exposure(s, any()),
-    (s) => lens.set_bounces(s, any()),
-    (s) => lens.set_mode(s, flag ? Shading_Mode.HYBRID : Shading_Mode.SURFACE),
-    (s) => lens.set_gradient(s, any()),
-    (s) => lens.set_forward(s, any()),
-    (s) => cuts.move_face(s, some_bounds, axis, side, any()),
-    (s) => cuts.add_plane(s),
-    (s) => cuts.move_plane(s, some_bounds, index, { right: any(), up: any(), offset: any() }),
-    (s) => cuts.remove_plane(s, index),
-    (s) => cuts.set_slice(s, some_bounds, grey, slice, { shown: flag, position: any() }),
-    (s) => cuts.set_alone(s, grey, flag),
-    (s) => cuts.set_colouring(s, grey, flag),
-    (s) => cuts.set_window(s, grey, { centre: any(), width: any() }),
+    (s) => transfer.movePoint(s, index % 3, index, { value: any(), opacity: any() }),
+    (s) => transfer.addPoint(s, index % 3, any(), any())?.scene ?? s,
+    (s) => transfer.removePoint(s, index % 3, index),
+    (s) => transfer.addChannel(s, "new", { low: -1000, high: any() || 0 }),
+    (s) => transfer.removeChannel(s, index),
+    (s) => transfer.setMaterial(s, index % 3, { gloss: any(), name: "x".repeat(200), disabled: flag }),
+    (s) => transfer.setDensity(s, any()),
+    (s) => ({ ...s, transferFunction: transfer.shifted(transfer.transferOf(s), any()) }),
+    (s) => lights.placeLight(s, index, { right: any(), up: any(), distance: any() }),
+    (s) => lights.sizeLight(s, index, any()),
+    (s) => lights.colourLight(s, index, rgb(0, flag ? 0 : 1, 0)),
+    (s) => lights.dimLight(s, index, any()),
+    (s) => (pose ? lights.lockLight(s, index, flag, pose) : s),
+    (s) => lights.addLight(s, flag ? "disk" : "rectangle", "new", any()),
+    (s) => (s.lights.length > 3 ? lights.removeLight(s, index) : s),
+    (s) => lens.setFov(s, any()),
+    (s) => lens.setOrthographic(s, flag),
+    (s) => lens.setAperture(s, any()),
+    (s) => lens.setFocus(s, flag ? null : any()),
+    (s) => lens.setExposure(s, any()),
+    (s) => lens.setBounces(s, any()),
+    (s) => lens.setMode(s, flag ? ShadingMode.HYBRID : ShadingMode.SURFACE),
+    (s) => lens.setGradient(s, any()),
+    (s) => lens.setForward(s, any()),
+    (s) => cuts.moveFace(s, someBounds, axis, side, any()),
+    (s) => cuts.addPlane(s),
+    (s) => cuts.movePlane(s, someBounds, index, { right: any(), up: any(), offset: any() }),
+    (s) => cuts.removePlane(s, index),
+    (s) => cuts.setSlice(s, someBounds, grey, slice, { shown: flag, position: any() }),
+    (s) => cuts.setAlone(s, grey, flag),
+    (s) => cuts.setColouring(s, grey, flag),
+    (s) => cuts.setWindow(s, grey, { centre: any(), width: any() }),
   ];
 }
 
 describe("edits", () => {
   it("the scene to begin with is one that the server takes", () => {
-    expect(refused(some_scene())).toEqual([]);
+    expect(refused(someScene())).toEqual([]);
   });
 
   it("no sequence of them makes a scene that the server refuses, whatever numbers come in", () => {
     const next = chance(20261122);
-    const any = () => (next() < 0.4 ? (strange[Math.floor(next() * strange.length)] ?? 0) : (next() - 0.5) * 10 ** Math.floor(next() * 8 - 2));
+    const any = () =>
+      next() < 0.4
+        ? (strange[Math.floor(next() * strange.length)] ?? 0)
+        : (next() - 0.5) * 10 ** Math.floor(next() * 8 - 2);
     for (let run = 0; run < 40; run++) {
-      let scene = some_scene();
+      let scene = someScene();
       for (let i = 0; i < 150; i++) {
         const all = edits(any, Math.floor(next() * 6), next() < 0.5);
         const which = Math.floor(next() * all.length);
@@ -83,9 +86,10 @@ describe("edits", () => {
 
   it("never touch the scene that they are given", () => {
     const next = chance(7);
-    const scene = some_scene();
+    const scene = someScene();
     const before = JSON.stringify(scene);
-    for (let i = 0; i < 200; i++) for (const edit of edits(() => (next() - 0.5) * 500, Math.floor(next() * 5), next() < 0.5)) edit(scene);
+    for (let i = 0; i < 200; i++)
+      for (const edit of edits(() => (next() - 0.5) * 500, Math.floor(next() * 5), next() < 0.5)) edit(scene);
     expect(JSON.stringify(scene)).toBe(before);
   });
 });

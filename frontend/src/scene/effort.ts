@@ -12,35 +12,41 @@ export interface Effort {
   readonly moving_scale: number;
 }
 
-export const full_effort: Effort = { smooth: true, stop_error: 0, stop_samples: 0, moving_scale: 1 };
+export const fullEffort: Effort = { smooth: true, stop_error: 0, stop_samples: 0, moving_scale: 1 };
 
-export const stop_error_limits: Limits = { low: 0.001, high: 1 };
-export const stop_samples_limits: Limits = { low: 1, high: 1_000_000 };
-export const moving_scales = [1, 0.75, 0.5, 0.25] as const;
+export const stopErrorLimits: Limits = { low: 0.001, high: 1 };
+export const stopSamplesLimits: Limits = { low: 1, high: 1_000_000 };
+export const movingScales = [1, 0.75, 0.5, 0.25] as const;
 
 export const stops = ["best", "error", "samples"] as const;
 export type Stop = (typeof stops)[number];
-export const stop_of = ({ stop_error, stop_samples }: Effort): Stop => (stop_error > 0 ? "error" : stop_samples > 0 ? "samples" : "best");
+export const stopOf = ({ stop_error: stopError, stop_samples: stopSamples }: Effort): Stop =>
+  stopError > 0 ? "error" : stopSamples > 0 ? "samples" : "best";
 
 /** What a person begins with who wants it to stop sooner: a picture that looks finished. */
-export const stopping = (effort: Effort, stop: Stop): Effort => ({ ...effort, stop_error: stop === "error" ? 0.05 : 0, stop_samples: stop === "samples" ? 256 : 0 });
+export const stopping = (effort: Effort, stop: Stop): Effort => ({
+  ...effort,
+  stop_error: stop === "error" ? 0.05 : 0,
+  stop_samples: stop === "samples" ? 256 : 0,
+});
 
-export const effort_text = (effort: Effort): string => JSON.stringify(effort);
+export const effortText = (effort: Effort): string => JSON.stringify(effort);
 
 /** What was kept; of what is damaged, all. */
-export function effort_from(text: string | null): Effort {
+export function effortFrom(text: string | null): Effort {
   let value: Partial<Record<keyof Effort, unknown>> | null;
   try {
     value = JSON.parse(text ?? "null") as typeof value;
   } catch {
-    return full_effort;
+    return fullEffort;
   }
-  if (typeof value !== "object" || value === null) return full_effort;
-  const number = (one: unknown, { low, high }: Limits, otherwise: number) => (typeof one === "number" && one > 0 ? clamp(one, low, high) : otherwise);
+  if (typeof value !== "object" || value === null) return fullEffort;
+  const number = (one: unknown, { low, high }: Limits, otherwise: number) =>
+    typeof one === "number" && one > 0 ? clamp(one, low, high) : otherwise;
   return {
     smooth: value.smooth !== false,
-    stop_error: number(value.stop_error, stop_error_limits, 0),
-    stop_samples: Math.round(number(value.stop_samples, stop_samples_limits, 0)),
-    moving_scale: moving_scales.find((scale) => scale === value.moving_scale) ?? 1,
+    stop_error: number(value.stop_error, stopErrorLimits, 0),
+    stop_samples: Math.round(number(value.stop_samples, stopSamplesLimits, 0)),
+    moving_scale: movingScales.find((scale) => scale === value.moving_scale) ?? 1,
   };
 }

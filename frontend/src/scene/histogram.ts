@@ -21,7 +21,13 @@ export function heights(counts: readonly number[], logarithmic: boolean): number
 }
 
 /** The outline as points of a polygon in a box of `width` x `height`, over the values in `range`. */
-export function outline(histogram: Histogram, range: Limits, width: number, height: number, logarithmic: boolean): string {
+export function outline(
+  histogram: Histogram,
+  range: Limits,
+  width: number,
+  height: number,
+  logarithmic: boolean,
+): string {
   const x = (value: number) => ((value - range.low) / (range.high - range.low)) * width;
   const points = heights(histogram.counts, logarithmic).flatMap((h, i) => {
     const y = (height * (1 - h)).toFixed(1);

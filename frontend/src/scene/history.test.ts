@@ -1,11 +1,12 @@
 import { describe, expect, it } from "vitest";
-import { changed, most_steps, nothing_yet, redone, rested, together_ms, undone, type History } from "./history";
+import { changed, mostSteps, nothingYet, redone, rested, togetherMs, undone, type History } from "./history";
 
-const step = (history: History<number>, before: number, what = "a", now_ms = 0, held = false) => changed(history, before, { what, held, now_ms });
+const step = (history: History<number>, before: number, what = "a", nowMs = 0, held = false) =>
+  changed(history, before, { what, held, nowMs });
 
 describe("undo", () => {
   it("goes back step by step and forth again", () => {
-    const two = step(step(nothing_yet, 1, "a"), 2, "b");
+    const two = step(step(nothingYet, 1, "a"), 2, "b");
     const once = undone(two, 3);
     const twice = once && undone(once.history, once.value);
     expect([once?.value, twice?.value]).toEqual([2, 1]);
@@ -16,7 +17,7 @@ describe("undo", () => {
   });
 
   it("a drag is one step, however long it takes, and the next drag another", () => {
-    let history: History<number> = nothing_yet;
+    let history: History<number> = nothingYet;
     for (let i = 0; i < 50; i++) history = step(history, i, "light", i * 5000, true);
     expect(history.past).toEqual([0]);
     history = step(rested(history), 50, "light", 250_001, true);
@@ -24,26 +25,26 @@ describe("undo", () => {
   });
 
   it("keys without a pause are one step, with a pause two, and of two things two", () => {
-    const near = step(step(nothing_yet, 1, "camera", 0), 2, "camera", together_ms - 1);
+    const near = step(step(nothingYet, 1, "camera", 0), 2, "camera", togetherMs - 1);
     expect(near.past).toEqual([1]);
-    expect(step(near, 3, "camera", 3 * together_ms).past).toEqual([1, 3]);
-    expect(step(near, 3, "light", together_ms).past).toEqual([1, 3]);
+    expect(step(near, 3, "camera", 3 * togetherMs).past).toEqual([1, 3]);
+    expect(step(near, 3, "light", togetherMs).past).toEqual([1, 3]);
   });
 
   it("what is changed after going back leaves nothing to go forth to", () => {
-    const back = undone(step(nothing_yet, 1), 2);
+    const back = undone(step(nothingYet, 1), 2);
     expect(back && step(back.history, back.value).future).toEqual([]);
   });
 
   it("a change right after going back is a step of its own", () => {
-    const back = undone(step(step(nothing_yet, 1, "a", 0), 2, "b", 1), 3);
+    const back = undone(step(step(nothingYet, 1, "a", 0), 2, "b", 1), 3);
     expect(back && step(back.history, back.value, "b", 2).past).toEqual([1, 2]);
   });
 
   it("keeps a bounded number", () => {
-    let history: History<number> = nothing_yet;
-    for (let i = 0; i < 3 * most_steps; i++) history = step(history, i, String(i));
-    expect(history.past.length).toBe(most_steps);
-    expect(history.past.at(-1)).toBe(3 * most_steps - 1);
+    let history: History<number> = nothingYet;
+    for (let i = 0; i < 3 * mostSteps; i++) history = step(history, i, String(i));
+    expect(history.past.length).toBe(mostSteps);
+    expect(history.past.at(-1)).toBe(3 * mostSteps - 1);
   });
 });

@@ -9,7 +9,7 @@ export interface History<Value> {
 interface Step {
   readonly what: string;
   readonly held: boolean;
-  readonly at_ms: number;
+  readonly atMs: number;
 }
 
 export interface Change {
@@ -17,25 +17,27 @@ export interface Change {
   readonly what: string;
   /** A hand holds it: all is one step until it is lifted, however long it rests on the way. */
   readonly held: boolean;
-  readonly now_ms: number;
+  readonly nowMs: number;
 }
 
-export const most_steps = 200;
+export const mostSteps = 200;
 /** Presses of a key and turns of a wheel that follow each other sooner are one step. */
-export const together_ms = 700;
+export const togetherMs = 700;
 
-export const nothing_yet: History<never> = { past: [], future: [], open: null };
+export const nothingYet: History<never> = { past: [], future: [], open: null };
 
 /** `before` is about to become something else. */
 export function changed<Value>(history: History<Value>, before: Value, change: Change): History<Value> {
   const { open } = history;
-  const goes_on = open?.what === change.what && open.held === change.held && (change.held || change.now_ms - open.at_ms < together_ms);
-  const past = goes_on ? history.past : [...history.past, before].slice(-most_steps);
-  return { past, future: [], open: { what: change.what, held: change.held, at_ms: change.now_ms } };
+  const goesOn =
+    open?.what === change.what && open.held === change.held && (change.held || change.nowMs - open.atMs < togetherMs);
+  const past = goesOn ? history.past : [...history.past, before].slice(-mostSteps);
+  return { past, future: [], open: { what: change.what, held: change.held, atMs: change.nowMs } };
 }
 
 /** The hand was lifted: what comes next is another step. */
-export const rested = <Value>(history: History<Value>): History<Value> => (history.open?.held ? { ...history, open: null } : history);
+export const rested = <Value>(history: History<Value>): History<Value> =>
+  history.open?.held ? { ...history, open: null } : history;
 
 export interface Moved<Value> {
   readonly history: History<Value>;
@@ -45,10 +47,14 @@ export interface Moved<Value> {
 /** One step back from `now`; nothing where there is none. */
 export function undone<Value>({ past, future }: History<Value>, now: Value): Moved<Value> | null {
   const value = past.at(-1);
-  return value === undefined ? null : { value, history: { past: past.slice(0, -1), future: [...future, now], open: null } };
+  return value === undefined
+    ? null
+    : { value, history: { past: past.slice(0, -1), future: [...future, now], open: null } };
 }
 
 export function redone<Value>({ past, future }: History<Value>, now: Value): Moved<Value> | null {
   const value = future.at(-1);
-  return value === undefined ? null : { value, history: { past: [...past, now], future: future.slice(0, -1), open: null } };
+  return value === undefined
+    ? null
+    : { value, history: { past: [...past, now], future: future.slice(0, -1), open: null } };
 }

@@ -12,25 +12,26 @@ import {
   type Rgb,
   type Scene,
 } from "../protocol/gen/api/proto/scene_pb";
-import { rgb, scaled, strength_of, with_hue } from "./colour";
-import { across, direction_of, from_world, of_patient, seen_from_front, to_world, unit_of, type Direction } from "./direction";
+import { rgb, scaled, strengthOf, withHue } from "./colour";
+import { across, directionOf, fromWorld, ofPatient, seenFromFront, toWorld, unitOf, type Direction } from "./direction";
 import { replaced, within, without, type Limits } from "./numbers";
 
 /** Within what scene/check_lights.cpp asks for. */
-export const most_lights = 64;
-export const distance_limits: Limits = { low: 10, high: 5000 };
-export const size_limits: Limits = { low: 1, high: 3000 };
-export const intensity_limits: Limits = { low: 0.01, high: 100 };
-export const turn_limits: Limits = { low: -180, high: 180 };
-export const tilt_limits: Limits = { low: -90, high: 90 };
+export const mostLights = 64;
+export const distanceLimits: Limits = { low: 10, high: 5000 };
+export const sizeLimits: Limits = { low: 1, high: 3000 };
+export const intensityLimits: Limits = { low: 0.01, high: 100 };
+export const turnLimits: Limits = { low: -180, high: 180 };
+export const tiltLimits: Limits = { low: -90, high: 90 };
 const brightest = 1e12;
 
 export type Shape = Exclude<Light["shape"]["case"], undefined>;
 
-const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
+const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 =>
+  v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0);
 const message = (v: Vec3) => create(Vec3Schema, v);
 
-const with_light = (scene: Scene, index: number, edit: (light: Light) => Light): Scene => {
+const withLight = (scene: Scene, index: number, edit: (light: Light) => Light): Scene => {
   const light = scene.lights[index];
   if (!light) return scene;
   const edited = edit(light);
@@ -38,7 +39,7 @@ const with_light = (scene: Scene, index: number, edit: (light: Light) => Light):
 };
 
 /** In the frame in which the light is given. Nothing for the environment, which is everywhere. */
-function middle_of(light: Light): Vec3 | null {
+function middleOf(light: Light): Vec3 | null {
   const { shape } = light;
   switch (shape.case) {
     case "rectangle":
@@ -47,7 +48,10 @@ function middle_of(light: Light): Vec3 | null {
     case "sphere":
       return vector(shape.value.centre);
     case "box":
-      return add(vector(shape.value.corner), scale(add(add(vector(shape.value.u), vector(shape.value.v)), vector(shape.value.w)), 0.5));
+      return add(
+        vector(shape.value.corner),
+        scale(add(add(vector(shape.value.u), vector(shape.value.v)), vector(shape.value.w)), 0.5),
+      );
     default:
       return null;
   }
@@ -59,37 +63,37 @@ export interface Place extends Direction {
 }
 
 /** Of a light that is locked to the camera as its picture shows it, of another as one sees it from the patient's front. */
-export function place_of(light: Light): Place | null {
-  const middle = middle_of(light);
+export function placeOf(light: Light): Place | null {
+  const middle = middleOf(light);
   if (!middle) return null;
-  const seen = light.cameraLocked ? middle : seen_from_front(middle);
-  return { ...direction_of(seen), distance: length(middle) };
+  const seen = light.cameraLocked ? middle : seenFromFront(middle);
+  return { ...directionOf(seen), distance: length(middle) };
 }
 
 /** Where it comes from as the picture shows it: to the right, upwards; in front is towards the viewer. */
-export function seen_direction(light: Light, pose: CameraPose): Direction | null {
-  const middle = middle_of(light);
-  return middle && direction_of(light.cameraLocked ? middle : from_world(pose, middle, true));
+export function seenDirection(light: Light, pose: CameraPose): Direction | null {
+  const middle = middleOf(light);
+  return middle && directionOf(light.cameraLocked ? middle : fromWorld(pose, middle, true));
 }
 
 /** As far away as it is, from where the picture shows it to come. */
-export function aim_light(scene: Scene, index: number, pose: CameraPose, seen: Direction): Scene {
+export function aimLight(scene: Scene, index: number, pose: CameraPose, seen: Direction): Scene {
   const light = scene.lights[index];
-  if (!light || !place_of(light)) return scene;
-  if (light.cameraLocked) return place_light(scene, index, { right: seen.right, up: seen.up });
-  return place_light(scene, index, direction_of(seen_from_front(to_world(pose, unit_of(seen), true))));
+  if (!light || !placeOf(light)) return scene;
+  if (light.cameraLocked) return placeLight(scene, index, { right: seen.right, up: seen.up });
+  return placeLight(scene, index, directionOf(seenFromFront(toWorld(pose, unitOf(seen), true))));
 }
 
 /** Where it is told to be, turned to the middle. */
-export function place_light(scene: Scene, index: number, to: Partial<Place>): Scene {
-  return with_light(scene, index, (light) => {
-    const old = place_of(light);
+export function placeLight(scene: Scene, index: number, to: Partial<Place>): Scene {
+  return withLight(scene, index, (light) => {
+    const old = placeOf(light);
     if (!old) return light;
-    const right = within(to.right ?? old.right, turn_limits, old.right);
-    const up = within(to.up ?? old.up, tilt_limits, old.up);
-    const distance = within(to.distance ?? old.distance, distance_limits, old.distance);
-    const seen = unit_of({ right, up });
-    return placed(light, light.cameraLocked ? seen : of_patient(seen), distance);
+    const right = within(to.right ?? old.right, turnLimits, old.right);
+    const up = within(to.up ?? old.up, tiltLimits, old.up);
+    const distance = within(to.distance ?? old.distance, distanceLimits, old.distance);
+    const seen = unitOf({ right, up });
+    return placed(light, light.cameraLocked ? seen : ofPatient(seen), distance);
   });
 }
 
@@ -100,16 +104,23 @@ function placed(light: Light, towards: Vec3, distance: number): Light {
   switch (shape.case) {
     case "rectangle": {
       const [a, b] = across(facing, light.cameraLocked ? vec3(0, 1, 0) : vec3(0, 0, 1));
-      const u = scale(a, length(vector(shape.value.u))), v = scale(b, length(vector(shape.value.v)));
+      const u = scale(a, length(vector(shape.value.u))),
+        v = scale(b, length(vector(shape.value.v)));
       const corner = subtract(middle, scale(add(u, v), 0.5));
-      return { ...light, shape: { case: "rectangle", value: { ...shape.value, corner: message(corner), u: message(u), v: message(v) } } };
+      return {
+        ...light,
+        shape: { case: "rectangle", value: { ...shape.value, corner: message(corner), u: message(u), v: message(v) } },
+      };
     }
     case "disk":
-      return { ...light, shape: { case: "disk", value: { ...shape.value, centre: message(middle), normal: message(facing) } } };
+      return {
+        ...light,
+        shape: { case: "disk", value: { ...shape.value, centre: message(middle), normal: message(facing) } },
+      };
     case "sphere":
       return { ...light, shape: { case: "sphere", value: { ...shape.value, centre: message(middle) } } };
     case "box": {
-      const old = middle_of(light) ?? middle;
+      const old = middleOf(light) ?? middle;
       const corner = add(vector(shape.value.corner), subtract(middle, old));
       return { ...light, shape: { case: "box", value: { ...shape.value, corner: message(corner) } } };
     }
@@ -119,7 +130,7 @@ function placed(light: Light, towards: Vec3, distance: number): Light {
 }
 
 /** The longest edge, or the diameter, in mm; nothing for the environment. */
-export function size_of(light: Light): number | null {
+export function sizeOf(light: Light): number | null {
   const { shape } = light;
   switch (shape.case) {
     case "rectangle":
@@ -135,12 +146,12 @@ export function size_of(light: Light): number | null {
 }
 
 /** As large as told and as bright on the patient as before: a larger light makes softer shadows, no more light. */
-export function size_light(scene: Scene, index: number, size: number): Scene {
-  return with_light(scene, index, (light) => {
-    const old = size_of(light);
+export function sizeLight(scene: Scene, index: number, size: number): Scene {
+  return withLight(scene, index, (light) => {
+    const old = sizeOf(light);
     const { shape } = light;
     if (old === null) return light;
-    const to = within(size, size_limits, old);
+    const to = within(size, sizeLimits, old);
     if (to === old) return light;
     const grown = to / old;
     if (shape.case === "disk" || shape.case === "sphere") {
@@ -150,7 +161,7 @@ export function size_light(scene: Scene, index: number, size: number): Scene {
       return { ...light, shape: { case: shape.case, value } as Light["shape"] };
     }
     if (shape.case !== "rectangle" && shape.case !== "box") return light;
-    const middle = middle_of(light) ?? vec3(0, 0, 0);
+    const middle = middleOf(light) ?? vec3(0, 0, 0);
     const value = {
       ...shape.value,
       corner: message(add(middle, scale(subtract(vector(shape.value.corner), middle), grown))),
@@ -165,36 +176,45 @@ export function size_light(scene: Scene, index: number, size: number): Scene {
 
 function dimmed(colour: Rgb | undefined, by: number): Rgb {
   const to = scaled(colour ?? rgb(0, 0, 0), by);
-  const strength = strength_of(to);
+  const strength = strengthOf(to);
   return strength > brightest ? scaled(to, brightest / strength) : to;
 }
 
-export const radiance_of = (light: Light): Rgb | undefined => light.shape.value?.radiance;
+export const radianceOf = (light: Light): Rgb | undefined => light.shape.value?.radiance;
 
-export const colour_light = (scene: Scene, index: number, hue: Rgb): Scene =>
-  with_light(scene, index, (light) => {
+export const colourLight = (scene: Scene, index: number, hue: Rgb): Scene =>
+  withLight(scene, index, (light) => {
     if (!light.shape.value) return light;
-    const value = { ...light.shape.value, radiance: with_hue(light.shape.value.radiance, hue) };
+    const value = { ...light.shape.value, radiance: withHue(light.shape.value.radiance, hue) };
     return { ...light, shape: { case: light.shape.case, value } as Light["shape"] };
   });
 
 /** 0 in a scene means 1. */
-export const intensity_of = (light: Light): number => (light.intensity === 0 ? 1 : light.intensity);
+export const intensityOf = (light: Light): number => (light.intensity === 0 ? 1 : light.intensity);
 
-export const dim_light = (scene: Scene, index: number, intensity: number): Scene =>
-  with_light(scene, index, (light) => ({ ...light, intensity: within(intensity, intensity_limits, intensity_of(light)) }));
+export const dimLight = (scene: Scene, index: number, intensity: number): Scene =>
+  withLight(scene, index, (light) => ({
+    ...light,
+    intensity: within(intensity, intensityLimits, intensityOf(light)),
+  }));
 
-export const switch_light = (scene: Scene, index: number, disabled: boolean): Scene => with_light(scene, index, (light) => ({ ...light, disabled }));
-export const name_light = (scene: Scene, index: number, name: string): Scene => with_light(scene, index, (light) => ({ ...light, name: name.slice(0, 60) }));
+export const switchLight = (scene: Scene, index: number, disabled: boolean): Scene =>
+  withLight(scene, index, (light) => ({ ...light, disabled }));
+export const nameLight = (scene: Scene, index: number, name: string): Scene =>
+  withLight(scene, index, (light) => ({ ...light, name: name.slice(0, 60) }));
 
 /** From one frame to the other, staying where it is. */
-export function lock_light(scene: Scene, index: number, locked: boolean, pose: CameraPose): Scene {
-  return with_light(scene, index, (light) => {
+export function lockLight(scene: Scene, index: number, locked: boolean, pose: CameraPose): Scene {
+  return withLight(scene, index, (light) => {
     if (light.cameraLocked === locked) return light;
-    const at = (v: Parameters<typeof vector>[0]) => message((locked ? from_world : to_world)(pose, vector(v)));
-    const way = (v: Parameters<typeof vector>[0]) => message((locked ? from_world : to_world)(pose, vector(v), true));
+    const at = (v: Parameters<typeof vector>[0]) => message((locked ? fromWorld : toWorld)(pose, vector(v)));
+    const way = (v: Parameters<typeof vector>[0]) => message((locked ? fromWorld : toWorld)(pose, vector(v), true));
     const { shape } = light;
-    const to = (value: object): Light => ({ ...light, cameraLocked: locked, shape: { case: shape.case, value } as Light["shape"] });
+    const to = (value: object): Light => ({
+      ...light,
+      cameraLocked: locked,
+      shape: { case: shape.case, value } as Light["shape"],
+    });
     switch (shape.case) {
       case "rectangle":
         return to({ ...shape.value, corner: at(shape.value.corner), u: way(shape.value.u), v: way(shape.value.v) });
@@ -203,7 +223,13 @@ export function lock_light(scene: Scene, index: number, locked: boolean, pose: C
       case "sphere":
         return to({ ...shape.value, centre: at(shape.value.centre) });
       case "box":
-        return to({ ...shape.value, corner: at(shape.value.corner), u: way(shape.value.u), v: way(shape.value.v), w: way(shape.value.w) });
+        return to({
+          ...shape.value,
+          corner: at(shape.value.corner),
+          u: way(shape.value.u),
+          v: way(shape.value.v),
+          w: way(shape.value.w),
+        });
       default:
         return { ...light, cameraLocked: locked };
     }
@@ -214,37 +240,67 @@ export function lock_light(scene: Scene, index: number, locked: boolean, pose: C
 const irradiance = 8;
 
 /** Locked to the camera, above to the left, as far away as suits a volume of that radius in mm. */
-export function add_light(scene: Scene, shape: Exclude<Shape, "box">, name: string, radius: number): Scene {
-  if (scene.lights.length >= most_lights) return scene;
-  const distance = within(3 * radius, distance_limits, 500);
-  const edge = within(radius, size_limits, 100);
+export function addLight(scene: Scene, shape: Exclude<Shape, "box">, name: string, radius: number): Scene {
+  if (scene.lights.length >= mostLights) return scene;
+  const distance = within(3 * radius, distanceLimits, 500);
+  const edge = within(radius, sizeLimits, 100);
   const towards = normalize(vec3(-0.8, 0.6, 0.8), vec3(0, 0, 1));
   const area = shape === "rectangle" ? edge * edge : Math.PI * (edge / 2) ** 2;
   const strength = (irradiance * distance * distance) / area;
   const radiance = shape === "environment" ? rgb(0.3, 0.3, 0.3) : rgb(strength, strength, strength);
-  const light = create(LightSchema, { name, cameraLocked: shape !== "environment", intensity: 1, shape: first_shape(shape, edge, radiance) });
+  const light = create(LightSchema, {
+    name,
+    cameraLocked: shape !== "environment",
+    intensity: 1,
+    shape: firstShape(shape, edge, radiance),
+  });
   return { ...scene, lights: [...scene.lights, placed(light, towards, distance)] };
 }
 
-function first_shape(shape: Exclude<Shape, "box">, edge: number, radiance: Rgb): Light["shape"] {
+function firstShape(shape: Exclude<Shape, "box">, edge: number, radiance: Rgb): Light["shape"] {
   switch (shape) {
     case "rectangle":
-      return { case: shape, value: create(RectangleLightSchema, { corner: { x: 0, y: 0, z: 0 }, u: { x: edge, y: 0, z: 0 }, v: { x: 0, y: edge, z: 0 }, radiance }) };
+      return {
+        case: shape,
+        value: create(RectangleLightSchema, {
+          corner: { x: 0, y: 0, z: 0 },
+          u: { x: edge, y: 0, z: 0 },
+          v: { x: 0, y: edge, z: 0 },
+          radiance,
+        }),
+      };
     case "disk":
-      return { case: shape, value: create(DiskLightSchema, { centre: { x: 0, y: 0, z: 1 }, normal: { x: 0, y: 0, z: -1 }, radius: edge / 2, radiance }) };
+      return {
+        case: shape,
+        value: create(DiskLightSchema, {
+          centre: { x: 0, y: 0, z: 1 },
+          normal: { x: 0, y: 0, z: -1 },
+          radius: edge / 2,
+          radiance,
+        }),
+      };
     case "sphere":
-      return { case: shape, value: create(SphereLightSchema, { centre: { x: 0, y: 0, z: 1 }, radius: edge / 2, radiance }) };
+      return {
+        case: shape,
+        value: create(SphereLightSchema, { centre: { x: 0, y: 0, z: 1 }, radius: edge / 2, radiance }),
+      };
     case "environment":
       return { case: shape, value: create(EnvironmentLightSchema, { radiance }) };
   }
 }
 
-export const remove_light = (scene: Scene, index: number): Scene => ({ ...scene, lights: without(scene.lights, index) });
+export const removeLight = (scene: Scene, index: number): Scene => ({
+  ...scene,
+  lights: without(scene.lights, index),
+});
 
 /** Whether a rectangle shines to the middle: what a test asks. */
-export function faces_middle(light: Light): boolean {
-  const middle = middle_of(light);
+export function facesMiddle(light: Light): boolean {
+  const middle = middleOf(light);
   if (light.shape.case !== "rectangle" || !middle) return false;
   const normal = cross(vector(light.shape.value.u), vector(light.shape.value.v));
-  return length(cross(normal, middle)) < 1e-6 * length(normal) * length(middle) && normal.x * middle.x + normal.y * middle.y + normal.z * middle.z < 0;
+  return (
+    length(cross(normal, middle)) < 1e-6 * length(normal) * length(middle) &&
+    normal.x * middle.x + normal.y * middle.y + normal.z * middle.z < 0
+  );
 }

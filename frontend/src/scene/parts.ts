@@ -4,14 +4,14 @@ import type { Scene } from "../protocol/gen/api/proto/scene_pb";
 export type Part = "look" | "light" | "lens" | "cuts";
 
 /** `scene` with that part as it was in `begun`. */
-export function reset_part(scene: Scene, begun: Scene, part: Part): Scene {
+export function resetPart(scene: Scene, begun: Scene, part: Part): Scene {
   switch (part) {
     case "look":
       return taken(scene, begun, ["transferFunction"]);
     case "light":
       return taken(scene, begun, ["lights"]);
     case "lens":
-      return with_lens_of(taken(scene, begun, ["display", "phase", "shading", "bounces"]), begun);
+      return withLensOf(taken(scene, begun, ["display", "phase", "shading", "bounces"]), begun);
     case "cuts":
       return taken(scene, begun, ["clip", "slices"]);
   }
@@ -20,15 +20,19 @@ export function reset_part(scene: Scene, begun: Scene, part: Part): Scene {
 function taken(scene: Scene, begun: Scene, fields: readonly (keyof Scene)[]): Scene {
   const to: Record<string, unknown> = { ...scene };
   for (const field of fields) {
-    if (begun[field] === undefined) Reflect.deleteProperty(to, field); // absent and undefined are two things to the types
+    if (begun[field] === undefined)
+      Reflect.deleteProperty(to, field); // absent and undefined are two things to the types
     else to[field] = begun[field];
   }
   return to as unknown as Scene;
 }
 
 /** The eye stays where it is; only how it sees is taken. */
-function with_lens_of(scene: Scene, begun: Scene): Scene {
+function withLensOf(scene: Scene, begun: Scene): Scene {
   if (!scene.camera || !begun.camera) return scene;
   const { verticalFovDegrees, orthographicHeight, apertureRadius, focalDistance } = begun.camera;
-  return { ...scene, camera: { ...scene.camera, verticalFovDegrees, orthographicHeight, apertureRadius, focalDistance } };
+  return {
+    ...scene,
+    camera: { ...scene.camera, verticalFovDegrees, orthographicHeight, apertureRadius, focalDistance },
+  };
 }

@@ -2,43 +2,46 @@ import { create, equals, toBinary } from "@bufbuild/protobuf";
 import { deflateRawSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
 import { OpacityPointSchema, SceneSchema, type Scene } from "../protocol/gen/api/proto/scene_pb";
-import { link_of, scene_of_link } from "./scene_link";
-import { some_scene } from "./testing";
+import { linkOf, sceneOfLink } from "./scene_link";
+import { someScene } from "./testing";
 
-const link = async (scene: Scene): Promise<string> => (await link_of(scene)) ?? "";
-const kind = async (hash: string) => (await scene_of_link(hash)).kind;
-const address = (bytes: Uint8Array, version = "1") => `#view=${version}.${Buffer.from(deflateRawSync(bytes)).toString("base64url")}`;
+const link = async (scene: Scene): Promise<string> => (await linkOf(scene)) ?? "";
+const kind = async (hash: string) => (await sceneOfLink(hash)).kind;
+const address = (bytes: Uint8Array, version = "1") =>
+  `#view=${version}.${Buffer.from(deflateRawSync(bytes)).toString("base64url")}`;
 
 describe("a scene in an address", () => {
   it("comes back with everything but its names", async () => {
-    const scene = some_scene();
-    const back = await scene_of_link(await link(scene));
-    const bare = some_scene();
+    const scene = someScene();
+    const back = await sceneOfLink(await link(scene));
+    const bare = someScene();
     for (const channel of bare.transferFunction?.channels ?? []) channel.name = "";
     for (const light of bare.lights) light.name = "";
     expect(back.kind === "scene" && equals(SceneSchema, back.scene, bare)).toBe(true);
     expect(scene.lights[0]?.name).toBe("key"); // what is shown stays as it is
   });
   it("holds no word of a person, and no picture", async () => {
-    const scene = some_scene();
+    const scene = someScene();
     const [channel] = scene.transferFunction?.channels ?? [];
     if (channel) channel.name = "Erika Mustermann";
     const [light] = scene.lights;
     if (light) light.name = "born 1937";
-    const plain = await link(some_scene());
+    const plain = await link(someScene());
     expect(await link(scene)).toBe(plain);
   });
   it("has only letters that mails and messengers leave alone, and is short", async () => {
-    const hash = await link(some_scene());
+    const hash = await link(someScene());
     expect(hash).toMatch(/^#view=1\.[A-Za-z0-9_-]+$/);
     expect(hash.length).toBeLessThan(2000);
   });
   it("of too large a scene there is none", async () => {
-    const scene = some_scene();
-    const points = Array.from({ length: 1000 }, (_, n) => create(OpacityPointSchema, { value: n + Math.sin(7 * n) / 3, opacity: Math.abs(Math.sin(n * n)) }));
+    const scene = someScene();
+    const points = Array.from({ length: 1000 }, (_, n) =>
+      create(OpacityPointSchema, { value: n + Math.sin(7 * n) / 3, opacity: Math.abs(Math.sin(n * n)) }),
+    );
     const [channel] = scene.transferFunction?.channels ?? [];
     if (channel) channel.opacity = points;
-    expect(await link_of(scene)).toBeNull();
+    expect(await linkOf(scene)).toBeNull();
   });
 });
 
@@ -47,22 +50,33 @@ describe("what stands behind the #", () => {
     for (const hash of ["", "#", "#look=x", "#token=view=1.abc"]) expect(await kind(hash)).toBe("none");
   });
   it("may be of a later version", async () => {
-    const hash = await link(some_scene());
+    const hash = await link(someScene());
     expect(await kind(hash.replace("=1.", "=2."))).toBe("newer");
     expect(await kind(hash.replace("=1.", "=9999."))).toBe("newer");
   });
   it("may be junk, cut off, or of no version that ever was", async () => {
-    const hash = await link(some_scene());
-    const junk = ["#view=", "#view=1", "#view=1.", "#view=1.!!!", "#view=0.abcd", "#view=-1.abcd", "#view=1.AAAA", hash.slice(0, -8), `${hash}%20`, `#view=1.${"A".repeat(9000)}`];
+    const hash = await link(someScene());
+    const junk = [
+      "#view=",
+      "#view=1",
+      "#view=1.",
+      "#view=1.!!!",
+      "#view=0.abcd",
+      "#view=-1.abcd",
+      "#view=1.AAAA",
+      hash.slice(0, -8),
+      `${hash}%20`,
+      `#view=1.${"A".repeat(9000)}`,
+    ];
     for (const one of junk) expect(await kind(one), one).toBe("damaged");
   });
-  it("may be sound bytes that are no whole scene", async () => {
+  it("may be sound bytes without a whole scene", async () => {
     expect(await kind(address(new Uint8Array()))).toBe("damaged");
-    expect(await kind(address(new TextEncoder().encode("this is no scene at all")))).toBe("damaged");
+    expect(await kind(address(new TextEncoder().encode("this is not a scene")))).toBe("damaged");
   });
   it("may unpack to gigabytes, of which no more than a scene's are held", async () => {
     expect(await kind(address(new Uint8Array(4_000_000)))).toBe("damaged");
-    const scene = some_scene();
+    const scene = someScene();
     for (const light of scene.lights) light.name = " ".repeat(1_000_000);
     expect(await kind(address(toBinary(SceneSchema, scene)))).toBe("damaged");
   });

@@ -1,35 +1,46 @@
 import { describe, expect, it } from "vitest";
-import { fitted, is_sky, lamp_textures, most_texture_bytes, set_texture, sky_textures, texture_fits, texture_names, texture_of, texture_pixels } from "./textures";
-import { reset_part } from "./parts";
-import { refused, some_scene } from "./testing";
+import {
+  fitted,
+  isSky,
+  lampTextures,
+  mostTextureBytes,
+  setTexture,
+  skyTextures,
+  textureFits,
+  textureNames,
+  textureOf,
+  texturePixels,
+} from "./textures";
+import { resetPart } from "./parts";
+import { refused, someScene } from "./testing";
 
 const bytes = (n: number) => new Uint8Array(n).fill(7);
 
 describe("textures of lights", () => {
   it("are put on any light and taken off again", () => {
-    some_scene().lights.forEach((_, i) => {
-      const scene = set_texture(some_scene(), i, bytes(100));
+    someScene().lights.forEach((_, i) => {
+      const scene = setTexture(someScene(), i, bytes(100));
       const light = scene.lights[i];
-      expect(light && texture_of(light)).toEqual(bytes(100));
+      expect(light && textureOf(light)).toEqual(bytes(100));
       expect(refused(scene)).toEqual([]);
-      expect(set_texture(scene, i, null)).toEqual(some_scene());
-      expect(reset_part(scene, some_scene(), "light")).toEqual(some_scene());
+      expect(setTexture(scene, i, null)).toEqual(someScene());
+      expect(resetPart(scene, someScene(), "light")).toEqual(someScene());
     });
-    expect(set_texture(some_scene(), 99, bytes(1))).toEqual(some_scene());
+    expect(setTexture(someScene(), 99, bytes(1))).toEqual(someScene());
   });
 
   it("all of a scene's go into one message", () => {
-    const full = set_texture(some_scene(), 0, bytes(most_texture_bytes - 10));
-    expect(texture_fits(full, 1, 10)).toBe(true);
-    expect(texture_fits(full, 1, 11)).toBe(false);
-    expect(set_texture(full, 1, bytes(11))).toBe(full);
-    expect(texture_fits(full, 0, most_texture_bytes)).toBe(true); // in the place of its own
+    const full = setTexture(someScene(), 0, bytes(mostTextureBytes - 10));
+    expect(textureFits(full, 1, 10)).toBe(true);
+    expect(textureFits(full, 1, 11)).toBe(false);
+    expect(setTexture(full, 1, bytes(11))).toBe(full);
+    expect(textureFits(full, 0, mostTextureBytes)).toBe(true); // in the place of its own
   });
 
   it("those made here have light and shade, and a sky's are twice as wide as high", () => {
-    for (const name of [...lamp_textures, ...sky_textures]) {
-      const { width, height, rgba } = texture_pixels(name);
-      expect(width).toBe((sky_textures as readonly string[]).includes(name) ? 2 * height : height);
+    for (const name of [...lampTextures, ...skyTextures]) {
+      const { width, height, rgba } = texturePixels(name);
+      expect(width).toBe((skyTextures as readonly string[]).includes(name) ? 2 * height : height);
       expect(rgba).toHaveLength(4 * width * height);
       const red = rgba.filter((_, i) => i % 4 === 0);
       expect(Math.max(...red) - Math.min(...red)).toBeGreaterThan(150);
@@ -38,10 +49,10 @@ describe("textures of lights", () => {
   });
 
   it("the sky is bright above, and a sky has those of a sky", () => {
-    const { width, height, rgba } = texture_pixels("horizon");
+    const { width, height, rgba } = texturePixels("horizon");
     expect(rgba[0]).toBeGreaterThan(200);
     expect(rgba[4 * width * (height - 1)]).toBeLessThan(60);
-    for (const light of some_scene().lights) expect(texture_names(light)).toBe(is_sky(light) ? sky_textures : lamp_textures);
+    for (const light of someScene().lights) expect(textureNames(light)).toBe(isSky(light) ? skyTextures : lampTextures);
   });
 
   it("one's own keeps its shape", () => {

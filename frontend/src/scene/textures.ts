@@ -3,35 +3,42 @@ import { TextureSchema, type Light, type Scene } from "../protocol/gen/api/proto
 import { clamp, replaced } from "./numbers";
 
 /** Made up here: for lamps what stands before them, for the sky what one is in. */
-export const lamp_textures = ["soft", "ring", "window", "blinds"] as const;
-export const sky_textures = ["horizon", "studio", "evening"] as const;
-export type TextureName = (typeof lamp_textures)[number] | (typeof sky_textures)[number];
+export const lampTextures = ["soft", "ring", "window", "blinds"] as const;
+export const skyTextures = ["horizon", "studio", "evening"] as const;
+export type TextureName = (typeof lampTextures)[number] | (typeof skyTextures)[number];
 
-export const is_sky = (light: Light): boolean => light.shape.case === "environment";
-export const texture_names = (light: Light): readonly TextureName[] => (is_sky(light) ? sky_textures : lamp_textures);
+export const isSky = (light: Light): boolean => light.shape.case === "environment";
+export const textureNames = (light: Light): readonly TextureName[] => (isSky(light) ? skyTextures : lampTextures);
 
 /** A scene goes whole to the renderer with each of its changes, in a message of at most 64 kB: so much of it for pictures. */
-export const most_texture_bytes = 36_000;
+export const mostTextureBytes = 36_000;
 /** A longer side of one's own picture: it lights, nobody reads in it. */
-export const own_texture_side = 128;
+export const ownTextureSide = 128;
 
-export const texture_of = (light: Light): Uint8Array | null => {
+export const textureOf = (light: Light): Uint8Array | null => {
   const bytes = light.shape.value?.texture?.picture;
   return bytes && bytes.length > 0 ? bytes : null;
 };
 
 /** Whether there is room for it beside those of the other lights. */
-export const texture_fits = (scene: Scene, index: number, bytes: number): boolean =>
-  scene.lights.reduce((sum, light, i) => sum + (i === index ? 0 : (texture_of(light)?.length ?? 0)), bytes) <= most_texture_bytes;
+export const textureFits = (scene: Scene, index: number, bytes: number): boolean =>
+  scene.lights.reduce((sum, light, i) => sum + (i === index ? 0 : (textureOf(light)?.length ?? 0)), bytes) <=
+  mostTextureBytes;
 
 /** A PNG or JPEG file on a light, or none. What there is no room for is not taken. */
-export function set_texture(scene: Scene, index: number, picture: Uint8Array<ArrayBuffer> | null): Scene {
+export function setTexture(scene: Scene, index: number, picture: Uint8Array<ArrayBuffer> | null): Scene {
   const light = scene.lights[index];
-  if (!light?.shape.value || (picture && !texture_fits(scene, index, picture.length))) return scene;
+  if (!light?.shape.value || (picture && !textureFits(scene, index, picture.length))) return scene;
   const value: Record<string, unknown> = { ...light.shape.value };
   if (picture) value.texture = create(TextureSchema, { picture });
   else Reflect.deleteProperty(value, "texture"); // absent and undefined are two things to the types
-  return { ...scene, lights: replaced(scene.lights, index, { ...light, shape: { case: light.shape.case, value } as unknown as Light["shape"] }) };
+  return {
+    ...scene,
+    lights: replaced(scene.lights, index, {
+      ...light,
+      shape: { case: light.shape.case, value } as unknown as Light["shape"],
+    }),
+  };
 }
 
 export interface Pixels {
@@ -42,12 +49,16 @@ export interface Pixels {
 }
 
 /** Around the sky the width is twice the height (docs/scenes.md). */
-export function texture_pixels(name: TextureName): Pixels {
-  const height = 48, width = (sky_textures as readonly string[]).includes(name) ? 2 * height : height;
+export function texturePixels(name: TextureName): Pixels {
+  const height = 48,
+    width = (skyTextures as readonly string[]).includes(name) ? 2 * height : height;
   const rgba = new Uint8ClampedArray(4 * width * height);
   for (let y = 0; y < height; ++y) {
     for (let x = 0; x < width; ++x) {
-      rgba.set([...colours[name]((x + 0.5) / width, (y + 0.5) / height).map((c) => 255 * clamp(c, 0, 1)), 255], 4 * (x + width * y));
+      rgba.set(
+        [...colours[name]((x + 0.5) / width, (y + 0.5) / height).map((c) => 255 * clamp(c, 0, 1)), 255],
+        4 * (x + width * y),
+      );
     }
   }
   return { width, height, rgba };
@@ -57,23 +68,38 @@ type Colour = readonly [number, number, number];
 const grey = (value: number): Colour => [value, value, value];
 /** 1 before `edge`, 0 from `edge` + `soft` on. */
 const until = (value: number, edge: number, soft: number): number => clamp(1 - (value - edge) / soft, 0, 1);
-const mixed = (a: Colour, b: Colour, part: number): Colour => [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part, a[2] + (b[2] - a[2]) * part];
-const from_middle = (u: number, v: number): number => 2 * Math.hypot(u - 0.5, v - 0.5);
+const mixed = (a: Colour, b: Colour, part: number): Colour => [
+  a[0] + (b[0] - a[0]) * part,
+  a[1] + (b[1] - a[1]) * part,
+  a[2] + (b[2] - a[2]) * part,
+];
+const fromMiddle = (u: number, v: number): number => 2 * Math.hypot(u - 0.5, v - 0.5);
 /** A bright field around (u, v) of a sky. */
-const field = (u: number, v: number, at_u: number, at_v: number): number => until(Math.max(Math.abs(u - at_u) * 2, Math.abs(v - at_v)), 0.12, 0.06);
+const field = (u: number, v: number, atU: number, atV: number): number =>
+  until(Math.max(Math.abs(u - atU) * 2, Math.abs(v - atV)), 0.12, 0.06);
 
 const colours: Readonly<Record<TextureName, (u: number, v: number) => Colour>> = {
-  soft: (u, v) => grey(until(from_middle(u, v), 0.2, 0.8)),
-  ring: (u, v) => grey(until(Math.abs(from_middle(u, v) - 0.75), 0.12, 0.1)),
+  soft: (u, v) => grey(until(fromMiddle(u, v), 0.2, 0.8)),
+  ring: (u, v) => grey(until(Math.abs(fromMiddle(u, v) - 0.75), 0.12, 0.1)),
   window: (u, v) => grey(Math.min(...[u, v].map((c) => until(0.07 - Math.min(c, 1 - c, Math.abs(c - 0.5)), 0, 0.03)))),
   blinds: (_, v) => grey(until(Math.abs(((6 * v) % 1) - 0.5), 0.25, 0.06)),
   horizon: (_, v) => mixed([0.16, 0.15, 0.14], [0.92, 0.96, 1], until(v, 0.46, 0.08)),
-  studio: (u, v) => grey(0.12 + 0.88 * Math.max(field(u, v, 0.3, 0.4), field(u, v, 0.72, 0.45) * 0.7, until(v, 0.05, 0.1))),
-  evening: (u, v) => mixed(mixed([0.12, 0.1, 0.12], [0.25, 0.3, 0.55], until(v, 0.5, 0.04)), [1, 0.62, 0.3], until(Math.hypot(2 * (u - 0.32), 1.4 * (v - 0.46)), 0.08, 0.4)),
+  studio: (u, v) =>
+    grey(0.12 + 0.88 * Math.max(field(u, v, 0.3, 0.4), field(u, v, 0.72, 0.45) * 0.7, until(v, 0.05, 0.1))),
+  evening: (u, v) =>
+    mixed(
+      mixed([0.12, 0.1, 0.12], [0.25, 0.3, 0.55], until(v, 0.5, 0.04)),
+      [1, 0.62, 0.3],
+      until(Math.hypot(2 * (u - 0.32), 1.4 * (v - 0.46)), 0.08, 0.4),
+    ),
 };
 
 /** As large as `most` lets it be, in its own shape. */
-export function fitted(width: number, height: number, most: number): { readonly width: number; readonly height: number } {
+export function fitted(
+  width: number,
+  height: number,
+  most: number,
+): { readonly width: number; readonly height: number } {
   const shrink = Math.min(1, most / Math.max(width, height, 1));
   return { width: Math.max(1, Math.round(width * shrink)), height: Math.max(1, Math.round(height * shrink)) };
 }

@@ -1,5 +1,5 @@
 /** ExactSlice.data once inflated (api/proto/stream.proto). @throws when it is not of that size. */
-export function values_of(bytes: Uint8Array, columns: number, rows: number): Int16Array<ArrayBuffer> {
+export function valuesOf(bytes: Uint8Array, columns: number, rows: number): Int16Array<ArrayBuffer> {
   const pixels = columns * rows;
   if (bytes.length !== 2 * pixels) throw new Error("a slice of another size");
   const values = new Int16Array(pixels);
@@ -13,4 +13,4 @@ export async function inflate(data: Uint8Array<ArrayBuffer>): Promise<Uint8Array
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-export const can_inflate = (): boolean => typeof DecompressionStream === "function";
+export const canInflate = (): boolean => typeof DecompressionStream === "function";

@@ -2,7 +2,7 @@ import { dot, length, subtract, type Vec3 } from "../input/vec3";
 import type { Plane } from "./stack";
 
 export type MeasureKind = "ruler" | "angle";
-const points_of: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3 };
+const pointsOf: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3 };
 
 /** Points in world space, mm; of an angle the second is its corner. In one slice. */
 export interface Measure {
@@ -12,7 +12,7 @@ export interface Measure {
   readonly points: readonly Vec3[];
 }
 
-export const is_whole = ({ kind, points }: Measure): boolean => points.length === points_of[kind];
+export const isWhole = ({ kind, points }: Measure): boolean => points.length === pointsOf[kind];
 
 /** mm, or degrees; nothing while points are lacking. */
 export function measured({ kind, points }: Measure): number | null {
@@ -27,19 +27,25 @@ export function measured({ kind, points }: Measure): number | null {
 }
 
 /** Another point, into the last measure if that is one of this kind and slice that lacks some; else it begins one. */
-export function with_point(measures: readonly Measure[], kind: MeasureKind, plane: Plane, slice: number, point: Vec3): readonly Measure[] {
-  const done = measures.filter(is_whole);
+export function withPoint(
+  measures: readonly Measure[],
+  kind: MeasureKind,
+  plane: Plane,
+  slice: number,
+  point: Vec3,
+): readonly Measure[] {
+  const done = measures.filter(isWhole);
   const last = measures.at(-1);
-  if (!last || is_whole(last) || last.kind !== kind || last.plane !== plane || last.slice !== slice)
+  if (!last || isWhole(last) || last.kind !== kind || last.plane !== plane || last.slice !== slice)
     return [...done, { kind, plane, slice, points: [point] }];
   return [...done, { ...last, points: [...last.points, point] }];
 }
 
 /** The last point of the last measure elsewhere, as a hand drags it. */
-export function with_last_point(measures: readonly Measure[], point: Vec3): readonly Measure[] {
+export function withLastPoint(measures: readonly Measure[], point: Vec3): readonly Measure[] {
   const last = measures.at(-1);
   return last ? [...measures.slice(0, -1), { ...last, points: [...last.points.slice(0, -1), point] }] : measures;
 }
 
 /** Without the last: the one that is being made, where one is. */
-export const without_last = (measures: readonly Measure[]): readonly Measure[] => measures.slice(0, -1);
+export const withoutLast = (measures: readonly Measure[]): readonly Measure[] => measures.slice(0, -1);

@@ -39,7 +39,7 @@ describe("the slices of a scan", () => {
   });
   it("go through one place", () => {
     const slices = begun();
-    slices.point_at(axial, vec3(-0.6, 0.8, 100));
+    slices.pointAt(axial, vec3(-0.6, 0.8, 100));
     expect([axial, sagittal, coronal].map((stack) => slices.index(stack))).toEqual([4, 2, 2]);
     slices.step(axial, 1, -1);
     expect([axial, sagittal, coronal].map((stack) => slices.index(stack))).toEqual([4, 3, 1]);
@@ -49,15 +49,15 @@ describe("the slices of a scan", () => {
     slices.narrow.value = true;
     slices.open.value = true;
     expect(slices.view.value).toBe("axial");
-    expect(slices.picture_shown.value).toBe(false);
+    expect(slices.pictureShown.value).toBe(false);
     slices.shown.value = "picture";
-    expect(slices.picture_shown.value).toBe(true);
+    expect(slices.pictureShown.value).toBe(true);
   });
-  it("stay as they are over a reconnection, and begin anew with another volume", () => {
+  it("survive a reconnection, and are reset for another volume", () => {
     const slices = begun();
     expect(slices.window.value).toEqual({ centre: 40, width: 400 });
-    slices.set_window({ centre: 1, width: 2 });
-    slices.go_to(axial, 0);
+    slices.setWindow({ centre: 1, width: 2 });
+    slices.goTo(axial, 0);
     slices.configured([axial, sagittal, coronal], header);
     expect(slices.window.value).toEqual({ centre: 1, width: 2 });
     expect(slices.index(axial)).toBe(0);
@@ -92,7 +92,7 @@ describe("the slices of a scan", () => {
     slices.configured([axial, sagittal, coronal], { ...header, contentHash: "" });
     slices.allow("clipped");
     expect(slices.available.value).toBe(true);
-    slices.set_window({ centre: 1, width: 2 });
+    slices.setWindow({ centre: 1, width: 2 });
     slices.configured([axial, sagittal, coronal], { ...header, contentHash: "" });
     expect(slices.window.value).toEqual({ centre: 1, width: 2 });
   });

@@ -2,10 +2,10 @@ import { computed, effect, signal } from "@preact/signals";
 import { add, scale, vec3, type Vec3 } from "../input/vec3";
 import { inflate } from "./coding";
 import type { Measure } from "./measure";
-import { whole_slice, type Placing } from "./placing";
-import { held_within, in_slice, pixel_of, planes, type Plane, type Stack } from "./stack";
+import { wholeSlice, type Placing } from "./placing";
+import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./stack";
 import { SliceStore, type Coming, type StoreParts } from "./store";
-import { bounded, first_window, table_of, type Window } from "./window";
+import { bounded, firstWindow, tableOf, type Window } from "./window";
 
 /** What one hand alone does in a slice. */
 export const tools = ["window", "crosshair", "ruler", "angle"] as const;
@@ -14,7 +14,7 @@ export type Tool = (typeof tools)[number];
 /** One of the views alone, or all four. */
 export type Shown = "picture" | "four" | Plane;
 
-type Header = Parameters<typeof first_window>[0] & { readonly contentHash: string };
+type Header = Parameters<typeof firstWindow>[0] & { readonly contentHash: string };
 const middle = vec3(0, 0, 0);
 
 /** Which slices the server gives this viewer: those of `clipped` are blank outside of the clip. */
@@ -48,28 +48,28 @@ export class Slices {
     if (!this.open.value || !this.available.value) return "picture";
     return this.narrow.value && this.shown.value === "four" ? "axial" : this.shown.value;
   });
-  readonly picture_shown = computed(() => this.view.value === "picture" || this.view.value === "four");
+  readonly pictureShown = computed(() => this.view.value === "picture" || this.view.value === "four");
   /** Of every 16-bit value its grey. */
-  readonly table = computed(() => table_of(this.window.value));
+  readonly table = computed(() => tableOf(this.window.value));
 
-  private readonly store_: SliceStore;
-  private readonly stop_: () => void;
-  private first_: Window = this.window.value;
-  private volume_: string | null = null;
+  private readonly store: SliceStore;
+  private readonly stopEffect: () => void;
+  private first: Window = this.window.value;
+  private volume: string | null = null;
 
   constructor(ask: StoreParts["ask"]) {
-    this.store_ = new SliceStore({
+    this.store = new SliceStore({
       ask,
       inflate,
-      next_frame: (task) => requestAnimationFrame(task),
+      nextFrame: (task) => requestAnimationFrame(task),
       came: () => (this.came.value += 1),
       damaged: () => (this.damaged.value = true),
     });
-    this.stop_ = effect(() => {
+    this.stopEffect = effect(() => {
       for (const plane of planes) {
         const stack = this.stacks.value.get(plane);
         const seen = stack && (this.view.value === "four" || this.view.value === plane);
-        this.store_.show(plane, seen ? pixel_of(stack, this.crosshair.value).slice : null);
+        this.store.show(plane, seen ? pixelOf(stack, this.crosshair.value).slice : null);
       }
     });
   }
@@ -79,79 +79,79 @@ export class Slices {
     this.damaged.value = false;
     // Who is not told the volume's hash asks for its slices again after each reconnection.
     const volume = header && (header.contentHash || JSON.stringify(stacks));
-    if (header && !header.contentHash) this.store_.clear();
-    if (header && volume !== undefined && volume !== this.volume_) {
-      this.volume_ = volume;
-      this.store_.clear();
+    if (header && !header.contentHash) this.store.clear();
+    if (header && volume !== undefined && volume !== this.volume) {
+      this.volume = volume;
+      this.store.clear();
       this.stacks.value = new Map(stacks.map((stack) => [stack.plane, stack]));
-      this.first_ = first_window(header);
+      this.first = firstWindow(header);
       this.reset();
     }
-    this.store_.connected();
+    this.store.connected();
   }
 
   allow(access: Access): void {
     if (access === this.access.value) return;
     if (access === "none") this.open.value = false;
-    this.store_.clear();
+    this.store.clear();
     this.access.value = access;
     this.came.value += 1;
   }
 
   /** Of another clip than those that have come. */
   stale(): void {
-    this.store_.clear();
+    this.store.clear();
     this.came.value += 1;
   }
 
   receive(slice: Coming): void {
-    void this.store_.receive(slice);
+    void this.store.receive(slice);
   }
 
   stop(): void {
-    this.stop_();
+    this.stopEffect();
   }
 
   index(stack: Stack): number {
-    return pixel_of(stack, this.crosshair.value).slice;
+    return pixelOf(stack, this.crosshair.value).slice;
   }
 
   /** Those of the slice that the crosshair is in, once they have come. */
   values(stack: Stack): Int16Array<ArrayBuffer> | null {
-    return this.came.value >= 0 ? this.store_.get({ plane: stack.plane, index: this.index(stack) }) : null;
+    return this.came.value >= 0 ? this.store.get({ plane: stack.plane, index: this.index(stack) }) : null;
   }
 
-  value_at(stack: Stack, place: Vec3): number | null {
-    const { column, row } = pixel_of(stack, place);
+  valueAt(stack: Stack, place: Vec3): number | null {
+    const { column, row } = pixelOf(stack, place);
     return this.values(stack)?.[row * stack.columns + column] ?? null;
   }
 
   scroll(stack: Stack, by: number): void {
-    this.go_to(stack, this.index(stack) + by);
+    this.goTo(stack, this.index(stack) + by);
   }
 
-  go_to(stack: Stack, index: number): void {
-    this.crosshair.value = in_slice(stack, this.crosshair.value, index);
+  goTo(stack: Stack, index: number): void {
+    this.crosshair.value = inSlice(stack, this.crosshair.value, index);
   }
 
-  point_at(stack: Stack, place: Vec3): void {
-    this.crosshair.value = held_within(stack, place);
+  pointAt(stack: Stack, place: Vec3): void {
+    this.crosshair.value = heldWithin(stack, place);
   }
 
   /** So many pixels in the slice. */
   step(stack: Stack, right: number, down: number): void {
-    this.point_at(stack, add(this.crosshair.value, add(scale(stack.right, right), scale(stack.down, down))));
+    this.pointAt(stack, add(this.crosshair.value, add(scale(stack.right, right), scale(stack.down, down))));
   }
 
   placing(stack: Stack): Placing {
-    return this.placings.value[stack.plane] ?? whole_slice(stack);
+    return this.placings.value[stack.plane] ?? wholeSlice(stack);
   }
 
   place(stack: Stack, placing: Placing): void {
     this.placings.value = { ...this.placings.value, [stack.plane]: placing };
   }
 
-  set_window(window: Window): void {
+  setWindow(window: Window): void {
     this.window.value = bounded(window);
   }
 
@@ -163,8 +163,8 @@ export class Slices {
   /** The whole of every slice, the middle of the volume, the first window; measures stay. */
   reset(): void {
     const axial = this.stacks.value.get("axial");
-    this.crosshair.value = axial ? held_within(axial, middle) : middle;
+    this.crosshair.value = axial ? heldWithin(axial, middle) : middle;
     this.placings.value = {};
-    this.window.value = this.first_;
+    this.window.value = this.first;
   }
 }

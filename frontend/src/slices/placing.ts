@@ -1,6 +1,6 @@
 import type { Area, Point } from "../input/flat";
 import { clamp } from "../scene/numbers";
-import { pixel_size, type Stack } from "./stack";
+import { pixelSize, type Stack } from "./stack";
 
 /** How a slice lies in its view: `zoom` 1 shows all of it; the view's middle shows that pixel. */
 export interface Placing {
@@ -9,14 +9,22 @@ export interface Placing {
   readonly row: number;
 }
 
-export const zoom_limits = { low: 0.5, high: 40 } as const;
+export const zoomLimits = { low: 0.5, high: 40 } as const;
 
-export const whole_slice = (stack: Stack): Placing => ({ zoom: 1, column: (stack.columns - 1) / 2, row: (stack.rows - 1) / 2 });
+export const wholeSlice = (stack: Stack): Placing => ({
+  zoom: 1,
+  column: (stack.columns - 1) / 2,
+  row: (stack.rows - 1) / 2,
+});
 
 /** Of the view, for one mm. A little stays free for the letters at the edges. */
-export function per_mm(stack: Stack, placing: Placing, area: Area): number {
-  const { width, height } = pixel_size(stack);
-  return 0.94 * placing.zoom * Math.max(1e-6, Math.min(area.width / (stack.columns * width), area.height / (stack.rows * height)));
+export function perMm(stack: Stack, placing: Placing, area: Area): number {
+  const { width, height } = pixelSize(stack);
+  return (
+    0.94 *
+    placing.zoom *
+    Math.max(1e-6, Math.min(area.width / (stack.columns * width), area.height / (stack.rows * height)))
+  );
 }
 
 interface Flat {
@@ -24,16 +32,22 @@ interface Flat {
   readonly row: number;
 }
 
-export function point_of(stack: Stack, placing: Placing, area: Area, { column, row }: Flat): Point {
-  const mm = per_mm(stack, placing, area);
-  const { width, height } = pixel_size(stack);
-  return { x: area.width / 2 + (column - placing.column) * width * mm, y: area.height / 2 + (row - placing.row) * height * mm };
+export function pointOf(stack: Stack, placing: Placing, area: Area, { column, row }: Flat): Point {
+  const mm = perMm(stack, placing, area);
+  const { width, height } = pixelSize(stack);
+  return {
+    x: area.width / 2 + (column - placing.column) * width * mm,
+    y: area.height / 2 + (row - placing.row) * height * mm,
+  };
 }
 
-export function pixel_at(stack: Stack, placing: Placing, area: Area, { x, y }: Point): Flat {
-  const mm = per_mm(stack, placing, area);
-  const { width, height } = pixel_size(stack);
-  return { column: placing.column + (x - area.width / 2) / (width * mm), row: placing.row + (y - area.height / 2) / (height * mm) };
+export function pixelAt(stack: Stack, placing: Placing, area: Area, { x, y }: Point): Flat {
+  const mm = perMm(stack, placing, area);
+  const { width, height } = pixelSize(stack);
+  return {
+    column: placing.column + (x - area.width / 2) / (width * mm),
+    row: placing.row + (y - area.height / 2) / (height * mm),
+  };
 }
 
 const held = (stack: Stack, { zoom, column, row }: Placing): Placing => ({
@@ -44,15 +58,23 @@ const held = (stack: Stack, { zoom, column, row }: Placing): Placing => ({
 
 /** Nearer or farther, and what lies under `at` stays there. */
 export function zoomed(stack: Stack, placing: Placing, area: Area, factor: number, at: Point): Placing {
-  const zoom = clamp(placing.zoom * factor, zoom_limits.low, zoom_limits.high);
-  const fixed = pixel_at(stack, placing, area, at);
-  const moved = pixel_at(stack, { ...placing, zoom }, area, at);
-  return held(stack, { zoom, column: placing.column + fixed.column - moved.column, row: placing.row + fixed.row - moved.row });
+  const zoom = clamp(placing.zoom * factor, zoomLimits.low, zoomLimits.high);
+  const fixed = pixelAt(stack, placing, area, at);
+  const moved = pixelAt(stack, { ...placing, zoom }, area, at);
+  return held(stack, {
+    zoom,
+    column: placing.column + fixed.column - moved.column,
+    row: placing.row + fixed.row - moved.row,
+  });
 }
 
 /** With the hand, so far in the view. */
 export function panned(stack: Stack, placing: Placing, area: Area, right: number, down: number): Placing {
-  const from = pixel_at(stack, placing, area, { x: 0, y: 0 });
-  const to = pixel_at(stack, placing, area, { x: right, y: down });
-  return held(stack, { ...placing, column: placing.column + from.column - to.column, row: placing.row + from.row - to.row });
+  const from = pixelAt(stack, placing, area, { x: 0, y: 0 });
+  const to = pixelAt(stack, placing, area, { x: right, y: down });
+  return held(stack, {
+    ...placing,
+    column: placing.column + from.column - to.column,
+    row: placing.row + from.row - to.row,
+  });
 }

@@ -24,60 +24,77 @@ export interface Spot {
   readonly slice: number;
 }
 
-const along = (way: Vec3, from_first: Vec3): number => dot(from_first, way) / dot(way, way);
+const along = (way: Vec3, fromFirst: Vec3): number => dot(fromFirst, way) / dot(way, way);
 
-export function spot_of(stack: Stack, place: Vec3): Spot {
-  const from_first = subtract(place, stack.first);
-  return { column: along(stack.right, from_first), row: along(stack.down, from_first), slice: along(stack.next, from_first) };
+export function spotOf(stack: Stack, place: Vec3): Spot {
+  const fromFirst = subtract(place, stack.first);
+  return {
+    column: along(stack.right, fromFirst),
+    row: along(stack.down, fromFirst),
+    slice: along(stack.next, fromFirst),
+  };
 }
 
-export function place_of(stack: Stack, { column, row, slice }: Spot): Vec3 {
+export function placeOf(stack: Stack, { column, row, slice }: Spot): Vec3 {
   return add(add(stack.first, scale(stack.right, column)), add(scale(stack.down, row), scale(stack.next, slice)));
 }
 
 const whole = (n: number, count: number): number => Math.min(count - 1, Math.max(0, Math.round(n)));
 
 /** The pixel and the slice that a place lies in; the nearest where it lies in none. */
-export function pixel_of(stack: Stack, place: Vec3): Spot {
-  const spot = spot_of(stack, place);
-  return { column: whole(spot.column, stack.columns), row: whole(spot.row, stack.rows), slice: whole(spot.slice, stack.slices) };
+export function pixelOf(stack: Stack, place: Vec3): Spot {
+  const spot = spotOf(stack, place);
+  return {
+    column: whole(spot.column, stack.columns),
+    row: whole(spot.row, stack.rows),
+    slice: whole(spot.slice, stack.slices),
+  };
 }
 
 /** The same place in the middle of another slice of the stack; beyond the last one the last. */
-export function in_slice(stack: Stack, place: Vec3, slice: number): Vec3 {
-  return place_of(stack, { ...spot_of(stack, place), slice: whole(slice, stack.slices) });
+export function inSlice(stack: Stack, place: Vec3, slice: number): Vec3 {
+  return placeOf(stack, { ...spotOf(stack, place), slice: whole(slice, stack.slices) });
 }
 
 /** As near as the stack has a pixel. */
-export const held_within = (stack: Stack, place: Vec3): Vec3 => place_of(stack, pixel_of(stack, place));
+export const heldWithin = (stack: Stack, place: Vec3): Vec3 => placeOf(stack, pixelOf(stack, place));
 
 /** mm. */
-export const pixel_size = (stack: Stack): { readonly width: number; readonly height: number; readonly thickness: number } => ({
+export const pixelSize = (
+  stack: Stack,
+): { readonly width: number; readonly height: number; readonly thickness: number } => ({
   width: length(stack.right),
   height: length(stack.down),
   thickness: length(stack.next),
 });
 
-const sides = [["R", "L"], ["A", "P"], ["I", "S"]] as const;
+const sides = [
+  ["R", "L"],
+  ["A", "P"],
+  ["I", "S"],
+] as const;
 
 /** To which side of the patient a direction along one of his axes goes. */
-export function side_of(way: Vec3): string {
+export function sideOf(way: Vec3): string {
   const parts = [way.x, way.y, way.z];
   const axis = parts.reduce((best, part, i) => (Math.abs(part) > Math.abs(parts[best] ?? 0) ? i : best), 0);
   return sides[axis]?.[(parts[axis] ?? 0) > 0 ? 1 : 0] ?? "";
 }
 
 /** What lies at the edges of the picture. */
-export const edges_of = (stack: Stack) => ({
-  right: side_of(stack.right),
-  left: side_of(scale(stack.right, -1)),
-  bottom: side_of(stack.down),
-  top: side_of(scale(stack.down, -1)),
+export const edgesOf = (stack: Stack) => ({
+  right: sideOf(stack.right),
+  left: sideOf(scale(stack.right, -1)),
+  bottom: sideOf(stack.down),
+  top: sideOf(scale(stack.down, -1)),
 });
 
 /** A place as it is said: to which side of the middle, and how far in mm. */
-export const said_place = (place: Vec3): readonly { readonly side: string; readonly mm: number }[] =>
-  [vec3(place.x, 0, 0), vec3(0, place.y, 0), vec3(0, 0, place.z)].map((part) => ({ side: side_of(part), mm: length(part) }));
+export const saidPlace = (place: Vec3): readonly { readonly side: string; readonly mm: number }[] =>
+  [vec3(place.x, 0, 0), vec3(0, place.y, 0), vec3(0, 0, place.z)].map((part) => ({
+    side: sideOf(part),
+    mm: length(part),
+  }));
 
 interface Box {
   readonly size: readonly number[];
@@ -87,7 +104,7 @@ interface Box {
 }
 
 /** Whether a place lies in the volume: an oblique one leaves corners of its slices empty. */
-export function is_inside({ size, spacing, direction }: Box, place: Vec3): boolean {
+export function isInside({ size, spacing, direction }: Box, place: Vec3): boolean {
   return [0, 1, 2].every((axis) => {
     const way = vec3(direction[axis] ?? 0, direction[3 + axis] ?? 0, direction[6 + axis] ?? 0);
     return Math.abs(dot(way, place)) <= ((size[axis] ?? 0) * (spacing[axis] ?? 0)) / 2 + 1e-6;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { inflate, values_of } from "./coding";
-import { SliceStore, most_bytes, type Coming, type SliceId } from "./store";
+import { inflate, valuesOf } from "./coding";
+import { SliceStore, mostBytes, type Coming, type SliceId } from "./store";
 
 /** As the server does it: low and high bytes apart. */
 function coded(values: readonly number[]): Uint8Array<ArrayBuffer> {
@@ -15,7 +15,7 @@ function world(inflated = (data: Uint8Array<ArrayBuffer>) => Promise.resolve(dat
   const store = new SliceStore({
     ask: (lacking, taken) => asked.push({ lacking, taken }),
     inflate: inflated,
-    next_frame: (task) => frames.push(task),
+    nextFrame: (task) => frames.push(task),
     came: (slice) => came.push(slice),
     damaged: () => (damaged += 1),
   });
@@ -26,29 +26,44 @@ function world(inflated = (data: Uint8Array<ArrayBuffer>) => Promise.resolve(dat
   };
   return { store, asked, came, frame, damaged: () => damaged };
 }
-const coming = (seq: number, index: number, more: Partial<Coming> = {}): Coming =>
-  ({ seq: BigInt(seq), plane: "axial", index, columns: 2, rows: 2, data: coded([1, -2, 32767, -32768]), ...more });
+const coming = (seq: number, index: number, more: Partial<Coming> = {}): Coming => ({
+  seq: BigInt(seq),
+  plane: "axial",
+  index,
+  columns: 2,
+  rows: 2,
+  data: coded([1, -2, 32767, -32768]),
+  ...more,
+});
 
 describe("a slice's bytes", () => {
   it("come back as they were", async () => {
     const values = [-32768, 32767, 0, 5, -1, 300];
-    expect([...values_of(coded(values), 3, 2)]).toEqual(values);
+    expect([...valuesOf(coded(values), 3, 2)]).toEqual(values);
     const zipped = new Blob([coded(values)]).stream().pipeThrough(new CompressionStream("deflate"));
     const data = new Uint8Array(await new Response(zipped).arrayBuffer());
-    expect([...values_of(await inflate(data), 3, 2)]).toEqual(values);
+    expect([...valuesOf(await inflate(data), 3, 2)]).toEqual(values);
   });
   it("of another size are none", () => {
-    expect(() => values_of(new Uint8Array(7), 2, 2)).toThrow();
+    expect(() => valuesOf(new Uint8Array(7), 2, 2)).toThrow();
   });
 });
 
 describe("the slices that are kept", () => {
-  it("are asked for once a picture, the newest alone, and acknowledged when they come", async () => {
+  it("are requested once per picture, the newest alone, and acknowledged when they come", async () => {
     const { store, asked, came, frame } = world();
     for (const index of [1, 2, 3]) store.show("axial", index);
     store.show("coronal", 7);
     frame();
-    expect(asked).toEqual([{ lacking: [{ plane: "axial", index: 3 }, { plane: "coronal", index: 7 }], taken: 0n }]);
+    expect(asked).toEqual([
+      {
+        lacking: [
+          { plane: "axial", index: 3 },
+          { plane: "coronal", index: 7 },
+        ],
+        taken: 0n,
+      },
+    ]);
     await store.receive(coming(1, 3));
     expect(came).toEqual([{ plane: "axial", index: 3 }]);
     expect([...(store.get({ plane: "axial", index: 3 }) ?? [])]).toEqual([1, -2, 32767, -32768]);
@@ -66,7 +81,7 @@ describe("the slices that are kept", () => {
     frame();
     expect(asked.at(-1)?.lacking).toEqual([]);
   });
-  it("are asked for anew after a connection was lost, and what is read of the old one is dropped", async () => {
+  it("are requested again after a lost connection, and what the old one still sends is dropped", async () => {
     let go: (data: Uint8Array<ArrayBuffer>) => void = () => undefined;
     const { store, asked, came, frame } = world(() => new Promise((resolve) => (go = resolve)));
     store.show("axial", 3);
@@ -89,9 +104,9 @@ describe("the slices that are kept", () => {
     expect(asked.at(-1)?.lacking).toEqual([]);
   });
   it("are bounded, and what is shown stays", async () => {
-    const { store } = world(() => Promise.resolve(new Uint8Array(most_bytes / 2)));
+    const { store } = world(() => Promise.resolve(new Uint8Array(mostBytes / 2)));
     store.show("axial", 0);
-    const half = { columns: most_bytes / 4, rows: 1 };
+    const half = { columns: mostBytes / 4, rows: 1 };
     for (const index of [0, 1, 2]) await store.receive(coming(index + 1, index, half));
     expect([0, 1, 2].map((index) => store.get({ plane: "axial", index }) !== null)).toEqual([true, false, true]);
   });

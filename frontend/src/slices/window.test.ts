@@ -1,15 +1,19 @@
 import { describe, expect, it } from "vitest";
-import { bounded, dragged, first_window, grey_of, shade, table_of } from "./window";
+import { bounded, dragged, firstWindow, greyOf, shade, tableOf } from "./window";
 
 const window = { centre: 40, width: 400 };
 
 describe("a window", () => {
   it("is black below, white above, and linear between", () => {
-    expect([-5000, -160, -60, 40, 140, 240, 5000].map((value) => grey_of(value, window))).toEqual([0, 0, 64, 128, 191, 255, 255]);
+    expect([-5000, -160, -60, 40, 140, 240, 5000].map((value) => greyOf(value, window))).toEqual([
+      0, 0, 64, 128, 191, 255, 255,
+    ]);
   });
   it("has in its table what the formula says, for every value", () => {
-    const table = table_of(window);
-    const wrong = Array.from({ length: 65536 }, (_, i) => i - 32768).filter((value) => table[value & 0xffff] !== (255 << 24 | grey_of(value, window) * 0x10101) >>> 0);
+    const table = tableOf(window);
+    const wrong = Array.from({ length: 65536 }, (_, i) => i - 32768).filter(
+      (value) => table[value & 0xffff] !== ((255 << 24) | (greyOf(value, window) * 0x10101)) >>> 0,
+    );
     expect(wrong).toEqual([]);
     const pixels = new Uint32Array(3);
     shade(new Int16Array([-32768, 40, 32767]), table, pixels);
@@ -21,9 +25,18 @@ describe("a window", () => {
     expect(bounded({ centre: 1e9, width: 1e9 })).toEqual({ centre: 32767, width: 65535 });
   });
   it("begins as the scan says, else with nearly all values", () => {
-    const header = { windowCenter: 50, windowWidth: 300, minimum: -1000, maximum: 3000, percentiles: [-900, 0, 1, 2, 3, 4, 1100, 2000] };
-    expect(first_window(header)).toEqual({ centre: 50, width: 300 });
-    expect(first_window({ ...header, windowWidth: 0 })).toEqual({ centre: 100, width: 2000 });
-    expect(first_window({ windowCenter: 0, windowWidth: 0, minimum: 7, maximum: 7, percentiles: [] })).toEqual({ centre: 7, width: 1 });
+    const header = {
+      windowCenter: 50,
+      windowWidth: 300,
+      minimum: -1000,
+      maximum: 3000,
+      percentiles: [-900, 0, 1, 2, 3, 4, 1100, 2000],
+    };
+    expect(firstWindow(header)).toEqual({ centre: 50, width: 300 });
+    expect(firstWindow({ ...header, windowWidth: 0 })).toEqual({ centre: 100, width: 2000 });
+    expect(firstWindow({ windowCenter: 0, windowWidth: 0, minimum: 7, maximum: 7, percentiles: [] })).toEqual({
+      centre: 7,
+      width: 1,
+    });
   });
 });

@@ -6,23 +6,23 @@ export interface Window {
   readonly width: number;
 }
 
-export const window_limits = { centre: { low: -32768, high: 32767 }, width: { low: 1, high: 65535 } } as const;
+export const windowLimits = { centre: { low: -32768, high: 32767 }, width: { low: 1, high: 65535 } } as const;
 
 export const bounded = ({ centre, width }: Window): Window => ({
-  centre: clamp(Math.round(centre), window_limits.centre.low, window_limits.centre.high),
-  width: clamp(Math.round(width), window_limits.width.low, window_limits.width.high),
+  centre: clamp(Math.round(centre), windowLimits.centre.low, windowLimits.centre.high),
+  width: clamp(Math.round(width), windowLimits.width.low, windowLimits.width.high),
 });
 
 /** 0 to 255: black at the window's lower border, white at its upper (LINEAR_EXACT of DICOM PS3.3 C.11.2.1.3.2). */
-export function grey_of(value: number, { centre, width }: Window): number {
+export function greyOf(value: number, { centre, width }: Window): number {
   return Math.round(255 * clamp((value - centre) / width + 0.5, 0, 1));
 }
 
 /** Of every 16-bit value, by its bits: one look-up a pixel. As RGBA in the machine's own order of bytes. */
-export function table_of(window: Window): Uint32Array {
+export function tableOf(window: Window): Uint32Array {
   const table = new Uint32Array(65536);
   for (let bits = 0; bits < 65536; ++bits) {
-    const grey = grey_of(bits < 32768 ? bits : bits - 65536, window);
+    const grey = greyOf(bits < 32768 ? bits : bits - 65536, window);
     table[bits] = (255 << 24) | (grey << 16) | (grey << 8) | grey;
   }
   return table;
@@ -39,13 +39,13 @@ export function dragged(from: Window, right: number, down: number, range: number
 }
 
 /** What is usual for CT, in HU. */
-export const usual_windows = {
+export const usualWindows = {
   soft: { centre: 40, width: 400 },
   lung: { centre: -600, width: 1500 },
   bone: { centre: 400, width: 1800 },
   brain: { centre: 40, width: 80 },
 } as const satisfies Record<string, Window>;
-export type UsualWindow = keyof typeof usual_windows;
+export type UsualWindow = keyof typeof usualWindows;
 
 interface Known {
   readonly windowCenter: number;
@@ -56,9 +56,11 @@ interface Known {
 }
 
 /** What the scan itself says, else nearly all of its values. */
-export function first_window({ windowCenter, windowWidth, minimum, maximum, percentiles }: Known): Window {
+export function firstWindow({ windowCenter, windowWidth, minimum, maximum, percentiles }: Known): Window {
   if (windowWidth > 0) return bounded({ centre: windowCenter, width: windowWidth });
   const low = percentiles[0] ?? minimum;
   const high = percentiles[6] ?? maximum;
-  return high > low ? bounded({ centre: (low + high) / 2, width: high - low }) : bounded({ centre: (minimum + maximum) / 2, width: Math.max(1, maximum - minimum) });
+  return high > low
+    ? bounded({ centre: (low + high) / 2, width: high - low })
+    : bounded({ centre: (minimum + maximum) / 2, width: Math.max(1, maximum - minimum) });
 }

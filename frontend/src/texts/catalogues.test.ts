@@ -3,18 +3,19 @@ import { de } from "./de";
 import { en } from "./en/en";
 
 type Node = Readonly<Record<string, unknown>>;
-const is_node = (value: unknown): value is Node => typeof value === "object" && value !== null;
+const isNode = (value: unknown): value is Node => typeof value === "object" && value !== null;
 
 /** Every text by its path, "account.email": what kind of thing it is, and of a function how many things it is told. */
 function leaves(value: unknown, path: string): [string, string][] {
-  if (is_node(value)) return Object.entries(value).flatMap(([key, one]) => leaves(one, path === "" ? key : `${path}.${key}`));
+  if (isNode(value))
+    return Object.entries(value).flatMap(([key, one]) => leaves(one, path === "" ? key : `${path}.${key}`));
   return [[path, typeof value]];
 }
 const shape = (catalogue: unknown) => Object.fromEntries(leaves(catalogue, ""));
 
 function texts(value: unknown, path = ""): [string, string][] {
   if (typeof value === "string") return [[path, value]];
-  return is_node(value) ? Object.entries(value).flatMap(([key, one]) => texts(one, `${path}.${key}`)) : [];
+  return isNode(value) ? Object.entries(value).flatMap(([key, one]) => texts(one, `${path}.${key}`)) : [];
 }
 
 describe("the German catalogue", () => {
@@ -23,7 +24,9 @@ describe("the German catalogue", () => {
   });
   it("leaves no text empty that says something", () => {
     const said = new Map(texts(en));
-    expect(texts(de).filter(([path, text]) => (text.trim() === "") !== ((said.get(path) ?? "").trim() === ""))).toEqual([]);
+    expect(texts(de).filter(([path, text]) => (text.trim() === "") !== ((said.get(path) ?? "").trim() === ""))).toEqual(
+      [],
+    );
   });
   it("is German: a sentence that is the same in both was forgotten", () => {
     const said = new Map(texts(en));
@@ -32,7 +35,7 @@ describe("the German catalogue", () => {
   it("writes numbers as Germans do, and one thing as one", () => {
     expect(de.viewer.seconds(1.5)).toBe("1,5 s");
     expect(de.viewer.percent(0.0123)).toBe("1,2 %");
-    expect(de.viewer.lossless(4096)).toBe("Verlustfrei, 4.096 Stichproben");
+    expect(de.viewer.lossless(4096)).toBe("Verlustfrei, 4.096 Samples");
     expect(de.add.slices(1)).toBe("1 Schicht");
     expect(de.add.slices(12_345)).toBe("12.345 Schichten");
   });

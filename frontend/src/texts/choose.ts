@@ -2,16 +2,16 @@
 export const languages = { en: "English", de: "Deutsch" } as const;
 export type Language = keyof typeof languages;
 
-const is_language = (text: string | null): text is Language => text !== null && Object.hasOwn(languages, text);
+const isLanguage = (text: string | null): text is Language => text !== null && Object.hasOwn(languages, text);
 
-const language_of = (tag: string): string => tag.split("-", 1)[0]?.toLowerCase() ?? "";
+const languageOf = (tag: string): string => tag.split("-", 1)[0]?.toLowerCase() ?? "";
 
 /** `kept`: what a person chose before. `wanted`: BCP 47 tags of the browser, the best liked first. */
-export function choose_language(kept: string | null, wanted: readonly string[]): Language {
-  if (is_language(kept)) return kept;
-  return wanted.map(language_of).find(is_language) ?? "en";
+export function chooseLanguage(kept: string | null, wanted: readonly string[]): Language {
+  if (isLanguage(kept)) return kept;
+  return wanted.map(languageOf).find(isLanguage) ?? "en";
 }
 
 /** By whose habits numbers and dates are written: en-GB and en-US differ. */
-export const place_of = (language: Language, wanted: readonly string[]): string =>
-  wanted.find((tag) => language_of(tag) === language) ?? language;
+export const placeOf = (language: Language, wanted: readonly string[]): string =>
+  wanted.find((tag) => languageOf(tag) === language) ?? language;

@@ -6,8 +6,13 @@ export function counting(language: string) {
     number,
     /** So many digits behind the point, or the comma. */
     fixed: (n: number, digits = 0): string =>
-      new Intl.NumberFormat(language, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false }).format(n),
+      new Intl.NumberFormat(language, {
+        minimumFractionDigits: digits,
+        maximumFractionDigits: digits,
+        useGrouping: false,
+      }).format(n),
     /** For languages in which one thing has one form and any other number of them another. */
-    count: (n: number, one: string, many: string): string => `${number.format(n)} ${plural.select(n) === "one" ? one : many}`,
+    count: (n: number, one: string, many: string): string =>
+      `${number.format(n)} ${plural.select(n) === "one" ? one : many}`,
   };
 }

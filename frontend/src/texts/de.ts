@@ -1,4 +1,4 @@
-import type { Texts } from ".";
+import type { Texts } from "./shape";
 import { account } from "./de/account";
 import { add } from "./de/add";
 import { admin } from "./de/admin";
@@ -6,12 +6,12 @@ import { common } from "./de/common";
 import { cut } from "./de/cut";
 import { kernel } from "./de/kernel";
 import { live } from "./de/live";
-import { my_account } from "./de/my_account";
+import { myAccount } from "./de/my_account";
 import { presets } from "./de/presets";
 import { problems } from "./de/problems";
 import { recording } from "./de/recording";
 import { scans } from "./de/scans";
-import { second_factor } from "./de/second_factor";
+import { secondFactor } from "./de/second_factor";
 import { settings } from "./de/settings";
 import { sharing } from "./de/sharing";
 import { slices } from "./de/slices";
@@ -28,12 +28,12 @@ export const de: Texts = {
   cut,
   kernel,
   live,
-  my_account,
+  myAccount,
   presets,
   problems,
   recording,
   scans,
-  second_factor,
+  secondFactor,
   settings,
   sharing,
   slices,

@@ -1,10 +1,7 @@
 import { signal } from "@preact/signals";
 import { local } from "../storage";
-import { choose_language, place_of, type Language } from "./choose";
-import type { en } from "./en/en";
-import type { Translation } from "./shape";
-
-export type Texts = Translation<typeof en>;
+import { chooseLanguage, placeOf, type Language } from "./choose";
+import type { Texts } from "./shape";
 
 /** Only the language that is shown is loaded. */
 const catalogues: Record<Language, () => Promise<Texts>> = {
@@ -19,17 +16,17 @@ export let t: Texts;
 export const language = signal<Language>("en");
 
 /** For `Intl`: dates and numbers as at the person's place. */
-export const place = (): string => place_of(language.value, navigator.languages);
+export const place = (): string => placeOf(language.value, navigator.languages);
 
-export async function load_texts(wanted: Language): Promise<void> {
+export async function loadTexts(wanted: Language): Promise<void> {
   t = await catalogues[wanted]();
   language.value = wanted;
 }
 
-export const first_language = (): Language => choose_language(local.getItem(key), navigator.languages);
+export const firstLanguage = (): Language => chooseLanguage(local.getItem(key), navigator.languages);
 
 /** As a person chose it, here and at the next visit. */
-export async function change_language(wanted: Language): Promise<void> {
-  await load_texts(wanted);
+export async function changeLanguage(wanted: Language): Promise<void> {
+  await loadTexts(wanted);
   local.setItem(key, wanted);
 }

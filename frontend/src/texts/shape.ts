@@ -1,3 +1,5 @@
+import type { en } from "./en/en";
+
 /** What every language has to have: the same keys, the same arguments, a text wherever English has one. */
 export type Translation<Part> = Part extends string
   ? string
@@ -6,3 +8,6 @@ export type Translation<Part> = Part extends string
     : Part extends number | boolean
       ? Part
       : { readonly [Key in keyof Part]: Translation<Part[Key]> };
+
+/** All texts of one language. */
+export type Texts = Translation<typeof en>;

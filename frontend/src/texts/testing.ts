@@ -1,5 +1,5 @@
 import { vi } from "vitest";
-import { load_texts } from ".";
+import { loadTexts } from ".";
 
 vi.stubGlobal("navigator", { languages: ["en"] }); // Node 20 has none
-await load_texts("en");
+await loadTexts("en");

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
-import { settled_after_ms, SizeTeller, told_every_ms } from "./canvas_size";
+import { settledAfterMs, ResizeDebouncer, reportedEveryMs } from "./canvas_size";
 
 class Hours {
   now = 0;
   private tasks: { at: number; task: () => void }[] = [];
   readonly clock = {
-    now_ms: () => this.now,
+    nowMs: () => this.now,
     after: (ms: number, task: () => void) => {
       const planned = { at: this.now + ms, task };
       this.tasks.push(planned);
@@ -27,39 +27,39 @@ class Hours {
 }
 
 describe("the size of the canvas", () => {
-  it("is told once when it has settled", () => {
+  it("is reported once when it has settled", () => {
     const hours = new Hours();
-    const told: number[] = [];
-    const teller = new SizeTeller({ width: 100, height: 50 }, (size) => told.push(size.width), hours.clock);
+    const reported: number[] = [];
+    const debouncer = new ResizeDebouncer({ width: 100, height: 50 }, (size) => reported.push(size.width), hours.clock);
     for (const width of [101, 102, 103]) {
-      teller.changed({ width, height: 50 });
+      debouncer.changed({ width, height: 50 });
       hours.pass(16);
     }
-    expect(told).toEqual([]);
-    hours.pass(settled_after_ms);
-    expect(told).toEqual([103]);
+    expect(reported).toEqual([]);
+    hours.pass(settledAfterMs);
+    expect(reported).toEqual([103]);
   });
 
-  it("is told now and then while it keeps changing", () => {
+  it("is reported now and then while it keeps changing", () => {
     const hours = new Hours();
-    const told: number[] = [];
-    const teller = new SizeTeller({ width: 100, height: 50 }, (size) => told.push(size.width), hours.clock);
+    const reported: number[] = [];
+    const debouncer = new ResizeDebouncer({ width: 100, height: 50 }, (size) => reported.push(size.width), hours.clock);
     for (let n = 1; n <= 100; n++) {
-      teller.changed({ width: 100 + n, height: 50 });
+      debouncer.changed({ width: 100 + n, height: 50 });
       hours.pass(16);
     }
-    expect(told.length).toBeGreaterThanOrEqual(Math.floor(1600 / (told_every_ms + 16)) - 1);
-    expect(told.length).toBeLessThanOrEqual(Math.ceil(1600 / told_every_ms));
+    expect(reported.length).toBeGreaterThanOrEqual(Math.floor(1600 / (reportedEveryMs + 16)) - 1);
+    expect(reported.length).toBeLessThanOrEqual(Math.ceil(1600 / reportedEveryMs));
   });
 
-  it("there and back is no change, and the first size is told by the greeting", () => {
+  it("there and back is not a change, and the greeting sends the first size", () => {
     const hours = new Hours();
-    const told: number[] = [];
-    const teller = new SizeTeller({ width: 100, height: 50 }, (size) => told.push(size.width), hours.clock);
-    teller.changed({ width: 100, height: 50 });
-    teller.changed({ width: 90, height: 50 });
-    teller.changed({ width: 100, height: 50 });
+    const reported: number[] = [];
+    const debouncer = new ResizeDebouncer({ width: 100, height: 50 }, (size) => reported.push(size.width), hours.clock);
+    debouncer.changed({ width: 100, height: 50 });
+    debouncer.changed({ width: 90, height: 50 });
+    debouncer.changed({ width: 100, height: 50 });
     hours.pass(1000);
-    expect(told).toEqual([]);
+    expect(reported).toEqual([]);
   });
 });

@@ -1,59 +1,59 @@
 import type { Viewport } from "../protocol/messages";
 
-/** A size that has not changed for so long is told; one that keeps changing at least this often. */
-export const settled_after_ms = 100;
-export const told_every_ms = 400;
+/** A size is reported when it has not changed for `settledAfterMs`. A size that keeps changing is reported every `reportedEveryMs`. */
+export const settledAfterMs = 100;
+export const reportedEveryMs = 400;
 
 export interface Clock {
-  readonly now_ms: () => number;
-  /** Gives back what takes the task away again. */
+  readonly nowMs: () => number;
+  /** Returns a function that cancels the task. */
   readonly after: (ms: number, task: () => void) => () => void;
 }
 
-/** Each size that is told begins a new picture at the server, so a window under the mouse tells few of its many. */
-export class SizeTeller {
-  private told_: Viewport;
-  private wanted_: Viewport;
-  private changing_since_ = 0;
-  private disarm_: (() => void) | null = null;
+/** Limits how often a changing size is reported, because the server starts a new picture for each size. */
+export class ResizeDebouncer {
+  private reported: Viewport;
+  private wanted: Viewport;
+  private changingSince = 0;
+  private disarm: (() => void) | null = null;
 
   constructor(
     first: Viewport,
-    private readonly tell_: (size: Viewport) => void,
-    private readonly clock_: Clock,
+    private readonly report: (size: Viewport) => void,
+    private readonly clock: Clock,
   ) {
-    this.told_ = first;
-    this.wanted_ = first;
+    this.reported = first;
+    this.wanted = first;
   }
 
   changed(size: Viewport): void {
-    if (same(size, this.wanted_)) return;
-    this.wanted_ = size;
-    const now = this.clock_.now_ms();
-    if (this.disarm_) this.disarm_();
-    else this.changing_since_ = now;
-    const left = this.changing_since_ + told_every_ms - now;
-    this.disarm_ = this.clock_.after(Math.max(0, Math.min(settled_after_ms, left)), () => {
-      this.disarm_ = null;
-      if (same(this.wanted_, this.told_)) return;
-      this.told_ = this.wanted_;
-      this.tell_(this.wanted_);
+    if (same(size, this.wanted)) return;
+    this.wanted = size;
+    const now = this.clock.nowMs();
+    if (this.disarm) this.disarm();
+    else this.changingSince = now;
+    const left = this.changingSince + reportedEveryMs - now;
+    this.disarm = this.clock.after(Math.max(0, Math.min(settledAfterMs, left)), () => {
+      this.disarm = null;
+      if (same(this.wanted, this.reported)) return;
+      this.reported = this.wanted;
+      this.report(this.wanted);
     });
   }
 
   stop(): void {
-    this.disarm_?.();
-    this.disarm_ = null;
+    this.disarm?.();
+    this.disarm = null;
   }
 }
 
 const same = (a: Viewport, b: Viewport): boolean => a.width === b.width && a.height === b.height;
 
 /** The element's own device pixels, now and at every change of its size or of the screen's pixel ratio. */
-export function watch_device_pixels(element: HTMLElement, changed: (size: Viewport) => void, signal: AbortSignal): void {
+export function watchDevicePixels(element: HTMLElement, changed: (size: Viewport) => void, signal: AbortSignal): void {
   const observer = new ResizeObserver(([entry]) => {
     const exact = (entry as Partial<ResizeObserverEntry> | undefined)?.devicePixelContentBoxSize?.[0];
-    changed(exact ? { width: exact.inlineSize, height: exact.blockSize } : device_pixels(element));
+    changed(exact ? { width: exact.inlineSize, height: exact.blockSize } : devicePixels(element));
   });
   try {
     observer.observe(element, { box: "device-pixel-content-box" });
@@ -64,7 +64,7 @@ export function watch_device_pixels(element: HTMLElement, changed: (size: Viewpo
 }
 
 /** Before anything was observed: as near as layout tells. */
-export function device_pixels(element: HTMLElement): Viewport {
+export function devicePixels(element: HTMLElement): Viewport {
   const ratio = devicePixelRatio;
   return { width: Math.round(element.clientWidth * ratio), height: Math.round(element.clientHeight * ratio) };
 }

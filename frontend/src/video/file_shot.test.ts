@@ -1,12 +1,24 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
-import { Film_Path, FilePartSchema, FileProgressSchema, ProblemSchema } from "../protocol/gen/api/proto/stream_pb";
+import {
+  Film_Path as FilmPath,
+  FilePartSchema,
+  FileProgressSchema,
+  ProblemSchema,
+} from "../protocol/gen/api/proto/stream_pb";
 import type { FileOrder } from "../protocol/file_messages";
-import { some_scene } from "../scene/testing";
+import { someScene } from "../scene/testing";
 import { FileShot, type FileState } from "./file_shot";
 import { settled, WorkerByHand } from "./testing";
 
-const turntable: FileOrder = { kind: "turntable", keys: [some_scene()], size: { width: 640, height: 480 }, frames: 200, frames_per_second: 25, error: 0.05 };
+const turntable: FileOrder = {
+  kind: "turntable",
+  keys: [someScene()],
+  size: { width: 640, height: 480 },
+  frames: 200,
+  framesPerSecond: 25,
+  error: 0.05,
+};
 
 class World extends WorkerByHand<FileState> {
   shot: FileShot;
@@ -37,7 +49,14 @@ describe("a file to take away", () => {
     const seen = world.sent[1]?.body;
     expect(seen?.case === "visibility" && seen.value.visible).toBe(false);
     const file = world.sent[3]?.body;
-    expect(file?.case === "file" && file.value.kind.case === "film" && file.value.kind.value).toMatchObject({ path: Film_Path.TURNTABLE, frames: 200, framesPerSecond: 25, width: 640, height: 480, error: 0.05 });
+    expect(file?.case === "file" && file.value.kind.case === "film" && file.value.kind.value).toMatchObject({
+      path: FilmPath.TURNTABLE,
+      frames: 200,
+      framesPerSecond: 25,
+      width: 640,
+      height: 480,
+      error: 0.05,
+    });
   });
   it("says how far it is, and is put together of its parts", async () => {
     world.say({ case: "fileProgress", value: create(FileProgressSchema, { done: 0.25 }) });
@@ -60,7 +79,7 @@ describe("a file to take away", () => {
     world.part(3n, "three", true);
     expect(world.state).toMatchObject({ kind: "failed", trouble: "refused" });
   });
-  it("begins anew with another worker", async () => {
+  it("starts again with another worker", async () => {
     world.part(1n, "old");
     world.config();
     expect(world.cases.filter((one) => one === "file")).toHaveLength(2);
@@ -92,23 +111,27 @@ describe("a file to take away", () => {
 });
 
 it("a large picture is a PNG of one view", async () => {
-  const large = new World({ kind: "picture", keys: [some_scene()], size: { width: 8192, height: 6144 }, error: 0.02 });
+  const large = new World({ kind: "picture", keys: [someScene()], size: { width: 8192, height: 6144 }, error: 0.02 });
   await large.live();
   const file = large.sent.at(-1)?.body;
-  expect(file?.case === "file" && file.value.kind.case === "picture" && file.value.kind.value).toMatchObject({ width: 8192, height: 6144, error: 0.02 });
+  expect(file?.case === "file" && file.value.kind.case === "picture" && file.value.kind.value).toMatchObject({
+    width: 8192,
+    height: 6144,
+    error: 0.02,
+  });
   large.part(1n, "png", true);
   expect(large.state?.kind === "done" && large.state.file.type).toBe("image/png");
 });
 
 it("a tour says all its views in their order", async () => {
-  const tour = new World({ ...turntable, kind: "tour", keys: [some_scene(), some_scene(), some_scene()] });
+  const tour = new World({ ...turntable, kind: "tour", keys: [someScene(), someScene(), someScene()] });
   await tour.live();
   expect(tour.sent.flatMap(({ body }) => (body.case === "keyView" ? [body.value.index] : []))).toEqual([0, 1, 2]);
 });
 
 it("for which no time is left says so and ends", async () => {
   const spent = new World();
-  spent.door = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
+  spent.ticketSource = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
   spent.shot.start();
   await settled();
   expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });

@@ -2,9 +2,10 @@ import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { FrameSchema } from "../protocol/gen/api/proto/stream_pb";
 import { Codec, type Frame } from "../protocol/messages";
-import { forgotten_after, FramePipeline, longest_queue, most_failures } from "./frame_pipeline";
+import { forgottenAfter, FramePipeline, longestQueue, mostFailures } from "./frame_pipeline";
 
-const jpeg = (seq: number, epoch = 1): Frame => create(FrameSchema, { codec: Codec.JPEG, key: true, seq: BigInt(seq), epoch: BigInt(epoch) });
+const jpeg = (seq: number, epoch = 1): Frame =>
+  create(FrameSchema, { codec: Codec.JPEG, key: true, seq: BigInt(seq), epoch: BigInt(epoch) });
 const h264 = (seq: number, epoch = 1, key = seq === 1): Frame =>
   create(FrameSchema, { codec: Codec.H264, key, seq: BigInt(seq), epoch: BigInt(epoch) });
 
@@ -14,13 +15,13 @@ class Bench {
   acks = new Map<number, "dropped" | "decoded" | "shown">();
   queues: number[] = [];
   closed = 0;
-  keys_asked = 0;
-  given_up: Codec[] = [];
+  keysAsked = 0;
+  givenUp: Codec[] = [];
   made = 0;
   fed: number[] = [];
   private pending: { resolve: (picture: { close: () => void }) => void; reject: (why: Error) => void }[] = [];
   readonly pipeline = new FramePipeline({
-    make_decoder: (codec) => {
+    makeDecoder: (codec) => {
       if (codec === Codec.MPEG1) return null;
       this.made += 1;
       const own = new Set<(why: Error) => void>();
@@ -41,12 +42,15 @@ class Bench {
     ack: (f, times, queue) => {
       const seq = Number(f.seq);
       expect(this.acks.has(seq)).toBe(false);
-      this.acks.set(seq, times.presented_ms !== undefined ? "shown" : times.decoded_ms !== undefined ? "decoded" : "dropped");
+      this.acks.set(
+        seq,
+        times.presentedMs !== undefined ? "shown" : times.decodedMs !== undefined ? "decoded" : "dropped",
+      );
       this.queues.push(queue);
     },
-    need_key: () => (this.keys_asked += 1),
-    give_up: (codec) => this.given_up.push(codec),
-    now_ms: () => 1,
+    needKey: () => (this.keysAsked += 1),
+    giveUp: (codec) => this.givenUp.push(codec),
+    nowMs: () => 1,
   });
 
   async decoded(ok = true): Promise<void> {
@@ -109,10 +113,10 @@ describe("the way of a frame that stands alone", () => {
     await bench.decoded();
     expect(bench.shown).toEqual([2]);
     expect(bench.acks.get(1)).toBe("dropped");
-    expect(bench.keys_asked).toBe(0);
+    expect(bench.keysAsked).toBe(0);
   });
 
-  it("after a reconnection epochs begin anew and nothing of before is shown", async () => {
+  it("after a reconnection epochs restart and no older frame is shown", async () => {
     const bench = new Bench();
     bench.pipeline.receive(jpeg(9, 50));
     bench.pipeline.reset();
@@ -136,54 +140,55 @@ describe("the way of a frame that builds on others", () => {
 
   it("a queue that grows is left out up to the next key frame, which is asked for once", async () => {
     const bench = new Bench();
-    for (let seq = 1; seq <= longest_queue + 3; seq++) bench.pipeline.receive(h264(seq));
+    for (let seq = 1; seq <= longestQueue + 3; seq++) bench.pipeline.receive(h264(seq));
     await bench.rest();
-    expect(bench.keys_asked).toBe(1);
+    expect(bench.keysAsked).toBe(1);
     expect(bench.fed).toEqual([1, 2, 3]);
     expect([...bench.acks.values()].every((how) => how === "dropped")).toBe(true);
-    expect(bench.acks.size).toBe(longest_queue + 3);
+    expect(bench.acks.size).toBe(longestQueue + 3);
     bench.pipeline.receive(h264(7, 1, true));
     bench.pipeline.receive(h264(8));
     expect(bench.fed).toEqual([1, 2, 3, 7, 8]);
     expect(bench.made).toBe(2);
   });
 
-  it("a decoder that fails is replaced, and a key frame begins anew", async () => {
+  it("a decoder that fails is replaced, and a key frame restarts the stream", async () => {
     const bench = new Bench();
     await bench.given(h264(1));
     await bench.given(h264(2), false);
-    expect(bench.keys_asked).toBe(1);
+    expect(bench.keysAsked).toBe(1);
     bench.pipeline.receive(h264(3));
     expect(bench.fed).toEqual([1, 2]);
     await bench.given(h264(4, 1, true));
     expect(bench.shown).toEqual([1, 4]);
     expect(bench.made).toBeGreaterThan(1);
-    expect(bench.given_up).toEqual([]);
+    expect(bench.givenUp).toEqual([]);
   });
 
   it("a codec that fails for the third time in a row is given up", async () => {
     const bench = new Bench();
-    for (let n = 1; n <= most_failures; n++) {
-      expect(bench.given_up).toEqual([]);
+    for (let n = 1; n <= mostFailures; n++) {
+      expect(bench.givenUp).toEqual([]);
       await bench.given(h264(2 * n, 1, true)); // the key frames do not hide that all others fail
       await bench.given(h264(2 * n + 1), false);
     }
-    expect(bench.given_up).toEqual([Codec.H264]);
+    expect(bench.givenUp).toEqual([Codec.H264]);
   });
 
   it("failures far from each other are forgiven", async () => {
     const bench = new Bench();
-    for (let n = 0, seq = 1; n < 2 * most_failures; n++) {
-      for (let m = 0; m < forgotten_after; m++) await bench.given(h264(seq++, 1, m === 0));
+    for (let n = 0, seq = 1; n < 2 * mostFailures; n++) {
+      for (let m = 0; m < forgottenAfter; m++) await bench.given(h264(seq++, 1, m === 0));
       await bench.given(h264(seq++), false);
     }
-    expect(bench.given_up).toEqual([]);
+    expect(bench.givenUp).toEqual([]);
   });
 
   it("a codec that is not known here is given up too", () => {
     const bench = new Bench();
-    for (let seq = 1; seq <= most_failures; seq++) bench.pipeline.receive(create(FrameSchema, { codec: Codec.MPEG1, seq: BigInt(seq) }));
-    expect(bench.given_up).toEqual([Codec.MPEG1]);
-    expect(bench.acks.size).toBe(most_failures);
+    for (let seq = 1; seq <= mostFailures; seq++)
+      bench.pipeline.receive(create(FrameSchema, { codec: Codec.MPEG1, seq: BigInt(seq) }));
+    expect(bench.givenUp).toEqual([Codec.MPEG1]);
+    expect(bench.acks.size).toBe(mostFailures);
   });
 });

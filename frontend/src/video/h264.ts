@@ -1,7 +1,7 @@
 import type { CodedPicture, FrameDecoder, Picture } from "./picture";
 
 /** A picture that has not come out this long after it went in is pressed out. */
-const stuck_after_ms = 200;
+const stuckAfterMs = 200;
 
 interface Pending {
   readonly resolve: (picture: Picture) => void;
@@ -11,15 +11,15 @@ interface Pending {
 /** WebCodecs: in a secure context of a browser that has it. Configured by the key frames. */
 export class H264Decoder implements FrameDecoder {
   readonly independent = false;
-  private readonly decoder_: VideoDecoder;
-  private readonly pending_ = new Map<number, Pending>();
-  private configured_ = "";
-  private chained_ = false;
-  private stuck_: ReturnType<typeof setTimeout> | undefined;
+  private readonly decoder: VideoDecoder;
+  private readonly pending = new Map<number, Pending>();
+  private configured = "";
+  private chained = false;
+  private stuck: ReturnType<typeof setTimeout> | undefined;
 
   constructor() {
-    this.decoder_ = new VideoDecoder({
-      output: (frame) => this.came_out(frame),
+    this.decoder = new VideoDecoder({
+      output: (frame) => this.cameOut(frame),
       error: (error) => this.failed(error),
     });
   }
@@ -32,11 +32,11 @@ export class H264Decoder implements FrameDecoder {
     return new Promise((resolve, reject) => {
       try {
         if (frame.key) this.configure(frame.decoder);
-        else if (!this.chained_) throw new Error("a frame without the key frame before it");
+        else if (!this.chained) throw new Error("a frame without the key frame before it");
         const timestamp = Number(frame.seq); // only tells the outputs apart
-        this.pending_.set(timestamp, { resolve, reject });
-        this.decoder_.decode(new EncodedVideoChunk({ type: frame.key ? "key" : "delta", timestamp, data: frame.data }));
-        this.chained_ = true;
+        this.pending.set(timestamp, { resolve, reject });
+        this.decoder.decode(new EncodedVideoChunk({ type: frame.key ? "key" : "delta", timestamp, data: frame.data }));
+        this.chained = true;
         this.watch();
       } catch (error) {
         this.failed(error instanceof Error ? error : new Error(String(error)));
@@ -47,43 +47,48 @@ export class H264Decoder implements FrameDecoder {
 
   close(): void {
     this.failed(new Error("closed"));
-    if (this.decoder_.state !== "closed") this.decoder_.close();
+    if (this.decoder.state !== "closed") this.decoder.close();
   }
 
   private configure(codec: string): void {
-    if (codec === this.configured_) return; // a new size is told by the stream's own parameter sets
+    if (codec === this.configured) return; // a new size is told by the stream's own parameter sets
     // No description: the stream is Annex B. Nothing is held back for reordering, since nothing is reordered.
-    this.decoder_.configure({ codec, optimizeForLatency: true });
-    this.configured_ = codec;
+    this.decoder.configure({ codec, optimizeForLatency: true });
+    this.configured = codec;
   }
 
-  private came_out(frame: VideoFrame): void {
-    const waiting = this.pending_.get(frame.timestamp);
-    this.pending_.delete(frame.timestamp);
+  private cameOut(frame: VideoFrame): void {
+    const waiting = this.pending.get(frame.timestamp);
+    this.pending.delete(frame.timestamp);
     this.watch();
     if (!waiting) {
       frame.close();
       return;
     }
-    waiting.resolve({ image: frame, width: frame.displayWidth, height: frame.displayHeight, close: () => frame.close() });
+    waiting.resolve({
+      image: frame,
+      width: frame.displayWidth,
+      height: frame.displayHeight,
+      close: () => frame.close(),
+    });
   }
 
   /** Some decoders in hardware keep the last picture until the next comes. A flush presses it out and breaks the chain. */
   private watch(): void {
-    clearTimeout(this.stuck_);
-    if (this.pending_.size === 0) return;
-    this.stuck_ = setTimeout(() => {
-      if (this.decoder_.state !== "configured" || this.decoder_.decodeQueueSize > 0) return;
-      this.chained_ = false;
-      this.decoder_.flush().catch(() => undefined); // told by `error`
-    }, stuck_after_ms);
+    clearTimeout(this.stuck);
+    if (this.pending.size === 0) return;
+    this.stuck = setTimeout(() => {
+      if (this.decoder.state !== "configured" || this.decoder.decodeQueueSize > 0) return;
+      this.chained = false;
+      this.decoder.flush().catch(() => undefined); // told by `error`
+    }, stuckAfterMs);
   }
 
   private failed(why: Error): void {
-    clearTimeout(this.stuck_);
-    this.chained_ = false;
-    const waiting = [...this.pending_.values()];
-    this.pending_.clear();
+    clearTimeout(this.stuck);
+    this.chained = false;
+    const waiting = [...this.pending.values()];
+    this.pending.clear();
     for (const { reject } of waiting) reject(why);
   }
 }

@@ -1,4 +1,4 @@
-import { picture_of, type CodedPicture, type FrameDecoder, type Picture } from "./picture";
+import { pictureOf, type CodedPicture, type FrameDecoder, type Picture } from "./picture";
 
 /** The browser's own decoder of pictures: everywhere. */
 export class JpegDecoder implements FrameDecoder {
@@ -6,7 +6,7 @@ export class JpegDecoder implements FrameDecoder {
 
   async decode(frame: CodedPicture): Promise<Picture> {
     const data = frame.data as Uint8Array<ArrayBuffer>;
-    return picture_of(await createImageBitmap(new Blob([data], { type: "image/jpeg" })));
+    return pictureOf(await createImageBitmap(new Blob([data], { type: "image/jpeg" })));
   }
 
   close(): void {

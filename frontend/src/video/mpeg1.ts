@@ -1,5 +1,5 @@
 import type { Mpeg1Answer, Mpeg1Order } from "./mpeg1_worker";
-import { picture_of, type CodedPicture, type FrameDecoder, type Picture } from "./picture";
+import { pictureOf, type CodedPicture, type FrameDecoder, type Picture } from "./picture";
 
 interface Pending {
   readonly resolve: (picture: Picture) => void;
@@ -9,39 +9,44 @@ interface Pending {
 /** jsmpeg in a worker of its own, which is loaded only where this is made. */
 export class Mpeg1Decoder implements FrameDecoder {
   readonly independent = false;
-  private readonly worker_ = new Worker(new URL("./mpeg1_worker.ts", import.meta.url), { type: "module" });
-  private pending_: Pending[] = [];
-  private chained_ = false;
+  private readonly worker = new Worker(new URL("./mpeg1_worker.ts", import.meta.url), { type: "module" });
+  private pending: Pending[] = [];
+  private chained = false;
 
   constructor() {
-    this.worker_.onmessage = ({ data }: MessageEvent<Mpeg1Answer>) => {
-      const waiting = this.pending_.shift();
+    this.worker.onmessage = ({ data }: MessageEvent<Mpeg1Answer>) => {
+      const waiting = this.pending.shift();
       if (!waiting) data?.close();
-      else if (data) waiting.resolve(picture_of(data));
+      else if (data) waiting.resolve(pictureOf(data));
       else waiting.reject(new Error("a damaged MPEG-1 frame"));
     };
-    this.worker_.onerror = () => this.failed(new Error("the MPEG-1 decoder could not be loaded"));
+    this.worker.onerror = () => this.failed(new Error("the MPEG-1 decoder could not be loaded"));
   }
 
   decode(frame: CodedPicture): Promise<Picture> {
-    if (!frame.key && !this.chained_) return Promise.reject(new Error("a frame without the key frame before it"));
-    this.chained_ = true;
+    if (!frame.key && !this.chained) return Promise.reject(new Error("a frame without the key frame before it"));
+    this.chained = true;
     return new Promise((resolve, reject) => {
-      this.pending_.push({ resolve, reject });
-      const order: Mpeg1Order = { key: frame.key, data: frame.data as Uint8Array<ArrayBuffer>, width: frame.width, height: frame.height };
-      this.worker_.postMessage(order);
+      this.pending.push({ resolve, reject });
+      const order: Mpeg1Order = {
+        key: frame.key,
+        data: frame.data as Uint8Array<ArrayBuffer>,
+        width: frame.width,
+        height: frame.height,
+      };
+      this.worker.postMessage(order);
     });
   }
 
   close(): void {
-    this.worker_.terminate();
+    this.worker.terminate();
     this.failed(new Error("closed"));
   }
 
   private failed(why: Error): void {
-    const waiting = this.pending_;
-    this.pending_ = [];
-    this.chained_ = false;
+    const waiting = this.pending;
+    this.pending = [];
+    this.chained = false;
     for (const { reject } of waiting) reject(why);
   }
 }

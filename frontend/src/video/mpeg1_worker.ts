@@ -1,5 +1,5 @@
 import JSMpeg, { type Mpeg1Video } from "@cycjimmy/jsmpeg-player";
-import { yuv_to_rgba } from "./yuv";
+import { yuvToRgba } from "./yuv";
 
 /** MPEG-1 in software, beside the page's own thread. One answer for each order, in order. */
 
@@ -16,21 +16,25 @@ export type Mpeg1Answer = ImageBitmap | null;
 (globalThis as { window?: unknown }).window ??= globalThis;
 
 /** A key frame of the largest picture; what does not fit is lost. */
-const buffer_bytes = 8 << 20;
+const bufferBytes = 8 << 20;
 /** A picture comes after a sequence header and a group header at most. */
-const most_start_codes = 4;
+const mostStartCodes = 4;
 
 let decoder: Mpeg1Video | null = null;
 /** What `render` fills. */
-const target: { rgba: Uint8ClampedArray<ArrayBuffer> | null; width: number; height: number } = { rgba: null, width: 0, height: 0 };
+const target: { rgba: Uint8ClampedArray<ArrayBuffer> | null; width: number; height: number } = {
+  rgba: null,
+  width: 0,
+  height: 0,
+};
 
-function new_decoder(): Mpeg1Video {
-  const made = new JSMpeg.Decoder.MPEG1Video({ streaming: true, videoBufferSize: buffer_bytes });
+function newDecoder(): Mpeg1Video {
+  const made = new JSMpeg.Decoder.MPEG1Video({ streaming: true, videoBufferSize: bufferBytes });
   made.connect({
     resize: () => undefined,
     render: (y, cr, cb) => {
       target.rgba = new Uint8ClampedArray(4 * target.width * target.height);
-      yuv_to_rgba(y, cr, cb, made.codedWidth, target.width, target.height, target.rgba);
+      yuvToRgba(y, cr, cb, made.codedWidth, target.width, target.height, target.rgba);
     },
   });
   return made;
@@ -38,11 +42,11 @@ function new_decoder(): Mpeg1Video {
 
 async function decode(order: Mpeg1Order): Promise<Mpeg1Answer> {
   // jsmpeg reads the sequence header of its first picture only.
-  if (order.key) decoder = new_decoder();
+  if (order.key) decoder = newDecoder();
   if (!decoder) return null;
   Object.assign(target, { rgba: null, width: order.width, height: order.height });
   decoder.write(0, order.data);
-  for (let n = 0; n < most_start_codes && !target.rgba; n++) decoder.decode();
+  for (let n = 0; n < mostStartCodes && !target.rgba; n++) decoder.decode();
   return target.rgba && createImageBitmap(new ImageData(target.rgba, order.width, order.height));
 }
 

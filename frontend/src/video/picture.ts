@@ -22,6 +22,6 @@ export interface FrameDecoder<P = Picture> {
   close(): void;
 }
 
-export function picture_of(bitmap: ImageBitmap): Picture {
+export function pictureOf(bitmap: ImageBitmap): Picture {
   return { image: bitmap, width: bitmap.width, height: bitmap.height, close: () => bitmap.close() };
 }

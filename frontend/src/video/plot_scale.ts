@@ -1,4 +1,4 @@
-import type { ErrorPoint } from "./viewer_session";
+import type { ErrorPoint } from "./picture_facts";
 
 /** A log-log frame for error against time, in whole decades, and the way of the curve in it. */
 export interface Plot {
@@ -8,21 +8,21 @@ export interface Plot {
   readonly horizontal: readonly { readonly at: number; readonly percent: number }[];
 }
 
-const most_points = 400;
+const mostPoints = 400;
 
-const is_known = ({ seconds, error }: ErrorPoint) => seconds > 0 && error > 0 && Number.isFinite(seconds + error);
+const isKnown = ({ seconds, error }: ErrorPoint) => seconds > 0 && error > 0 && Number.isFinite(seconds + error);
 
 /**
  * With what one more picture says. Its time is that of its samples and of its own tone mapping, which may take less than that
  * of the picture before: the plot's time does not go back for it.
  */
-export function with_point(curve: readonly ErrorPoint[], { seconds, error }: ErrorPoint): readonly ErrorPoint[] {
-  if (!is_known({ seconds, error })) return curve;
-  return [...curve, { seconds: Math.max(seconds, curve.at(-1)?.seconds ?? 0), error }].slice(-most_points);
+export function withPoint(curve: readonly ErrorPoint[], { seconds, error }: ErrorPoint): readonly ErrorPoint[] {
+  if (!isKnown({ seconds, error })) return curve;
+  return [...curve, { seconds: Math.max(seconds, curve.at(-1)?.seconds ?? 0), error }].slice(-mostPoints);
 }
 
-export function plot_of(points: readonly ErrorPoint[], width: number, height: number): Plot | null {
-  const usable = points.filter(is_known);
+export function plotOf(points: readonly ErrorPoint[], width: number, height: number): Plot | null {
+  const usable = points.filter(isKnown);
   if (usable.length < 2) return null;
   const xs = usable.map(({ seconds }) => Math.log10(seconds));
   const ys = usable.map(({ error }) => Math.log10(error));
@@ -30,12 +30,13 @@ export function plot_of(points: readonly ErrorPoint[], width: number, height: nu
   const right = Math.max(...xs, left + 1);
   const top = Math.ceil(Math.max(...ys) - 1e-9);
   const bottom = Math.min(Math.floor(Math.min(...ys) + 1e-9), top - 1);
-  const x_of = (x: number) => ((x - left) / (right - left)) * width;
-  const y_of = (y: number) => ((top - y) / (top - bottom)) * height;
-  const decades = (from: number, to: number) => Array.from({ length: Math.max(0, Math.floor(to) - Math.ceil(from) + 1) }, (_, i) => Math.ceil(from) + i);
+  const xOf = (x: number) => ((x - left) / (right - left)) * width;
+  const yOf = (y: number) => ((top - y) / (top - bottom)) * height;
+  const decades = (from: number, to: number) =>
+    Array.from({ length: Math.max(0, Math.floor(to) - Math.ceil(from) + 1) }, (_, i) => Math.ceil(from) + i);
   return {
-    line: xs.map((x, i) => `${x_of(x).toFixed(1)},${y_of(ys[i] ?? bottom).toFixed(1)}`).join(" "),
-    vertical: decades(left, right).map(x_of),
-    horizontal: decades(bottom, top).map((y) => ({ at: y_of(y), percent: Number((10 ** (y + 2)).toPrecision(1)) })),
+    line: xs.map((x, i) => `${xOf(x).toFixed(1)},${yOf(ys[i] ?? bottom).toFixed(1)}`).join(" "),
+    vertical: decades(left, right).map(xOf),
+    horizontal: decades(bottom, top).map((y) => ({ at: yOf(y), percent: Number((10 ** (y + 2)).toPrecision(1)) })),
   };
 }

@@ -2,6 +2,6 @@
 export async function sha256(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
   const subtle = (globalThis.crypto as Crypto | undefined)?.subtle;
   if (subtle) return new Uint8Array(await subtle.digest("SHA-256", bytes));
-  const { sha256: in_software } = await import("@noble/hashes/sha2.js");
-  return in_software(bytes);
+  const { sha256: inSoftware } = await import("@noble/hashes/sha2.js");
+  return inSoftware(bytes);
 }

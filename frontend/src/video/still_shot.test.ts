@@ -2,9 +2,9 @@ import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import { FrameSchema, ProblemSchema, StillSchema } from "../protocol/gen/api/proto/stream_pb";
 import { Codec } from "../protocol/messages";
-import { some_scene } from "../scene/testing";
-import { rgb_of } from "./lossless_end";
-import { part_done, StillShot, type ShotState } from "./still_shot";
+import { someScene } from "../scene/testing";
+import { rgbOf } from "./lossless_assembler";
+import { partDone, StillShot, type ShotState } from "./still_shot";
 import { settled, WorkerByHand } from "./testing";
 
 const size = { width: 32, height: 16 };
@@ -16,20 +16,42 @@ class World extends WorkerByHand<ShotState> {
   constructor(error: number) {
     super();
     this.shot = new StillShot(
-      { scene: some_scene(), size, error },
-      { draw: (picture) => this.drawn.push(`${picture.width} x ${picture.height}`), draw_tiles: (tiles) => this.drawn.push(`${tiles.length} tiles`) },
+      { scene: someScene(), size, error },
+      {
+        draw: (picture) => this.drawn.push(`${picture.width} x ${picture.height}`),
+        drawTiles: (tiles) => this.drawn.push(`${tiles.length} tiles`),
+      },
       {
         ...this.parts,
-        decode: (frame) => Promise.resolve({ image: {} as CanvasImageSource, width: frame.width, height: frame.height, close: () => undefined }),
-        decode_still: (still) => Promise.resolve(new Uint8ClampedArray(4 * size.width * size.height).fill(still.data[0] ?? 0)),
+        decode: (frame) =>
+          Promise.resolve({
+            image: {} as CanvasImageSource,
+            width: frame.width,
+            height: frame.height,
+            close: () => undefined,
+          }),
+        decodeStill: (still) =>
+          Promise.resolve(new Uint8ClampedArray(4 * size.width * size.height).fill(still.data[0] ?? 0)),
         sha256: (bytes) => Promise.resolve(Uint8Array.of(bytes.reduce((a, b) => (a + b) % 251, 0))),
         stills: [],
-        now_ms: () => 0,
+        nowMs: () => 0,
       },
     );
   }
   async frame(error: number, more: object = {}): Promise<void> {
-    this.say({ case: "frame", value: create(FrameSchema, { codec: Codec.JPEG, seq: 1n, epoch: 2n, inputSeq: 2n, iteration: 64n, error, ...size, ...more }) });
+    this.say({
+      case: "frame",
+      value: create(FrameSchema, {
+        codec: Codec.JPEG,
+        seq: 1n,
+        epoch: 2n,
+        inputSeq: 2n,
+        iteration: 64n,
+        error,
+        ...size,
+        ...more,
+      }),
+    });
     await settled();
   }
 }
@@ -45,7 +67,7 @@ describe("a picture to take away", () => {
     const hello = world.sent.find(({ body }) => body.case === "hello")?.body;
     expect(hello?.case === "hello" && hello.value.viewport).toMatchObject(size);
     const scene = world.sent.find(({ body }) => body.case === "scene")?.body;
-    expect(scene?.case === "scene" && scene.value.scene?.lights.length).toBe(some_scene().lights.length);
+    expect(scene?.case === "scene" && scene.value.scene?.lights.length).toBe(someScene().lights.length);
   });
   it("says how far it is, and takes the first frame that is good enough", async () => {
     await world.frame(0.04);
@@ -85,8 +107,21 @@ it("that is to be lossless waits for its tiles, whatever the frames before say",
   await exact.frame(0.009);
   expect(exact.drawn).toEqual([]);
   const value = 7;
-  const hash = Uint8Array.of(rgb_of(new Uint8ClampedArray(4 * size.width * size.height).fill(value)).reduce((a, b) => (a + b) % 251, 0));
-  exact.say({ case: "still", value: create(StillSchema, { epoch: 2n, tiles: 1, ...size, data: Uint8Array.of(value), hash, iteration: 500n, error: 0.009 }) });
+  const hash = Uint8Array.of(
+    rgbOf(new Uint8ClampedArray(4 * size.width * size.height).fill(value)).reduce((a, b) => (a + b) % 251, 0),
+  );
+  exact.say({
+    case: "still",
+    value: create(StillSchema, {
+      epoch: 2n,
+      tiles: 1,
+      ...size,
+      data: Uint8Array.of(value),
+      hash,
+      iteration: 500n,
+      error: 0.009,
+    }),
+  });
   await settled();
   expect(exact.drawn).toEqual(["1 tiles"]);
   expect(exact.state).toEqual({ kind: "done", samples: 500, error: 0.009, lossless: true });
@@ -94,7 +129,7 @@ it("that is to be lossless waits for its tiles, whatever the frames before say",
 
 it("for which no time is left says so and ends", async () => {
   const spent = new World(0.02);
-  spent.door = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
+  spent.ticketSource = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
   spent.shot.start();
   await settled();
   expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });
@@ -102,14 +137,14 @@ it("for which no time is left says so and ends", async () => {
 
 it("for which no renderer is free waits, and says so", async () => {
   const busy = new World(0.02);
-  busy.door = () => Promise.resolve({ ok: false, trouble: "no_worker", final: false });
+  busy.ticketSource = () => Promise.resolve({ ok: false, trouble: "no_worker", final: false });
   busy.shot.start();
   await settled();
   expect(busy.state).toEqual({ kind: "rendering", done: null, waits: "no_worker" });
 });
 
 it("is done by as much as its noise has fallen", () => {
-  expect(part_done(0.04, 0.02)).toBe(0.25);
-  expect(part_done(0.01, 0.02)).toBe(1);
-  expect([part_done(Infinity, 0.02), part_done(NaN, 0.02), part_done(0, 0.02)]).toEqual([null, null, null]);
+  expect(partDone(0.04, 0.02)).toBe(0.25);
+  expect(partDone(0.01, 0.02)).toBe(1);
+  expect([partDone(Infinity, 0.02), partDone(NaN, 0.02), partDone(0, 0.02)]).toEqual([null, null, null]);
 });

@@ -2,14 +2,15 @@
  * One small picture in every coding: its left half in one colour, the right in another. What a browser makes of it
  * tells whether it really decodes that coding, and to the right colours.
  */
-const bytes = (base64: string): Uint8Array<ArrayBuffer> => Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+const bytes = (base64: string): Uint8Array<ArrayBuffer> =>
+  Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 
 export type Rgb = readonly [number, number, number];
-export const test_left: Rgb = [200, 80, 40];
-export const test_right: Rgb = [30, 120, 210];
+export const testLeft: Rgb = [200, 80, 40];
+export const testRight: Rgb = [30, 120, 210];
 
 /** 64 x 64, one key frame in Annex B with its parameter sets: baseline, BT.709, studio range. */
-export const test_h264 = {
+export const testH264 = {
   decoder: "avc1.42C00A",
   side: 64,
   data: () =>
@@ -20,7 +21,7 @@ export const test_h264 = {
 };
 
 /** 16 x 16, baseline, no colour sample shared. */
-export const test_jpeg = {
+export const testJpeg = {
   side: 16,
   data: () =>
     bytes(
@@ -31,7 +32,7 @@ export const test_jpeg = {
 };
 
 /** 64 x 64, one intra picture with its sequence header: BT.601, studio range. */
-export const test_mpeg1 = {
+export const testMpeg1 = {
   side: 64,
   data: () =>
     bytes(
@@ -41,7 +42,7 @@ export const test_mpeg1 = {
 };
 
 /** 4 x 2, lossless. */
-export const test_still = {
+export const testStill = {
   width: 4,
   height: 2,
   png: () =>

@@ -1,10 +1,13 @@
 import { StillFormat, type Still } from "../protocol/messages";
-import { test_left, test_right, test_still } from "./test_frames";
+import { testLeft, testRight, testStill } from "./test_frames";
 
-const types: Partial<Record<StillFormat, string>> = { [StillFormat.PNG]: "image/png", [StillFormat.WEBP]: "image/webp" };
+const types: Partial<Record<StillFormat, string>> = {
+  [StillFormat.PNG]: "image/png",
+  [StillFormat.WEBP]: "image/webp",
+};
 
 /** The pixels as they were stored: no colour profile, no opacity has a part in them. */
-export async function decode_still(still: Pick<Still, "data" | "format">): Promise<Uint8ClampedArray<ArrayBuffer>> {
+export async function decodeStill(still: Pick<Still, "data" | "format">): Promise<Uint8ClampedArray<ArrayBuffer>> {
   const type = types[still.format];
   if (type === undefined) throw new Error("a still picture of an unknown format");
   const blob = new Blob([still.data as Uint8Array<ArrayBuffer>], { type });
@@ -18,20 +21,20 @@ export async function decode_still(still: Pick<Still, "data" | "format">): Promi
 }
 
 /** The formats whose pixels this browser gives back exactly, the smaller first. Some guard a canvas with noise: none. */
-export async function probe_stills(): Promise<StillFormat[]> {
+export async function probeStills(): Promise<StillFormat[]> {
   const formats = [
-    { format: StillFormat.WEBP, data: test_still.webp() },
-    { format: StillFormat.PNG, data: test_still.png() },
+    { format: StillFormat.WEBP, data: testStill.webp() },
+    { format: StillFormat.PNG, data: testStill.png() },
   ];
-  const exact = await Promise.all(formats.map(gives_back_exactly));
+  const exact = await Promise.all(formats.map(givesBackExactly));
   return formats.filter((_, n) => exact[n]).map(({ format }) => format);
 }
 
-async function gives_back_exactly(still: Pick<Still, "data" | "format">): Promise<boolean> {
-  const row = [test_left, test_left, test_right, test_right].flatMap((colour) => [...colour, 255]);
-  const right = Array.from({ length: test_still.height }, () => row).flat();
+async function givesBackExactly(still: Pick<Still, "data" | "format">): Promise<boolean> {
+  const row = [testLeft, testLeft, testRight, testRight].flatMap((colour) => [...colour, 255]);
+  const right = Array.from({ length: testStill.height }, () => row).flat();
   try {
-    const rgba = await decode_still(still);
+    const rgba = await decodeStill(still);
     return rgba.length === right.length && rgba.every((level, n) => level === right[n]);
   } catch {
     return false;

@@ -4,7 +4,7 @@
  *
  * @param stride of the luma plane, in bytes; the colour planes' is half of it.
  */
-export function yuv_to_rgba(
+export function yuvToRgba(
   y: Uint8ClampedArray,
   cr: Uint8ClampedArray,
   cb: Uint8ClampedArray,
@@ -23,16 +23,16 @@ export function yuv_to_rgba(
       const red = (cr[colour] ?? 0) - 128;
       colour += 1;
       // 16.16 fixed point: (255 / 219) and the matrix of BT.601, half a level for rounding.
-      const to_red = 104597 * red + 32768;
-      const to_green = -25675 * blue - 53279 * red + 32768;
-      const to_blue = 132201 * blue + 32768;
+      const toRed = 104597 * red + 32768;
+      const toGreen = -25675 * blue - 53279 * red + 32768;
+      const toBlue = 132201 * blue + 32768;
       const last = Math.min(2, width - column);
       for (let n = 0; n < last; n++) {
         const light = 76309 * ((y[luma] ?? 0) - 16);
         luma += 1;
-        rgba[out] = (light + to_red) >> 16;
-        rgba[out + 1] = (light + to_green) >> 16;
-        rgba[out + 2] = (light + to_blue) >> 16;
+        rgba[out] = (light + toRed) >> 16;
+        rgba[out + 1] = (light + toGreen) >> 16;
+        rgba[out + 2] = (light + toBlue) >> 16;
         rgba[out + 3] = 255;
         out += 4;
       }

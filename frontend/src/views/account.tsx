@@ -5,13 +5,13 @@ import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
 import { Field } from "./field";
-import { Form, fault, faults_of, type Faults } from "./form";
+import { Form, fault, faultsOf, type Faults } from "./form";
 import { MailedPassword } from "./mailed_password";
 import { Link, navigate } from "./router";
 import { Notice } from "./shell";
 import { useApp, type AppState } from "./state";
 
-export const looks_like_email = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.test(text.trim());
+export const looksLikeEmail = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.test(text.trim());
 
 type Credentials = "email" | "password";
 const both: readonly Credentials[] = ["email", "password"];
@@ -19,85 +19,115 @@ const both: readonly Credentials[] = ["email", "password"];
 /** An address alone: its password is chosen by whoever opens the mailed link. */
 export function SignUp() {
   const app = useApp();
-  const [email, set_email] = useState("");
-  const [faults, set_faults] = useState<Faults<"email">>({});
-  const [busy, set_busy] = useState(false);
-  const [sent, set_sent] = useState(false);
+  const [email, setEmail] = useState("");
+  const [faults, setFaults] = useState<Faults<"email">>({});
+  const [busy, setBusy] = useState(false);
+  const [sent, setSent] = useState(false);
 
   if (sent)
     return (
-      <AccountFrame title={t.titles.check_mail}>
-        <Notice kind="good">{t.account.mail_sent(email.trim())}</Notice>
-        <p class="muted">{t.account.mail_hint}</p>
+      <AccountFrame title={t.titles.checkMail}>
+        <Notice kind="good">{t.account.mailSent(email.trim())}</Notice>
+        <p class="muted">{t.account.mailHint}</p>
       </AccountFrame>
     );
 
   const submit = async () => {
-    if (!looks_like_email(email)) {
-      set_faults({ email: email === "" ? t.account.required : t.account.email_wrong });
+    if (!looksLikeEmail(email)) {
+      setFaults({ email: email === "" ? t.account.required : t.account.emailWrong });
       return;
     }
-    set_faults({});
-    set_busy(true);
+    setFaults({});
+    setBusy(true);
     try {
-      await app.api.sign_up(email.trim());
-      set_sent(true);
+      await app.api.signUp(email.trim());
+      setSent(true);
     } catch (thrown) {
-      set_faults(faults_of(thrown, ["email"], (what) => app.explain(what)));
+      setFaults(faultsOf(thrown, ["email"], (what) => app.explain(what)));
     } finally {
-      set_busy(false);
+      setBusy(false);
     }
   };
   return (
-    <AccountFrame title={t.titles.sign_up} lead={t.account.sign_up_lead}>
-      <Form onSubmit={submit} busy={busy} label={t.account.sign_up} {...fault(faults.form)}>
-        <Field label={t.account.email} type="email" autocomplete="email" value={email} onInput={set_email} {...fault(faults.email)} />
+    <AccountFrame title={t.titles.signUp} lead={t.account.signUpLead}>
+      <Form onSubmit={submit} busy={busy} label={t.account.signUp} {...fault(faults.form)}>
+        <Field
+          label={t.account.email}
+          type="email"
+          autocomplete="email"
+          value={email}
+          onInput={setEmail}
+          {...fault(faults.email)}
+        />
       </Form>
-      <p class="muted">{t.account.have_one} <Link href="/sign-in">{t.account.sign_in}</Link></p>
+      <p class="muted">
+        {t.account.haveOne} <Link href="/sign-in">{t.account.signIn}</Link>
+      </p>
     </AccountFrame>
   );
 }
 
 export function SignIn() {
   const app = useApp();
-  const [email, set_email] = useState("");
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<Credentials>>({});
-  const [busy, set_busy] = useState(false);
-  const [code_needed, set_code_needed] = useState(false);
+  const [email, setEmail] = useState("");
+  const [password, setPassword] = useState("");
+  const [faults, setFaults] = useState<Faults<Credentials>>({});
+  const [busy, setBusy] = useState(false);
+  const [codeNeeded, setCodeNeeded] = useState(false);
 
   const submit = async () => {
     const found: Faults<Credentials> = {
       ...(email === "" ? { email: t.account.required } : {}),
       ...(password === "" ? { password: t.account.required } : {}),
     };
-    set_faults(found);
+    setFaults(found);
     if (found.email !== undefined || found.password !== undefined) return;
-    set_busy(true);
+    setBusy(true);
     try {
-      enter(app, await app.api.sign_in(email.trim(), password));
+      enter(app, await app.api.signIn(email.trim(), password));
     } catch (thrown) {
-      if (thrown instanceof ApiProblem && thrown.kind === "code-needed") set_code_needed(true);
-      else set_faults(faults_of(thrown, both, (what) => app.explain(what)));
-      set_busy(false);
+      if (thrown instanceof ApiProblem && thrown.kind === "code-needed") setCodeNeeded(true);
+      else setFaults(faultsOf(thrown, both, (what) => app.explain(what)));
+      setBusy(false);
     }
   };
-  if (code_needed) return <SignInCode email={email.trim()} password={password} onBack={() => set_code_needed(false)} />;
+  if (codeNeeded) return <SignInCode email={email.trim()} password={password} onBack={() => setCodeNeeded(false)} />;
   return (
-    <AccountFrame title={t.titles.sign_in} lead={t.account.sign_in_lead}>
-      <Form onSubmit={submit} busy={busy} label={t.account.sign_in} {...fault(faults.form)}>
-        <Field label={t.account.email} type="email" autocomplete="username" value={email} onInput={set_email} {...fault(faults.email)} />
-        <Field label={t.account.password} type="password" autocomplete="current-password" value={password} onInput={set_password} {...fault(faults.password)} />
+    <AccountFrame title={t.titles.signIn} lead={t.account.signInLead}>
+      <Form onSubmit={submit} busy={busy} label={t.account.signIn} {...fault(faults.form)}>
+        <Field
+          label={t.account.email}
+          type="email"
+          autocomplete="username"
+          value={email}
+          onInput={setEmail}
+          {...fault(faults.email)}
+        />
+        <Field
+          label={t.account.password}
+          type="password"
+          autocomplete="current-password"
+          value={password}
+          onInput={setPassword}
+          {...fault(faults.password)}
+        />
       </Form>
-      <p class="muted"><Link href="/forgot">{t.account.forgot}</Link></p>
-      <p class="muted">{t.account.have_none} <Link href="/sign-up">{t.account.sign_up}</Link></p>
+      <p class="muted">
+        <Link href="/forgot">{t.account.forgot}</Link>
+      </p>
+      <p class="muted">
+        {t.account.haveNone} <Link href="/sign-up">{t.account.signUp}</Link>
+      </p>
+      <p class="muted">
+        <Link href="/gallery">{t.account.samples}</Link>
+      </p>
     </AccountFrame>
   );
 }
 
 function enter(app: AppState, me: Me): void {
   if (location.pathname === "/sign-in" || location.pathname === "/sign-up") navigate("/scans", true);
-  app.signed_in(me);
+  app.signedIn(me);
 }
 
 interface SignInCodeProps {
@@ -109,40 +139,44 @@ interface SignInCodeProps {
 /** The second step of an account that has a second factor. */
 function SignInCode({ email, password, onBack }: SignInCodeProps) {
   const app = useApp();
-  const [code, set_code] = useState("");
-  const [recovery, set_recovery] = useState(false);
-  const [faults, set_faults] = useState<Faults<"code">>({});
-  const [busy, set_busy] = useState(false);
+  const [code, setCode] = useState("");
+  const [recovery, setRecovery] = useState(false);
+  const [faults, setFaults] = useState<Faults<"code">>({});
+  const [busy, setBusy] = useState(false);
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => box.current?.querySelector("input")?.focus(), [recovery]);
 
   const submit = async () => {
-    set_faults(code.trim() === "" ? { code: t.account.required } : {});
+    setFaults(code.trim() === "" ? { code: t.account.required } : {});
     if (code.trim() === "") return;
-    set_busy(true);
+    setBusy(true);
     try {
-      enter(app, await app.api.sign_in(email, password, code.trim()));
+      enter(app, await app.api.signIn(email, password, code.trim()));
     } catch (thrown) {
       const wrong = thrown instanceof ApiProblem && thrown.kind === "wrong-code";
-      set_faults(wrong ? { code: thrown.detail } : faults_of(thrown, ["code"], (what) => app.explain(what)));
-      set_busy(false);
+      setFaults(wrong ? { code: thrown.detail } : faultsOf(thrown, ["code"], (what) => app.explain(what)));
+      setBusy(false);
     }
   };
   const change = () => {
-    set_recovery(!recovery);
-    set_code("");
-    set_faults({});
+    setRecovery(!recovery);
+    setCode("");
+    setFaults({});
   };
   return (
-    <AccountFrame title={t.titles.code} lead={t.second_factor.sign_in_lead}>
+    <AccountFrame title={t.titles.code} lead={t.secondFactor.signInLead}>
       <div ref={box}>
-        <Form onSubmit={submit} busy={busy} label={t.account.sign_in} {...fault(faults.form)}>
-          <CodeField value={code} onInput={set_code} recovery={recovery} {...fault(faults.code)} />
+        <Form onSubmit={submit} busy={busy} label={t.account.signIn} {...fault(faults.form)}>
+          <CodeField value={code} onInput={setCode} recovery={recovery} {...fault(faults.code)} />
         </Form>
       </div>
       <p class="buttons">
-        <button type="button" class="button button-small" onClick={change}>{recovery ? t.second_factor.use_device : t.second_factor.use_recovery}</button>
-        <button type="button" class="button button-small" onClick={onBack}>{t.second_factor.back}</button>
+        <button type="button" class="button button-small" onClick={change}>
+          {recovery ? t.secondFactor.useDevice : t.secondFactor.useRecovery}
+        </button>
+        <button type="button" class="button button-small" onClick={onBack}>
+          {t.secondFactor.back}
+        </button>
       </p>
     </AccountFrame>
   );
@@ -151,25 +185,31 @@ function SignInCode({ email, password, onBack }: SignInCodeProps) {
 /** Where the link of a sign-up's mail leads. */
 export function Verify({ token }: { readonly token: string }) {
   const app = useApp();
-  const [done, set_done] = useState(false);
+  const [done, setDone] = useState(false);
   if (done)
     return (
-      <AccountFrame title={t.account.verified_title}>
+      <AccountFrame title={t.account.verifiedTitle}>
         <Notice kind="good">{t.account.verified}</Notice>
-        <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
+        <p>
+          <Link href="/sign-in" class="button button-main">
+            {t.account.toSignIn}
+          </Link>
+        </p>
       </AccountFrame>
     );
   return (
-    <AccountFrame title={t.titles.verify} lead={t.account.verify_lead}>
+    <AccountFrame title={t.titles.verify} lead={t.account.verifyLead}>
       <MailedPassword
         token={token}
         page="/verify"
         label={t.account.password}
-        button={t.account.verify_submit}
-        use={(mailed, password) => app.api.verify(mailed, password)}
-        onDone={() => set_done(true)}
+        button={t.account.verifySubmit}
+        redeem={(mailed, password) => app.api.verify(mailed, password)}
+        onDone={() => setDone(true)}
       />
-      <p class="muted"><Link href="/sign-in">{t.account.to_sign_in}</Link></p>
+      <p class="muted">
+        <Link href="/sign-in">{t.account.toSignIn}</Link>
+      </p>
     </AccountFrame>
   );
 }

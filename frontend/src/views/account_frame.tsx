@@ -5,20 +5,50 @@ import { PageTitle } from "./shell";
 
 /** Slices of a head seen from the side and above; each its own tone, the top ones the lightest. */
 const slices = [
-  [9, 4], [17, 7.5], [23, 10], [27.5, 12], [31, 13.5], [33.5, 14.5], [35, 15.2], [35.5, 15.5], [35, 15.2], [33.5, 14.5], [31, 13.5],
-  [28, 12.2], [26.5, 11.5], [25.5, 11], [24, 10.4], [21, 9.2], [18, 8],
+  [9, 4],
+  [17, 7.5],
+  [23, 10],
+  [27.5, 12],
+  [31, 13.5],
+  [33.5, 14.5],
+  [35, 15.2],
+  [35.5, 15.5],
+  [35, 15.2],
+  [33.5, 14.5],
+  [31, 13.5],
+  [28, 12.2],
+  [26.5, 11.5],
+  [25.5, 11],
+  [24, 10.4],
+  [21, 9.2],
+  [18, 8],
 ] as const;
 
 function Art() {
   return (
     <svg class="art" viewBox="0 0 100 130" role="img" aria-label={t.account.art}>
       {[...slices].reverse().map(([rx, ry], i) => {
-        const from_top = slices.length - 1 - i;
+        const fromTop = slices.length - 1 - i;
         return (
-          <g key={from_top}>
-            <ellipse cx="50" cy={18 + from_top * 5.6} rx={rx} ry={ry} class="art-slice" fill-opacity={0.05 + 0.012 * i} stroke-opacity={0.25 + 0.04 * i} />
-            {from_top > 2 ? (
-              <ellipse cx="50" cy={18 + from_top * 5.6} rx={rx * 0.72} ry={ry * 0.7} class="art-core" stroke-opacity={0.12 + 0.03 * i} />
+          <g key={fromTop}>
+            <ellipse
+              cx="50"
+              cy={18 + fromTop * 5.6}
+              rx={rx}
+              ry={ry}
+              class="art-slice"
+              fill-opacity={0.05 + 0.012 * i}
+              stroke-opacity={0.25 + 0.04 * i}
+            />
+            {fromTop > 2 ? (
+              <ellipse
+                cx="50"
+                cy={18 + fromTop * 5.6}
+                rx={rx * 0.72}
+                ry={ry * 0.7}
+                class="art-core"
+                stroke-opacity={0.12 + 0.03 * i}
+              />
             ) : null}
           </g>
         );
@@ -44,7 +74,10 @@ export function AccountFrame({ title, lead, children }: AccountFrameProps) {
       </section>
       <aside class="account-art" aria-hidden="true">
         <Art />
-        <p><Mark />{t.tagline}</p>
+        <p>
+          <Mark />
+          {t.tagline}
+        </p>
       </aside>
     </div>
   );

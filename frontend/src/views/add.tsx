@@ -1,11 +1,11 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { dropped_files } from "../scan/picked_files";
-import { scan_in_worker } from "../scan/scan_client";
+import { droppedFiles } from "../scan/picked_files";
+import { scanInWorker } from "../scan/scan_client";
 import type { ScanResult } from "../scan/types";
 import { t } from "../texts";
 import { Icon } from "./icons";
 import { SeriesList } from "./series_list";
-import { Bar, Notice, PageTitle, use_focus_kept } from "./shell";
+import { Bar, Notice, PageTitle, useFocusKept } from "./shell";
 
 type Stage =
   | { readonly kind: "choose"; readonly fault?: string }
@@ -13,27 +13,27 @@ type Stage =
   | { readonly kind: "found"; readonly files: readonly File[]; readonly result: ScanResult };
 
 export function Add() {
-  const [stage, set_stage] = useState<Stage>({ kind: "choose" });
+  const [stage, setStage] = useState<Stage>({ kind: "choose" });
   const scanning = useRef<AbortController | null>(null);
   useEffect(() => () => scanning.current?.abort(), []);
-  use_focus_kept(stage.kind);
+  useFocusKept(stage.kind);
 
   const scan = async (files: readonly File[]) => {
     const stopping = new AbortController();
     scanning.current = stopping;
     const stop = () => {
       stopping.abort();
-      set_stage({ kind: "choose" });
+      setStage({ kind: "choose" });
     };
-    set_stage({ kind: "scanning", done: 0, total: files.length, stop });
+    setStage({ kind: "scanning", done: 0, total: files.length, stop });
     try {
       const progress = (done: number, total: number) => {
-        if (!stopping.signal.aborted) set_stage({ kind: "scanning", done, total, stop });
+        if (!stopping.signal.aborted) setStage({ kind: "scanning", done, total, stop });
       };
-      const result = await scan_in_worker(files, progress, stopping.signal);
-      set_stage({ kind: "found", files, result });
+      const result = await scanInWorker(files, progress, stopping.signal);
+      setStage({ kind: "found", files, result });
     } catch {
-      set_stage({ kind: "choose", fault: t.add.failed });
+      setStage({ kind: "choose", fault: t.add.failed });
     }
   };
 
@@ -53,26 +53,28 @@ export function Add() {
           <h2>{t.add.scanning}</h2>
           <Bar value={stage.total > 0 ? stage.done / stage.total : null} label={t.add.scanning} />
           <p class="muted">{t.add.scanned(stage.done, stage.total)}</p>
-          <button type="button" class="button" onClick={stage.stop}>{t.add.stop}</button>
+          <button type="button" class="button" onClick={stage.stop}>
+            {t.add.stop}
+          </button>
         </section>
       ) : null}
       {stage.kind === "found" ? (
-        <SeriesList files={stage.files} result={stage.result} onAgain={() => set_stage({ kind: "choose" })} />
+        <SeriesList files={stage.files} result={stage.result} onAgain={() => setStage({ kind: "choose" })} />
       ) : null}
     </div>
   );
 }
 
 function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
-  const [over, set_over] = useState(false);
+  const [over, setOver] = useState(false);
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => {
     // Let go beside the field it counts too: the browser would leave the page and show the file.
     const allow = (event: DragEvent) => event.preventDefault();
     const take = (event: DragEvent) => {
       event.preventDefault();
-      set_over(false);
-      if (event.dataTransfer) void dropped_files(event.dataTransfer).then(onFiles);
+      setOver(false);
+      if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(onFiles);
     };
     addEventListener("dragover", allow);
     addEventListener("drop", take);
@@ -84,14 +86,18 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
   return (
     <div
       class={`drop${over ? " drop-over" : ""}`}
-      onDragOver={() => set_over(true)}
+      onDragOver={() => setOver(true)}
       onDragLeave={(event) => {
-        if (!event.currentTarget.contains(event.relatedTarget as Node | null)) set_over(false);
+        if (!event.currentTarget.contains(event.relatedTarget as Node | null)) setOver(false);
       }}
     >
       <Icon name="folder" />
-      <p class="drop-text" aria-hidden="true">{over ? t.add.dropping : t.add.drop}</p>
-      <p class="muted" aria-hidden="true">{t.add.or}</p>
+      <p class="drop-text" aria-hidden="true">
+        {over ? t.add.dropping : t.add.drop}
+      </p>
+      <p class="muted" aria-hidden="true">
+        {t.add.or}
+      </p>
       <input
         ref={(element) => {
           input.current = element;
@@ -108,7 +114,9 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
           if (files.length > 0) onFiles(files);
         }}
       />
-      <button type="button" class="button button-main" onClick={() => input.current?.click()}>{t.add.choose}</button>
+      <button type="button" class="button button-main" onClick={() => input.current?.click()}>
+        {t.add.choose}
+      </button>
     </div>
   );
 }

@@ -1,4 +1,6 @@
+import type { ComponentChildren, JSX } from "preact";
 import { useEffect } from "preact/hooks";
+import type { Me } from "../api/types";
 import { language, t } from "../texts";
 import { SignIn, SignUp, Verify } from "./account";
 import { Admin } from "./admin";
@@ -8,7 +10,9 @@ import { ConfirmEmail, Forgot, Reset } from "./forgot";
 import { Gallery } from "./gallery";
 import { Join } from "./join";
 import { MyAccount } from "./my_account";
+import { Loading } from "./loading";
 import { Link, navigate, route } from "./router";
+import type { AdminPart, Route } from "./routes";
 import { Reports } from "./reports";
 import { Scans } from "./scans";
 import { SecondFactorFirst } from "./second_factor";
@@ -17,7 +21,7 @@ import { SharedByLink, SharedSample } from "./shared";
 import { AppContext, useApp, type AppState } from "./state";
 import { OwnViewer } from "./viewer/viewer";
 
-/** In another language every page begins anew: what it has shown was read from the texts before. Uploads and the account go on. */
+/** A change of the language mounts the page again, because it has read the old texts. Uploads and the account stay. */
 export function App({ state }: { readonly state: AppState }) {
   return (
     <AppContext.Provider value={state}>
@@ -30,56 +34,108 @@ function Page() {
   const app = useApp();
   const at = route.value;
   const me = app.me.value;
+  const linked = linkedPage(at);
+  if (linked) return linked;
+  if (app.unreachable.value) return framed(<Unreachable />);
+  if (me === undefined) return framed(<Loading page />);
+  // Somebody who has to sign in first is then on the page that they asked for.
+  return openPage(at, me) ?? (me === null ? framed(<SignIn />) : accountPage(at, me));
+}
 
-  if (at.page === "verify") return <Shell><Verify token={at.token} /></Shell>;
-  if (at.page === "reset") return <Shell><Reset token={at.token} /></Shell>;
-  if (at.page === "forgot") return <Shell><Forgot /></Shell>;
-  if (at.page === "join") return <Join key={at.token} token={at.token} />;
-  if (at.page === "shared") return <SharedByLink key={at.token} token={at.token} />;
-  if (app.unreachable.value)
-    return (
-      <Shell>
-        <div class="page page-narrow">
-          <PageTitle text={t.name} />
-          <Notice kind="bad">{t.problems.unreachable}</Notice>
-          <p><button type="button" class="button" onClick={() => void app.load()}>{t.try_again}</button></p>
-        </div>
-      </Shell>
-    );
-  if (me === undefined) return <Shell><p class="page muted" role="status">{t.loading}</p></Shell>;
-  if (at.page === "sign_up" && me === null) return <Shell><SignUp /></Shell>;
-  if (at.page === "gallery") return <Shell><Gallery /></Shell>;
-  if (at.page === "sample") return <SharedSample key={at.data_set_id} data_set_id={at.data_set_id} />;
-  if (at.page === "not_found") return <Shell><NotFound /></Shell>;
-  // Wherever one wanted to go: after signing in one is there.
-  if (me === null) return <Shell><SignIn /></Shell>;
+const framed = (content: ComponentChildren): JSX.Element => <Shell>{content}</Shell>;
+
+/** The pages of mailed and shared links, which do not depend on who is signed in. */
+function linkedPage(at: Route): JSX.Element | null {
+  switch (at.page) {
+    case "verify":
+      return framed(<Verify token={at.token} />);
+    case "reset":
+      return framed(<Reset token={at.token} />);
+    case "forgot":
+      return framed(<Forgot />);
+    case "join":
+      return <Join key={at.token} token={at.token} />;
+    case "shared":
+      return <SharedByLink key={at.token} token={at.token} />;
+    default:
+      return null;
+  }
+}
+
+/** The pages that need no account. */
+function openPage(at: Route, me: Me | null): JSX.Element | null {
+  switch (at.page) {
+    case "sign_up":
+      return me === null ? framed(<SignUp />) : null;
+    case "gallery":
+      return framed(<Gallery />);
+    case "sample":
+      return <SharedSample key={at.dataSetId} dataSetId={at.dataSetId} />;
+    case "not_found":
+      return framed(<NotFound />);
+    default:
+      return null;
+  }
+}
+
+function accountPage(at: Route, me: Me): JSX.Element {
   switch (at.page) {
     case "confirm_email":
-      return <Shell><ConfirmEmail token={at.token} /></Shell>;
+      return framed(<ConfirmEmail token={at.token} />);
     case "account":
-      return <Shell><MyAccount me={me} /></Shell>;
+      return framed(<MyAccount me={me} />);
     case "admin":
-      return <Shell>{!me.administrator ? <NotFound /> : me.second_factor ? <Admin part={at.part} /> : <SecondFactorFirst />}</Shell>;
+      return framed(<AdminPage me={me} part={at.part} />);
     case "add":
-      return <Shell><Add /></Shell>;
+      return framed(<Add />);
     case "cut":
-      return <CutPage key={at.data_set_id} data_set_id={at.data_set_id} />;
+      return <CutPage key={at.dataSetId} dataSetId={at.dataSetId} />;
     case "view":
-      return <OwnViewer key={at.data_set_id} data_set_id={at.data_set_id} />;
+      return <OwnViewer key={at.dataSetId} dataSetId={at.dataSetId} />;
     case "reports":
-      return <Shell><Reports /></Shell>;
+      return framed(<Reports />);
     case "scans":
-      return <Shell><Scans /></Shell>;
+      return framed(<Scans />);
     default:
       return <Elsewhere />;
   }
 }
 
-function NotFound() {
-  return <div class="page page-narrow"><PageTitle text={t.titles.not_found} /><p>{t.not_found}</p><p><Link href="/" class="button">{t.to_start}</Link></p></div>;
+function AdminPage({ me, part }: { readonly me: Me; readonly part: AdminPart }) {
+  if (!me.administrator) return <NotFound />;
+  return me.second_factor ? <Admin part={part} /> : <SecondFactorFirst />;
 }
 
-/** Signing up or in while signed in. */
+function Unreachable() {
+  const app = useApp();
+  return (
+    <div class="page page-narrow">
+      <PageTitle text={t.name} />
+      <Notice kind="bad">{t.problems.unreachable}</Notice>
+      <p>
+        <button type="button" class="button" onClick={() => void app.load()}>
+          {t.tryAgain}
+        </button>
+      </p>
+    </div>
+  );
+}
+
+function NotFound() {
+  return (
+    <div class="page page-narrow">
+      <PageTitle text={t.titles.notFound} />
+      <p>{t.notFound}</p>
+      <p>
+        <Link href="/" class="button">
+          {t.toStart}
+        </Link>
+      </p>
+    </div>
+  );
+}
+
+/** Leads people away from the forms to sign up and in, because they are signed in already. */
 function Elsewhere() {
   useEffect(() => navigate("/scans", true), []);
   return null;

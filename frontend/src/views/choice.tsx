@@ -14,7 +14,11 @@ export function Choice({ label, value, options, onChoose }: ChoiceProps) {
     <div class="field">
       <label for={id}>{label}</label>
       <select id={id} class="choice" value={value} onChange={(event) => onChoose(event.currentTarget.value)}>
-        {options.map(([one, text]) => <option key={one} value={one}>{text}</option>)}
+        {options.map(([one, text]) => (
+          <option key={one} value={one}>
+            {text}
+          </option>
+        ))}
       </select>
     </div>
   );

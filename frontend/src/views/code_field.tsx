@@ -13,8 +13,8 @@ export interface CodeFieldProps {
 export function CodeField({ value, onInput, recovery, fault }: CodeFieldProps) {
   return (
     <Field
-      label={recovery ? t.second_factor.recovery_code : t.second_factor.code}
-      hint={recovery ? t.second_factor.recovery_code_hint : t.second_factor.code_hint}
+      label={recovery ? t.secondFactor.recoveryCode : t.secondFactor.code}
+      hint={recovery ? t.secondFactor.recoveryCodeHint : t.secondFactor.codeHint}
       value={value}
       onInput={onInput}
       most={40}

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
-import { focus_title } from "./shell";
+import { focusTitle } from "./shell";
 
 export interface DialogProps {
   readonly title: string;
@@ -11,7 +11,7 @@ export interface DialogProps {
 /** Modal: the browser keeps the focus inside, closes on Escape and gives the focus back. */
 export function Dialog({ title, onClose, children }: DialogProps) {
   const dialog = useRef<HTMLDialogElement>(null);
-  const title_id = useId(); // one dialog may be opened from another
+  const titleId = useId(); // one dialog may be opened from another
   useEffect(() => {
     const element = dialog.current;
     const before = document.activeElement;
@@ -19,13 +19,13 @@ export function Dialog({ title, onClose, children }: DialogProps) {
     return () => {
       element?.close();
       if (before instanceof HTMLElement && before.isConnected) before.focus();
-      else focus_title();
+      else focusTitle();
     };
   }, []);
   return (
     <dialog
       ref={dialog}
-      aria-labelledby={title_id}
+      aria-labelledby={titleId}
       onCancel={(event) => {
         event.preventDefault();
         onClose();
@@ -35,7 +35,7 @@ export function Dialog({ title, onClose, children }: DialogProps) {
       }}
     >
       <div class="dialog-body">
-        <h2 id={title_id}>{title}</h2>
+        <h2 id={titleId}>{title}</h2>
         {children}
       </div>
     </dialog>

@@ -21,7 +21,7 @@ export interface FieldProps {
 /** A labelled input with its hint and its fault, tied together for a screen reader. */
 export function Field(props: FieldProps) {
   const id = useId();
-  const [shown, set_shown] = useState(false);
+  const [shown, setShown] = useState(false);
   const secret = props.type === "password";
   const type = (secret && shown ? "text" : (props.type ?? "text")) as "text"; // the types of JSX want to know which
   const described = [props.fault ? `${id}-fault` : "", props.hint ? `${id}-hint` : ""].filter(Boolean).join(" ");
@@ -41,7 +41,9 @@ export function Field(props: FieldProps) {
           {...(props.most ? { maxLength: props.most } : {})}
           {...(props.digits ? { inputMode: "numeric" as const } : {})}
           {...(props.verbatim ? { autocapitalize: "none", spellcheck: false } : {})}
-          {...(props.type === "email" ? { inputMode: "email" as const, autocapitalize: "none", spellcheck: false } : {})}
+          {...(props.type === "email"
+            ? { inputMode: "email" as const, autocapitalize: "none", spellcheck: false }
+            : {})}
         />
         {secret ? (
           <button
@@ -49,14 +51,22 @@ export function Field(props: FieldProps) {
             class="icon-button"
             aria-label={shown ? t.account.hide : t.account.show}
             title={shown ? t.account.hide : t.account.show}
-            onClick={() => set_shown(!shown)}
+            onClick={() => setShown(!shown)}
           >
             <Icon name={shown ? "eye_off" : "eye"} />
           </button>
         ) : null}
       </div>
-      {props.fault ? <p class="field-fault" id={`${id}-fault`}>{props.fault}</p> : null}
-      {props.hint ? <p class="field-hint" id={`${id}-hint`}>{props.hint}</p> : null}
+      {props.fault ? (
+        <p class="field-fault" id={`${id}-fault`}>
+          {props.fault}
+        </p>
+      ) : null}
+      {props.hint ? (
+        <p class="field-hint" id={`${id}-hint`}>
+          {props.hint}
+        </p>
+      ) : null}
     </div>
   );
 }

@@ -3,7 +3,7 @@ import type { Focused } from "../input/keys";
 const choices: readonly string[] = ["range", "checkbox", "radio", "color", "button", "file"];
 
 /** What a key that was pressed on it is for. */
-export function focused_of(target: EventTarget | null): Focused {
+export function focusedOf(target: EventTarget | null): Focused {
   if (!(target instanceof HTMLElement)) return "none";
   if (target instanceof HTMLSelectElement) return "list";
   if (target instanceof HTMLInputElement) return choices.includes(target.type) ? "choice" : "text";

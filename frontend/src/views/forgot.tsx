@@ -1,9 +1,9 @@
 import { useState } from "preact/hooks";
 import { t } from "../texts";
-import { looks_like_email } from "./account";
+import { looksLikeEmail } from "./account";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
-import { Form, fault, faults_of, type Faults } from "./form";
+import { Form, fault, faultsOf, type Faults } from "./form";
 import { useMailedToken } from "./mailed_link";
 import { MailedPassword } from "./mailed_password";
 import { Link } from "./router";
@@ -13,40 +13,53 @@ import { useApp } from "./state";
 /** A forgotten password: a link is mailed, whoever has an account. */
 export function Forgot() {
   const app = useApp();
-  const [email, set_email] = useState("");
-  const [faults, set_faults] = useState<Faults<"email">>({});
-  const [busy, set_busy] = useState(false);
-  const [sent, set_sent] = useState(false);
+  const [email, setEmail] = useState("");
+  const [faults, setFaults] = useState<Faults<"email">>({});
+  const [busy, setBusy] = useState(false);
+  const [sent, setSent] = useState(false);
 
   if (sent)
     return (
-      <AccountFrame title={t.titles.check_mail}>
-        <Notice kind="good">{t.account.forgot_sent(email.trim())}</Notice>
-        <p class="muted">{t.account.mail_hint}</p>
-        <p><Link href="/sign-in" class="button">{t.account.to_sign_in}</Link></p>
+      <AccountFrame title={t.titles.checkMail}>
+        <Notice kind="good">{t.account.forgotSent(email.trim())}</Notice>
+        <p class="muted">{t.account.mailHint}</p>
+        <p>
+          <Link href="/sign-in" class="button">
+            {t.account.toSignIn}
+          </Link>
+        </p>
       </AccountFrame>
     );
   const submit = async () => {
-    if (!looks_like_email(email)) {
-      set_faults({ email: email === "" ? t.account.required : t.account.email_wrong });
+    if (!looksLikeEmail(email)) {
+      setFaults({ email: email === "" ? t.account.required : t.account.emailWrong });
       return;
     }
-    set_busy(true);
+    setBusy(true);
     try {
-      await app.api.request_password_reset(email.trim());
-      set_sent(true);
+      await app.api.requestPasswordReset(email.trim());
+      setSent(true);
     } catch (thrown) {
-      set_faults(faults_of(thrown, ["email"], (what) => app.explain(what)));
+      setFaults(faultsOf(thrown, ["email"], (what) => app.explain(what)));
     } finally {
-      set_busy(false);
+      setBusy(false);
     }
   };
   return (
-    <AccountFrame title={t.titles.forgot} lead={t.account.forgot_lead}>
-      <Form onSubmit={submit} busy={busy} label={t.account.forgot_send} {...fault(faults.form)}>
-        <Field label={t.account.email} type="email" autocomplete="username" value={email} onInput={set_email} {...fault(faults.email)} />
+    <AccountFrame title={t.titles.forgot} lead={t.account.forgotLead}>
+      <Form onSubmit={submit} busy={busy} label={t.account.forgotSend} {...fault(faults.form)}>
+        <Field
+          label={t.account.email}
+          type="email"
+          autocomplete="username"
+          value={email}
+          onInput={setEmail}
+          {...fault(faults.email)}
+        />
       </Form>
-      <p class="muted"><Link href="/sign-in">{t.account.to_sign_in}</Link></p>
+      <p class="muted">
+        <Link href="/sign-in">{t.account.toSignIn}</Link>
+      </p>
     </AccountFrame>
   );
 }
@@ -54,28 +67,34 @@ export function Forgot() {
 /** Where the link of that mail leads. */
 export function Reset({ token }: { readonly token: string }) {
   const app = useApp();
-  const [done, set_done] = useState(false);
+  const [done, setDone] = useState(false);
   if (done)
     return (
       <AccountFrame title={t.titles.reset}>
-        <Notice kind="good">{t.account.reset_done}</Notice>
-        <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
+        <Notice kind="good">{t.account.resetDone}</Notice>
+        <p>
+          <Link href="/sign-in" class="button button-main">
+            {t.account.toSignIn}
+          </Link>
+        </p>
       </AccountFrame>
     );
   return (
-    <AccountFrame title={t.titles.reset} lead={t.account.reset_lead}>
+    <AccountFrame title={t.titles.reset} lead={t.account.resetLead}>
       <MailedPassword
         token={token}
         page="/reset"
-        label={t.account.new_password}
+        label={t.account.newPassword}
         button={t.account.reset}
-        use={(mailed, password) => app.api.reset_password(mailed, password)}
+        redeem={(mailed, password) => app.api.resetPassword(mailed, password)}
         onDone={() => {
           app.me.value = null;
-          set_done(true);
+          setDone(true);
         }}
       />
-      <p class="muted"><Link href="/forgot">{t.account.ask_again}</Link></p>
+      <p class="muted">
+        <Link href="/forgot">{t.account.askAgain}</Link>
+      </p>
     </AccountFrame>
   );
 }
@@ -84,16 +103,26 @@ export function Reset({ token }: { readonly token: string }) {
 export function ConfirmEmail({ token }: { readonly token: string }) {
   const app = useApp();
   const outcome = useMailedToken(token, "/confirm-email", async (mailed) => {
-    await app.api.confirm_email(mailed);
+    await app.api.confirmEmail(mailed);
     void app.load();
-    return t.account.email_changed;
+    return t.account.emailChanged;
   });
   if (!outcome)
-    return <AccountFrame title={t.titles.confirm_email}><p class="muted" role="status">{t.account.confirming_email}</p></AccountFrame>;
+    return (
+      <AccountFrame title={t.titles.confirmEmail}>
+        <p class="muted" role="status">
+          {t.account.confirmingEmail}
+        </p>
+      </AccountFrame>
+    );
   return (
-    <AccountFrame title={outcome.ok ? t.titles.confirm_email : t.account.verify_failed}>
+    <AccountFrame title={outcome.ok ? t.titles.confirmEmail : t.account.verifyFailed}>
       <Notice kind={outcome.ok ? "good" : "bad"}>{outcome.text}</Notice>
-      <p><Link href="/account" class="button button-main">{t.nav.account}</Link></p>
+      <p>
+        <Link href="/account" class="button button-main">
+          {t.nav.account}
+        </Link>
+      </p>
     </AccountFrame>
   );
 }

@@ -6,8 +6,10 @@ import { Notice } from "./shell";
 export type Faults<Field extends string> = Readonly<Partial<Record<Field | "form", string>>>;
 
 /** What the server said of these fields; else a sentence for the form. */
-export function faults_of<Field extends string>(
-  thrown: unknown, fields: readonly Field[], explain: (thrown: unknown) => string,
+export function faultsOf<Field extends string>(
+  thrown: unknown,
+  fields: readonly Field[],
+  explain: (thrown: unknown) => string,
 ): Faults<Field> {
   if (thrown instanceof ApiProblem) {
     const found: Partial<Record<Field, string>> = {};
@@ -50,7 +52,14 @@ export function Form({ onSubmit, busy, label, fault, danger, children }: FormPro
     >
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       {children}
-      <button type="submit" class={`button ${danger ? "button-danger" : "button-main"} button-wide`} disabled={busy} aria-busy={busy}>{label}</button>
+      <button
+        type="submit"
+        class={`button ${danger ? "button-danger" : "button-main"} button-wide`}
+        disabled={busy}
+        aria-busy={busy}
+      >
+        {label}
+      </button>
     </form>
   );
 }

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import { t } from "../texts";
 import { useApp } from "./state";
+import { useLatest } from "./use_latest";
 
 /** What came of a link that was mailed: `text` in words for the person. */
 export interface MailedOutcome {
@@ -9,22 +10,29 @@ export interface MailedOutcome {
   readonly text: string;
 }
 
-/** Uses the token of a mailed link once, by `use`, which answers with what to say; null until then. `page` is left in the address. */
-export function useMailedToken(token: string, page: string, use: (token: string) => Promise<string>): MailedOutcome | null {
+/**
+ * Redeems the token of a mailed link once. `redeem` answers with the text to show, and the result is null until then.
+ * The address is replaced by `page`.
+ */
+export function useMailedToken(
+  token: string,
+  page: string,
+  redeem: (token: string) => Promise<string>,
+): MailedOutcome | null {
   const app = useApp();
-  const [outcome, set_outcome] = useState<MailedOutcome | null>(null);
+  const [outcome, setOutcome] = useState<MailedOutcome | null>(null);
+  const latestRedeem = useLatest(redeem); // it differs with each render, but the token must be used only once
   useEffect(() => {
     // The token is used up in a moment; it need not stay in the address and the history.
     history.replaceState(null, "", page);
     if (token === "") {
-      set_outcome({ ok: false, text: t.account.verify_no_token });
+      setOutcome({ ok: false, text: t.account.verifyNoToken });
       return;
     }
-    use(token).then(
-      (text) => set_outcome({ ok: true, text }),
-      (thrown: unknown) => set_outcome({ ok: false, text: app.explain(thrown) }),
+    latestRedeem.current(token).then(
+      (text) => setOutcome({ ok: true, text }),
+      (thrown: unknown) => setOutcome({ ok: false, text: app.explain(thrown) }),
     );
-    // `use` is made anew by each drawing of the page; the token must be used once.
-  }, [app, token]);
+  }, [app, token, page, latestRedeem]);
   return outcome;
 }

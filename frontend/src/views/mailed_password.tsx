@@ -1,10 +1,10 @@
 import { useEffect, useState } from "preact/hooks";
 import { t } from "../texts";
-import { Form, fault, faults_of, type Faults } from "./form";
+import { Form, fault, faultsOf, type Faults } from "./form";
 import { NewPassword } from "./new_password";
 import { Notice } from "./shell";
 import { useApp } from "./state";
-import { shortest_password } from "./strength";
+import { shortestPassword } from "./strength";
 
 export interface MailedPasswordProps {
   readonly token: string;
@@ -12,41 +12,41 @@ export interface MailedPasswordProps {
   readonly page: string;
   readonly label: string;
   readonly button: string;
-  readonly use: (token: string, password: string) => Promise<void>;
+  readonly redeem: (token: string, password: string) => Promise<void>;
   readonly onDone: () => void;
 }
 
 /** The form behind a mailed link by which a password is chosen. */
-export function MailedPassword({ token, page, label, button, use, onDone }: MailedPasswordProps) {
+export function MailedPassword({ token, page, label, button, redeem, onDone }: MailedPasswordProps) {
   const app = useApp();
   const [kept] = useState(token);
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<"password">>({});
-  const [busy, set_busy] = useState(false);
+  const [password, setPassword] = useState("");
+  const [faults, setFaults] = useState<Faults<"password">>({});
+  const [busy, setBusy] = useState(false);
   useEffect(() => {
     // The token opens the account; it must not stay in the address and the history.
     history.replaceState(null, "", page);
   }, [page]);
 
-  if (kept === "") return <Notice kind="bad">{t.account.verify_no_token}</Notice>;
+  if (kept === "") return <Notice kind="bad">{t.account.verifyNoToken}</Notice>;
   const submit = async () => {
-    if (Array.from(password).length < shortest_password) {
-      set_faults({ password: t.account.password_short });
+    if (Array.from(password).length < shortestPassword) {
+      setFaults({ password: t.account.passwordShort });
       return;
     }
-    set_faults({});
-    set_busy(true);
+    setFaults({});
+    setBusy(true);
     try {
-      await use(kept, password);
+      await redeem(kept, password);
       onDone();
     } catch (thrown) {
-      set_faults(faults_of(thrown, ["password"], (what) => app.explain(what)));
-      set_busy(false);
+      setFaults(faultsOf(thrown, ["password"], (what) => app.explain(what)));
+      setBusy(false);
     }
   };
   return (
     <Form onSubmit={submit} busy={busy} label={button} {...fault(faults.form)}>
-      <NewPassword label={label} value={password} onInput={set_password} {...fault(faults.password)} />
+      <NewPassword label={label} value={password} onInput={setPassword} {...fault(faults.password)} />
     </Form>
   );
 }

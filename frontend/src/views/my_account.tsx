@@ -1,21 +1,22 @@
 import { useEffect, useState } from "preact/hooks";
-import { export_path } from "../api/client";
+import { exportPath } from "../api/client";
 import type { BrowserSession, Export, Me } from "../api/types";
 import { tab } from "../storage";
 import { t } from "../texts";
-import { looks_like_email } from "./account";
+import { looksLikeEmail } from "./account";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
-import { Form, fault, faults_of, type Faults } from "./form";
-import { bytes_text, date_text, day_text } from "./format";
+import { Form, fault, faultsOf, type Faults } from "./form";
+import { bytesText, dateText, dayText } from "./format";
+import { Loading } from "./loading";
 import { NewPassword } from "./new_password";
 import { navigate } from "./router";
 import { SecondFactor } from "./second_factor";
-import { Notice, PageTitle, use_focus_kept } from "./shell";
+import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
-import { shortest_password } from "./strength";
+import { shortestPassword } from "./strength";
 
-const asked_again_after_ms = 2000;
+const askedAgainAfterMs = 2000;
 
 export function MyAccount({ me }: { readonly me: Me }) {
   return (
@@ -34,21 +35,39 @@ export function MyAccount({ me }: { readonly me: Me }) {
 
 function Room({ me }: { readonly me: Me }) {
   const { quota, render_time: time } = me;
-  const day = day_text(time.renewed_at);
+  const day = dayText(time.renewed_at);
   return (
     <section class="panel" aria-labelledby="room">
-      <h2 id="room">{t.my_account.room}</h2>
-      <Used label={t.my_account.storage} part={quota.used_bytes} all={quota.bytes}
-        text={t.my_account.storage_used(bytes_text(quota.used_bytes), bytes_text(quota.bytes))} />
-      <Used label={t.my_account.time} part={time.used_ms} all={time.quota_ms}
-        text={t.my_account.time_used(t.my_account.hours(time.used_ms), t.my_account.hours(time.quota_ms))} />
-      {time.used_ms >= time.quota_ms ? <Notice kind="bad">{t.my_account.time_spent(day)}</Notice> : null}
-      <p class="muted">{t.my_account.time_help(day)}</p>
+      <h2 id="room">{t.myAccount.room}</h2>
+      <Used
+        label={t.myAccount.storage}
+        part={quota.used_bytes}
+        all={quota.bytes}
+        text={t.myAccount.storageUsed(bytesText(quota.used_bytes), bytesText(quota.bytes))}
+      />
+      <Used
+        label={t.myAccount.time}
+        part={time.used_ms}
+        all={time.quota_ms}
+        text={t.myAccount.timeUsed(t.myAccount.hours(time.used_ms), t.myAccount.hours(time.quota_ms))}
+      />
+      {time.used_ms >= time.quota_ms ? <Notice kind="bad">{t.myAccount.timeSpent(day)}</Notice> : null}
+      <p class="muted">{t.myAccount.timeHelp(day)}</p>
     </section>
   );
 }
 
-function Used({ label, part, all, text }: { readonly label: string; readonly part: number; readonly all: number; readonly text: string }) {
+function Used({
+  label,
+  part,
+  all,
+  text,
+}: {
+  readonly label: string;
+  readonly part: number;
+  readonly all: number;
+  readonly text: string;
+}) {
   return (
     <div class="used">
       <span>{label}</span>
@@ -58,89 +77,119 @@ function Used({ label, part, all, text }: { readonly label: string; readonly par
   );
 }
 
+/** The browsers in which this person is signed in. */
 function Browsers() {
+  const { items, wrong, end, endAll } = useBrowserSessions();
+  useFocusKept(items?.length);
+  return (
+    <section class="panel" aria-labelledby="browsers">
+      <h2 id="browsers">{t.myAccount.browsers}</h2>
+      <p class="muted">{t.myAccount.browsersHelp}</p>
+      {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
+      {items === null && !wrong ? <Loading /> : null}
+      <ul class="rows">
+        {(items ?? []).map((one) => (
+          <BrowserRow key={one.id} session={one} end={() => end(one)} />
+        ))}
+      </ul>
+      <p>
+        <button type="button" class="button" onClick={endAll}>
+          {t.myAccount.endAll}
+        </button>
+      </p>
+    </section>
+  );
+}
+
+function useBrowserSessions() {
   const app = useApp();
-  const [items, set_items] = useState<readonly BrowserSession[] | null>(null);
-  const [wrong, set_wrong] = useState("");
-  use_focus_kept(items?.length);
+  const [items, setItems] = useState<readonly BrowserSession[] | null>(null);
+  const [wrong, setWrong] = useState("");
+  const explain = (thrown: unknown) => setWrong(app.explain(thrown));
   const load = () => {
-    app.api.browser_sessions().then(set_items, (thrown: unknown) => set_wrong(app.explain(thrown)));
+    app.api.browserSessions().then(setItems, (thrown: unknown) => setWrong(app.explain(thrown)));
   };
   useEffect(load, [app]);
   const end = (one: BrowserSession) => {
-    app.api.end_browser_session(one.id).then(load, (thrown: unknown) => set_wrong(app.explain(thrown)));
+    app.api.endBrowserSession(one.id).then(load, explain);
   };
-  const end_all = () => {
-    app.api.sign_out_everywhere().then(
-      () => {
-        app.me.value = null;
-        navigate("/sign-in");
-      },
-      (thrown: unknown) => set_wrong(app.explain(thrown)),
-    );
+  const endAll = () => {
+    app.api.signOutEverywhere().then(() => {
+      app.me.value = null;
+      navigate("/sign-in");
+    }, explain);
   };
+  return { items, wrong, end, endAll };
+}
+
+function BrowserRow({ session, end }: { readonly session: BrowserSession; readonly end: () => void }) {
+  const name = session.browser || t.myAccount.aBrowser;
   return (
-    <section class="panel" aria-labelledby="browsers">
-      <h2 id="browsers">{t.my_account.browsers}</h2>
-      <p class="muted">{t.my_account.browsers_help}</p>
-      {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
-      {items === null && !wrong ? <p class="muted" role="status">{t.loading}</p> : null}
-      <ul class="rows">
-        {(items ?? []).map((one) => {
-          const name = one.browser || t.my_account.a_browser;
-          return (
-            <li key={one.id}>
-              <span>
-                <strong>{name}</strong> {one.current ? <span class="chip chip-accent">{t.my_account.this_one}</span> : null}
-                <span class="muted row-more">{t.my_account.since(day_text(one.created_at))}, {t.my_account.used(date_text(one.used_at))}</span>
-              </span>
-              {one.current ? null : (
-                <button type="button" class="button button-small" aria-label={t.my_account.end_one_of(name)} onClick={() => end(one)}>{t.my_account.end_one}</button>
-              )}
-            </li>
-          );
-        })}
-      </ul>
-      <p><button type="button" class="button" onClick={end_all}>{t.my_account.end_all}</button></p>
-    </section>
+    <li>
+      <span>
+        <strong>{name}</strong> {session.current ? <span class="chip chip-accent">{t.myAccount.thisOne}</span> : null}
+        <span class="muted row-more">
+          {t.myAccount.since(dayText(session.created_at))}, {t.myAccount.used(dateText(session.used_at))}
+        </span>
+      </span>
+      {session.current ? null : (
+        <button type="button" class="button button-small" aria-label={t.myAccount.endOneOf(name)} onClick={end}>
+          {t.myAccount.endOne}
+        </button>
+      )}
+    </li>
   );
 }
 
 function Address({ me }: { readonly me: Me }) {
   const app = useApp();
-  const [email, set_email] = useState("");
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<"email" | "password">>({});
-  const [busy, set_busy] = useState(false);
-  const [sent, set_sent] = useState("");
+  const [email, setEmail] = useState("");
+  const [password, setPassword] = useState("");
+  const [faults, setFaults] = useState<Faults<"email" | "password">>({});
+  const [busy, setBusy] = useState(false);
+  const [sent, setSent] = useState("");
   const submit = async () => {
-    set_sent("");
+    setSent("");
     const found: Faults<"email" | "password"> = {
-      ...(looks_like_email(email) ? {} : { email: email === "" ? t.account.required : t.account.email_wrong }),
+      ...(looksLikeEmail(email) ? {} : { email: email === "" ? t.account.required : t.account.emailWrong }),
       ...(password === "" ? { password: t.account.required } : {}),
     };
-    set_faults(found);
+    setFaults(found);
     if (found.email !== undefined || found.password !== undefined) return;
-    set_busy(true);
+    setBusy(true);
     try {
-      await app.api.change_email(email.trim(), password);
-      set_sent(email.trim());
-      set_email("");
-      set_password("");
+      await app.api.changeEmail(email.trim(), password);
+      setSent(email.trim());
+      setEmail("");
+      setPassword("");
     } catch (thrown) {
-      set_faults(faults_of(thrown, ["email", "password"], (what) => app.explain(what)));
+      setFaults(faultsOf(thrown, ["email", "password"], (what) => app.explain(what)));
     } finally {
-      set_busy(false);
+      setBusy(false);
     }
   };
   return (
     <section class="panel" aria-labelledby="address">
-      <h2 id="address">{t.my_account.address}</h2>
-      <p>{t.my_account.address_now(me.email)}</p>
-      {sent ? <Notice kind="good">{t.my_account.address_sent(sent)}</Notice> : null}
-      <Form onSubmit={submit} busy={busy} label={t.my_account.change_address} {...fault(faults.form)}>
-        <Field label={t.my_account.new_address} type="email" autocomplete="email" value={email} onInput={set_email} {...fault(faults.email)} />
-        <Field label={t.my_account.current} type="password" autocomplete="current-password" value={password} onInput={set_password} {...fault(faults.password)} />
+      <h2 id="address">{t.myAccount.address}</h2>
+      <p>{t.myAccount.addressNow(me.email)}</p>
+      {sent ? <Notice kind="good">{t.myAccount.addressSent(sent)}</Notice> : null}
+      <Form onSubmit={submit} busy={busy} label={t.myAccount.changeAddress} {...fault(faults.form)}>
+        <Field
+          label={t.myAccount.newAddress}
+          type="email"
+          autocomplete="email"
+          value={email}
+          onInput={setEmail}
+          {...fault(faults.email)}
+        />
+        <Field
+          label={t.myAccount.current}
+          type="password"
+          autocomplete="current-password"
+          value={password}
+          onInput={setPassword}
+          {...fault(faults.password)}
+        />
       </Form>
     </section>
   );
@@ -148,59 +197,109 @@ function Address({ me }: { readonly me: Me }) {
 
 function Password() {
   const app = useApp();
-  const [current, set_current] = useState("");
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<"current" | "password">>({});
-  const [busy, set_busy] = useState(false);
-  const [done, set_done] = useState(false);
+  const [current, setCurrent] = useState("");
+  const [password, setPassword] = useState("");
+  const [faults, setFaults] = useState<Faults<"current" | "password">>({});
+  const [busy, setBusy] = useState(false);
+  const [done, setDone] = useState(false);
   const submit = async () => {
-    set_done(false);
+    setDone(false);
     const found: Faults<"current" | "password"> = {
       ...(current === "" ? { current: t.account.required } : {}),
-      ...(Array.from(password).length >= shortest_password ? {} : { password: t.account.password_short }),
+      ...(Array.from(password).length >= shortestPassword ? {} : { password: t.account.passwordShort }),
     };
-    set_faults(found);
+    setFaults(found);
     if (found.current !== undefined || found.password !== undefined) return;
-    set_busy(true);
+    setBusy(true);
     try {
-      await app.api.change_password(current, password);
-      set_done(true);
-      set_current("");
-      set_password("");
+      await app.api.changePassword(current, password);
+      setDone(true);
+      setCurrent("");
+      setPassword("");
     } catch (thrown) {
-      set_faults(faults_of(thrown, ["current", "password"], (what) => app.explain(what)));
+      setFaults(faultsOf(thrown, ["current", "password"], (what) => app.explain(what)));
     } finally {
-      set_busy(false);
+      setBusy(false);
     }
   };
   return (
     <section class="panel" aria-labelledby="password">
-      <h2 id="password">{t.my_account.password}</h2>
-      {done ? <Notice kind="good">{t.my_account.password_changed}</Notice> : null}
-      <Form onSubmit={submit} busy={busy} label={t.my_account.change_password} {...fault(faults.form)}>
-        <Field label={t.my_account.current} type="password" autocomplete="current-password" value={current} onInput={set_current} {...fault(faults.current)} />
-        <NewPassword label={t.account.new_password} value={password} onInput={set_password} {...fault(faults.password)} />
+      <h2 id="password">{t.myAccount.password}</h2>
+      {done ? <Notice kind="good">{t.myAccount.passwordChanged}</Notice> : null}
+      <Form onSubmit={submit} busy={busy} label={t.myAccount.changePassword} {...fault(faults.form)}>
+        <Field
+          label={t.myAccount.current}
+          type="password"
+          autocomplete="current-password"
+          value={current}
+          onInput={setCurrent}
+          {...fault(faults.current)}
+        />
+        <NewPassword label={t.account.newPassword} value={password} onInput={setPassword} {...fault(faults.password)} />
       </Form>
     </section>
   );
 }
 
+/** The export of all data that is stored about this person. */
 function Data() {
+  const { made, wrong, request, remove } = useExport();
+  useFocusKept(made?.state);
+  return (
+    <section class="panel" aria-labelledby="data">
+      <h2 id="data">{t.myAccount.data}</h2>
+      <p class="muted">{t.myAccount.exportHelp}</p>
+      {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
+      {made?.state === "queued" ? (
+        <p role="status">{made.waiting ? t.myAccount.exportWaiting : t.myAccount.exportQueued}</p>
+      ) : null}
+      {made?.state === "failed" ? <Notice kind="bad">{t.myAccount.exportFailed}</Notice> : null}
+      {made?.state === "ready" ? <ExportReady made={made} remove={remove} /> : null}
+      {made === null || made.state === "failed" ? (
+        <p>
+          <button type="button" class="button" onClick={request}>
+            {t.myAccount.exportAsk}
+          </button>
+        </p>
+      ) : null}
+    </section>
+  );
+}
+
+function ExportReady({ made, remove }: { readonly made: Export; readonly remove: () => void }) {
+  return (
+    <>
+      <p role="status">
+        {t.myAccount.exportReady(bytesText(made.bytes ?? 0))} {t.myAccount.exportUntil(dateText(made.expires_at))}
+      </p>
+      <p class="buttons">
+        <a class="button button-main" href={exportPath} download>
+          {t.myAccount.exportGet}
+        </a>
+        <button type="button" class="button" onClick={remove}>
+          {t.myAccount.exportDelete}
+        </button>
+      </p>
+    </>
+  );
+}
+
+/** The state of the export. While it is queued, the server is asked again and again. */
+function useExport() {
   const app = useApp();
-  const [made, set_made] = useState<Export | null>(null);
-  use_focus_kept(made?.state);
-  const [wrong, set_wrong] = useState("");
-  const [round, set_round] = useState(0);
+  const [made, setMade] = useState<Export | null>(null);
+  const [wrong, setWrong] = useState("");
+  const [round, setRound] = useState(0);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
     let here = true;
-    app.api.export_state().then(
+    app.api.exportState().then(
       (state) => {
         if (!here) return;
-        set_made(state);
-        if (state?.state === "queued") timer = setTimeout(() => set_round(round + 1), asked_again_after_ms);
+        setMade(state);
+        if (state?.state === "queued") timer = setTimeout(() => setRound(round + 1), askedAgainAfterMs);
       },
-      (thrown: unknown) => here && set_wrong(app.explain(thrown)),
+      (thrown: unknown) => here && setWrong(app.explain(thrown)),
     );
     return () => {
       here = false;
@@ -208,72 +307,75 @@ function Data() {
     };
   }, [app, round]);
   const act = (what: () => Promise<unknown>) => {
-    set_wrong("");
-    what().then(() => set_round(round + 1), (thrown: unknown) => set_wrong(app.explain(thrown)));
+    setWrong("");
+    what().then(
+      () => setRound(round + 1),
+      (thrown: unknown) => setWrong(app.explain(thrown)),
+    );
   };
-  return (
-    <section class="panel" aria-labelledby="data">
-      <h2 id="data">{t.my_account.data}</h2>
-      <p class="muted">{t.my_account.export_help}</p>
-      {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
-      {made?.state === "queued" ? <p role="status">{made.waiting ? t.my_account.export_waiting : t.my_account.export_queued}</p> : null}
-      {made?.state === "failed" ? <Notice kind="bad">{t.my_account.export_failed}</Notice> : null}
-      {made?.state === "ready" ? (
-        <>
-          <p role="status">{t.my_account.export_ready(bytes_text(made.bytes ?? 0))} {t.my_account.export_until(date_text(made.expires_at))}</p>
-          <p class="buttons">
-            <a class="button button-main" href={export_path} download>{t.my_account.export_get}</a>
-            <button type="button" class="button" onClick={() => act(() => app.api.delete_export())}>{t.my_account.export_delete}</button>
-          </p>
-        </>
-      ) : null}
-      {made === null || made.state === "failed" ? (
-        <p><button type="button" class="button" onClick={() => act(() => app.api.request_export())}>{t.my_account.export_ask}</button></p>
-      ) : null}
-    </section>
-  );
+  return {
+    made,
+    wrong,
+    request: () => act(() => app.api.requestExport()),
+    remove: () => act(() => app.api.deleteExport()),
+  };
 }
 
 function Removal() {
   const app = useApp();
-  const [asking, set_asking] = useState(false);
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<"password">>({});
-  const [busy, set_busy] = useState(false);
+  const [asking, setAsking] = useState(false);
+  const [password, setPassword] = useState("");
+  const [faults, setFaults] = useState<Faults<"password">>({});
+  const [busy, setBusy] = useState(false);
   const close = () => {
-    set_asking(false);
-    set_password("");
-    set_faults({});
+    setAsking(false);
+    setPassword("");
+    setFaults({});
   };
   const submit = async () => {
     if (password === "") {
-      set_faults({ password: t.account.required });
+      setFaults({ password: t.account.required });
       return;
     }
-    set_busy(true);
+    setBusy(true);
     try {
-      app.uploads.stop_all();
-      await app.api.delete_account(password);
+      app.uploads.stopAll();
+      await app.api.deleteAccount(password);
       tab.clear();
       app.me.value = null;
       navigate("/sign-up");
     } catch (thrown) {
-      set_faults(faults_of(thrown, ["password"], (what) => app.explain(what)));
-      set_busy(false);
+      setFaults(faultsOf(thrown, ["password"], (what) => app.explain(what)));
+      setBusy(false);
     }
   };
   return (
     <section class="panel" aria-labelledby="removal">
-      <h2 id="removal">{t.my_account.remove}</h2>
-      <p class="muted">{t.my_account.remove_help}</p>
-      <p><button type="button" class="button button-danger" onClick={() => set_asking(true)}>{t.my_account.remove_ask}</button></p>
+      <h2 id="removal">{t.myAccount.remove}</h2>
+      <p class="muted">{t.myAccount.removeHelp}</p>
+      <p>
+        <button type="button" class="button button-danger" onClick={() => setAsking(true)}>
+          {t.myAccount.removeAsk}
+        </button>
+      </p>
       {asking ? (
-        <Dialog title={t.my_account.remove_title} onClose={close}>
-          <p>{t.my_account.remove_text}</p>
-          <Form onSubmit={submit} busy={busy} danger label={t.my_account.remove_yes} {...fault(faults.form)}>
-            <Field label={t.my_account.current} type="password" autocomplete="current-password" value={password} onInput={set_password} {...fault(faults.password)} />
+        <Dialog title={t.myAccount.removeTitle} onClose={close}>
+          <p>{t.myAccount.removeText}</p>
+          <Form onSubmit={submit} busy={busy} danger label={t.myAccount.removeYes} {...fault(faults.form)}>
+            <Field
+              label={t.myAccount.current}
+              type="password"
+              autocomplete="current-password"
+              value={password}
+              onInput={setPassword}
+              {...fault(faults.password)}
+            />
           </Form>
-          <div class="dialog-buttons"><button type="button" class="button" onClick={close}>{t.cancel}</button></div>
+          <div class="dialog-buttons">
+            <button type="button" class="button" onClick={close}>
+              {t.cancel}
+            </button>
+          </div>
         </Dialog>
       ) : null}
     </section>

@@ -1,6 +1,6 @@
 import { t } from "../texts";
 import { Field } from "./field";
-import { strength_of } from "./strength";
+import { strengthOf } from "./strength";
 
 export interface NewPasswordProps {
   readonly label: string;
@@ -11,11 +11,11 @@ export interface NewPasswordProps {
 
 /** A new password, and what can be said of it while it is typed. */
 export function NewPassword(props: NewPasswordProps) {
-  const { level, missing } = strength_of(props.value);
-  const said = missing > 0 ? t.account.password_missing(missing) : t.account.password_levels[level];
+  const { level, missing } = strengthOf(props.value);
+  const said = missing > 0 ? t.account.passwordMissing(missing) : t.account.passwordLevels[level];
   return (
     <div class="new-password">
-      <Field {...props} type="password" autocomplete="new-password" hint={t.account.password_hint} />
+      <Field {...props} type="password" autocomplete="new-password" hint={t.account.passwordHint} />
       {props.value === "" ? null : (
         <p class="strength" role="status">
           <meter min={0} max={3} low={1} high={2} optimum={3} value={level} aria-hidden="true" />

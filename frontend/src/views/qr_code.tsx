@@ -10,21 +10,27 @@ const quiet = 4;
 
 /** Drawn by a library that is loaded only here. Always dark on light: readers want it so. */
 export function QrCode({ text, label }: { readonly text: string; readonly label: string }) {
-  const [drawn, set_drawn] = useState<Drawn | null>(null);
+  const [drawn, setDrawn] = useState<Drawn | null>(null);
   useEffect(() => {
     let here = true;
     void import("uqr").then(({ encode }) => {
       if (!here) return;
       const { data, size } = encode(text, { ecc: "M", border: quiet });
       const dark = data.flatMap((row, y) => row.flatMap((on, x) => (on ? [`M${x} ${y}h1v1h-1z`] : [])));
-      set_drawn({ size, path: dark.join("") });
+      setDrawn({ size, path: dark.join("") });
     });
     return () => {
       here = false;
     };
   }, [text]);
   return (
-    <svg class="qr" viewBox={`0 0 ${drawn?.size ?? 1} ${drawn?.size ?? 1}`} role="img" aria-label={label} shape-rendering="crispEdges">
+    <svg
+      class="qr"
+      viewBox={`0 0 ${drawn?.size ?? 1} ${drawn?.size ?? 1}`}
+      role="img"
+      aria-label={label}
+      shape-rendering="crispEdges"
+    >
       {drawn ? <path d={drawn.path} /> : null}
     </svg>
   );

@@ -1,8 +1,8 @@
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { route_of, type Route } from "./routes";
+import { routeOf, type Route } from "./routes";
 
-const here = () => route_of(location.pathname, location.hash);
+const here = () => routeOf(location.pathname, location.hash);
 
 export const route = signal<Route>(here());
 addEventListener("hashchange", () => (route.value = here()));

@@ -1,13 +1,16 @@
 /** Where each page is. Plain data, so that tests can visit every page there is. */
 
 export type Route =
-  | { readonly page: "scans" | "add" | "sign_in" | "sign_up" | "forgot" | "account" | "gallery" | "reports" | "not_found" }
+  | {
+      readonly page:
+        "scans" | "add" | "sign_in" | "sign_up" | "forgot" | "account" | "gallery" | "reports" | "not_found";
+    }
   | { readonly page: "admin"; readonly part: AdminPart }
   | { readonly page: "verify" | "join" | "shared" | "reset" | "confirm_email"; readonly token: string }
-  | { readonly page: "view" | "sample" | "cut"; readonly data_set_id: string };
+  | { readonly page: "view" | "sample" | "cut"; readonly dataSetId: string };
 
-export const admin_parts = ["users", "audit", "fleet"] as const;
-export type AdminPart = (typeof admin_parts)[number];
+export const adminParts = ["users", "audit", "fleet"] as const;
+export type AdminPart = (typeof adminParts)[number];
 
 interface Rest {
   /** The second word of the path, or nothing. */
@@ -19,7 +22,7 @@ interface Rest {
 const id = /^[0-9a-f-]{36}$/;
 const secret = /^[0-9a-f]{64}$/;
 
-const token_in = (hash: string): string => new URLSearchParams(hash).get("token") ?? "";
+const tokenIn = (hash: string): string => new URLSearchParams(hash).get("token") ?? "";
 
 /** By the first word of the path; null where the rest of the address makes no sense. */
 const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
@@ -28,29 +31,29 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   add: () => ({ page: "add" }),
   "sign-in": () => ({ page: "sign_in" }),
   "sign-up": () => ({ page: "sign_up" }),
-  verify: ({ hash }) => ({ page: "verify", token: token_in(hash) }),
+  verify: ({ hash }) => ({ page: "verify", token: tokenIn(hash) }),
   forgot: () => ({ page: "forgot" }),
-  reset: ({ hash }) => ({ page: "reset", token: token_in(hash) }),
-  "confirm-email": ({ hash }) => ({ page: "confirm_email", token: token_in(hash) }),
+  reset: ({ hash }) => ({ page: "reset", token: tokenIn(hash) }),
+  "confirm-email": ({ hash }) => ({ page: "confirm_email", token: tokenIn(hash) }),
   account: () => ({ page: "account" }),
   admin: ({ second }) => {
-    const part = admin_parts.find((one) => one === (second || "users"));
+    const part = adminParts.find((one) => one === (second || "users"));
     return part ? { page: "admin", part } : null;
   },
   join: ({ hash }) => (secret.test(hash) ? { page: "join", token: hash } : null),
   shared: ({ hash }) => (secret.test(hash) ? { page: "shared", token: hash } : null),
-  sample: ({ second }) => (id.test(second) ? { page: "sample", data_set_id: second } : null),
+  sample: ({ second }) => (id.test(second) ? { page: "sample", dataSetId: second } : null),
   gallery: () => ({ page: "gallery" }),
-  cut: ({ second }) => (id.test(second) ? { page: "cut", data_set_id: second } : null),
+  cut: ({ second }) => (id.test(second) ? { page: "cut", dataSetId: second } : null),
   reports: () => ({ page: "reports" }),
-  view: ({ second }) => (id.test(second) ? { page: "view", data_set_id: second } : null),
+  view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),
 };
 
 /** The first word of the path of every page. */
-export const first_words: readonly string[] = Object.keys(pages);
+export const firstWords: readonly string[] = Object.keys(pages);
 
 /** @param path of the address; @param hash of it, with its #, or nothing. */
-export function route_of(path: string, hash: string): Route {
+export function routeOf(path: string, hash: string): Route {
   const [, first = "", second = ""] = path.split("/");
   const page = Object.hasOwn(pages, first) ? pages[first] : undefined;
   return page?.({ second, hash: hash.slice(1) }) ?? { page: "not_found" };

@@ -1,13 +1,15 @@
 import type { DataSet } from "../api/types";
-import { is_open, time_left, type UploadView } from "../api/upload_view";
+import { isOpen, timeLeft, type UploadView } from "../api/upload_view";
+import { correctionsOf, noteOf } from "../scan/corrections";
 import { t } from "../texts";
+import { refusalText } from "../texts/refusal";
 import { Icon, type IconName } from "./icons";
 import { Link } from "./router";
 import { Bar } from "./shell";
 import { useApp } from "./state";
-import { use_thumbnail } from "./thumbnail";
+import { useThumbnail } from "./thumbnail";
 
-export const title_of = (set: DataSet): string => set.title || (set.is_sample ? t.scans.sample_title : t.scans.untitled);
+export const titleOf = (set: DataSet): string => set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitled);
 
 export interface ScanCardProps {
   readonly set: DataSet;
@@ -17,19 +19,31 @@ export interface ScanCardProps {
 
 export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
   const ready = set.state === "ready";
-  const title = title_of(set);
-  const remove = upload && is_open(upload) ? t.scans.cancel_upload(title) : t.scans.remove(title);
+  const title = titleOf(set);
+  const remove = upload && isOpen(upload) ? t.scans.cancelUpload(title) : t.scans.remove(title);
   return (
     <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
       <Picture set={set} />
       <div class="card-text">
-        <h3>{ready ? <Link href={`/view/${set.id}`} class="card-link" label={t.scans.open(title)}>{title}</Link> : title}</h3>
+        <h3>
+          {ready ? (
+            <Link href={`/view/${set.id}`} class="card-link" label={t.scans.open(title)}>
+              {title}
+            </Link>
+          ) : (
+            title
+          )}
+        </h3>
         <p class="chips">
           {set.is_sample ? <span class="chip chip-accent">{t.scans.sample}</span> : null}
           {set.is_public && !set.is_sample ? <span class="chip">{t.scans.shared}</span> : null}
-          {set.shared && set.shared.people > 0 ? <span class="chip">{t.sharing.with_people(set.shared.people)}</span> : null}
-          {set.shared && set.shared.links > 0 ? <span class="chip">{t.sharing.with_links(set.shared.links)}</span> : null}
-          {set.taken_down ? <span class="chip chip-refused">{t.sharing.taken_down}</span> : null}
+          {set.shared && set.shared.people > 0 ? (
+            <span class="chip">{t.sharing.withPeople(set.shared.people)}</span>
+          ) : null}
+          {set.shared && set.shared.links > 0 ? (
+            <span class="chip">{t.sharing.withLinks(set.shared.links)}</span>
+          ) : null}
+          {set.taken_down ? <span class="chip chip-refused">{t.sharing.takenDown}</span> : null}
           {set.volume ? <span class="chip">{set.volume.modality}</span> : null}
           {ready ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
         </p>
@@ -46,22 +60,28 @@ export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
 }
 
 /** Where there is no picture of the scan itself. */
-const picture_of_state = {
-  uploading: "upload", queued: "clock", building: "clock", ready: "clock", refused: "alert", expired: "alert",
+const pictureOfState = {
+  uploading: "upload",
+  queued: "clock",
+  building: "clock",
+  ready: "clock",
+  refused: "alert",
+  expired: "alert",
 } as const satisfies Record<DataSet["state"], IconName>;
 
 function Picture({ set }: { readonly set: DataSet }) {
   const ready = set.state === "ready";
-  const url = use_thumbnail(set.id, "bone", ready);
-  const working = set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null);
+  const url = useThumbnail(set.id, "bone", ready);
+  const working =
+    set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null);
   return (
     <div class={`card-picture${working ? " card-working" : ""}`}>
       {url !== null ? (
-        <img src={url} alt={t.scans.picture(title_of(set))} width={320} height={320} />
+        <img src={url} alt={t.scans.picture(titleOf(set))} width={320} height={320} />
       ) : ready ? (
-        <span class="visually-hidden">{t.scans.pictures_later}</span>
+        <span class="visually-hidden">{t.scans.picturesLater}</span>
       ) : (
-        <Icon name={picture_of_state[set.state]} />
+        <Icon name={pictureOfState[set.state]} />
       )}
     </div>
   );
@@ -72,21 +92,57 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
     const [x, y, z] = set.volume.size.map((n, i) => n * (set.volume?.spacing_mm[i] ?? 0)) as [number, number, number];
     return (
       <>
-        <p class="muted">{t.add.slices(set.volume.size[2])} · {t.add.size(x, y, z)}</p>
-        {set.volume.repairs.length > 0 ? <p class="muted">{t.scans.repaired(set.volume.repairs)}</p> : null}
+        <p class="muted">
+          {t.add.slices(set.volume.size[2])} · {t.add.size(x, y, z)}
+        </p>
+        {set.volume.repairs.length > 0 ? <Corrections sentences={set.volume.repairs} /> : null}
       </>
     );
   }
-  if (set.state === "refused") return <p class="card-fault">{set.refusal?.text}</p>;
-  if (set.state === "expired") return <p class="muted">{t.scans.expired_hint}</p>;
-  if (set.waiting_for !== null) return <p class="muted" role="status">{t.scans.waiting_for[set.waiting_for]}</p>;
+  if (set.state === "refused") return <p class="card-fault">{set.refusal ? refusalText(set.refusal) : ""}</p>;
+  if (set.state === "expired") return <p class="muted">{t.scans.expiredHint}</p>;
+  if (set.waiting_for !== null)
+    return (
+      <p class="muted" role="status">
+        {t.scans.waitingFor[set.waiting_for]}
+      </p>
+    );
   if (set.state !== "uploading") return <Bar value={null} label={t.scans.states[set.state]} />;
   return <UploadDetails set={set} upload={upload} />;
 }
 
+/** What was corrected in plain words, with the figures behind a button. An unknown sentence of the server stays English. */
+function Corrections({ sentences }: { readonly sentences: readonly string[] }) {
+  return (
+    <>
+      <p class="muted">{t.scans.repaired(correctionsOf(sentences))}</p>
+      <details class="card-details">
+        <summary>{t.scans.repairDetails}</summary>
+        <ul>
+          {sentences.map((one) => {
+            const note = noteOf(one);
+            return note ? (
+              <li key={one}>{t.scans.repairNote(note)}</li>
+            ) : (
+              <li key={one} lang="en">
+                {one}
+              </li>
+            );
+          })}
+        </ul>
+      </details>
+    </>
+  );
+}
+
 function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload: UploadView | null }) {
   const app = useApp();
-  if (upload?.phase === "refused") return <p class="card-fault" role="alert">{t.scans.upload.refused[upload.refusal]}</p>;
+  if (upload?.phase === "refused")
+    return (
+      <p class="card-fault" role="alert">
+        {t.scans.upload.refused[upload.refusal]}
+      </p>
+    );
   if (upload) {
     const part = upload.total > 0 ? upload.sent / upload.total : 0;
     const quiet = upload.phase === "paused" || upload.phase === "waiting";
@@ -94,13 +150,25 @@ function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload
       <>
         <Bar value={part} label={t.scans.states.uploading} />
         <div class="card-upload">
-          <p class="muted" role={upload.phase === "sending" ? undefined : "status"}>{upload_text(upload, Math.floor(part * 100))}</p>
-          {!is_open(upload) || upload.phase === "waiting" ? null : quiet ? (
-            <button type="button" class="button button-small" aria-label={t.scans.upload.resume_of(title_of(set))} onClick={() => app.uploads.resume(set.id)}>
+          <p class="muted" role={upload.phase === "sending" ? undefined : "status"}>
+            {uploadText(upload, Math.floor(part * 100))}
+          </p>
+          {!isOpen(upload) || upload.phase === "waiting" ? null : quiet ? (
+            <button
+              type="button"
+              class="button button-small"
+              aria-label={t.scans.upload.resumeOf(titleOf(set))}
+              onClick={() => app.uploads.resume(set.id)}
+            >
               {t.scans.upload.resume}
             </button>
           ) : (
-            <button type="button" class="button button-small" aria-label={t.scans.upload.pause_of(title_of(set))} onClick={() => app.uploads.pause(set.id)}>
+            <button
+              type="button"
+              class="button button-small"
+              aria-label={t.scans.upload.pauseOf(titleOf(set))}
+              onClick={() => app.uploads.pause(set.id)}
+            >
               {t.scans.upload.pause}
             </button>
           )}
@@ -112,13 +180,19 @@ function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload
   return (
     <>
       <Bar value={part} label={t.scans.states.uploading} />
-      <p class="muted">{t.scans.interrupted(Math.floor(part * 100))}. {t.scans.interrupted_hint}</p>
-      <p><Link href="/add" class="button button-small" label={t.scans.upload.resume_of(title_of(set))}>{t.scans.go_on}</Link></p>
+      <p class="muted">
+        {t.scans.interrupted(Math.floor(part * 100))}. {t.scans.interruptedHint}
+      </p>
+      <p>
+        <Link href="/add" class="button button-small" label={t.scans.upload.resumeOf(titleOf(set))}>
+          {t.scans.goOn}
+        </Link>
+      </p>
     </>
   );
 }
 
-function upload_text(upload: UploadView, percent: number): string {
+function uploadText(upload: UploadView, percent: number): string {
   const text = t.scans.upload;
   switch (upload.phase) {
     case "waiting":
@@ -127,10 +201,10 @@ function upload_text(upload: UploadView, percent: number): string {
       return text.paused(percent);
     case "elsewhere":
       return text.elsewhere(percent);
-    case "hindered":
-      return text.hindered[upload.hindrance];
+    case "stalled":
+      return text.stalled[upload.stallReason];
     default: {
-      const seconds = time_left(upload);
+      const seconds = timeLeft(upload);
       return text.sending(percent, seconds === null ? "" : text.left(seconds));
     }
   }

@@ -4,11 +4,12 @@ import { t } from "../texts";
 import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
-import { Form, fault, faults_of, type Faults } from "./form";
-import { day_text } from "./format";
+import { Form, fault, faultsOf, type Faults } from "./form";
+import { dayText } from "./format";
+import { Loading } from "./loading";
 import { QrCode } from "./qr_code";
 import { Link } from "./router";
-import { Notice, PageTitle, use_focus_kept } from "./shell";
+import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 
 type Given = "password" | "code";
@@ -17,107 +18,147 @@ const given: readonly Given[] = ["password", "code"];
 /** The panel of one's own account: set up, renewed, removed. */
 export function SecondFactor() {
   const app = useApp();
-  const [state, set_state] = useState<State | null>(null);
-  const [wrong, set_wrong] = useState("");
-  const [codes, set_codes] = useState<readonly string[] | null>(null);
-  const [asking, set_asking] = useState<"renew" | "remove" | null>(null);
+  const [state, setState] = useState<State | null>(null);
+  const [wrong, setWrong] = useState("");
+  const [codes, setCodes] = useState<readonly string[] | null>(null);
+  const [asking, setAsking] = useState<"renew" | "remove" | null>(null);
   const load = () => {
-    app.api.second_factor.look().then(
+    app.api.secondFactor.look().then(
       (found) => {
-        set_state(found);
+        setState(found);
         const me = app.me.value;
         const has = found.set_up_at !== null;
         if (me && me.second_factor !== has) app.me.value = { ...me, second_factor: has };
       },
-      (thrown: unknown) => set_wrong(app.explain(thrown)),
+      (thrown: unknown) => setWrong(app.explain(thrown)),
     );
   };
   useEffect(load, [app]);
-  use_focus_kept(codes ?? state);
+  useFocusKept(codes ?? state);
   /** Undefined: not known yet. */
   const since = state?.set_up_at;
   const required = state?.required ?? false;
   const shown = (fresh: readonly string[] | null) => {
-    set_codes(fresh);
-    set_asking(null);
+    setCodes(fresh);
+    setAsking(null);
     load();
   };
   return (
     <section class="panel" aria-labelledby="second-factor">
-      <h2 id="second-factor">{t.second_factor.title}</h2>
+      <h2 id="second-factor">{t.secondFactor.title}</h2>
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
-      {state === null && !wrong ? <p class="muted" role="status">{t.loading}</p> : null}
-      {codes ? <RecoveryCodes codes={codes} onKept={() => set_codes(null)} /> : null}
+      {state === null && !wrong ? <Loading /> : null}
+      {codes ? <RecoveryCodes codes={codes} onKept={() => setCodes(null)} /> : null}
       {since === null ? <SetUp required={required} onDone={shown} /> : null}
       {state && since && !codes ? (
         <>
-          <p role="status">{t.second_factor.set_up_since(day_text(since))} {t.second_factor.codes_left(state.recovery_codes)}</p>
+          <p role="status">
+            {t.secondFactor.setUpSince(dayText(since))} {t.secondFactor.codesLeft(state.recovery_codes)}
+          </p>
           <p class="buttons">
-            <button type="button" class="button" onClick={() => set_asking("renew")}>{t.second_factor.renew}</button>
-            <button type="button" class="button" onClick={() => set_asking("remove")}>{t.second_factor.remove}</button>
+            <button type="button" class="button" onClick={() => setAsking("renew")}>
+              {t.secondFactor.renew}
+            </button>
+            <button type="button" class="button" onClick={() => setAsking("remove")}>
+              {t.secondFactor.remove}
+            </button>
           </p>
         </>
       ) : null}
-      {asking ? <AskBoth what={asking} required={required} onClose={() => set_asking(null)} onDone={shown} /> : null}
+      {asking ? <AskBoth what={asking} required={required} onClose={() => setAsking(null)} onDone={shown} /> : null}
     </section>
   );
 }
 
-/** The password, then the secret as a picture and as text, then the first code. */
-function SetUp({ required, onDone }: { readonly required: boolean; readonly onDone: (codes: readonly string[]) => void }) {
-  const app = useApp();
-  const [password, set_password] = useState("");
-  const [made, set_made] = useState<NewSecret | null>(null);
-  const [code, set_code] = useState("");
-  const [faults, set_faults] = useState<Faults<Given>>({});
-  const [busy, set_busy] = useState(false);
-  use_focus_kept(made);
-  const step = async (missing: Given | null, work: () => Promise<void>) => {
-    set_faults(missing ? { [missing]: t.account.required } : {});
-    if (missing) return;
-    set_busy(true);
-    try {
-      await work();
-    } catch (thrown) {
-      set_faults(faults_of(thrown, given, (what) => app.explain(what)));
-    } finally {
-      set_busy(false);
-    }
-  };
+interface SetUpProps {
+  readonly required: boolean;
+  readonly onDone: (codes: readonly string[]) => void;
+}
+
+/** First the password, then the secret as a QR code and as text, then the first code. */
+function SetUp({ required, onDone }: SetUpProps) {
+  const { password, setPassword, made, code, setCode, faults, busy, begin, confirm } = useSetUp(onDone);
   if (!made)
     return (
       <>
-        <p class="muted">{t.second_factor.about}</p>
-        {required ? <Notice kind="bad">{t.second_factor.required}</Notice> : null}
-        <Form busy={busy} label={t.second_factor.begin} {...fault(faults.form)} onSubmit={() => step(password === "" ? "password" : null, async () => {
-          set_made(await app.api.second_factor.begin(password));
-          set_password("");
-        })}>
-          <Field label={t.my_account.current} type="password" autocomplete="current-password" value={password} onInput={set_password} {...fault(faults.password)} />
+        <p class="muted">{t.secondFactor.about}</p>
+        {required ? <Notice kind="bad">{t.secondFactor.required}</Notice> : null}
+        <Form busy={busy} label={t.secondFactor.begin} {...fault(faults.form)} onSubmit={begin}>
+          <Field
+            label={t.myAccount.current}
+            type="password"
+            autocomplete="current-password"
+            value={password}
+            onInput={setPassword}
+            {...fault(faults.password)}
+          />
         </Form>
       </>
     );
   return (
     <>
-      <p>{t.second_factor.scan}</p>
-      <QrCode text={made.uri} label={t.second_factor.qr} />
-      <p>{t.second_factor.or_type} <code class="secret">{made.secret.replace(/(.{4})(?=.)/g, "$1 ")}</code></p>
-      <Form busy={busy} label={t.second_factor.confirm} {...fault(faults.form)} onSubmit={() => step(code.trim() === "" ? "code" : null, async () => {
-        onDone(await app.api.second_factor.confirm(code));
-      })}>
-        <CodeField value={code} onInput={set_code} {...fault(faults.code)} />
+      <p>{t.secondFactor.scan}</p>
+      <QrCode text={made.uri} label={t.secondFactor.qr} />
+      <p>
+        {t.secondFactor.orType} <code class="secret">{made.secret.replace(/(.{4})(?=.)/g, "$1 ")}</code>
+      </p>
+      <Form busy={busy} label={t.secondFactor.confirm} {...fault(faults.form)} onSubmit={confirm}>
+        <CodeField value={code} onInput={setCode} {...fault(faults.code)} />
       </Form>
     </>
   );
 }
 
+/** The two steps of the set-up. `made` is the secret, null until the password was right. */
+function useSetUp(onDone: SetUpProps["onDone"]) {
+  const app = useApp();
+  const [password, setPassword] = useState("");
+  const [made, setMade] = useState<NewSecret | null>(null);
+  const [code, setCode] = useState("");
+  const [faults, setFaults] = useState<Faults<Given>>({});
+  const [busy, setBusy] = useState(false);
+  useFocusKept(made);
+  const step = async (missing: Given | null, work: () => Promise<void>) => {
+    setFaults(missing ? { [missing]: t.account.required } : {});
+    if (missing) return;
+    setBusy(true);
+    try {
+      await work();
+    } catch (thrown) {
+      setFaults(faultsOf(thrown, given, (what) => app.explain(what)));
+    } finally {
+      setBusy(false);
+    }
+  };
+  const begin = () =>
+    step(password === "" ? "password" : null, async () => {
+      setMade(await app.api.secondFactor.begin(password));
+      setPassword("");
+    });
+  const confirm = () =>
+    step(code.trim() === "" ? "code" : null, async () => {
+      onDone(await app.api.secondFactor.confirm(code));
+    });
+  return { password, setPassword, made, code, setCode, faults, busy, begin, confirm };
+}
+
 function RecoveryCodes({ codes, onKept }: { readonly codes: readonly string[]; readonly onKept: () => void }) {
   return (
     <div class="recovery-codes">
-      <h3>{t.second_factor.recovery_title}</h3>
-      <Notice kind="good">{t.second_factor.recovery_text}</Notice>
-      <ol>{codes.map((code) => <li key={code}><code>{code}</code></li>)}</ol>
-      <p><button type="button" class="button button-main" onClick={onKept}>{t.second_factor.kept}</button></p>
+      <h3>{t.secondFactor.recoveryTitle}</h3>
+      <Notice kind="good">{t.secondFactor.recoveryText}</Notice>
+      <ol>
+        {codes.map((code) => (
+          <li key={code}>
+            <code>{code}</code>
+          </li>
+        ))}
+      </ol>
+      <p>
+        <button type="button" class="button button-main" onClick={onKept}>
+          {t.secondFactor.kept}
+        </button>
+      </p>
     </div>
   );
 }
@@ -133,39 +174,50 @@ interface AskBothProps {
 /** Password and code once more, before what weakens the account. */
 function AskBoth({ what, required, onClose, onDone }: AskBothProps) {
   const app = useApp();
-  const [password, set_password] = useState("");
-  const [code, set_code] = useState("");
-  const [faults, set_faults] = useState<Faults<Given>>({});
-  const [busy, set_busy] = useState(false);
-  const text = t.second_factor.ask[what];
+  const [password, setPassword] = useState("");
+  const [code, setCode] = useState("");
+  const [faults, setFaults] = useState<Faults<Given>>({});
+  const [busy, setBusy] = useState(false);
+  const text = t.secondFactor.ask[what];
   const submit = async () => {
     const found: Faults<Given> = {
       ...(password === "" ? { password: t.account.required } : {}),
       ...(code.trim().length < 6 ? { code: t.account.required } : {}),
     };
-    set_faults(found);
+    setFaults(found);
     if (found.password !== undefined || found.code !== undefined) return;
-    set_busy(true);
+    setBusy(true);
     try {
-      if (what === "renew") onDone(await app.api.second_factor.renew_recovery_codes(password, code));
+      if (what === "renew") onDone(await app.api.secondFactor.renewRecoveryCodes(password, code));
       else {
-        await app.api.second_factor.remove(password, code);
+        await app.api.secondFactor.remove(password, code);
         onDone(null);
       }
     } catch (thrown) {
-      set_faults(faults_of(thrown, given, (problem) => app.explain(problem)));
-      set_busy(false);
+      setFaults(faultsOf(thrown, given, (problem) => app.explain(problem)));
+      setBusy(false);
     }
   };
   return (
     <Dialog title={text.title} onClose={onClose}>
       <p>{text.text}</p>
-      {what === "remove" && required ? <p>{t.second_factor.remove_required}</p> : null}
+      {what === "remove" && required ? <p>{t.secondFactor.removeRequired}</p> : null}
       <Form onSubmit={submit} busy={busy} danger={what === "remove"} label={text.yes} {...fault(faults.form)}>
-        <Field label={t.my_account.current} type="password" autocomplete="current-password" value={password} onInput={set_password} {...fault(faults.password)} />
-        <CodeField value={code} onInput={set_code} {...fault(faults.code)} />
+        <Field
+          label={t.myAccount.current}
+          type="password"
+          autocomplete="current-password"
+          value={password}
+          onInput={setPassword}
+          {...fault(faults.password)}
+        />
+        <CodeField value={code} onInput={setCode} {...fault(faults.code)} />
       </Form>
-      <div class="dialog-buttons"><button type="button" class="button" onClick={onClose}>{t.cancel}</button></div>
+      <div class="dialog-buttons">
+        <button type="button" class="button" onClick={onClose}>
+          {t.cancel}
+        </button>
+      </div>
     </Dialog>
   );
 }
@@ -175,8 +227,12 @@ export function SecondFactorFirst() {
   return (
     <div class="page page-narrow">
       <PageTitle text={t.titles.admin} />
-      <Notice kind="bad">{t.second_factor.required}</Notice>
-      <p><Link href="/account" class="button button-main">{t.second_factor.to_account}</Link></p>
+      <Notice kind="bad">{t.secondFactor.required}</Notice>
+      <p>
+        <Link href="/account" class="button button-main">
+          {t.secondFactor.toAccount}
+        </Link>
+      </p>
     </div>
   );
 }

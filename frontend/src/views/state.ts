@@ -7,7 +7,7 @@ import { Uploads } from "../api/uploads";
 import { tab } from "../storage";
 import { t } from "../texts";
 
-const asked_again_after_ms = 2000;
+const askedAgainAfterMs = 2000;
 
 /** A fault in words for the person who meets it. */
 export class Said extends Error {}
@@ -20,27 +20,27 @@ export class AppState {
   readonly me = signal<Me | null | undefined>(undefined);
   /** The first question could not be answered yet; it is asked again and again. */
   readonly unreachable = signal(false);
-  private again_: ReturnType<typeof setTimeout> | undefined;
+  private again: ReturnType<typeof setTimeout> | undefined;
 
   async load(): Promise<void> {
-    clearTimeout(this.again_);
+    clearTimeout(this.again);
     try {
       this.me.value = await this.api.me();
       this.unreachable.value = false;
     } catch {
       this.unreachable.value = true;
-      this.again_ = setTimeout(() => void this.load(), asked_again_after_ms);
+      this.again = setTimeout(() => void this.load(), askedAgainAfterMs);
     }
   }
 
-  signed_in(me: Me): void {
+  signedIn(me: Me): void {
     this.me.value = me;
   }
 
-  async sign_out(): Promise<void> {
-    this.uploads.stop_all();
+  async signOut(): Promise<void> {
+    this.uploads.stopAll();
     try {
-      await this.api.sign_out();
+      await this.api.signOut();
     } finally {
       tab.clear();
       this.me.value = null;
@@ -52,28 +52,28 @@ export class AppState {
     if (thrown instanceof Said) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;
     if (thrown.kind === "unauthenticated") this.me.value = null;
-    return problem_text(thrown);
+    return problemText(thrown);
   }
 }
 
-export function problem_text(problem: ApiProblem): string {
+export function problemText(problem: ApiProblem): string {
   switch (problem.kind) {
     case "offline":
       return t.problems.offline;
     case "wrong-credentials":
-      return t.problems.wrong_credentials;
+      return t.problems.wrongCredentials;
     case "disabled":
       return t.problems.disabled;
     case "link-expired":
-      return t.problems.link_expired;
+      return t.problems.linkExpired;
     case "too-many-attempts":
     case "too-many":
-      return problem.detail || t.problems.too_many;
+      return problem.detail || t.problems.tooMany;
     case "busy":
     case "unavailable":
       return t.problems.busy;
     case "outcome-unknown":
-      return t.problems.outcome_unknown;
+      return t.problems.outcomeUnknown;
     case "internal":
       return t.problems.internal;
     default:

@@ -1,7 +1,7 @@
 /** What can honestly be said of a new password before it is sent. Which are common is for the server to say. */
 
 /** In characters, as people count them; the server has the same. */
-export const shortest_password = 12;
+export const shortestPassword = 12;
 
 export interface Strength {
   /** 0 too short or all alike, 1 enough, 2 good, 3 very good. */
@@ -11,12 +11,12 @@ export interface Strength {
 }
 
 /** Length is what counts; characters that only repeat count as one. */
-export function strength_of(password: string): Strength {
+export function strengthOf(password: string): Strength {
   const characters = Array.from(password);
-  const missing = Math.max(0, shortest_password - characters.length);
+  const missing = Math.max(0, shortestPassword - characters.length);
   const turns = characters.filter((one, i) => one !== characters[i - 1]).length;
   const distinct = new Set(characters).size;
   const worth = Math.min(turns, distinct * 3);
-  if (missing > 0 || worth < shortest_password / 2) return { level: 0, missing };
+  if (missing > 0 || worth < shortestPassword / 2) return { level: 0, missing };
   return { level: worth >= 20 ? 3 : worth >= 16 ? 2 : 1, missing };
 }

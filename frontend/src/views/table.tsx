@@ -16,11 +16,23 @@ export function Table({ label, heads, rows }: TableProps) {
     <div class="table-box" tabIndex={0} role="region" aria-label={label}>
       <table role="table" aria-label={label}>
         <thead role="rowgroup">
-          <tr role="row">{heads.map((head) => <th key={head} role="columnheader" scope="col">{head}</th>)}</tr>
+          <tr role="row">
+            {heads.map((head) => (
+              <th key={head} role="columnheader" scope="col">
+                {head}
+              </th>
+            ))}
+          </tr>
         </thead>
         <tbody role="rowgroup">
           {rows.map(({ key, cells }) => (
-            <tr key={key} role="row">{cells.map((cell, n) => <td key={heads[n]} role="cell" data-head={heads[n]}>{cell}</td>)}</tr>
+            <tr key={key} role="row">
+              {cells.map((cell, n) => (
+                <td key={heads[n]} role="cell" data-head={heads[n]}>
+                  {cell}
+                </td>
+              ))}
+            </tr>
           ))}
         </tbody>
       </table>

@@ -6,15 +6,15 @@ type Theme = "light" | "dark";
 
 const key = "diaphane.theme";
 const device = matchMedia("(prefers-color-scheme: dark)");
-const device_dark = signal(device.matches);
-device.addEventListener("change", (event) => (device_dark.value = event.matches));
+const deviceDark = signal(device.matches);
+device.addEventListener("change", (event) => (deviceDark.value = event.matches));
 
 const stored = local.getItem(key);
 const chosen = signal<Theme | null>(stored === "light" || stored === "dark" ? stored : null);
 
-export const theme = computed<Theme>(() => chosen.value ?? (device_dark.value ? "dark" : "light"));
+export const theme = computed<Theme>(() => chosen.value ?? (deviceDark.value ? "dark" : "light"));
 
-export function toggle_theme(): void {
+export function toggleTheme(): void {
   chosen.value = theme.value === "dark" ? "light" : "dark";
   local.setItem(key, chosen.value);
 }

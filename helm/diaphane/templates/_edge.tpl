@@ -1,7 +1,7 @@
 {{/* nginx's configuration of one machine (api/edge/nginx.conf.in), with a pod's places. */}}
 {{- define "diaphane.edge" -}}
 {{- $text := .Files.Get "files/nginx.conf.in" -}}
-{{- if not $text }}{{ fail "files/nginx.conf.in is missing: package the chart from a checkout, where it is a link" }}{{ end -}}
+{{- if not $text }}{{ fail "files/nginx.conf.in is missing: package the chart from a checkout, where the file is a symbolic link" }}{{ end -}}
 {{- $values := dict "LISTEN" "8080" "API_PORT" "8081" "STREAM_PORT" "8082" "STATIC_DIR" "/opt/diaphane/page" "RUN_DIR" "/run/edge"
       "CACHE_DIR" "/data/cache" "LOG" "/dev/stdout" "PUBLIC_HOST" (include "diaphane.host" .) -}}
 {{- range $name, $value := $values }}{{ $text = $text | replace (printf "@%s@" $name) $value }}{{ end -}}

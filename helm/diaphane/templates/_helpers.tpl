@@ -27,7 +27,7 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{- end -}}
 
 {{- define "diaphane.redis" -}}
-{{ if .Values.trial.enabled }}{{ include "diaphane.name" . }}-trial-redis:6379{{ else }}{{ required "redis.address (host:port) is missing; trial.enabled brings a small Redis along" .Values.redis.address }}{{ end -}}
+{{ if .Values.trial.enabled }}{{ include "diaphane.name" . }}-trial-redis:6379{{ else }}{{ required "redis.address (host:port) is missing; to evaluate Diaphane without your own Redis, set trial.enabled" .Values.redis.address }}{{ end -}}
 {{- end -}}
 
 {{- define "diaphane.redisUrl" -}}
@@ -92,7 +92,7 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{- end -}}
 
 {{- define "diaphane.secret" -}}
-{{ required "existingSecret is missing: the name of a secret with postgres, mail and factor-key (README.md)" .Values.existingSecret }}
+{{ required "existingSecret is missing: set it to the name of a secret with the keys postgres, mail and factor-key (README.md)" .Values.existingSecret }}
 {{- end -}}
 
 {{- define "diaphane.claim" -}}

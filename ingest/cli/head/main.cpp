@@ -1,4 +1,4 @@
-// diaphane-head: what ingestd says of a stored volume, "is there a head?", for measurements.
+// diaphane-head runs the head detection of ingestd on a stored volume and measures its time.
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -17,10 +17,9 @@ constexpr int kExitNoInput = 66;  // sysexits.h: EX_NOINPUT
 
 constexpr const char* kUsage =
     "diaphane-head VOLUME...\n\n"
-    "Says of each stored volume whether it shows a head and which cut would take the face: a line "
-    "of JSON each,\n"
-    "{\"found\", \"sign\", \"proposal\", \"seconds\"}.\n\n"
-    "Exit: 0 all were looked at, 64 bad command line, 66 a volume cannot be read.\n";
+    "Detects for each stored volume whether it shows a head and which crop would remove the face.\n"
+    "Prints one line of JSON per volume: {\"found\", \"sign\", \"proposal\", \"seconds\"}.\n\n"
+    "Exit codes: 0 all volumes were processed, 64 bad command line, 66 cannot read a volume.\n";
 
 }  // namespace
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kBlock = 512;
 
-/// A ustar header (POSIX.1-1988): nothing but name, mode and size is anything.
+/// A ustar header (POSIX.1-1988) with only name, mode and size set.
 std::string header(std::size_t number, std::size_t size) {
   std::string block(kBlock, '\0');
   char* h = block.data();
@@ -24,7 +24,7 @@ std::string header(std::size_t number, std::size_t size) {
   std::memset(h + 148, ' ', 8);
   unsigned sum = 0;
   for (const char c : block) sum += static_cast<unsigned char>(c);
-  std::snprintf(h + 148, 8, "%06o", sum);  // six digits, NUL, and the space that stands there
+  std::snprintf(h + 148, 8, "%06o", sum);  // format: six digits, NUL, space
   return block;
 }
 
@@ -32,9 +32,9 @@ std::string header(std::size_t number, std::size_t size) {
 
 Result<void> Bundle::add(const std::string& file) {
   constexpr std::size_t kMostFiles = 99999;
-  constexpr std::size_t kMostBytes = std::size_t{1} << 33;  // eleven octal digits
+  constexpr std::size_t kMostBytes = std::size_t{1} << 33;  // limit of eleven octal digits
   if (files_ >= kMostFiles || file.size() >= kMostBytes) {
-    return fail(ErrorCode::kTooLarge, "more than a bundle holds");
+    return fail(ErrorCode::kTooLarge, "the bundle is too large");
   }
   bytes_ += header(++files_, file.size());
   bytes_ += file;

@@ -24,13 +24,14 @@ volume::Volume plain(const Cranium& cranium) {
 Result<Cranium> read_cranium(const std::string& path) {
   if (!std::filesystem::exists(path)) {
     return fail(ErrorCode::kNotFound,
-                "the cranium is not there: install Debian's invesalius-examples (" + path + ")");
+                "the cranium data set is missing. Install Debian's invesalius-examples package (" +
+                    path + ")");
   }
   const std::unique_ptr<archive, int (*)(archive*)> in(archive_read_new(), archive_read_free);
   archive_read_support_filter_gzip(in.get());
   archive_read_support_format_tar(in.get());
   if (archive_read_open_filename(in.get(), path.c_str(), 1 << 16) != ARCHIVE_OK) {
-    return fail(ErrorCode::kInvalid, "this is not a project of InVesalius");
+    return fail(ErrorCode::kInvalid, "this is not an InVesalius project");
   }
   Cranium cranium;
   cranium.matrix.resize(std::size_t{cranium.size[0]} * cranium.size[1] * cranium.size[2]);
@@ -52,7 +53,7 @@ Result<Cranium> read_cranium(const std::string& path) {
 volume::Volume upright(const Cranium& cranium) {
   volume::Volume volume = plain(cranium);
   volume.header.modality = volume::Modality::kCt;
-  volume.header.window_center = -18;  // as the project has it
+  volume.header.window_center = -18;  // the window of the InVesalius project
   volume.header.window_width = 406;
   const auto [nx, ny, nz] = cranium.size;
   volume.voxels.resize(cranium.matrix.size());
@@ -88,7 +89,7 @@ Result<void> write_mha(const volume::Volume& volume, const std::string& path) {
   out.precision(10);
   out << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
       << "CompressedData = False\nTransformMatrix =";
-  // MetaImage lists the axes one after another: the columns of our direction.
+  // MetaImage lists the axes one after another, which are the columns of the volume's direction.
   for (int axis = 0; axis < 3; ++axis) {
     for (int row = 0; row < 3; ++row)
       out << ' ' << h.direction[static_cast<std::size_t>(3 * row + axis)];
@@ -101,7 +102,7 @@ Result<void> write_mha(const volume::Volume& volume, const std::string& path) {
   out.write(reinterpret_cast<const char*>(volume.voxels.data()),
             static_cast<std::streamsize>(volume.voxels.size() * sizeof(std::int16_t)));
   out.close();
-  if (!out) return fail(ErrorCode::kUnavailable, "the file cannot be written: " + path);
+  if (!out) return fail(ErrorCode::kUnavailable, "cannot write the file " + path);
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "common/config.h"
+#include "common/try.h"
 #include "ingest/cli/sample/cranium.h"
 #include "ingest/cli/sample/dicom_series.h"
 #include "ingest/cli/sample/upload.h"
@@ -28,7 +29,7 @@ Result<std::string> bundle_of(const volume::Volume& volume, std::size_t& files) 
   sample::Bundle bundle;
   auto done =
       sample::write_series(volume, [&](const std::string& file) { return bundle.add(file); });
-  if (!done) return tl::unexpected(done.error());
+  DIAPHANE_TRY(done);
   files = bundle.files();
   return bundle.finish();
 }
@@ -37,7 +38,7 @@ int send(const volume::Volume& volume, sample::UploadOptions options,
          const std::string& token_file) {
   std::ifstream in(token_file);
   if (!std::getline(in, options.token) || options.token.empty()) {
-    return report({ErrorCode::kNotFound, "the token cannot be read: " + token_file, {}},
+    return report({ErrorCode::kNotFound, "cannot read the token file " + token_file, {}},
                   kExitNoInput);
   }
   if (isatty(STDERR_FILENO)) {
@@ -63,29 +64,32 @@ int send(const volume::Volume& volume, sample::UploadOptions options,
 
 int main(int argc, char** argv) {
   ConfigReader in(argc, argv);
-  const std::string cranium = in.text("cranium", "the project Cranium.inv3", sample::kCraniumPath);
+  const std::string cranium =
+      in.text("cranium", "path of the InVesalius project Cranium.inv3", sample::kCraniumPath);
   const std::string dicom =
-      in.text("write-dicom", "folder: write the DICOM series of a made-up patient", "");
+      in.text("write-dicom", "write a DICOM series of a fictitious patient to this folder", "");
   const std::string bundle =
-      in.text("write-bundle", "file: write the tar that a browser would upload", "");
-  const std::string mha =
-      in.text("mapped-mha", "file: write the mapped volume of the renderers' comparison", "");
-  const std::string store =
-      in.text("mapped-volume", "directory: write the mapped volume as a stored volume", "");
+      in.text("write-bundle", "write the tar file that a browser would upload", "");
+  const std::string mha = in.text(
+      "mapped-mha", "write the volume for the comparison of renderers to this .mha file", "");
+  const std::string store = in.text(
+      "mapped-volume",
+      "write the volume for the comparison of renderers to this directory of the volume store", "");
   sample::UploadOptions upload;
   upload.url =
-      in.text("upload", "origin: upload it as the public sample, print the data set's id", "");
+      in.text("upload", "upload the scan to this origin as the public sample and print its ID", "");
   const std::string token_file =
-      in.text("token-file", "file with the sample token, for --upload", "");
+      in.text("token-file", "file with the sample token; required with --upload", "");
   upload.title = in.text("title", "title of the uploaded sample", "Cranium");
   if (dicom.empty() && bundle.empty() && mha.empty() && store.empty() && upload.url.empty()) {
     in.mistake(
-        "nothing to do: give --write-dicom, --write-bundle, --mapped-mha, --mapped-volume or "
+        "nothing to do: set --write-dicom, --write-bundle, --mapped-mha, --mapped-volume or "
         "--upload");
   }
-  if (!upload.url.empty() && token_file.empty()) in.mistake("--upload needs --token-file");
-  if (!in.words().empty()) in.mistake("what is this: " + in.words().front());
-  if (auto done = in.finish("diaphane-sample: the cranium of Debian's invesalius-examples"))
+  if (!upload.url.empty() && token_file.empty()) in.mistake("--upload requires --token-file");
+  if (!in.words().empty()) in.mistake("unexpected argument: " + in.words().front());
+  if (auto done = in.finish(
+          "diaphane-sample: prepare or upload the sample scan from Debian's invesalius-examples"))
     return *done;
 
   auto read = sample::read_cranium(cranium);
@@ -111,7 +115,7 @@ int main(int argc, char** argv) {
     out.write(bytes->data(), static_cast<std::streamsize>(bytes->size()));
     out.close();
     if (!out)
-      return report({ErrorCode::kUnavailable, "the file cannot be written: " + bundle, {}},
+      return report({ErrorCode::kUnavailable, "cannot write the file " + bundle, {}},
                     kExitCannotCreate);
   }
   return upload.url.empty() ? 0 : send(upright, std::move(upload), token_file);

@@ -33,8 +33,7 @@ class Sample : public ::testing::Test {
 TEST_F(Sample, ThePatientLooksToTheFrontAndStandsUpright) {
   const volume::Volume v = upright(cranium_);
   constexpr std::int16_t kSkin = -300, kBone = 500;
-  // In a slice through the orbits the nose is the part of the head that lies farthest to the front
-  // (low y).
+  // In a slice through the orbits, the nose is the part of the head farthest to the front (low y).
   std::size_t front = 256, front_x = 0;
   for (std::size_t y = 0; y < 256 && front == 256; ++y) {
     for (std::size_t x = 100; x < 160; ++x) {
@@ -47,7 +46,7 @@ TEST_F(Sample, ThePatientLooksToTheFrontAndStandsUpright) {
   }
   EXPECT_LT(front, 45u);
   EXPECT_NEAR(static_cast<double>(front_x), 128, 20) << "in the middle";
-  // The head tapers to the vertex above, and goes on below, where the scan ends.
+  // The head tapers to the vertex above, and continues below, where the scan ends.
   const auto head_in = [&](std::size_t z) {
     std::size_t n = 0;
     for (std::size_t i = 0; i < 256 * 256; ++i) n += v.voxels[i + 65536 * z] > kSkin ? 1 : 0;

@@ -14,21 +14,23 @@
 #include <thread>
 #include <vector>
 
+#include "common/try.h"
+
 namespace diaphane::sample {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kPart = 8u << 20;  // the most that one PATCH may carry
+constexpr std::size_t kPart = 8u << 20;  // maximum size of one PATCH
 constexpr std::chrono::seconds kPatience{60};
 
 struct Answer {
-  long status = 0;  ///< 0: nobody answered
+  long status = 0;  ///< 0: no response
   std::string body;
   std::string offset;  ///< Upload-Offset
 };
 
-/// One origin, one token; keeps its connection.
+/// A client for one origin and one token that keeps its connection open.
 class Client {
  public:
   explicit Client(const UploadOptions& options)
@@ -87,7 +89,7 @@ class Client {
   std::unique_ptr<CURL, void (*)(CURL*)> curl_{curl_easy_init(), curl_easy_cleanup};
 };
 
-/// What a problem document says, for a person.
+/// Turns a problem document into an error message for a person.
 tl::unexpected<Error> refusal(const Answer& answer, const char* doing) {
   const json body = json::parse(answer.body, nullptr, false);
   std::string why = "status " + std::to_string(answer.status);
@@ -115,7 +117,7 @@ Result<void> send_parts(Client& client, const std::string& bundle, const std::st
   bool ask = false;
   while (sent < bundle.size()) {
     if (std::chrono::steady_clock::now() - last_progress > kPatience) {
-      return fail(ErrorCode::kUnavailable, "the upload does not go on");
+      return fail(ErrorCode::kUnavailable, "the upload has stalled");
     }
     Answer answer;
     if (ask) {
@@ -135,10 +137,10 @@ Result<void> send_parts(Client& client, const std::string& bundle, const std::st
       options.progress(sent, bundle.size());
     } else if (answer.status == 0 || answer.status >= 500 || answer.status == 409 ||
                answer.status == 423 || answer.status == 429 || answer.status == 460) {
-      ask = true;  // a cut: ask where it stands and go on there
+      ask = true;  // after a cut, asks for the offset and resumes there
       std::this_thread::sleep_for(std::chrono::milliseconds(500));
     } else {
-      return refusal(answer, "the upload was refused");
+      return refusal(answer, "the server refused the upload");
     }
   }
   return {};
@@ -158,9 +160,9 @@ Result<std::string> wait_until_ready(Client& client, const std::string& id) {
         return fail(ErrorCode::kInvalid, why.is_object() ? why.value("text", state) : state);
       }
     } else if (answer.status != 0 && answer.status < 500 && answer.status != 429) {
-      return refusal(answer, "the data set cannot be asked for");
+      return refusal(answer, "cannot read the state of the scan");
     } else if (std::chrono::steady_clock::now() - last_answer > kPatience) {
-      return fail(ErrorCode::kUnavailable, "nobody answers");
+      return fail(ErrorCode::kUnavailable, "the server does not respond");
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(250));
   }
@@ -170,7 +172,7 @@ Result<std::string> wait_until_ready(Client& client, const std::string& id) {
 
 Result<std::string> upload(const std::string& bundle, std::size_t files,
                            const UploadOptions& options) {
-  if (sodium_init() < 0) return fail(ErrorCode::kInternal, "libsodium cannot start");
+  if (sodium_init() < 0) return fail(ErrorCode::kInternal, "cannot initialise libsodium");
   curl_global_init(CURL_GLOBAL_DEFAULT);
   Client client(options);
   const json request{{"title", options.title}, {"bytes", bundle.size()}, {"slices", files}};
@@ -180,16 +182,15 @@ Result<std::string> upload(const std::string& bundle, std::size_t files,
     if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(500));
     created = client.send("POST", "/v1/data-sets", text, {"Content-Type: application/json"});
   }
-  if (created.status == 0) return fail(ErrorCode::kUnavailable, "nobody answers at this address");
-  if (created.status != 201) return refusal(created, "the data set was refused");
+  if (created.status == 0)
+    return fail(ErrorCode::kUnavailable, "no server responds at this address");
+  if (created.status != 201) return refusal(created, "the server refused the scan");
   const json body = json::parse(created.body, nullptr, false);
   if (!body.is_object() || !body.contains("data_set") || !body["data_set"].is_object()) {
-    return fail(ErrorCode::kInternal, "the answer was not understood");
+    return fail(ErrorCode::kInternal, "the server sent an unexpected response");
   }
   const std::string id = body["data_set"].value("id", "");
-  if (auto ok = send_parts(client, bundle, body.value("upload_url", ""), options); !ok) {
-    return tl::unexpected(ok.error());
-  }
+  DIAPHANE_TRY(send_parts(client, bundle, body.value("upload_url", ""), options));
   return wait_until_ready(client, id);
 }
 

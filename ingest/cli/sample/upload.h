@@ -9,11 +9,11 @@
 namespace diaphane::sample {
 
 /// Collects files into the bundle that a browser makes (docs/contracts.md, "Upload bundle"): a
-/// ustar archive of 00001.dcm, 00002.dcm, ..., without owners, times or any original name.
+/// ustar archive of 00001.dcm, 00002.dcm, ..., without owners, times or original names.
 class Bundle {
  public:
   Result<void> add(const std::string& file);
-  /// Ends the archive and gives its bytes.
+  /// Ends the archive and returns its bytes.
   std::string finish();
   std::size_t files() const { return files_; }
 
@@ -26,12 +26,13 @@ struct UploadOptions {
   std::string url;    ///< origin of the edge or of `api`, "http://127.0.0.1:8080"
   std::string token;  ///< the sample token
   std::string title;
-  /// Told now and then: bytes sent and bytes in all.
+  /// Called with the bytes sent and the total as the upload proceeds.
   std::function<void(std::uint64_t, std::uint64_t)> progress = [](std::uint64_t, std::uint64_t) {};
 };
 
-/// Sends `bundle` by tus 1.0 (a cut is resumed where it was) and waits until the data set is ready.
-/// Gives its id. kInvalid with the refusal's text; kUnavailable when nobody answers for a minute.
+/// Uploads `bundle` with tus 1.0, resuming after interruptions, and waits until the data set is
+/// ready. Returns its id. kInvalid with the text of the refusal. kUnavailable when there is no
+/// response for a minute.
 Result<std::string> upload(const std::string& bundle, std::size_t files,
                            const UploadOptions& options);
 

@@ -13,23 +13,24 @@ namespace {
 
 using namespace diaphane;
 
-constexpr int kExitData = 65;      // sysexits.h: EX_DATAERR, nothing in it is a series
-constexpr int kExitNoInput = 66;   // EX_NOINPUT, the folder cannot be read
+constexpr int kExitData = 65;      // sysexits.h: EX_DATAERR, no file belongs to a series
+constexpr int kExitNoInput = 66;   // EX_NOINPUT, the folder is unreadable
 constexpr int kExitNoOutput = 73;  // EX_CANTCREAT, the volume cannot be written
 
 constexpr const char* kUsage =
     "diaphane-scan FOLDER [--json] [--build VOLUME] [--most-voxels N]\n\n"
-    "Lists the DICOM series under FOLDER: whether each can become a volume, or why not; its kind, "
-    "slices,\n"
-    "size, spacing and direction, and what would be mended. Names of patients are not shown.\n\n"
-    "  --json           for programs\n"
-    "  --build VOLUME   also makes the volume of the suitable series with the most slices, in a "
-    "new "
-    "folder\n"
-    "  --most-voxels N  the quota of a volume\n\n"
-    "Exit: 0 listed, 64 bad command line, 65 no series in it or none to build, 66 the folder "
-    "cannot "
-    "be read,\n73 the volume cannot be written.\n";
+    "Lists the DICOM series under FOLDER. For each series, it shows the modality, the number of\n"
+    "slices, the size, the spacing and the orientation, and which corrections would be made, or "
+    "why\n"
+    "the series cannot become a volume. It does not show patient names.\n\n"
+    "  --json           print JSON\n"
+    "  --build VOLUME   also build a volume from the suitable series with the most slices and "
+    "write\n"
+    "                   it to VOLUME, which must be a new folder\n"
+    "  --most-voxels N  maximum number of voxels of a volume\n\n"
+    "Exit codes: 0 success, 64 bad command line, 65 no DICOM series found or none that can be "
+    "built,\n"
+    "66 cannot read the folder, 73 cannot write the volume.\n";
 
 int complain(int exit_code, const std::string& text) {
   std::fprintf(stderr, "diaphane-scan: %s\n", text.c_str());
@@ -73,23 +74,24 @@ int main(int argc, char** argv) {
     if (word == "--json") {
       json = true;
     } else if (word == "--build") {
-      if (i + 1 == words.size()) return complain(kExitUsage, "--build where? (try --help)");
+      if (i + 1 == words.size())
+        return complain(kExitUsage, "--build: missing argument VOLUME (see --help)");
       volume = words[++i];
     } else if (word == "--most-voxels") {
       const std::string text = i + 1 == words.size() ? "" : words[++i];
       const auto [stop, error] =
           std::from_chars(text.data(), text.data() + text.size(), limits.most_voxels);
       if (error != std::errc() || stop != text.data() + text.size()) {
-        return complain(kExitUsage, "--most-voxels how many? (try --help)");
+        return complain(kExitUsage, "--most-voxels: must be a whole number (see --help)");
       }
     } else if (word.starts_with("--")) {
-      return complain(kExitUsage, "unknown option " + word + " (try --help)");
+      return complain(kExitUsage, "unknown option " + word + " (see --help)");
     } else if (!folder.empty()) {
-      return complain(kExitUsage, "one folder at a time");
+      return complain(kExitUsage, "only one FOLDER is allowed (see --help)");
     } else {
       folder = word;
     }
   }
-  if (folder.empty()) return complain(kExitUsage, "which folder? (try --help)");
+  if (folder.empty()) return complain(kExitUsage, "missing argument: FOLDER (see --help)");
   return run(folder, json, volume, limits);
 }

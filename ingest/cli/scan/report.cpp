@@ -66,14 +66,14 @@ std::string left_out_lines(const dicom::LeftOut& out) {
   const auto add = [&](std::size_t n, const char* one, const char* many) {
     if (n > 0) text += "     " + counted(n, one, many) + "\n";
   };
-  add(out.not_slices, "file is no slice of a CT, MR or PET scan (report, screenshot, plan, dose)",
-      "files are no slices of a CT, MR or PET scan (reports, screenshots, plans, dose)");
+  add(out.not_slices, "file is not a CT, MR or PET slice (report, screenshot, plan or dose)",
+      "files are not CT, MR or PET slices (reports, screenshots, plans or doses)");
   add(out.damaged, "file is damaged", "files are damaged");
-  add(out.unsupported, "file is compressed in a way that is not supported",
-      "files are compressed in a way that is not supported");
-  add(out.too_large, "file asks for more than is allowed", "files ask for more than is allowed");
+  add(out.unsupported, "file uses an unsupported compression",
+      "files use an unsupported compression");
+  add(out.too_large, "file is larger than allowed", "files are larger than allowed");
   add(out.not_dicom, "file is not DICOM", "files are not DICOM");
-  return text.empty() ? text : "Left out:\n" + text;
+  return text.empty() ? text : "Skipped:\n" + text;
 }
 
 ordered_json series_json(const dicom::Series& series) {

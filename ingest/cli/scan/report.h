@@ -6,15 +6,15 @@
 
 namespace diaphane::scan {
 
-/// For a person: one paragraph a series, the suitable ones first. No text of the files is in it.
+/// A report for people, with one paragraph per series and suitable series first. It contains no
+/// text from the files.
 std::string as_text(const dicom::Scan& scan);
 
-/// For a program:
-/// {files, series: [{suitable, modality, files, slices, size, spacing_mm, direction, origin_mm,
-///   plane, repairs, reason: null | {code, text}}], left_out: {not_dicom, damaged, too_large,
-///   unsupported, not_slices}, upload: {suitable, code, text, repairs}}
-/// size, spacing_mm, direction, origin_mm and plane are null where the series is not suitable.
-/// upload: what would be said of all the files sent as one upload.
+/// A report for programs: {files, series: [{suitable, modality, files, slices, size, spacing_mm,
+/// direction, origin_mm, plane, repairs, reason: null | {code, text}}], left_out: {not_dicom,
+/// damaged, too_large, unsupported, not_slices}, upload: {suitable, code, text, repairs}}. size,
+/// spacing_mm, direction, origin_mm and plane are null for a series that is not suitable. upload is
+/// the result for all files sent as one upload.
 std::string as_json(const dicom::Scan& scan);
 
 }  // namespace diaphane::scan

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/try.h"
 #include "renderd/bench/schedule/scores.h"
 #include "renderd/bench/text.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
 
-/// As `schedule --real --costs-out` measured it, by the exact walk.
+/// As measured by `schedule --real --costs-out` with the exact walk.
 DeviceModel h200() {
   DeviceModel model;
   model.name = "h200";
@@ -73,7 +74,7 @@ Result<DeviceModel> device_model(const std::string& name) {
   if (name == "h200") return h200();
   if (name == "cpu2") return two_cores();
   const auto text = read_text(name, "--costs");
-  if (!text) return tl::unexpected(text.error());
+  DIAPHANE_TRY(text);
   try {
     const auto json = nlohmann::json::parse(*text);
     DeviceModel model;

@@ -9,33 +9,35 @@
 namespace diaphane::render::bench {
 
 struct SceneCost {
-  double seconds_per_pixel = 0;  ///< of one sample, the device full
-  double noise = 0;              ///< error of a picture of one sample: e(n) = noise / sqrt(n)
+  double seconds_per_pixel = 0;  ///< for one sample on a fully used device
+  double noise = 0;              ///< error of a picture with one sample: e(n) = noise / sqrt(n)
 };
 
-/// What a device costs, measured by `diaphane-renderd-bench schedule --real` or taken from figures.
+/// Costs of a device, measured by `diaphane-renderd-bench schedule --real` or taken from figures.
 struct DeviceModel {
   std::string name;
-  double parallel = 0;                   ///< as LedgerRules::device_parallel
-  bool queues = false;                   ///< as EngineInfo::queues
-  double quantum_seconds = 0;            ///< of a quantum beside its samples: launches, waiting
-  double scene_seconds = 0;              ///< a new epoch: tables, a cleared film
-  double picture_seconds = 0;            ///< a picture shown: tone map, smoothing, reading back
-  double picture_seconds_per_pixel = 0;  ///< the same, for each pixel
-  double picture_device_share = 0.45;    ///< of a picture's time: on the device, not on the way
-  double look_seconds = 0;               ///< the runner's look at one session, before each round
+  double parallel = 0;         ///< as LedgerRules::device_parallel
+  bool queues = false;         ///< as EngineInfo::queues
+  double quantum_seconds = 0;  ///< overhead of a quantum for launching and waiting
+  double scene_seconds = 0;    ///< for a new epoch: tables and a cleared film
+  double picture_seconds = 0;  ///< for a displayed picture: tone mapping, smoothing, reading back
+  double picture_seconds_per_pixel = 0;  ///< further time per pixel of a displayed picture
+  /// Share of a picture's time on the device rather than in transfer.
+  double picture_device_share = 0.45;
+  double look_seconds = 0;  ///< for the runner's check of one session before each round
   std::map<std::string, SceneCost> scenes;
 
   SceneCost scene(const std::string& name) const;
-  /// Seconds that a picture takes alone.
+  /// Returns the seconds that a picture takes alone.
   double picture(Canvas canvas) const;
-  /// Seconds that a quantum of `samples` takes alone; less of the device full, more a sample.
+  /// Returns the seconds that a quantum of `samples` takes alone. A quantum that fills less of the
+  /// device takes longer per sample.
   double alone(const std::string& scene, Canvas canvas, std::uint32_t samples) const;
-  /// From an input to a good picture, alone on the device.
+  /// Returns the seconds from an input to a good picture, alone on the device.
   double to_good(const std::string& scene, Canvas canvas) const;
 };
 
-/// "h200", "cpu2" (two cores), or a file that --real wrote.
+/// Returns "h200", "cpu2" (two cores), or the model in a file that --real wrote.
 Result<DeviceModel> device_model(const std::string& name);
 std::string device_model_json(const DeviceModel& model);
 

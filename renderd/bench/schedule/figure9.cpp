@@ -43,7 +43,7 @@ std::vector<Situation> figure9(std::uint64_t seed) {
       {"4 nodes: 1 interacts, 2 to 4 rest longer", {9, 2688, 2596, 2600}, {}, {}, {}},
       {"4 nodes: all interact all the time", {30, 18, 16, 41}, {}, {}, {}},
   };
-  // One iteration a turn.
+  // One iteration per turn.
   QuantumLimits limits;
   limits.max_samples = 1;
   const auto policy = make_policy(PolicyKind::kErrorProportional, limits, seed);

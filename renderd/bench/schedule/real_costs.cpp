@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/try.h"
 #include "renderd/bench/schedule/real_run.h"
 #include "renderd/bench/timing.h"
 
@@ -9,13 +10,13 @@ namespace {
 
 const auto kNever = [] { return false; };
 
-/// Median seconds of some calls; the error of the first that fails.
+/// Returns the median seconds of several calls, or the first error.
 template <typename Call>
 Result<double> timed(int times, Call call) {
   std::vector<double> seconds;
   for (int i = 0; i < times; ++i) {
     const auto start = Clock::now();
-    if (const auto done = call(i); !done) return tl::unexpected(done.error());
+    DIAPHANE_TRY(call(i));
     seconds.push_back(seconds_since(start));
   }
   return median_of(std::move(seconds));
@@ -29,18 +30,16 @@ v1::Scene turned(v1::Scene scene, int step) {
 
 constexpr double kLeastSeconds = 0.3;
 
-Result<SceneCost> scene_cost(FrameRenderer& renderer, const v1::Scene& scene, Canvas canvas) {
-  if (const auto taken = renderer.set_scene(scene, canvas); !taken) {
-    return tl::unexpected(taken.error());
-  }
-  // What the first samples say of the error is what a good picture takes.
-  if (const auto first = renderer.render(2, kNever); !first) return tl::unexpected(first.error());
+Result<SceneCost> scene_cost(ProgressiveRenderer& renderer, const v1::Scene& scene, Canvas canvas) {
+  DIAPHANE_TRY(renderer.set_scene(scene, canvas));
+  // The error after the first samples determines the cost of a good picture.
+  DIAPHANE_TRY(renderer.render(2, kNever));
   const double noise = renderer.progress().error * std::sqrt(2.0);
   double seconds = 0;
   std::uint64_t samples = 0;
   while (seconds < kLeastSeconds) {
     const auto batch = renderer.render(16, kNever);
-    if (!batch) return tl::unexpected(batch.error());
+    DIAPHANE_TRY(batch);
     seconds += batch->seconds;
     samples += batch->samples;
   }
@@ -63,22 +62,22 @@ Result<DeviceModel> measure_costs(const Stage& stage, double scale) {
   model.queues = stage.engine.info().queues;
   model.look_seconds = 0.3e-6;
   auto renderer = stage.engine.renderer(stage.volume, 1, 0, kLiveMethod);
-  if (!renderer) return tl::unexpected(renderer.error());
+  DIAPHANE_TRY(renderer);
   FrameRenderer& r = **renderer;
   r.prepare_denoising(true);
   const Canvas large = scaled({512, 512}, scale), small = scaled({256, 256}, scale);
   for (const auto& [name, scene] : stage.scenes) {
     const auto cost = scene_cost(r, scene, large);
-    if (!cost) return tl::unexpected(cost.error());
+    DIAPHANE_TRY(cost);
     model.scenes[name] = *cost;
   }
   const v1::Scene& scene = stage.scenes.begin()->second;
   const auto scenes = timed(15, [&](int i) { return r.set_scene(turned(scene, i), large); });
-  if (!scenes) return tl::unexpected(scenes.error());
+  DIAPHANE_TRY(scenes);
   model.scene_seconds = *scenes;
-  // A quantum of one sample each, against one quantum of all.
+  // Compares quanta of one sample each with a single quantum of all samples.
   constexpr int kQuanta = 32;
-  if (const auto warm = r.render(2, kNever); !warm) return tl::unexpected(warm.error());
+  DIAPHANE_TRY(r.render(2, kNever));
   const auto one = timed(kQuanta, [&](int) {
     auto batch = r.render(1, kNever);
     (void)r.progress();
@@ -87,17 +86,15 @@ Result<DeviceModel> measure_costs(const Stage& stage, double scale) {
   const auto all = timed(5, [&](int) { return r.render(kQuanta, kNever); });
   if (!one || !all) return tl::unexpected(one ? all.error() : one.error());
   model.quantum_seconds = std::max(0.0, *one - *all / kQuanta);
-  // The first picture of an epoch is the dearest: it is smoothed.
+  // Measures the first picture of an epoch, which is smoothed and thus the most expensive.
   double seconds[2] = {};
   const Canvas sizes[2] = {small, large};
   for (int i = 0; i < 2; ++i) {
     PictureRgb8 picture;
-    if (const auto taken = r.set_scene(scene, sizes[i]); !taken) {
-      return tl::unexpected(taken.error());
-    }
-    if (const auto batch = r.render(2, kNever); !batch) return tl::unexpected(batch.error());
+    DIAPHANE_TRY(r.set_scene(scene, sizes[i]));
+    DIAPHANE_TRY(r.render(2, kNever));
     const auto shown = timed(9, [&](int) { return r.display_denoised(picture); });
-    if (!shown) return tl::unexpected(shown.error());
+    DIAPHANE_TRY(shown);
     seconds[i] = *shown;
   }
   const auto pixels = [](Canvas c) { return double(c.width) * c.height; };

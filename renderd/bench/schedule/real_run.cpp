@@ -5,6 +5,7 @@
 #include <mutex>
 #include <thread>
 
+#include "common/try.h"
 #include "renderd/schedule/runner.h"
 
 namespace diaphane::render::bench {
@@ -12,7 +13,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// Somebody of a trace: what they want, and what they saw.
+/// A user of a trace, with their requests and what they saw.
 class Viewer final : public RenderClient {
  public:
   Viewer(const v1::Scene& scene, Canvas viewport, SessionScore& score,
@@ -54,7 +55,7 @@ class Viewer final : public RenderClient {
   std::uint64_t version() const noexcept override { return version_; }
   void began(std::uint64_t, const Wanted& wanted) override {
     const std::lock_guard lock(mutex_);
-    // Of an older input than the newest: the newest goes on waiting.
+    // Rendering of an older input does not end the wait of the newest one.
     if (!left_ && wanted.version == wanted_.version) score_.began(now());
   }
   void refused(const Wanted&, const Error& why) override { fail_with(why); }
@@ -101,9 +102,9 @@ Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceMo
   std::vector<std::unique_ptr<FrameRenderer>> renderers;
   for (const TraceSession& session : trace.sessions) {
     scores.emplace_back(model.to_good(session.scene, session.viewport));
-    // Beforehand: opening a session is not what is measured.
+    // Prepared before the measurement, which excludes opening sessions.
     auto renderer = stage.engine.renderer(stage.volume, renderers.size() + 1, 0, kLiveMethod);
-    if (!renderer) return tl::unexpected(renderer.error());
+    DIAPHANE_TRY(renderer);
     renderers.push_back(std::move(*renderer));
   }
   const SystemClock clock;
@@ -142,14 +143,14 @@ Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceMo
   const RunnerTimes spent = runner.times();
   const double seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
   DeviceTime time;
-  // Several go on at once: the time with anything under way is theirs by what each took.
+  // Several kinds of work overlap, so the busy time is divided between them in proportion.
   const double lanes = std::max(spent.rendering + spent.scenes + spent.pictures, 1e-9);
   time.rendering = spent.busy * spent.rendering / lanes;
   time.scenes = spent.busy * spent.scenes / lanes;
   time.pictures = spent.busy * spent.pictures / lanes;
   time.idle = spent.idle;
-  // Nothing was under way, although somebody gained. What a device that has work loses between two
-  // quanta shows in rate_shared only.
+  // Time without work although sessions would have gained. Losses between two quanta on a busy
+  // device appear only in rate_shared.
   time.switching = std::max(seconds - spent.busy - spent.idle, 0.0);
   time.quanta = spent.quanta;
   return TraceRun{score(scores, time, trace.seconds), time};

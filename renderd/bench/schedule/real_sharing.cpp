@@ -1,8 +1,9 @@
-// What a device loses by going from one session to the next: the samples that it makes for some
-// who rest, against those that it makes for one alone in long quanta.
+// What a device loses by switching between sessions: its samples for several resting sessions
+// compared with those for one alone with long quanta.
 #include <chrono>
 #include <thread>
 
+#include "common/try.h"
 #include "renderd/bench/schedule/real_run.h"
 #include "renderd/bench/timing.h"
 #include "renderd/schedule/runner.h"
@@ -11,7 +12,7 @@ namespace diaphane::render::bench {
 namespace {
 
 constexpr Canvas kCanvas{512, 512};
-/// Nobody converges.
+/// No session reaches this error.
 constexpr double kOutOfReach = 1e-9;
 
 class Resting final : public RenderClient {
@@ -44,17 +45,17 @@ class Resting final : public RenderClient {
 
 Result<double> rate_alone(const Stage& stage, double scale, double seconds) {
   auto renderer = stage.engine.renderer(stage.volume, 1, 0, kLiveMethod);
-  if (!renderer) return tl::unexpected(renderer.error());
+  DIAPHANE_TRY(renderer);
   const Canvas canvas = scaled(kCanvas, scale);
   const auto taken = (*renderer)->set_scene(stage.scenes.begin()->second, canvas);
-  if (!taken) return tl::unexpected(taken.error());
+  DIAPHANE_TRY(taken);
   const auto never = [] { return false; };
-  if (const auto warm = (*renderer)->render(2, never); !warm) return tl::unexpected(warm.error());
+  DIAPHANE_TRY((*renderer)->render(2, never));
   double spent = 0;
   std::uint64_t samples = 0;
   while (spent < seconds) {
     const auto batch = (*renderer)->render(32, never);
-    if (!batch) return tl::unexpected(batch.error());
+    DIAPHANE_TRY(batch);
     spent += batch->seconds;
     samples += batch->samples;
   }
@@ -71,7 +72,7 @@ Result<double> rate_shared(const Stage& stage, double scale, std::size_t session
   std::vector<std::shared_ptr<Resting>> viewers;
   for (std::size_t i = 0; i < sessions; ++i) {
     auto renderer = stage.engine.renderer(stage.volume, i + 1, 0, kLiveMethod);
-    if (!renderer) return tl::unexpected(renderer.error());
+    DIAPHANE_TRY(renderer);
     viewers.push_back(
         std::make_shared<Resting>(stage.scenes.begin()->second, scaled(kCanvas, scale)));
     runner.add(viewers.back(), std::move(*renderer), 0);
@@ -81,7 +82,7 @@ Result<double> rate_shared(const Stage& stage, double scale, std::size_t session
     for (const auto& viewer : viewers) samples += viewer->samples();
     return samples;
   };
-  // The first pictures are another matter.
+  // Excludes the first pictures, which have other costs.
   const auto sleep = [](double s) {
     std::this_thread::sleep_for(std::chrono::duration<double>(s));
   };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "common/try.h"
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/schedule/figure9.h"
 #include "renderd/bench/schedule/real_run.h"
@@ -16,7 +17,7 @@
 namespace diaphane::render::bench {
 namespace {
 
-constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as the other subcommands
+constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as in the other subcommands
 
 int complain(const Error& error) {
   std::cerr << "diaphane-renderd-bench: " << (error.field.empty() ? "" : error.field + ": ")
@@ -53,34 +54,43 @@ struct ScheduleCommand::Options {
 
 ScheduleCommand::ScheduleCommand(CLI::App& app) : options_(std::make_unique<Options>()) {
   Options& o = *options_;
-  command_ = app.add_subcommand("schedule", "policies of the scheduler over traces of interaction");
+  command_ = app.add_subcommand("schedule", "Compare scheduling policies over interaction traces");
   CLI::App& c = *command_;
-  c.add_option("--policy", o.policies, "with commas")
+  c.add_option("--policy", o.policies, "scheduling policies, comma-separated")
       ->delimiter(',')
       ->check(CLI::IsMember(policy_names()));
-  c.add_option("--sessions", o.sessions, "with commas")->delimiter(',');
-  c.add_option("--trace", o.traces, "interactive, mixed, idle, or a file that --write-traces wrote")
+  c.add_option("--sessions", o.sessions, "numbers of sessions, comma-separated")->delimiter(',');
+  c.add_option("--trace", o.traces,
+               "interactive, mixed, idle, or a file written by --write-traces; comma-separated")
       ->delimiter(',');
-  c.add_option("--seconds", o.seconds, "of a trace")->check(CLI::Range(0.1, 3600.0));
-  c.add_option("--seeds", o.seeds, "traces of each kind and size")->check(CLI::Range(1, 1000));
-  c.add_option("--seed", o.seed, "of the first");
-  c.add_option("--costs", o.costs, "of the simulated device: h200, cpu2, or a file of --real");
-  c.add_option("--fleet-sessions", o.fleet_sessions, "simulate a fleet too: so many sessions");
-  c.add_option("--fleet-devices", o.fleet_devices, "on so many devices");
+  c.add_option("--seconds", o.seconds, "length of each trace in seconds")
+      ->check(CLI::Range(0.1, 3600.0));
+  c.add_option("--seeds", o.seeds, "number of traces per kind and size")
+      ->check(CLI::Range(1, 1000));
+  c.add_option("--seed", o.seed, "seed of the first trace");
+  c.add_option("--costs", o.costs,
+               "costs of the simulated device: h200, cpu2, or a file written by --costs-out");
+  c.add_option("--fleet-sessions", o.fleet_sessions,
+               "also simulate a fleet with this many sessions");
+  c.add_option("--fleet-devices", o.fleet_devices, "number of devices of the simulated fleet");
   c.add_option("--target", o.target, "error at which a picture counts as converged");
-  c.add_option("--json", o.json, "results");
-  c.add_option("--csv", o.csv, "results");
-  c.add_option("--write-traces", o.write_traces, "folder: the traces, as JSON");
-  c.add_option("--figure9", o.figure9, "the thesis's Figure 9: printed, and as JSON to this file");
-  c.add_flag("--quiet", o.quiet, "no progress on standard error");
-  c.add_flag("--real", o.real, "on the real renderer, in real time; else simulated");
-  c.add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
-  c.add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
-  c.add_option("--volume", o.volume, "directory of the volume store, or made:N");
-  c.add_option("--scenes", o.scenes, "folder of the scene files (tests/scenes), for --real");
-  c.add_option("--scale", o.scale, "of the traces' viewports, for slow devices")
+  c.add_option("--json", o.json, "write the results to this file as JSON");
+  c.add_option("--csv", o.csv, "write the results to this file as CSV");
+  c.add_option("--write-traces", o.write_traces, "write the traces to this directory as JSON");
+  c.add_option("--figure9", o.figure9,
+               "print Figure 9 of the thesis and write it to this file as JSON");
+  c.add_flag("--quiet", o.quiet, "show no progress on standard error");
+  c.add_flag("--real", o.real, "use the real renderer in real time instead of a simulation");
+  c.add_option("--engine", o.engine, "rendering engine for --real")
+      ->check(CLI::IsMember({"cpu", "cuda"}));
+  c.add_option("--threads", o.threads, "threads of the CPU engine (0 = one per core)");
+  c.add_option("--volume", o.volume,
+               "directory of the volume store, or made:N (a synthetic head, N voxels wide)");
+  c.add_option("--scenes", o.scenes, "directory of the scene files (tests/scenes), for --real");
+  c.add_option("--scale", o.scale, "scale of the traces' viewports, to suit slow devices")
       ->check(CLI::Range(0.01, 4.0));
-  c.add_option("--costs-out", o.costs_out, "what the real device costs, for --costs");
+  c.add_option("--costs-out", o.costs_out,
+               "write the costs of the real device to this file, for --costs");
 }
 
 ScheduleCommand::~ScheduleCommand() = default;
@@ -92,7 +102,7 @@ bool shows(bool quiet) { return !quiet && ::isatty(STDERR_FILENO) == 1; }
 
 }  // namespace
 
-/// What a real run needs, kept together while it lasts.
+/// The resources of a real run.
 struct ScheduleCommand::Device {
   std::unique_ptr<Engine> engine;
   std::shared_ptr<const DeviceVolume> volume;
@@ -104,24 +114,24 @@ Result<void> ScheduleCommand::open(Device& device) const {
   const Options& o = *options_;
   auto engine =
       make_engine(o.engine == "cuda" ? EngineChoice::kCuda : EngineChoice::kCpu, o.threads);
-  if (!engine) return tl::unexpected(engine.error());
+  DIAPHANE_TRY(engine);
   device.engine = std::move(*engine);
   auto volume = named_volume(o.volume);
-  if (!volume) return tl::unexpected(volume.error());
+  DIAPHANE_TRY(volume);
   auto loaded = device.engine->load(*volume);
-  if (!loaded) return tl::unexpected(loaded.error());
+  DIAPHANE_TRY(loaded);
   device.volume = std::move(*loaded);
   device.stage =
       std::make_unique<Stage>(Stage{*device.engine, device.volume, {}, {.target_error = o.target}});
   for (const char* name : kTraceScenes) {
     auto text = read_text(o.scenes + "/" + name + ".json", "--scenes");
-    if (!text) return tl::unexpected(text.error());
+    DIAPHANE_TRY(text);
     auto scene = scene_from_json(*text);
-    if (!scene) return tl::unexpected(scene.error());
+    DIAPHANE_TRY(scene);
     device.stage->scenes[name] = std::move(*scene);
   }
   auto model = measure_costs(*device.stage, o.scale);
-  if (!model) return tl::unexpected(model.error());
+  DIAPHANE_TRY(model);
   device.model = std::move(*model);
   return {};
 }
@@ -131,12 +141,12 @@ Result<ScheduleReport> ScheduleCommand::measure() const {
   ScheduleReport report;
   Device device;
   if (o.real) {
-    if (const auto opened = open(device); !opened) return tl::unexpected(opened.error());
+    DIAPHANE_TRY(open(device));
     report.how = "real";
     report.model = device.model;
   } else {
     auto model = device_model(o.costs);
-    if (!model) return tl::unexpected(model.error());
+    DIAPHANE_TRY(model);
     report.how = "simulated";
     report.model = std::move(*model);
   }
@@ -149,13 +159,13 @@ Result<ScheduleReport> ScheduleCommand::measure() const {
         ScheduleRow row{kind, sessions, *policy_kind(name), {}};
         for (unsigned i = 0; i < o.seeds; ++i) {
           auto trace = trace_of(kind, sessions, i);
-          if (!trace) return tl::unexpected(trace.error());
+          DIAPHANE_TRY(trace);
           row.sessions = trace->sessions.size();
           auto policy = make_policy(row.policy, {}, o.seed + i);
           if (o.real) {
             if (shows(o.quiet)) std::cerr << kind << ' ' << sessions << ' ' << name << '\n';
             auto run = run_real(*trace, *device.stage, report.model, std::move(policy));
-            if (!run) return tl::unexpected(run.error());
+            DIAPHANE_TRY(run);
             row.runs.push_back(run->scores);
           } else {
             row.runs.push_back(simulate(*trace, report.model, std::move(policy), rules).scores);
@@ -167,9 +177,7 @@ Result<ScheduleReport> ScheduleCommand::measure() const {
   }
   if (o.fleet_sessions > 0 && !o.real) measure_fleet(report);
   if (o.real) {
-    if (const auto measured = measure_sharing(*device.stage, report); !measured) {
-      return tl::unexpected(measured.error());
-    }
+    DIAPHANE_TRY(measure_sharing(*device.stage, report));
   }
   for (const std::string& name : o.policies) {
     report.decisions.push_back(measure_decision(*policy_kind(name), 256, 5));
@@ -182,7 +190,7 @@ Result<Trace> ScheduleCommand::trace_of(const std::string& kind, std::size_t ses
   const Options& o = *options_;
   if (std::find(std::begin(kTraceKinds), std::end(kTraceKinds), kind) == std::end(kTraceKinds)) {
     auto text = read_text(kind, "--trace");
-    if (!text) return tl::unexpected(text.error());
+    DIAPHANE_TRY(text);
     return trace_of_json(*text);
   }
   Trace trace = make_trace(kind, sessions, o.seconds, o.seed + number);
@@ -205,9 +213,9 @@ Result<void> ScheduleCommand::measure_sharing(const Stage& stage, ScheduleReport
     SharingRow row{sessions, {}};
     for (unsigned i = 0; i < options_->seeds; ++i) {
       const auto alone = rate_alone(stage, options_->scale, seconds);
-      if (!alone) return tl::unexpected(alone.error());
+      DIAPHANE_TRY(alone);
       const auto shared = rate_shared(stage, options_->scale, sessions, seconds);
-      if (!shared) return tl::unexpected(shared.error());
+      DIAPHANE_TRY(shared);
       row.lost.push_back(1 - *shared / *alone);
     }
     report.sharing.push_back(std::move(row));
@@ -218,7 +226,7 @@ Result<void> ScheduleCommand::measure_sharing(const Stage& stage, ScheduleReport
 void ScheduleCommand::measure_fleet(ScheduleReport& report) const {
   const Options& o = *options_;
   const std::size_t devices = std::max<std::size_t>(o.fleet_devices, 1);
-  constexpr unsigned kMostSeeds = 3;  // a minute each
+  constexpr unsigned kMostSeeds = 3;  // because each takes a minute
   for (const std::string& kind : o.traces) {
     for (const Placement placement : kPlacements) {
       FleetRow row{o.fleet_sessions, devices, kind, placement, {}};

@@ -16,7 +16,7 @@ class ScheduleCommand {
   explicit ScheduleCommand(CLI::App& app);
   ~ScheduleCommand();
   bool chosen() const;
-  /// Exit code.
+  /// Returns the exit code.
   int run();
 
  private:

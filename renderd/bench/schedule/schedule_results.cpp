@@ -214,7 +214,8 @@ DecisionTime measure_decision(PolicyKind policy, std::size_t sessions, unsigned 
     const auto start = Clock::now();
     for (int n = 0; n < kDecisions; ++n) quanta += asked->next(views).size();
     const double seconds = seconds_since(start);
-    // The first is to warm up; asking for the count keeps the answers from being thought needless.
+    // The first repetition is a warm-up. Testing `quanta` keeps the compiler from removing the
+    // decisions.
     if (i > 0 && quanta > 0) time.seconds.push_back(seconds / kDecisions);
   }
   return time;

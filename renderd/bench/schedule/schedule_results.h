@@ -8,7 +8,7 @@
 
 namespace diaphane::render::bench {
 
-/// One trace's kind and size under one policy: a run for each seed.
+/// Results of one kind and size of trace under one policy, with one run per seed.
 struct ScheduleRow {
   std::string trace;
   std::size_t sessions = 0;
@@ -23,17 +23,17 @@ struct FleetRow {
   std::vector<FleetRun> runs;
 };
 
-/// The policy's own time for a decision.
+/// The time that a policy takes for a decision.
 struct DecisionTime {
   PolicyKind policy = PolicyKind::kMarginalGain;
   std::size_t sessions = 0;
   std::vector<double> seconds;  ///< mean of each repetition
 };
 
-/// What a device makes for resting sessions, of what it makes for one alone in long quanta.
+/// A device's output for resting sessions, relative to its output for one alone with long quanta.
 struct SharingRow {
   std::size_t sessions = 0;
-  std::vector<double> lost;  ///< share, of each repetition
+  std::vector<double> lost;  ///< share, per repetition
 };
 
 struct ScheduleReport {
@@ -47,7 +47,7 @@ struct ScheduleReport {
   DeviceModel model;
 };
 
-/// A column of the tables: a figure of a run.
+/// A column of the tables.
 struct Column {
   const char* name;
   const char* unit;
@@ -60,7 +60,8 @@ std::string schedule_text(const ScheduleReport& report);
 std::string schedule_csv(const ScheduleReport& report);
 std::string schedule_json(const ScheduleReport& report);
 
-/// `sessions` random views, of which most gain: `repetitions` means over some thousand decisions.
+/// Measures decisions among `sessions` random views, of which most would gain. Returns
+/// `repetitions` means over some thousand decisions.
 DecisionTime measure_decision(PolicyKind policy, std::size_t sessions, unsigned repetitions);
 
 }  // namespace diaphane::render::bench

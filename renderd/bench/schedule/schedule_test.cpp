@@ -6,7 +6,7 @@
 #include "renderd/bench/schedule/real_run.h"
 #include "renderd/bench/schedule/schedule_results.h"
 #include "renderd/bench/timing.h"
-#include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/cpu/engine.h"
 #include "renderd/scene/test_scenes.h"
 
 namespace diaphane::render::bench {
@@ -22,7 +22,7 @@ std::uint64_t hash(const std::string& text) {
 TEST(Traces, AreTheSameEverywhereAndReadBackAsWritten) {
   const Trace trace = make_trace("mixed", 16, 30, 1);
   const std::string text = trace_json(trace);
-  // Rounded to microseconds: the last bits of a logarithm are the library's.
+  // Rounded to microseconds, because the last bits of a logarithm depend on the library.
   std::uint64_t rounded = 0;
   for (const TraceSession& session : trace.sessions) {
     for (const Span& span : session.gestures) {
@@ -77,7 +77,7 @@ TEST(Scores, AGoodPictureOfOlderInputIsNone) {
   score.input(1.0, false);
   score.began(1.01);
   score.input(1.1, true);
-  score.frame(1.2, 0.01);  // of the first
+  score.frame(1.2, 0.01);  // shows the first input
   score.ended(2.0);
   ASSERT_EQ(score.to_good().size(), 1U);
   EXPECT_FALSE(score.to_good()[0].reached);
@@ -135,8 +135,8 @@ TEST(Simulator, TheSameSeedGivesTheSameFigures) {
   EXPECT_EQ(run(), run());
 }
 
-/// Sixteen mixed sessions hardly load this device: one alone takes half of their time to 5%. So it
-/// is sixty-four that must be twice as fast as by turns.
+/// Sixteen mixed sessions hardly load this device, because one alone takes half of their time to
+/// 5%. Therefore, the test requires twice the speed of round-robin with sixty-four sessions.
 TEST(Simulator, MarginalGainIsTwiceAsFastAsTurnsAndFasterThanTheThesis) {
   double gain = 0, turns = 0, thesis = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -152,7 +152,7 @@ TEST(Simulator, MarginalGainIsTwiceAsFastAsTurnsAndFasterThanTheThesis) {
   EXPECT_GT(thesis, gain);
 }
 
-/// Input to a first frame waits at most 33 ms for nineteen of twenty, with 64 of them.
+/// With 64 sessions, 95% of inputs wait at most 33 ms until their first frame begins.
 TEST(Simulator, SixtyFourAreAnsweredInTime) {
   const Trace trace = make_trace("mixed", 64, 15, 1);
   const auto run = simulate(trace, model(), make_policy(PolicyKind::kMarginalGain), kRules);
@@ -179,7 +179,7 @@ TEST(Figure9, WhoInteractedHasThePriorityAndInTheLastSituationAllAreEqual) {
     std::vector<std::uint64_t> n = s.iterations;
     for (const auto& turn : s.turns) EXPECT_EQ(turn.iteration, ++n[turn.node - 1]);
   }
-  // One interacts: nearly all turns are its own, as in the figure.
+  // If one user interacts, nearly all turns are theirs, as in the figure.
   for (const std::size_t i : {0, 1, 3, 5}) EXPECT_GT(situations[i].shares[0], 0.7) << i;
   for (const double share : situations[6].shares) EXPECT_NEAR(share, 0.25, 0.08);
 }
@@ -190,7 +190,7 @@ TEST(Decisions, AreMeasured) {
   EXPECT_GT(median_of(time.seconds), 0);
 }
 
-/// The real runner on the CPU: a second, so that the path is walked and every figure is filled.
+/// Runs the real runner on the CPU for a second, to cover this path and to fill every figure.
 TEST(RealRun, AShortTraceIsShownAndMeasured) {
   const auto engine = make_cpu_engine(2);
   const auto volume = engine->load(test::skull_volume());

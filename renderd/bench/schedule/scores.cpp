@@ -14,7 +14,7 @@ void SessionScore::input(double at, bool last) {
 }
 
 void SessionScore::began(double at) {
-  if (!oldest_) return;  // begun anew without input: another size
+  if (!oldest_) return;  // restarted without input, for another size
   queueing_.push_back(at - *oldest_);
   if (!oldest_begun_) oldest_begun_ = oldest_;
   oldest_.reset();
@@ -50,7 +50,7 @@ std::optional<double> SessionScore::speed() const {
   double sum = 0;
   std::size_t count = 0;
   for (const ToGood& each : to_good_) {
-    // A pause too short for anybody says nothing of the policy.
+    // A pause that is too short for any policy is not counted.
     if (!each.reached && each.seconds < alone_) continue;
     sum += each.reached ? std::min(1.0, alone_ / std::max(each.seconds, 1e-9)) : 0;
     ++count;

@@ -6,37 +6,38 @@
 
 namespace diaphane::render::bench {
 
-/// The error that the issue and the thesis's readers call a good picture.
+/// The error of a good picture, according to the readers of the thesis.
 inline constexpr double kGoodError = 0.05;
 
-/// What one session saw, in order of time; seconds of the trace. Both the simulator and the real
-/// renderer fill it.
+/// What one session saw, in order of time, in seconds of the trace. Filled by both the simulator
+/// and the real renderer.
 class SessionScore {
  public:
-  /// `alone`: seconds from an input to a good picture, had it the device for itself.
+  /// `alone`: seconds from an input to a good picture on a device without other sessions.
   explicit SessionScore(double alone) : alone_(alone) {}
 
-  /// `last`: nobody touches it after that, for now.
+  /// `last`: a pause follows this input.
   void input(double at, bool last);
-  /// Begun on the device: the queueing is over.
+  /// Rendering began on the device, so queueing is over.
   void began(double at);
   /// A picture of the newest input that had been `began` was shown.
   void frame(double at, double error);
-  /// The viewer looks away, comes back (what is there is shown), or leaves.
+  /// The viewer looks away, returns (and sees the current picture), or leaves.
   void hidden(double at);
   void ended(double at);
 
-  /// From a gesture's last input to a good picture, or to the moment when it did not matter any
-  /// more: then a lower bound.
+  /// Time from the last input of a gesture to a good picture. If the picture became irrelevant
+  /// before, a lower bound.
   struct ToGood {
     double seconds = 0;
     bool reached = false;
   };
   const std::vector<ToGood>& to_good() const { return to_good_; }
-  /// From the oldest input that it answers to each first frame.
+  /// Time to each first frame, from the oldest input that it answers.
   const std::vector<double>& to_first_frame() const { return to_first_; }
   const std::vector<double>& queueing() const { return queueing_; }
-  /// The speed seen, of that alone: 1 is all; nothing when no picture was waited for.
+  /// Returns the speed relative to a device without other sessions, at most 1. Returns nullopt if
+  /// no picture was waited for.
   std::optional<double> speed() const;
   std::uint64_t frames() const { return frames_; }
 
@@ -44,9 +45,9 @@ class SessionScore {
   void give_up(double at);
 
   double alone_;
-  std::optional<double> waiting_since_;  // the last input of a gesture, no good picture yet
-  std::optional<double> oldest_;         // input that is not begun
-  std::optional<double> oldest_begun_;   // input that is begun and not shown
+  std::optional<double> waiting_since_;  // last input of a gesture without a good picture yet
+  std::optional<double> oldest_;         // input whose rendering has not begun
+  std::optional<double> oldest_begun_;   // input whose rendering has begun, but which is not shown
   bool last_begun_ = false;              // the film is of the gesture's last input
   bool last_wanted_ = false;
   std::vector<ToGood> to_good_;
@@ -55,35 +56,36 @@ class SessionScore {
   std::uint64_t frames_ = 0;
 };
 
-/// Where the device's time went, seconds.
+/// How the device's time was spent, in seconds.
 struct DeviceTime {
   double rendering = 0;
   double scenes = 0;
   double pictures = 0;
-  double switching = 0;  ///< between quanta: deciding, launching, waiting for the end of one
+  double switching = 0;  ///< between quanta: deciding, launching, and waiting for the end of one
   double idle = 0;
   std::uint64_t quanta = 0;
 };
 
-/// Of one run of a trace through a policy.
+/// Scores of one run of a trace under a policy.
 struct Scores {
   double to_good_mean = 0, to_good_p95 = 0;                     ///< seconds
   double first_p50 = 0, first_p95 = 0, first_p99 = 0;           ///< seconds
   double queueing_p50 = 0, queueing_p95 = 0, queueing_p99 = 0;  ///< seconds
-  double reached = 0;    ///< share of the pictures waited for that became good in time
-  double fairness = 0;   ///< Jain's index of the sessions' speeds
-  double idle = 0;       ///< share of the time
-  double switching = 0;  ///< share of the time that was not idle
-  double rendering = 0, pictures = 0;  ///< as that
-  double frames_per_second = 0;        ///< of all sessions
-  std::size_t inputs = 0;              ///< pictures waited for
+  double reached = 0;                  ///< share of awaited pictures that became good in time
+  double fairness = 0;                 ///< Jain's index of the sessions' speeds
+  double idle = 0;                     ///< share of the time
+  double switching = 0;                ///< share of the time that was not idle
+  double rendering = 0, pictures = 0;  ///< share of the time that was not idle
+  double frames_per_second = 0;        ///< over all sessions
+  std::size_t inputs = 0;              ///< number of awaited pictures
 };
 
 Scores score(const std::vector<SessionScore>& sessions, const DeviceTime& time, double seconds);
 
-/// (sum x)^2 / (n sum x^2): 1 when all are equal, 1/n when one has all (Jain, Chiu, Hawe 1984).
+/// Returns (sum x)^2 / (n sum x^2), which is 1 if all are equal and 1/n if one has everything
+/// (Jain, Chiu, Hawe 1984).
 double jain(const std::vector<double>& shares);
-/// The value below which a share of `at` lies; 0 of nothing.
+/// Returns the value below which a share of `at` lies, or 0 without values.
 double quantile(std::vector<double> values, double at);
 
 }  // namespace diaphane::render::bench

@@ -31,17 +31,17 @@ struct SimulatedDevice::Session {
   SessionView seen;
 };
 
-// What a quantum does, one after the other. Of those, samples and half of a picture need the
+// The sequence of phases in a quantum. Of these, only samples and half of a picture need the
 // device.
 struct SimulatedDevice::Turn {
   enum class Phase { kScene, kSamples, kEnd, kPicture, kReadBack, kOver };
 
   SessionPtr session;
   std::uint32_t samples = 0;
-  double alone = 0;  // seconds of the samples
+  double alone = 0;  // seconds of the samples on an unshared device
   double fill = 1;
   Phase phase = Phase::kScene;
-  double left = 0;  // seconds of the phase, the device for itself
+  double left = 0;  // remaining seconds of the phase on an unshared device
 
   bool on_device() const { return phase == Phase::kSamples || phase == Phase::kPicture; }
 };
@@ -54,7 +54,7 @@ SimulatedDevice::SimulatedDevice(const DeviceModel& model, std::unique_ptr<Polic
 
 SimulatedDevice::~SimulatedDevice() = default;
 
-// Not the epoch: there a Ledger takes a time for none.
+// Never returns the epoch, which Ledger interprets as an unset time.
 Ledger::Time SimulatedDevice::time_point(double seconds) const {
   return Ledger::Time(std::chrono::hours(1) + std::chrono::duration_cast<Ledger::Time::duration>(
                                                   std::chrono::duration<double>(seconds)));
@@ -111,7 +111,7 @@ void SimulatedDevice::input(Session& session, const TraceEvent& event) {
   session.wanted.last_input = time_point(event.at);
   session.wanted.rest = event.last;
   if (!session.under_way || !session.ledger.interruptible()) return;
-  // Its own quantum is cut short, at the end of a sample.
+  // Interrupts the session's own quantum at the end of a sample.
   for (Turn& turn : turns_) {
     if (turn.session.get() != &session || turn.phase != Turn::Phase::kSamples) continue;
     turn.samples = static_cast<std::uint32_t>((1 - turn.left / turn.alone) * turn.samples);
@@ -125,7 +125,7 @@ bool SimulatedDevice::due(Session& session) const {
   return question && should_emit(*question);
 }
 
-// As Runner::look and Runner::step.
+// As in Runner::look and Runner::step.
 void SimulatedDevice::fill() {
   for (bool begun = true; begun;) {
     begun = false;
@@ -232,7 +232,7 @@ void SimulatedDevice::rendered(Turn& turn) {
                   time_point(now_));
 }
 
-// `rate`: of what is on the device.
+// `rate`: speed of the work on the device.
 void SimulatedDevice::pass(double seconds, double rate) {
   using Phase = Turn::Phase;
   const auto any = [this](Phase phase) {
@@ -246,7 +246,7 @@ void SimulatedDevice::pass(double seconds, double rate) {
   } else if (any(Phase::kPicture) || any(Phase::kReadBack)) {
     time_.pictures += seconds;
   } else if (any(Phase::kEnd)) {
-    time_.switching += seconds;  // the device stands still
+    time_.switching += seconds;  // the device is idle
   } else {
     time_.scenes += seconds;
   }
@@ -275,7 +275,7 @@ void SimulatedDevice::advance(double until) {
   std::erase_if(turns_, [](const Turn& turn) { return turn.phase == Turn::Phase::kOver; });
 }
 
-// When a moving picture comes to rest, which calls for another size.
+// Returns when a moving picture comes to rest, which requires another size.
 double SimulatedDevice::next_rest() const {
   double next = std::numeric_limits<double>::infinity();
   for (const SessionPtr& session : sessions_) {

@@ -12,23 +12,23 @@
 
 namespace diaphane::render::bench {
 
-/// A device without a device: the same policy, ledger, canvas, emission and room rules as the
-/// runner's, on a clock that moves from one end of something to the next. A session's error is
-/// noise / sqrt(n); what things cost is the model's. Quanta under way share the device by their
-/// fill; what the host does for one goes on beside the others. Events come in order of time.
+/// Simulates a device with the runner's policy, ledger, and rules for canvases, emission and room,
+/// on a clock that advances from event to event. A session's error is noise / sqrt(n), and costs
+/// come from the model. Concurrent quanta share the device in proportion to their fill, and host
+/// work for one runs in parallel to the others. Events must arrive in order of time.
 class SimulatedDevice {
  public:
   SimulatedDevice(const DeviceModel& model, std::unique_ptr<Policy> policy, LedgerRules rules);
   ~SimulatedDevice();
 
-  /// What happens to one of its sessions; `session` is the index in the trace.
+  /// Handles an event of one of its sessions. `session` is the index in the trace.
   void happen(const TraceEvent& event, const TraceSession& session, SessionScore& score);
-  /// Renders until `seconds`; what is under way then stays so.
+  /// Renders until `seconds`. Work in progress continues in the next call.
   void run_until(double seconds);
 
   const DeviceTime& time() const { return time_; }
-  /// How busy it is: the errors that its sessions' pictures still have, the scheduler's own
-  /// measure; one that is converged or hidden counts nothing.
+  /// Returns the load: the summed errors of its sessions' pictures, as the scheduler measures it.
+  /// Converged and hidden sessions count 0.
   double summed_error() const;
   std::size_t sessions() const { return sessions_.size(); }
 

@@ -27,9 +27,9 @@ DeviceTime& operator+=(DeviceTime& sum, const DeviceTime& time) {
   return sum;
 }
 
-/// What the one who places knows.
+/// What the placement knows about a device.
 struct Known {
-  double summed_error = 0;  // at the last heartbeat, and of those placed since
+  double summed_error = 0;  // at the last heartbeat, plus sessions placed since
   std::size_t count = 0;
 };
 
@@ -82,7 +82,7 @@ FleetRun simulate_fleet(const Trace& trace, std::size_t devices, const DeviceMod
   std::vector<std::size_t> place(trace.sessions.size(), 0);
   std::size_t turn = 0;
   double heard = 0;
-  // Devices know nothing of each other: each catches up when it is asked.
+  // Devices are independent, so each is simulated only when its state is needed.
   const auto hear = [&](double now) {
     for (std::size_t i = 0; i < devices; ++i) {
       fleet[i]->run_until(now);

@@ -11,11 +11,11 @@ struct TraceRun {
   DeviceTime time;
 };
 
-/// A trace on one simulated device.
+/// Plays a trace on one simulated device.
 TraceRun simulate(const Trace& trace, const DeviceModel& model, std::unique_ptr<Policy> policy,
                   const LedgerRules& rules);
 
-/// Which device a session that comes is put on.
+/// How the device for a new session is chosen.
 enum class Placement { kSummedError, kLeastCount, kRoundRobin };
 inline constexpr Placement kPlacements[] = {Placement::kSummedError, Placement::kLeastCount,
                                             Placement::kRoundRobin};
@@ -23,14 +23,14 @@ std::string_view placement_name(Placement placement);
 
 struct FleetRun {
   Scores scores;
-  std::size_t fewest = 0, most = 0;  ///< sessions of a device at the end
+  std::size_t fewest = 0, most = 0;  ///< sessions per device at the end
   double load_deviation = 0;         ///< standard deviation of the devices' busy share
-  double seconds = 0;                ///< that the simulation took
+  double seconds = 0;                ///< duration of the simulation
 };
 
-/// A trace's sessions over `devices` simulated ones; each is put when it comes and stays there, as
-/// api/redis/place.lua does it. What a device has is known as it was at its last heartbeat, up to a
-/// second ago; a session placed since counts as one with its first picture.
+/// Plays a trace on `devices` simulated devices. Each session is placed when it arrives and stays
+/// there, as in directory/scripts/place.lua. The load of a device is known as of its last
+/// heartbeat, up to a second ago. A session placed since counts as one with its first picture.
 FleetRun simulate_fleet(const Trace& trace, std::size_t devices, const DeviceModel& model,
                         PolicyKind policy, Placement placement, const LedgerRules& rules);
 

@@ -8,7 +8,7 @@
 namespace diaphane::render::bench {
 namespace {
 
-/// SplitMix64; the standard's distributions differ from library to library.
+/// SplitMix64, because the standard's distributions differ between libraries.
 class Draws {
  public:
   explicit Draws(std::uint64_t seed) : state_(seed) {}
@@ -30,7 +30,7 @@ class Draws {
 };
 
 struct Habit {
-  double drags = 1, looks = 1;  // medians, seconds
+  double drags = 1, looks = 1;  // medians in seconds
   bool looks_away = false;
 };
 constexpr Habit kBusy{1.5, 1, false}, kOccasional{1, 5, false}, kIdle{0.5, 30, true};
@@ -51,7 +51,7 @@ TraceSession session_of(const Habit& habit, double seconds, Draws& draws) {
                                    : Canvas{1024, 768};
   const double scene = draws.uniform();
   session.scene = kTraceScenes[scene < 0.5 ? 0 : scene < 0.75 ? 1 : 2];
-  // Somebody who was here before is anywhere in a pause.
+  // A user who was there before the trace starts at a random point of a pause.
   double now = session.arrives + draws.lognormal(habit.looks, 0.8) * draws.uniform();
   while (now < session.leaves) {
     const double end = std::min(now + draws.lognormal(habit.drags, 0.6), session.leaves);
@@ -83,7 +83,7 @@ std::vector<Span> spans_of(const nlohmann::json& list) {
 Trace make_trace(std::string_view kind, std::size_t sessions, double seconds, std::uint64_t seed) {
   Trace trace{std::string(kind), seed, seconds, {}};
   for (std::size_t person = 0; person < sessions; ++person) {
-    // Of its own stream: with more sessions the first stay as they are.
+    // Each session has its own stream, so that additional sessions do not change the first ones.
     Draws draws(seed * 1'000'003 + person * 7919);
     trace.sessions.push_back(session_of(habit_of(kind, person), seconds, draws));
   }

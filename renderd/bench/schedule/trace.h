@@ -10,19 +10,20 @@
 
 namespace diaphane::render::bench {
 
-/// What people did: when they came, dragged, looked away and left. Seconds from the trace's begin.
+/// What users did: when they arrived, dragged, looked away and left. In seconds from the start of
+/// the trace.
 struct Span {
   double begin = 0;
   double end = 0;
 };
 
 struct TraceSession {
-  double arrives = 0;  ///< with a first picture wanted
+  double arrives = 0;  ///< requests its first picture
   double leaves = 0;
   Canvas viewport{512, 512};
   std::string scene = "cranium";  ///< one of kTraceScenes
-  std::vector<Span> gestures;     ///< an input every 1/60 s, and one at the end
-  std::vector<Span> hidden;       ///< the page is not looked at
+  std::vector<Span> gestures;     ///< one input every 1/60 s, and one at the end
+  std::vector<Span> hidden;       ///< the page is not visible
 };
 
 struct Trace {
@@ -33,33 +34,34 @@ struct Trace {
 };
 
 inline constexpr const char* kTraceKinds[] = {"interactive", "mixed", "idle"};
-/// Scenes of tests/scenes/, of different cost and noise.
+/// Scenes of tests/scenes/ with different costs and noise.
 inline constexpr const char* kTraceScenes[] = {"cranium", "surface", "light-many"};
 inline constexpr double kInputInterval = 1.0 / 60;
 
-/// A person drags, looks, drags again: lengths are log-normal, of medians that go with the person,
-///   busy: drags 1.5 s, looks 1 s;  occasional: 1 s and 5 s;  idle: 0.5 s and 30 s, and looks away
-///   for half of the pauses above 4 s.
-/// `interactive` has busy ones only; `mixed` a quarter busy, a half occasional, a quarter idle;
-/// `idle` an eighth occasional, the rest idle. All come within the first tenth of the trace; a
-/// twentieth leave before its end. Viewports: half 512 x 512, a quarter 256 x 256, a quarter
-/// 1024 x 768; scenes: half the first, a quarter each of the others. All is drawn of `seed` by a
-/// generator of our own, so that a trace is the same everywhere.
+/// A user drags, looks, and drags again, for log-normal durations whose medians depend on the user:
+/// busy: drags 1.5 s, looks 1 s. occasional: 1 s and 5 s. idle: 0.5 s and 30 s, and looks away for
+/// half of the pauses above 4 s.
+/// `interactive` has only busy users. `mixed` has a quarter busy, half occasional and a quarter
+/// idle ones. `idle` has an eighth occasional ones, and the rest are idle. All arrive within the
+/// first tenth of the trace, and a twentieth leave before its end. Viewports: half 512 x 512, a
+/// quarter 256 x 256, a quarter 1024 x 768. Scenes: half the first, a quarter each of the others.
+/// Everything derives from `seed` with the project's own generator, so that a trace is the same on
+/// every platform.
 Trace make_trace(std::string_view kind, std::size_t sessions, double seconds, std::uint64_t seed);
 
 struct TraceEvent {
   double at = 0;
   enum class Kind { kArrive, kInput, kHide, kShow, kLeave } kind = Kind::kInput;
   std::size_t session = 0;
-  /// Of an input: the last of its gesture, after which a person looks until the next event. The
+  /// Of an input: the last of its gesture, after which the user looks until the next event. The
   /// arrival counts as one.
   bool last = false;
 };
-/// In order of time.
+/// Returns the events in order of time.
 std::vector<TraceEvent> events_of(const Trace& trace);
 
 std::string trace_json(const Trace& trace);
-/// kInvalid says what is wrong.
+/// Returns kInvalid with the reason.
 Result<Trace> trace_of_json(const std::string& text);
 
 }  // namespace diaphane::render::bench

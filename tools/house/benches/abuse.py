@@ -1,7 +1,7 @@
-"""What ordinary people notice of an attack: the time from an input to the frame that shows it, and requests that fail.
+"""The effect of an attack on ordinary users: the time from an input to the frame that shows it, and failed requests.
 
-Calm phases and phases of attack alternate in one run, on one stack. The attackers run at the lowest priority and give way to
-the programs, so what is compared is the programs' work and not the attackers' own."""
+Calm and attack phases alternate in one run on one stack. The attackers run at the lowest CPU priority, so the comparison shows
+the cost of the programs' work and not that of the attackers themselves."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..bench_client import Person, Viewer, cranium
 from ..bench_stack import running
 from ..says import HouseError, say
 
-ABOUT = "ten people while 250 connections, a link's guests and ten accounts attack: input to frame (p95) against calm, failures (--attack)"
+ABOUT = "how attacks by 250 connections, guests of a link and ten accounts slow ordinary users (--attack)"
 PROGRAMS = ("diaphane-api", "diaphane-gateway", "diaphane-ingestd", "diaphane-renderd", "diaphane-sample")
 
 MOST_RATIO = 1.5
@@ -33,15 +33,15 @@ ATTACKS = ("crowd", "guests", "accounts")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--attack", choices=ATTACKS, action="append", help="only this one; may be given again [default: all at once]")
-    parser.add_argument("--seconds", type=float, help="of each phase [default 20; 5 with --quick]")
-    parser.add_argument("--repeats", type=int, help="of a calm phase and one of attack [default 3; 1 with --quick]")
-    parser.add_argument("--threads", type=int, default=1, help="of the renderer, on the CPU [default 1]")
+    parser.add_argument("--attack", choices=ATTACKS, action="append", help="only this attack (repeatable; default: all at once)")
+    parser.add_argument("--seconds", type=float, help="seconds per phase (default: 20, with --quick: 5)")
+    parser.add_argument("--repeats", type=int, help="number of pairs of a calm and an attacked phase (default: 3, with --quick: 1)")
+    parser.add_argument("--threads", type=int, default=1, help="threads of the renderer on the CPU (default: 1)")
 
 
 @dataclass
 class Phase:
-    """What the ordinary people saw in it."""
+    """What the ordinary users experienced in it."""
 
     delays_ms: list[float] = field(default_factory=list)
     requests: int = 0
@@ -49,7 +49,7 @@ class Phase:
 
 
 class Ordinary(threading.Thread):
-    """Drags, and looks at pages now and then, as one does. Notes into `phase`, whichever that is at the moment."""
+    """Drags and looks at pages now and then. Records into `phase`, the current phase."""
 
     def __init__(self, person: Person, data_set: str, seed: int):
         super().__init__(daemon=True)
@@ -138,11 +138,11 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
             attack = subprocess.Popen([sys.executable, "-m", "house.abuse_clients", str(file)], cwd=paths.TOOLS, stdout=subprocess.PIPE,
                                       text=True, env={**os.environ, "PYTHONPATH": str(paths.TOOLS)})
             try:
-                time.sleep(1)    # until it has begun
+                time.sleep(1)    # until the attack has begun
                 attacked.append(_phase(ordinary, seconds - 1))
                 said, _ = attack.communicate(timeout=60)
                 if attack.returncode != 0 or not said:
-                    raise HouseError("the attackers ended with an error: nothing was attacked")
+                    raise HouseError("the attackers failed, so nothing was attacked")
             finally:
                 attack.kill()
             for what, count in json.loads(said).items():
@@ -154,7 +154,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         shown.close()
         ended = [name for name, pid in before.items() if stack.pids.get(name) != pid]
     if not all(phase.delays_ms for phase in (*calm, *attacked)):
-        raise HouseError("a phase without a single frame: there is nothing to compare")
+        raise HouseError("a phase produced no frames, so there is nothing to compare")
     for what, count in sorted(answers.items()):
         say(f"    {what:<44} {count}")
     return results_of(calm, attacked, ended)
@@ -177,7 +177,7 @@ def _p95(phase: Phase) -> float:
 
 
 def results_of(calm: list[Phase], attacked: list[Phase], ended: list[str]) -> list[Result]:
-    """Of pairs of phases; each ratio is of one pair."""
+    """Each ratio compares the two phases of one pair."""
     ratios = [_p95(under) / _p95(before) for before, under in zip(calm, attacked, strict=True)]
     spread = statistics.stdev(ratios) if len(ratios) > 1 else 0.0
     ratio = statistics.median(ratios)
@@ -186,10 +186,10 @@ def results_of(calm: list[Phase], attacked: list[Phase], ended: list[str]) -> li
     for failure in sorted(set(failures + before)):
         say(f"    failed: {failure} ({(failures + before).count(failure)} times)")
     results = []
-    for name, phases in (("calm", calm), ("attacked", attacked)):
+    for name, phases in (("calm", calm), ("under attack", attacked)):
         p95s = [_p95(phase) for phase in phases]
         results.append(Result(f"{name}: input to frame, p95", statistics.median(p95s), "ms", statistics.stdev(p95s) if len(p95s) > 1 else 0.0))
-        results.append(Result(f"{name}: requests of ordinary people", sum(phase.requests for phase in phases), ""))
-    return [*results, Result("p95 attacked over calm", ratio, "", spread, MOST_RATIO, ratio <= MOST_RATIO),
-            Result("failures of ordinary people", len(failures) + len(before), "", 0, 0, not failures and not before),
-            Result("programs that ended", len(ended), "", 0, 0, not ended)]
+        results.append(Result(f"{name}: requests of ordinary users", sum(phase.requests for phase in phases), ""))
+    return [*results, Result("p95 under attack / calm", ratio, "", spread, MOST_RATIO, ratio <= MOST_RATIO),
+            Result("failed requests of ordinary users", len(failures) + len(before), "", 0, 0, not failures and not before),
+            Result("programs that exited", len(ended), "", 0, 0, not ended)]

@@ -1,4 +1,4 @@
-"""schemathesis on the whole contract against the live server: every phase, each operation, as an administrator."""
+"""schemathesis on the whole contract against the live server, with every phase and operation, as an administrator."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ..bench import Result, result
 from ..bench_stack import running
 from ..says import say
 
-ABOUT = "schemathesis by api/openapi.yaml against the live server: examples, coverage, fuzzing, stateful (--phases, --examples, --only)"
+ABOUT = "schemathesis against the live server: examples, coverage, fuzzing and stateful phases (--phases, --examples, --only)"
 PROGRAMS = ("diaphane-api",)
 PAGE = True
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--phases", help="with commas (default: all four)")
-    parser.add_argument("--examples", type=int, help="drawn for each operation (default 30)")
-    parser.add_argument("--only", help="operations, with commas")
+    parser.add_argument("--phases", help="phases, comma-separated (default: all four)")
+    parser.add_argument("--examples", type=int, help="examples per operation (default: 30)")
+    parser.add_argument("--only", help="only these operations, comma-separated")
     parser.add_argument("--seed", type=int, default=1)
 
 
@@ -41,5 +41,5 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
             results += [result(f"{phase}: cases", [found.cases], ""), result(f"{phase}: findings", [found.findings], "", at_most=0),
                         result(f"{phase}", [time.monotonic() - begun], "s")]
             if not found.well and not found.findings:
-                results.append(result(f"{phase}: ended badly", [1], "", at_most=0))
+                results.append(result(f"{phase}: did not finish", [1], "", at_most=0))
     return results

@@ -1,4 +1,4 @@
-"""How soon the page answers a hand on its controls, whatever the server does: while it renders, and while it stands still."""
+"""How quickly the page's controls respond, independent of the server, while it renders and while it is idle."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from ..bench_client import Person, cranium
 from ..bench_stack import running
 from ..says import say
 
-ABOUT = "milliseconds from an input on a control until the page shows its new value, with the renderer at work and stopped (16 ms at most)"
+ABOUT = "time from an input on a slider until the page shows its new value, with the renderer running and stopped (target: 16 ms)"
 PAGE = True
 
 MOST_MS = 16.0
 WINDOWS = ("Materials", "Light", "Lens and quality", "Cuts and slices")
 NO_ANSWER_MS = 1000
-#: Each slider of the open window moved by an event, from that until its own value is another in the page. Then that is undone, so
-#: that none is moved to where it or another cannot go on: faces of the cut and points of a curve stop at each other.
+#: Moves each slider of the open panel by an event and waits until its value in the page has changed. Each move is undone
+#: afterwards, so that no slider reaches a position that blocks it or another one: faces of the clip box and points of a curve
+#: stop at each other.
 MOVES = """async ([rounds, noAnswer]) => {
     const next = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
     const said = (slider) => slider.getAttribute("aria-valuetext");
@@ -87,13 +88,13 @@ def measure(quick: bool) -> list[Result]:
 
 
 def _results(state: str, found: list[tuple[str, float]]) -> list[Result]:
-    """An answer that never came counts as NO_ANSWER_MS."""
+    """An input without an answer counts as NO_ANSWER_MS."""
     took = [ms for _, ms in found]
     worst = sorted(found, key=lambda one: one[1], reverse=True)[:5]
-    say(f"{len(found)} moves, the renderer {state}; the longest: " + ", ".join(f"{label} {ms:.1f} ms" for label, ms in worst))
+    say(f"{len(found)} moves, renderer {state}; slowest: " + ", ".join(f"{label} {ms:.1f} ms" for label, ms in worst))
     silent = Counter(label for label, ms in found if ms == NO_ANSWER_MS)
     if silent:
         say("Said the same value after a move: " + ", ".join(f"{label} ({count} times)" for label, count in silent.items()))
-    return [result(f"a slider, the renderer {state}", took, "ms", at_most=MOST_MS),
-            result(f"of those the slowest twentieth, the renderer {state}", [percentile(took, 95)], "ms", at_most=MOST_MS),
-            result(f"the slowest of all, the renderer {state}", [max(took)], "ms", at_most=MOST_MS)]
+    return [result(f"median, renderer {state}", took, "ms", at_most=MOST_MS),
+            result(f"p95, renderer {state}", [percentile(took, 95)], "ms", at_most=MOST_MS),
+            result(f"maximum, renderer {state}", [max(took)], "ms", at_most=MOST_MS)]

@@ -1,4 +1,4 @@
-"""Error against run time, by `diaphane-renderd-bench convergence`: true error, estimated error, time; tables and plots."""
+"""Error against run time with `diaphane-renderd-bench convergence`: true error, estimated error and time, as tables and plots."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from ..bench import Result, result
 from ..bench_volumes import volume_for
 from ..says import HouseError, say
 
-ABOUT = "true and estimated error against run time, for each choice of the estimator (--scene FILE --engine cpu|cuda --devices K)"
+ABOUT = "true and estimated error against run time, per estimator (--scene FILE --engine cpu|cuda --devices K)"
 PROGRAMS = ("diaphane-renderd-bench",)
 NO_DEVICE = 69
 SCENES = paths.REPO / "tests" / "scenes"
 
-# Two cores trace some millions of samples a second, a GPU some thousand million.
+# Two cores trace some million samples per second, a GPU some thousand million.
 SIZES = {"cpu": ("64x64", 256), "cuda": ("512x512", 1024)}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--scene", type=Path, action="append", metavar="FILE", help="this scene (repeatable; default all)")
-    parser.add_argument("--engine", choices=("cpu", "cuda"), help="default: the CPU, and CUDA where a device answers")
-    parser.add_argument("--devices", type=int, default=1, metavar="K", help="spread over K devices (for the CPU: K parts of it)")
-    parser.add_argument("--volume", help="directory of the volume store or made:N (default: what fits the scene)")
+    parser.add_argument("--scene", type=Path, action="append", metavar="FILE", help="scene file (repeatable; default: all scenes)")
+    parser.add_argument("--engine", choices=("cpu", "cuda"), help="rendering engine (default: the CPU, and CUDA if a device is available)")
+    parser.add_argument("--devices", type=int, default=1, metavar="K", help="render on K devices (on the CPU: K engines that share the threads)")
+    parser.add_argument("--volume", help="directory of the volume store, or made:N (default: a volume that suits the scene)")
     parser.add_argument("--size", metavar="WxH")
-    parser.add_argument("--most", type=int, metavar="N", help="samples of the last point, a power of two")
+    parser.add_argument("--most", type=int, metavar="N", help="samples of the last measured point, a power of two")
     parser.add_argument("--repeats", type=int)
-    parser.add_argument("--walk", default="auto,tracking", help="with commas, of auto, exact, tracking")
+    parser.add_argument("--walk", default="auto,tracking", help="auto, exact, tracking; comma-separated")
     parser.add_argument("--points", default="low-discrepancy,independent")
-    parser.add_argument("--mis", default="both", help="with commas, of both, light, scatter")
-    parser.add_argument("--reference-seconds", type=float, help="at most for each scene's reference")
+    parser.add_argument("--mis", default="both", help="both, light, scatter; comma-separated")
+    parser.add_argument("--reference-seconds", type=float, help="maximum seconds for the reference of each scene")
     parser.add_argument("--no-plots", action="store_true")
-    parser.add_argument("--plots-of", type=Path, metavar="FILE", help="measure nothing: draw the plots of a convergence-*.json")
-    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "convergence", help="CSV, JSON and SVG go there")
+    parser.add_argument("--plots-of", type=Path, metavar="FILE", help="measure nothing, and only draw the plots of a convergence-*.json")
+    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "convergence", help="output directory for CSV, JSON and SVG (default: %(default)s)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -54,7 +54,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
             report = _converge(scene, engine, quick, options)
             if report is None:
                 if options.engine:
-                    raise HouseError("no CUDA device answers", NO_DEVICE)
+                    raise HouseError("no CUDA device is available", NO_DEVICE)
                 break
             reports.append(report)
             if not options.no_plots:
@@ -89,7 +89,7 @@ def _converge(scene: Path, engine: str, quick: bool, options: argparse.Namespace
     if done.returncode == NO_DEVICE and engine == "cuda":
         return None
     if done.returncode != 0:
-        raise HouseError(f"{scene.name}: diaphane-renderd-bench ended with {done.returncode}: {done.stderr.strip()}")
+        raise HouseError(f"{scene.name}: diaphane-renderd-bench exited with {done.returncode}: {done.stderr.strip()}")
     say(done.stdout)
     written = json.loads(report.read_text(encoding="utf-8"))
     os.unlink(report)
@@ -97,7 +97,7 @@ def _converge(scene: Path, engine: str, quick: bool, options: argparse.Namespace
 
 
 def results_of(report: dict) -> list[Result]:
-    """Time to the target, the slope, and how far the estimate is from the truth past 64 samples."""
+    """Time to the target, slope, and ratio of the estimate to the true error above 64 samples."""
     results = []
     for curve in _curves(report):
         name = f"{report['scene']}, {report['engine']}, {curve['name']}"
@@ -106,15 +106,15 @@ def results_of(report: dict) -> list[Result]:
             results.append(result(f"{name}: to RMSE {report['target']:g}{how}", [curve["to_target"]["milliseconds"]], "ms"))
         if curve["slope"] is not None:
             if curve["points"] == "independent":
-                results.append(result(f"{name}: slope, off -0.5 by", [abs(curve["slope"] + 0.5)], "", at_most=0.03))
+                results.append(result(f"{name}: slope, distance from -0.5", [abs(curve["slope"] + 0.5)], "", at_most=0.03))
             else:
                 results.append(result(f"{name}: slope", [curve["slope"]], "", at_most=-0.47))
         ratios = [p["ratio"] for p in curve["curve"] if p["samples"] >= 64 and p["ratio"] is not None]
         if ratios:
-            results.append(result(f"{name}: estimate off the truth by", [max(abs(r - 1) for r in ratios)], "", at_most=0.1))
+            results.append(result(f"{name}: estimate, deviation from the truth", [max(abs(r - 1) for r in ratios)], "", at_most=0.1))
         bad = sum(p["dropped"] + p["non_finite"] for p in curve["curve"])
         if bad:
-            results.append(result(f"{name}: samples not finite", [bad], "", at_most=0))
+            results.append(result(f"{name}: non-finite samples", [bad], "", at_most=0))
     return results
 
 

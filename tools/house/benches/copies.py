@@ -1,5 +1,6 @@
-"""How soon a session has its picture when the volume comes from a slow claim, and when it comes from the node's copy. Slow is a library
-preloaded into renderd that lets reads of the store's voxels through at a fixed rate; copies are read as the disk gives them."""
+"""Time to a session's first picture when the volume comes from slow shared storage, and when it comes from the node's copy.
+
+A library preloaded into renderd limits reads of the store's voxels to a fixed rate. Copies are read at the speed of the disk."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from ..bench_stack import folder, prepared
 from ..bench_volumes import grow
 from ..users import ordinary_user
 
-ABOUT = "seconds from asking for a session to its first picture, its volume in a claim of 50 MB/s and in the node's copy (a second at most; --volume)"
+ABOUT = "time from asking for a session to its first picture, with the volume on a claim of 50 MB/s and copied to the node (target: 1 s; --volume)"
 
 MB_PER_SECOND = 50
 SLOW = r"""
@@ -48,17 +49,17 @@ ssize_t read(int fd, void* data, size_t bytes) {
 
 @dataclass
 class Seen:
-    """Seconds of one session's beginning."""
+    """Seconds at the beginning of one session."""
 
-    picture: float    # from asking for the session to its first picture
-    loading: float    # of it renderd's, until the volume is on its device: read, held against its hash, taken in by the engine
-    rendering: float  # of it the first picture's samples
+    picture: float    # from requesting the session to its first picture
+    loading: float    # of that, renderd's time until the volume is on its device: reading, hashing and loading
+    rendering: float  # of that, the samples of the first picture
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--volume", choices=("small", "large", "both"), default="both",
-                        help="the sample (14 MB), or the same of voxels half as large (113 MB)")
-    parser.add_argument("--runs", type=int, default=5, help="(default: 5; --quick 1)")
+                        help="the sample scan (14 MB), or the same with voxels of half the size (113 MB)")
+    parser.add_argument("--runs", type=int, default=5, help="number of runs (default: 5, with --quick: 1)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -99,12 +100,12 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 def _results(name: str, seen: list[Seen], at_most: float | None) -> list[Result]:
     return [result(f"{name}: first picture", [one.picture for one in seen], "s", at_most=at_most),
-            result(f"{name}: of it loading", [one.loading for one in seen], "s"),
-            result(f"{name}: of it rendering", [one.rendering for one in seen], "s")]
+            result(f"{name}: of which loading", [one.loading for one in seen], "s"),
+            result(f"{name}: of which rendering", [one.rendering for one in seen], "s")]
 
 
 def _first_picture(stack, person: Person, data_set: str) -> Seen:
-    """Of a renderd that has loaded nothing yet."""
+    """Measures with a renderd that has not loaded any volume."""
     stack.stop_program("renderd")
     stack.start_program("renderd")
     stack.wait_ready("renderd", 30)
@@ -127,5 +128,5 @@ def _wait(condition, seconds: float = 30) -> None:
     deadline = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > deadline:
-            raise TimeoutError("it did not come")
+            raise TimeoutError("the first picture did not arrive")
         time.sleep(0.02)

@@ -1,4 +1,4 @@
-"""A turntable as the page orders it: how long a worker makes it, and how large it is."""
+"""A turntable as the page orders it: the time that a worker needs, and the size of the film."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from ..bench import Result, result
 from ..bench_client import Person, Viewer, cranium
 from ..bench_stack import running
 
-ABOUT = "a turntable at 720p: seconds and bytes a picture of it"
+ABOUT = "a turntable at 720p: time and bytes per picture"
 
 WIDTH, HEIGHT, RATE = 1280, 720, 25
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--frames", type=int, help="of the film [default 50; 10 with --quick]")
-    parser.add_argument("--error", type=float, default=0.05, help="at which a picture of it is good enough [default 0.05, the page's \"Quick\"]")
+    parser.add_argument("--frames", type=int, help="pictures of the film (default: 50, with --quick: 10)")
+    parser.add_argument("--error", type=float, default=0.05, help="error at which a picture is finished (default: 0.05, which is \"Quick\" in the web page)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     frames = options.frames or (10 if quick else 50)
-    # The session itself is small and soon done: the film alone has the device.
+    # The session is small and converges quickly, so the film has the device to itself.
     with running(DIAPHANE_MAX_ERROR="0.9") as stack, tempfile.TemporaryDirectory() as folder:
         person = Person(stack)
         data_set = person.upload(cranium(stack, Path(folder)))
@@ -35,9 +35,9 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         seconds = time.monotonic() - begun
         viewer.close()
     return [result(f"a turntable of {frames} pictures, {WIDTH} x {HEIGHT}, error {options.error:g}", [seconds], "s"),
-            result("a picture of it", [seconds / frames], "s"),
-            result("the file", [len(film) / 1e6], "MB"),
-            result("a second of it", [len(film) / 1e3 * RATE / frames], "kB")]
+            result("time per picture", [seconds / frames], "s"),
+            result("file size", [len(film) / 1e6], "MB"),
+            result("size per second of film", [len(film) / 1e3 * RATE / frames], "kB")]
 
 
 def turntable(viewer: Viewer, frames: int, error: float):

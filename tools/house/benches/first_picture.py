@@ -1,4 +1,4 @@
-"""From an input to the first picture that shows it, over the whole way: edge, gateway, worker, and back."""
+"""From an input to the first picture that shows it, end to end: edge, gateway, worker and back."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..bench import Result, percentile, result
 from ..bench_client import Person, Viewer, cranium
 from ..bench_stack import running
 
-ABOUT = "milliseconds from an input to the first picture of it (p50, p95), while rendering goes on"
+ABOUT = "time from an input to its first picture (p50, p95) while rendering continues"
 SIZE = 512
 
 
@@ -28,13 +28,13 @@ def measure(quick: bool) -> list[Result]:
         blocks = [[_turn(viewer, block * inputs + number) for number in range(inputs)] for block in range(3)]
         engine = viewer.config.engine
         viewer.close()
-    return [result(f"opening to first picture ({engine})", [opening], "ms"),
-            result(f"input to first picture, p50 ({engine})", [percentile(b, 50) for b in blocks], "ms"),
-            result(f"input to first picture, p95 ({engine})", [percentile(b, 95) for b in blocks], "ms")]
+    return [result(f"first picture after opening ({engine})", [opening], "ms"),
+            result(f"first picture after input, p50 ({engine})", [percentile(b, 50) for b in blocks], "ms"),
+            result(f"first picture after input, p95 ({engine})", [percentile(b, 95) for b in blocks], "ms")]
 
 
 def _turn(viewer: Viewer, number: int) -> float:
-    """Turns the camera by some degrees in the middle of rendering."""
+    """Turns the camera by some degrees during rendering."""
     until = time.monotonic() + 0.2
     while time.monotonic() < until:
         viewer.frame()

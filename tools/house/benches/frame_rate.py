@@ -1,4 +1,4 @@
-"""How many pictures a second the page shows when 60 come: real H.264 of a real worker, recorded first and then played at that pace."""
+"""How many of 60 pictures per second the page shows. Real H.264 is recorded from a real worker and then played at that rate."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ..frame_replay import Played, player, record
 from ..says import HouseError, say
 from ..stack import Stack
 
-ABOUT = "pictures a second that the page shows in Chromium when 60 come, by size of the window"
+ABOUT = "pictures that the page shows per second in Chromium when 60 arrive, by window size"
 PAGE = True
 
 RATE = 60
 SIZES = ((1280, 720), (960, 540), (640, 360))
-STEPS = 40     # of the recorded turn
-WARM_UP_S = 2  # the page's own beginning: code is compiled, the decoder found
+STEPS = 40     # of the recorded rotation
+WARM_UP_S = 2  # until the page has compiled its code and found a decoder
 
 
 def measure(quick: bool) -> list[Result]:
@@ -32,7 +32,7 @@ def measure(quick: bool) -> list[Result]:
         data_set = person.upload(cranium(stack, Path(folder)))
         person.wait_ready(data_set)
         browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
-        # Once for each scan its looks are pictured, by the same processor.
+        # The previews of a scan's looks are rendered once, on the same processor.
         _see(browser, stack, person, data_set, SIZES[-1], None)
         for size in SIZES:
             recorded = record(person, data_set, *size, STEPS // 2 if quick else STEPS)
@@ -45,10 +45,10 @@ def measure(quick: bool) -> list[Result]:
 
 
 def _see(browser, stack: Stack, person: Person, data_set: str, size: tuple[int, int], playing: tuple[int, Played] | None) -> dict:
-    """A page for as long as is played to it; its notes. Without a player: until all is there."""
+    """Opens a page while pictures are played to it, and returns its notes. Without a player, waits until everything is loaded."""
     from playwright.sync_api import expect
 
-    # The page may speak with its own server alone: the player is another.
+    # The page may only connect to its own server, and the player is another one.
     context = browser.new_context(viewport={"width": size[0], "height": size[1]}, bypass_csp=playing is not None)
     try:
         url = stack.settings.url
@@ -82,10 +82,10 @@ def _results(size: str, probe: dict, played: Played) -> list[Result]:
     came = (len(sent) - 1) / (played.sent[-1] - played.sent[first - 1])
     drawn = sum(1 for seq in sent if seq in played.presented)
     gaps = [b["now"] - a["now"] for a, b in zip(shown, shown[1:], strict=False)]
-    return [result(f"{size}: frames taken a second, of {RATE} that could come", [came], "1/s"),
-            result(f"{size}: pictures shown a second", [(len(shown) - 1) / span], "1/s", at_least=0.98 * RATE),
-            result(f"{size}: pictures of the screen a second", [sum(1 for now in probe["screen"] if begun < now <= ended) / span], "1/s"),
-            result(f"{size}: came and was never drawn", [100 * (1 - drawn / len(sent))], "%"),
-            result(f"{size}: drawn, and replaced before the screen's next picture", [100 * (drawn - len(shown)) / len(sent)], "%"),
-            result(f"{size}: between two pictures, p95", [percentile(gaps, 95)], "ms"),
-            result(f"{size}: between two pictures, the longest", [max(gaps)], "ms")]
+    return [result(f"{size}: frames received per second, of {RATE} offered", [came], "1/s"),
+            result(f"{size}: frames shown per second", [(len(shown) - 1) / span], "1/s", at_least=0.98 * RATE),
+            result(f"{size}: screen refreshes per second", [sum(1 for now in probe["screen"] if begun < now <= ended) / span], "1/s"),
+            result(f"{size}: received but never drawn", [100 * (1 - drawn / len(sent))], "%"),
+            result(f"{size}: drawn but replaced before a screen refresh", [100 * (drawn - len(shown)) / len(sent)], "%"),
+            result(f"{size}: interval between shown frames, p95", [percentile(gaps, 95)], "ms"),
+            result(f"{size}: interval between shown frames, maximum", [max(gaps)], "ms")]

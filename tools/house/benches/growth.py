@@ -1,4 +1,4 @@
-"""How cost grows with the volume and with the picture, by `diaphane-renderd-bench growth`, on each engine that there is."""
+"""How cost grows with the volume and the picture, with `diaphane-renderd-bench growth` on each available engine."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from ..bench import Result, result
 from ..bench_volumes import cranium
 from ..says import HouseError, say
 
-ABOUT = "how cost grows: volumes to 1024^3, pictures to 3840 x 2160, by each walk (--engine cpu|cuda)"
+ABOUT = "how time and memory grow with volumes up to 1024^3 and pictures up to 3840 x 2160 (--engine cpu|cuda)"
 PROGRAMS = ("diaphane-renderd-bench",)
 NO_DEVICE = 69
 
-# Voxels along an edge; that of the volume which is seen on every canvas; the canvases. Two cores take minutes to go further.
+# Voxels along an edge, the volume for all canvases, and the canvases. Larger ones take minutes on two cores.
 PLANS = {"cpu": ("64,128,256", "256", "640x360,1280x720,1920x1080"),
          "cuda": ("256,512,1024", "512", "640x360,1280x720,1920x1080,3840x2160")}
 QUICK = ("16,32", "32", "32x18,64x36")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--engine", choices=("cpu", "cuda"), help="default: the CPU, and CUDA where a device answers")
+    parser.add_argument("--engine", choices=("cpu", "cuda"), help="rendering engine (default: the CPU, and CUDA if a device is available)")
     parser.add_argument("--scene", type=Path, default=paths.REPO / "tests" / "scenes" / "cranium.json", metavar="FILE")
-    parser.add_argument("--cubes", help="made volumes, voxels along an edge, with commas")
-    parser.add_argument("--canvas-cube", help="the one that is seen on every canvas")
-    parser.add_argument("--canvases", help="WxH, with commas")
-    parser.add_argument("--size", help="canvas of the cubes (default 512x512)")
-    parser.add_argument("--walk", default="exact,tracking", help="with commas, of exact, tracking")
-    parser.add_argument("--seconds", type=float, help="in each row, about, on the way to the target (default 2 on CUDA, 30)")
-    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "growth", help="CSV and JSON go there")
+    parser.add_argument("--cubes", help="edge lengths of the synthetic volumes in voxels, comma-separated")
+    parser.add_argument("--canvas-cube", help="edge length of the volume that is rendered at every picture size")
+    parser.add_argument("--canvases", help="picture sizes WxH, comma-separated")
+    parser.add_argument("--size", help="picture size for the synthetic volumes (default: 512x512)")
+    parser.add_argument("--walk", default="exact,tracking", help="exact, tracking; comma-separated")
+    parser.add_argument("--seconds", type=float, help="approximate seconds per row until the target is reached (default: 2 on CUDA, 30 on the CPU)")
+    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "growth", help="output directory for CSV and JSON (default: %(default)s)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -42,7 +42,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         report = _grow(engine, quick, options)
         if report is None:
             if options.engine:
-                raise HouseError("no CUDA device answers", NO_DEVICE)
+                raise HouseError("no CUDA device is available", NO_DEVICE)
             continue
         results += results_of(report)
     say(f"Tables: {options.out}")
@@ -63,27 +63,27 @@ def _grow(engine: str, quick: bool, options: argparse.Namespace) -> dict | None:
     if done.returncode == NO_DEVICE and engine == "cuda":
         return None
     if done.returncode != 0:
-        raise HouseError(f"diaphane-renderd-bench ended with {done.returncode}: {done.stderr.strip()}")
+        raise HouseError(f"diaphane-renderd-bench exited with {done.returncode}: {done.stderr.strip()}")
     return json.loads(Path(f"{stem}.json").read_text(encoding="utf-8"))
 
 
 def results_of(report: dict) -> list[Result]:
-    """With which power of the voxels, at one canvas, and of the pixels, on one volume, time and memory grow."""
+    """The exponents with which time and memory grow with the voxels, at one canvas, and with the pixels, on one volume."""
     rows = [row for row in report["rows"] if "left_out" not in row]
     results = []
     for walk in dict.fromkeys(row["walk"] for row in rows):
         mine = [row for row in rows if row["walk"] == walk]
-        one = (mine[0]["width"], mine[0]["height"])      # the cubes' own canvas comes first
+        one = (mine[0]["width"], mine[0]["height"])      # the canvas of the cubes comes first
         cubes = [row for row in mine if (row["width"], row["height"]) == one]
-        groups = [("voxels", "of the voxels", cubes, lambda row: math.prod(row["size"]))]
+        groups = [("voxels", "of the voxel count", cubes, lambda row: math.prod(row["size"]))]
         for volume in dict.fromkeys(row["volume"] for row in mine):
             seen = [row for row in mine if row["volume"] == volume and (row["width"], row["height"]) != one]
-            groups.append((volume, "of the pixels", seen, lambda row: row["width"] * row["height"]))
+            groups.append((volume, "of the pixel count", seen, lambda row: row["width"] * row["height"]))
         for name, of_what, group, size in groups:
-            for key, words in (("pass_in_a_row_ms", "a pass"), ("to_target", "to the target")):
+            for key, words in (("pass_in_a_row_ms", "time per pass"), ("to_target", "time to the target")):
                 power = _power([(size(row), _figure(row, key)) for row in group])
                 if power is not None:
-                    results.append(result(f"{report['engine']}, {walk}, {name}: {words}, power {of_what}", [power], ""))
+                    results.append(result(f"{report['engine']}, {walk}, {name}: {words}, exponent {of_what}", [power], ""))
     return results
 
 
@@ -93,7 +93,7 @@ def _figure(row: dict, key: str) -> float | None:
 
 
 def _power(points: list[tuple[float, float | None]]) -> float | None:
-    """Slope of log(y) over log(x) by least squares; nothing with fewer than two different x."""
+    """Returns the least-squares slope of log(y) over log(x), or None with fewer than two different x."""
     logs = [(math.log(x), math.log(y)) for x, y in points if y]
     if len({x for x, _ in logs}) < 2:
         return None

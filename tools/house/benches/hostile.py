@@ -1,4 +1,4 @@
-"""Every hostile upload of tests/hostile through a real ingestd whose children have 1 GB and 10 s."""
+"""Sends every hostile upload of tests/hostile through a real ingestd whose children have 1 GB and 10 s."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..bench import Result, result
 from ..bench_stack import running
 from ..says import say
 
-ABOUT = "hostile uploads: each with its expected and its real end, the seconds and the memory of its child"
+ABOUT = "hostile uploads: expected and actual result, time and memory of each child process"
 
 
 def measure(quick: bool) -> list[Result]:
@@ -21,6 +21,6 @@ def measure(quick: bool) -> list[Result]:
         found = run.outcomes(TestStack(stack), timeout=600)
     say(run.table(found))
     return [result("hostile uploads", [len(found)], "uploads"),
-            result("not refused, or not as they should be", [sum(bool(o.fault) for o in found)], "uploads", at_most=0),
-            result("the slowest child", [max(o.seconds for o in found)], "s", at_most=run.SECONDS),
-            result("the largest child (resident)", [max(o.peak_mb for o in found)], "MB", at_most=run.MEMORY_MB)]
+            result("not refused as expected", [sum(bool(o.fault) for o in found)], "uploads", at_most=0),
+            result("slowest child", [max(o.seconds for o in found)], "s", at_most=run.SECONDS),
+            result("largest child, resident memory", [max(o.peak_mb for o in found)], "MB", at_most=run.MEMORY_MB)]

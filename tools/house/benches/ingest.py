@@ -1,4 +1,4 @@
-"""The cranium from its last byte to a stored volume, as anybody's scan."""
+"""The cranium from the last byte of its upload to a stored volume."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..bench import Result, result
 from ..bench_client import Person, cranium
 from ..bench_stack import running
 
-ABOUT = "the cranium: seconds to upload and to ingest, peak memory of the child that builds it"
+ABOUT = "the cranium: time to upload and ingest, peak memory of the child process"
 
 
 def measure(quick: bool) -> list[Result]:
@@ -28,9 +28,9 @@ def measure(quick: bool) -> list[Result]:
             uploading.append(sent - begin)
             memory.append(metric(stack.ports["ingestd-admin"], "diaphane_ingest_child_peak_bytes") / 1e6)
             person.delete(data_set)
-    return [result("upload on the loopback", uploading, "s"),
-            result("ingest, last byte to ready", ingesting, "s"),
-            result("peak memory of the building child", memory, "MB")]
+    return [result("upload over loopback", uploading, "s"),
+            result("last byte to ready", ingesting, "s"),
+            result("peak memory of the child", memory, "MB")]
 
 
 def metric(port: int, name: str) -> float:

@@ -1,4 +1,4 @@
-"""The 25 cases of ingest and real files: what each must become, and what the server and the browser make of it."""
+"""The 25 cases of ingest and real files: the expected results, and those of the server and the browser."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from .. import build
 from ..bench import Result, result
 from ..says import say
 
-ABOUT = "every case of ingest as generated files: case, expected, got; all must be as expected"
+ABOUT = "every ingest case as generated files, each compared with its expected result"
 PROGRAMS = ("diaphane-scan",)
 
 

@@ -1,4 +1,4 @@
-"""A CT of 512 x 512 x 1000 from its last byte to a stored volume, as anybody's upload, on this machine."""
+"""A CT of 512 x 512 x 1000 from the last byte of its upload to a stored volume, on this machine."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from ..bench_stack import peak_memory_mb, running
 from ..says import HouseError, say
 from ..stack import Stack
 
-ABOUT = "512 x 512 x 1000 CT, as 1000 files (tilted, compressed), as one enhanced file; one of 980 MB: seconds, processor time, memory"
+ABOUT = "a CT of 512 x 512 x 1000 (plain, tilted, compressed, enhanced) and one of 980 MB: time, CPU time and memory"
 SIDE, SLICES = 512, 1000
-LARGE = 1868                     # frames of a file of 980 MB; a file may have 1 GiB (ingest/dicom/precheck.h)
+LARGE = 1868                     # frames of a file of 980 MB; the limit is 1 GiB (ingest/dicom/precheck.h)
 PARTS = ("postgres", "redis", "api", "ingestd", "edge")
 PROGRAMS = ("diaphane-api", "diaphane-ingestd")
-SECONDS, GIGABYTES = 60, 3.0     # on 2 cores
+SECONDS, GIGABYTES = 60, 3.0     # targets for 2 cores
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--only", default="", metavar="TEXT", help="only kinds with this in their name")
-    parser.add_argument("--antivirus", action="store_true", help="uploads are shown to clamd first (with one signature: less work than with all)")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only kinds whose name contains this text")
+    parser.add_argument("--antivirus", action="store_true", help="scan uploads with clamd first (with a single signature, which is faster than with all)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -65,16 +65,16 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
             person.delete(data_set)
             say(f"{name}: {bundle.stat().st_size / 1e6:.0f} MB sent in {sent - begin:.1f} s; load {load:.1f} when it began")
         results += [result(f"{name}: last byte to ready", [seconds], "s", at_most=SECONDS if target else None),
-                    result(f"{name}: processor time of it", [processor], "s"),
-                    result(f"{name}: peak of the child", [child], "GB"),
-                    result(f"{name}: peak of the child and of ingestd together", [child + parent], "GB",
+                    result(f"{name}: CPU time", [processor], "s"),
+                    result(f"{name}: peak memory of the child", [child], "GB"),
+                    result(f"{name}: peak memory of child and ingestd", [child + parent], "GB",
                            at_most=GIGABYTES if target else None)]
     return results
 
 
 @contextlib.contextmanager
 def _antivirus(wanted: bool) -> Iterator[dict[str, str]]:
-    """What ingestd is told while clamd runs."""
+    """Yields the settings of ingestd while clamd runs."""
     if not wanted:
         yield {}
         return
@@ -90,13 +90,13 @@ def _antivirus(wanted: bool) -> Iterator[dict[str, str]]:
 
 
 def _processor_time(pid: int) -> float:
-    """Of a process and of its children that have ended, seconds."""
+    """Returns the CPU seconds of a process and of its children that have ended."""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
     return sum(int(field) for field in fields[11:15]) / os.sysconf("SC_CLK_TCK")
 
 
 def _pixels(z: int) -> bytes:
-    """Noise around a bright tube, other in each slice: nothing that is quicker than a real scan."""
+    """Noise around a bright tube, different in each slice, so that it compresses no better than a real scan."""
     import numpy as np
 
     y, x = np.mgrid[:SIDE, :SIDE]
@@ -106,7 +106,7 @@ def _pixels(z: int) -> bytes:
 
 
 def _files(lean: float, packing: str = "") -> Iterator[bytes]:
-    """1000 slices, 0.7 mm apart, each `lean` mm a mm further down its columns."""
+    """1000 slices, 0.7 mm apart, each shifted by `lean` mm per mm along its columns."""
     from ..ingest_cases.phantom import Series, Slice, dataset
 
     class Blank(Series):
@@ -117,7 +117,8 @@ def _files(lean: float, packing: str = "") -> Iterator[bytes]:
     y, z, uid = "12345678.125", "87654321.125", "2.25.11111111111"
     ds = dataset(Blank(), Slice((0.0, float(y), float(z)), pixel=(0.7, 0.7), rows=SIDE, columns=SIDE, intercept=-1024.0, uid=uid))
     if packing:
-        models = [_packed(ds, _pixels(50 * i), packing) for i in range(20)]     # decoded anew each time: as slow as 1000
+        # decoded each time, so as slow as 1000 different ones
+        models = [_packed(ds, _pixels(50 * i), packing) for i in range(20)]
     else:
         models = [_saved(ds)[:-2 * SIDE * SIDE]]
     assert all(model.count(text.encode()) >= 1 for text in (y, z, uid) for model in models)
@@ -136,7 +137,7 @@ def _saved(ds) -> bytes:
 
 
 def _packed(ds, pixels: bytes, packing: str) -> bytes:
-    """The file with these pixels, compressed; JPEG by DCMTK, JPEG 2000 by OpenJPEG."""
+    """Returns the file with these pixels compressed, JPEG by DCMTK and JPEG 2000 by OpenJPEG."""
     ds.PixelData = pixels
     if packing == "JPEG 2000":
         from pydicom.uid import JPEG2000Lossless
@@ -145,7 +146,7 @@ def _packed(ds, pixels: bytes, packing: str) -> bytes:
         one.compress(JPEG2000Lossless, generate_instance_uid=False)
         return _saved(one)
     if not shutil.which("dcmcjpeg"):
-        raise HouseError("there is no dcmcjpeg (Debian's dcmtk)")
+        raise HouseError("dcmcjpeg is not installed (Debian package dcmtk)")
     with tempfile.TemporaryDirectory() as folder:
         plain, packed = Path(folder) / "plain", Path(folder) / "packed"
         plain.write_bytes(_saved(ds))

@@ -1,7 +1,7 @@
-"""From a hand's movement to the pixels of the canvas, in Chromium, over the whole way on one machine.
+"""From the movement of a hand to the pixels of the canvas, in Chromium, end to end on one machine.
 
-The worker draws the number of the newest input into each picture (renderd/encode/frame_mark.h); the page's canvas is read
-back before each picture of the screen (latency_probe.js). The time of an input is the browser's own stamp of the event."""
+The worker draws the number of the newest input into each picture (renderd/encode/frame_mark.h). The page's canvas is read back
+before each displayed frame (latency_probe.js). The time of an input is the browser's timestamp of the event."""
 
 from __future__ import annotations
 
@@ -23,19 +23,20 @@ from ..bench_stack import running
 from ..says import HouseError, say
 from ..stack import Stack
 
-ABOUT = "milliseconds from a movement to the canvas that shows it, in Chromium at 720p, codec by codec (p50, p95)"
+ABOUT = "time from a pointer movement to the canvas that shows it, in Chromium at 720p, per codec (p50, p95)"
 PAGE = True
 
 WIDTH, HEIGHT = 1280, 720
 CODECS = {"H264": 2, "JPEG": 1, "MPEG1": 3}
 P50_MS, P95_MS = 25, 60
 REPEATS = 3
-WARM_UP = 30  # inputs: until the worker knows what a picture of this scene costs it
+WARM_UP = 30  # inputs until the worker knows the cost of a picture of this scene
 
 
 @dataclass(frozen=True)
 class Step:
-    """One input on its way; milliseconds. `other` is what no stamp divides: sockets, edge, gateway, the worker's waiting."""
+    """The stages of one input in milliseconds. `other` is what no timestamp divides: sockets, edge, gateway, and waiting in the
+    worker."""
 
     whole: float
     to_send: float
@@ -52,7 +53,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Block:
-    """One page's inputs, and the worker's own mean from an input to its frame leaving."""
+    """The inputs of one page, and the worker's own mean time from an input to sending its frame."""
 
     steps: list[Step]
     worker_ms: float
@@ -65,12 +66,12 @@ class Block:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--codec", choices=sorted(CODECS), action="append", help="only this one; may be given again")
-    parser.add_argument("--inputs", type=int, help=f"of each of the {REPEATS} pages of a codec [default 200; 60 with --quick]")
-    parser.add_argument("--threads", type=int, default=max(1, (os.cpu_count() or 2) - 1), help="of the renderer on a CPU; "
-                        "the browser is on the same machine [default: all cores but one]")
-    parser.add_argument("--max-error", default="0.5", help="where the worker stops refining: a small one keeps its device "
-                        "busy between inputs [default 0.5: after the first pictures]")
+    parser.add_argument("--codec", choices=sorted(CODECS), action="append", help="only this codec (repeatable)")
+    parser.add_argument("--inputs", type=int, help=f"number of inputs on each of the {REPEATS} pages per codec (default: 200, with --quick: 60)")
+    parser.add_argument("--threads", type=int, default=max(1, (os.cpu_count() or 2) - 1), help="threads of the renderer "
+                        "on the CPU; the browser runs on the same machine (default: all cores but one)")
+    parser.add_argument("--max-error", default="0.5", help="error at which the worker stops refining; a small "
+                        "value keeps its device busy between inputs (default: 0.5, reached by the first pictures)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -95,7 +96,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 
 def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inputs: int, seed: int) -> Block | None:
-    """A page of its own; nothing where it did not get that codec."""
+    """Measures a new page. Returns None if it did not get that codec."""
     from playwright.sync_api import expect
 
     context = browser.new_context(viewport={"width": WIDTH, "height": HEIGHT})
@@ -108,11 +109,11 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
         page = context.new_page()
         page.goto(f"{url}/view/{data_set}")
         page.wait_for_selector("canvas[data-samples]", timeout=120_000)
-        # Once for each scan its presets are pictured, on the same device.
+        # The previews of a scan's presets are rendered once, on the same device.
         page.wait_for_selector(".preset-picture img", timeout=180_000)
         expect(page.locator(".preset-picture:not(:has(img))")).to_have_count(0, timeout=180_000)
         if (got := page.evaluate("diaphaneProbe.codec")) != CODECS[codec]:
-            say(f"{codec}: the page was given codec {got}")
+            say(f"{codec}: the page received codec {got}")
             return None
         chance = random.Random(seed)
         _drag(page, 0, WARM_UP, chance)
@@ -126,8 +127,8 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
 
 
 def _drag(page, first: int, inputs: int, chance: random.Random) -> None:
-    """Round in a circle about the middle, at a hand's pace that keeps no step with the screen. The next movement comes when
-    the last is on the screen: on a device that renders slower than that, each would wait for the rendering of those before."""
+    """Drags in a circle around the centre at a speed that is not synchronised with the screen. The next movement comes when the
+    last one is displayed. Otherwise each movement would wait for the rendering of earlier ones on a slow device."""
     def at(n: int) -> tuple[float, float]:
         return WIDTH / 2 + 120 * math.cos(n / 9), HEIGHT / 2 + 90 * math.sin(n / 9)
 
@@ -143,7 +144,7 @@ def _drag(page, first: int, inputs: int, chance: random.Random) -> None:
 
 
 def _worker_times(stack: Stack) -> tuple[float, float]:
-    """Number and sum, in seconds, of what the worker took from an input to its first frame."""
+    """Returns the number and the total seconds of the worker's times from an input to its first frame."""
     import httpx
 
     text = httpx.get(f"http://127.0.0.1:{stack.ports['renderd-admin']}/metrics").text
@@ -152,14 +153,14 @@ def _worker_times(stack: Stack) -> tuple[float, float]:
 
 
 def _all_shown(page) -> dict:
-    """The probe's notes. (The page's policy forbids wait_for_function.)"""
+    """Returns the notes of the probe. (The page's policy forbids wait_for_function.)"""
     deadline = time.monotonic() + 20
     while time.monotonic() < deadline:
         probe = page.evaluate("diaphaneProbe")
         if probe["inputs"] and all(one["shown"] > 0 for one in probe["inputs"]):
             return probe
         time.sleep(0.1)
-    raise TimeoutError("the canvas does not show the last input's number: does the worker draw marks?")
+    raise TimeoutError("the canvas does not show the number of the last input. Does the worker run with --mark-frames?")
 
 
 def _steps(probe: dict, first: int) -> list[Step]:
@@ -168,7 +169,7 @@ def _steps(probe: dict, first: int) -> list[Step]:
         frame = next((f for f in probe["frames"] if f["input_seq"] >= one["input_seq"]), None)
         ack = frame and probe["acks"].get(str(frame["seq"]))
         if not ack or not ack["presented_us"]:
-            continue  # replaced by a newer one before it was shown: `shown` is that one's
+            continue  # replaced by a newer one before it was shown, to which `shown` belongs
         render, encode = frame["render_us"] / 1e3, frame["encode_us"] / 1e3
         received, decoded = ack["received_us"] / 1e3, ack["decoded_us"] / 1e3
         steps.append(Step(whole=one["shown"] - one["event"], to_send=one["sent"] - one["event"], render=render, encode=encode,
@@ -187,12 +188,12 @@ def _results(codec: str, blocks: list[Block]) -> list[Result]:
     means = [("movement to socket", [block.mean("to_send") for block in blocks]),
              ("render", [block.mean("render") for block in blocks]),
              ("encode", [block.mean("encode") for block in blocks]),
-             ("worker's waiting", [block.worker_ms - block.mean("render", "encode") for block in blocks]),
+             ("waiting in the worker", [block.worker_ms - block.mean("render", "encode") for block in blocks]),
              ("sockets, edge, gateway, both ways", [block.mean("render", "encode", "other") - block.worker_ms for block in blocks]),
              ("decode", [block.mean("decode") for block in blocks]),
-             ("decoded to the screen's next picture", [block.mean("present") for block in blocks])]
-    return [result(f"{codec}: without render, p50", shares("without_render", 50), "ms", at_most=P50_MS),
-            result(f"{codec}: without render, p95", shares("without_render", 95), "ms", at_most=P95_MS),
-            result(f"{codec}: with render, p50", shares("whole", 50), "ms"),
-            result(f"{codec}: with render, p95", shares("whole", 95), "ms"),
+             ("decoded to the next screen refresh", [block.mean("present") for block in blocks])]
+    return [result(f"{codec}: without rendering, p50", shares("without_render", 50), "ms", at_most=P50_MS),
+            result(f"{codec}: without rendering, p95", shares("without_render", 95), "ms", at_most=P95_MS),
+            result(f"{codec}: with rendering, p50", shares("whole", 50), "ms"),
+            result(f"{codec}: with rendering, p95", shares("whole", 95), "ms"),
             *(result(f"{codec}:   {shown}, mean", values, "ms") for shown, values in means)]

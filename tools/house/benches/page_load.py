@@ -1,4 +1,4 @@
-"""What a visitor loads and how long that takes: the page from the edge in Chromium, nothing cached."""
+"""What a visitor's browser loads, and how long that takes: the page from the edge in Chromium without a cache."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from ..bench import Result, result
 from ..bench_client import Person
 from ..bench_stack import running
 
-ABOUT = "kilobytes as the edge sends them and milliseconds until the page answers, over the loopback (300 kB, 1 s at most)"
+ABOUT = "size of the page and time until it is usable, over loopback (targets: 300 kB, 1 s)"
 PAGE = True
 
 MOST_KB, MOST_MS = 300.0, 1000.0
@@ -27,7 +27,7 @@ def measure(quick: bool) -> list[Result]:
     loaded: list[float] = []
     shown: list[float] = []
     with running() as stack, sync_playwright() as playwright:
-        Person(stack)  # everything answers
+        Person(stack)  # ensures that all programs respond
         browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
         for n in range(4 if quick else 20):
             language = ("en", "de")[n % 2]
@@ -43,5 +43,5 @@ def measure(quick: bool) -> list[Result]:
             context.close()
         browser.close()
     return [*(result(f"page and viewer, {language}", runs, "kB", at_most=MOST_KB) for language, runs in kilobytes.items()),
-            result("to the load event", loaded, "ms"),
-            result("to the first words", shown, "ms", at_most=MOST_MS)]
+            result("time to the load event", loaded, "ms"),
+            result("time to first contentful paint", shown, "ms", at_most=MOST_MS)]

@@ -1,4 +1,4 @@
-"""The cranium scene by `diaphane-render`: how fast samples come, and how long the picture takes to an error of 5%."""
+"""The cranium scene with `diaphane-render`: samples per second, and the time to a picture with an error of 5%."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..bench import Result, result
 from ..bench_volumes import cranium
 from ..says import HouseError
 
-ABOUT = "samples per second of the cranium scene by tracking, time to an error of 0.05: on the CPU, and on a GPU where there is one"
+ABOUT = "throughput of the cranium scene by tracking and time to an error of 0.05, on the CPU and on a GPU if present"
 PROGRAMS = ("diaphane-render",)
 
 SIZES = {"512 x 512": ("512x512", 1), "1920 x 1080": ("1920x1080", 8)}
-# Samples a pixel at 512 x 512: enough that starting is not measured.
+# Samples per pixel at 512 x 512, enough to make the start-up time negligible.
 SAMPLES = {"cpu": 48, "cuda": 4096}
 NO_DEVICE = 69
 
@@ -36,19 +36,19 @@ def measure(quick: bool) -> list[Result]:
 
 
 def _results(name: str, runs: list[dict]) -> list[Result]:
-    # The error falls as the square root of the samples.
+    # The error is inversely proportional to the square root of the samples.
     to_5_percent = [run["milliseconds"] * (run["estimated_error"] / 0.05) ** 2 for run in runs]
-    return [result(f"{name}: samples of pixels", [run["samples_per_second"] / 1e6 for run in runs], "million/s"),
-            result(f"{name}: a sample of all pixels", [run["milliseconds"] / run["samples"] for run in runs], "ms"),
-            result(f"{name}: to an error of 0.05", to_5_percent, "ms")]
+    return [result(f"{name}: throughput", [run["samples_per_second"] / 1e6 for run in runs], "million/s"),
+            result(f"{name}: time per pass", [run["milliseconds"] / run["samples"] for run in runs], "ms"),
+            result(f"{name}: time to error 0.05", to_5_percent, "ms")]
 
 
 def _without_cranium() -> str:
-    raise HouseError("the cranium is measured, and Debian's package invesalius-examples is not installed")
+    raise HouseError("the sample scan is missing: install the Debian package invesalius-examples")
 
 
 def _render(volume: str, engine: str, size: str, samples: int, seed: int, folder: Path) -> dict | None:
-    """The report of one run; nothing when there is no device for the engine."""
+    """Returns the report of one run, or None if the engine has no device."""
     done = subprocess.run(
         [str(paths.build_dir() / "bin" / "diaphane-render"), volume, "--quiet", "--engine", engine, "--size", size,
          "--scene", str(paths.REPO / "tests" / "scenes" / "cranium.json"), "--samples", str(samples),
@@ -56,5 +56,5 @@ def _render(volume: str, engine: str, size: str, samples: int, seed: int, folder
     if done.returncode == NO_DEVICE and engine == "cuda":
         return None
     if done.returncode != 0:
-        raise HouseError(f"diaphane-render ended with {done.returncode}: {done.stderr.strip()}")
+        raise HouseError(f"diaphane-render exited with {done.returncode}: {done.stderr.strip()}")
     return json.loads(done.stdout)

@@ -1,7 +1,7 @@
-"""A whole disc in the browser: 3,000 files of 0.5 MB chosen in Chromium, until the page shows what is on them.
+"""A whole disc in the browser: 3,000 files of 0.5 MB are chosen in Chromium, until the page shows their contents.
 
-The files are CT slices as scanners write them (several series, a header of 4 KB with a patient), and among them files that are
-none: text, cut off, random, empty. They were written just before, so they come from memory, not from a disc."""
+The files are CT slices as scanners write them (several series, a header of 4 KB with a patient), and some other files: text,
+truncated, random and empty ones. They were just written, so they are read from memory and not from a disc."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from ..bench import Result, result
 from ..bench_client import Person
 from ..bench_stack import folder, prepared
 
-ABOUT = "seconds to look through 3,000 files of 0.5 MB in Chromium, and the longest task of the page meanwhile"
+ABOUT = "time to scan 3,000 files of 0.5 MB in Chromium, and the longest main-thread task meanwhile"
 PAGE = True
 
 FILES, SERIES = 3000, 6
 SECONDS = 10.0
-LONGEST_TASK_MS = 100.0  # a hand notices more
+LONGEST_TASK_MS = 100.0  # longer tasks are noticeable
 
-# In the page, before the files are chosen: tasks over 50 ms from the choice on (of the task that brings the choice Chromium has spent
-# a part before the page hears of it, on making 3,000 objects: that part is told apart), pauses between pictures of the screen, and how often the progress changed.
+# Records in the page, from the choice of the files: tasks over 50 ms, pauses between displayed frames, and how often the progress
+# changed. Chromium spends part of the first task, before the page runs, on creating 3,000 objects. That part is reported
+# separately.
 PROBE = """() => {
   const probe = (window.scanProbe = { from: 0, to: 0, longest_task: 0, before: 0, longest_pause: 0, progress: 0 });
   new PerformanceObserver((list) => { for (const e of list.getEntries()) if (probe.from && !probe.to) {
@@ -48,14 +49,14 @@ PROBE = """() => {
 
 
 def element(tag: int, vr: str, value: bytes) -> bytes:
-    """A data element, explicit little endian."""
+    """Returns a data element in explicit little endian."""
     value += (b"\0" if vr == "UI" else b" ") * (len(value) % 2)
     head = struct.pack("<HH", tag >> 16, tag & 0xFFFF) + vr.encode()
     return head + (struct.pack("<HI", 0, len(value)) if vr in ("OB", "OW", "UN") else struct.pack("<H", len(value))) + value
 
 
 def ct_slice(series: int, number: int, pixels: bytes) -> bytes:
-    """512 x 512, 16 bits, 1 mm from its neighbours."""
+    """Returns a slice of 512 x 512 pixels with 16 bits, 1 mm from its neighbours."""
     uid = f"1.2.826.0.1.3680043.9.9999.{series}"
     sop_class, sop = b"1.2.840.10008.5.1.4.1.1.2", f"{uid}.{number}".encode()
     meta = element(0x00020001, "OB", b"\0\1") + element(0x00020002, "UI", sop_class) + element(0x00020003, "UI", sop) \
@@ -70,12 +71,12 @@ def ct_slice(series: int, number: int, pixels: bytes) -> bytes:
     data += element(0x00280030, "DS", b"0.5\\0.5")
     data += b"".join(element(0x00280100 + i, "US", struct.pack("<H", value)) for i, value in enumerate((16, 16, 15, 0)))
     data += element(0x00281052, "DS", b"-1024") + element(0x00281053, "DS", b"1")
-    data += element(0x00291010, "UN", os.urandom(4096))  # what a maker keeps to himself
+    data += element(0x00291010, "UN", os.urandom(4096))  # private data of a vendor
     return b"\0" * 128 + b"DICM" + element(0x00020000, "UL", struct.pack("<I", len(meta))) + meta + data + element(0x7FE00010, "OW", pixels)
 
 
 def write_disc(disc: Path, files: int) -> int:
-    """The number of slices among them."""
+    """Writes the files and returns the number of slices among them."""
     pixels = os.urandom(2 * 512 * 512)
     others = {0: b"", 1: b"not a scan\n" * 50_000, 2: os.urandom(500_000), 3: ct_slice(0, 1, pixels)[:3000]}
     slices = 0
@@ -106,7 +107,7 @@ def measure(quick: bool) -> list[Result]:
             page.evaluate(PROBE)
             chooser.set_input_files(base / "disc", timeout=300_000)
             page.wait_for_selector(".series-card, .hidden-series", timeout=120_000)
-            page.wait_for_timeout(100)    # the next picture of the screen stops the clock
+            page.wait_for_timeout(100)    # the next displayed frame stops the clock
             probe = page.evaluate("scanProbe")
             assert page.locator(".series-card").count() == SERIES, "a bad file has stopped the scan"
             seconds.append((probe["to"] - probe["from"]) / 1000)
@@ -116,8 +117,8 @@ def measure(quick: bool) -> list[Result]:
             progress.append(probe["progress"])
             context.close()
         browser.close()
-    return [result(f"{files} files of 0.5 MB looked through", seconds, "s", at_most=SECONDS),
-            result("longest task of the page, from the choice on", tasks, "ms", at_most=LONGEST_TASK_MS),
-            result("Chromium's own, before the page hears of the choice", before, "ms"),
-            result("longest pause between two pictures of the screen", pauses, "ms"),
-            result("times the progress changed", progress, "", at_least=10)]
+    return [result(f"scanning {files} files of 0.5 MB", seconds, "s", at_most=SECONDS),
+            result("longest main-thread task", tasks, "ms", at_most=LONGEST_TASK_MS),
+            result("Chromium's own work before it notifies the page", before, "ms"),
+            result("longest gap between screen refreshes", pauses, "ms"),
+            result("progress updates", progress, "", at_least=10)]

@@ -1,4 +1,4 @@
-"""Whose samples come next: the scheduler's policies over traces of interaction, simulated and on the real renderer."""
+"""The scheduler's policies on traces of interaction, simulated and with the real renderer."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from ..bench import Result
 from ..bench_volumes import cranium
 from ..says import HouseError, say
 
-ABOUT = "the scheduler's policies: time to 5% error, input to first frame, fairness (--real, --simulate, --policy, --sessions, --trace)"
+ABOUT = "scheduling policies: time to 5% error, input to first frame, fairness (--real, --simulate, --policy, --sessions, --trace)"
 PROGRAMS = ("diaphane-renderd-bench",)
 NO_DEVICE = 69
 SCENES = paths.REPO / "tests" / "scenes"
 BASELINE, THESIS, OURS = "round-robin", "error-proportional", "marginal-gain"
 
-# A sixteenth of a viewport's side takes two cores a millisecond a sample: what a whole one takes a GPU, about.
+# At a sixteenth of a viewport's sides, a sample takes a millisecond on two cores, about as long as a full one on a GPU.
 REAL_SIZES = {"cpu": 0.0625, "cuda": 1.0}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--real", action="store_true", help="only on the real renderer, in real time")
-    parser.add_argument("--simulate", action="store_true", help="only simulated (default: both)")
-    parser.add_argument("--policy", help=f"with commas, of {OURS}, {THESIS}, {BASELINE}, free-for-all (default: all)")
-    parser.add_argument("--sessions", help="with commas (default: 2,4,16,64,256; real on the CPU 2,4,16)")
-    parser.add_argument("--trace", help="with commas, of interactive, mixed, idle, or a file (default: all)")
-    parser.add_argument("--seconds", type=float, help="of a trace (default: 30 simulated, 8 real)")
-    parser.add_argument("--seeds", type=int, help="traces of each kind and size (default: 5 simulated, 3 real)")
-    parser.add_argument("--costs", default="h200", help="of the simulated device: h200, cpu2 or a file that --real wrote")
-    parser.add_argument("--fleet", default="10000:1000", metavar="N:M", help="simulate N sessions on M devices; empty: none")
-    parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu", help="of the real renderer")
-    parser.add_argument("--scale", type=float, help="of the viewports, for slow devices (default: real on the cpu 1/16, else 1)")
-    parser.add_argument("--volume", help="directory of the volume store or made:N (default: the cranium)")
-    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "schedule", help="JSON, CSV and figure-9.svg go there")
+    parser.add_argument("--real", action="store_true", help="run only on the real renderer, in real time")
+    parser.add_argument("--simulate", action="store_true", help="run only the simulation (default: both)")
+    parser.add_argument("--policy", help=f"{OURS}, {THESIS}, {BASELINE}, free-for-all; comma-separated (default: all)")
+    parser.add_argument("--sessions", help="numbers of sessions, comma-separated (default: 2,4,16,64,256, on the real CPU: 2,4,16)")
+    parser.add_argument("--trace", help="interactive, mixed, idle, or a file; comma-separated (default: all)")
+    parser.add_argument("--seconds", type=float, help="length of a trace in seconds (default: 30 simulated, 8 real)")
+    parser.add_argument("--seeds", type=int, help="number of traces per kind and size (default: 5 simulated, 3 real)")
+    parser.add_argument("--costs", default="h200", help="costs of the simulated device: h200, cpu2, or a file written by --real")
+    parser.add_argument("--fleet", default="10000:1000", metavar="N:M", help="also simulate N sessions on M devices (empty = skip)")
+    parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu", help="engine of the real renderer")
+    parser.add_argument("--scale", type=float, help="scale of the viewports, to suit slow devices (default: 1/16 on the real CPU, else 1)")
+    parser.add_argument("--volume", help="directory of the volume store, or made:N (default: the sample scan)")
+    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "schedule", help="output directory for JSON, CSV and figure-9.svg (default: %(default)s)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -90,25 +90,25 @@ def _bench(*words: str) -> str:
     command = [str(paths.build_dir() / "bin" / "diaphane-renderd-bench"), "schedule", *words]
     done = subprocess.run(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     if done.returncode == NO_DEVICE:
-        raise HouseError("no CUDA device answers", NO_DEVICE)
+        raise HouseError("no CUDA device is available", NO_DEVICE)
     if done.returncode != 0:
-        raise HouseError(f"diaphane-renderd-bench schedule ended with {done.returncode}: {done.stderr.strip()}")
+        raise HouseError(f"diaphane-renderd-bench schedule exited with {done.returncode}: {done.stderr.strip()}")
     return done.stdout
 
 
 def _results(report: dict, how: str) -> list[Result]:
-    """The issue's targets, where the rows for them were measured."""
+    """The targets whose rows were measured."""
     rows = {(row["trace"], row["sessions"], row["policy"]): row["figures"] for row in report["rows"]}
     results = []
     for (trace, sessions, policy), figures in rows.items():
         if policy == OURS:
             mean = figures["to 5% mean"]
-            results.append(Result(f"{how}: {sessions} {trace}, to 5%, mean", mean["value"], "ms", mean["spread"]))
+            results.append(Result(f"{how}: {sessions} {trace}, mean time to 5% error", mean["value"], "ms", mean["spread"]))
     for other, at_least in ((BASELINE, 2.0), (THESIS, 1.0)):
         ours, theirs = rows.get(("mixed", 16, OURS)), rows.get(("mixed", 16, other))
         if ours and theirs:
             ratio = theirs["to 5% mean"]["value"] / max(ours["to 5% mean"]["value"], 1e-9)
-            results.append(Result(f"{how}: 16 mixed, to 5%: {other} takes longer by", ratio, "times", 0, at_least, ratio >= at_least))
+            results.append(Result(f"{how}: 16 mixed, time to 5% error: slowdown with {other}", ratio, "times", 0, at_least, ratio >= at_least))
     for trace in ("mixed", "interactive"):
         if (trace, 64, OURS) in rows:
             queue = rows[(trace, 64, OURS)]["queue p95"]
@@ -118,9 +118,9 @@ def _results(report: dict, how: str) -> list[Result]:
     for (trace, sessions, policy), figures in rows.items():
         if policy == OURS and trace == "mixed":
             lost = figures["switching"]
-            results.append(Result(f"{how}: {sessions} mixed, lost to switching", lost["value"], "%", lost["spread"], 2.0, lost["value"] <= 2.0))
+            results.append(Result(f"{how}: {sessions} mixed, switching overhead", lost["value"], "%", lost["spread"], 2.0, lost["value"] <= 2.0))
     for decision in report["decisions"]:
         if decision["policy"] == OURS:
             us = 1e6 * decision["seconds"]
-            results.append(Result(f"{how}: a decision at 256 sessions", us, "us", 1e6 * decision["spread"], 10.0, us <= 10.0))
+            results.append(Result(f"{how}: time per decision, 256 sessions", us, "us", 1e6 * decision["spread"], 10.0, us <= 10.0))
     return results

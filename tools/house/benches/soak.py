@@ -1,4 +1,4 @@
-"""Fifty people coming and going for half an hour: memory, descriptors and threads must not grow."""
+"""Fifty users come and go for half an hour. Memory, descriptors and threads must not grow."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ from ..bench_volumes import store_ball
 from ..says import HouseError, say
 from ..users import ordinary_user
 
-ABOUT = "people coming and going, reloading, cut off: memory, descriptors, threads of gateway and renderd (--minutes, --people)"
+ABOUT = "users who come, go, reload and lose their connection: memory, descriptors and threads over time (--minutes, --people)"
 PROGRAMS = ("diaphane-gateway", "diaphane-renderd", "diaphane-load")
 WATCHED = ("gateway", "renderd", "redis")
-WARM_UP = 0.25    # of the time: caches fill, the allocator finds its size
+WARM_UP = 0.25    # share of the time: caches fill and the allocator settles
 
-# Memory that a visit may cost for good. In operation fifty seats are taken anew every ten minutes, 300 visits an hour; of what a pod
-# may have at most (helm/diaphane/values.yaml: renderd 16 GiB, gateway 1 GiB) a tenth may be lost in thirty days of that. Here as many
-# visits come in 18 hours. What Redis keeps of a visit goes after a day: 14 MB of one.
+# Memory that a visit may leak. In operation, fifty slots are reused every ten minutes, which makes 300 visits per hour. In thirty
+# days, a tenth of a pod's memory limit may be lost (helm/diaphane/values.yaml: renderd 16 GiB, gateway 1 GiB). This bench has as
+# many visits as 18 hours of operation. Redis keeps the data of a visit, 2 kB, for a day, which makes 14 MB in total.
 PER_VISIT_KB = {"renderd": 0.1 * 16 * 2**30 / 1e3 / (30 * 24 * 300), "gateway": 0.1 * 1 * 2**30 / 1e3 / (30 * 24 * 300), "redis": 2.0}
-# What the others may grow by, measured: share of the level, and at least. In a run too short to say more, only what is worse.
+# Allowed growth of the other measures: a share of the level, and at least a number. A short run can only detect larger growth.
 ALLOWED = {"descriptors": (0.05, 4), "threads": (0.05, 2), "device memory": (0.02, 64)}
 ALLOWED_QUICK = {"memory": (0.25, 48.0), "descriptors": (0.5, 40), "threads": (0.1, 4), "device memory": (0.05, 128)}
 UNITS = {"memory": "MB", "descriptors": "", "threads": "", "device memory": "MB"}
 
-# gRPC's two executors begin threads as they are needed and end none: `max_threads_ = max(1, 2 * gpr_cpu_num_cores())` each
-# (grpc 1.51, src/core/lib/iomgr/executor.cc). They are held against that; by chance the last comes after many minutes.
+# gRPC's two executors start threads as needed and end none, up to `max_threads_ = max(1, 2 * gpr_cpu_num_cores())` each (grpc
+# 1.51, src/core/lib/iomgr/executor.cc). They are compared with that limit, because the last thread may start after many minutes.
 EXECUTOR = "threads of gRPC's executors"
-EXECUTOR_NAMES = ("default-executo", "resolver-execut")    # the kernel keeps 15 characters
+EXECUTOR_NAMES = ("default-executo", "resolver-execut")    # the kernel truncates names to 15 characters
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--minutes", type=float, default=30)
     parser.add_argument("--people", type=int, default=50)
-    parser.add_argument("--scale", type=float, help="of the windows, 160 x 90 to 1280 x 720 (default: 0.2 on the CPU)")
+    parser.add_argument("--scale", type=float, help="scale of the pictures, which are 160 x 90 to 1280 x 720 (default: 0.2 on the CPU)")
     parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu")
-    parser.add_argument("--codec", choices=("jpeg", "h264", "mpeg1"), default="jpeg", help="that viewers prefer")
-    parser.add_argument("--seed", type=int, default=1, help="of what people do")
-    parser.add_argument("--series", type=Path, metavar="FILE", help="write all samples there, as CSV")
+    parser.add_argument("--codec", choices=("jpeg", "h264", "mpeg1"), default="jpeg", help="codec that the viewers prefer")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the simulated behaviour")
+    parser.add_argument("--series", type=Path, metavar="FILE", help="write all samples to this file as CSV")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -72,7 +72,8 @@ def _people(stack, data_set: str, seconds: float, scale: float, options: argpars
 
 
 def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[tuple[str, str], list[tuple[float, float]]]]:
-    """What the people say at their end, and what the programs held meanwhile: (program, what) -> (seconds, value)."""
+    """Returns the final report of the simulated users, and what the programs used meanwhile: (program, what) -> (seconds, value).
+    """
     series: dict[tuple[str, str], list[tuple[float, float]]] = {}
     pids, begin, next_device = dict(stack.pids), time.monotonic(), 0.0
     while people.poll() is None:
@@ -80,9 +81,9 @@ def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[
         for program in WATCHED:
             try:
                 measured = held(pids[program])
-            except (OSError, KeyError) as gone:  # also a process that is just ending has no memory any more
+            except (OSError, KeyError) as gone:  # a process that is exiting has no memory either
                 people.kill()
-                raise HouseError(f"{program} ended after {now:.0f} s; the end of its log:\n"
+                raise HouseError(f"{program} exited after {now:.0f} s; last lines of its log:\n"
                                  + logfiles.tail(stack.log_path(program), 30)) from gone
             for what, value in measured.items():
                 series.setdefault((program, what), []).append((now, value))
@@ -94,14 +95,14 @@ def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[
             people.wait(every)
     said = people.stdout.read()
     if people.returncode != 0:
-        raise HouseError(f"diaphane-load ended with {people.returncode}")
+        raise HouseError(f"diaphane-load exited with {people.returncode}")
     if dict(stack.pids) != pids:
-        raise HouseError("a program was started again meanwhile: its log says why it ended")
+        raise HouseError("a program was restarted during the run. Its log says why it exited")
     return json.loads(said), series
 
 
 def memory_allowed(program: str, visits: int, part: float) -> float:
-    """Megabytes, of `part` of the time in which so many visited."""
+    """Returns the megabytes for `part` of the time, in which there were this many visits."""
     return PER_VISIT_KB[program] * visits * part / 1e3
 
 
@@ -141,7 +142,7 @@ def _device_memory() -> list[float]:
 
 
 def _after(stack, before: int) -> int:
-    """Descriptors that the gateway still has more than before anybody came, a while after all have gone."""
+    """Returns how many more descriptors the gateway has than before the first visit, a while after the last one."""
     deadline = time.monotonic() + 10
     while (left := descriptors(stack.pids["gateway"]) - before) > 0 and time.monotonic() < deadline:
         time.sleep(0.2)
@@ -171,12 +172,12 @@ def results_of(report: dict, series: dict, left: int, quick: bool) -> list[Resul
         verdict = flat.judge([t for t, _ in samples], [v for _, v in samples], share, least)
         say(f"{program}, {what}: {verdict.word}, level {verdict.level:.1f} {UNITS[what]}, grew by {verdict.growth:+.2f} "
             f"({verdict.low:+.2f} to {verdict.high:+.2f} with 99%), allowed {verdict.allowed:.2f}")
-        # A short run cannot show that nothing grows; it shows what grows fast.
+        # A short run cannot show that nothing grows, only that something grows fast.
         bound = verdict.low if quick else verdict.high
-        results.append(Result(f"{program}: {what} grew by at {'least' if quick else 'most'} (99%)", round(bound, 3), UNITS[what],
+        results.append(Result(f"{program}: {what} growth, {'lower' if quick else 'upper'} bound (99%)", round(bound, 3), UNITS[what],
                               0.0, round(verdict.allowed, 3), bound <= verdict.allowed))
-    results.append(result("people without a picture for 30 s", [report["no_picture"]], "", at_most=0))
-    results.append(result("descriptors that the gateway kept", [left], "", at_most=5))
+    results.append(result("users without a picture for 30 s", [report["no_picture"]], "", at_most=0))
+    results.append(result("descriptors left open in the gateway", [left], "", at_most=5))
     results.append(result("frames", [report["frames"]], "", at_least=1))
     return results
 

@@ -1,4 +1,4 @@
-"""From the command to a page that answers, everything built; and from the wish to stop to the end."""
+"""From the command to a page that responds, with everything built, and from the stop signal to the end."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .. import users
 from ..bench import Result, result
 from ..bench_stack import folder, prepared
 
-ABOUT = "seconds to start (new data directory; existing one) and to stop"
+ABOUT = "time to start (new and existing data directory) and to stop"
 PAGE = True
 
 
@@ -27,5 +27,5 @@ def measure(quick: bool) -> list[Result]:
                 stack.stop()
                 stopping.append(time.monotonic() - begin)
     return [result("start, new data directory", cold, "s"),
-            result("start, existing data", warm, "s", at_most=10),
+            result("start, existing data directory", warm, "s", at_most=10),
             result("stop", stopping, "s", at_most=5)]

@@ -1,4 +1,4 @@
-"""What a finished picture costs without loss, and a frame with: `diaphane-still-bench` on pictures of the cranium as it converges."""
+"""The cost of a lossless picture and of a frame: `diaphane-still-bench` on pictures of the cranium as it converges."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ..bench import Result
 from ..bench_volumes import cranium, volume_for
 from ..says import HouseError
 
-ABOUT = "lossless tiles (PNG, WebP, the thesis's differences) and frames: bytes and milliseconds on real pictures"
+ABOUT = "lossless tiles (PNG, WebP, the thesis's differences) and frames: bytes and time on real pictures"
 PROGRAMS = ("diaphane-render", "diaphane-still-bench")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--size", help="of the pictures (default 1280x720)")
-    parser.add_argument("--preset", default="bone", help="skin, muscle, vessels, bone or airways")
-    parser.add_argument("--samples", help="of the pictures, with commas, the last the finished one (default 1,4,16,64)")
-    parser.add_argument("--pictures", nargs="+", type=Path, metavar="PPM", help="these instead of rendering some")
+    parser.add_argument("--size", help="size of the pictures (default: 1280x720)")
+    parser.add_argument("--preset", default="bone", help="preset: skin, muscle, vessels, bone or airways")
+    parser.add_argument("--samples", help="samples of the pictures, comma-separated, the last for the finished one (default: 1,4,16,64)")
+    parser.add_argument("--pictures", nargs="+", type=Path, metavar="PPM", help="use these pictures instead of rendering new ones")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
@@ -39,7 +39,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 def _render(folder: Path, quick: bool, options: argparse.Namespace) -> list[Path]:
     scan = cranium() or volume_for(Path())
     if not Path(scan).exists():
-        raise HouseError("the cranium (package invesalius-examples) is not there; --pictures takes others")
+        raise HouseError("the sample scan is missing: install the Debian package invesalius-examples, or give --pictures")
     pictures = []
     for samples in (options.samples or ("1,4" if quick else "1,4,16,64")).split(","):
         pictures.append(folder / f"{samples}.ppm")
@@ -51,5 +51,5 @@ def _render(folder: Path, quick: bool, options: argparse.Namespace) -> list[Path
 def _run(program: str, *arguments: str) -> str:
     done = subprocess.run([str(paths.build_dir() / "bin" / program), *arguments], capture_output=True, text=True)
     if done.returncode != 0:
-        raise HouseError(f"{program} ended with {done.returncode}: {done.stderr.strip()}")
+        raise HouseError(f"{program} exited with {done.returncode}: {done.stderr.strip()}")
     return done.stdout

@@ -1,1 +1,1 @@
-"""How well a head is recognised: volumes real and made, each with what it shows, and the table of what is said of them."""
+"""How well heads are detected: real and synthetic volumes, each labelled, and the table of results."""

@@ -1,6 +1,5 @@
-"""Bodies made of ellipsoids, other in each by chance: heads, and what is none. Tissues first, then what CT or MR shows of them.
-
-Places are mm along the patient's axes (x to the left, y to the back, z to the head)."""
+"""Random bodies of ellipsoids: heads and other body parts. Tissues are painted first, and then converted to their appearance in
+CT or MR. Places are in mm along the patient's axes (x to the left, y to the back, z to the head)."""
 
 from __future__ import annotations
 
@@ -13,7 +12,7 @@ from .scan import Scan, turning
 
 AIR, SOFT, FAT, BONE, MARROW, BRAIN, CSF, ENAMEL, LUNG, LIVER, TABLE = range(11)
 
-#: What each tissue looks like: HU, and MR of three weightings (T1, T2, FLAIR).
+#: Appearance of each tissue: HU, and MR of three weightings (T1, T2, FLAIR).
 SHOWN = {
     "CT": (-1000, 45, -95, 950, 280, 34, 8, 2300, -820, 62, 90),
     "T1": (3, 250, 700, 25, 450, 400, 110, 8, 20, 330, 3),
@@ -23,19 +22,19 @@ SHOWN = {
 
 
 class Canvas:
-    """Tissues by place; what is painted later lies over what was before."""
+    """Tissues by place. Later paint covers earlier paint."""
 
     def __init__(self, x: np.ndarray, y: np.ndarray, z: np.ndarray):
         self.x, self.y, self.z = x, y, z
         self.tissue = np.zeros(x.shape, np.uint8)
 
     def far(self, middle, half) -> np.ndarray:
-        """From the middle of an ellipsoid, 1 at its surface."""
+        """Returns the distance from the centre of an ellipsoid, 1 at its surface."""
         return np.sqrt(((self.x - middle[0]) / half[0]) ** 2 + ((self.y - middle[1]) / half[1]) ** 2 +
                        ((self.z - middle[2]) / half[2]) ** 2)
 
     def ring(self, middle, half) -> np.ndarray:
-        """From the axis of an upright cylinder, 1 at its surface."""
+        """Returns the distance from the axis of an upright cylinder, 1 at its surface."""
         return np.hypot((self.x - middle[0]) / half[0], (self.y - middle[1]) / half[1])
 
     def between(self, low: float, high: float) -> np.ndarray:
@@ -48,7 +47,7 @@ class Canvas:
         self.paint(self.far(middle, half) < 1, tissue)
 
     def bone(self, middle, radius: float, low: float, high: float) -> None:
-        """A long bone upright: a shell with marrow in it."""
+        """Paints an upright long bone: a shell with marrow in it."""
         ring = self.ring(middle, (radius, radius))
         self.paint((ring < 1) & self.between(low, high), BONE)
         self.paint((ring < 0.6) & self.between(low, high), MARROW)
@@ -58,8 +57,8 @@ Paint = Callable[[Canvas, np.random.Generator], None]
 
 
 def head(c: Canvas, rng: np.random.Generator) -> None:
-    """The middle of the brain is at 0."""
-    s = rng.uniform(0.82, 1.08)                     # from a child of three to a large man
+    """The centre of the brain is at 0."""
+    s = rng.uniform(0.82, 1.08)                     # from a three-year-old child to a large man
     brain = np.array([66, 82, 62]) * s * rng.uniform(0.95, 1.05, 3)
     skull, scalp = rng.uniform(4, 8), rng.uniform(4, 8)
     fat = rng.uniform(1, 3)
@@ -98,7 +97,7 @@ def head(c: Canvas, rng: np.random.Generator) -> None:
     c.ball((0, 0, 0), brain - rng.uniform(2, 6), BRAIN)
     for side in (-1, 1):
         c.ball((side * 12 * s, 5 * s, 8 * s), np.array([6, 28, 10]) * s * rng.uniform(0.6, 1.4), CSF)
-    if rng.random() < 0.3:                          # an operation: a hole in the vault
+    if rng.random() < 0.3:                          # operated: a hole in the vault
         at = np.array([rng.choice([-1, 1]) * 0.8 * brain[0], rng.uniform(-40, 40), 30])
         hole = (c.far(at, np.full(3, rng.uniform(15, 30))) < 1) & ((c.tissue == BONE) | (c.tissue == MARROW))
         c.paint(hole, SOFT)
@@ -115,7 +114,7 @@ def _trunk(c: Canvas, rng: np.random.Generator) -> tuple[float, float]:
     c.paint(ring < 1, FAT)
     inner = c.ring((0, 0), (across - fat, deep - fat))
     c.paint(inner < 1, SOFT)
-    if rng.random() < 0.4:                          # arms beside it
+    if rng.random() < 0.4:                          # arms beside the head
         for side in (-1, 1):
             c.paint(c.ring((side * (across + 52), 10), (44, 46)) < 1, FAT)
             c.paint(c.ring((side * (across + 52), 10), (38, 40)) < 1, SOFT)
@@ -191,7 +190,7 @@ def knee(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def foot(c: Canvas, rng: np.random.Generator) -> None:
-    """Of a person who lies on the back: toes up, the sole towards the feet."""
+    """The foot of a person who lies on their back: toes up, sole towards the feet."""
     s = rng.uniform(0.85, 1.1)
     c.paint((c.ring((0, 40 * s), (45 * s, 48 * s)) < 1) & (c.z > -20), SOFT)
     c.ball((0, 62 * s, -25 * s), (38 * s, 38 * s, 45 * s), SOFT)
@@ -214,7 +213,7 @@ def hand(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def shoulders(c: Canvas, rng: np.random.Generator) -> None:
-    """The neck without a skull, and what is below it."""
+    """The neck without a skull, and the body below it."""
     s = rng.uniform(0.85, 1.1)
     c.paint(c.ring((0, 15 * s), (60 * s, 62 * s)) < 1, SOFT)
     c.ball((0, 20 * s, -150 * s), (215 * s, 85 * s, 110 * s), SOFT)
@@ -242,7 +241,7 @@ def box(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def hollow(c: Canvas, rng: np.random.Generator) -> None:
-    """A phantom for measuring a scanner: water in plastic, with rods."""
+    """A phantom for calibrating a scanner: water in plastic, with rods."""
     radius, half = rng.uniform(70, 110), rng.uniform(60, 120)
     ring = c.ring((0, 0), (radius, radius))
     c.paint((ring < 1) & c.between(-half, half), TABLE)
@@ -253,14 +252,14 @@ def hollow(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def nothing(c: Canvas, rng: np.random.Generator) -> None:
-    """Air, and at times a table."""
+    """Air, sometimes with a table."""
     if rng.random() < 0.5:
         c.paint((c.y > 60) & (c.y < 70), TABLE)
 
 
 @dataclass(frozen=True)
 class View:
-    """Which box is looked at: mm, low and high along x, y, z of the body's own axes, and how far it may lie off."""
+    """The scanned box: mm, low and high along x, y, z of the body's own axes, and its maximum offset."""
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
@@ -268,7 +267,7 @@ class View:
 
 
 def look(paint: Paint, view: View, shown: str, seed: int, most_turn: float = 8, spacing: float = 3.0) -> Scan:
-    """A body of that kind in a scanner; everything by chance follows from `seed`."""
+    """Returns a body of that kind in a scanner. All random choices derive from `seed`."""
     rng = np.random.default_rng(seed)
     low, high = np.array(view.low, float), np.array(view.high, float)
     low, high = low + rng.uniform(-view.off, view.off, 3), high + rng.uniform(-view.off, view.off, 3)
@@ -283,7 +282,7 @@ def look(paint: Paint, view: View, shown: str, seed: int, most_turn: float = 8, 
     if shown == "CT":
         values = values + rng.normal(0, rng.uniform(5, 40), values.shape)
         return Scan(_stored(values), tuple(float(s) for s in step), np.eye(3), "CT")
-    # A coil's field: up to a third less at one side, and at times gone towards the ends.
+    # The field of a coil: up to a third weaker at one side, sometimes fading towards the ends.
     way = rng.normal(size=3)
     field = 1 - 0.33 * (1 + (x * way[0] + y * way[1] + z * way[2]) / (np.linalg.norm(way) * 200)) / 2
     if rng.random() < 0.3:

@@ -1,4 +1,4 @@
-"""What `diaphane-head` says of samples, how much of a face its cut leaves, and the table of it all."""
+"""The results of `diaphane-head` on samples, the part of the face that its cut leaves, and the table of all results."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ class Judged:
     sign: str
     seconds: float
     proposed: bool
-    face_left: float | None     # share of the face's surface that the cut leaves; None: no face known, or no cut proposed
+    # share of the face's surface that the cut leaves; None: the face is unknown, or no cut was proposed
+    face_left: float | None
 
     @property
     def wrong(self) -> bool:
@@ -52,12 +53,12 @@ def judge(samples: Iterable[Sample], scratch: Path) -> list[Judged]:
 
 
 def face_surface(scan: Scan, face: Face) -> np.ndarray:
-    """The outermost voxels of the body as seen from the front, from the chin to the brow and in front of the ears; (n, 3) in the
-    world of scenes. A face that was turned with its scan is measured where it is."""
+    """Returns the outermost voxels of the body as seen from the front, from the chin to the brow and in front of the ears, as (n,
+    3) in world space. A face that was rotated with its scan is measured in its rotated position."""
     upright = _own_axes(scan)
     at = scans.places(upright)
     matter = scan.voxels > (-300 if scan.modality == "CT" else 0.15 * np.percentile(scan.voxels, 99.5))
-    # Three voxels one behind the other are skin; fewer are noise.
+    # Three consecutive voxels are skin. Fewer are noise.
     front = matter if at[0, 0, 0, 1] < at[0, -1, 0, 1] else matter[:, ::-1]
     solid = front.copy()
     for step in (1, 2):
@@ -73,7 +74,7 @@ def face_surface(scan: Scan, face: Face) -> np.ndarray:
 
 
 def _own_axes(scan: Scan) -> Scan:
-    """The scan as if it had not been turned: its axes the nearest of the patient's."""
+    """Returns the scan without rotation: its axes become the nearest of the patient's."""
     nearest = np.zeros((3, 3))
     for column in range(3):
         row = int(np.argmax(np.abs(scan.direction[:, column])))
@@ -90,7 +91,7 @@ def face_left(scan: Scan, face: Face, proposal: dict) -> float:
 
 
 def wilson(hits: int, of: int) -> tuple[float, float]:
-    """95% interval of a share (Wilson 1927)."""
+    """Returns the 95% interval of a share (Wilson 1927)."""
     if of == 0:
         return 0.0, 1.0
     z, p = 1.96, hits / of
@@ -101,7 +102,7 @@ def wilson(hits: int, of: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Share:
-    """Of samples with one answer, how many got it."""
+    """How many of the samples of one kind got the right answer."""
 
     kind: str
     is_head: bool | None

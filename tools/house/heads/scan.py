@@ -1,4 +1,4 @@
-"""A volume in memory, how it is stored, and what is done to real ones so that there are more of them."""
+"""A volume in memory, its stored form, and transformations that multiply the real ones."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Scan:
 
 
 def write(scan: Scan, folder: Path) -> Path:
-    """As the volume store has it (docs/contracts.md)."""
+    """Writes it as in the volume store (docs/contracts.md)."""
     folder.mkdir(parents=True)
     voxels = np.ascontiguousarray(scan.voxels, "<i2")
     (folder / "voxels.i16").write_bytes(voxels.tobytes())
@@ -46,7 +46,7 @@ def read(folder: Path) -> Scan:
 
 
 def read_nifti(file: Path, modality: str, scale_to: float | None = None) -> Scan:
-    """NIfTI-1, little endian, axes that are not sheared. `scale_to`: floats are brought to this largest value."""
+    """Reads NIfTI-1, little endian, without sheared axes. `scale_to`: scales floats to this maximum."""
     data = gzip.decompress(file.read_bytes())
     shape = np.frombuffer(data, "<i2", 3, 42)
     kind = {2: "u1", 4: "<i2", 8: "<i4", 16: "<f4", 64: "<f8", 512: "<u2"}[int(np.frombuffer(data, "<i2", 1, 70)[0])]
@@ -68,7 +68,7 @@ def read_nifti(file: Path, modality: str, scale_to: float | None = None) -> Scan
 
 
 def turning(pitch: float = 0, yaw: float = 0, roll: float = 0) -> np.ndarray:
-    """Degrees about x (nodding), z (looking aside), y (leaning to a shoulder)."""
+    """Returns a rotation by degrees about x (nodding), z (looking aside) and y (leaning towards a shoulder)."""
     p, w, r = np.radians([pitch, yaw, roll])
     about_x = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
     about_z = np.array([[np.cos(w), -np.sin(w), 0], [np.sin(w), np.cos(w), 0], [0, 0, 1]])
@@ -77,7 +77,7 @@ def turning(pitch: float = 0, yaw: float = 0, roll: float = 0) -> np.ndarray:
 
 
 def turned(scan: Scan, **degrees: float) -> Scan:
-    """The patient turned in the scanner, the box of the picture with him."""
+    """Rotates the patient in the scanner, and the box of the image with them."""
     return replace(scan, direction=turning(**degrees) @ scan.direction)
 
 
@@ -86,7 +86,7 @@ def mirrored(scan: Scan) -> Scan:
 
 
 def cropped(scan: Scan, axis: int, low: float, high: float) -> Scan:
-    """Shares of the way along a patient's axis (0 to the left, 1 to the back, 2 to the head)."""
+    """Crops to shares of a patient's axis (0 to the left, 1 to the back, 2 to the head)."""
     along = int(np.argmax(np.abs(scan.direction[axis])))
     if scan.direction[axis, along] < 0:
         low, high = 1 - high, 1 - low
@@ -97,7 +97,7 @@ def cropped(scan: Scan, axis: int, low: float, high: float) -> Scan:
 
 
 def thick(scan: Scan, factor: int) -> Scan:
-    """Slices `factor` times as thick, each their mean."""
+    """Averages groups of `factor` slices into thick ones."""
     n = scan.voxels.shape[0] // factor * factor
     means = scan.voxels[:n].reshape(-1, factor, *scan.voxels.shape[1:]).mean(1)
     x, y, z = scan.spacing
@@ -112,12 +112,12 @@ def noisy(scan: Scan, sigma: float, seed: int = 1) -> Scan:
     rng = np.random.default_rng(seed)
     values = scan.voxels + rng.normal(0, sigma, scan.voxels.shape)
     if scan.modality != "CT":
-        values = np.hypot(values, rng.normal(0, sigma, scan.voxels.shape))      # of a magnitude: Rice's
+        values = np.hypot(values, rng.normal(0, sigma, scan.voxels.shape))      # Rician noise of a magnitude
     return replace(scan, voxels=np.clip(np.round(values), -32768, 32767).astype(np.int16))
 
 
 def inverted(scan: Scan) -> Scan:
-    """MR: what is bright in the body dark and the other way round, air as it was."""
+    """MR: inverts the brightness of the body and keeps the air."""
     high = np.percentile(scan.voxels, 99.5)
     body = scan.voxels > 0.08 * high
     values = np.where(body, np.clip(1.15 * high - scan.voxels, 0.1 * high, None), scan.voxels)
@@ -125,21 +125,21 @@ def inverted(scan: Scan) -> Scan:
 
 
 def shaded(scan: Scan, strength: float) -> Scan:
-    """A coil that fades by that share towards the feet and the back."""
+    """Simulates a coil that fades by that share towards the feet and the back."""
     nz, ny, _ = scan.voxels.shape
     fade = 1 - strength * (np.linspace(1, 0, nz)[:, None, None] + np.linspace(0, 1, ny)[None, :, None]) / 2
     return replace(scan, voxels=np.round(scan.voxels * fade).astype(np.int16))
 
 
 def as_sagittal(scan: Scan) -> Scan:
-    """The same body, stored in sagittal slices."""
+    """Stores the same body in sagittal slices."""
     order = [1, 2, 0]       # y, z, x become the new x, y, z
     voxels = scan.voxels.transpose(2, 0, 1)
     return Scan(voxels, tuple(scan.spacing[i] for i in order), scan.direction[:, order], scan.modality)
 
 
 def places(scan: Scan) -> np.ndarray:
-    """Of every voxel in the world of scenes: mm, the middle of the volume at 0; (z, y, x, 3)."""
+    """Returns the position of every voxel in world space: mm, the centre of the volume at 0, as (z, y, x, 3)."""
     n = scan.voxels.shape[::-1]
     z, y, x = np.meshgrid(*(np.arange(m, dtype=np.float32) + 0.5 - m / 2 for m in n[::-1]), indexing="ij")
     return np.stack([x * scan.spacing[0], y * scan.spacing[1], z * scan.spacing[2]], -1) @ scan.direction.T.astype(np.float32)

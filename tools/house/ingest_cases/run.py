@@ -1,4 +1,4 @@
-"""Makes each case, lets it be judged, and says whether the result is the one of the table."""
+"""Creates each case, obtains its results, and compares them with the table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Row:
     case: Case
     server: Judged
     browser: Judged
-    faults: tuple[str, ...]         # empty: as expected
+    faults: tuple[str, ...]         # empty if the results are as expected
 
 
 def run(cases: Sequence[Case] = tuple(CASES)) -> list[Row]:
@@ -65,7 +65,7 @@ def _of_browser(case: Case, browser: Judged) -> list[str]:
 
 
 def _of_sent(case: Case, server: Judged, sent: Judged) -> list[str]:
-    """What the page sends, without names, of the first series, becomes the volume that the disc does."""
+    """Checks that the files that the page sends of the first series, without names, give the same volume as the disc."""
     if sent.outcome != "built" or sent.volume is None:
         return [f"what the page sends: {sent.outcome} ({sent.words})"]
     if case.expected == "built" and sent.volume.voxels.shape != server.volume.voxels.shape:
@@ -74,7 +74,7 @@ def _of_sent(case: Case, server: Judged, sent: Judged) -> list[str]:
 
 
 def table(rows: Sequence[Row]) -> list[str]:
-    """Case | expected | got, a line each."""
+    """Returns one line per case: case | expected | got."""
     def got(row: Row) -> str:
         text = row.server.outcome
         if row.browser.outcome != row.server.outcome:

@@ -1,64 +1,83 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 import { count, fixed, number } from "./counting";
 import { reasons } from "./reasons";
 
 export const add: Texts["add"] = {
-  lead: "Wählen Sie den Ordner oder die CD, die Sie vom Krankenhaus haben. Die Schichten werden von selbst gefunden, wie auch immer die Dateien heißen.",
-  privacy: "Name, Daten und Nummern der Person werden aus den Dateien entfernt, bevor sie gesendet werden: Sie verlassen diesen Browser nie. Der Server behält nur das Volumen und löscht die Dateien.",
-  privacy_short: "Der Name wird nur hier gezeigt. Er wird entfernt, bevor etwas gesendet wird.",
+  lead: "Wählen Sie den Ordner oder die CD, die Sie vom Krankenhaus bekommen haben. Diaphane findet die Aufnahmen darin, egal wie die Dateien heißen.",
+  privacy:
+    "Name, Datumsangaben und Kennnummern der untersuchten Person werden aus den Dateien entfernt, bevor etwas diesen Browser verlässt. Wir behalten nur die 3D-Bilddaten und löschen die hochgeladenen Dateien.",
+  privacyShort:
+    "Den Namen der untersuchten Person sehen nur Sie, hier in diesem Browser. Er wird entfernt, bevor etwas hochgeladen wird.",
   drop: "Ordner hierher ziehen",
-  dropping: "Loslassen, um hineinzusehen",
+  dropping: "Loslassen, um die Dateien zu lesen",
   or: "oder",
   choose: "Ordner wählen",
-  scanning: "Die Dateien werden angesehen …",
+  scanning: "Die Dateien werden gelesen …",
   scanned: (done, total) => `${number.format(done)} von ${count(total, "Datei", "Dateien")}`,
   stop: "Anhalten",
   another: "Anderen Ordner wählen",
   failed: "Der Ordner konnte nicht gelesen werden. Bitte versuchen Sie es noch einmal.",
-  found: (n) => (n === 1 ? "Eine Serie kann gezeigt werden" : `${number.format(n)} Serien können gezeigt werden`),
-  nothing: "Hier ist keine Aufnahme, die gezeigt werden kann",
-  nothing_empty: "Der Ordner ist leer.",
-  nothing_no_dicom: (n) => (n === 1 ? "Die eine Datei ist keine DICOM-Datei." : `Keine der ${number.format(n)} Dateien ist eine DICOM-Datei.`) + " Auf CDs vom Krankenhaus liegen sie oft in einem Ordner namens DICOM.",
-  nothing_hint: "Das wurde gefunden, und darum kann es nicht gezeigt werden.",
-  hidden: (n) => `${count(n, "Serie wird", "Serien werden")} nicht gezeigt. Warum?`,
-  others: (n) => `${count(n, "Datei ist", "Dateien sind")} nicht DICOM und ${n === 1 ? "bleibt" : "bleiben"} unberührt.`,
+  found: (n) =>
+    n === 1 ? "1 Bildserie kann angezeigt werden" : `${number.format(n)} Bildserien können angezeigt werden`,
+  nothing: "Keine Aufnahme gefunden, die angezeigt werden kann",
+  nothingEmpty: "Dieser Ordner ist leer. Wählen Sie einen anderen.",
+  nothingNoDicom: (n) =>
+    (n === 1
+      ? "Diese Datei ist keine DICOM-Datei."
+      : `Keine dieser ${number.format(n)} Dateien ist eine DICOM-Datei.`) +
+    " Auf CDs vom Krankenhaus liegen die Aufnahmen oft in einem Ordner namens DICOM.",
+  nothingHint: "Wir haben Bildserien gefunden, aber keine davon kann angezeigt werden. Die Gründe stehen unten.",
+  hidden: (n) =>
+    n === 1
+      ? "1 Bildserie kann nicht angezeigt werden. Warum?"
+      : `${number.format(n)} Bildserien können nicht angezeigt werden. Warum?`,
+  others: (n) =>
+    n === 1
+      ? "1 Datei ist keine DICOM-Datei und wurde nicht berücksichtigt."
+      : `${number.format(n)} Dateien sind keine DICOM-Dateien und wurden nicht berücksichtigt.`,
   unreadable: (n) => `${count(n, "Datei konnte", "Dateien konnten")} nicht gelesen werden.`,
-  series_untitled: "Serie ohne Namen",
+  seriesUntitled: "Serie ohne Namen",
   slices: (n) => count(n, "Schicht", "Schichten"),
   size: (x, y, z) => `${x.toFixed(0)} × ${y.toFixed(0)} × ${z.toFixed(0)} mm`,
   born: (date) => `geboren am ${date}`,
-  patient_unknown: "Person ohne Namen",
+  patientUnknown: "Name unbekannt",
   thumbnail: "Mittlere Schicht",
-  no_thumbnail: "Keine Vorschau: komprimiert",
+  noThumbnail: "Keine Vorschau, weil die Bilder komprimiert sind",
   title: "Ihr Name für diese Aufnahme",
-  title_hint: "Freiwillig. Andere sehen ihn nicht; besser kein Name eines Menschen.",
-  title_example: "Kopf, Frühjahr",
+  titleHint:
+    "Freiwillig. Alle, mit denen Sie die Aufnahme teilen, können ihn sehen. Verwenden Sie deshalb keinen Personennamen.",
+  titleExample: "Kopf, Frühjahr",
   upload: "Hochladen",
-  starting: "Es geht los …",
-  left_out: (left) =>
+  starting: "Wird gestartet …",
+  leftOut: (left) =>
     [
-      left.doubles > 0 ? `${count(left.doubles, "doppelte Schicht", "doppelte Schichten")} ausgelassen` : "",
-      left.scouts > 0 ? `${count(left.scouts, "Übersichtsbild", "Übersichtsbilder")} ausgelassen` : "",
-      left.others > 0 ? `${count(left.others, "Schicht", "Schichten")} von anderer Größe ausgelassen` : "",
-      left.damaged > 0 ? `${count(left.damaged, "beschädigte Schicht", "beschädigte Schichten")} ausgelassen` : "",
+      left.doubles > 0 ? `${count(left.doubles, "doppelte Schicht", "doppelte Schichten")} übersprungen` : "",
+      left.scouts > 0 ? `${count(left.scouts, "Übersichtsbild", "Übersichtsbilder")} übersprungen` : "",
+      left.others > 0 ? `${count(left.others, "Schicht", "Schichten")} anderer Größe übersprungen` : "",
+      left.damaged > 0 ? `${count(left.damaged, "beschädigte Schicht", "beschädigte Schichten")} übersprungen` : "",
     ].filter((text) => text !== ""),
-  go_on: "Hochladen fortsetzen",
-  go_on_text: (percent) => `Das Hochladen dieser Aufnahme wurde bei ${percent} % unterbrochen. Was angekommen ist, wird nicht noch einmal gesendet.`,
-  sent_elsewhere: "Diese Aufnahme wird gerade in einem anderen Fenster dieses Browsers hochgeladen.",
-  storage_full: "Der Server hat gerade keinen Platz mehr. Es wurde nichts gesendet. Bitte versuchen Sie es später noch einmal.",
+  goOn: "Upload fortsetzen",
+  goOnText: (percent) =>
+    `Der Upload dieser Aufnahme wurde bei ${percent} % unterbrochen. Er wird dort fortgesetzt, wo er aufgehört hat.`,
+  sentElsewhere: "Diese Aufnahme wird bereits in einem anderen Fenster dieses Browsers hochgeladen.",
+  storageFull:
+    "Der Server hat keinen Speicherplatz mehr, darum wurde nichts hochgeladen. Bitte versuchen Sie es später noch einmal.",
   repair: (repair) => {
     switch (repair.kind) {
       case "straightened":
-        return `schräg aufgenommen, wird um ${fixed(repair.degrees, 1)} Grad aufgerichtet`;
+        return `schräg aufgenommen, wird um ${fixed(repair.degrees, 1)}° aufgerichtet`;
       case "filled_in":
-        return `${count(repair.slices, "fehlende Schicht wird", "fehlende Schichten werden")} aus den Nachbarn ergänzt`;
+        return `${count(repair.slices, "fehlende Schicht wird", "fehlende Schichten werden")} aus den Nachbarschichten ergänzt`;
       case "varying":
-        return `die Schichten liegen ${fixed(repair.from_mm, 1)} bis ${fixed(repair.to_mm, 1)} mm auseinander, darum können kleine Dinge unscharf aussehen`;
+        return `die Schichten liegen ${fixed(repair.fromMm, 1)} bis ${fixed(repair.toMm, 1)} mm auseinander, darum können kleine Einzelheiten unscharf wirken`;
     }
   },
-  not_slices: (n) => `${count(n, "Datei ist keine Schicht", "Dateien sind keine Schichten")} (Befunde, Bildschirmfotos, Pläne).`,
-  only_reports: "Hier sind nur Befunde oder Bildschirmfotos, keine Schichten einer Aufnahme. Fragen Sie nach den Bildern der Aufnahme im DICOM-Format.",
-  over_quota: (needs, free) => `Diese Aufnahme braucht ${needs}, und ${free} Ihres Platzes sind frei. Bitte löschen Sie zuerst eine Aufnahme.`,
-  too_large: "Diese Aufnahme ist größer, als hochgeladen werden darf.",
+  notSlices: (n) =>
+    `${count(n, "Datei ist kein Schichtbild", "Dateien sind keine Schichtbilder")} (sondern zum Beispiel ein Befund, ein Bildschirmfoto oder ein Plan).`,
+  onlyReports:
+    "Dieser Ordner enthält nur Befunde oder Bildschirmfotos, aber keine Schichtbilder. Bitten Sie das Krankenhaus um die Bilder der Aufnahme im DICOM-Format.",
+  overQuota: (needs, free) =>
+    `Diese Aufnahme braucht ${needs}, aber Sie haben nur noch ${free} Speicherplatz frei. Löschen Sie zuerst eine andere Aufnahme.`,
+  tooLarge: "Diese Aufnahme ist für den Server zu groß.",
   reasons,
 };

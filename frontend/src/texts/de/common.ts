@@ -1,17 +1,24 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 import type { common as english } from "../en/common";
 
 export const common: Pick<Texts, keyof typeof english> = {
   name: "Diaphane",
-  tagline: "Sehen Sie Ihre Aufnahme, wie sie ist.",
+  tagline: "Sehen Sie Ihre eigene Aufnahme in 3D.",
   skip: "Zum Inhalt springen",
-  theme: { to_dark: "Dunkle Ansicht", to_light: "Helle Ansicht" },
-  nav: { scans: "Aufnahmen", add: "Hinzufügen", admin: "Verwaltung", account: "Ihr Konto", sign_out: "Abmelden", signed_in_as: (email) => `Angemeldet als ${email}` },
+  theme: { toDark: "Zur dunklen Darstellung wechseln", toLight: "Zur hellen Darstellung wechseln" },
+  nav: {
+    scans: "Aufnahmen",
+    add: "Hinzufügen",
+    admin: "Verwaltung",
+    account: "Ihr Konto",
+    signOut: "Abmelden",
+    signed_in_as: (email) => `Angemeldet als ${email}`,
+  },
   language: "Sprache",
   close: "Schließen",
   cancel: "Abbrechen",
-  try_again: "Noch einmal versuchen",
+  tryAgain: "Erneut versuchen",
   loading: "Wird geladen …",
-  not_found: "Diese Seite gibt es nicht.",
-  to_start: "Zum Anfang",
+  notFound: "Diese Seite gibt es nicht. Prüfen Sie die Adresse oder gehen Sie zur Startseite.",
+  toStart: "Zur Startseite",
 };

@@ -1,17 +1,19 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 
 export const cut: Texts["cut"] = {
-  title: "Anonym machen",
-  head: "Diese Aufnahme zeigt einen Kopf. An einer Aufnahme kann man ein Gesicht erkennen wie an einem Foto. Der schräge Schnitt nimmt das Gesicht weg; drehen Sie das Bild und sehen Sie nach, ob etwas davon übrig ist.",
-  no_head: "Wir haben in dieser Aufnahme keinen Kopf gefunden, aber wir können uns irren. Sehen Sie das Bild von allen Seiten an: Ist ein Gesicht zu sehen, oder etwas anderes, woran man jemanden erkennen kann?",
-  no_idea: "Sehen Sie das Bild von allen Seiten an: Ist ein Gesicht zu sehen, oder etwas anderes, woran man jemanden erkennen kann?",
-  how: "Ziehen Sie an den runden Griffen im Bild, oder bewegen Sie die Regler. Was abgeschnitten ist, wird weg sein.",
-  area: "Der Kasten im Bild",
-  panel: "Was bleibt",
-  face_plane: "Schräger Schnitt für das Gesicht",
-  plane: "Schräger Schnitt, Ort",
-  tilt: "Schräger Schnitt, Steilheit",
-  aside: "Schräger Schnitt, zur Seite gedreht",
+  title: "Diese Aufnahme anonymisieren",
+  head: "Diese Aufnahme zeigt einen Kopf. Auf einer Aufnahme kann man ein Gesicht erkennen wie auf einem Foto. Der schräge Schnitt entfernt das Gesicht. Drehen Sie das Bild und prüfen Sie, ob vom Gesicht nichts mehr zu sehen ist.",
+  noHead:
+    "Wir haben in dieser Aufnahme keinen Kopf gefunden, aber wir können uns irren. Sehen Sie das Bild von allen Seiten an. Ist ein Gesicht zu sehen oder etwas anderes, woran man jemanden erkennen kann?",
+  noIdea:
+    "Sehen Sie das Bild von allen Seiten an. Ist ein Gesicht zu sehen oder etwas anderes, woran man jemanden erkennen kann?",
+  how: "Ziehen Sie an den runden Griffen im Bild, oder bewegen Sie die Regler. Alles, was Sie abschneiden, wird gelöscht.",
+  area: "Quader im Bild",
+  panel: "Was erhalten bleibt",
+  facePlane: "Schräger Schnitt, um das Gesicht zu entfernen",
+  plane: "Schräger Schnitt: Position",
+  tilt: "Schräger Schnitt: Neigung",
+  aside: "Schräger Schnitt: Drehung zur Seite",
   faces: {
     x: { low: "Rechte Seite", high: "Linke Seite" },
     y: { low: "Vorne", high: "Hinten" },
@@ -19,21 +21,26 @@ export const cut: Texts["cut"] = {
   },
   mm: (value) => `${value} mm`,
   degrees: (value) => `${value}°`,
-  goes: (percent) => (percent === 0 ? "Bis jetzt wird nichts abgeschnitten." : `${percent} % der Aufnahme werden weg sein.`),
-  keep_all: "Alles behalten",
-  propose: "Schneiden wie vorgeschlagen",
-  go_on: "Endgültig schneiden …",
+  goes: (percent) =>
+    percent === 0
+      ? "Bis jetzt ist nichts weggeschnitten."
+      : `${percent} % der Aufnahme ${percent === 1 ? "wird" : "werden"} gelöscht.`,
+  keepAll: "Alles behalten",
+  propose: "Vorgeschlagenen Schnitt verwenden",
+  goOn: "Endgültig schneiden …",
   leave: "Abbrechen",
-  confirm_title: "Das lässt sich nicht rückgängig machen",
-  confirm_lead: "Was abgeschnitten wird, ist endgültig von unseren Festplatten weg: aus der Aufnahme selbst, aus jedem Bild davon, und für alle, die sie gerade ansehen. Niemand kann es zurückholen, weder Sie noch wir. Ihre CD zu Hause bleibt, wie sie ist.",
-  confirm_nothing: "Sie schneiden nichts ab: Die ganze Aufnahme bleibt, wie sie ist, und Sie dürfen sie dann allen zeigen.",
-  confirm_after: "Erst danach können Sie die Aufnahme öffentlich machen. Bis dahin bleibt sie privat.",
+  confirmTitle: "Das lässt sich nicht rückgängig machen",
+  confirmLead:
+    "Was Sie wegschneiden, wird endgültig von unseren Festplatten gelöscht: aus der Aufnahme selbst, aus jedem Bild davon und für alle, die sie gerade ansehen. Niemand kann es wiederherstellen, weder Sie noch wir. Ihre CD zu Hause bleibt, wie sie ist.",
+  confirmNothing:
+    "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und danach können Sie sie allen zeigen.",
+  confirmAfter: "Erst nach diesem Schritt können Sie die Aufnahme öffentlich machen. Bis dahin bleibt sie privat.",
   understood: "Ich habe sie von allen Seiten angesehen und verstanden, dass sich das nicht rückgängig machen lässt.",
-  confirm: "Jetzt endgültig schneiden",
-  working: "Es wird geschnitten. Das dauert ein paar Sekunden.",
-  done_title: "Es ist getan",
-  done: "Was Sie abgeschnitten haben, ist endgültig weg. Die Aufnahme ist weiterhin privat.",
-  look: "Ansehen und teilen",
-  failed: "Der Schnitt war nicht möglich; die Aufnahme ist, wie sie war.",
+  confirm: "Endgültig schneiden",
+  working: "Die Aufnahme wird geschnitten. Das dauert ein paar Sekunden.",
+  doneTitle: "Der Schnitt ist fertig",
+  done: "Was Sie weggeschnitten haben, ist endgültig gelöscht. Die Aufnahme ist weiterhin privat.",
+  look: "Aufnahme ansehen und teilen",
+  failed: "Die Aufnahme konnte nicht geschnitten werden. Sie ist unverändert.",
   back: "Zurück zu meinen Aufnahmen",
 };

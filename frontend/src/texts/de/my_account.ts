@@ -1,51 +1,62 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 import { fixed } from "./counting";
 
-export const my_account: Texts["my_account"] = {
-  room: "Ihr Platz und Ihre Zeit",
-  storage: "Platz für Aufnahmen",
-  storage_used: (used, all) => `${used} von ${all}`,
-  time: "Bildzeit in diesem Monat",
-  time_used: (used, all) => `${used} von ${all}`,
-  time_help: (date) => `Was die Renderer für Ihre Bilder gearbeitet haben. Ein Bild, das scharf geworden ist, kostet nichts mehr. Am ${date} beginnt es von vorn.`,
-  time_spent: (date) => `Ihre Bildzeit für diesen Monat ist verbraucht. Am ${date} beginnt sie von vorn.`,
+export const myAccount: Texts["myAccount"] = {
+  room: "Ihr Speicherplatz und Ihre Rechenzeit",
+  storage: "Speicherplatz",
+  storageUsed: (used, all) => `${used} von ${all}`,
+  time: "Rechenzeit in diesem Monat",
+  timeUsed: (used, all) => `${used} von ${all}`,
+  timeHelp: (date) =>
+    `Rechenzeit ist die Zeit, in der unsere Server Ihre Bilder berechnen. Fertige Bilder verbrauchen keine. Am ${date} wird sie zurückgesetzt.`,
+  timeSpent: (date) => `Ihre Rechenzeit für diesen Monat ist aufgebraucht. Am ${date} wird sie zurückgesetzt.`,
   hours: (ms) => {
     const minutes = ms / 60_000;
-    return minutes < 1 ? `${Math.round(ms / 1000)} s` : minutes < 120 ? `${Math.round(minutes)} min` : `${fixed(minutes / 60, 1)} h`;
+    return minutes < 1
+      ? `${Math.round(ms / 1000)} s`
+      : minutes < 120
+        ? `${Math.round(minutes)} min`
+        : `${fixed(minutes / 60, 1)} h`;
   },
-  address: "Ihre Adresse",
-  address_now: (email) => `Sie melden sich mit ${email} an.`,
-  new_address: "Neue Adresse",
-  change_address: "Adresse ändern",
-  address_sent: (email) => `Öffnen Sie den Link, den wir an ${email} geschickt haben. Bis dahin ändert sich nichts.`,
+  address: "Ihre E-Mail-Adresse",
+  addressNow: (email) => `Sie melden sich mit ${email} an.`,
+  newAddress: "Neue E-Mail-Adresse",
+  changeAddress: "E-Mail-Adresse ändern",
+  addressSent: (email) =>
+    `Wir haben einen Link an ${email} geschickt. Öffnen Sie ihn, um die neue Adresse zu bestätigen. Bis dahin ändert sich nichts.`,
   password: "Ihr Passwort",
-  current: "Jetziges Passwort",
-  change_password: "Passwort ändern",
-  password_changed: "Ihr neues Passwort gilt. Alle anderen Browser wurden abgemeldet.",
+  current: "Aktuelles Passwort",
+  changePassword: "Passwort ändern",
+  passwordChanged: "Ihr Passwort wurde geändert. Alle anderen Browser wurden abgemeldet.",
   browsers: "Wo Sie angemeldet sind",
-  browsers_help: "Kein Ort und keine Adresse wird gespeichert, nur wann und ungefähr mit welchem Browser.",
-  a_browser: "Ein Browser",
-  this_one: "dieser",
+  browsersHelp:
+    "Zu jeder Anmeldung speichern wir nur die Zeit und ungefähr, welcher Browser es war, aber weder Ort noch IP-Adresse.",
+  aBrowser: "Unbekannter Browser",
+  thisOne: "dieser Browser",
   since: (when) => `seit ${when}`,
-  used: (when) => `zuletzt benutzt ${when}`,
-  end_one: "Abmelden",
-  end_one_of: (browser) => `${browser} abmelden`,
-  end_all: "Überall abmelden",
+  used: (when) => `zuletzt benutzt: ${when}`,
+  endOne: "Abmelden",
+  endOneOf: (browser) => `${browser} abmelden`,
+  endAll: "Überall abmelden",
   data: "Ihre Daten",
-  export_help: "Eine Datei mit allem, was von Ihnen gespeichert ist: Ihr Konto, Ihre Aufnahmen als Voxel, Voreinstellungen, Aufzeichnungen, und was damit geschah. Sie liegt hier einen Tag lang, nur für Sie.",
-  export_ask: "Datei erstellen",
-  export_queued: "Die Datei wird erstellt …",
-  export_waiting: "Auf dem Server ist gerade kein Platz für die Datei. Sie wird erstellt, sobald wieder Platz ist; Sie müssen hier nicht warten.",
-  export_ready: (size) => `Die Datei ist fertig: ${size}.`,
-  export_until: (when) => `Sie liegt hier bis ${when}.`,
-  export_failed: "Die Datei konnte nicht erstellt werden. Bitte versuchen Sie es noch einmal.",
-  export_get: "Herunterladen",
-  export_delete: "Datei löschen",
+  exportHelp:
+    "Sie können eine Datei mit allem herunterladen, was wir über Sie gespeichert haben: Ihr Konto, Ihre Aufnahmen als 3D-Bilddaten, Ihre Voreinstellungen und Aufzeichnungen und ein Protokoll darüber, was damit geschehen ist. Nur Sie können die Datei herunterladen. Nach einem Tag löschen wir sie.",
+  exportAsk: "Datei erstellen",
+  exportQueued: "Die Datei wird erstellt …",
+  exportWaiting:
+    "Auf dem Server ist gerade kein Platz für die Datei. Sie wird erstellt, sobald wieder Platz ist. Sie müssen nicht auf dieser Seite warten.",
+  exportReady: (size) => `Die Datei ist fertig: ${size}.`,
+  exportUntil: (when) => `Sie können sie bis ${when} herunterladen.`,
+  exportFailed: "Die Datei konnte nicht erstellt werden. Bitte versuchen Sie es noch einmal.",
+  exportGet: "Herunterladen",
+  exportDelete: "Datei löschen",
   remove: "Konto löschen",
-  remove_help: "Ihre Aufnahmen, Bilder, Voreinstellungen, Aufzeichnungen und Freigaben gehen mit, sofort und endgültig. Niemand kann sie zurückholen.",
-  remove_ask: "Mein Konto löschen …",
-  remove_title: "Alles löschen?",
-  remove_text: "Alle Ihre Aufnahmen und Ihr Konto werden jetzt gelöscht. Offene Bilder enden, Links gelten nicht mehr. Das lässt sich nicht rückgängig machen. Geben Sie zur Bestätigung Ihr Passwort ein.",
-  remove_yes: "Alles löschen",
-  removed: "Ihr Konto und alles, was dazu gehörte, wurde gelöscht.",
+  removeHelp:
+    "Mit Ihrem Konto werden auch Ihre Aufnahmen, Bilder, Voreinstellungen und Aufzeichnungen gelöscht, und alle Freigaben enden. Das geschieht sofort und lässt sich nicht rückgängig machen.",
+  removeAsk: "Mein Konto löschen …",
+  removeTitle: "Konto löschen?",
+  removeText:
+    "Damit werden Ihr Konto und alle Ihre Aufnahmen endgültig gelöscht. Offene Bilder werden geschlossen, und Links gelten nicht mehr. Das lässt sich nicht rückgängig machen. Geben Sie zur Bestätigung Ihr Passwort ein.",
+  removeYes: "Konto löschen",
+  removed: "Ihr Konto und alle zugehörigen Daten wurden gelöscht.",
 };

@@ -1,12 +1,13 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 import { count, fixed } from "./counting";
 
 export const recording: Texts["recording"] = {
-  open: "Aufzeichnung",
-  title: "Aufzeichnen, wie ich Bilder ansehe",
-  lead: "Das hilft, Diaphane so schneller zu machen, wie Menschen es wirklich benutzen. Aufgezeichnet wird, wie Sie ein Bild drehen und sein Aussehen wählen, und wann: nicht Ihr Name, nicht welche Aufnahme, kein Bild. Aufzeichnungen werden nach 90 Tagen gelöscht, und wann immer Sie möchten.",
+  open: "Nutzungsaufzeichnung",
+  title: "Nutzungsaufzeichnung",
+  lead: "Damit helfen Sie uns, Diaphane so schneller zu machen, wie es wirklich benutzt wird. Wir zeichnen auf, wie und wann Sie die Ansicht drehen und die Darstellung wechseln. Wir zeichnen weder Ihren Namen noch Bilder auf, und auch nicht, welche Aufnahme Sie ansehen. Aufzeichnungen werden nach 90 Tagen gelöscht, und Sie können sie jederzeit selbst löschen.",
   consent: "Aufzeichnen, wie ich Bilder ansehe",
-  item: (seconds, steps) => `${seconds < 60 ? `${seconds.toFixed(0)} s` : `${fixed(seconds / 60, 1)} min`}, ${count(steps, "Schritt", "Schritte")}`,
-  export_one: "Herunterladen",
-  delete_one: "Löschen",
+  item: (seconds, steps) =>
+    `${seconds < 60 ? `${seconds.toFixed(0)} s` : `${fixed(seconds / 60, 1)} min`}, ${count(steps, "Schritt", "Schritte")}`,
+  exportOne: "Herunterladen",
+  deleteOne: "Löschen",
 };

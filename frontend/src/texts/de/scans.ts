@@ -1,69 +1,132 @@
-import type { Texts } from "..";
-import { count } from "./counting";
+import type { Texts } from "../shape";
+import type { Correction } from "../../scan/corrections";
+import { count, fixed, number } from "./counting";
+
+const corrected: Record<Correction, string> = {
+  tilt: "sie war schräg aufgenommen",
+  spacing: "ihre Schichten hatten ungleiche Abstände",
+  missing: "einige Schichten fehlten",
+  duplicates: "sie enthielt doppelte Bilder",
+  overview: "sie enthielt Übersichtsbilder",
+  size: "einige Schichten hatten eine andere Größe",
+  damaged: "einige Dateien waren beschädigt",
+  brightness: "die Helligkeit ihrer Schichten war nicht einheitlich",
+  negative: "sie war als Negativ gespeichert",
+};
+
+const list = new Intl.ListFormat("de");
 
 export const scans: Texts["scans"] = {
-  lead_empty: "Bringen Sie eine Aufnahme mit: einen Ordner oder eine CD aus Ihrem Krankenhaus, mit Dateien im DICOM-Format.",
+  leadEmpty:
+    "Fügen Sie eine Aufnahme aus einem Ordner oder von einer CD Ihres Krankenhauses hinzu. Die Dateien müssen im DICOM-Format vorliegen.",
   empty: "Noch keine Aufnahmen",
-  add: "Neue Aufnahme",
+  add: "Aufnahme hinzufügen",
   list: "Ihre Aufnahmen",
   examples: "Beispiele",
   used: (used, all) => `${used} von ${all} belegt`,
   untitled: "Aufnahme ohne Namen",
-  sample_title: "Beispielaufnahme",
+  sampleTitle: "Beispielaufnahme",
   sample: "Beispiel",
   shared: "Öffentlich",
   open: (title) => `${title} öffnen`,
   remove: (title) => `${title} löschen`,
-  remove_title: "Diese Aufnahme löschen?",
-  remove_text: (title) => `„${title}“ und alles, was daraus gemacht wurde, ist dann endgültig weg. Ihre eigene CD bleibt unberührt.`,
-  remove_yes: "Löschen",
+  removeTitle: "Diese Aufnahme löschen?",
+  removeText: (title) =>
+    `„${title}“ und alles, was daraus entstanden ist, wird endgültig gelöscht. Ihre eigene CD bleibt davon unberührt.`,
+  removeYes: "Löschen",
   upload: {
     sending: (percent, left) => (left ? `${percent} %, ${left}` : `${percent} %`),
-    waiting: "Wartet, bis andere hochgeladen sind.",
+    waiting: "Wartet, bis andere Aufnahmen hochgeladen sind.",
     paused: (percent) => `Angehalten bei ${percent} %.`,
     elsewhere: (percent) => `${percent} %, in einem anderen Fenster.`,
-    hindered: {
-      connection: "Verbindung unterbrochen. Das Hochladen geht von selbst weiter.",
-      storage_full: "Der Server hat gerade keinen Platz mehr. Was angekommen ist, bleibt, und es wird jede Minute wieder versucht.",
+    stalled: {
+      connection: "Die Verbindung wurde unterbrochen. Der Upload wird von selbst fortgesetzt.",
+      storage_full:
+        "Der Server hat keinen Speicherplatz mehr. Was schon hochgeladen ist, bleibt erhalten, und der Upload wird jede Minute erneut versucht.",
     },
     refused: {
-      expired: "Das Hochladen ruhte zu lange und ist abgelaufen. Löschen Sie es und laden Sie die Aufnahme noch einmal hoch.",
-      gone: "Dieses Hochladen wurde gelöscht, hier oder auf einem anderen Gerät.",
-      too_large: "Der Server nimmt nichts in dieser Größe an.",
-      signed_out: "Sie wurden abgemeldet. Melden Sie sich an und wählen Sie denselben Ordner noch einmal; es geht dort weiter, wo es aufgehört hat.",
-      other: "Das Hochladen wurde abgelehnt. Löschen Sie es und versuchen Sie es noch einmal.",
+      expired:
+        "Der Upload war zu lange inaktiv und ist abgelaufen. Löschen Sie ihn und laden Sie die Aufnahme noch einmal hoch.",
+      gone: "Dieser Upload wurde gelöscht, hier oder auf einem anderen Gerät.",
+      too_large: "Diese Aufnahme ist für den Server zu groß.",
+      signed_out:
+        "Sie wurden abgemeldet. Melden Sie sich an und wählen Sie denselben Ordner noch einmal. Der Upload wird dann dort fortgesetzt, wo er aufgehört hat.",
+      other: "Der Server hat den Upload abgelehnt. Löschen Sie ihn und versuchen Sie es noch einmal.",
     },
     pause: "Anhalten",
-    resume: "Weiter",
-    pause_of: (title) => `Das Hochladen von ${title} anhalten`,
-    resume_of: (title) => `Das Hochladen von ${title} fortsetzen`,
+    resume: "Fortsetzen",
+    pauseOf: (title) => `Upload von ${title} anhalten`,
+    resumeOf: (title) => `Upload von ${title} fortsetzen`,
     left: (seconds) =>
-      seconds < 50 ? "noch weniger als eine Minute" : seconds < 3300 ? `noch etwa ${count(Math.round(seconds / 60), "Minute", "Minuten")}` : `noch etwa ${count(Math.round(seconds / 3600), "Stunde", "Stunden")}`,
+      seconds < 50
+        ? "noch weniger als eine Minute"
+        : seconds < 3300
+          ? `noch etwa ${count(Math.round(seconds / 60), "Minute", "Minuten")}`
+          : `noch etwa ${count(Math.round(seconds / 3600), "Stunde", "Stunden")}`,
     all: (uploads, percent) => `${count(uploads, "Aufnahme", "Aufnahmen")}, ${percent} %`,
   },
   interrupted: (percent) => `Unterbrochen bei ${percent} %`,
-  interrupted_hint: "Wählen Sie denselben Ordner noch einmal, und das Hochladen geht dort weiter, wo es aufgehört hat. Der Browser darf ihn nicht von selbst öffnen: Das schützt Ihre Dateien.",
-  go_on: "Weiter",
-  cancel_upload: (title) => `Das Hochladen von ${title} abbrechen`,
-  cancel_title: "Dieses Hochladen abbrechen?",
-  cancel_text: (title) => `Was von „${title}“ angekommen ist, wird sofort gelöscht. Ihre eigene CD bleibt unberührt.`,
-  cancel_yes: "Hochladen abbrechen",
-  cancel_no: "Weiter hochladen",
+  interruptedHint:
+    "Wählen Sie denselben Ordner noch einmal, um den Upload dort fortzusetzen, wo er aufgehört hat. Zum Schutz Ihrer Dateien kann der Browser den Ordner nicht von selbst öffnen.",
+  goOn: "Fortsetzen",
+  cancelUpload: (title) => `Upload von ${title} abbrechen`,
+  cancelTitle: "Upload abbrechen?",
+  cancelText: (title) =>
+    `Was von „${title}“ schon hochgeladen ist, wird sofort gelöscht. Ihre eigene CD bleibt davon unberührt.`,
+  cancelYes: "Upload abbrechen",
+  cancelNo: "Weiter hochladen",
   states: {
     uploading: "Wird hochgeladen",
     queued: "Wartet",
     building: "Wird vorbereitet",
     ready: "Bereit",
-    refused: "Kann nicht gezeigt werden",
-    expired: "Hochladen abgelaufen",
+    refused: "Kann nicht angezeigt werden",
+    expired: "Upload abgelaufen",
   },
-  waiting_for: {
-    room: "Auf dem Server ist gerade kein Platz für diese Aufnahme. Ihre Aufnahme ist sicher, und es geht von selbst weiter, sobald wieder Platz ist.",
-    memory: "Der Server hat gerade zu wenig Arbeitsspeicher für diese Aufnahme. Ihre Aufnahme ist sicher, und es geht von selbst weiter.",
-    service: "Ein Teil des Servers ist gerade nicht erreichbar. Ihre Aufnahme ist sicher, und es geht von selbst weiter.",
+  waitingFor: {
+    room: "Auf dem Server ist gerade kein Platz für diese Aufnahme. Ihre Aufnahme ist sicher, und die Verarbeitung geht von selbst weiter, sobald wieder Platz ist.",
+    memory:
+      "Der Server hat gerade nicht genug Arbeitsspeicher für diese Aufnahme. Ihre Aufnahme ist sicher, und die Verarbeitung geht von selbst weiter.",
+    service:
+      "Ein Teil des Servers ist gerade nicht erreichbar. Ihre Aufnahme ist sicher, und die Verarbeitung geht von selbst weiter.",
+    interruption:
+      "Die Verarbeitung wurde mehrmals unterbrochen. Ihre Aufnahme ist sicher, und die Verarbeitung beginnt nach einer Pause von selbst noch einmal.",
   },
-  expired_hint: "Das Hochladen wurde nicht rechtzeitig fertig. Löschen Sie es und versuchen Sie es noch einmal.",
-  repaired: (repairs) => `Ausgebessert: ${repairs.join("; ")}`,
+  expiredHint:
+    "Der Upload wurde nicht rechtzeitig fertig. Löschen Sie ihn und laden Sie die Aufnahme noch einmal hoch.",
+  repaired: (what) =>
+    what.length === 0
+      ? "Wir haben diese Aufnahme korrigiert."
+      : `Wir haben diese Aufnahme korrigiert, denn ${list.format(what.map((one) => corrected[one]))}.`,
+  repairDetails: "Einzelheiten",
+  repairNote: (note) => {
+    switch (note.kind) {
+      case "tilt":
+        return `Die Neigung des Geräts um ${fixed(note.degrees, 1)}° wurde ausgeglichen.`;
+      case "spacing":
+        return `Die Schichten lagen ${fixed(note.fromMm, 2)} bis ${fixed(note.toMm, 2)} mm auseinander und wurden auf ${fixed(note.usedMm, 2)} mm umgerechnet. Kleine Einzelheiten können deshalb unscharf sein.`;
+      case "positions":
+        return `Die Schichten lagen bis zu ${fixed(note.mm, 2)} mm neben ihrem Platz. Verwendet wurde der mittlere Abstand.`;
+      case "missing":
+        return `${count(note.count, "fehlende Schicht wurde", "fehlende Schichten wurden")} aus den Nachbarschichten ergänzt.`;
+      case "duplicates":
+        return `${count(note.count, "Schicht war", "Schichten waren")} doppelt vorhanden und wurde${note.count === 1 ? "" : "n"} nur einmal übernommen.`;
+      case "overview":
+        return `${count(note.count, "Übersichtsbild wurde", "Übersichtsbilder wurden")} ausgelassen.`;
+      case "size":
+        return `${count(note.count, "Schicht mit anderer Größe wurde", "Schichten mit anderer Größe wurden")} ausgelassen.`;
+      case "damaged":
+        return `${count(note.count, "beschädigte oder unlesbare Datei wurde", "beschädigte oder unlesbare Dateien wurden")} ausgelassen.`;
+      case "clipped":
+        return `Werte über ${number.format(note.limit)} wurden abgeschnitten.`;
+      case "halved":
+        return "Die Werte wurden zum Speichern halbiert.";
+      case "brightness":
+        return "Die Schichten hatten verschiedene Werteskalen und wurden auf eine gemeinsame umgerechnet.";
+      case "negative":
+        return "Das Negativ wurde in ein Positiv umgewandelt.";
+    }
+  },
   picture: (title) => `Bild von ${title}`,
-  pictures_later: "Das Bild entsteht gerade",
+  picturesLater: "Das Bild wird gerade erstellt",
 };

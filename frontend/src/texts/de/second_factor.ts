@@ -1,33 +1,45 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 
-export const second_factor: Texts["second_factor"] = {
-  title: "Zweiter Faktor",
-  about: "Mit einem zweiten Faktor werden Sie beim Anmelden nach Ihrem Passwort und nach einem Code gefragt, den eine App auf Ihrem Telefon zeigt (jede App für zeitabhängige Einmalcodes). Wer nur Ihr Passwort kennt, kommt nicht hinein.",
-  required: "Sie gehören zur Verwaltung. Deren Seiten öffnen sich, sobald Sie einen zweiten Faktor eingerichtet haben.",
-  to_account: "In Ihrem Konto einrichten",
+export const secondFactor: Texts["secondFactor"] = {
+  title: "Zwei-Faktor-Authentifizierung",
+  about:
+    "Mit der Zwei-Faktor-Authentifizierung melden Sie sich mit Ihrem Passwort und mit einem Code aus einer App auf Ihrem Telefon an (jede TOTP-Authenticator-App eignet sich). Ein gestohlenes Passwort allein genügt dann nicht mehr.",
+  required:
+    "Sie gehören zur Verwaltung. Richten Sie die Zwei-Faktor-Authentifizierung ein, um die Verwaltungsseiten zu nutzen.",
+  toAccount: "In Ihrem Konto einrichten",
   begin: "Einrichten",
-  scan: "1. Lesen Sie dies mit der Authenticator-App Ihres Telefons ein.",
-  qr: "QR-Code für eine Authenticator-App; dasselbe wie der Schlüssel darunter, den man eintippen kann",
-  or_type: "Oder tippen Sie diesen Schlüssel ein:",
-  confirm: "Einschalten",
-  code: "Code Ihres Geräts",
-  code_hint: "Sechs Ziffern, die alle 30 Sekunden wechseln.",
-  recovery_code: "Ersatzcode",
-  recovery_code_hint: "Einer der zehn, die Sie aufbewahrt haben. Jeder gilt einmal.",
-  recovery_title: "Ihre Ersatzcodes",
-  recovery_text: "Ab jetzt werden Sie beim Anmelden nach einem Code gefragt. Bewahren Sie diese dort auf, wo Sie sie ohne Ihr Telefon finden: Jeder lässt Sie einmal hinein, anstelle eines Codes. Sie werden nicht noch einmal gezeigt.",
-  kept: "Ich habe sie aufbewahrt",
-  set_up_since: (day) => `Eingerichtet seit ${day}.`,
-  codes_left: (left) => (left === 1 ? "Ein Ersatzcode ist übrig." : `${left.toFixed(0)} Ersatzcodes sind übrig.`),
-  renew: "Neue Ersatzcodes …",
-  remove: "Entfernen …",
-  remove_required: "Sie gehören zur Verwaltung: Davon ist nichts offen, bis Sie ihn wieder einrichten.",
+  scan: "Scannen Sie diesen QR-Code mit der Authenticator-App auf Ihrem Telefon.",
+  qr: "QR-Code für eine Authenticator-App. Er enthält denselben Schlüssel wie der Text darunter.",
+  orType: "Oder geben Sie diesen Schlüssel in der App ein:",
+  confirm: "Aktivieren",
+  code: "Authentifizierungscode",
+  codeHint: "Die sechs Ziffern, die Ihre App anzeigt. Sie wechseln alle 30 Sekunden.",
+  recoveryCode: "Ersatzcode",
+  recoveryCodeHint: "Einer der zehn Codes, die Sie aufbewahrt haben. Jeder gilt nur einmal.",
+  recoveryTitle: "Ihre Ersatzcodes",
+  recoveryText:
+    "Ab jetzt brauchen Sie zum Anmelden einen Code. Bewahren Sie diese Ersatzcodes dort auf, wo Sie sie auch ohne Ihr Telefon finden. Jeden können Sie einmal anstelle eines Authentifizierungscodes verwenden. Sie werden nicht noch einmal angezeigt.",
+  kept: "Ich habe sie gespeichert",
+  setUpSince: (day) => `Aktiv seit ${day}.`,
+  codesLeft: (left) => (left === 1 ? "Sie haben noch 1 Ersatzcode." : `Sie haben noch ${left.toFixed(0)} Ersatzcodes.`),
+  renew: "Neue Ersatzcodes erstellen …",
+  remove: "Deaktivieren …",
+  removeRequired:
+    "Sie gehören zur Verwaltung. Ohne Zwei-Faktor-Authentifizierung können Sie die Verwaltungsseiten nicht nutzen.",
   ask: {
-    renew: { title: "Neue Ersatzcodes?", text: "Die alten gelten dann nicht mehr. Bestätigen Sie mit Ihrem Passwort und einem Code.", yes: "Neue erstellen" },
-    remove: { title: "Zweiten Faktor entfernen?", text: "Dann genügt Ihr Passwort allein. Bestätigen Sie damit und mit einem Code; ein Ersatzcode geht auch.", yes: "Entfernen" },
+    renew: {
+      title: "Neue Ersatzcodes erstellen?",
+      text: "Ihre alten Codes gelten dann nicht mehr. Bestätigen Sie mit Ihrem Passwort und einem Authentifizierungscode.",
+      yes: "Neue Codes erstellen",
+    },
+    remove: {
+      title: "Zwei-Faktor-Authentifizierung deaktivieren?",
+      text: "Zum Anmelden genügt dann Ihr Passwort allein. Bestätigen Sie mit Ihrem Passwort und einem Authentifizierungscode oder Ersatzcode.",
+      yes: "Deaktivieren",
+    },
   },
-  sign_in_lead: "Ihr Passwort stimmt. Jetzt der Code.",
-  use_recovery: "Einen Ersatzcode benutzen",
-  use_device: "Den Code meines Geräts benutzen",
+  signInLead: "Ihr Passwort stimmt. Es fehlt nur noch ein Schritt.",
+  useRecovery: "Ersatzcode verwenden",
+  useDevice: "Code aus meiner App verwenden",
   back: "Zurück",
 };

@@ -1,69 +1,88 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 import { count, number } from "./counting";
 
 export const take: Texts["take"] = {
-  title: "Mitnehmen",
-  file: "Eine Datei",
-  what: "Was",
-  kinds: { picture: "Ein Bild", turntable: "Ein Video, einmal herum", tour: "Ein Video durch gespeicherte Voreinstellungen" },
-  picture: "Ein Bild",
-  picture_lead: "Es wird in der gewählten Größe neu berechnet, während Sie weiter zusehen. Die Datei enthält das Bild und sonst nichts: keinen Namen, kein Datum, nicht welche Aufnahme.",
-  picture_now: "Das Bild, wie es auf dem Bildschirm ist, ohne einen Namen darin.",
+  title: "Speichern oder teilen",
+  file: "Datei speichern",
+  what: "Dateityp",
+  kinds: {
+    picture: "Bild",
+    turntable: "Video einer vollen Drehung",
+    tour: "Videotour durch gespeicherte Voreinstellungen",
+  },
+  picture: "Bild speichern",
+  pictureLead:
+    "Wir berechnen das Bild in der gewählten Größe neu, und Sie können inzwischen weitermachen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
+  pictureNow: "Speichert das Bild so, wie es auf dem Bildschirm zu sehen ist. Die Datei enthält keinen Namen.",
   size: "Größe",
   sizes: {
     screen: (width, height) => `Wie auf dem Bildschirm, ${width} × ${height}`,
     large: (width, height) => `Groß, ${width} × ${height}`,
     largest: (width, height) => `Sehr groß, ${width} × ${height}`,
-    poster: (width, height) => `Für ein Poster, ${width} × ${height}; dauert lange`,
-    other: "Eine andere",
+    poster: (width, height) => `Poster, ${width} × ${height} (dauert lange)`,
+    other: "Eigene Größe",
   },
   width: "Breite",
   height: "Höhe",
-  wrong_size: (least, most) => `Ein Bild hat ${least} bis ${number.format(most)} Bildpunkte je Seite. Bitte geben Sie ganze Zahlen ein.`,
-  other_hint: "Von oben nach unten so viel wie auf dem Bildschirm; an den Seiten mehr oder weniger.",
-  quality: "Wie sauber",
-  qualities: { quick: "Schnell, Fehler 5 %", good: "Gut, Fehler 2 %", best: "Fertig und verlustfrei; dauert am längsten" },
-  time_hint: "Das kostet von Ihrer Bildzeit.",
-  save: "Das Bild speichern",
-  of_picture: {
+  wrongSize: (least, most) =>
+    `Jede Seite muss ${least} bis ${number.format(most)} Bildpunkte lang sein. Geben Sie ganze Zahlen ein.`,
+  otherHint: "Der senkrechte Bildausschnitt bleibt gleich. An den Seiten wird beschnitten oder erweitert.",
+  quality: "Qualität",
+  qualities: {
+    quick: "Entwurf (Rauschen 5 %)",
+    good: "Gut (Rauschen 2 %)",
+    best: "Fertig und verlustfrei (dauert am längsten)",
+  },
+  timeHint: "Das verbraucht Rechenzeit.",
+  save: "Bild speichern",
+  ofPicture: {
     rendering: "Das Bild wird berechnet",
-    saved: "Das Bild ist gespeichert.",
+    saved: "Das Bild wurde gespeichert.",
     stopped: "Es wurde kein Bild gespeichert.",
-    failed: "Das Bild konnte nicht erstellt werden.",
+    failed: "Das Bild konnte nicht berechnet werden.",
   },
-  of_film: {
+  ofFilm: {
     rendering: "Das Video wird berechnet",
-    saved: "Das Video ist gespeichert.",
+    saved: "Das Video wurde gespeichert.",
     stopped: "Es wurde kein Video gespeichert.",
-    failed: "Das Video konnte nicht erstellt werden.",
+    failed: "Das Video konnte nicht berechnet werden.",
   },
-  busy: "Gerade werden für andere Dateien erstellt. Bitte versuchen Sie es in ein paar Minuten noch einmal.",
-  hide: "Ausblenden",
-  turntable_lead: "Was Sie sehen, einmal um die Linie von Fuß zu Kopf gedreht. Es kann immer weiter abgespielt werden. Die Datei enthält die Bilder und sonst nichts: keinen Namen, kein Datum, nicht welche Aufnahme.",
-  tour_lead: "Von einer gespeicherten Voreinstellung zur nächsten: Blickpunkt, Farben und Lichter gehen fließend über. Die Datei enthält die Bilder und sonst nichts: keinen Namen, kein Datum, nicht welche Aufnahme.",
-  seconds: "Sekunden",
-  rate: "Bilder je Sekunde",
-  film_sizes: {
+  busy: "Der Server berechnet gerade Dateien für andere. Versuchen Sie es in ein paar Minuten noch einmal.",
+  hide: "Diese Meldung ausblenden",
+  turntableLead:
+    "Was Sie gerade sehen, einmal um die Längsachse des Körpers gedreht. Das Video läuft ohne Sprung in einer Schleife. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
+  tourLead:
+    "Ein fließender Übergang von einer gespeicherten Voreinstellung zur nächsten: Blickpunkt, Farben und Lichter ändern sich allmählich. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
+  seconds: "Länge in Sekunden",
+  rate: "Bilder pro Sekunde",
+  filmSizes: {
     small: (width, height) => `Klein, ${width} × ${height}`,
     medium: (width, height) => `Mittel, ${width} × ${height}`,
     large: (width, height) => `Groß, ${width} × ${height}`,
   },
-  film_hint: (frames) => (frames > 0 ? `${count(frames, "Bild wird", "Bilder werden")} dafür berechnet. Das kostet von Ihrer Bildzeit.` : "Das kostet von Ihrer Bildzeit."),
-  wrong_seconds: (most) => `Ein Video dauert 1 bis ${most} Sekunden. Bitte geben Sie eine ganze Zahl ein.`,
-  views: "Durch diese Ansichten, in dieser Reihenfolge",
-  view_now: "Was Sie jetzt sehen",
-  no_views: "Von dieser Aufnahme ist noch keine Voreinstellung gespeichert. Speichern Sie welche mit dem Stern oben, jede von dort, von wo Sie schauen wollen.",
-  wrong_views: (most) => `Eine Tour geht durch 2 bis ${most} Ansichten.`,
-  earlier: "Früher",
-  earlier_of: (name) => `${name} früher`,
-  save_film: "Das Video speichern",
-  link: "Ein Link zu dem, was Sie sehen",
-  link_lead: "Er führt alle, die diese Aufnahme sehen dürfen, zu ihr, wie sie jetzt ist: Farben, Lichter, Schnitte und von wo Sie schauen. Er öffnet die Aufnahme niemandem, und es steht kein Name darin.",
-  link_field: "Der Link",
-  link_too_large: "In diesem Bild ist mehr, als in einen Link passt. Speichern Sie es als Voreinstellung.",
+  filmHint: (frames) =>
+    frames > 0
+      ? `Für dieses Video ${frames === 1 ? "wird" : "werden"} ${count(frames, "Bild", "Bilder")} berechnet. Das verbraucht Rechenzeit.`
+      : "Das verbraucht Rechenzeit.",
+  wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
+  views: "Ansichten, in dieser Reihenfolge",
+  viewNow: "Aktuelle Ansicht",
+  noViews:
+    "Für diese Aufnahme sind noch keine Voreinstellungen gespeichert. Speichern Sie einige mit dem Stern oben, eine für jede Ansicht, die in der Tour vorkommen soll.",
+  wrongViews: (most) => `Wählen Sie 2 bis ${most} Ansichten für die Tour.`,
+  earlier: "Nach oben",
+  earlierOf: (name) => `${name} nach oben`,
+  saveFilm: "Video speichern",
+  link: "Link zu dieser Ansicht teilen",
+  linkLead:
+    "Wer diese Aufnahme schon öffnen darf, sieht sie so, wie sie jetzt ist: mit Ihren Farben, Lichtern und Schnitten und aus Ihrem Blickwinkel. Der Link gibt niemandem sonst Zugriff auf die Aufnahme und enthält keinen Namen.",
+  linkField: "Link",
+  linkTooLarge:
+    "Diese Ansicht enthält zu viele Einzelheiten für einen Link. Speichern Sie sie stattdessen als Voreinstellung.",
   copy: "Kopieren",
   copied: "Kopiert.",
-  not_copied: "Der Browser hat das Kopieren nicht erlaubt. Markieren Sie den Link und kopieren Sie ihn selbst.",
-  link_damaged: "Der Link ist beschädigt oder abgeschnitten: Die Aufnahme wird wie gewohnt gezeigt.",
-  link_newer: "Der Link stammt von einem neueren Diaphane: Die Aufnahme wird wie gewohnt gezeigt. Laden Sie die Seite neu und versuchen Sie es noch einmal.",
+  notCopied: "Der Link konnte nicht kopiert werden. Markieren und kopieren Sie ihn von Hand.",
+  linkDamaged: "Dieser Link ist beschädigt oder unvollständig. Die Aufnahme wird deshalb wie gewohnt gezeigt.",
+  linkNewer:
+    "Dieser Link stammt aus einer neueren Version von Diaphane. Die Aufnahme wird deshalb wie gewohnt gezeigt. Laden Sie die Seite neu, und versuchen Sie es noch einmal.",
 };

@@ -1,18 +1,18 @@
-import type { Texts } from "..";
+import type { Texts } from "../shape";
 
 export const titles: Texts["titles"] = {
-  sign_up: "Legen Sie Ihr Konto an",
-  sign_in: "Anmelden",
-  code: "Ihr Code",
-  verify: "Wählen Sie Ihr Passwort",
-  check_mail: "Sehen Sie in Ihre E-Mails",
-  forgot: "Ein neues Passwort",
-  reset: "Wählen Sie ein neues Passwort",
-  confirm_email: "Ihre neue Adresse",
+  signUp: "Konto erstellen",
+  signIn: "Bei Diaphane anmelden",
+  code: "Code eingeben",
+  verify: "Passwort wählen",
+  checkMail: "Prüfen Sie Ihr Postfach",
+  forgot: "Passwort zurücksetzen",
+  reset: "Neues Passwort wählen",
+  confirmEmail: "Ihre neue E-Mail-Adresse",
   account: "Ihr Konto",
   admin: "Verwaltung",
   scans: "Meine Aufnahmen",
-  add: "Neue Aufnahme",
+  add: "Aufnahme hinzufügen",
   view: "Ansicht",
-  not_found: "Hier ist nichts",
+  notFound: "Seite nicht gefunden",
 };

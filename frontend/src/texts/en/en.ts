@@ -6,11 +6,11 @@ import { cut } from "./cut";
 import { kernel } from "./kernel";
 import { live } from "./live";
 import { presets } from "./presets";
-import { my_account } from "./my_account";
+import { myAccount } from "./my_account";
 import { problems } from "./problems";
 import { recording } from "./recording";
 import { scans } from "./scans";
-import { second_factor } from "./second_factor";
+import { secondFactor } from "./second_factor";
 import { settings } from "./settings";
 import { sharing } from "./sharing";
 import { slices } from "./slices";
@@ -28,11 +28,11 @@ export const en = {
   kernel,
   live,
   presets,
-  my_account,
+  myAccount,
   problems,
   recording,
   scans,
-  second_factor,
+  secondFactor,
   settings,
   sharing,
   slices,

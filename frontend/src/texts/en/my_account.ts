@@ -1,49 +1,60 @@
 /** The page of one's own account. */
-export const my_account = {
-  room: "Your space and time",
-  storage: "Space for scans",
-  storage_used: (used: string, all: string) => `${used} of ${all}`,
-  time: "Picture time this month",
-  time_used: (used: string, all: string) => `${used} of ${all}`,
-  time_help: (date: string) => `What the renderers worked for your pictures. A picture that has become sharp takes none. It starts anew on ${date}.`,
-  time_spent: (date: string) => `Your picture time of this month is used up. It starts anew on ${date}.`,
+export const myAccount = {
+  room: "Your storage and rendering time",
+  storage: "Storage",
+  storageUsed: (used: string, all: string) => `${used} of ${all}`,
+  time: "Rendering time this month",
+  timeUsed: (used: string, all: string) => `${used} of ${all}`,
+  timeHelp: (date: string) =>
+    `Rendering time is the time that our servers spend on your pictures. Finished pictures use none. Your rendering time resets on ${date}.`,
+  timeSpent: (date: string) => `You have used up your rendering time for this month. It resets on ${date}.`,
   hours: (ms: number) => {
     const minutes = ms / 60_000;
-    return minutes < 1 ? `${Math.round(ms / 1000)} s` : minutes < 120 ? `${Math.round(minutes)} min` : `${(minutes / 60).toFixed(1)} h`;
+    return minutes < 1
+      ? `${Math.round(ms / 1000)} s`
+      : minutes < 120
+        ? `${Math.round(minutes)} min`
+        : `${(minutes / 60).toFixed(1)} h`;
   },
-  address: "Your address",
-  address_now: (email: string) => `You sign in with ${email}.`,
-  new_address: "New address",
-  change_address: "Change the address",
-  address_sent: (email: string) => `Open the link that we sent to ${email}. Until then nothing changes.`,
+  address: "Your email address",
+  addressNow: (email: string) => `You sign in with ${email}.`,
+  newAddress: "New email address",
+  changeAddress: "Change email address",
+  addressSent: (email: string) =>
+    `We’ve sent a link to ${email}. Open it to confirm the new address. Nothing changes until then.`,
   password: "Your password",
   current: "Current password",
-  change_password: "Change the password",
-  password_changed: "Your new password is in use. Every other browser was signed out.",
-  browsers: "Where you are signed in",
-  browsers_help: "No place and no address is kept, only when and roughly with which browser.",
-  a_browser: "A browser",
-  this_one: "this one",
+  changePassword: "Change password",
+  passwordChanged: "Your password has been changed. All other browsers have been signed out.",
+  browsers: "Where you’re signed in",
+  browsersHelp:
+    "For each sign-in, we store the time and roughly which browser you used, but not your location or IP address.",
+  aBrowser: "Unknown browser",
+  thisOne: "this browser",
   since: (when: string) => `since ${when}`,
   used: (when: string) => `last used ${when}`,
-  end_one: "Sign out",
-  end_one_of: (browser: string) => `Sign out ${browser}`,
-  end_all: "Sign out everywhere",
+  endOne: "Sign out",
+  endOneOf: (browser: string) => `Sign out ${browser}`,
+  endAll: "Sign out everywhere",
   data: "Your data",
-  export_help: "A file with everything that is held of you: your account, your scans as voxels, presets, recordings, and what was done to them. It is kept here for a day, for you alone.",
-  export_ask: "Make the file",
-  export_queued: "The file is being made…",
-  export_waiting: "The server has no room for the file at the moment. It is made as soon as there is room; you need not wait here.",
-  export_ready: (size: string) => `The file is ready: ${size}.`,
-  export_until: (when: string) => `It is kept until ${when}.`,
-  export_failed: "The file could not be made. Try again.",
-  export_get: "Download",
-  export_delete: "Delete the file",
-  remove: "Delete the account",
-  remove_help: "Your scans, pictures, presets, recordings and shares go with it, at once and for good. Nobody can bring them back.",
-  remove_ask: "Delete my account…",
-  remove_title: "Delete everything?",
-  remove_text: "All your scans and your account are deleted now. Pictures that are open end, links stop working. This cannot be undone. Say your password to confirm.",
-  remove_yes: "Delete everything",
-  removed: "Your account and everything of it was deleted.",
+  exportHelp:
+    "You can download a file with all data we store about you: your account, your scans as 3D image data, your presets and recordings, and a log of what was done with them. Only you can download the file. We delete it after one day.",
+  exportAsk: "Create the file",
+  exportQueued: "The file is being created…",
+  exportWaiting:
+    "The server doesn’t have room for the file at the moment. It will be created as soon as there is room. You don’t have to wait on this page.",
+  exportReady: (size: string) => `The file is ready: ${size}.`,
+  exportUntil: (when: string) => `You can download it until ${when}.`,
+  exportFailed: "The file couldn’t be created. Try again.",
+  exportGet: "Download",
+  exportDelete: "Delete the file",
+  remove: "Delete account",
+  removeHelp:
+    "Deleting your account also deletes your scans, pictures, presets and recordings, and ends all sharing. It happens immediately and can’t be undone.",
+  removeAsk: "Delete my account…",
+  removeTitle: "Delete your account?",
+  removeText:
+    "This will permanently delete your account and all your scans. Open pictures will be closed, and links will stop working. This can’t be undone. Enter your password to confirm.",
+  removeYes: "Delete account",
+  removed: "Your account and all its data have been deleted.",
 } as const;

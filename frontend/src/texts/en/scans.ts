@@ -1,71 +1,131 @@
-import type { Hindrance } from "../../api/upload";
+import type { StallReason } from "../../api/upload";
 import type { UploadRefusal } from "../../api/upload_view";
-import { count } from "./counting";
+import type { Correction, Note } from "../../scan/corrections";
+import { count, fixed, number } from "./counting";
+
+const corrected: Record<Correction, string> = {
+  tilt: "it was tilted",
+  spacing: "its slices were unevenly spaced",
+  missing: "some slices were missing",
+  duplicates: "it contained duplicates",
+  overview: "it contained overview images",
+  size: "some slices had a different size",
+  damaged: "some files were damaged",
+  brightness: "its slices had different brightness scales",
+  negative: "it was stored as a negative",
+};
+
+const list = new Intl.ListFormat("en-GB");
 
 /** My scans: the cards and what can be done with them. */
 export const scans = {
-  lead_empty: "Bring a scan: a folder or disc from your hospital, with files in the DICOM format.",
+  leadEmpty: "Add a scan from a folder or disc that your hospital gave you. The files must be in DICOM format.",
   empty: "No scans yet",
   add: "Add a scan",
   list: "Your scans",
   examples: "Examples",
   used: (used: string, all: string) => `${used} of ${all} used`,
   untitled: "Untitled scan",
-  sample_title: "Sample scan",
+  sampleTitle: "Sample scan",
   sample: "Sample",
   shared: "Public",
   open: (title: string) => `Open ${title}`,
   remove: (title: string) => `Delete ${title}`,
-  remove_title: "Delete this scan?",
-  remove_text: (title: string) => `“${title}” and everything made of it will be gone for good. Your own copy of the disc is not touched.`,
-  remove_yes: "Delete",
+  removeTitle: "Delete this scan?",
+  removeText: (title: string) =>
+    `This will permanently delete “${title}” and everything made from it. Your own copy on the disc is not affected.`,
+  removeYes: "Delete",
   upload: {
-    sending: (percent: number, left: string) => (left ? `${percent} %, ${left}` : `${percent} %`),
-    waiting: "Waits for the other uploads.",
-    paused: (percent: number) => `Paused at ${percent} %.`,
-    elsewhere: (percent: number) => `${percent} %, in another window.`,
-    hindered: {
-      connection: "Connection lost. The upload goes on by itself.",
-      storage_full: "The server has no room left just now. What has arrived is kept, and the upload tries again every minute.",
-    } satisfies Record<Hindrance, string>,
+    sending: (percent: number, left: string) => (left ? `${percent}%, ${left}` : `${percent}%`),
+    waiting: "Waiting for other uploads to finish.",
+    paused: (percent: number) => `Paused at ${percent}%.`,
+    elsewhere: (percent: number) => `${percent}%, in another window.`,
+    stalled: {
+      connection: "The connection was lost. The upload will resume automatically.",
+      storage_full:
+        "The server has run out of space. What you have uploaded so far is kept, and the upload tries again every minute.",
+    } satisfies Record<StallReason, string>,
     refused: {
-      expired: "The upload was left for too long and has expired. Delete it and upload the scan again.",
+      expired: "The upload was inactive for too long and has expired. Delete it and upload the scan again.",
       gone: "This upload was deleted, here or on another device.",
-      too_large: "The server takes no upload of this size.",
-      signed_out: "You were signed out. Sign in, choose the same folder again, and the upload goes on where it stopped.",
-      other: "The upload was refused. Delete it and try again.",
+      too_large: "This upload is larger than the server accepts.",
+      signed_out:
+        "You were signed out. Sign in and choose the same folder again to resume the upload where it stopped.",
+      other: "The server rejected the upload. Delete it and try again.",
     } satisfies Record<UploadRefusal, string>,
     pause: "Pause",
-    resume: "Go on",
-    pause_of: (title: string) => `Pause the upload of ${title}`,
-    resume_of: (title: string) => `Go on with the upload of ${title}`,
+    resume: "Resume",
+    pauseOf: (title: string) => `Pause the upload of ${title}`,
+    resumeOf: (title: string) => `Resume the upload of ${title}`,
     left: (seconds: number) =>
-      seconds < 50 ? "less than a minute left" : seconds < 3300 ? `about ${count(Math.round(seconds / 60), "minute", "minutes")} left` : `about ${count(Math.round(seconds / 3600), "hour", "hours")} left`,
-    all: (uploads: number, percent: number) => `${count(uploads, "upload", "uploads")}, ${percent} %`,
+      seconds < 50
+        ? "less than a minute left"
+        : seconds < 3300
+          ? `about ${count(Math.round(seconds / 60), "minute", "minutes")} left`
+          : `about ${count(Math.round(seconds / 3600), "hour", "hours")} left`,
+    all: (uploads: number, percent: number) => `${count(uploads, "upload", "uploads")}, ${percent}%`,
   },
-  interrupted: (percent: number) => `Interrupted at ${percent} %`,
-  interrupted_hint: "Choose the same folder again and the upload goes on where it stopped. The browser may not open it by itself: that protects your files.",
-  go_on: "Go on",
-  cancel_upload: (title: string) => `Cancel the upload of ${title}`,
-  cancel_title: "Cancel this upload?",
-  cancel_text: (title: string) => `What has arrived of “${title}” is deleted at once. Your own copy of the disc is not touched.`,
-  cancel_yes: "Cancel the upload",
-  cancel_no: "Keep uploading",
+  interrupted: (percent: number) => `Interrupted at ${percent}%`,
+  interruptedHint:
+    "Choose the same folder again to resume the upload where it stopped. To protect your files, the browser can’t reopen the folder by itself.",
+  goOn: "Resume",
+  cancelUpload: (title: string) => `Cancel the upload of ${title}`,
+  cancelTitle: "Cancel this upload?",
+  cancelText: (title: string) =>
+    `Everything uploaded so far for “${title}” will be deleted immediately. Your own copy on the disc is not affected.`,
+  cancelYes: "Cancel upload",
+  cancelNo: "Keep uploading",
   states: {
     uploading: "Uploading",
-    queued: "Waiting its turn",
-    building: "Being prepared",
+    queued: "Waiting",
+    building: "Preparing",
     ready: "Ready",
-    refused: "Cannot be shown",
+    refused: "Can’t be shown",
     expired: "Upload expired",
   },
-  waiting_for: {
-    room: "The server has no room for this scan at the moment. Your scan is safe, and processing resumes by itself as soon as there is room.",
-    memory: "The server has too little memory for this scan at the moment. Your scan is safe, and processing resumes by itself.",
-    service: "A part of the server is unavailable at the moment. Your scan is safe, and processing resumes by itself.",
+  waitingFor: {
+    room: "The server doesn’t have room for this scan at the moment. Your scan is safe, and processing will continue automatically as soon as there is room.",
+    memory:
+      "The server doesn’t have enough memory for this scan at the moment. Your scan is safe, and processing will continue automatically.",
+    service:
+      "Part of the server is unavailable at the moment. Your scan is safe, and processing will continue automatically.",
+    interruption:
+      "Processing was interrupted several times. Your scan is safe, and processing will start again automatically after a pause.",
   },
-  expired_hint: "The upload was not finished in time. Delete it and try again.",
-  repaired: (repairs: readonly string[]) => `Mended: ${repairs.join("; ")}`,
+  expiredHint: "The upload wasn’t finished in time. Delete it and upload the scan again.",
+  repaired: (what: readonly Correction[]) =>
+    what.length === 0
+      ? "We corrected this scan."
+      : `We corrected this scan: ${list.format(what.map((one) => corrected[one]))}.`,
+  repairDetails: "Details",
+  repairNote: (note: Note): string => {
+    switch (note.kind) {
+      case "tilt":
+        return `Gantry tilt of ${fixed(note.degrees, 1)}° corrected.`;
+      case "spacing":
+        return `Slice spacing varied from ${fixed(note.fromMm, 2)} to ${fixed(note.toMm, 2)} mm and was resampled to ${fixed(note.usedMm, 2)} mm, so small details may be blurred.`;
+      case "positions":
+        return `Slice positions deviated by up to ${fixed(note.mm, 2)} mm. The mean spacing was used.`;
+      case "missing":
+        return `${count(note.count, "slice was", "slices were")} missing and interpolated from the neighbouring slices.`;
+      case "duplicates":
+        return `${count(note.count, "slice was duplicated", "slices were duplicated")}. One copy of each was kept.`;
+      case "overview":
+        return `${count(note.count, "overview image was", "overview images were")} skipped.`;
+      case "size":
+        return `${count(note.count, "slice of a different size was", "slices of a different size were")} skipped.`;
+      case "damaged":
+        return `${count(note.count, "damaged or unreadable file was", "damaged or unreadable files were")} skipped.`;
+      case "clipped":
+        return `Values above ${number.format(note.limit)} were clipped.`;
+      case "halved":
+        return "Values were halved for storage.";
+      case "brightness":
+        return "The slices had different value scales and were converted to a single one.";
+      case "negative":
+        return "The negative was converted back to a positive image.";
+    }
+  },
   picture: (title: string) => `Picture of ${title}`,
-  pictures_later: "The picture is being made",
+  picturesLater: "The picture is being created",
 } as const;

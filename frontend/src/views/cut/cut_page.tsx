@@ -1,73 +1,104 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import type { DataSet } from "../../api/types";
-import { to_body, type Region } from "../../cut/region";
-import { own_place } from "../../live/place";
+import { toBody, type Region } from "../../cut/region";
+import { ownPlace } from "../../live/place";
 import { t } from "../../texts";
 import { Link } from "../router";
-import { title_of } from "../scan_card";
+import { titleOf } from "../scan_card";
 import { Bar, Notice, PageTitle, Shell } from "../shell";
 import { useApp } from "../state";
 import { Viewer } from "../viewer/viewer";
 
 type Stage = "choosing" | "working" | "done" | { readonly failed: string };
 
-const asked_every_ms = 500;
+const askedEveryMs = 500;
 
-/** One's own scan is cut, by its owner, for good. */
-export function CutPage({ data_set_id }: { readonly data_set_id: string }) {
+/** The owner of a scan cuts parts of it away for good. */
+export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
   const app = useApp();
-  const [set, set_set] = useState<DataSet | null>(null);
-  const [stage, set_stage] = useState<Stage>("choosing");
-  // Its view is not that of the viewer: what is tried here is not shown there.
-  const place = useMemo(() => ({ ...own_place(app.api, data_set_id), key: `cut.${data_set_id}` }), [app, data_set_id]);
+  const [set, setSet] = useState<DataSet | null>(null);
+  // The key differs from the viewer's, so that the view that is tried here is not remembered there.
+  const place = useMemo(() => ({ ...ownPlace(app.api, dataSetId), key: `cut.${dataSetId}` }), [app, dataSetId]);
   useEffect(() => {
-    app.api.data_set(data_set_id).then(set_set, () => undefined);
-  }, [app, data_set_id]);
+    app.api.dataSet(dataSetId).then(setSet, () => undefined);
+  }, [app, dataSetId]);
 
-  const carry_out = (region: Region, volume_hash: string) => {
-    set_stage("working");
-    app.api.anonymise.cut(data_set_id, to_body(region), volume_hash).catch((thrown: unknown) => {
-      set_stage({ failed: thrown instanceof ApiProblem ? thrown.detail : "" });
-    });
-  };
-  useEffect(() => {
-    if (stage !== "working") return;
-    const ask = () => app.api.anonymise.look(data_set_id).then((now) => {
-      if (now.state !== "ready") return;
-      if (now.problem !== null) set_stage({ failed: now.problem });
-      else if (now.anonymised_at !== (set?.anonymised_at ?? null)) set_stage("done");
-    }, () => undefined); // it is asked again
-    const timer = setInterval(() => void ask(), asked_every_ms);
-    return () => clearInterval(timer);
-  }, [stage, app, data_set_id, set]);
-
+  const { stage, carryOut } = useCut(dataSetId, set);
   if (stage === "choosing") {
-    return <Viewer place={place} title={set ? title_of(set) : ""} set={set} onCut={carry_out} />;
+    return <Viewer place={place} title={set ? titleOf(set) : ""} set={set} onCut={carryOut} />;
   }
   return (
     <Shell>
       <div class="page page-narrow">
-        {stage === "working" ? (
-          <>
-            <PageTitle text={t.cut.title} />
-            <p role="status">{t.cut.working}</p>
-            <Bar value={null} label={t.cut.working} />
-          </>
-        ) : stage === "done" ? (
-          <>
-            <PageTitle text={t.cut.done_title} />
-            <Notice kind="good">{t.cut.done}</Notice>
-            <p><Link href={`/view/${data_set_id}`} class="button button-main">{t.cut.look}</Link></p>
-          </>
-        ) : (
-          <>
-            <PageTitle text={t.cut.title} />
-            <Notice kind="bad">{stage.failed || t.cut.failed}</Notice>
-            <p><Link href="/scans" class="button">{t.cut.back}</Link></p>
-          </>
-        )}
+        <CutOutcome stage={stage} dataSetId={dataSetId} />
       </div>
     </Shell>
+  );
+}
+
+/** Sends the cut to the server, and asks until it is done or has failed. */
+function useCut(dataSetId: string, set: DataSet | null) {
+  const app = useApp();
+  const [stage, setStage] = useState<Stage>("choosing");
+  const carryOut = (region: Region, volumeHash: string) => {
+    setStage("working");
+    app.api.anonymise.cut(dataSetId, toBody(region), volumeHash).catch((thrown: unknown) => {
+      setStage({ failed: thrown instanceof ApiProblem ? thrown.detail : "" });
+    });
+  };
+  useEffect(() => {
+    if (stage !== "working") return;
+    const ask = () =>
+      app.api.anonymise.look(dataSetId).then(
+        (now) => {
+          if (now.state !== "ready") return;
+          if (now.problem !== null) setStage({ failed: now.problem });
+          else if (now.anonymised_at !== (set?.anonymised_at ?? null)) setStage("done");
+        },
+        () => undefined, // the next question may be answered
+      );
+    const timer = setInterval(() => void ask(), askedEveryMs);
+    return () => clearInterval(timer);
+  }, [stage, app, dataSetId, set]);
+  return { stage, carryOut };
+}
+
+interface CutOutcomeProps {
+  readonly stage: Exclude<Stage, "choosing">;
+  readonly dataSetId: string;
+}
+
+function CutOutcome({ stage, dataSetId }: CutOutcomeProps) {
+  if (stage === "working")
+    return (
+      <>
+        <PageTitle text={t.cut.title} />
+        <p role="status">{t.cut.working}</p>
+        <Bar value={null} label={t.cut.working} />
+      </>
+    );
+  if (stage === "done")
+    return (
+      <>
+        <PageTitle text={t.cut.doneTitle} />
+        <Notice kind="good">{t.cut.done}</Notice>
+        <p>
+          <Link href={`/view/${dataSetId}`} class="button button-main">
+            {t.cut.look}
+          </Link>
+        </p>
+      </>
+    );
+  return (
+    <>
+      <PageTitle text={t.cut.title} />
+      <Notice kind="bad">{stage.failed || t.cut.failed}</Notice>
+      <p>
+        <Link href="/scans" class="button">
+          {t.cut.back}
+        </Link>
+      </p>
+    </>
   );
 }

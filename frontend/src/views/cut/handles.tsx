@@ -1,13 +1,14 @@
 import { useRef, useState } from "preact/hooks";
-import { handles_to_take, moved, plane_in_region, range_of, type Handle, type Region } from "../../cut/region";
+import { handlesToTake, moved, planeInRegion, rangeOf, type Handle, type Region } from "../../cut/region";
 import { dragged, type Box, type Eye } from "../../picture/project";
 import { t } from "../../texts";
 import { BoxLines, PlaneShape } from "../picture/box_lines";
 import { HandleButton } from "../picture/handle_button";
-import { use_screen } from "../picture/use_screen";
+import { useScreen } from "../picture/use_screen";
 
-export const name_of = (handle: Handle): string => (handle.kind === "plane" ? t.cut.plane : t.cut.faces[handle.axis][handle.side]);
-export const key_of = (handle: Handle): string => (handle.kind === "plane" ? "plane" : `${handle.axis}-${handle.side}`);
+export const nameOf = (handle: Handle): string =>
+  handle.kind === "plane" ? t.cut.plane : t.cut.faces[handle.axis][handle.side];
+export const keyOf = (handle: Handle): string => (handle.kind === "plane" ? "plane" : `${handle.axis}-${handle.side}`);
 
 export interface HandlesProps {
   readonly eye: Eye;
@@ -19,19 +20,27 @@ export interface HandlesProps {
 /** The box and the plane over the picture, with a handle for each of their faces. */
 export function Handles({ eye, region, bounds, change }: HandlesProps) {
   const area = useRef<HTMLDivElement>(null);
-  const [held, set_held] = useState<Handle | null>(null);
-  const screen = use_screen(area);
+  const [held, setHeld] = useState<Handle | null>(null);
+  const screen = useScreen(area);
   return (
     <div class="handle-area cut-area" ref={area} role="region" aria-label={t.cut.area}>
       <svg aria-hidden="true" width={screen.width} height={screen.height}>
         <BoxLines eye={eye} screen={screen} box={region} />
-        <PlaneShape eye={eye} screen={screen} polygon={plane_in_region(region)} />
+        <PlaneShape eye={eye} screen={screen} polygon={planeInRegion(region)} />
       </svg>
-      {handles_to_take(eye, screen, region, held).map((placed) => {
+      {handlesToTake(eye, screen, region, held).map((placed) => {
         const { handle, place, along } = placed;
-        const range = range_of(handle, region, bounds);
+        const range = rangeOf(handle, region, bounds);
         return (
-          <HandleButton key={key_of(handle)} name={key_of(handle)} label={name_of(handle)} look={handle.kind} at={placed} low={range.low} high={range.high} now={range.at}
+          <HandleButton
+            key={keyOf(handle)}
+            name={keyOf(handle)}
+            label={nameOf(handle)}
+            look={handle.kind}
+            at={placed}
+            low={range.low}
+            high={range.high}
+            now={range.at}
             said={t.cut.mm(Math.round(range.at))}
             drag={(to) => {
               const by = dragged(eye, screen, place, along, { x: to.x - placed.x, y: to.y - placed.y });
@@ -39,7 +48,8 @@ export function Handles({ eye, region, bounds, change }: HandlesProps) {
             }}
             step={(right, up) => change(moved(handle, range.at + right + up, region, bounds), true)}
             rest={() => change(region, true)}
-            hold={(on) => set_held((before) => (on ? handle : before === handle ? null : before))} />
+            hold={(on) => setHeld((before) => (on ? handle : before === handle ? null : before))}
+          />
         );
       })}
     </div>

@@ -1,5 +1,5 @@
 import type { Point } from "../../input/flat";
-import { no_flick } from "../../input/no_flick";
+import { noFlick } from "../../input/no_flick";
 import { useLayoutEffect, useRef } from "preact/hooks";
 
 export interface HandleButtonProps {
@@ -7,38 +7,41 @@ export interface HandleButtonProps {
   readonly label: string;
   readonly look: "face" | "plane" | "tilt" | "light";
   readonly behind?: boolean;
-  /** Where it is in its area, in pixels. */
+  /** Its place in its area, in pixels. */
   readonly at: Point;
-  /** As a slider. */
+  /** The values that it has as a slider. */
   readonly low: number;
   readonly high: number;
   readonly now: number;
   readonly said: string;
   readonly grab?: () => void;
-  /** The hand has it there now. */
+  /** Called with the place to which the handle is dragged. */
   readonly drag: (to: Point) => void;
   readonly step: (right: number, up: number) => void;
   readonly rest: () => void;
   readonly hold: (held: boolean) => void;
 }
 
-const ways: Readonly<Record<string, readonly [number, number]>> = {
-  ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1], PageUp: [0, 10], PageDown: [0, -10],
+/** Steps to the right and upwards. */
+const keySteps: Readonly<Record<string, readonly [right: number, up: number]>> = {
+  ArrowRight: [1, 0],
+  ArrowLeft: [-1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+  PageUp: [0, 10],
+  PageDown: [0, -10],
 };
 
-/** What a hand takes hold of over a picture; arrow keys move it, with Shift ten times as far. */
-export function HandleButton({ name, label, look, behind = false, at, low, high, now, said, grab, drag, step, rest, hold }: HandleButtonProps) {
+/** A handle over a picture. Arrow keys move it, with Shift ten times as far. */
+export function HandleButton(props: HandleButtonProps) {
+  const { name, label, look, behind = false, at, low, high, now, said, hold } = props;
   const button = useRef<HTMLButtonElement>(null);
-  /** From where the hand took hold to the handle's middle. */
-  const held = useRef<Point | null>(null);
+  const gestures = useHandleGestures(props);
   useLayoutEffect(() => {
-    // By a property, which the content security policy allows.
-    if (button.current) button.current.style.transform = `translate(${Math.round(at.x)}px, ${Math.round(at.y)}px) translate(-50%, -50%)`;
+    // The content security policy forbids style attributes, but not properties.
+    if (button.current)
+      button.current.style.transform = `translate(${Math.round(at.x)}px, ${Math.round(at.y)}px) translate(-50%, -50%)`;
   }, [at.x, at.y]);
-  const dropped = () => {
-    if (held.current) rest();
-    held.current = null;
-  };
   return (
     <button
       ref={button}
@@ -55,28 +58,42 @@ export function HandleButton({ name, label, look, behind = false, at, low, high,
       aria-valuetext={said}
       onFocus={() => hold(true)}
       onBlur={() => hold(false)}
-      onTouchMove={no_flick}
-      onPointerDown={(event) => {
-        if (event.button !== 0) return;
-        event.preventDefault();
-        event.currentTarget.focus();
-        event.currentTarget.setPointerCapture(event.pointerId);
-        held.current = { x: at.x - event.clientX, y: at.y - event.clientY };
-        grab?.();
-      }}
-      onPointerMove={(event) => {
-        if (held.current) drag({ x: event.clientX + held.current.x, y: event.clientY + held.current.y });
-      }}
-      onPointerUp={dropped}
-      onPointerCancel={dropped}
-      onKeyDown={(event) => {
-        const way = ways[event.key];
-        if (!way || event.ctrlKey || event.metaKey || event.altKey) return;
-        event.preventDefault();
-        event.stopPropagation();
-        const by = event.shiftKey ? 10 : 1;
-        step(way[0] * by, way[1] * by);
-      }}
+      onTouchMove={noFlick}
+      onPointerDown={(event) => gestures.grab(event, event.currentTarget)}
+      onPointerMove={gestures.move}
+      onPointerUp={gestures.drop}
+      onPointerCancel={gestures.drop}
+      onKeyDown={gestures.key}
     />
   );
+}
+
+function useHandleGestures({ at, grab, drag, step, rest }: HandleButtonProps) {
+  /** The way from the pointer to the middle of the handle, while it is held. */
+  const held = useRef<Point | null>(null);
+  return {
+    grab: (event: PointerEvent, element: HTMLElement) => {
+      if (event.button !== 0) return;
+      event.preventDefault();
+      element.focus();
+      element.setPointerCapture(event.pointerId);
+      held.current = { x: at.x - event.clientX, y: at.y - event.clientY };
+      grab?.();
+    },
+    move: (event: PointerEvent) => {
+      if (held.current) drag({ x: event.clientX + held.current.x, y: event.clientY + held.current.y });
+    },
+    drop: () => {
+      if (held.current) rest();
+      held.current = null;
+    },
+    key: (event: KeyboardEvent) => {
+      const steps = keySteps[event.key];
+      if (!steps || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const by = event.shiftKey ? 10 : 1;
+      step(steps[0] * by, steps[1] * by);
+    },
+  };
 }

@@ -17,7 +17,9 @@ export class InPicture {
   readonly picking = signal<Picking | null>(null);
   /** Which light the light window shows. */
   readonly light = signal(0);
-  readonly shown = computed<readonly HandleSet[]>(() => (["cuts", "light"] as const).filter((one) => this.open.value.includes(one) || this.kept.value.includes(one)));
+  readonly shown = computed<readonly HandleSet[]>(() =>
+    (["cuts", "light"] as const).filter((one) => this.open.value.includes(one) || this.kept.value.includes(one)),
+  );
 
   keep(which: HandleSet, on: boolean): void {
     const others = this.kept.value.filter((one) => one !== which);

@@ -1,65 +1,95 @@
-import type { Point } from "../../input/flat";
+import type { RefObject } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { arrowDirections } from "../../input/arrow_keys";
+import type { Point } from "../../input/flat";
 import { clamp } from "../../scene/numbers";
 import { t } from "../../texts";
 import type { InPicture } from "./in_picture";
 
-const ways: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-
-/** Asks for a place of the picture: pressed there, or a mark moved by arrow keys and taken with Enter. Escape ends it. */
+/** Asks for a place in the picture. The person clicks it, or moves a mark by arrow keys and presses Enter. Escape ends it. */
 export function PointPicker({ picture }: { readonly picture: InPicture }) {
   const picking = picture.picking.value;
+  const { button, at, said, setAt, pick, end } = usePointPicker(picture);
+  const mark = useMark(at);
+  if (!picking) return null;
+  return (
+    <>
+      <button
+        ref={button}
+        type="button"
+        class="picker"
+        aria-label={`${picking.label} ${t.settings.picture.pickKeys}`}
+        // A click by a key has no place of its own, so it takes the mark's.
+        onClick={(event) => pick(event.detail === 0 ? at : placeOf(event, event.currentTarget))}
+        onKeyDown={(event) => {
+          if (event.key === "Escape") end();
+          else if (arrowDirections[event.key]) setAt((from) => steppedPlace(from, event.key, event.shiftKey));
+          else return;
+          event.preventDefault();
+          event.stopPropagation();
+        }}
+      >
+        <span class="picker-mark" ref={mark} aria-hidden="true" />
+      </button>
+      <div class="glass picker-line">
+        <p role="status">{said || picking.label}</p>
+        <button type="button" class="button button-small" onClick={end}>
+          {t.settings.picture.pickEnd}
+        </button>
+      </div>
+    </>
+  );
+}
+
+/** The state of a picking: it takes the focus, and gives it back at the end. */
+function usePointPicker(picture: InPicture) {
+  const picking = picture.picking.value;
   const button = useRef<HTMLButtonElement>(null);
-  const mark = useRef<HTMLSpanElement>(null);
   const from = useRef<Element | null>(null);
-  const [at, set_at] = useState<Point>({ x: 0.5, y: 0.5 });
-  const [said, set_said] = useState("");
+  const [at, setAt] = useState<Point>({ x: 0.5, y: 0.5 });
+  const [said, setSaid] = useState("");
   useEffect(() => {
     if (!picking) return;
     from.current = document.activeElement;
-    set_said("");
+    setSaid("");
     button.current?.focus();
   }, [picking]);
+  const end = () => {
+    picture.picking.value = null;
+    if (from.current instanceof HTMLElement) from.current.focus();
+  };
+  const pick = (place: Point) => {
+    setAt(place);
+    void picking?.pick(place).then((answer) => {
+      if (answer === null) end();
+      else setSaid(answer);
+    });
+  };
+  return { button, at, said, setAt, pick, end };
+}
+
+/** Moves the mark by properties, because the content security policy forbids style attributes. */
+function useMark(at: Point): RefObject<HTMLSpanElement | null> {
+  const mark = useRef<HTMLSpanElement>(null);
   useEffect(() => {
     if (!mark.current) return;
     mark.current.style.left = `${100 * at.x}%`;
     mark.current.style.top = `${100 * at.y}%`;
   });
-  if (!picking) return null;
-  const end = () => {
-    picture.picking.value = null;
-    if (from.current instanceof HTMLElement) from.current.focus();
+  return mark;
+}
+
+/** The place of a click in an element, from 0 to 1. */
+function placeOf(event: MouseEvent, element: Element): Point {
+  const box = element.getBoundingClientRect();
+  return {
+    x: clamp((event.clientX - box.x) / box.width, 0, 1),
+    y: clamp((event.clientY - box.y) / box.height, 0, 1),
   };
-  const take = (place: Point) => {
-    set_at(place);
-    void picking.pick(place).then((answer) => {
-      if (answer === null) end();
-      else set_said(answer);
-    });
-  };
-  return (
-    <>
-      <button ref={button} type="button" class="picker" aria-label={`${picking.label} ${t.settings.picture.pick_keys}`}
-        onClick={(event) => {
-          const box = event.currentTarget.getBoundingClientRect();
-          // Of a press by keys nobody says where.
-          if (event.detail === 0) take(at);
-          else take({ x: clamp((event.clientX - box.x) / box.width, 0, 1), y: clamp((event.clientY - box.y) / box.height, 0, 1) });
-        }}
-        onKeyDown={(event) => {
-          const way = ways[event.key];
-          if (event.key === "Escape") end();
-          else if (way) set_at(({ x, y }) => ({ x: clamp(x + way[0] * (event.shiftKey ? 0.1 : 0.02), 0, 1), y: clamp(y + way[1] * (event.shiftKey ? 0.1 : 0.02), 0, 1) }));
-          else return;
-          event.preventDefault();
-          event.stopPropagation();
-        }}>
-        <span class="picker-mark" ref={mark} aria-hidden="true" />
-      </button>
-      <div class="glass picker-line">
-        <p role="status">{said || picking.label}</p>
-        <button type="button" class="button button-small" onClick={end}>{t.settings.picture.pick_end}</button>
-      </div>
-    </>
-  );
+}
+
+function steppedPlace(from: Point, key: string, far: boolean): Point {
+  const [x, y] = arrowDirections[key] ?? [0, 0];
+  const step = far ? 0.1 : 0.02;
+  return { x: clamp(from.x + x * step, 0, 1), y: clamp(from.y + y * step, 0, 1) };
 }

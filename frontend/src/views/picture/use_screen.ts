@@ -3,12 +3,13 @@ import type { RefObject } from "preact";
 import { useEffect, useState } from "preact/hooks";
 
 /** The size of an element in CSS pixels, as it is now. */
-export function use_screen(area: RefObject<HTMLElement | null>): Area {
-  const [screen, set_screen] = useState<Area>({ width: 1, height: 1 });
+export function useScreen(area: RefObject<HTMLElement | null>): Area {
+  const [screen, setScreen] = useState<Area>({ width: 1, height: 1 });
   useEffect(() => {
     const element = area.current;
     if (!element) return;
-    const measure = () => set_screen({ width: Math.max(1, element.clientWidth), height: Math.max(1, element.clientHeight) });
+    const measure = () =>
+      setScreen({ width: Math.max(1, element.clientWidth), height: Math.max(1, element.clientHeight) });
     measure();
     const watching = new ResizeObserver(measure);
     watching.observe(element);

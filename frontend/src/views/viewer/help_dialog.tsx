@@ -6,10 +6,16 @@ export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
     <Dialog title={t.viewer.help} onClose={onClose}>
       <table class="help">
         <thead>
-          <tr>{t.viewer.help_heads.map((head) => <th key={head} scope="col">{head}</th>)}</tr>
+          <tr>
+            {t.viewer.helpHeads.map((head) => (
+              <th key={head} scope="col">
+                {head}
+              </th>
+            ))}
+          </tr>
         </thead>
         <tbody>
-          {t.viewer.help_rows.map(([what, mouse, touch, keys]) => (
+          {t.viewer.helpRows.map(([what, mouse, touch, keys]) => (
             <tr key={what} class={touch === "" ? "no-touch" : ""}>
               <th scope="row">{what}</th>
               <td>{mouse}</td>
@@ -20,7 +26,9 @@ export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
         </tbody>
       </table>
       <div class="dialog-buttons">
-        <button type="button" class="button button-main" onClick={onClose}>{t.close}</button>
+        <button type="button" class="button button-main" onClick={onClose}>
+          {t.close}
+        </button>
       </div>
     </Dialog>
   );

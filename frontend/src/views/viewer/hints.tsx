@@ -2,15 +2,15 @@ import { useEffect, useState } from "preact/hooks";
 import { local } from "../../storage";
 import { t } from "../../texts";
 import { Icon } from "../icons";
-import { hints_due, hints_seen } from "./hint_memory";
+import { hintsDue, hintsSeen } from "./hint_memory";
 
 /** Three hints at the first use, one after the other, never again; Escape ends them wherever the focus is. */
 export function Hints({ onDone }: { readonly onDone: () => void }) {
-  const [at, set_at] = useState(() => (hints_due(local) ? 0 : -1));
+  const [at, setAt] = useState(() => (hintsDue(local) ? 0 : -1));
   const text = t.viewer.hints;
   const end = () => {
-    hints_seen(local);
-    set_at(-1);
+    hintsSeen(local);
+    setAt(-1);
     onDone();
   };
   useEffect(() => {
@@ -18,8 +18,8 @@ export function Hints({ onDone }: { readonly onDone: () => void }) {
     const pressed = (event: KeyboardEvent) => {
       if (event.key !== "Escape" || event.defaultPrevented || document.querySelector("dialog[open]")) return;
       event.preventDefault();
-      hints_seen(local);
-      set_at(-1);
+      hintsSeen(local);
+      setAt(-1);
     };
     addEventListener("keydown", pressed);
     return () => removeEventListener("keydown", pressed);
@@ -30,8 +30,12 @@ export function Hints({ onDone }: { readonly onDone: () => void }) {
   return (
     <aside class="glass hints" aria-label={text.title(at + 1, text.all.length)}>
       <p aria-live="polite">{hint}</p>
-      <button type="button" class="button button-small" onClick={() => (last ? end() : set_at(at + 1))}>{last ? text.done : text.next}</button>
-      <button type="button" class="icon-button" aria-label={text.hide} title={text.hide} onClick={end}><Icon name="close" /></button>
+      <button type="button" class="button button-small" onClick={() => (last ? end() : setAt(at + 1))}>
+        {last ? text.done : text.next}
+      </button>
+      <button type="button" class="icon-button" aria-label={text.hide} title={text.hide} onClick={end}>
+        <Icon name="close" />
+      </button>
     </aside>
   );
 }

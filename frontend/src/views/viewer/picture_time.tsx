@@ -1,33 +1,44 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { asked_again_ms, picture_time } from "../../api/picture_time";
+import { askedAgainMs, pictureTime } from "../../api/picture_time";
 import type { Me } from "../../api/types";
 import { t } from "../../texts";
-import { day_text, time_text } from "../format";
+import { dayText, timeText } from "../format";
 import { Icon } from "../icons";
 import { Link } from "../router";
 import { useApp } from "../state";
 
-const unanswered_again_ms = 30_000;
+const unansweredAgainMs = 30_000;
 
 /** Before the month's picture time is over, and while the picture that is open still has its grace: what is left, in words. */
 export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
-  const time = use_render_time();
-  const [hidden, set_hidden] = useState("");
+  const time = useRenderTime();
+  const [hidden, setHidden] = useState("");
   if (!time) return null;
-  const state = picture_time(time);
+  const state = pictureTime(time);
   if (state.kind === "enough") return null;
   if (state.kind === "ending")
-    return <p class="glass pill pill-bad"><Icon name="clock" />{t.viewer.picture_time.ending(time_text(state.at_ms), day_text(time.renewed_at))}</p>;
+    return (
+      <p class="glass pill pill-bad">
+        <Icon name="clock" />
+        {t.viewer.pictureTime.ending(timeText(state.atMs), dayText(time.renewed_at))}
+      </p>
+    );
   const key = state.minutes > 1 ? "minutes" : "last";
   if (hidden === key) return null;
   return (
     <p class="glass pill pill-time">
       <Icon name="clock" />
-      <span>{t.viewer.picture_time.soon(state.minutes)}</span>
-      <button type="button" class="icon-button" aria-label={t.viewer.picture_time.hide} title={t.viewer.picture_time.hide} onClick={() => {
-        set_hidden(key);
-        onHide();
-      }}>
+      <span>{t.viewer.pictureTime.soon(state.minutes)}</span>
+      <button
+        type="button"
+        class="icon-button"
+        aria-label={t.viewer.pictureTime.hide}
+        title={t.viewer.pictureTime.hide}
+        onClick={() => {
+          setHidden(key);
+          onHide();
+        }}
+      >
         <Icon name="close" />
       </button>
     </p>
@@ -38,41 +49,47 @@ export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
 export function PictureTimeOver() {
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => heading.current?.focus(), []);
-  const renewed_at = useApp().me.value?.render_time.renewed_at;
-  const text = t.viewer.picture_time;
+  const renewedAt = useApp().me.value?.render_time.renewed_at;
+  const text = t.viewer.pictureTime;
   return (
     <section class="glass time-over" aria-labelledby="time-over">
       <Icon name="clock" />
-      <h2 id="time-over" ref={heading} tabIndex={-1}>{text.over}</h2>
-      <p>{renewed_at ? text.over_text(day_text(renewed_at)) : text.over_before}</p>
+      <h2 id="time-over" ref={heading} tabIndex={-1}>
+        {text.over}
+      </h2>
+      <p>{renewedAt ? text.overText(dayText(renewedAt)) : text.overBefore}</p>
       <p class="muted">{text.more}</p>
       <p class="time-over-ways">
-        <Link href="/scans" class="button button-main">{t.viewer.back}</Link>
-        <Link href="/account" class="button">{text.account}</Link>
+        <Link href="/scans" class="button button-main">
+          {t.viewer.back}
+        </Link>
+        <Link href="/account" class="button">
+          {text.account}
+        </Link>
       </p>
     </section>
   );
 }
 
 /** What the server counts; asked again the sooner, the less is left. */
-function use_render_time(): Me["render_time"] | null {
+function useRenderTime(): Me["render_time"] | null {
   const app = useApp();
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
     let here = true;
     const ask = async (): Promise<void> => {
-      let wait_ms = unanswered_again_ms;
+      let waitMs = unansweredAgainMs;
       try {
         const me = await app.api.me();
         if (!here) return;
         if (me) {
           app.me.value = me;
-          wait_ms = asked_again_ms(me.render_time);
+          waitMs = askedAgainMs(me.render_time);
         }
       } catch {
         // The stream says what is wrong.
       }
-      if (here) timer = setTimeout(() => void ask(), wait_ms);
+      if (here) timer = setTimeout(() => void ask(), waitMs);
     };
     void ask();
     return () => {

@@ -1,13 +1,13 @@
-import { preset_names, type PresetName } from "../../api/types";
+import { presetNames, type PresetName } from "../../api/types";
 import type { Preset } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
-import { use_thumbnail } from "../thumbnail";
+import { useThumbnail } from "../thumbnail";
 
 /** The looks to choose from, each as a picture of this very scan. */
 export function Presets({ session }: { readonly session: ViewerSession }) {
-  const presets = session.presets.value;
-  const active = session.active_preset();
+  const presets = session.editor.presets.value;
+  const active = session.editor.activePreset();
   if (presets.length === 0) return null;
   return (
     <div class="glass presets" role="region" aria-label={t.viewer.presets}>
@@ -25,11 +25,11 @@ interface PresetButtonProps {
   readonly pressed: boolean;
 }
 
-const is_known = (name: string): name is PresetName => (preset_names as readonly string[]).includes(name);
+const isKnown = (name: string): name is PresetName => (presetNames as readonly string[]).includes(name);
 
 function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
-  const name = is_known(preset.name) ? preset.name : null;
-  const url = use_thumbnail(session.data_set_id ?? "", name ?? "skin", name !== null && session.data_set_id !== null);
+  const name = isKnown(preset.name) ? preset.name : null;
+  const url = useThumbnail(session.dataSetId ?? "", name ?? "skin", name !== null && session.dataSetId !== null);
   return (
     <button
       type="button"
@@ -37,9 +37,11 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
       aria-pressed={pressed}
       aria-keyshortcuts={String(digit)}
       data-preset={preset.name}
-      onClick={() => session.apply_preset(preset)}
+      onClick={() => session.editor.applyPreset(preset)}
     >
-      <span class="preset-picture">{url ? <img src={url} alt="" width={320} height={320} draggable={false} /> : null}</span>
+      <span class="preset-picture">
+        {url ? <img src={url} alt="" width={320} height={320} draggable={false} /> : null}
+      </span>
       <span class="preset-name">{t.viewer.preset[preset.name] ?? preset.name}</span>
     </button>
   );

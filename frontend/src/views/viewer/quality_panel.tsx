@@ -1,59 +1,129 @@
 import { useState } from "preact/hooks";
 import { local } from "../../storage";
 import { place, t } from "../../texts";
+import type { PictureFacts } from "../../video/picture_facts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { percentText } from "../format";
 import { Icon } from "../icons";
 import { ErrorPlot } from "./error_plot";
 import { KernelFacts } from "./kernel_facts";
+import { partOfWay } from "./part_of_way";
 
 const key = "diaphane.quality";
-const small_screen = () => matchMedia("(max-width: 700px), (max-height: 480px)").matches;
+const detailsKey = "diaphane.quality.details";
+const smallScreen = () => matchMedia("(max-width: 700px), (max-height: 480px)").matches;
 
-/** Samples, error and its fall: there for who wants to know, folded away by a press. */
+interface QualityProps {
+  readonly session: ViewerSession;
+  readonly facts: PictureFacts;
+}
+
+/** Whether the picture is finished, in plain words. The figures are behind "Details". */
 export function QualityPanel({ session }: { readonly session: ViewerSession }) {
-  const [open, set_open] = useState(() => {
+  const [open, setOpen] = useState(() => {
     const stored = local.getItem(key);
-    return stored === null ? !small_screen() : stored === "open";
+    return stored === null ? !smallScreen() : stored === "open";
   });
-  const facts = session.picture.value;
+  const facts = session.pictures.picture.value;
   if (!facts) return null;
   const toggle = () => {
     local.setItem(key, open ? "closed" : "open");
-    set_open(!open);
+    setOpen(!open);
   };
-  const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.error_unknown;
-  const lossless = session.lossless.value ? t.viewer.lossless(session.lossless.value.samples) : "";
-  const rate = session.samples_per_second.value;
-  const speed = rate > 0 && !session.converged.value ? t.viewer.per_second(rate) : "";
-  if (!open)
-    return (
-      <button type="button" class="glass quality-chip" aria-label={`${t.viewer.quality_open}: ${lossless || error}`} aria-expanded={false} onClick={toggle}>
-        <Icon name="chart" />
-        <span>{lossless || error}</span>
-      </button>
-    );
+  const state = qualityState(session, facts);
+  if (!open) return <QualityChip state={state} toggle={toggle} />;
   return (
     <section class="glass quality" aria-label={t.viewer.quality}>
       <div class="quality-head">
         <h2>{t.viewer.quality}</h2>
         <span
-          class={`chip${session.converged.value || lossless ? " chip-good" : ""}`}
+          class={`chip${state.finished ? " chip-good" : ""}`}
           data-fact="state"
-          title={lossless ? t.viewer.lossless_help : facts.smoothed && !session.converged.value ? t.viewer.smoothed_help : undefined}
+          title={facts.smoothed && !state.finished ? t.viewer.smoothedHelp : undefined}
         >
-          {lossless ? lossless : session.converged.value ? t.viewer.finished : facts.smoothed ? t.viewer.smoothed : t.viewer.refining}
+          {state.text}
         </span>
-        <button type="button" class="icon-button" aria-label={t.close} title={t.close} aria-expanded onClick={toggle}><Icon name="close" /></button>
+        <button type="button" class="icon-button" aria-label={t.close} title={t.close} aria-expanded onClick={toggle}>
+          <Icon name="close" />
+        </button>
       </div>
-      <dl>
-        <Row name={t.viewer.error} help={t.viewer.error_help} value={error} mark="error" />
-        <Row name={t.viewer.samples} value={facts.samples.toLocaleString(place())} mark="samples" {...(speed ? { aside: speed } : {})} />
-        <Row name={t.viewer.time} value={t.viewer.seconds(facts.seconds)} mark="time" />
-      </dl>
-      <ErrorPlot points={session.curve.value} />
+      <QualityDetails session={session} facts={facts} />
+    </section>
+  );
+}
+
+interface QualityState {
+  readonly finished: boolean;
+  readonly text: string;
+  /** The part of the samples that is done, where it is known and the picture is still being refined. */
+  readonly part: number | null;
+}
+
+function qualityState(session: ViewerSession, facts: PictureFacts): QualityState {
+  const finished = session.pictures.converged.value || session.pictures.lossless.value !== null;
+  const part = partOfWay(facts, session.effort.value);
+  const text = finished ? t.viewer.finished : facts.smoothed ? t.viewer.smoothed : t.viewer.refining(part);
+  return { finished, text, part: finished || facts.smoothed ? null : part };
+}
+
+/** The closed panel. */
+function QualityChip({ state, toggle }: { readonly state: QualityState; readonly toggle: () => void }) {
+  return (
+    <button
+      type="button"
+      class="glass quality-chip"
+      aria-label={`${t.viewer.qualityOpen}: ${state.text}`}
+      aria-expanded={false}
+      onClick={toggle}
+    >
+      <Icon name="chart" />
+      <span class="in-words">{state.text}</span>
+      {state.part === null ? null : <span class="in-figures">{percentText(Math.floor(100 * state.part) / 100)}</span>}
+    </button>
+  );
+}
+
+function QualityDetails({ session, facts }: QualityProps) {
+  const [open, setOpen] = useState(() => local.getItem(detailsKey) === "open");
+  const lossless = session.pictures.lossless.value;
+  return (
+    <details
+      class="more quality-details"
+      open={open}
+      onToggle={(event) => {
+        local.setItem(detailsKey, event.currentTarget.open ? "open" : "closed");
+        setOpen(event.currentTarget.open);
+      }}
+    >
+      <summary>{t.viewer.details}</summary>
+      <QualityFigures session={session} facts={facts} />
+      {lossless ? (
+        <p class="quality-help" data-fact="lossless" title={t.viewer.losslessHelp}>
+          {t.viewer.lossless(lossless.samples)}
+        </p>
+      ) : null}
+      <ErrorPlot points={session.pictures.curve.value} />
       <KernelFacts session={session} />
       <p class="quality-device muted">{session.device.value}</p>
-    </section>
+    </details>
+  );
+}
+
+function QualityFigures({ session, facts }: QualityProps) {
+  const rate = session.samplesPerSecond.value;
+  const speed = rate > 0 && !session.pictures.converged.value ? t.viewer.perSecond(rate) : "";
+  const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.errorUnknown;
+  return (
+    <dl>
+      <Row name={t.viewer.error} help={t.viewer.errorHelp} value={error} mark="error" />
+      <Row
+        name={t.viewer.samples}
+        value={facts.samples.toLocaleString(place())}
+        mark="samples"
+        {...(speed ? { aside: speed } : {})}
+      />
+      <Row name={t.viewer.time} value={t.viewer.seconds(facts.seconds)} mark="time" />
+    </dl>
   );
 }
 
@@ -66,17 +136,29 @@ interface RowProps {
 }
 
 function Row({ name, value, mark, help, aside }: RowProps) {
-  const [shown, set_shown] = useState(false);
+  const [shown, setShown] = useState(false);
   return (
     <>
       <div class="quality-row">
         <dt>
           {name}
           {help ? (
-            <button type="button" class="hint-button" aria-expanded={shown} aria-label={`${name}?`} title={help} onClick={() => set_shown(!shown)}>?</button>
+            <button
+              type="button"
+              class="hint-button"
+              aria-expanded={shown}
+              aria-label={`${name}?`}
+              title={help}
+              onClick={() => setShown(!shown)}
+            >
+              ?
+            </button>
           ) : null}
         </dt>
-        <dd data-fact={mark}>{aside ? <small>{aside} </small> : null}{value}</dd>
+        <dd data-fact={mark}>
+          {value}
+          {aside ? <small> ({aside})</small> : null}
+        </dd>
       </div>
       {help && shown ? <p class="quality-help">{help}</p> : null}
     </>

@@ -1,9 +1,9 @@
 import { effect, signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
-import { recording_path, type Api } from "../../api/client";
+import { useCallback, useEffect, useState } from "preact/hooks";
+import { recordingPath, type Api } from "../../api/client";
 import type { Recordings } from "../../api/types";
 import { Recorder, type Recording } from "../../live/recorder";
-import { role_of } from "../../live/role";
+import { roleOf } from "../../live/role";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
@@ -12,21 +12,25 @@ import { useApp } from "../state";
 /** Whether this person's interaction is recorded: nothing until the server has said it. */
 const consent = signal(false);
 /** What may be sent while a page goes. */
-const most_while_leaving = 60_000;
+const mostWhileLeaving = 60_000;
 
 /** Records how the picture is looked at, for as long as the person consents. Shows nothing. */
 export function RecordedInteraction({ session }: { readonly session: ViewerSession }) {
   const { api } = useApp();
   useEffect(() => {
-    api.recordings().then((mine) => (consent.value = mine.consent), () => undefined);
+    api.recordings().then(
+      (mine) => (consent.value = mine.consent),
+      () => undefined,
+    );
   }, [api]);
   useEffect(() => {
     const leaving = new AbortController();
     const recorder = new Recorder();
     const stop = effect(() => {
-      const scene = session.scene.value;
-      const others = !role_of(session.audience.value).presents; // somebody else's hand, who was not asked
-      if (!consent.value || others) recorder.take(session.viewport); // forgotten
+      const scene = session.editor.scene.value;
+      const others = !roleOf(session.audience.value).presents; // somebody else's hand, who was not asked
+      if (!consent.value || others)
+        recorder.take(session.viewport); // forgotten
       else if (scene) keep(api, recorder.add(scene, performance.now(), session.viewport), false);
     });
     const last = () => keep(api, recorder.take(session.viewport), true);
@@ -42,35 +46,13 @@ export function RecordedInteraction({ session }: { readonly session: ViewerSessi
 
 function keep(api: Api, recording: Recording | null, leaving: boolean): void {
   if (!recording) return;
-  const small = !leaving || JSON.stringify(recording).length < most_while_leaving;
-  void api.keep_recording(recording, leaving && small).catch(() => undefined);
+  const small = !leaving || JSON.stringify(recording).length < mostWhileLeaving;
+  void api.keepRecording(recording, leaving && small).catch(() => undefined);
 }
 
-/** The switch, and what there is. */
+/** The consent to recording, and the recordings that exist. */
 export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
-  const app = useApp();
-  const [mine, set_mine] = useState<Recordings | null>(null);
-  const [said, set_said] = useState("");
-  const load = () => app.api.recordings().then(
-    (now) => {
-      set_mine(now);
-      consent.value = now.consent;
-    },
-    (thrown: unknown) => set_said(app.explain(thrown)),
-  );
-  useEffect(() => void load(), []);
-  const change = (work: Promise<void>, undo?: () => void) => {
-    set_said("");
-    void work.then(load, (thrown: unknown) => {
-      undo?.();
-      set_said(app.explain(thrown));
-    });
-  };
-  /** The switch stands where it was put until the server has said otherwise, however often this is drawn meanwhile. */
-  const agree = (now: Recordings, wanted: boolean) => {
-    set_mine({ ...now, consent: wanted });
-    change(app.api.record_interaction(wanted), () => set_mine(now));
-  };
+  const { mine, said, agree, remove } = useRecordings();
   return (
     <Dialog title={t.recording.title} onClose={onClose}>
       <p>{t.recording.lead}</p>
@@ -84,21 +66,73 @@ export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
         />
         <span>{t.recording.consent}</span>
       </label>
-      {mine && mine.items.length > 0 ? (
-        <ul class="people">
-          {mine.items.map((one) => (
-            <li key={one.id}>
-              <span class="people-name">{t.recording.item(one.duration_ms / 1000, one.events)}</span>
-              <a class="button" href={recording_path(one.id)} download="interaction.json">{t.recording.export_one}</a>
-              <button type="button" class="button" onClick={() => change(app.api.delete_recording(one.id))}>{t.recording.delete_one}</button>
-            </li>
-          ))}
-        </ul>
+      {mine && mine.items.length > 0 ? <RecordingList items={mine.items} remove={remove} /> : null}
+      {said ? (
+        <p class="field-fault" role="alert">
+          {said}
+        </p>
       ) : null}
-      {said ? <p class="field-fault" role="alert">{said}</p> : null}
       <div class="dialog-buttons">
-        <button type="button" class="button button-main" onClick={onClose}>{t.close}</button>
+        <button type="button" class="button button-main" onClick={onClose}>
+          {t.close}
+        </button>
       </div>
     </Dialog>
+  );
+}
+
+/** This person's consent and recordings. They are read again after each change. */
+function useRecordings() {
+  const app = useApp();
+  const [mine, setMine] = useState<Recordings | null>(null);
+  const [said, setSaid] = useState("");
+  const load = useCallback(
+    () =>
+      app.api.recordings().then(
+        (now) => {
+          setMine(now);
+          consent.value = now.consent;
+        },
+        (thrown: unknown) => setSaid(app.explain(thrown)),
+      ),
+    [app],
+  );
+  useEffect(() => void load(), [load]);
+  const change = (work: Promise<void>, undo?: () => void) => {
+    setSaid("");
+    void work.then(load, (thrown: unknown) => {
+      undo?.();
+      setSaid(app.explain(thrown));
+    });
+  };
+  /** The switch moves at once, and moves back only if the server refuses. */
+  const agree = (now: Recordings, wanted: boolean) => {
+    setMine({ ...now, consent: wanted });
+    change(app.api.recordInteraction(wanted), () => setMine(now));
+  };
+  const remove = (id: string) => change(app.api.deleteRecording(id));
+  return { mine, said, agree, remove };
+}
+
+interface RecordingListProps {
+  readonly items: Recordings["items"];
+  readonly remove: (id: string) => void;
+}
+
+function RecordingList({ items, remove }: RecordingListProps) {
+  return (
+    <ul class="people">
+      {items.map((one) => (
+        <li key={one.id}>
+          <span class="people-name">{t.recording.item(one.duration_ms / 1000, one.events)}</span>
+          <a class="button" href={recordingPath(one.id)} download="interaction.json">
+            {t.recording.exportOne}
+          </a>
+          <button type="button" class="button" onClick={() => remove(one.id)}>
+            {t.recording.deleteOne}
+          </button>
+        </li>
+      ))}
+    </ul>
   );
 }

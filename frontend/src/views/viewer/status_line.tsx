@@ -16,26 +16,38 @@ export interface StatusLineProps {
 export function StatusLine({ session, fault, children }: StatusLineProps) {
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
-  const shown = session?.picture.value ?? null;
+  const shown = session?.pictures.picture.value ?? null;
   const elsewhere = connection?.phase === "elsewhere";
   const stopped = connection?.phase === "stopped" || elsewhere;
   // A refusal is told in the server's own words, where it gave any.
   const said = session?.problem.value ?? "";
-  const text = [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find((line) => line !== "") ?? "";
+  const text =
+    [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find(
+      (line) => line !== "",
+    ) ?? "";
   const over = trouble === "time_spent";
   const waiting = text === "" && shown === null;
   return (
-    <div class={`viewer-status${shown === null || over ? " viewer-status-middle" : ""}`} role="status" data-phase={connection?.phase ?? "idle"}>
+    <div
+      class={`viewer-status${shown === null || over ? " viewer-status-middle" : ""}`}
+      role="status"
+      data-phase={connection?.phase ?? "idle"}
+    >
       {over ? (
         <PictureTimeOver />
       ) : waiting ? (
-        <p class="glass pill"><span class="spinner" />{t.viewer.first}</p>
+        <p class="glass pill">
+          <span class="spinner" />
+          {t.viewer.first}
+        </p>
       ) : text ? (
         <p class={`glass pill${trouble && !stopped ? " pill-warn" : " pill-bad"}`}>
           {trouble && !stopped ? <span class="spinner" /> : <Icon name="alert" />}
           {text}
           {elsewhere ? (
-            <button type="button" class="button" onClick={() => session?.start()}>{t.viewer.continue_here}</button>
+            <button type="button" class="button" onClick={() => session?.start()}>
+              {t.viewer.continueHere}
+            </button>
           ) : stopped ? (
             <Link href="/scans">{t.viewer.back}</Link>
           ) : null}

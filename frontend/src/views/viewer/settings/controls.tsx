@@ -1,12 +1,12 @@
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { Rgb } from "../../../protocol/gen/api/proto/scene_pb";
-import { hex_of, rgb_of } from "../../../scene/colour";
-import { typed_number, type Limits } from "../../../scene/numbers";
+import { hexOf, rgbOf } from "../../../scene/colour";
+import { typedNumber, type Limits } from "../../../scene/numbers";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
-import { number_text } from "../../format";
+import { numberText } from "../../format";
 import type { HandleSet, InPicture } from "../../picture/in_picture";
-import { from_slider, slider_steps, to_slider } from "./scale";
+import { fromSlider, sliderSteps, toSlider } from "./scale";
 
 export interface WindowProps {
   readonly session: ViewerSession;
@@ -35,17 +35,40 @@ export interface NumberControlProps {
 }
 
 /** A slider, and beside it the number itself: typed, with its unit and its limits said. */
-export function NumberControl({ label, unit = "", value, limits, slide = limits, logarithmic = false, step = 1, change, rest }: NumberControlProps) {
-  const said = `${number_text(value)}${unit ? ` ${unit}` : ""}`;
+export function NumberControl({
+  label,
+  unit = "",
+  value,
+  limits,
+  slide = limits,
+  logarithmic = false,
+  step = 1,
+  change,
+  rest,
+}: NumberControlProps) {
+  const said = `${numberText(value)}${unit ? ` ${unit}` : ""}`;
   return (
     <div class="control" role="group" aria-label={label}>
-      <span class="control-name" aria-hidden="true">{label}</span>
-      <Slider label={label} said={said} at={to_slider(value, slide, logarithmic)}
-        change={(at) => change(from_slider(at, slide, logarithmic, step), true)} rest={rest} />
-      <Typed label={label} unit={unit} value={value} limits={limits} commit={(typed) => {
-        change(typed, false);
-        rest();
-      }} />
+      <span class="control-name" aria-hidden="true">
+        {label}
+      </span>
+      <Slider
+        label={label}
+        said={said}
+        at={toSlider(value, slide, logarithmic)}
+        change={(at) => change(fromSlider(at, slide, logarithmic, step), true)}
+        rest={rest}
+      />
+      <Typed
+        label={label}
+        unit={unit}
+        value={value}
+        limits={limits}
+        commit={(typed) => {
+          change(typed, false);
+          rest();
+        }}
+      />
     </div>
   );
 }
@@ -60,22 +83,30 @@ interface SliderProps {
 
 /** One way of a hand, or of a key that is held, is one step for undoing. */
 function Slider({ label, said, at, change, rest }: SliderProps) {
-  const key_down = useRef(false);
+  const keyDown = useRef(false);
   return (
-    <input type="range" min={0} max={slider_steps} step={1} value={at} aria-label={label} aria-valuetext={said}
-      onKeyDown={() => (key_down.current = true)}
+    <input
+      type="range"
+      min={0}
+      max={sliderSteps}
+      step={1}
+      value={at}
+      aria-label={label}
+      aria-valuetext={said}
+      onKeyDown={() => (keyDown.current = true)}
       onKeyUp={() => {
-        key_down.current = false;
+        keyDown.current = false;
         rest();
       }}
       onInput={(event) => change(event.currentTarget.valueAsNumber)}
       onChange={() => {
-        if (!key_down.current) rest();
+        if (!keyDown.current) rest();
       }}
       onBlur={() => {
-        if (key_down.current) rest();
-        key_down.current = false;
-      }} />
+        if (keyDown.current) rest();
+        keyDown.current = false;
+      }}
+    />
   );
 }
 
@@ -90,40 +121,51 @@ interface TypedProps {
 /** Text, so that what is no number can be answered in words; taken with Enter or on leaving. */
 function Typed({ label, unit, value, limits, commit }: TypedProps) {
   const id = useId();
-  const [text, set_text] = useState<string | null>(null);
-  const [wrong, set_wrong] = useState(false);
-  const shown = number_text(value);
+  const [text, setText] = useState<string | null>(null);
+  const [wrong, setWrong] = useState(false);
+  const shown = numberText(value);
   useEffect(() => {
-    set_text(null);
-    set_wrong(false);
+    setText(null);
+    setWrong(false);
   }, [shown]);
   const take = () => {
     if (text === null || text === shown) return;
-    const typed = typed_number(text, limits);
-    set_wrong(typed === null);
+    const typed = typedNumber(text, limits);
+    setWrong(typed === null);
     if (typed === null) return;
-    set_text(null);
+    setText(null);
     if (typed !== value) commit(typed);
   };
   return (
     <>
       <label class="typed">
         <span class="visually-hidden">{t.settings.typed(label)}</span>
-        <input type="text" inputMode="decimal" autocomplete="off" maxLength={24} value={text ?? shown} aria-invalid={wrong || undefined}
+        <input
+          type="text"
+          inputMode="decimal"
+          autocomplete="off"
+          maxLength={24}
+          value={text ?? shown}
+          aria-invalid={wrong || undefined}
           {...(wrong ? { "aria-describedby": `${id}-wrong` } : {})}
-          onInput={(event) => set_text(event.currentTarget.value)}
+          onInput={(event) => setText(event.currentTarget.value)}
           onBlur={take}
           onFocus={(event) => event.currentTarget.select()}
           onKeyDown={(event) => {
             if (event.key === "Enter") take();
             if (event.key !== "Escape" || text === null) return;
             event.preventDefault(); // the window stays open
-            set_text(null);
-            set_wrong(false);
-          }} />
+            setText(null);
+            setWrong(false);
+          }}
+        />
         <span class="unit">{unit}</span>
       </label>
-      {wrong ? <p class="field-fault" id={`${id}-wrong`} role="alert">{t.settings.from_to(number_text(limits.low), number_text(limits.high), unit)}</p> : null}
+      {wrong ? (
+        <p class="field-fault" id={`${id}-wrong`} role="alert">
+          {t.settings.fromTo(numberText(limits.low), numberText(limits.high), unit)}
+        </p>
+      ) : null}
     </>
   );
 }
@@ -140,7 +182,66 @@ export function ColourControl({ label, value, change, rest }: ColourControlProps
   return (
     <label class="control control-colour">
       <span class="control-name">{label}</span>
-      <input type="color" value={hex_of(value)} onInput={(event) => change(rgb_of(event.currentTarget.value), true)} onChange={rest} />
+      <input
+        type="color"
+        value={hexOf(value)}
+        onInput={(event) => change(rgbOf(event.currentTarget.value), true)}
+        onChange={rest}
+      />
+    </label>
+  );
+}
+
+export interface SelectControlProps<Value extends string> {
+  readonly label: string;
+  readonly value: Value;
+  readonly options: readonly (readonly [value: Value, text: string])[];
+  readonly change: (value: Value) => void;
+}
+
+/** One of several values, chosen from the platform's own list. */
+export function SelectControl<Value extends string>({ label, value, options, change }: SelectControlProps<Value>) {
+  return (
+    <label class="control">
+      <span class="control-name">{label}</span>
+      <select
+        class="choice"
+        value={value}
+        onChange={(event) => {
+          const chosen = options.find(([one]) => one === event.currentTarget.value);
+          if (chosen) change(chosen[0]);
+        }}
+      >
+        {options.map(([one, text]) => (
+          <option key={one} value={one}>
+            {text}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+export interface NameControlProps {
+  readonly label: string;
+  readonly value: string;
+  /** The greatest number of characters. */
+  readonly most: number;
+  readonly change: (name: string) => void;
+}
+
+/** The name of a light or a material. */
+export function NameControl({ label, value, most, change }: NameControlProps) {
+  return (
+    <label class="control">
+      <span class="control-name">{label}</span>
+      <input
+        type="text"
+        class="name"
+        maxLength={most}
+        value={value}
+        onChange={(event) => change(event.currentTarget.value.trim())}
+      />
     </label>
   );
 }
@@ -155,7 +256,12 @@ export interface SwitchProps {
 export function Switch({ label, on, disabled = false, change }: SwitchProps) {
   return (
     <label class="control control-switch">
-      <input type="checkbox" checked={on} disabled={disabled} onChange={(event) => change(event.currentTarget.checked)} />
+      <input
+        type="checkbox"
+        checked={on}
+        disabled={disabled}
+        onChange={(event) => change(event.currentTarget.checked)}
+      />
       <span>{label}</span>
     </label>
   );
@@ -163,5 +269,11 @@ export function Switch({ label, on, disabled = false, change }: SwitchProps) {
 
 /** Whether what is taken hold of in the picture stays there when its window is closed. */
 export function KeepHandles({ picture, which }: { readonly picture: InPicture; readonly which: HandleSet }) {
-  return <Switch label={t.settings.picture.keep} on={picture.kept.value.includes(which)} change={(on) => picture.keep(which, on)} />;
+  return (
+    <Switch
+      label={t.settings.picture.keep}
+      on={picture.kept.value.includes(which)}
+      change={(on) => picture.keep(which, on)}
+    />
+  );
 }

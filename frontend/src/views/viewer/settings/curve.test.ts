@@ -1,30 +1,34 @@
 import { describe, expect, it } from "vitest";
-import { channels_of, shown_range, transfer_of } from "../../../scene/transfer";
-import { some_scene } from "../../../scene/testing";
-import { area_of, graph_width, nearest_point, opacity_of, points_of, value_at, x_of, y_of } from "./curve";
+import { channelsOf, shownRange, transferOf } from "../../../scene/transfer";
+import { someScene } from "../../../scene/testing";
+import { areaOf, graphWidth, nearestPoint, opacityOf, pointsOf, valueAt, xOf, yOf } from "./curve";
 
-const range = shown_range(transfer_of(some_scene()), -1024, 3071);
+const range = shownRange(transferOf(someScene()), -1024, 3071);
 
 describe("the graph", () => {
   it("a place on it is a value and an opacity, there and back", () => {
-    for (const value of [-1024, 0, 55.5, 3072]) expect(value_at(x_of(value, range), range)).toBeCloseTo(value, 6);
-    for (const opacity of [0, 0.25, 1]) expect(opacity_of(y_of(opacity))).toBeCloseTo(opacity, 9);
-    expect([opacity_of(-50), opacity_of(1e4)]).toEqual([1, 0]);
+    for (const value of [-1024, 0, 55.5, 3072]) expect(valueAt(xOf(value, range), range)).toBeCloseTo(value, 6);
+    for (const opacity of [0, 0.25, 1]) expect(opacityOf(yOf(opacity))).toBeCloseTo(opacity, 9);
+    expect([opacityOf(-50), opacityOf(1e4)]).toEqual([1, 0]);
   });
 
   it("a finger takes the nearest point, and none where there is none", () => {
-    const points = [{ x: 10, y: 10 }, { x: 20, y: 10 }, { x: 20, y: 10 }];
-    expect(nearest_point(points, { x: 12, y: 11 }, 16)).toBe(0);
-    expect(nearest_point(points, { x: 19, y: 10 }, 16)).toBe(2);
-    expect(nearest_point(points, { x: 60, y: 60 }, 16)).toBeNull();
+    const points = [
+      { x: 10, y: 10 },
+      { x: 20, y: 10 },
+      { x: 20, y: 10 },
+    ];
+    expect(nearestPoint(points, { x: 12, y: 11 }, 16)).toBe(0);
+    expect(nearestPoint(points, { x: 19, y: 10 }, 16)).toBe(2);
+    expect(nearestPoint(points, { x: 60, y: 60 }, 16)).toBeNull();
   });
 
   it("a channel is closed at both of its ends", () => {
-    const [, bone] = channels_of(some_scene());
+    const [, bone] = channelsOf(someScene());
     if (!bone) throw new Error("no channel");
-    const corners = area_of(bone, range).split(" ");
+    const corners = areaOf(bone, range).split(" ");
     expect(corners.length).toBe(bone.opacity.length + 2);
-    expect(corners.at(-1)).toBe(`${points_of(bone, range).at(-1)?.x.toFixed(1)},${y_of(0).toFixed(1)}`);
-    expect(Number(corners.at(-1)?.split(",")[0])).toBeLessThanOrEqual(graph_width);
+    expect(corners.at(-1)).toBe(`${pointsOf(bone, range).at(-1)?.x.toFixed(1)},${yOf(0).toFixed(1)}`);
+    expect(Number(corners.at(-1)?.split(",")[0])).toBeLessThanOrEqual(graphWidth);
   });
 });

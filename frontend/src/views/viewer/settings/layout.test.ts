@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
-import { closed_layout, docked, moved, opened, place_in, remember_layout, remembered_layout } from "./layout";
+import { closedLayout, docked, moved, opened, placeIn, rememberLayout, rememberedLayout } from "./layout";
 
 const screen = { width: 1000, height: 600 };
 
 describe("the windows of settings", () => {
   it("one lies at the side: another that opens there takes its place, free ones stay", () => {
-    const one = opened(closed_layout, "look", false);
+    const one = opened(closedLayout, "look", false);
     expect(opened(one, "light", false).open).toEqual(["light"]);
     const free = moved(one, "look", 300, 100, screen);
     expect(opened(free, "light", false).open).toEqual(["look", "light"]);
@@ -13,26 +13,33 @@ describe("the windows of settings", () => {
   });
 
   it("of sheets there is one", () => {
-    const free = moved(opened(closed_layout, "look", false), "look", 300, 100, screen);
+    const free = moved(opened(closedLayout, "look", false), "look", 300, 100, screen);
     expect(opened(free, "lens", true).open).toEqual(["lens"]);
   });
 
   it("can always be taken hold of again, wherever they are thrown", () => {
-    for (const [x, y] of [[-1e6, -1e6], [1e6, 1e6], [-1, 700]] as const) {
-      const place = place_in(moved(closed_layout, "light", x, y, screen), "light");
+    for (const [x, y] of [
+      [-1e6, -1e6],
+      [1e6, 1e6],
+      [-1, 700],
+    ] as const) {
+      const place = placeIn(moved(closedLayout, "light", x, y, screen), "light");
       expect(!place.docked && place.x >= 0 && place.x <= 920 && place.y >= 0 && place.y <= 552).toBe(true);
     }
   });
 
   it("are where they were after a reload", () => {
     const kept = new Map<string, string>();
-    const store = { getItem: (name: string) => kept.get(name) ?? null, setItem: (name: string, value: string) => void kept.set(name, value) };
-    const layout = moved(opened(closed_layout, "cuts", false), "cuts", 20, 30, screen);
-    remember_layout(store, layout);
-    expect(remembered_layout(store)).toEqual(layout);
+    const store = {
+      getItem: (name: string) => kept.get(name) ?? null,
+      setItem: (name: string, value: string) => void kept.set(name, value),
+    };
+    const layout = moved(opened(closedLayout, "cuts", false), "cuts", 20, 30, screen);
+    rememberLayout(store, layout);
+    expect(rememberedLayout(store)).toEqual(layout);
     for (const text of ["{", "7", '{"open":["wings",3],"places":{"look":{"x":"far"}}}']) {
       kept.set("diaphane.windows", text);
-      expect(remembered_layout(store)).toEqual(closed_layout);
+      expect(rememberedLayout(store)).toEqual(closedLayout);
     }
   });
 });

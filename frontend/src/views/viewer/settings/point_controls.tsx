@@ -26,12 +26,19 @@ export function PointControls({ channel, point, unit, range, choose, move, rest,
   const text = t.settings.look;
   const { value = 0, opacity = 0 } = channel.opacity[point] ?? {};
   const all = channel.opacity.length;
-  const limits = transfer.point_limits(channel, point);
+  const limits = transfer.pointLimits(channel, point);
   const slide = { low: Math.max(limits.low, range.low), high: Math.min(limits.high, range.high) };
   const button = (icon: "left" | "right" | "plus" | "trash", label: string, possible: boolean, act: () => void) => (
-    <button type="button" class="icon-button" aria-label={label} title={label} aria-disabled={!possible} onClick={() => {
-      if (possible) act();
-    }}>
+    <button
+      type="button"
+      class="icon-button"
+      aria-label={label}
+      title={label}
+      aria-disabled={!possible}
+      onClick={() => {
+        if (possible) act();
+      }}
+    >
       <Icon name={icon} />
     </button>
   );
@@ -41,12 +48,27 @@ export function PointControls({ channel, point, unit, range, choose, move, rest,
         <strong>{text.point(point + 1, all)}</strong>
         {button("left", text.previous, point > 0, () => choose(point - 1))}
         {button("right", text.next, point < all - 1, () => choose(point + 1))}
-        {button("plus", text.add_point, all < transfer.most_points, add)}
-        {button("trash", text.remove_point, all > 2, remove)}
+        {button("plus", text.addPoint, all < transfer.mostPoints, add)}
+        {button("trash", text.removePoint, all > 2, remove)}
       </p>
-      <NumberControl label={text.axis_value} unit={unit} value={value} limits={limits} slide={slide} rest={rest} change={(to, held) => move(point, to, opacity, held)} />
-      <NumberControl label={text.opacity} unit={t.settings.percent} value={100 * opacity} limits={{ low: 0, high: 100 }} step={0.5} rest={rest}
-        change={(to, held) => move(point, value, to / 100, held)} />
+      <NumberControl
+        label={text.axisValue}
+        unit={unit}
+        value={value}
+        limits={limits}
+        slide={slide}
+        rest={rest}
+        change={(to, held) => move(point, to, opacity, held)}
+      />
+      <NumberControl
+        label={text.opacity}
+        unit={t.settings.percent}
+        value={100 * opacity}
+        limits={{ low: 0, high: 100 }}
+        step={0.5}
+        rest={rest}
+        change={(to, held) => move(point, value, to / 100, held)}
+      />
     </div>
   );
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { from_slider, slider_steps, to_slider } from "./scale";
+import { fromSlider, sliderSteps, toSlider } from "./scale";
 
 describe("a slider", () => {
   const ways = [
@@ -9,26 +9,26 @@ describe("a slider", () => {
   ];
   it("reaches both of its ends exactly and never leaves them", () => {
     for (const { limits, log, step } of ways) {
-      expect(from_slider(0, limits, log, step)).toBe(limits.low);
-      expect(from_slider(slider_steps, limits, log, step)).toBe(limits.high);
-      for (let at = -5; at <= slider_steps + 5; at++) {
-        const value = from_slider(at, limits, log, step);
+      expect(fromSlider(0, limits, log, step)).toBe(limits.low);
+      expect(fromSlider(sliderSteps, limits, log, step)).toBe(limits.high);
+      for (let at = -5; at <= sliderSteps + 5; at++) {
+        const value = fromSlider(at, limits, log, step);
         expect(value >= limits.low && value <= limits.high).toBe(true);
       }
     }
   });
   it("rises, and stands where its value is", () => {
     for (const { limits, log, step } of ways)
-      for (let at = 10; at < slider_steps; at += 10) {
-        const value = from_slider(at, limits, log, step);
-        expect(value).toBeGreaterThanOrEqual(from_slider(at - 10, limits, log, step));
-        expect(Math.abs(to_slider(value, limits, log) - at)).toBeLessThanOrEqual(5);
+      for (let at = 10; at < sliderSteps; at += 10) {
+        const value = fromSlider(at, limits, log, step);
+        expect(value).toBeGreaterThanOrEqual(fromSlider(at - 10, limits, log, step));
+        expect(Math.abs(toSlider(value, limits, log) - at)).toBeLessThanOrEqual(5);
       }
   });
   it("stands at an end for what lies beyond, and for nothing at all", () => {
-    expect(to_slider(-5, { low: 0, high: 1 }, false)).toBe(0);
-    expect(to_slider(0, { low: 0.1, high: 10 }, true)).toBe(0);
-    expect(to_slider(1e9, { low: 0.1, high: 10 }, true)).toBe(slider_steps);
-    expect(to_slider(3, { low: 3, high: 3 }, false)).toBe(0);
+    expect(toSlider(-5, { low: 0, high: 1 }, false)).toBe(0);
+    expect(toSlider(0, { low: 0.1, high: 10 }, true)).toBe(0);
+    expect(toSlider(1e9, { low: 0.1, high: 10 }, true)).toBe(sliderSteps);
+    expect(toSlider(3, { low: 3, high: 3 }, false)).toBe(0);
   });
 });

@@ -1,88 +1,56 @@
-import { useEffect, useRef, useState } from "preact/hooks";
-import { tab } from "../../../storage";
+import { useEffect, useRef } from "preact/hooks";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
-import { focused_of } from "../../focused";
-import { Icon, type IconName } from "../../icons";
+import { focusedOf } from "../../focused";
 import type { InPicture } from "../../picture/in_picture";
-import { use_media } from "../../use_media";
+import { useMedia } from "../../use_media";
 import { CutsWindow } from "./cuts_window";
-import { closed, docked, moved, opened, remember_layout, remembered_layout, window_names, type Layout, type WindowName } from "./layout";
 import { LensWindow } from "./lens_window";
 import { LightWindow } from "./light_window";
 import { LookWindow } from "./look_window";
+import { SettingsMenu } from "./settings_menu";
 import { SettingsWindow } from "./settings_window";
+import { useWindowLayout } from "./use_window_layout";
 
 export interface SettingsProps {
   readonly session: ViewerSession;
-  /** The scene is this person's to change. */
+  /** Whether this person may change the scene. */
   readonly leads: boolean;
-  /** So is what is cut away of the scan. */
+  /** Whether they may also change what is cut away of the scan. */
   readonly cuts: boolean;
   readonly picture: InPicture;
 }
 
-const icons: Readonly<Record<WindowName, IconName>> = { look: "palette", light: "lamp", lens: "aperture", cuts: "slice" };
 const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow } as const;
-const narrow_page = "(max-width: 700px), (max-height: 420px)";
+const narrowPage = "(max-width: 700px), (max-height: 420px)";
 
 /** The menu at the left, and the windows that it opens (thesis, 4.1 and 5.3). */
 export function Settings({ session, leads, cuts, picture }: SettingsProps) {
-  const [layout, set_layout] = useState<Layout>(() => remembered_layout(tab));
-  const [fresh, set_fresh] = useState<WindowName | null>(null);
-  const narrow = use_media(narrow_page);
+  const narrow = useMedia(narrowPage);
   const menu = useRef<HTMLElement>(null);
-  const steps = session.steps.value;
-
-  const change = (next: Layout) => {
-    set_layout(next);
-    remember_layout(tab, next);
-  };
-  const show = (name: WindowName) => {
-    set_fresh(name);
-    change(opened(layout, name, narrow));
-  };
-  const close = (name: WindowName) => {
-    set_fresh(null);
-    change(closed(layout, name));
-    menu.current?.querySelector<HTMLElement>(`[data-opens="${name}"]`)?.focus();
-  };
-  use_undo_keys(session, leads);
-  const shown = narrow ? layout.open.slice(-1) : layout.open;
-  const open_names = shown.join();
-  useEffect(() => {
-    const held = cuts ? (["cuts", "light"] as const) : (["light"] as const);
-    picture.open.value = leads ? held.filter((name) => open_names.split(",").includes(name)) : [];
-  }, [picture, leads, cuts, open_names]);
-  const step_button = (icon: "undo" | "redo", way: () => void, possible: boolean) => (
-    <button type="button" class="icon-button" aria-label={t.settings[icon]} title={t.settings[icon]} aria-keyshortcuts={t.settings.shortcuts[icon]}
-      aria-disabled={!possible} onClick={() => {
-        if (possible) way();
-      }}>
-      <Icon name={icon} />
-    </button>
-  );
+  const { layout, shown, fresh, toggle, close, move, dock } = useWindowLayout(narrow, menu);
+  useUndoKeys(session, leads);
+  useOpenHandles(picture, shown.join(), leads, cuts);
   return (
     <>
-      <nav class="glass menu" aria-label={t.settings.menu} ref={menu}>
-        {step_button("undo", () => session.undo(), leads && steps.past.length > 0)}
-        {step_button("redo", () => session.redo(), leads && steps.future.length > 0)}
-        <hr />
-        {window_names.map((name) => (
-          <button key={name} type="button" class="icon-button" data-opens={name} aria-label={t.settings.windows[name]} title={t.settings.windows[name]}
-            aria-expanded={shown.includes(name)} onClick={() => (shown.includes(name) ? close(name) : show(name))}>
-            <Icon name={icons[name]} />
-          </button>
-        ))}
-      </nav>
+      <SettingsMenu session={session} leads={leads} shown={shown} toggle={toggle} menu={menu} />
       {shown.map((name) => {
         const View = views[name];
-        const may_change = leads && (name !== "cuts" || cuts);
+        const mayChange = leads && (name !== "cuts" || cuts);
         return (
-          <SettingsWindow key={name} name={name} layout={layout} narrow={narrow} fresh={fresh === name}
-            onMove={(x, y) => change(moved(layout, name, x, y, { width: innerWidth, height: innerHeight }))}
-            onDock={() => change(docked(layout, name))} onClose={() => close(name)} onReset={may_change ? () => session.reset(name) : null}>
-            <View session={session} leads={may_change} picture={picture} />
+          <SettingsWindow
+            key={name}
+            name={name}
+            layout={layout}
+            narrow={narrow}
+            fresh={fresh === name}
+            onMove={(x, y) => move(name, x, y)}
+            onDock={() => dock(name)}
+            onClose={() => close(name)}
+            onReset={mayChange ? () => session.reset(name) : null}
+            whyNot={leads ? t.settings.notForGuests : t.settings.notYours}
+          >
+            <View session={session} leads={mayChange} picture={picture} />
           </SettingsWindow>
         );
       })}
@@ -90,15 +58,30 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   );
 }
 
-function use_undo_keys(session: ViewerSession, leads: boolean): void {
+/** Shows the handles of the open windows in the picture. `openNames` is a string, so that the effect can compare it. */
+function useOpenHandles(picture: InPicture, openNames: string, leads: boolean, cuts: boolean): void {
+  useEffect(() => {
+    const held = cuts ? (["cuts", "light"] as const) : (["light"] as const);
+    picture.open.value = leads ? held.filter((name) => openNames.split(",").includes(name)) : [];
+  }, [picture, leads, cuts, openNames]);
+}
+
+function useUndoKeys(session: ViewerSession, leads: boolean): void {
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => {
       const key = event.key.toLowerCase();
-      if (!leads || event.defaultPrevented || !(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
-      if (focused_of(event.target) === "text" || document.querySelector("dialog[open]")) return; // text has an undo of its own
+      if (
+        !leads ||
+        event.defaultPrevented ||
+        !(event.ctrlKey || event.metaKey) ||
+        event.altKey ||
+        !["z", "y"].includes(key)
+      )
+        return;
+      if (focusedOf(event.target) === "text" || document.querySelector("dialog[open]")) return; // text has an undo of its own
       event.preventDefault();
-      if (key === "z" && !event.shiftKey) session.undo();
-      else session.redo();
+      if (key === "z" && !event.shiftKey) session.editor.undo();
+      else session.editor.redo();
     };
     addEventListener("keydown", pressed);
     return () => removeEventListener("keydown", pressed);

@@ -1,4 +1,4 @@
-import { fitted, own_texture_side, texture_pixels, type Pixels, type TextureName } from "../../../scene/textures";
+import { fitted, ownTextureSide, texturePixels, type Pixels, type TextureName } from "../../../scene/textures";
 
 type Bytes = Uint8Array<ArrayBuffer>;
 
@@ -16,26 +16,26 @@ function painted({ width, height, rgba }: Pixels): OffscreenCanvas {
 const made = new Map<TextureName, Promise<Bytes>>();
 
 /** As a PNG file; the same bytes each time, by which it is known again. */
-export function texture_file(name: TextureName): Promise<Bytes> {
-  const file = made.get(name) ?? coded(painted(texture_pixels(name)), "image/png");
+export function textureFile(name: TextureName): Promise<Bytes> {
+  const file = made.get(name) ?? coded(painted(texturePixels(name)), "image/png");
   made.set(name, file);
   return file;
 }
 
 export type ReadPicture = { readonly bytes: Bytes } | { readonly refused: "too_large" | "no_picture" };
 
-const most_file_bytes = 30_000_000;
+const mostFileBytes = 30_000_000;
 
 /** Somebody's own file as a small JPEG: nothing but the picture goes anywhere, not the name nor what a camera wrote into it. */
-export async function read_picture(file: Blob): Promise<ReadPicture> {
-  if (file.size > most_file_bytes) return { refused: "too_large" };
+export async function readPicture(file: Blob): Promise<ReadPicture> {
+  if (file.size > mostFileBytes) return { refused: "too_large" };
   let bitmap: ImageBitmap;
   try {
     bitmap = await createImageBitmap(file);
   } catch {
     return { refused: "no_picture" };
   }
-  const { width, height } = fitted(bitmap.width, bitmap.height, own_texture_side);
+  const { width, height } = fitted(bitmap.width, bitmap.height, ownTextureSide);
   const canvas = new OffscreenCanvas(width, height);
   const context = canvas.getContext("2d");
   if (!context) return { refused: "no_picture" };

@@ -1,45 +1,99 @@
-import { typed_number, type Limits } from "../../../scene/numbers";
+import { typedNumber, type Limits } from "../../../scene/numbers";
 import { tools, type Shown, type Slices } from "../../../slices/model";
-import { without_last } from "../../../slices/measure";
-import { usual_windows, window_limits, type UsualWindow } from "../../../slices/window";
+import { withoutLast } from "../../../slices/measure";
+import { usualWindows, windowLimits, type UsualWindow } from "../../../slices/window";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import { t } from "../../../texts";
-import { number_text } from "../../format";
+import { numberText } from "../../format";
+import { IconButton } from "../../icon_button";
 import { Icon } from "../../icons";
 
 const views: readonly Shown[] = ["four", "axial", "sagittal", "coronal", "picture"];
 
-/** What is shown, what a hand does, and the window in numbers. */
-export function SliceBar({ slices, volume }: { readonly slices: Slices; readonly volume: VolumeHeader }) {
-  const tool = slices.tool.value;
-  const window = slices.window.value;
-  const usual = (Object.keys(usual_windows) as UsualWindow[]).find((name) => usual_windows[name].centre === window.centre && usual_windows[name].width === window.width);
+interface SliceBarProps {
+  readonly slices: Slices;
+  readonly volume: VolumeHeader;
+}
+
+/** The tool bar of the slices: the shown views, the tool, and the grey window in numbers. */
+export function SliceBar({ slices, volume }: SliceBarProps) {
+  const none = slices.measures.value.length === 0;
   return (
     <div class="glass slice-bar">
-      <Choice label={t.slices.views} names={views.filter((view) => !(slices.narrow.value && view === "four"))} texts={t.slices.view} chosen={slices.view.value}
-        choose={(view) => (slices.shown.value = view)} />
-      <Choice label={t.slices.tools} names={tools} texts={t.slices.tool} titles={t.slices.tool_help} chosen={tool} choose={(name) => (slices.tool.value = name)} />
-      <div class="slice-window" role="group" aria-label={t.slices.usual}>
-        {volume.modality === Modality.CT ? (
-          <select aria-label={t.slices.usual} value={usual ?? ""} onChange={(event) => {
-            const name = event.currentTarget.value as UsualWindow | "";
-            if (name !== "") slices.set_window(usual_windows[name]);
-          }}>
-            <option value="">{t.slices.usual_own}</option>
-            {(Object.keys(usual_windows) as UsualWindow[]).map((name) => <option key={name} value={name}>{t.slices.usual_windows[name]}</option>)}
-          </select>
-        ) : null}
-        <Typed label={t.slices.centre} value={window.centre} limits={window_limits.centre} take={(centre) => slices.set_window({ ...window, centre })} />
-        <Typed label={t.slices.width} value={window.width} limits={window_limits.width} take={(width) => slices.set_window({ ...window, width })} />
-      </div>
-      <button type="button" class="icon-button" aria-label={t.slices.remove_measure} title={t.slices.remove_measure} aria-disabled={slices.measures.value.length === 0}
-        onClick={() => (slices.measures.value = without_last(slices.measures.value))}>
+      <Choice
+        label={t.slices.views}
+        names={views.filter((view) => !(slices.narrow.value && view === "four"))}
+        texts={t.slices.view}
+        chosen={slices.view.value}
+        choose={(view) => (slices.shown.value = view)}
+      />
+      <Choice
+        label={t.slices.tools}
+        names={tools}
+        texts={t.slices.tool}
+        titles={t.slices.toolHelp}
+        chosen={slices.tool.value}
+        choose={(name) => (slices.tool.value = name)}
+      />
+      <WindowControls slices={slices} volume={volume} />
+      <button
+        type="button"
+        class="icon-button"
+        aria-label={t.slices.removeMeasure}
+        title={t.slices.removeMeasure}
+        aria-disabled={none}
+        onClick={() => (slices.measures.value = withoutLast(slices.measures.value))}
+      >
         <Icon name="trash" />
       </button>
-      <button type="button" class="icon-button" aria-label={t.slices.reset} title={t.slices.reset} onClick={() => slices.reset()}>
-        <Icon name="reset" />
-      </button>
+      <IconButton icon="reset" label={t.slices.reset} onClick={() => slices.reset()} />
     </div>
+  );
+}
+
+/** The grey window in numbers. A CT scan also has the usual windows by name. */
+function WindowControls({ slices, volume }: SliceBarProps) {
+  const window = slices.window.value;
+  return (
+    <div class="slice-window" role="group" aria-label={t.slices.usual}>
+      {volume.modality === Modality.CT ? <UsualWindows slices={slices} /> : null}
+      <Typed
+        label={t.slices.centre}
+        value={window.centre}
+        limits={windowLimits.centre}
+        take={(centre) => slices.setWindow({ ...window, centre })}
+      />
+      <Typed
+        label={t.slices.width}
+        value={window.width}
+        limits={windowLimits.width}
+        take={(width) => slices.setWindow({ ...window, width })}
+      />
+    </div>
+  );
+}
+
+const windowNames = Object.keys(usualWindows) as UsualWindow[];
+
+function UsualWindows({ slices }: { readonly slices: Slices }) {
+  const { centre, width } = slices.window.value;
+  const usual = windowNames.find((name) => usualWindows[name].centre === centre && usualWindows[name].width === width);
+  return (
+    <select
+      aria-label={t.slices.usual}
+      value={usual ?? ""}
+      onChange={(event) => {
+        const name = event.currentTarget.value as UsualWindow | "";
+        if (name !== "") slices.setWindow(usualWindows[name]);
+      }}
+    >
+      <option value="">{t.slices.usualOwn}</option>
+      {windowNames.map((name) => (
+        <option key={name} value={name}>
+          {t.slices.usualWindows[name]}
+        </option>
+      ))}
+    </select>
   );
 }
 
@@ -79,16 +133,22 @@ function Typed({ label, value, limits, take }: TypedProps) {
   return (
     <label class="slice-typed">
       <span>{label}</span>
-      <input type="text" inputMode="decimal" autocomplete="off" maxLength={12} value={number_text(value)}
+      <input
+        type="text"
+        inputMode="decimal"
+        autocomplete="off"
+        maxLength={12}
+        value={numberText(value)}
         onFocus={(event) => event.currentTarget.select()}
         onKeyDown={(event) => {
           if (event.key === "Enter") event.currentTarget.blur();
         }}
         onBlur={(event) => {
-          const typed = typed_number(event.currentTarget.value, limits);
-          event.currentTarget.value = number_text(typed ?? value);
+          const typed = typedNumber(event.currentTarget.value, limits);
+          event.currentTarget.value = numberText(typed ?? value);
           if (typed !== null && typed !== value) take(typed);
-        }} />
+        }}
+      />
     </label>
   );
 }

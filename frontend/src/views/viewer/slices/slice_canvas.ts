@@ -1,16 +1,23 @@
 import type { Area } from "../../../input/flat";
-import { per_mm, point_of, type Placing } from "../../../slices/placing";
-import { pixel_size, type Stack } from "../../../slices/stack";
+import { perMm, pointOf, type Placing } from "../../../slices/placing";
+import { pixelSize, type Stack } from "../../../slices/stack";
 import { shade } from "../../../slices/window";
 
 /** Draws slices on a canvas: each voxel a sharp rectangle, however large. */
 export class SliceCanvas {
-  private readonly pixels_ = document.createElement("canvas");
-  private values_: Int16Array | null = null;
-  private table_: Uint32Array | null = null;
+  private readonly pixels = document.createElement("canvas");
+  private values: Int16Array | null = null;
+  private table: Uint32Array | null = null;
 
   /** `area` in CSS pixels; null: there are no values yet, and what was there before is no slice of this place. */
-  draw(canvas: HTMLCanvasElement, stack: Stack, values: Int16Array | null, table: Uint32Array, placing: Placing, area: Area): void {
+  draw(
+    canvas: HTMLCanvasElement,
+    stack: Stack,
+    values: Int16Array | null,
+    table: Uint32Array,
+    placing: Placing,
+    area: Area,
+  ): void {
     const ratio = devicePixelRatio;
     const width = Math.max(1, Math.round(area.width * ratio));
     const height = Math.max(1, Math.round(area.height * ratio));
@@ -23,26 +30,32 @@ export class SliceCanvas {
     context.fillRect(0, 0, width, height);
     if (!values) return;
     this.shade(stack, values, table);
-    const size = pixel_size(stack);
-    const mm = per_mm(stack, placing, area);
-    const corner = point_of(stack, placing, area, { column: -0.5, row: -0.5 });
+    const size = pixelSize(stack);
+    const mm = perMm(stack, placing, area);
+    const corner = pointOf(stack, placing, area, { column: -0.5, row: -0.5 });
     context.imageSmoothingEnabled = Math.min(size.width, size.height) * mm * ratio < 1;
     context.imageSmoothingQuality = "high";
-    context.drawImage(this.pixels_, corner.x * ratio, corner.y * ratio, stack.columns * size.width * mm * ratio, stack.rows * size.height * mm * ratio);
+    context.drawImage(
+      this.pixels,
+      corner.x * ratio,
+      corner.y * ratio,
+      stack.columns * size.width * mm * ratio,
+      stack.rows * size.height * mm * ratio,
+    );
   }
 
   /** The pixels are gone, with a GPU that was lost. */
   forget(): void {
-    this.values_ = null;
+    this.values = null;
   }
 
   private shade(stack: Stack, values: Int16Array, table: Uint32Array): void {
-    if (values === this.values_ && table === this.table_) return;
-    this.values_ = values;
-    this.table_ = table;
-    this.pixels_.width = stack.columns;
-    this.pixels_.height = stack.rows;
-    const context = this.pixels_.getContext("2d");
+    if (values === this.values && table === this.table) return;
+    this.values = values;
+    this.table = table;
+    this.pixels.width = stack.columns;
+    this.pixels.height = stack.rows;
+    const context = this.pixels.getContext("2d");
     if (!context) return;
     const image = context.createImageData(stack.columns, stack.rows);
     shade(values, table, new Uint32Array(image.data.buffer));

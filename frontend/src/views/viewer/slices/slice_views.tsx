@@ -1,14 +1,14 @@
 import { useEffect } from "preact/hooks";
-import { can_inflate } from "../../../slices/coding";
+import { canInflate } from "../../../slices/coding";
 import type { Shown, Slices } from "../../../slices/model";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
-import { use_media } from "../../use_media";
+import { useMedia } from "../../use_media";
 import { SliceBar } from "./slice_bar";
-import { pane_order, SlicePane } from "./slice_pane";
+import { paneOrder, SlicePane } from "./slice_pane";
 
-const narrow_page = "(max-width: 700px), (max-height: 480px)";
+const narrowPage = "(max-width: 700px), (max-height: 480px)";
 
 /** The slices beside the picture, or one of them in its place. */
 export function SliceViews({ session }: { readonly session: ViewerSession }) {
@@ -18,13 +18,20 @@ export function SliceViews({ session }: { readonly session: ViewerSession }) {
   if (view === "picture" || !volume) return null;
   return (
     <div class="slice-views">
-      {pane_order.map((plane) => {
+      {paneOrder.map((plane) => {
         const stack = slices.stacks.value.get(plane);
-        return stack && (view === "four" || view === plane) ? <SlicePane key={plane} slices={slices} stack={stack} volume={volume} alone={view === plane} /> : null;
+        return stack && (view === "four" || view === plane) ? (
+          <SlicePane key={plane} slices={slices} stack={stack} volume={volume} alone={view === plane} />
+        ) : null;
       })}
       {view === "four" ? (
-        <button type="button" class="icon-button slice-maximise slice-maximise-picture" aria-label={t.slices.maximise(t.slices.view.picture)} title={t.slices.maximise(t.slices.view.picture)}
-          onClick={() => slices.maximise("picture")}>
+        <button
+          type="button"
+          class="icon-button slice-maximise slice-maximise-picture"
+          aria-label={t.slices.maximise(t.slices.view.picture)}
+          title={t.slices.maximise(t.slices.view.picture)}
+          onClick={() => slices.maximise("picture")}
+        >
           <Icon name="fullscreen" />
         </button>
       ) : null}
@@ -37,37 +44,47 @@ export function SlicesLine({ session }: { readonly session: ViewerSession }) {
   const slices = session.slices;
   const volume = session.volume.value;
   if (!slices.open.value || !slices.available.value || !volume) return null;
-  const fault = !can_inflate() ? t.slices.unsupported : slices.damaged.value ? t.slices.damaged : "";
+  const fault = !canInflate() ? t.slices.unsupported : slices.damaged.value ? t.slices.damaged : "";
   return (
     <section class="slice-line" aria-label={t.slices.bar}>
       <SliceBar slices={slices} volume={volume} />
-      {fault ? <p class="glass pill slice-fault" role="alert">{fault}</p> : null}
+      {fault ? (
+        <p class="glass pill slice-fault" role="alert">
+          {fault}
+        </p>
+      ) : null}
     </section>
   );
 }
 
 /** Between the picture alone and the slices; by the key V as well. */
 export function SlicesButton({ session: { slices } }: { readonly session: ViewerSession }) {
-  const narrow = use_media(narrow_page);
+  const narrow = useMedia(narrowPage);
   useEffect(() => {
     slices.narrow.value = narrow;
   }, [slices, narrow]);
   const shown = slices.open.value;
   if (!slices.available.value) return null;
   return (
-    <button type="button" class="icon-button tool-slices" aria-label={shown ? t.slices.close : t.slices.open} title={shown ? t.slices.close : t.slices.open}
-      aria-pressed={shown} onClick={() => toggle_slices(slices)}>
+    <button
+      type="button"
+      class="icon-button tool-slices"
+      aria-label={shown ? t.slices.close : t.slices.open}
+      title={shown ? t.slices.close : t.slices.open}
+      aria-pressed={shown}
+      onClick={() => toggleSlices(slices)}
+    >
       <Icon name="four" />
     </button>
   );
 }
 
-export function toggle_slices({ open, available }: Slices): void {
+export function toggleSlices({ open, available }: Slices): void {
   if (available.value) open.value = !open.value;
 }
 
 /** The view that has the focus alone, or all four again. */
-export function maximise_focused(slices: Slices): void {
+export function maximiseFocused(slices: Slices): void {
   if (!slices.open.value) return;
   const plane = document.activeElement?.closest<HTMLElement>(".slice-pane")?.dataset.plane;
   const one = (plane ?? "picture") as Exclude<Shown, "four">;

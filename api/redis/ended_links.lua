@@ -1,6 +1,0 @@
--- Which of these links were ended on purpose. ARGV: hashes of their tokens.
-local ended = {}
-for _, hash in ipairs(ARGV) do
-  if redis.call('EXISTS', 'diaphane:link:' .. hash .. ':ended') == 1 then ended[#ended + 1] = hash end
-end
-return ended

@@ -1,8 +1,0 @@
--- Forget a worker that cannot be reached, so that the next placing need not wait for its heartbeat to expire.
--- Only this incarnation: one that was started again meanwhile stays. ARGV: worker, incarnation. Returns 0 or 1.
-
-local worker_key = 'diaphane:worker:' .. ARGV[1]
-if redis.call('HGET', worker_key, 'incarnation') ~= ARGV[2] then return 0 end
-redis.call('DEL', worker_key, worker_key .. ':sessions')
-redis.call('SREM', 'diaphane:workers', ARGV[1])
-return 1

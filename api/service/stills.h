@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/result.h"
+
+namespace diaphane::api {
+
+struct StillRequest {
+  std::string data_set_id;
+  std::string preset;      ///< "skin", "muscle", "vessels", "bone", "airways"; or
+  std::string scene = {};  ///< a serialised diaphane.v1.Scene
+  std::uint32_t width = 320, height = 320;
+  std::uint32_t samples = 64;  ///< maximum per pixel
+  double error = 0;            ///< estimated error at which rendering stops; 0 renders all samples
+  bool background = false;     ///< lower priority, because no user waits for it
+};
+
+/// Renders pictures without a session, such as thumbnails. Thread-safe. Blocks for up to 20 s, or
+/// 60 s in the background.
+class Stills {
+ public:
+  virtual ~Stills() = default;
+  /// Returns JPEG bytes, kUnavailable if no worker responds, or kNotFound if the worker has no such
+  /// volume.
+  virtual Result<std::string> render(const StillRequest& request) = 0;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+#include "common/wire/inner_tls.h"
+#include "directory/reply.h"
+#include "directory/script.h"
+
+namespace diaphane::directory {
+
+using Arguments = std::vector<std::string_view>;
+
+/// Redis with a small connection pool. This is the only class that uses hiredis. Thread-safe. A
+/// call blocks for at most `connect_timeout` + `command_timeout` + the wait for a connection
+/// (`command_timeout` too). Broken connections are closed and the next call opens a new one, so
+/// that a restarted Redis is used immediately.
+///
+/// All calls return kUnavailable if Redis is unreachable, too slow, loading, out of memory or a
+/// replica, and kInternal if it rejects the command (a bug in Diaphane).
+class Client {
+ public:
+  struct Options {
+    std::string address;  ///< "host:port", "rediss://host:port" with TLS, or "unix:/path"
+    std::size_t connections = 8;
+    std::chrono::milliseconds connect_timeout{250};
+    std::chrono::milliseconds command_timeout{1000};
+    wire::InnerTls tls{};  ///< TLS settings for a rediss address, and whether plaintext is allowed
+  };
+
+  /// Returns kInvalid if the address is malformed or requires TLS. Connects on first use.
+  static Result<std::unique_ptr<Client>> create(Options options);
+  ~Client();
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  Result<Reply> command(const Arguments& words);
+  /// Runs EVALSHA without keys, or EVAL if Redis does not know the script, for example after a
+  /// restart.
+  Result<Reply> run(const Script& script, const Arguments& arguments);
+  /// Whether Redis answers a PING within `timeout`.
+  bool answers(std::chrono::milliseconds timeout);
+
+ private:
+  struct Impl;
+  explicit Client(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace diaphane::directory

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "directory/constants.h"
+
+// Chooses the peers that assist a worker whose sessions need more than its device has
+// (docs/adr/0033). Pure functions: the known state of the peers goes in, the helpers come out.
+
+namespace diaphane::directory {
+
+/// Another worker, as of its last heartbeat.
+struct Neighbour {
+  std::string id;
+  double load = 0;  ///< share of its device used by its own sessions in the last second, 0 to 1
+  double lent = 0;  ///< share used for other workers' sessions
+  double age = 0;   ///< age of the sample in seconds
+  bool same_node = false;
+  bool has_volume = false;  ///< has loaded a volume that is viewed on this worker
+  bool draining = false;
+};
+
+struct Helper {
+  std::string id;
+  double expected = 0;  ///< expected share of its device when it was asked
+  double since = 0;     ///< s
+};
+
+/// State of one worker between two calls, one second apart.
+struct Lending {
+  std::vector<Helper> helpers;
+  double calm = 0;  ///< seconds since its own device was sufficient
+};
+
+struct LendingRules {
+  std::size_t most = 3;  ///< maximum number of helpers
+  /// A worker borrows if its demand exceeds `borrows`. Once the demand has been below `enough` for
+  /// `rest` seconds, it releases all helpers.
+  double borrows = 1.05, enough = 0.85, rest = 3;
+  /// Load limits of a peer's device: at the first, it is not asked; at the second (of its own
+  /// sessions), it is released.
+  double idle = 0.7, busy = 0.9;
+  double oldest = kHeartbeatMs / 1000.0;  ///< maximum age of a sample in seconds
+  /// A helper that was asked less than this long ago may still be loading the volume. Until then,
+  /// its expected share counts as delivered.
+  double settles = 3;
+};
+
+struct LendingQuestion {
+  double seconds = 1;  ///< seconds since the last call
+  double asked = 0;    ///< current demand of its own sessions, in devices
+  double helped = 0;   ///< work of the helpers in the last second, in devices
+  /// A random sample of peers plus the current helpers. A helper that is missing here is gone.
+  std::vector<Neighbour> neighbours;
+};
+
+/// Returns the new set of helpers: the previous ones without those that are busy, draining or gone,
+/// plus new ones if the demand exceeds the supply. Each new helper is the better of two random
+/// peers, so that many workers do not ask the same one.
+Lending lend(Lending before, const LendingQuestion& question, const LendingRules& rules,
+             std::uint64_t seed);
+
+}  // namespace diaphane::directory

@@ -1,0 +1,182 @@
+#include "directory/lending.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+
+namespace diaphane::directory {
+namespace {
+
+const LendingRules kRules;
+
+Neighbour neighbour(const std::string& id, double load, double lent = 0) {
+  Neighbour one;
+  one.id = id;
+  one.load = load;
+  one.lent = lent;
+  one.age = 0.5;
+  return one;
+}
+
+LendingQuestion asked(double load, std::vector<Neighbour> neighbours) {
+  LendingQuestion question;
+  question.asked = load;
+  question.neighbours = std::move(neighbours);
+  return question;
+}
+
+std::vector<std::string> ids(const Lending& lending) {
+  std::vector<std::string> all;
+  for (const Helper& helper : lending.helpers) all.push_back(helper.id);
+  return all;
+}
+
+Lending helped_by(const std::string& id) {
+  Lending lending;
+  lending.helpers.push_back({id, 0.5, 10});
+  return lending;
+}
+
+TEST(Lending, NothingIsBorrowedWhereADeviceIsNotAskedForMoreThanThereIs) {
+  EXPECT_TRUE(lend({}, asked(1.0, {neighbour("a", 0)}), kRules, 1).helpers.empty());
+  EXPECT_EQ(ids(lend({}, asked(1.4, {neighbour("a", 0)}), kRules, 1)),
+            std::vector<std::string>{"a"});
+}
+
+TEST(Lending, OnlyAsManyAreAskedAsWhatIsLackingTakes) {
+  const std::vector<Neighbour> idle{neighbour("a", 0.5), neighbour("b", 0.5), neighbour("c", 0.5),
+                                    neighbour("d", 0.5), neighbour("e", 0.5)};
+  EXPECT_EQ(lend({}, asked(1.3, idle), kRules, 1).helpers.size(), 1u);
+  EXPECT_EQ(lend({}, asked(1.9, idle), kRules, 1).helpers.size(), 2u);
+  EXPECT_EQ(lend({}, asked(9, idle), kRules, 1).helpers.size(), kRules.most);
+  LendingQuestion half = asked(2, idle);
+  half.helped = 0.99;
+  EXPECT_TRUE(lend({}, half, kRules, 1).helpers.empty()) << "what comes already";
+}
+
+TEST(Lending, WhoIsNearFullDrainsOrWasNotHeardOfIsNotAsked) {
+  Neighbour draining = neighbour("draining", 0), silent = neighbour("silent", 0);
+  draining.draining = true;
+  silent.age = kRules.oldest + 1;
+  const auto made = lend({},
+                         asked(4, {draining, silent, neighbour("full", 0.8),
+                                   neighbour("helps others", 0.2, 0.6), neighbour("idle", 0.1)}),
+                         kRules, 1);
+  EXPECT_EQ(ids(made), std::vector<std::string>{"idle"});
+}
+
+TEST(Lending, AHelperWithWorkOfItsOwnIsGivenBackAtOnce) {
+  for (double load : {0.0, 0.5, 0.8}) {
+    EXPECT_EQ(
+        lend(helped_by("a"), asked(1.5, {neighbour("a", load, 0.2)}), kRules, 1).helpers.size(), 1u)
+        << load;
+  }
+  EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {neighbour("a", 0.95)}), kRules, 1).helpers.empty());
+  EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {}), kRules, 1).helpers.empty()) << "it has gone";
+  Neighbour draining = neighbour("a", 0);
+  draining.draining = true;
+  EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {draining}), kRules, 1).helpers.empty());
+}
+
+TEST(Lending, WhatItDoesForOthersIsNoReasonToGiveAHelperBack) {
+  EXPECT_EQ(lend(helped_by("a"), asked(1.5, {neighbour("a", 0.1, 0.9)}), kRules, 1).helpers.size(),
+            1u);
+}
+
+TEST(Lending, HelpersAreKeptUntilTheDeviceIsEnoughForAWhile) {
+  const std::vector<Neighbour> there{neighbour("a", 0, 0.3)};
+  Lending lending = helped_by("a");
+  for (int second = 0; second < 60; ++second) {
+    // The demand alternates around the limit and is sometimes far below it.
+    lending = lend(std::move(lending), asked(second % 3 == 0 ? 1.2 : 0.5, there), kRules, 1);
+    ASSERT_EQ(lending.helpers.size(), 1u) << second;
+  }
+  lending = lend(std::move(lending), asked(1.2, there), kRules, 1);
+  for (int second = 1; second <= 3; ++second) {
+    ASSERT_EQ(lending.helpers.size(), 1u) << second;
+    lending = lend(std::move(lending), asked(0.5, there), kRules, 1);
+  }
+  EXPECT_TRUE(lending.helpers.empty());
+}
+
+TEST(Lending, AVolumeThatIsThereAndTheSameNodeArePreferred) {
+  Neighbour volume = neighbour("volume", 0.3), near = neighbour("near", 0.3);
+  volume.has_volume = true;
+  near.same_node = true;
+  std::map<std::string, int> taken;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    const auto made = lend({}, asked(1.3, {volume, near, neighbour("far", 0.3)}), kRules,
+                           seed * 0x9e3779b97f4a7c15ULL);
+    ++taken[made.helpers.at(0).id];
+  }
+  // The better of two random draws out of three: the best is chosen with probability 5/9, and the
+  // last only if it is drawn twice. The bounds are five standard deviations of 3000 draws.
+  EXPECT_NEAR(taken["volume"], 3000 * 5 / 9.0, 5 * std::sqrt(3000 * 5 / 9.0 * 4 / 9.0));
+  EXPECT_NEAR(taken["near"], 3000 * 3 / 9.0, 5 * std::sqrt(3000 * 3 / 9.0 * 6 / 9.0));
+  EXPECT_NEAR(taken["far"], 3000 * 1 / 9.0, 5 * std::sqrt(3000 * 1 / 9.0 * 8 / 9.0));
+}
+
+TEST(Lending, ACrowdDoesNotAskTheSameOne) {
+  std::vector<Neighbour> idle;
+  for (int i = 0; i < 20; ++i) idle.push_back(neighbour(std::to_string(i), 0.01 * i));
+  std::map<std::string, int> taken;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    ++taken[lend({}, asked(1.5, idle), kRules, seed * 0x9e3779b97f4a7c15ULL).helpers.at(0).id];
+  }
+  int most = 0;
+  for (const auto& [id, times] : taken) most = std::max(most, times);
+  // The best of 20 is the better of two random draws with probability 39/400, or 97 of 1000. The
+  // bound is five standard deviations above.
+  EXPECT_LT(most, 145);
+}
+
+TEST(Lending, WhateverIsKnownTheHelpersAreFewDifferentAndFit) {
+  std::mt19937 random(7);
+  const auto unit = [&] { return std::uniform_real_distribution<double>()(random); };
+  for (int world = 0; world < 300; ++world) {
+    Lending lending;
+    for (int second = 0; second < 30; ++second) {
+      LendingQuestion question = asked(3 * unit(), {});
+      question.helped = unit();
+      for (int i = 0; i < 12; ++i) {
+        if (unit() < 0.2) continue;
+        Neighbour one = neighbour(std::to_string(i), unit(), unit());
+        one.age = 5 * unit();
+        one.draining = unit() < 0.1;
+        one.has_volume = unit() < 0.5;
+        one.same_node = unit() < 0.5;
+        question.neighbours.push_back(one);
+      }
+      const std::vector<std::string> before = ids(lending);
+      lending = lend(std::move(lending), question, kRules, random());
+      const std::vector<std::string> after = ids(lending);
+      ASSERT_LE(after.size(), kRules.most);
+      ASSERT_EQ(std::set<std::string>(after.begin(), after.end()).size(), after.size());
+      for (const std::string& id : after) {
+        const auto known = std::find_if(question.neighbours.begin(), question.neighbours.end(),
+                                        [&](const Neighbour& one) { return one.id == id; });
+        ASSERT_NE(known, question.neighbours.end());
+        ASSERT_FALSE(known->draining);
+        ASSERT_LE(known->age, kRules.oldest);
+        ASSERT_LT(known->load, kRules.busy);
+        if (std::count(before.begin(), before.end(), id) > 0) continue;
+        ASSERT_LE(known->load + known->lent, kRules.idle);
+        ASSERT_GE(question.asked, kRules.borrows);
+      }
+    }
+  }
+}
+
+TEST(Lending, ASettingOfNoHelpersAsksNobody) {
+  LendingRules none;
+  none.most = 0;
+  EXPECT_TRUE(lend({}, asked(5, {neighbour("a", 0)}), none, 1).helpers.empty());
+  EXPECT_TRUE(lend(helped_by("a"), asked(5, {neighbour("a", 0)}), none, 1).helpers.empty());
+}
+
+}  // namespace
+}  // namespace diaphane::directory

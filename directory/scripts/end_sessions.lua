@@ -1,0 +1,40 @@
+-- Forget sessions and give their slots back at once; the workers hear of it with their next heartbeat.
+--
+-- ARGV: "session", "data_set" or "user", id; or "browser", its id, the id of its user. Returns how many sessions were ended.
+
+local function finish(session)
+  local session_key = keys.session(session)
+  local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker')
+  if not s[1] then return 0 end
+  redis.call('ZREM', keys.user_sessions(s[1]), session)
+  redis.call('ZREM', keys.data_set_sessions(s[2]), session)
+  if s[3] then redis.call('ZREM', keys.worker_sessions(s[3]), session) end
+  for _, hash in ipairs(redis.call('SMEMBERS', keys.session_links(session))) do
+    redis.call('DEL', keys.link(hash))
+  end
+  redis.call('ZREM', keys.visitors, session)
+  redis.call('DEL', session_key, keys.session_links(session))
+  -- For the worker's heartbeats: ended, not lost.
+  redis.call('SET', keys.session_ended(session), '1', 'EX', kEndedS)
+  return 1
+end
+
+if ARGV[1] == 'session' then return finish(ARGV[2]) end
+
+if ARGV[1] == 'browser' then
+  -- place.lua gives this browser no ticket from now on. A request that is still under way is over long before this key expires.
+  redis.call('SET', keys.browser_ended(ARGV[2]), '1', 'EX', kEndedS)
+  local ended = 0
+  for _, session in ipairs(redis.call('ZRANGE', keys.user_sessions(ARGV[3]), 0, -1)) do
+    -- A session without the field was written again by its worker after Redis had lost it. It may be this browser's.
+    local browsers = redis.call('HGET', keys.session(session), 'browsers')
+    if not browsers or string.find(browsers, ',' .. ARGV[2] .. ',', 1, true) then ended = ended + finish(session) end
+  end
+  return ended
+end
+
+local all_key = keys.sessions_of(ARGV[1], ARGV[2])
+local ended = 0
+for _, session in ipairs(redis.call('ZRANGE', all_key, 0, -1)) do ended = ended + finish(session) end
+redis.call('DEL', all_key)
+return ended

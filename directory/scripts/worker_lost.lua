@@ -1,0 +1,8 @@
+-- Forget a worker that cannot be reached, so that the next placing need not wait for its heartbeat to expire.
+-- Only this incarnation: one that was started again meanwhile stays. ARGV: worker, incarnation. Returns 0 or 1.
+
+local worker_key = keys.worker(ARGV[1])
+if redis.call('HGET', worker_key, 'incarnation') ~= ARGV[2] then return 0 end
+redis.call('DEL', worker_key, keys.worker_sessions(ARGV[1]))
+redis.call('SREM', keys.workers, ARGV[1])
+return 1

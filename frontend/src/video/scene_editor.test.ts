@@ -1,0 +1,241 @@
+import { create } from "@bufbuild/protobuf";
+import { beforeEach, describe, expect, it } from "vitest";
+import { PresetSchema, SceneSchema } from "../protocol/gen/api/proto/scene_pb";
+import { ConfigSchema } from "../protocol/gen/api/proto/stream_pb";
+import { cameraOf, withClip, type Preset, type Scene } from "../protocol/messages";
+import { setExposure } from "../scene/lens";
+import { someScene } from "../scene/testing";
+import { setDensity } from "../scene/transfer";
+import { SceneEditor } from "./scene_editor";
+
+const preset = (name: string, scene: Scene = someScene()): Preset => create(PresetSchema, { name, scene });
+const denser = (extinctionPerMm: number) => (scene: Scene) => setDensity(scene, extinctionPerMm);
+const density = (editor: SceneEditor) => editor.scene.value?.transferFunction?.extinctionPerMm;
+const orbit = { kind: "rotate", right: 0.3, down: 0 } as const;
+
+let leads: boolean;
+let size: { width: number; height: number };
+let sent: { scene: Scene; rest: boolean }[];
+let rests: number;
+let editor: SceneEditor;
+
+/** The server's first configuration of a session that nobody has edited yet. */
+const begin = (scene = someScene(), presets: Preset[] = [preset("bone")]) =>
+  editor.configured(create(ConfigSchema, { scene, presets }), true);
+
+beforeEach(() => {
+  leads = true;
+  size = { width: 400, height: 300 };
+  sent = [];
+  rests = 0;
+  editor = new SceneEditor({
+    leads: () => leads,
+    canvasSize: () => size,
+    send: (scene, rest) => sent.push({ scene, rest }),
+    rest: () => (rests += 1),
+  });
+});
+
+describe("SceneEditor.configured", () => {
+  it("takes the scene and the presets without sending anything back", () => {
+    begin();
+    expect(density(editor)).toBe(1.1);
+    expect(editor.presets.value.map(({ name }) => name)).toEqual(["bone"]);
+    expect(editor.begun.value).toBe(editor.scene.value);
+    expect(sent).toEqual([]);
+  });
+
+  it("moves the camera back in an upright window, so that the whole volume is seen", () => {
+    size = { width: 200, height: 400 };
+    begin();
+    expect(sent).toHaveLength(1);
+    expect(cameraOf(sent[0]?.scene ?? someScene())?.eye.y).toBeLessThan(-500);
+    expect(editor.steps.value.past).toEqual([]);
+  });
+
+  it("keeps the undo steps when a reconnection brings the same scene", () => {
+    begin();
+    editor.change("density", denser(2));
+    const now = editor.scene.value ?? someScene();
+    editor.configured(create(ConfigSchema, { scene: create(SceneSchema, now) }), false);
+    expect(editor.steps.value.past).toHaveLength(1);
+  });
+
+  it("forgets the undo steps when the scene was changed elsewhere", () => {
+    begin();
+    editor.change("density", denser(2));
+    editor.configured(create(ConfigSchema, { scene: denser(7)(someScene()) }), false);
+    expect(editor.steps.value.past).toEqual([]);
+    expect(density(editor)).toBe(7);
+  });
+
+  it("does not replace the first scene of an edited session", () => {
+    begin();
+    const first = editor.begun.value;
+    editor.configured(create(ConfigSchema, { scene: denser(7)(someScene()) }), false);
+    expect(editor.begun.value).toBe(first);
+  });
+});
+
+describe("SceneEditor.change", () => {
+  it("sends the edited scene and remembers one undo step", () => {
+    begin();
+    editor.change("density", denser(2));
+    expect(density(editor)).toBe(2);
+    expect(sent.map(({ scene, rest }) => [scene.transferFunction?.extinctionPerMm, rest])).toEqual([[2, false]]);
+    expect(editor.steps.value.past).toHaveLength(1);
+  });
+
+  it("makes one step of everything that a hand does until it rests", () => {
+    begin();
+    for (const value of [2, 3, 4]) editor.change("density", denser(value), true);
+    editor.rest();
+    editor.change("density", denser(5), true);
+    expect(editor.steps.value.past).toHaveLength(2);
+    expect(rests).toBe(1);
+    editor.undo();
+    expect(density(editor)).toBe(4);
+    editor.undo();
+    expect(density(editor)).toBe(1.1);
+  });
+
+  it("sends nothing when the edit changes nothing", () => {
+    begin();
+    editor.change("density", (scene) => scene);
+    expect(sent).toEqual([]);
+    expect(editor.steps.value.past).toEqual([]);
+  });
+
+  it("changes nothing for a follower", () => {
+    begin();
+    leads = false;
+    editor.change("density", denser(2));
+    editor.act(orbit);
+    editor.undo();
+    expect(sent).toEqual([]);
+    expect(density(editor)).toBe(1.1);
+  });
+
+  it("keeps the undo steps of a follower, who may lead again", () => {
+    begin();
+    editor.change("density", denser(2));
+    leads = false;
+    editor.undo();
+    expect(editor.steps.value.past).toHaveLength(1);
+    leads = true;
+    editor.undo();
+    expect(density(editor)).toBe(1.1);
+  });
+
+  it("does nothing before there is a scene", () => {
+    editor.change("density", denser(2));
+    editor.act(orbit);
+    editor.undo();
+    editor.resetCamera();
+    expect(sent).toEqual([]);
+    expect(editor.scene.value).toBeNull();
+  });
+});
+
+describe("undo and redo", () => {
+  it("go back and forth, and send each scene as a finished one", () => {
+    begin();
+    editor.change("density", denser(2));
+    editor.undo();
+    expect(density(editor)).toBe(1.1);
+    editor.redo();
+    expect(density(editor)).toBe(2);
+    expect(sent.map(({ rest }) => rest)).toEqual([false, true, true]);
+  });
+
+  it("a new edit discards the undone steps", () => {
+    begin();
+    editor.change("density", denser(2));
+    editor.undo();
+    editor.change("exposure", (scene) => setExposure(scene, 1));
+    editor.redo();
+    expect(density(editor)).toBe(1.1);
+  });
+
+  it("stop at the first step", () => {
+    begin();
+    editor.undo();
+    expect(sent).toEqual([]);
+  });
+});
+
+describe("the camera", () => {
+  it("is moved by a gesture, and reset to where the session began", () => {
+    begin();
+    const first = editor.scene.value && cameraOf(editor.scene.value);
+    editor.act(orbit);
+    expect(editor.scene.value && cameraOf(editor.scene.value)?.eye).not.toEqual(first?.eye);
+    editor.resetCamera();
+    expect(editor.scene.value && cameraOf(editor.scene.value)?.eye).toEqual(first?.eye);
+    expect(sent.at(-1)?.rest).toBe(true);
+  });
+});
+
+describe("presets", () => {
+  const glass = () => preset("glass", denser(9)(someScene()));
+
+  it("change the look and keep the camera and the clip", () => {
+    begin(someScene(), [preset("bone"), glass()]);
+    editor.act(orbit);
+    editor.change("clip", (scene) => withClip(scene, { low: [0, 0, 0], high: [9, 9, 9] }, []));
+    const before = editor.scene.value;
+    editor.applyPreset(glass());
+    expect(density(editor)).toBe(9);
+    expect(editor.scene.value?.camera).toEqual(before?.camera);
+    expect(editor.scene.value?.clip).toEqual(before?.clip);
+    editor.undo();
+    expect(density(editor)).toBe(1.1);
+  });
+
+  it("the active one is the one whose look the scene has, from wherever it is seen", () => {
+    begin(someScene(), [preset("bone"), glass()]);
+    editor.act(orbit);
+    expect(editor.activePreset()?.name).toBe("bone");
+    editor.applyPreset(glass());
+    expect(editor.activePreset()?.name).toBe("glass");
+    editor.change("density", denser(3));
+    expect(editor.activePreset()).toBeNull();
+  });
+
+  it("beginWith shows a look from its own camera and is not an undo step", () => {
+    begin();
+    editor.act(orbit);
+    const steps = editor.steps.value.past.length;
+    editor.beginWith(glass());
+    expect(editor.scene.value && cameraOf(editor.scene.value)?.eye).toEqual({ x: 0, y: -500, z: 60 });
+    expect(editor.steps.value.past).toHaveLength(steps);
+  });
+});
+
+describe("reset, replace and cutScene", () => {
+  it("reset returns one part to what the session began with", () => {
+    begin();
+    editor.change("density", denser(2));
+    editor.change("exposure", (scene) => setExposure(scene, 1));
+    editor.reset("look");
+    expect(density(editor)).toBe(1.1);
+    expect(editor.scene.value?.display?.exposure).toBe(1);
+  });
+
+  it("replace shows another person's scene without sending it, and forgets the steps", () => {
+    begin();
+    editor.change("density", denser(2));
+    sent = [];
+    editor.replace(denser(6)(someScene()));
+    expect(density(editor)).toBe(6);
+    expect(sent).toEqual([]);
+    expect(editor.steps.value.past).toEqual([]);
+  });
+
+  it("cutScene sends the scene and is not an undo step", () => {
+    begin();
+    editor.cutScene(denser(4)(someScene()), true);
+    expect(sent.map(({ rest }) => rest)).toEqual([true]);
+    expect(editor.steps.value.past).toEqual([]);
+  });
+});

@@ -1,0 +1,10 @@
+import { t } from "../texts";
+
+/** Shown while the first data of a page or a list is on its way. */
+export function Loading({ page = false }: { readonly page?: boolean }) {
+  return (
+    <p class={page ? "page muted" : "muted"} role="status">
+      {t.loading}
+    </p>
+  );
+}

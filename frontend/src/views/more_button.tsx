@@ -1,0 +1,12 @@
+import { t } from "../texts";
+
+/** Reads the next page of a list. */
+export function MoreButton({ onClick }: { readonly onClick: () => void }) {
+  return (
+    <p>
+      <button type="button" class="button" onClick={onClick}>
+        {t.admin.more}
+      </button>
+    </p>
+  );
+}

@@ -1,0 +1,120 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Series, Suitable, Thumbnail } from "../scan/types";
+import { t } from "../texts";
+import { Field } from "./field";
+import { bytesText, dicomDateText } from "./format";
+import { Icon } from "./icons";
+import { Notice } from "./shell";
+import { useSeriesUpload } from "./use_series_upload";
+
+export interface SeriesCardProps {
+  readonly series: Series;
+  readonly verdict: Suitable;
+  readonly files: readonly File[];
+}
+
+/** A series that can be uploaded: what it is, and the form that sends it. */
+export function SeriesCard({ series, verdict, files }: SeriesCardProps) {
+  const upload = useSeriesUpload(series, files);
+  return (
+    <article class="series-card">
+      <Preview thumbnail={series.thumbnail} />
+      <div class="series-text">
+        <SeriesFacts series={series} verdict={verdict} bytes={upload.bytes} />
+        <UploadForm upload={upload} />
+        {upload.fault ? <Notice kind="bad">{upload.fault}</Notice> : null}
+      </div>
+    </article>
+  );
+}
+
+interface SeriesFactsProps extends Pick<SeriesCardProps, "series" | "verdict"> {
+  readonly bytes: number;
+}
+
+function SeriesFacts({ series, verdict, bytes }: SeriesFactsProps) {
+  const [x, y, z] = verdict.sizeMm;
+  const born = dicomDateText(series.patient.birthDate);
+  const facts = [
+    t.add.slices(verdict.size[2]),
+    t.add.size(x, y, z),
+    bytesText(bytes),
+    ...t.add.leftOut(verdict.leftOut),
+    ...verdict.repairs.map(t.add.repair),
+  ];
+  return (
+    <>
+      <h3>{series.description || t.add.seriesUntitled}</h3>
+      <p class="chips">
+        {series.modality ? <span class="chip">{series.modality}</span> : null}
+        {series.bodyPart ? <span class="chip">{series.bodyPart}</span> : null}
+      </p>
+      <p class="series-patient">
+        <Icon name="shield" />
+        <span>
+          {[series.patient.name || t.add.patientUnknown, born ? t.add.born(born) : "", series.patient.id]
+            .filter(Boolean)
+            .join(" · ")}
+        </span>
+      </p>
+      <p class="muted">{facts.join(" · ")}</p>
+    </>
+  );
+}
+
+/** Asks for a title, unless an interrupted upload of the same files goes on. */
+function UploadForm({ upload }: { readonly upload: ReturnType<typeof useSeriesUpload> }) {
+  const [title, setTitle] = useState("");
+  const { busy, interruptedAt } = upload;
+  return (
+    <form
+      class="series-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void upload.start(title.trim());
+      }}
+    >
+      {interruptedAt === null ? (
+        <Field
+          label={t.add.title}
+          value={title}
+          onInput={setTitle}
+          most={80}
+          placeholder={t.add.titleExample}
+          hint={t.add.titleHint}
+        />
+      ) : (
+        <p>{t.add.goOnText(interruptedAt)}</p>
+      )}
+      <button type="submit" class="button button-main" disabled={busy} aria-busy={busy}>
+        {busy ? t.add.starting : interruptedAt === null ? t.add.upload : t.add.goOn}
+      </button>
+    </form>
+  );
+}
+
+function Preview({ thumbnail }: { readonly thumbnail: Thumbnail | null }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const context = canvas.current?.getContext("2d");
+    if (!thumbnail || !context) return;
+    const image = context.createImageData(thumbnail.width, thumbnail.height);
+    thumbnail.gray.forEach((level, i) => image.data.set([level, level, level, 255], 4 * i));
+    context.putImageData(image, 0, 0);
+  }, [thumbnail]);
+  return (
+    <div class="series-preview">
+      {thumbnail ? (
+        <canvas
+          ref={canvas}
+          width={thumbnail.width}
+          height={thumbnail.height}
+          role="img"
+          aria-label={t.add.thumbnail}
+        />
+      ) : (
+        <span class="muted">{t.add.noThumbnail}</span>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,96 @@
+import { useEffect, useState } from "preact/hooks";
+import type { DataSet, DataSetLink } from "../api/types";
+import { t } from "../texts";
+import { Choice } from "./choice";
+import { CopyField } from "./copy_field";
+import { dateText } from "./format";
+import { Said } from "./state";
+import { useAct } from "./use_act";
+import { Switch } from "./viewer/settings/controls";
+
+/** The links by which people without an account see a scan. */
+export function ShareByLink({ set }: { readonly set: DataSet }) {
+  const { links, made, busy, outcome, make, end, copy } = useLinks(set.id);
+  const [hours, setHours] = useState("168");
+  const [slices, setSlices] = useState(false);
+  const text = t.sharing.links;
+  return (
+    <section class="share-part" aria-label={text.title}>
+      <h3>{text.title}</h3>
+      <p class="muted">{text.lead}</p>
+      {links.length === 0 ? <p>{text.none}</p> : <LinkList links={links} busy={busy} end={end} />}
+      {made ? <CopyField value={made} label={text.newLink} button={text.copy} onCopy={copy} /> : null}
+      <div class="share-form">
+        <Choice label={text.life} value={hours} onChoose={setHours} options={Object.entries(text.lives)} />
+        <button type="button" class="button" disabled={busy} onClick={() => make(Number(hours), slices)}>
+          {text.make}
+        </button>
+      </div>
+      <Switch label={text.slices} on={slices} change={setSlices} />
+      <p class="field-hint">{text.slicesHint}</p>
+      {outcome}
+    </section>
+  );
+}
+
+/** The links of a scan. `made` is the address of a new link, which the server cannot show again. */
+function useLinks(dataSetId: string) {
+  const { app, act, busy, outcome } = useAct();
+  const [links, setLinks] = useState<readonly DataSetLink[]>([]);
+  const [made, setMade] = useState("");
+  const text = t.sharing.links;
+  useEffect(() => {
+    app.api.sharing.links(dataSetId).then(setLinks, () => undefined);
+  }, [app, dataSetId]);
+  const make = (hours: number, slices: boolean) =>
+    act(async () => {
+      const link = await app.api.sharing.makeLink(dataSetId, hours, slices);
+      setMade(location.origin + link.path);
+      setLinks(await app.api.sharing.links(dataSetId));
+      return text.newLink;
+    });
+  const end = (link: DataSetLink) =>
+    act(async () => {
+      await app.api.sharing.endLink(dataSetId, link.id);
+      setMade("");
+      setLinks(await app.api.sharing.links(dataSetId));
+      return text.ended;
+    });
+  const copy = () =>
+    act(async () => {
+      await navigator.clipboard.writeText(made).catch(() => {
+        throw new Said(text.copyFailed);
+      });
+      return text.copied;
+    });
+  return { links, made, busy, outcome, make, end, copy };
+}
+
+interface LinkListProps {
+  readonly links: readonly DataSetLink[];
+  readonly busy: boolean;
+  readonly end: (link: DataSetLink) => void;
+}
+
+function LinkList({ links, busy, end }: LinkListProps) {
+  const text = t.sharing.links;
+  return (
+    <ul class="people">
+      {links.map((link) => (
+        <li key={link.id}>
+          <span class="people-name">{text.until(dateText(link.expires_at))}</span>
+          {link.slices ? <small>{text.withSlices}</small> : null}
+          <button
+            type="button"
+            class="button button-small"
+            disabled={busy}
+            aria-label={text.endOf(dateText(link.expires_at))}
+            onClick={() => end(link)}
+          >
+            {text.end}
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,95 @@
+import { useEffect, useState } from "preact/hooks";
+import type { DataSet, SharedPerson } from "../api/types";
+import { t } from "../texts";
+import { Choice } from "./choice";
+import { Field } from "./field";
+import { IconButton } from "./icon_button";
+import { useAct } from "./use_act";
+
+type Permission = "view" | "save";
+
+/** The people with an account with whom a scan is shared. */
+export function ShareWithPeople({ set }: { readonly set: DataSet }) {
+  const { people, busy, outcome, add, remove } = useSharedPeople(set.id);
+  const text = t.sharing.people;
+  return (
+    <section class="share-part" aria-label={text.title}>
+      <h3>{text.title}</h3>
+      <p class="muted">{text.lead}</p>
+      {people.length === 0 ? (
+        <p>{text.nobody}</p>
+      ) : (
+        <ul class="people">
+          {people.map((one) => (
+            <li key={one.id}>
+              <span class="people-name">{one.email}</span>
+              <small>{text[one.may]}</small>
+              <IconButton icon="close" label={text.remove(one.email)} disabled={busy} onClick={() => remove(one)} />
+            </li>
+          ))}
+        </ul>
+      )}
+      <AddPerson busy={busy} add={add} />
+      {outcome}
+    </section>
+  );
+}
+
+function useSharedPeople(dataSetId: string) {
+  const { app, act, busy, outcome } = useAct();
+  const [people, setPeople] = useState<readonly SharedPerson[]>([]);
+  const text = t.sharing.people;
+  useEffect(() => {
+    app.api.sharing.people(dataSetId).then(setPeople, () => undefined);
+  }, [app, dataSetId]);
+  /** `done` is called when the person has been added. */
+  const add = (email: string, may: Permission, done: () => void) =>
+    act(async () => {
+      await app.api.sharing.shareWith(dataSetId, email, may);
+      setPeople(await app.api.sharing.people(dataSetId));
+      done();
+      return text.added(email);
+    });
+  const remove = (one: SharedPerson) =>
+    act(async () => {
+      await app.api.sharing.unshare(dataSetId, one.id);
+      setPeople(await app.api.sharing.people(dataSetId));
+      return text.removed(one.email);
+    });
+  return { people, busy, outcome, add, remove };
+}
+
+interface AddPersonProps {
+  readonly busy: boolean;
+  readonly add: (email: string, may: Permission, done: () => void) => void;
+}
+
+function AddPerson({ busy, add }: AddPersonProps) {
+  const [email, setEmail] = useState("");
+  const [may, setMay] = useState<Permission>("view");
+  const text = t.sharing.people;
+  return (
+    <form
+      class="share-form"
+      noValidate
+      onSubmit={(event) => {
+        event.preventDefault();
+        add(email.trim(), may, () => setEmail(""));
+      }}
+    >
+      <Field label={text.email} type="email" value={email} onInput={setEmail} autocomplete="off" most={254} />
+      <Choice
+        label={text.may}
+        value={may}
+        onChoose={(value) => setMay(value === "save" ? "save" : "view")}
+        options={[
+          ["view", text.view],
+          ["save", text.save],
+        ]}
+      />
+      <button type="submit" class="button" disabled={busy || email.trim() === ""}>
+        {text.add}
+      </button>
+    </form>
+  );
+}

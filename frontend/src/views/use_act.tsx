@@ -1,0 +1,28 @@
+import { useState } from "preact/hooks";
+import { Notice } from "./shell";
+import { useApp } from "./state";
+
+/** Runs one action at a time. `outcome` shows how the last one went: the text that it returned, or its fault. */
+export function useAct() {
+  const app = useApp();
+  const [said, setSaid] = useState("");
+  const [fault, setFault] = useState("");
+  const [busy, setBusy] = useState(false);
+  const act = (work: () => Promise<string>) => {
+    setBusy(true);
+    setSaid("");
+    setFault("");
+    work()
+      .then(setSaid, (thrown: unknown) => setFault(app.explain(thrown)))
+      .finally(() => setBusy(false));
+  };
+  const outcome = (
+    <>
+      <p class="muted" role="status">
+        {said}
+      </p>
+      {fault ? <Notice kind="bad">{fault}</Notice> : null}
+    </>
+  );
+  return { app, act, busy, outcome };
+}

@@ -1,0 +1,54 @@
+import { useEffect, useState } from "preact/hooks";
+import type { DataSet } from "../api/types";
+import { isOpen } from "../api/upload_view";
+import { useApp, type AppState } from "./state";
+
+const pollMs = { idle: 15_000, changing: 1500, failed: 3000 } as const;
+
+/** This person's scans. The list is read again and again, more often while one of them changes. */
+export function useScans() {
+  const app = useApp();
+  const [sets, setSets] = useState<readonly DataSet[] | null>(null);
+  const [fault, setFault] = useState("");
+  const [round, setRound] = useState(0);
+  const open = [...app.uploads.views.value.values()].filter(isOpen).length;
+  useEffect(() => {
+    const leaving = new AbortController();
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const load = async (): Promise<void> => {
+      let wait: number;
+      try {
+        const [found, me] = await Promise.all([app.api.dataSets(leaving.signal), app.api.me()]);
+        if (leaving.signal.aborted) return;
+        setSets(found);
+        app.me.value = me; // the quota has changed with the list
+        setFault("");
+        for (const set of found) if (set.state !== "uploading") app.uploads.forgetSent(set.id);
+        wait = found.some((set) => isChanging(set, app)) ? pollMs.changing : pollMs.idle;
+      } catch (thrown) {
+        if (leaving.signal.aborted) return;
+        setFault(app.explain(thrown));
+        wait = pollMs.failed;
+      }
+      timer = setTimeout(() => void load(), wait);
+    };
+    void load();
+    return () => {
+      leaving.abort();
+      clearTimeout(timer);
+    };
+    // The number of open uploads is a dependency, because an upload that ends changes the list at once.
+  }, [app, round, open]);
+  const remove = async (set: DataSet) => {
+    try {
+      await app.uploads.cancel(set.id);
+    } catch (thrown) {
+      setFault(app.explain(thrown));
+    }
+    setRound(round + 1);
+  };
+  return { sets, fault, remove };
+}
+
+const isChanging = (set: DataSet, app: AppState): boolean =>
+  set.state === "queued" || set.state === "building" || app.uploads.views.peek().has(set.id);

@@ -1,0 +1,27 @@
+import { attachGestures } from "../../input/attach";
+import { watchDevicePixels } from "../../video/canvas_size";
+import type { ViewerSession } from "../../video/viewer_session";
+
+/** Connects a session to the events of the page and to the gestures on the picture, until `signal` is aborted. */
+export function connectPage(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
+  attachGestures(
+    element,
+    (gesture, held) => session.editor.act(gesture, held),
+    () => session.editor.rest(),
+    signal,
+  );
+  watchDevicePixels(
+    element,
+    (size) => {
+      if (size.width > 0) session.resize(size); // the canvas has no size while a single slice covers it
+    },
+    signal,
+  );
+  const updateVisible = () => session.setVisible(!document.hidden && session.slices.pictureShown.value);
+  document.addEventListener("visibilitychange", updateVisible, { signal });
+  element.addEventListener("contextrestored", () => session.showAnew(), { signal }); // the picture was lost with the GPU's context
+  const unsubscribe = session.slices.pictureShown.subscribe(updateVisible);
+  signal.addEventListener("abort", unsubscribe);
+  addEventListener("online", () => session.wake(), { signal });
+  addEventListener("pagehide", () => session.remember(), { signal });
+}

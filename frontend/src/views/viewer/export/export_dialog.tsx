@@ -1,0 +1,76 @@
+import { useState } from "preact/hooks";
+import { t } from "../../../texts";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { Choice } from "../../choice";
+import { Dialog } from "../../dialog";
+import { FilmForm } from "./film_form";
+import { LinkPart } from "./link_part";
+import { PictureForm } from "./picture_form";
+import { saveFile } from "./save_file";
+import type { ExportOrder } from "./shot";
+
+export interface ExportDialogProps {
+  readonly session: ViewerSession;
+  /** Whether pictures of any size can be rendered, because this person may open the scan. */
+  readonly rendered: boolean;
+  /** Whether one is being rendered already. */
+  readonly busy: boolean;
+  readonly onExport: (order: ExportOrder) => void;
+  readonly onClose: () => void;
+}
+
+export function ExportDialog({ session, rendered, busy, onExport, onClose }: ExportDialogProps) {
+  const text = t.take;
+  const [what, setWhat] = useState<keyof typeof text.kinds>("picture");
+  return (
+    <Dialog title={text.title} onClose={onClose}>
+      <section class="share-part" aria-labelledby="take-picture">
+        <h3 id="take-picture">{rendered ? text.file : text.picture}</h3>
+        {rendered ? (
+          <Choice
+            label={text.what}
+            value={what}
+            options={Object.entries(text.kinds)}
+            onChoose={(kind) => setWhat(kind as typeof what)}
+          />
+        ) : null}
+        {!rendered ? (
+          <PictureNow session={session} />
+        ) : what === "picture" ? (
+          <PictureForm session={session} busy={busy} onExport={onExport} />
+        ) : (
+          <FilmForm key={what} session={session} kind={what} busy={busy} onExport={onExport} />
+        )}
+      </section>
+      {session.dataSetId !== null ? (
+        <section class="share-part" aria-labelledby="take-link">
+          <h3 id="take-link">{text.link}</h3>
+          <LinkPart session={session} dataSetId={session.dataSetId} />
+        </section>
+      ) : null}
+      <div class="dialog-buttons">
+        <button type="button" class="button" onClick={onClose}>
+          {t.close}
+        </button>
+      </div>
+    </Dialog>
+  );
+}
+
+/** The picture on the screen. In another person's session nothing else can be exported. */
+function PictureNow({ session }: Pick<ExportDialogProps, "session">) {
+  return (
+    <>
+      <p class="muted">{t.take.pictureNow}</p>
+      <p>
+        <button
+          type="button"
+          class="button button-main"
+          onClick={() => void session.pictures.png().then((png) => png && saveFile(png))}
+        >
+          {t.take.save}
+        </button>
+      </p>
+    </>
+  );
+}

@@ -1,0 +1,56 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Scene } from "../../../protocol/messages";
+import { sceneOfLink } from "../../../scene/scene_link";
+import { t } from "../../../texts";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { Icon } from "../../icons";
+import { Notice } from "../../shell";
+
+/** The address may say how the scan is to be shown. What is no scene, or none that the renderer takes, changes nothing. */
+export function LinkedView({ session }: { readonly session: ViewerSession }) {
+  const [fault, setFault] = useState("");
+  const [pasted, setPasted] = useState(0);
+  const before = useRef<Scene | null>(null);
+  const ready = session.editor.scene.value !== null && session.connection.value.phase === "live";
+  const refused = session.problem.value !== "";
+  useEffect(() => {
+    // Another link to the same scan, put into the address of this page: the browser loads nothing.
+    const changed = () => setPasted((times) => times + 1);
+    addEventListener("hashchange", changed);
+    return () => removeEventListener("hashchange", changed);
+  }, []);
+  useEffect(() => {
+    if (!ready || !location.hash.startsWith("#view=")) return;
+    const hash = location.hash;
+    history.replaceState(null, "", location.pathname); // a reload shows what the picture has become since
+    setFault("");
+    void sceneOfLink(hash).then((linked) => {
+      if (linked.kind === "scene") {
+        before.current = session.editor.scene.value;
+        session.editor.showScene(linked.scene);
+      } else if (linked.kind !== "none") setFault(linked.kind === "newer" ? t.take.linkNewer : t.take.linkDamaged);
+    });
+  }, [session, ready, pasted]);
+  useEffect(() => {
+    const first = before.current;
+    if (!refused || !first) return;
+    before.current = null;
+    session.editor.showScene(first);
+    setFault(t.take.linkDamaged);
+  }, [session, refused]);
+  if (!fault) return null;
+  return (
+    <div class="glass linked-fault">
+      <Notice kind="bad">{fault}</Notice>
+      <button
+        type="button"
+        class="icon-button"
+        aria-label={t.take.hide}
+        title={t.take.hide}
+        onClick={() => setFault("")}
+      >
+        <Icon name="close" />
+      </button>
+    </div>
+  );
+}

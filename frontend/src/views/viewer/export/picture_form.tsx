@@ -1,0 +1,136 @@
+import { useState } from "preact/hooks";
+import type { Viewport } from "../../../protocol/messages";
+import { t } from "../../../texts";
+import { longestLargeSide } from "../../../video/file_shot";
+import { renderersError, shortestSide } from "../../../video/still_shot";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { Choice } from "../../choice";
+import { Field } from "../../field";
+import type { ExportOrder } from "./shot";
+import { isHeldByPage, large, largest, poster, typedSize } from "./shot_size";
+
+/** The estimated relative error at which a picture is finished; 0 renders until the renderer itself stops. */
+const errors = { quick: 0.05, good: 0.02, best: 0 } as const;
+type QualityName = keyof typeof errors;
+type NamedSize = Exclude<keyof typeof t.take.sizes, "other">;
+type SizeName = NamedSize | "other";
+const namedSizes = ["screen", "large", "largest", "poster"] as const satisfies readonly NamedSize[];
+
+export interface PictureFormProps {
+  readonly session: ViewerSession;
+  readonly busy: boolean;
+  readonly onExport: (order: ExportOrder) => void;
+}
+
+/** The form for a picture of any size. */
+export function PictureForm(props: PictureFormProps) {
+  const text = t.take;
+  const form = usePictureForm(props);
+  return (
+    <form
+      class="take-form"
+      noValidate
+      onSubmit={(event) => {
+        event.preventDefault();
+        form.submit();
+      }}
+    >
+      <p class="muted">{text.pictureLead}</p>
+      <Choice
+        label={text.size}
+        value={form.size}
+        options={[
+          ...namedSizes.map((name): [string, string] => {
+            const { width, height } = form.sizes[name];
+            return [name, text.sizes[name](width, height)];
+          }),
+          ["other", text.sizes.other],
+        ]}
+        onChoose={(name) => form.setSize(name as SizeName)}
+      />
+      {form.size === "other" ? <OtherSize typed={form.typed} onType={form.setTyped} wrong={form.wrong} /> : null}
+      <Choice
+        label={text.quality}
+        value={form.quality}
+        options={Object.entries(text.qualities)}
+        onChoose={(name) => form.setQuality(name as QualityName)}
+      />
+      <p class="field-hint">{text.timeHint}</p>
+      <p>
+        <button type="submit" class="button button-main" disabled={props.busy}>
+          {props.busy ? text.ofPicture.rendering : text.save}
+        </button>
+      </p>
+    </form>
+  );
+}
+
+interface TypedSides {
+  readonly width: string;
+  readonly height: string;
+}
+
+/** A picture that the page can hold is rendered as a still. A worker makes larger ones as a file. */
+function usePictureForm({ session, onExport }: PictureFormProps) {
+  const screen = session.viewport;
+  const [size, setSize] = useState<SizeName>("screen");
+  const [quality, setQuality] = useState<QualityName>("good");
+  const [typed, setTyped] = useState<TypedSides>(() => ({
+    width: String(screen.width),
+    height: String(screen.height),
+  }));
+  const [wrong, setWrong] = useState(false);
+  const sizes: Readonly<Record<NamedSize, Viewport>> = {
+    screen,
+    large: large(screen),
+    largest: largest(screen),
+    poster: poster(screen),
+  };
+  const submit = () => {
+    const chosen = size === "other" ? typedSize(typed.width, typed.height) : sizes[size];
+    const scene = session.editor.scene.value;
+    setWrong(chosen === null);
+    if (!chosen || !scene) return;
+    const error = errors[quality];
+    if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error });
+    else onExport({ kind: "picture", keys: [scene], size: chosen, error: error || renderersError });
+  };
+  return { sizes, size, setSize, quality, setQuality, typed, setTyped, wrong, submit };
+}
+
+interface OtherSizeProps {
+  readonly typed: TypedSides;
+  readonly onType: (typed: TypedSides) => void;
+  readonly wrong: boolean;
+}
+
+function OtherSize({ typed, onType, wrong }: OtherSizeProps) {
+  const text = t.take;
+  return (
+    <>
+      <div class="take-sides">
+        <Field
+          label={text.width}
+          value={typed.width}
+          onInput={(width) => onType({ ...typed, width })}
+          digits
+          most={6}
+        />
+        <Field
+          label={text.height}
+          value={typed.height}
+          onInput={(height) => onType({ ...typed, height })}
+          digits
+          most={6}
+        />
+      </div>
+      {wrong ? (
+        <p class="field-fault" role="alert">
+          {text.wrongSize(shortestSide, longestLargeSide)}
+        </p>
+      ) : (
+        <p class="field-hint">{text.otherHint}</p>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,158 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Place } from "../../../live/place";
+import type { FileOrder } from "../../../protocol/file_messages";
+import { t } from "../../../texts";
+import { FileShot, type FileState } from "../../../video/file_shot";
+import { browserParts, renderersError, StillShot, type ShotOrder, type ShotState } from "../../../video/still_shot";
+import { probeStills } from "../../../video/tile_pixels";
+import { browserBackgroundParts } from "../../../video/background_session";
+import { percentText } from "../../format";
+import { Icon } from "../../icons";
+import { saveFile } from "./save_file";
+
+export type ExportOrder = ({ readonly kind: "still" } & ShotOrder) | FileOrder;
+
+type State = ShotState | FileState;
+interface Work {
+  start(): void;
+  stop(): void;
+}
+
+export interface Shot {
+  /** Nothing: none was asked for, or what came of it was read. */
+  readonly state: State | null;
+  readonly film: boolean;
+  readonly take: (order: ExportOrder) => void;
+  readonly stop: () => void;
+  readonly hide: () => void;
+}
+
+/** One picture or film at a time that is rendered to be taken away; given up when the viewer is left. */
+export function useShot(place: Place): Shot {
+  const [state, setState] = useState<State | null>(null);
+  const [film, setFilm] = useState(false);
+  const work = useRef<Work | null>(null);
+  const taking = useRef(false);
+  const left = useRef(false);
+  useEffect(
+    () => () => {
+      left.current = true;
+      work.current?.stop();
+    },
+    [],
+  );
+  const take = async (order: ExportOrder) => {
+    if (taking.current) return;
+    taking.current = true;
+    setFilm(order.kind === "turntable" || order.kind === "tour");
+    const tell = (now: State) => {
+      taking.current = now.kind === "rendering";
+      setState(now);
+    };
+    const begun = order.kind === "still" ? await still(order, place, tell) : file(order, place, tell);
+    if (left.current) return; // while it was tried what this browser shows
+    work.current = begun;
+    begun.start();
+  };
+  return {
+    state,
+    film,
+    take: (order) => void take(order),
+    stop: () => work.current?.stop(),
+    hide: () => setState(null),
+  };
+}
+
+/** A session of its own, which is given back when the file is there or given up. */
+function ownSession(place: Place) {
+  let id: string | null = null;
+  return { ticketSource: place.ticketSource(null, (known) => (id = known)), leave: () => place.leave(id) };
+}
+
+function file(order: FileOrder, place: Place, tell: (state: FileState) => void): Work {
+  const { ticketSource, leave } = ownSession(place);
+  return new FileShot(
+    order,
+    browserBackgroundParts(ticketSource, (state) => {
+      if (state.kind !== "rendering") leave();
+      if (state.kind === "done") saveFile(state.file);
+      tell(state);
+    }),
+  );
+}
+
+async function still(order: ShotOrder, place: Place, tell: (state: ShotState) => void): Promise<Work> {
+  const sheet = new OffscreenCanvas(order.size.width, order.size.height);
+  const context = sheet.getContext("2d", { alpha: false });
+  const stills = await probeStills();
+  const { ticketSource, leave } = ownSession(place);
+  const heard = (state: ShotState) => {
+    if (state.kind !== "rendering") leave();
+    if (state.kind === "done") void sheet.convertToBlob({ type: "image/png" }).then(saveFile);
+    tell(state);
+  };
+  const exact = stills.length > 0 || order.error > 0 ? order : { ...order, error: renderersError }; // this browser shows no lossless tiles
+  return new StillShot(
+    exact,
+    {
+      draw: ({ image }) => context?.drawImage(image, 0, 0),
+      drawTiles: (tiles) => {
+        for (const { x, y, width, height, rgba } of tiles)
+          context?.putImageData(new ImageData(rgba, width, height), x, y);
+      },
+    },
+    browserParts(ticketSource, stills, heard),
+  );
+}
+
+/** How far the picture is. */
+export function ShotLine({ shot: { state, film, stop, hide } }: { readonly shot: Shot }) {
+  const text = film ? t.take.ofFilm : t.take.ofPicture;
+  if (state === null) return null;
+  if (state.kind === "rendering") {
+    const percent = state.done === null ? "" : percentText(Math.floor(100 * state.done) / 100);
+    return (
+      <div class="glass pill shot-line" data-shot="rendering">
+        <span>{state.waits ? t.viewer.troubles[state.waits] : text.rendering}</span>
+        <progress aria-label={text.rendering} {...(state.done === null ? {} : { max: 1, value: state.done })} />
+        <span class="shot-percent" aria-hidden="true">
+          {percent}
+        </span>
+        <button type="button" class="button button-small" onClick={stop}>
+          {t.cancel}
+        </button>
+      </div>
+    );
+  }
+  return (
+    <div
+      class={`glass pill shot-line${state.kind === "failed" && state.trouble !== "stopped" ? " pill-bad" : ""}`}
+      data-shot={state.kind}
+    >
+      <Icon name={state.kind === "done" ? "check" : "alert"} />
+      <span>{saidOf(state, text)}</span>
+      <button type="button" class="icon-button" aria-label={t.take.hide} title={t.take.hide} onClick={hide}>
+        <Icon name="close" />
+      </button>
+    </div>
+  );
+}
+
+function saidOf(
+  state: Exclude<State, { kind: "rendering" }>,
+  text: typeof t.take.ofFilm | typeof t.take.ofPicture,
+): string {
+  if (state.kind === "done") return text.saved;
+  switch (state.trouble) {
+    case "stopped":
+      return text.stopped;
+    case "refused_scene":
+      return state.said || text.failed;
+    case "busy":
+      return t.take.busy;
+    case "refused":
+      return text.failed;
+    default:
+      return `${t.viewer.troubles[state.trouble]} ${text.stopped}`;
+  }
+}

@@ -1,0 +1,54 @@
+import type { KeyCommand } from "../../input/keys";
+import type { ViewerSession } from "../../video/viewer_session";
+import { maximiseFocused, toggleSlices } from "./slices/slice_views";
+import type { OpenDialog } from "./viewer_dialogs";
+
+export interface CommandTargets {
+  readonly session: ViewerSession;
+  /** The element that is shown in full screen. */
+  readonly page: HTMLElement | null;
+  /** False while the scan is being cut, where slices are not offered. */
+  readonly slices: boolean;
+  readonly open: (dialog: OpenDialog) => void;
+}
+
+/** Carries out a command of the keyboard or of the tool bar. */
+export function obeyCommand(command: KeyCommand, { session, page, slices, open }: CommandTargets): void {
+  switch (command.kind) {
+    case "gesture":
+      session.editor.act(command.gesture);
+      break;
+    case "reset":
+      session.editor.resetCamera();
+      break;
+    case "preset": {
+      const preset = session.editor.presets.value[command.index];
+      if (preset) session.editor.applyPreset(preset);
+      break;
+    }
+    case "fullscreen":
+      if (page) void toggleFullscreen(page);
+      break;
+    case "screenshot":
+      open("export");
+      break;
+    case "help":
+      open("help");
+      break;
+    case "slices":
+      if (slices) toggleSlices(session.slices);
+      break;
+    case "alone":
+      maximiseFocused(session.slices);
+      break;
+  }
+}
+
+async function toggleFullscreen(element: HTMLElement): Promise<void> {
+  try {
+    if (document.fullscreenElement) await document.exitFullscreen();
+    else await element.requestFullscreen();
+  } catch {
+    // Phones and frames may forbid full screen. The page then stays as it is.
+  }
+}

@@ -1,0 +1,192 @@
+import type { Light } from "../../../protocol/gen/api/proto/scene_pb";
+import { cameraOf } from "../../../protocol/messages";
+import { hueOf } from "../../../scene/colour";
+import { showEnvironment } from "../../../scene/lens";
+import * as lights from "../../../scene/lights";
+import { isSky } from "../../../scene/textures";
+import { t } from "../../../texts";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { Icon } from "../../icons";
+import { ColourControl, NameControl, NumberControl, Switch, type WindowProps } from "./controls";
+import { LightBall } from "./light_ball";
+import { sceneEdits } from "./scene_edits";
+import { TexturePart } from "./texture_part";
+
+interface LightProps {
+  readonly session: ViewerSession;
+  readonly light: Light;
+  readonly index: number;
+}
+
+/** One light: its direction, brightness and colour first, the rest behind "More". */
+export function OneLight({ session, leads, light, index }: LightProps & WindowProps) {
+  const text = t.settings.light;
+  const { live, rest } = sceneEdits(session.editor);
+  return (
+    <>
+      <LightDirection session={session} leads={leads} light={light} index={index} />
+      <NumberControl
+        label={text.brightness}
+        value={lights.intensityOf(light)}
+        limits={lights.intensityLimits}
+        slide={{ low: 0.05, high: 20 }}
+        logarithmic
+        rest={rest}
+        change={live(`light brightness ${index}`, (now, to: number) => lights.dimLight(now, index, to))}
+      />
+      <ColourControl
+        label={text.colour}
+        value={hueOf(lights.radianceOf(light))}
+        rest={rest}
+        change={live(`light colour ${index}`, (now, hue: ReturnType<typeof hueOf>) =>
+          lights.colourLight(now, index, hue),
+        )}
+      />
+      <details class="more">
+        <summary>{t.settings.more}</summary>
+        <LightPlace session={session} light={light} index={index} />
+        <CameraLock session={session} light={light} index={index} />
+        {isSky(light) ? <SkyShown session={session} /> : null}
+        <TexturePart session={session} light={light} index={index} />
+        <LightName session={session} light={light} index={index} />
+        <RemoveLight session={session} light={light} index={index} />
+      </details>
+    </>
+  );
+}
+
+/** Handler that moves a light. Each light's movements are one undo step. */
+const moveLight = (session: ViewerSession, index: number) =>
+  sceneEdits(session.editor).live(`light place ${index}`, (now, to: Partial<lights.Place>) =>
+    lights.placeLight(now, index, to),
+  );
+
+/** The ball on which a light with a direction is moved. */
+function LightDirection({ session, leads, light, index }: LightProps & WindowProps) {
+  const text = t.settings.light;
+  const place = lights.placeOf(light);
+  if (!place) return null;
+  return (
+    <div class="ball-row">
+      <LightBall
+        direction={place}
+        others={othersOf(session, light)}
+        leads={leads}
+        change={moveLight(session, index)}
+        rest={() => session.editor.rest()}
+      />
+      <p class="hint">
+        {light.cameraLocked ? text.ballFrom.camera : text.ballFrom.patient}. {t.settings.picture.light}
+      </p>
+    </div>
+  );
+}
+
+/** The place of a light in numbers. */
+function LightPlace({ session, light, index }: LightProps) {
+  const text = t.settings.light;
+  const place = lights.placeOf(light);
+  const size = lights.sizeOf(light);
+  const { live, rest } = sceneEdits(session.editor);
+  const move = moveLight(session, index);
+  if (!place || size === null) return null;
+  return (
+    <>
+      <NumberControl
+        label={text.right}
+        unit={t.settings.degrees}
+        value={place.right}
+        limits={lights.turnLimits}
+        rest={rest}
+        change={(right, held) => move({ right }, held)}
+      />
+      <NumberControl
+        label={text.up}
+        unit={t.settings.degrees}
+        value={place.up}
+        limits={lights.tiltLimits}
+        rest={rest}
+        change={(up, held) => move({ up }, held)}
+      />
+      <NumberControl
+        label={text.distance}
+        unit={t.settings.mm}
+        value={place.distance}
+        limits={lights.distanceLimits}
+        logarithmic
+        rest={rest}
+        change={(distance, held) => move({ distance }, held)}
+      />
+      <NumberControl
+        label={text.size}
+        unit={t.settings.mm}
+        value={size}
+        limits={lights.sizeLimits}
+        logarithmic
+        rest={rest}
+        change={live(`light size ${index}`, (now, to: number) => lights.sizeLight(now, index, to))}
+      />
+    </>
+  );
+}
+
+/** Whether the light turns with the camera. A sky can, as a lamp can. */
+function CameraLock({ session, light, index }: LightProps) {
+  return (
+    <Switch
+      label={t.settings.light.locked}
+      on={light.cameraLocked}
+      change={(locked) => {
+        const pose = session.editor.scene.value && cameraOf(session.editor.scene.value);
+        if (pose) session.editor.change(`light lock ${index}`, (now) => lights.lockLight(now, index, locked, pose));
+        session.editor.rest();
+      }}
+    />
+  );
+}
+
+/** Whether the environment light is seen behind the volume. */
+function SkyShown({ session }: Pick<LightProps, "session">) {
+  return (
+    <Switch
+      label={t.settings.lens.environment}
+      on={session.editor.scene.value?.display?.showEnvironment ?? false}
+      change={sceneEdits(session.editor).once("environment", showEnvironment)}
+    />
+  );
+}
+
+function LightName({ session, light, index }: LightProps) {
+  return (
+    <NameControl
+      label={t.settings.light.name}
+      value={light.name}
+      most={60}
+      change={sceneEdits(session.editor).once(`light name ${index}`, (now, name: string) =>
+        lights.nameLight(now, index, name),
+      )}
+    />
+  );
+}
+
+function RemoveLight({ session, light, index }: LightProps) {
+  const text = t.settings.light;
+  return (
+    <p>
+      <button
+        type="button"
+        class="button button-small"
+        onClick={() => sceneEdits(session.editor).apply("light removed", (now) => lights.removeLight(now, index))}
+      >
+        <Icon name="trash" />
+        {text.remove(text.light(light.name, index + 1))}
+      </button>
+    </p>
+  );
+}
+
+/** The other lights that move in the same way, camera-locked or fixed to the patient. The ball shows them, too. */
+const othersOf = (session: ViewerSession, light: Light): lights.Place[] =>
+  (session.editor.scene.value?.lights ?? [])
+    .filter((one) => one !== light && one.cameraLocked === light.cameraLocked && !one.disabled)
+    .flatMap((one) => lights.placeOf(one) ?? []);

@@ -1,0 +1,81 @@
+import type { Channel, Scene } from "../../../protocol/gen/api/proto/scene_pb";
+import type { Limits } from "../../../scene/numbers";
+import * as transfer from "../../../scene/transfer";
+import { sceneEdits, type Editor } from "./scene_edits";
+
+/** A channel of the transfer function and one of its control points. */
+export interface Selection {
+  readonly channel: number;
+  readonly point: number;
+}
+
+export interface PointPlace {
+  readonly value: number;
+  readonly opacity: number;
+}
+
+/** Returns the wanted selection, limited to the channels and points that exist. */
+export function clampedSelection(channels: readonly Channel[], wanted: Selection): Selection {
+  const channel = Math.min(wanted.channel, channels.length - 1);
+  const points = channels[channel]?.opacity.length ?? 1;
+  return { channel, point: Math.min(wanted.point, points - 1) };
+}
+
+export interface TransferEdits {
+  readonly rest: () => void;
+  readonly choosePoint: (point: number) => void;
+  readonly movePoint: (which: number, value: number, opacity: number, held: boolean) => void;
+  /** Without a place, the point is added where there is most room. */
+  readonly addPoint: (at?: PointPlace) => void;
+  readonly removePoint: () => void;
+  /** `range` is the range of the volume's values. */
+  readonly addChannel: (name: string, range: Limits) => void;
+  readonly showChannel: (index: number, shown: boolean) => void;
+  readonly setMaterial: (what: string, material: transfer.Material, held: boolean) => void;
+}
+
+/** The edits of one scene's transfer function at a selection. `select` stores where the selection moves. */
+export function transferEdits(
+  editor: Editor,
+  scene: Scene,
+  selected: Selection,
+  select: (selection: Selection) => void,
+): TransferEdits {
+  const { rest, apply } = sceneEdits(editor);
+  const { channel: index, point } = selected;
+  const channels = transfer.channelsOf(scene);
+  const channel = channels[index];
+  const choosePoint = (next: number) => select({ channel: index, point: next });
+  return {
+    rest,
+    choosePoint,
+    movePoint: (which, value, opacity, held) =>
+      editor.change(
+        `point ${index} ${which}`,
+        (now) => transfer.movePoint(now, index, which, { value, opacity }),
+        held,
+      ),
+    addPoint: (at) => {
+      const value = at?.value ?? (channel ? Math.round(transfer.roomiestValue(channel)) : 0);
+      const added = channel && transfer.addPoint(scene, index, value, at?.opacity);
+      if (!added) return;
+      editor.change("point added", () => added.scene);
+      choosePoint(added.index);
+      rest();
+    },
+    removePoint: () => {
+      editor.change("point removed", (now) => transfer.removePoint(now, index, point));
+      choosePoint(Math.max(0, point - 1));
+      rest();
+    },
+    addChannel: (name, range) => {
+      editor.change("channel added", (now) => transfer.addChannel(now, name, range));
+      select({ channel: channels.length, point: 1 });
+      rest();
+    },
+    showChannel: (which, shown) =>
+      apply(`shown ${which}`, (now) => transfer.setMaterial(now, which, { disabled: !shown })),
+    setMaterial: (what, material, held) =>
+      editor.change(`${what} ${index}`, (now) => transfer.setMaterial(now, index, material), held),
+  };
+}

@@ -1,0 +1,210 @@
+import type { Area, Point } from "../../../input/flat";
+import { placeOf, type Stack } from "../../../slices/stack";
+import { withLastPoint, withPoint, withoutLast } from "../../../slices/measure";
+import type { Slices } from "../../../slices/model";
+import { SliceGestures, Wheel, type GestureAction } from "../../../slices/slice_gestures";
+import { panned, pixelAt, zoomed } from "../../../slices/placing";
+import { dragged, type Window } from "../../../slices/window";
+import { wheelZoom } from "../../../input/gestures";
+import { pointerSampleOf, type PointerSample } from "../../../input/pointer_sample";
+import { arrowDirections } from "../../../input/arrow_keys";
+import { preventBrowserGestures } from "../../../input/prevent_browser_gestures";
+import type { Vec3 } from "../../../input/vec3";
+
+const zoomStep = 1.12;
+
+/** Applies the gestures and keys on one slice pane to the state of all panes. */
+export class SlicePaneController {
+  private readonly gestures = new SliceGestures();
+  private readonly wheel = new Wheel();
+  private begun: Window | null = null;
+
+  constructor(
+    private readonly slices: Slices,
+    private readonly stack: () => Stack,
+    private readonly area: () => Area,
+    /** The range of values that dragging over the full height of the pane covers. */
+    private readonly range: () => number,
+  ) {}
+
+  /** Listens to pointers and to the wheel until `signal` is aborted. */
+  listen(element: HTMLElement, signal: AbortSignal): void {
+    const passive = { signal, passive: true };
+    element.addEventListener(
+      "pointerdown",
+      (event) => {
+        element.setPointerCapture(event.pointerId);
+        this.performAll(this.gestures.down(pointerSampleOf(event, element)));
+      },
+      passive,
+    );
+    element.addEventListener("pointermove", (event) => this.pointerMoved(pointerSampleOf(event, element)), passive);
+    const up = (lost: boolean) => (event: PointerEvent) => {
+      this.performAll(this.gestures.up(event.pointerId, lost));
+      this.begun = null;
+    };
+    element.addEventListener("pointerup", up(false), passive);
+    element.addEventListener("pointercancel", up(true), passive);
+    element.addEventListener("pointerleave", () => (this.slices.pointed.value = null), passive);
+    element.addEventListener("dblclick", () => this.doubleClicked(), passive);
+    element.addEventListener("wheel", (event) => this.wheelTurned(event), { signal, passive: false });
+    preventBrowserGestures(element, signal);
+  }
+
+  /** Handles a key and returns whether the pane uses it. */
+  key(event: KeyboardEvent): boolean {
+    const stack = this.stack();
+    const slices = this.slices;
+    if (event.altKey || event.metaKey) return false;
+    const direction = arrowDirections[event.key];
+    if (direction) {
+      const [right, down] = direction;
+      if (event.shiftKey) slices.step(stack, right, down);
+      else if (event.ctrlKey) this.pan({ x: 24 * right, y: 24 * down });
+      else slices.scroll(stack, right + down);
+      return true;
+    }
+    if (event.ctrlKey) return false;
+    const middle = { x: this.area().width / 2, y: this.area().height / 2 };
+    switch (event.key) {
+      case "PageDown":
+      case "PageUp":
+        slices.scroll(stack, event.key === "PageDown" ? 10 : -10);
+        return true;
+      case "Home":
+        slices.goTo(stack, 0);
+        return true;
+      case "End":
+        slices.goTo(stack, stack.slices - 1);
+        return true;
+      case "+":
+      case "=":
+        this.zoom(zoomStep, middle);
+        return true;
+      case "-":
+      case "_":
+        this.zoom(1 / zoomStep, middle);
+        return true;
+      case "Enter":
+        this.setPoint(slices.crosshair.value);
+        return true;
+      case "Delete":
+      case "Backspace":
+        slices.measures.value = withoutLast(slices.measures.value);
+        return true;
+      case "r":
+      case "R":
+        slices.reset();
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  private pointerMoved(sample: PointerSample): void {
+    if (!sample.touch) this.slices.pointed.value = { plane: this.stack().plane, place: this.placeAt(sample) };
+    this.performAll(this.gestures.move(sample));
+  }
+
+  private doubleClicked(): void {
+    if (["ruler", "angle"].includes(this.slices.tool.value)) return; // these tools set two points with two clicks
+    this.slices.maximise(this.stack().plane);
+  }
+
+  private wheelTurned(event: WheelEvent): void {
+    event.preventDefault();
+    if (event.ctrlKey) {
+      const at = { x: event.offsetX, y: event.offsetY };
+      this.performAll([{ kind: "zoom", factor: wheelZoom(event.deltaY, event.deltaMode, true), at }]);
+      return;
+    }
+    const slices = this.wheel.slices(event.deltaY, event.deltaMode);
+    if (slices !== 0) this.performAll([{ kind: "scroll", slices }]);
+  }
+
+  private performAll(actions: readonly GestureAction[]): void {
+    for (const action of actions) this.perform(action);
+  }
+
+  private perform(action: GestureAction): void {
+    const slices = this.slices;
+    switch (action.kind) {
+      case "begin":
+        this.begun = slices.window.value;
+        if (slices.tool.value === "ruler" || slices.tool.value === "angle") {
+          this.setPoint(this.placeAt(action.at));
+          if (slices.measures.value.at(-1)?.points.length === 1) this.setPoint(this.placeAt(action.at)); // the end, under the hand
+        }
+        break;
+      case "drag":
+        this.drag(action.from, action.at);
+        break;
+      case "tap":
+        if (slices.tool.value === "crosshair") this.cross(action.at);
+        else this.setPoint(this.placeAt(action.at));
+        break;
+      case "cross":
+        this.cross(action.at);
+        break;
+      case "pan":
+        this.pan(action.by);
+        break;
+      case "zoom":
+        this.zoom(action.factor, action.at);
+        break;
+      case "scroll":
+        slices.scroll(this.stack(), action.slices);
+        break;
+    }
+  }
+
+  private drag(from: Point, at: Point): void {
+    const slices = this.slices;
+    switch (slices.tool.value) {
+      case "window": {
+        const { height } = this.area();
+        const begun = this.begun ?? slices.window.value;
+        slices.setWindow(dragged(begun, (at.x - from.x) / height, (at.y - from.y) / height, this.range()));
+        break;
+      }
+      case "crosshair":
+        this.cross(at);
+        break;
+      case "ruler":
+      case "angle":
+        slices.measures.value = withLastPoint(slices.measures.value, this.placeAt(at));
+        break;
+    }
+  }
+
+  private setPoint(place: Vec3): void {
+    const { tool, measures } = this.slices;
+    const stack = this.stack();
+    const kind = tool.value;
+    if (kind !== "ruler" && kind !== "angle") return;
+    measures.value = withPoint(measures.value, kind, stack.plane, this.slices.index(stack), place);
+  }
+
+  private cross(at: Point): void {
+    this.slices.pointAt(this.stack(), this.placeAt(at));
+  }
+
+  private pan({ x, y }: Point): void {
+    const stack = this.stack();
+    this.slices.place(stack, panned(stack, this.slices.placing(stack), this.area(), x, y));
+  }
+
+  private zoom(factor: number, at: Point): void {
+    const stack = this.stack();
+    this.slices.place(stack, zoomed(stack, this.slices.placing(stack), this.area(), factor, at));
+  }
+
+  /** In the middle of the slice's thickness. */
+  private placeAt(at: Point): Vec3 {
+    const stack = this.stack();
+    return placeOf(stack, {
+      ...pixelAt(stack, this.slices.placing(stack), this.area(), at),
+      slice: this.slices.index(stack),
+    });
+  }
+}

@@ -1,9 +1,0 @@
-/** The file alone, under a name that says nothing of anybody. */
-export function save_file(file: Blob): void {
-  const url = URL.createObjectURL(file);
-  const link = document.createElement("a");
-  link.href = url;
-  link.download = file.type === "video/mp4" ? "diaphane.mp4" : "diaphane.png";
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}

@@ -1,0 +1,54 @@
+import { useCallback, useEffect, useState } from "preact/hooks";
+import { ApiProblem } from "../../api/client";
+import type { DataSet, PresetInfo } from "../../api/types";
+import { sceneToJson } from "../../protocol/messages";
+import { t } from "../../texts";
+import type { ViewerSession } from "../../video/viewer_session";
+import { Said, useApp } from "../state";
+
+const mostFileBytes = 256 * 1024;
+
+/** Runs a change of the list. The result is what to tell the person. */
+export type ActOnPresets = (work: () => Promise<string>) => void;
+
+/** The saved presets of a scan, and how the last change of them went. The list is read again after each change. */
+export function useSavedPresets(set: DataSet) {
+  const app = useApp();
+  const [list, setList] = useState<readonly PresetInfo[] | null>(null);
+  const [said, setSaid] = useState("");
+  const [fault, setFault] = useState("");
+  const reload = useCallback(async () => setList(await app.api.presets.list(set.id)), [app, set.id]);
+  useEffect(() => {
+    reload().catch((thrown: unknown) => setFault(app.explain(thrown)));
+  }, [app, reload]);
+  const act: ActOnPresets = (work) => {
+    setSaid("");
+    setFault("");
+    void work()
+      .then(setSaid, (thrown: unknown) => {
+        const stale = thrown instanceof ApiProblem && thrown.status === 412;
+        setFault(stale ? t.presets.changed : app.explain(thrown));
+      })
+      .then(reload)
+      .catch(() => undefined);
+  };
+  const importFile = (file: File) =>
+    act(async () => {
+      if (file.size > mostFileBytes) return t.presets.tooLarge;
+      try {
+        return t.presets.saved((await app.api.presets.importXml(set.id, file)).name);
+      } catch (thrown) {
+        if (isNoPreset(thrown)) throw new Said(t.presets.notAPreset);
+        throw thrown;
+      }
+    });
+  return { list, said, fault, act, importFile };
+}
+
+/** Whether the server rejected the file itself. It explains in its own words that a file is of a later version. */
+const isNoPreset = (thrown: unknown): boolean =>
+  thrown instanceof ApiProblem && thrown.errors.length > 0 && thrown.errors[0]?.field !== "version";
+
+/** The scene as it is now, in the form that the API stores. */
+export const currentScene = (session: ViewerSession): object | null =>
+  session.editor.scene.value ? (JSON.parse(sceneToJson(session.editor.scene.value)) as object) : null;

@@ -1,0 +1,60 @@
+import type { DataSet } from "../../api/types";
+import type { Role } from "../../live/role";
+import type { ViewerSession } from "../../video/viewer_session";
+import { ShareScanDialog } from "../share_scan";
+import { ExportDialog } from "./export/export_dialog";
+import type { Shot } from "./export/shot";
+import { HelpDialog } from "./help_dialog";
+import { RecordingDialog } from "./recording";
+import { SavedPresets } from "./saved_presets";
+import { ShareDialog } from "./share_dialog";
+
+export type OpenDialog = "help" | "share" | "recording" | "scan" | "presets" | "export";
+
+export interface ViewerDialogsProps {
+  readonly open: OpenDialog | null;
+  readonly close: () => void;
+  readonly session: ViewerSession | null;
+  readonly role: Role;
+  readonly own: boolean;
+  readonly set: DataSet | null;
+  readonly onChange: (set: DataSet) => void;
+  readonly shot: Shot;
+}
+
+/** The dialog that is open, if any. Most of them need a session or what is known of the scan. */
+export function ViewerDialogs({ open, close, session, role, own, set, onChange, shot }: ViewerDialogsProps) {
+  switch (open) {
+    case "help":
+      return <HelpDialog onClose={close} />;
+    case "share":
+      return session ? <ShareDialog session={session} role={role} owner={own} onClose={close} /> : null;
+    case "scan":
+      return set ? <ShareScanDialog set={set} onChange={onChange} onClose={close} /> : null;
+    case "presets":
+      return set && session ? <SavedPresets session={session} set={set} onClose={close} /> : null;
+    case "export":
+      return session ? <ExportOfPicture session={session} own={own} shot={shot} close={close} /> : null;
+    case "recording":
+      return <RecordingDialog onClose={close} />;
+    case null:
+      return null;
+  }
+}
+
+type ExportOfPictureProps = Pick<ViewerDialogsProps, "own" | "shot" | "close"> & { readonly session: ViewerSession };
+
+function ExportOfPicture({ session, own, shot, close }: ExportOfPictureProps) {
+  return (
+    <ExportDialog
+      session={session}
+      rendered={own}
+      busy={shot.state?.kind === "rendering"}
+      onExport={(order) => {
+        close();
+        shot.take(order);
+      }}
+      onClose={close}
+    />
+  );
+}

@@ -1,0 +1,50 @@
+import type { RefObject } from "preact";
+import type { Role } from "../../live/role";
+import { t } from "../../texts";
+import type { ViewerSession } from "../../video/viewer_session";
+import type { InPicture } from "../picture/in_picture";
+import { PictureHandles } from "../picture/picture_handles";
+import { PointPicker } from "../picture/point_picker";
+import { SliceViews } from "./slices/slice_views";
+
+export interface ViewerStageProps {
+  readonly canvas: RefObject<HTMLCanvasElement | null>;
+  readonly session: ViewerSession | null;
+  readonly role: Role;
+  readonly picture: InPicture;
+  /** Whether the scan is being cut. The cut has handles of its own. */
+  readonly cutting: boolean;
+}
+
+/** The picture, with the slices beside it and the handles over it. */
+export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerStageProps) {
+  return (
+    <main class="stage">
+      <canvas
+        ref={canvas}
+        tabIndex={0}
+        role="application"
+        aria-label={t.viewer.stage}
+        {...pictureData(session)}
+        onDblClick={() => session?.slices.open.value && session.slices.maximise("picture")}
+      />
+      {session ? <SliceViews session={session} /> : null}
+      {session && role.presents && !cutting ? <PictureHandles session={session} picture={picture} /> : null}
+      {session && role.presents ? <PointPicker picture={picture} /> : null}
+    </main>
+  );
+}
+
+/** Data attributes that describe the shown picture, for tests and user scripts. */
+function pictureData(session: ViewerSession | null): Record<string, string> {
+  const facts = session?.pictures.picture.value;
+  if (!facts) return {};
+  const lossless = session.pictures.lossless.value;
+  return {
+    ...(lossless ? { "data-lossless": String(lossless.samples) } : {}),
+    "data-epoch": String(facts.epoch),
+    "data-input-seq": String(facts.inputSeq),
+    "data-samples": String(facts.samples),
+    "data-error": String(facts.error),
+  };
+}

@@ -1,0 +1,22 @@
+import { useEffect } from "preact/hooks";
+import type { ViewerSession } from "../../video/viewer_session";
+import { useApp } from "../state";
+import { sceneOfPreset } from "./preset_scene";
+
+const look = /^#look=([0-9a-f-]{36})$/;
+
+/** A link of the gallery names, in its fragment, the preset that the scan is shown with. */
+export function WantedPreset({ session }: { readonly session: ViewerSession }) {
+  const app = useApp();
+  const ready = session.editor.scene.value !== null;
+  useEffect(() => {
+    const wanted = ready ? look.exec(location.hash)?.[1] : undefined;
+    if (wanted === undefined) return;
+    history.replaceState(null, "", location.pathname); // a reload keeps the later edits
+    sceneOfPreset(app.api.presets, wanted).then(
+      (scene) => session.editor.showScene(scene),
+      () => undefined,
+    ); // the picture is shown without the preset
+  }, [app, session, ready]);
+  return null;
+}

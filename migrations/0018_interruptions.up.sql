@@ -1,0 +1,5 @@
+-- Jobs during which ingestd itself ended. That proves nothing against an upload: the job waits, longer each time.
+ALTER TABLE ingest_jobs
+  ADD COLUMN interruptions int NOT NULL DEFAULT 0,  -- how often its lease ran out
+  DROP CONSTRAINT ingest_jobs_waiting_for_check,
+  ADD CONSTRAINT ingest_jobs_waiting_for_check CHECK (waiting_for IN ('room', 'memory', 'service', 'interruption'));

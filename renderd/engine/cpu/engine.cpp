@@ -1,0 +1,343 @@
+#include "renderd/engine/cpu/engine.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "common/try.h"
+#include "renderd/engine/cpu/film.h"
+#include "renderd/engine/cpu/kernel.h"
+#include "renderd/engine/cpu/thread_pool.h"
+#include "renderd/kernel/variants.h"
+#include "renderd/scene/prepared_scene.h"
+
+namespace diaphane::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Edge in pixels of a tile, the unit of work. Tiles are small, so that all threads end at about
+/// the same time.
+constexpr std::uint32_t kWorkTile = 16;
+/// With this many tiles per thread, the last tiles of a sample leave little of the machine idle.
+constexpr double kTilesAThread = 8;
+
+std::uint64_t machine_memory() {
+  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// Returns the memory of the machine, or of the container if that is less (control groups 2 and 1).
+std::uint64_t usable_memory() {
+  std::uint64_t least = machine_memory();
+  for (const char* file :
+       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    std::uint64_t limit = 0;  // remains 0 if the file is missing or contains "max"
+    if (std::ifstream(file) >> limit && limit > 0) least = std::min(least, limit);
+  }
+  return least;
+}
+
+class CpuVolume final : public DeviceVolume {
+ public:
+  explicit CpuVolume(const volume::Volume& volume)
+      : header_(volume.header),
+        voxels_(volume.voxels),
+        grid_(make_value_grid(voxels_, size_of(header_))) {}
+
+  const volume::Header& header() const override { return header_; }
+  std::uint64_t device_bytes() const override {
+    return voxels_.size() * sizeof(voxels_[0]) + grid_.ranges.size() * sizeof(ValueRange);
+  }
+  const ValueGrid& grid() const { return grid_; }
+  CpuVolumeView view() const { return {voxels_.data(), size_of(header_)}; }
+
+ private:
+  volume::Header header_;
+  std::vector<std::int16_t> voxels_;
+  ValueGrid grid_;
+};
+
+/// The memory that all pictures of an engine share.
+class FilmMemory {
+ public:
+  explicit FilmMemory(std::uint64_t bytes) : free_(static_cast<std::int64_t>(bytes)) {}
+
+  bool take(std::uint64_t bytes) {
+    const auto wanted = static_cast<std::int64_t>(bytes);
+    if (free_.fetch_sub(wanted) >= wanted) return true;
+    free_ += wanted;
+    return false;
+  }
+  void give_back(std::uint64_t bytes) { free_ += static_cast<std::int64_t>(bytes); }
+
+ private:
+  std::atomic<std::int64_t> free_;
+};
+
+/// A part of this memory, which is returned when the object is destroyed.
+class FilmShare {
+ public:
+  FilmShare(std::shared_ptr<FilmMemory> memory, std::uint64_t bytes)
+      : memory_(std::move(memory)), bytes_(memory_->take(bytes) ? bytes : 0) {}
+  FilmShare(FilmShare&& other) noexcept
+      : memory_(std::move(other.memory_)), bytes_(std::exchange(other.bytes_, 0)) {}
+  FilmShare& operator=(FilmShare&&) = delete;
+  ~FilmShare() {
+    if (bytes_ > 0) memory_->give_back(bytes_);
+  }
+  /// Returns whether there was enough memory.
+  bool taken() const { return bytes_ > 0; }
+
+ private:
+  std::shared_ptr<FilmMemory> memory_;
+  std::uint64_t bytes_;
+};
+
+/// A scene and the film that belongs to it.
+struct Picture {
+  Picture(diaphane::v1::Scene s, PreparedScene p, CpuFilm f, FilmShare m)
+      : scene(std::move(s)), prepared(std::move(p)), film(std::move(f)), memory(std::move(m)) {}
+
+  diaphane::v1::Scene scene;
+  PreparedScene prepared;
+  CpuFilm film;
+  FilmShare memory;
+  double seconds = 0;
+};
+
+class CpuFrameRenderer final : public FrameRenderer {
+ public:
+  CpuFrameRenderer(std::shared_ptr<ThreadPool> pool, std::shared_ptr<FilmMemory> films,
+                   std::shared_ptr<const CpuVolume> volume, std::uint64_t seed,
+                   std::uint64_t first_sample, Method method)
+      : pool_(std::move(pool)),
+        films_(std::move(films)),
+        volume_(std::move(volume)),
+        seed_(seed),
+        first_sample_(first_sample),
+        method_(method),
+        threads_(*pool_) {
+    if (method_.walk == Walk::kSoonest) method_.walk = Walk::kTracking;
+  }
+
+  Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
+    auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
+                                  picture_ ? &picture_->prepared : nullptr,
+                                  picture_ ? &picture_->scene : nullptr);
+    DIAPHANE_TRY(prepared);
+    if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
+      return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
+    }
+    FilmShare memory(films_, CpuFilm::most_bytes(canvas, guided_));
+    if (!memory.taken()) return no_memory();
+    try {
+      const Float3 s = prepared->spacing;
+      CpuFilm film(threads_, canvas, guided_, std::max({s.x, s.y, s.z}));
+      picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film),
+                                           std::move(memory));
+      share_ = {};
+    } catch (const std::bad_alloc&) {
+      return no_memory();
+    }
+    return {};
+  }
+
+  Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override {
+    if (!picture_) return no_scene();
+    const auto begin = Clock::now();
+    Batch batch;
+    while (batch.samples < samples && one_sample(stop)) {
+      batch.dropped_samples += picture_->film.fold();
+      ++batch.samples;
+    }
+    batch.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    picture_->seconds += batch.seconds;
+    return batch;
+  }
+
+  Progress progress() const override {
+    if (!picture_) return {};
+    return {picture_->film.count(), picture_->seconds, picture_->film.error()};
+  }
+
+  Result<void> display(PictureRgb8& out) override {
+    if (!picture_) return no_scene();
+    picture_->film.display(picture_->prepared.exposure_scale, out);
+    return {};
+  }
+
+  Result<void> radiance(PictureRgbF& out) override {
+    if (!picture_) return no_scene();
+    picture_->film.radiance(out);
+    return {};
+  }
+
+  Result<void> contents(std::vector<std::uint8_t>& out) override {
+    if (!picture_) return no_scene();
+    picture_->film.contents(out);
+    return {};
+  }
+
+  void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  void set_precedence(unsigned precedence) override { threads_.set_precedence(precedence); }
+
+  Result<void> set_share(const Share& share) override {
+    if (!picture_) return no_scene();
+    if (auto done = picture_->film.set_share(share); !done) return done;
+    share_ = share;
+    return {};
+  }
+
+  Result<bool> take_film(FilmPart& out) override {
+    if (!picture_) return no_scene();
+    return picture_->film.take(out);
+  }
+
+  Result<void> merge_film(const FilmPart& part) override {
+    if (!picture_) return no_scene();
+    return picture_->film.merge(part);
+  }
+
+  Result<bool> display_denoised(PictureRgb8& out) override {
+    if (!picture_) return no_scene();
+    return picture_->film.display_denoised(picture_->prepared.exposure_scale, out);
+  }
+
+  Result<bool> radiance_denoised(PictureRgbF& out) override {
+    if (!picture_) return no_scene();
+    return picture_->film.radiance_denoised(out);
+  }
+
+  std::vector<std::string> features() const override {
+    std::vector<std::string> names;
+    for (std::uint32_t i = 0; picture_ && i < kFeatureCount; ++i) {
+      if (picture_->prepared.features.has(static_cast<Feature>(i))) {
+        names.emplace_back(kFeatureNames[i]);
+      }
+    }
+    return names;
+  }
+
+  KernelReport report() const override {
+    KernelReport report;
+    if (!picture_) return report;
+    const PreparedScene& s = picture_->prepared;
+    const Features compiled = kVariants[variant_for(s.features)];
+    list_features(compiled, report);
+    report.origin = compiled == kAllFeatures ? KernelOrigin::kGeneral : KernelOrigin::kAheadOfTime;
+    const std::vector<CellBounds>& bounds = s.transfer->bounds;
+    const auto empty =
+        std::count_if(bounds.begin(), bounds.end(), [](CellBounds b) { return !(b.majorant > 0); });
+    report.empty_cells = static_cast<double>(empty) / static_cast<double>(bounds.size());
+    report.volume_bytes = volume_->device_bytes();
+    const ExactTables& e = s.transfer->exact;
+    report.acceleration_bytes = bounds.size() * sizeof(CellBounds) + e.skips.size() +
+                                e.pieces.size() * sizeof(ExtinctionPiece) +
+                                e.piece_of.size() * sizeof(e.piece_of[0]);
+    report.film_bytes = picture_->film.bytes();
+    return report;
+  }
+
+ private:
+  static tl::unexpected<Error> no_memory() {
+    return fail(ErrorCode::kOutOfMemory, "not enough memory for a picture of this size", "canvas");
+  }
+  static tl::unexpected<Error> no_scene() {
+    return fail(ErrorCode::kInvalid, "a scene must be set before rendering", "scene");
+  }
+
+  /// Fills the film's samples. Returns false if stopped, in which case the samples are invalid.
+  bool one_sample(const std::function<bool()>& stop) {
+    const PreparedScene& s = picture_->prepared;
+    const PreparedTransfer& t = *s.transfer;
+    CpuScene view =
+        view_of(s, volume_->view(), t.extinction.data(), t.colour.data(), t.bounds.data(),
+                LightArrays(s), seed_, first_sample_ + share_.sequence * kSequenceSamples, method_);
+    view.numbers = {share_.part, share_.parts};
+    if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
+    if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
+    const ExactTables& e = t.exact;
+    view.exact = exact_view_of(s, volume_->grid(), volume_->view().size, e.pieces.data(),
+                               e.piece_of.data(), e.skips.data());
+    Guides* guides = picture_->film.guides();
+    const CpuKernel kernel = cpu_kernel(s.features.with(Feature::kGuides, guides != nullptr),
+                                        use_exact_walk(s, method_));
+    const Canvas size = s.canvas;
+    const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
+    const std::uint32_t first_row = picture_->film.first_row();
+    const std::uint32_t last_row = picture_->film.last_row();
+    const std::uint32_t tiles_y = (last_row - first_row + kWorkTile - 1) / kWorkTile;
+    const std::uint64_t sample = picture_->film.drawn();
+    Sample* samples = picture_->film.samples();
+    return threads_.run(
+        tiles_x * tiles_y,
+        [&](std::uint32_t tile) {
+          const std::uint32_t x = tile % tiles_x * kWorkTile;
+          const std::uint32_t y = first_row + tile / tiles_x * kWorkTile;
+          kernel(view, CpuTile{x, y, std::min(x + kWorkTile, size.width),
+                               std::min(y + kWorkTile, last_row), sample, samples, guides});
+        },
+        stop);
+  }
+
+  std::shared_ptr<ThreadPool> pool_;
+  std::shared_ptr<FilmMemory> films_;
+  std::shared_ptr<const CpuVolume> volume_;
+  std::uint64_t seed_;
+  std::uint64_t first_sample_;
+  Method method_;
+  RendererThreads threads_;
+  bool guided_ = false;
+  Share share_;
+  std::unique_ptr<Picture> picture_;
+};
+
+class CpuEngine final : public Engine {
+ public:
+  CpuEngine(unsigned threads, std::uint64_t film_bytes)
+      : pool_(std::make_shared<ThreadPool>(threads)),
+        films_(std::make_shared<FilmMemory>(film_bytes > 0 ? film_bytes : usable_memory() / 4)) {}
+
+  EngineInfo info() const override {
+    return {"cpu", std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")",
+            machine_memory(), kTilesAThread * kWorkTile * kWorkTile * pool_->threads()};
+  }
+
+  Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
+    DIAPHANE_TRY(check_volume(volume));
+    try {
+      return std::make_shared<const CpuVolume>(volume);
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kOutOfMemory, "not enough memory for a volume of this size");
+    }
+  }
+
+ private:
+  Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                       std::uint64_t seed,
+                                                       std::uint64_t first_sample,
+                                                       Method method) override {
+    auto mine = std::dynamic_pointer_cast<const CpuVolume>(std::move(volume));
+    if (!mine) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    return std::make_unique<CpuFrameRenderer>(pool_, films_, std::move(mine), seed, first_sample,
+                                              method);
+  }
+
+  std::shared_ptr<ThreadPool> pool_;
+  std::shared_ptr<FilmMemory> films_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_cpu_engine(unsigned threads, std::uint64_t film_bytes) {
+  return std::make_unique<CpuEngine>(threads, film_bytes);
+}
+
+}  // namespace diaphane::render

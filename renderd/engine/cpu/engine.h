@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "renderd/engine/frame_renderer.h"
+
+namespace diaphane::render {
+
+/// Makes the engine that renders on the machine's cores. `threads` is the number of threads; 0
+/// means one per core. The same scene, seed and number of samples give the same picture bit for
+/// bit, whatever the number of threads and however the samples were divided into calls.
+///
+/// The pictures of all its renderers together take at most `film_bytes`; 0 means a quarter of the
+/// memory that this process may use. A picture that would exceed this is refused with kOutOfMemory.
+std::unique_ptr<Engine> make_cpu_engine(unsigned threads, std::uint64_t film_bytes = 0);
+
+}  // namespace diaphane::render

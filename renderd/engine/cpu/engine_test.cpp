@@ -1,0 +1,338 @@
+#include "renderd/engine/cpu/engine.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "renderd/math/test_statistics.h"
+#include "renderd/scene/presets.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr Canvas kCanvas{61, 45};  // not a multiple of a tile
+
+struct Session {
+  std::unique_ptr<Engine> engine;
+  std::unique_ptr<FrameRenderer> renderer;
+};
+
+Session session(const volume::Volume& volume, unsigned threads = 2, std::uint64_t seed = 1,
+                std::uint64_t first_sample = 0) {
+  Session s;
+  s.engine = make_cpu_engine(threads);
+  s.renderer = s.engine->renderer(s.engine->load(volume).value(), seed, first_sample).value();
+  return s;
+}
+
+std::vector<float> radiance(FrameRenderer& renderer) {
+  PictureRgbF picture;
+  EXPECT_TRUE(renderer.radiance(picture));
+  return picture.pixels;
+}
+
+std::vector<float> rendered(const volume::Volume& volume, const diaphane::v1::Scene& scene,
+                            std::uint32_t samples, unsigned threads = 2, std::uint64_t seed = 1,
+                            std::uint64_t first_sample = 0, Canvas canvas = kCanvas) {
+  Session s = session(volume, threads, seed, first_sample);
+  EXPECT_TRUE(s.renderer->set_scene(scene, canvas));
+  EXPECT_EQ(s.renderer->render(samples, nullptr)->samples, samples);
+  return radiance(*s.renderer);
+}
+
+TEST(CpuEngine, GivesTheSamePictureBitForBitWhateverTheThreadsAndTheAsking) {
+  const volume::Volume volume = test::skull_volume();
+  const std::vector<float> one = rendered(volume, test::skull_scene(), 7, 1);
+  for (unsigned threads : {2u, 3u, 7u}) {
+    EXPECT_EQ(rendered(volume, test::skull_scene(), 7, threads), one) << threads;
+  }
+  Session s = session(volume);
+  ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
+  for (std::uint32_t samples : {1u, 4u, 2u}) ASSERT_TRUE(s.renderer->render(samples, nullptr));
+  EXPECT_EQ(radiance(*s.renderer), one);
+  EXPECT_NE(rendered(volume, test::skull_scene(), 7, 1, 2), one) << "another seed";
+}
+
+TEST(CpuEngine, PicturesOfTwoRangesOfSamplesHaveIndependentErrors) {
+  // Two devices render one session, so their errors must be independent. The test is two-sided at
+  // 1e-5 on the correlation of the errors over the pixels that vary (Fisher's z, normal).
+  const volume::Volume volume = test::skull_volume();
+  const auto truth = rendered(volume, test::skull_scene(), 256, 2, 99);
+  const auto first = rendered(volume, test::skull_scene(), 4, 2, 1, 0);
+  const auto second = rendered(volume, test::skull_scene(), 4, 2, 1, std::uint64_t{1} << 40);
+  double ab = 0, aa = 0, bb = 0;
+  std::size_t pixels = 0;
+  // The colours of a pixel have correlated errors, so one of them is enough.
+  for (std::size_t i = 1; i < truth.size(); i += 3) {
+    const double a = first[i] - truth[i], b = second[i] - truth[i];
+    if (a == 0 && b == 0) continue;
+    ab += a * b;
+    aa += a * a;
+    bb += b * b;
+    ++pixels;
+  }
+  ASSERT_GT(pixels, 300u);
+  // The error of the truth is in both, which adds 4 / (4 + 256) to the correlation.
+  const double r = ab / std::sqrt(aa * bb);
+  EXPECT_LT(std::abs(std::atanh(r)), 4.42 / std::sqrt(pixels - 3.0) + 4.0 / 260);
+}
+
+TEST(CpuEngine, StopsBetweenTilesAndDiscardsWhatIsUnfinished) {
+  const volume::Volume volume = test::skull_volume();
+  Session s = session(volume);
+  ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_EQ(s.renderer->render(3, nullptr)->samples, 3u);
+  const auto before = radiance(*s.renderer);
+  int asked = 0;
+  const auto stopped = s.renderer->render(100, [&] { return ++asked > 2; });
+  ASSERT_TRUE(stopped);
+  // If the machine is busy, the other thread may finish a sample before the caller checks again.
+  const std::uint32_t ended = stopped->samples;
+  ASSERT_LE(ended, 3u) << "asked once a sample at least";
+  EXPECT_EQ(s.renderer->progress().samples, 3 + ended);
+  if (ended == 0) {
+    EXPECT_EQ(radiance(*s.renderer), before);
+  }
+  ASSERT_EQ(s.renderer->render(4 - ended, nullptr)->samples, 4 - ended);
+  EXPECT_EQ(radiance(*s.renderer), rendered(volume, test::skull_scene(), 7))
+      << "as if nothing had been stopped";
+}
+
+TEST(CpuEngine, ARefusedSceneLeavesPictureAndProgress) {
+  Session s = session(test::skull_volume());
+  ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(s.renderer->render(2, nullptr));
+  const auto before = radiance(*s.renderer);
+  diaphane::v1::Scene bad = test::skull_scene();
+  bad.mutable_camera()->mutable_eye()->set_y(std::numeric_limits<double>::quiet_NaN());
+  const auto refused = s.renderer->set_scene(bad, kCanvas);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "camera.eye.y");
+  bad = test::skull_scene();
+  bad.mutable_clip()->add_planes();
+  bad.mutable_camera()->set_aperture_radius(2);
+  EXPECT_EQ(s.renderer->set_scene(bad, kCanvas).error().field, "clip.planes[0].normal");
+  bad = test::skull_scene();
+  bad.mutable_slices()->mutable_axial()->set_shown(true);
+  EXPECT_EQ(s.renderer->set_scene(bad, kCanvas).error().field, "slices.windowWidth");
+  EXPECT_FALSE(s.renderer->set_scene(test::skull_scene(), Canvas{0, 4}));
+  EXPECT_EQ(s.renderer->progress().samples, 2u);
+  EXPECT_EQ(radiance(*s.renderer), before);
+}
+
+TEST(CpuEngine, NothingIsRenderedBeforeASceneIsSet) {
+  Session s = session(test::skull_volume());
+  PictureRgb8 picture;
+  EXPECT_FALSE(s.renderer->render(1, nullptr));
+  EXPECT_FALSE(s.renderer->display(picture));
+  EXPECT_TRUE(s.renderer->features().empty());
+}
+
+TEST(CpuEngine, ASceneSetAgainStartsAfreshOnAnyCanvas) {
+  const volume::Volume volume = test::skull_volume();
+  Session s = session(volume);
+  for (const Canvas canvas : {kCanvas, Canvas{20, 70}, kCanvas, Canvas{1, 1}, kCanvas}) {
+    ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), canvas));
+    EXPECT_EQ(s.renderer->progress().samples, 0u);
+    EXPECT_TRUE(std::isinf(s.renderer->progress().error));
+    ASSERT_TRUE(s.renderer->render(3, nullptr));
+    EXPECT_EQ(radiance(*s.renderer), rendered(volume, test::skull_scene(), 3, 2, 1, 0, canvas));
+  }
+}
+
+TEST(CpuEngine, SessionsOnOneEngineDoNotDisturbEachOther) {
+  const volume::Volume volume = test::skull_volume();
+  const std::shared_ptr<Engine> engine = make_cpu_engine(2);
+  const auto shared = engine->load(volume).value();
+  const auto alone = rendered(volume, test::skull_scene(), 5);
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> users;
+  for (int user = 0; user < 3; ++user) {
+    users.emplace_back([&] {
+      const auto renderer = engine->renderer(shared, 1, 0).value();
+      for (int round = 0; round < 2; ++round) {
+        if (!renderer->set_scene(test::skull_scene(), kCanvas)) ++wrong;
+        if (!renderer->render(5, nullptr)) ++wrong;
+        if (radiance(*renderer) != alone) ++wrong;
+      }
+    });
+  }
+  for (std::thread& user : users) user.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(CpuEngine, PicturesTogetherStayWithinTheMemoryForThem) {
+  const std::uint64_t one = std::uint64_t{kCanvas.width} * kCanvas.height * 56;
+  const std::shared_ptr<Engine> engine = make_cpu_engine(1, 5 * one / 2);
+  const auto volume = engine->load(test::skull_volume()).value();
+  const auto first = engine->renderer(volume, 1, 0).value();
+  const auto second = engine->renderer(volume, 1, 0).value();
+  ASSERT_TRUE(first->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(first->render(2, nullptr));
+  const auto before = radiance(*first);
+  ASSERT_TRUE(second->set_scene(test::skull_scene(), kCanvas));
+  const auto refused = first->set_scene(test::skull_scene(), {2 * kCanvas.width, kCanvas.height});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(radiance(*first), before) << "the picture stays";
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(first->set_scene(test::skull_scene(), {kCanvas.width / 2, kCanvas.height / 2}))
+        << "a smaller one is accepted, however often, since memory is given back";
+  }
+}
+
+TEST(CpuEngine, DisplayIsTheToneMappedRadiance) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  scene.mutable_display()->set_exposure(-1);
+  Session s = session(test::skull_volume());
+  ASSERT_TRUE(s.renderer->set_scene(scene, kCanvas));
+  ASSERT_TRUE(s.renderer->render(2, nullptr));
+  PictureRgb8 shown;
+  ASSERT_TRUE(s.renderer->display(shown));
+  const auto linear = radiance(*s.renderer);
+  ASSERT_EQ(shown.pixels.size(), linear.size());
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    const double exact = 255 * std::pow(std::clamp(0.5 * linear[i], 0.0, 1.0), 1 / 2.2);
+    ASSERT_NEAR(shown.pixels[i], exact, 0.502);
+  }
+}
+
+/// Black matter before a background of radiance 1, so that a pixel shows the transmittance.
+diaphane::v1::Scene shadow_scene(double extinction, double eye_distance = 5000,
+                                 double fov_degrees = 0.002) {
+  diaphane::v1::Scene scene;
+  test::add_channel(*scene.mutable_transfer_function(), {{-32768, 1}, {32767, 1}}, 0, 0, 0);
+  scene.mutable_transfer_function()->set_extinction_per_mm(extinction);
+  test::set_camera(scene, 0, -eye_distance, 0, fov_degrees);
+  test::set(scene.mutable_display()->mutable_background(), 1, 1, 1);
+  return scene;
+}
+
+/// Compares the mean over 4 x 4 pixels and `samples` samples with exp(-depth). A sample is 0 or 1,
+/// so the error is binomial.
+void expect_transmittance(const volume::Volume& volume, const diaphane::v1::Scene& scene,
+                          double depth, std::size_t tests, const char* what) {
+  constexpr std::uint32_t kSamples = 2000;
+  const auto pixels = rendered(volume, scene, kSamples, 2, 1, 0, {4, 4});
+  const double mean =
+      std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(pixels.size());
+  const double p = std::exp(-depth);
+  const double error = std::sqrt(p * (1 - p) / (16 * kSamples));
+  EXPECT_NEAR(mean, p, test::critical_z(test::sidak(1e-3, tests)) * error + 1e-5) << what;
+}
+
+TEST(Degenerate, VolumesGiveTheirDefinedPicture) {
+  const auto one = [](double, double, double) { return 5.0; };
+  constexpr std::size_t kTests = 9;
+  expect_transmittance(test::make_volume({1, 1, 1}, {2, 3, 4}, one), shadow_scene(0.2), 0.6, kTests,
+                       "1x1x1");
+  expect_transmittance(test::make_volume({1, 30, 40}, {2, 1, 1}, one), shadow_scene(0.02), 0.6,
+                       kTests, "thin x");
+  expect_transmittance(test::make_volume({30, 1, 40}, {1, 2, 1}, one), shadow_scene(0.3), 0.6,
+                       kTests, "thin y");
+  expect_transmittance(test::make_volume({30, 40, 1}, {1, 1, 2}, one), shadow_scene(0.02), 0.8,
+                       kTests, "thin z");
+  expect_transmittance(test::constant_volume(10, -32768), shadow_scene(0.1), 1, kTests,
+                       "all INT16_MIN");
+  expect_transmittance(test::constant_volume(10, 32767), shadow_scene(0.1), 1, kTests,
+                       "all INT16_MAX");
+  expect_transmittance(test::constant_volume(10, 0), shadow_scene(0), 0, kTests, "nothing there");
+  expect_transmittance(test::constant_volume(10, 0), shadow_scene(1e6), 1e7, kTests, "all opaque");
+  expect_transmittance(test::make_volume({40, 40, 2}, {0.4, 0.4, 12}, one), shadow_scene(0.05), 0.8,
+                       kTests, "1:30");
+}
+
+TEST(Degenerate, TheCameraMayBeFarAwayOrInside) {
+  const auto five = [](double, double, double) { return 5.0; };
+  const volume::Volume volume = test::make_volume({20, 20, 20}, {1, 1, 1}, five);
+  expect_transmittance(volume, shadow_scene(0.05, 9e5, 0.001), 1, 3, "900 m");
+  expect_transmittance(volume, shadow_scene(0.1, 5), 1.5, 3, "inside");
+  expect_transmittance(volume, shadow_scene(0.1, 10), 2, 3, "on the face");
+}
+
+TEST(Degenerate, PicturesStayFinite) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  scene.mutable_transfer_function()->set_extinction_per_mm(1e6);
+  for (const double g : {0.0, 0.999999999, -0.999999999}) {
+    scene.mutable_phase()->set_g(g);
+    // The added lamp is inside the volume and has enormous power.
+    test::add_lamp(scene, 0, 0, 1, 2, 1e12);
+    Session s = session(test::skull_volume());
+    ASSERT_TRUE(s.renderer->set_scene(scene, {32, 32}));
+    const auto batch = s.renderer->render(4, nullptr);
+    ASSERT_TRUE(batch);
+    EXPECT_EQ(batch->dropped_samples, 0u) << g;
+    for (float x : radiance(*s.renderer)) {
+      ASSERT_TRUE(std::isfinite(x));
+      ASSERT_GE(x, 0);
+    }
+  }
+}
+
+TEST(CpuEngine, RefusesAVolumeThatDoesNotFit) {
+  volume::Volume volume = test::skull_volume();
+  volume.voxels.pop_back();
+  const auto loaded = make_cpu_engine(1)->load(volume);
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code, ErrorCode::kInvalid);
+}
+
+/// From 64 samples on, the estimated error is within 10% of the true one for a scene like the
+/// cranium. The true error is the root mean square over independent pictures, compared with a
+/// converged picture whose own noise is subtracted.
+TEST(ErrorEstimate, CoversTheTruth) {
+  constexpr Canvas kSmall{64, 64};
+  constexpr std::uint32_t kReference = 2048;
+  const volume::Volume volume = test::skull_volume();
+  Session reference = session(volume, 2, 99);
+  ASSERT_TRUE(reference.renderer->set_scene(test::skull_scene(), kSmall));
+  ASSERT_TRUE(reference.renderer->render(kReference, nullptr));
+  const auto truth = radiance(*reference.renderer);
+  // This repeats the definition in film/error.h independently. A pixel has contents if it shows
+  // anything other than the background alone.
+  std::vector<float> values;
+  std::vector<bool> content(truth.size());
+  for (std::size_t p = 0; p < truth.size(); p += 3) {
+    const bool met = truth[p] != 0.5f || truth[p + 1] != 0.5f || truth[p + 2] != 0.5f;
+    for (std::size_t c = p; c < p + 3; ++c) {
+      content[c] = met;
+      if (met) values.push_back(truth[c]);
+    }
+  }
+  std::sort(values.begin(), values.end());
+  const double white = values.at(values.size() * 99 / 100);
+  const auto tone = [&](double x) { return std::pow(std::clamp(x / white, 0.0, 1.0), 1 / 2.2); };
+
+  for (const std::uint32_t samples : {64u, 256u}) {
+    double estimated = 0, measured = 0;
+    constexpr int kPictures = 8;
+    for (int i = 0; i < kPictures; ++i) {
+      Session s = session(volume, 2, static_cast<std::uint64_t>(i) + 1);
+      ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kSmall));
+      ASSERT_TRUE(s.renderer->render(samples, nullptr));
+      const double e = s.renderer->progress().error;
+      estimated += e * e / kPictures;
+      const auto picture = radiance(*s.renderer);
+      double squared = 0;
+      for (std::size_t c = 0; c < picture.size(); ++c) {
+        if (!content[c]) continue;
+        const double off = tone(picture[c]) - tone(truth[c]);
+        squared += off * off;
+      }
+      measured += squared / static_cast<double>(values.size()) / kPictures;
+    }
+    measured /= 1 + static_cast<double>(samples) / kReference;
+    const double ratio = std::sqrt(estimated / measured);
+    EXPECT_GT(ratio, 0.9) << samples;
+    EXPECT_LT(ratio, 1.1) << samples;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::render

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace diaphane::render {
+
+/// A pool of threads for loops of independent pieces of work. The caller works too, so a pool of n
+/// threads starts n - 1. Loops of several callers run concurrently: each caller works on its own
+/// loop, and the threads of the pool join the loop with the fewest workers. While a loop
+/// runs, all loops of lower precedence pause between two pieces.
+class ThreadPool {
+ public:
+  /// Precedences are from 0, which pauses nothing, to this, exclusive.
+  static constexpr unsigned kPrecedences = 8;
+
+  /// `threads` is the number of threads; 0 means one per core.
+  explicit ThreadPool(unsigned threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
+
+  /// Calls `work(i)` once for each i in [0, count), in any order, and returns when all calls have
+  /// returned. Calls `before_each`, if there is one, only on the calling thread: before each of its
+  /// pieces, and repeatedly during a pause. If it returns true, the pieces that have not begun are
+  /// skipped and the result is false. `work` must not throw and must not call run().
+  bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+           const std::function<bool()>& before_each = nullptr, unsigned precedence = 0);
+
+ private:
+  struct Loop {
+    const std::function<void(std::uint32_t)>& work;
+    std::uint32_t count;
+    unsigned precedence;
+    std::atomic<std::uint32_t> next{0};
+    std::atomic<bool> stopped{false};
+    unsigned busy = 0;  // number of workers in this loop
+    std::condition_variable end{};
+
+    bool open() const { return !stopped && next < count; }
+  };
+
+  void worker();
+  Loop* open_loop();  // of those that may run, the one with fewest workers; needs the lock
+  bool pauses(const Loop& loop) const { return loop.precedence < highest_; }
+  void count_loop(unsigned precedence, int change);  // call it with the lock held
+  void take_pieces(Loop& loop);
+  void take_own_pieces(Loop& loop, const std::function<bool()>& before_each);
+  void wait_while_paused(Loop& loop, const std::function<bool()>& before_each);
+
+  std::mutex mutex_;
+  std::condition_variable begin_;
+  std::list<Loop*> loops_;                   ///< on their callers' stacks
+  std::array<int, kPrecedences> running_{};  ///< loops of each precedence
+  std::atomic<unsigned> highest_{0};         ///< highest precedence of a running loop
+  bool closing_ = false;
+  std::vector<std::thread> workers_;
+};
+
+/// A pool as one renderer uses it. The precedence of the renderer's loops changes between its
+/// pictures.
+class RendererThreads {
+ public:
+  explicit RendererThreads(ThreadPool& pool) : pool_(pool) {}
+
+  void set_precedence(unsigned precedence) { precedence_ = precedence; }
+  bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+           const std::function<bool()>& before_each = nullptr) {
+    return pool_.run(count, work, before_each, precedence_);
+  }
+
+ private:
+  ThreadPool& pool_;
+  unsigned precedence_ = 0;
+};
+
+}  // namespace diaphane::render

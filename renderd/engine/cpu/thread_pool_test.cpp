@@ -1,0 +1,146 @@
+#include "renderd/engine/cpu/thread_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <latch>
+#include <thread>
+#include <vector>
+
+namespace diaphane::render {
+namespace {
+
+TEST(ThreadPool, EachPieceIsDoneOnce) {
+  ThreadPool pool(4);
+  for (const std::uint32_t count : {0u, 1u, 3u, 64u, 1000u}) {
+    std::vector<std::atomic<int>> calls(count);
+    EXPECT_TRUE(pool.run(count, [&](std::uint32_t i) { ++calls[i]; }));
+    for (const auto& each : calls) EXPECT_EQ(each, 1);
+  }
+}
+
+TEST(ThreadPool, WhatIsNotBegunIsLeftOutWhenStopped) {
+  // Other threads might finish all pieces before the first check.
+  ThreadPool pool(1);
+  std::atomic<int> done{0};
+  EXPECT_FALSE(pool.run(
+      1000, [&](std::uint32_t) { ++done; }, [&] { return done >= 10; }));
+  EXPECT_LT(done, 1000);
+}
+
+TEST(ThreadPool, LoopsOfTwoCallersGoOnAtOnce) {
+  // The pool has no threads of its own, so only the callers work.
+  ThreadPool pool(1);
+  std::latch both(2);
+  const auto loop = [&] { pool.run(1, [&](std::uint32_t) { both.arrive_and_wait(); }); };
+  std::thread other(loop);
+  loop();
+  other.join();
+}
+
+constexpr std::uint32_t kEndless = 1u << 30;
+
+/// A loop on a separate thread. Its pieces are short, so that it pauses quickly.
+struct BackgroundLoop {
+  BackgroundLoop(ThreadPool& pool, std::uint32_t pieces, unsigned precedence = 0)
+      : thread([this, &pool, pieces, precedence] {
+          finished = pool.run(
+              pieces,
+              [this](std::uint32_t) {
+                ++begun;
+                ++ended;
+              },
+              [this] {
+                ++asked;
+                return stop.load();
+              },
+              precedence);
+        }) {
+    while (begun == 0) std::this_thread::yield();
+  }
+  /// Returns whether another piece begins within 30 ms.
+  bool goes_on() const {
+    const int before = begun;
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    return begun != before;
+  }
+
+  std::atomic<int> begun{0}, ended{0}, asked{0};
+  std::atomic<bool> stop{false}, finished{false};
+  std::thread thread;
+};
+
+TEST(ThreadPool, ALoopPausesThoseOfLowerPrecedence) {
+  for (const unsigned threads : {1u, 3u}) {
+    ThreadPool pool(threads);
+    BackgroundLoop other(pool, kEndless, 2);
+    bool went_on = true;
+    EXPECT_TRUE(pool.run(
+        1,
+        [&](std::uint32_t) {
+          // On each thread, a piece that is already running may end first.
+          for (int i = 0; i < 100 && went_on; ++i) went_on = other.goes_on();
+        },
+        nullptr, 3));
+    EXPECT_FALSE(went_on) << threads;
+    other.stop = true;
+    other.thread.join();
+  }
+}
+
+TEST(ThreadPool, ALoopDoesNotPauseThoseOfHigherPrecedence) {
+  ThreadPool pool(1);
+  BackgroundLoop other(pool, kEndless, 3);
+  bool went_on = false;
+  std::thread lower([&] {
+    pool.run(
+        1, [](std::uint32_t) {}, nullptr, 2);
+  });
+  for (int i = 0; i < 100 && !went_on; ++i) went_on = other.goes_on();
+  EXPECT_TRUE(went_on);
+  other.stop = true;
+  other.thread.join();
+  lower.join();
+}
+
+TEST(ThreadPool, APausedLoopEndsWhenItIsStopped) {
+  ThreadPool pool(1);
+  BackgroundLoop other(pool, kEndless);
+  EXPECT_TRUE(pool.run(
+      1,
+      [&](std::uint32_t) {
+        other.stop = true;
+        other.thread.join();
+      },
+      nullptr, 1));
+  EXPECT_FALSE(other.finished);
+  EXPECT_EQ(other.begun, other.ended);
+}
+
+TEST(ThreadPool, APausedLoopGoesOnAfterwards) {
+  ThreadPool pool(2);
+  constexpr int kPieces = 1 << 20;
+  BackgroundLoop other(pool, kPieces);
+  EXPECT_TRUE(pool.run(
+      10, [](std::uint32_t) {}, nullptr, 1));
+  other.thread.join();
+  EXPECT_TRUE(other.finished);
+  EXPECT_EQ(other.ended, kPieces);
+}
+
+TEST(ThreadPool, ManyCallersGetEachOfTheirPiecesOnce) {
+  ThreadPool pool(3);
+  std::array<std::atomic<int>, 4> sums{};
+  std::vector<std::thread> callers;
+  for (std::size_t c = 0; c < sums.size(); ++c) {
+    callers.emplace_back([&, c] {
+      for (int i = 0; i < 200; ++i) pool.run(17, [&](std::uint32_t) { ++sums[c]; });
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  for (const auto& sum : sums) EXPECT_EQ(sum, 3400);
+}
+
+}  // namespace
+}  // namespace diaphane::render

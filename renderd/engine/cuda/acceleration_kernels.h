@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include "renderd/engine/cuda/trace_types.h"
+#include "renderd/scene/grid.h"
+
+// Kernels that derive data from voxels and transfer function. Each function queues its kernels on a
+// stream and returns the status of the launch.
+
+namespace diaphane::render::cuda {
+
+/// Computes the range of values of each macrocell, equal to the result of make_value_grid, and of
+/// all voxels.
+cudaError_t value_ranges(const TextureVolume& volume, Int3 cells, ValueRange* ranges,
+                         std::int32_t* low_high, cudaStream_t stream);
+
+/// The result of a rebuild. Set it to kNothingFound before.
+struct CellSummary {
+  std::int32_t low[3], high[3];  ///< range of the cells whose majorant is not 0, both ends included
+  std::uint32_t occupied;        ///< their number
+  float widest;                  ///< largest majorant - minorant
+};
+inline constexpr CellSummary kNothingFound{{1 << 30, 1 << 30, 1 << 30}, {-1, -1, -1}, 0, 0.0f};
+
+/// A table's extrema over runs of 2^r nodes, row r after row r - 1. The maxima are
+/// TransferView::extinction, whose row 0 is the table. The minima begin with row 1.
+struct TableRows {
+  float* maxima;
+  float* minima;
+  std::int32_t count;  ///< nodes
+};
+/// Returns floor(log2(count)) + 1.
+constexpr std::int32_t rows_of(std::int32_t count) {
+  std::int32_t rows = 1;
+  while (count >> rows != 0) ++rows;
+  return rows;
+}
+cudaError_t fill_rows(const TableRows& table, cudaStream_t stream);
+
+/// The position of voxel values in the table, with the numbers of PreparedTransfer.
+struct ValueMapping {
+  std::int32_t minimum;  ///< the value of node 0
+  double scale, margin;
+};
+/// Computes the bounds of the extinction in each cell. They equal those of bound_cells in
+/// scene/transfer.cpp to the last bit.
+cudaError_t bound_cells(const ValueRange* ranges, Int3 cells, const TableRows& table,
+                        const ValueMapping& mapping, CellBounds* bounds, CellSummary* summary,
+                        cudaStream_t stream);
+
+}  // namespace diaphane::render::cuda

@@ -1,0 +1,50 @@
+#include "renderd/engine/cuda/memory.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace diaphane::render::cuda {
+namespace {
+
+/// Large enough for a picture of 1280 x 720 in one piece. Larger pictures are copied in several.
+constexpr std::size_t kStagingBytes = std::size_t{3} << 20;
+
+/// Page-locked memory of one thread, because each thread waits for its own copies. It is kept,
+/// because allocating it is expensive.
+class Staging {
+ public:
+  Staging() {
+    if (cudaHostAlloc(&bytes_, kStagingBytes, cudaHostAllocPortable) == cudaSuccess) return;
+    bytes_ = nullptr;
+    (void)cudaGetLastError();  // not an error: the driver can copy without it
+  }
+  ~Staging() { cudaFreeHost(bytes_); }
+  Staging(const Staging&) = delete;
+  Staging& operator=(const Staging&) = delete;
+  void* get() const { return bytes_; }
+
+ private:
+  void* bytes_ = nullptr;
+};
+
+}  // namespace
+
+Result<void> read_back(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes,
+                       cudaStream_t stream) {
+  thread_local const Staging staging;
+  if (staging.get() == nullptr) {
+    DIAPHANE_CUDA_TRY(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream));
+    DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
+    return {};
+  }
+  for (std::size_t done = 0; done < bytes; done += kStagingBytes) {
+    const std::size_t piece = std::min(kStagingBytes, bytes - done);
+    DIAPHANE_CUDA_TRY(
+        cudaMemcpyAsync(staging.get(), from + done, piece, cudaMemcpyDeviceToHost, stream));
+    DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
+    std::memcpy(to + done, staging.get(), piece);
+  }
+  return {};
+}
+
+}  // namespace diaphane::render::cuda

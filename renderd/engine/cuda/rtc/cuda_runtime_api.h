@@ -1,0 +1,2 @@
+#pragma once
+// Empty, because NVRTC has these declarations built in.

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "api/proto/scene.pb.h"
+#include "common/result.h"
+#include "renderd/engine/kernel_report.h"
+#include "renderd/film/canvas.h"
+
+namespace diaphane::render {
+
+/// The result of one call of ProgressiveRenderer::render.
+struct Batch {
+  std::uint32_t samples = 0;          ///< per pixel; fewer than requested if the call was stopped
+  double seconds = 0;                 ///< wall-clock time of the call
+  std::uint64_t dropped_samples = 0;  ///< samples that were not finite and were therefore dropped
+  /// Device time of other devices for this picture, from their parts that arrived during the call.
+  double helped_seconds = 0;
+};
+
+/// The state of the accumulated picture.
+struct Progress {
+  std::uint64_t samples = 0;  ///< per pixel
+  double seconds = 0;         ///< rendering time since the scene was set
+  /// Estimated relative RMSE of the displayed picture compared with the converged one, computed
+  /// from two independent halves of the samples. Infinity for fewer than two samples.
+  double error = 0;
+};
+
+/// Accumulates the samples of one scene.
+class ProgressiveRenderer {
+ public:
+  virtual ~ProgressiveRenderer() = default;
+
+  /// Replaces scene and canvas and clears the film. On an error (kInvalid names the field), scene,
+  /// canvas and picture stay as they were.
+  virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
+  /// Adds up to `samples` samples per pixel. Between rows or launches it asks `stop`, and returns
+  /// early if that is true. It then discards the unfinished part, so that every pixel has the same
+  /// number of samples.
+  virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
+  virtual Progress progress() const = 0;
+  /// Sets the precedence of the next work: 0 unless a user waits for it, as for the first picture
+  /// after an input. On a GPU, work above 0 runs before the queued work of other renderers. On the
+  /// CPU, work of a higher precedence pauses work of a lower one.
+  virtual void set_precedence(unsigned) {}
+
+  /// Returns the names of the features that the kernel for this scene contains, for reports.
+  virtual std::vector<std::string> features() const = 0;
+  /// Describes how the current picture is rendered. Valid after set_scene().
+  virtual KernelReport report() const { return {}; }
+};
+
+}  // namespace diaphane::render

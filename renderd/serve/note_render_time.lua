@@ -1,4 +1,0 @@
--- Adds to what each person's pictures took of devices; `api` takes it from here into Postgres (docs/contracts.md, "Redis").
--- KEYS: 1 hash user -> milliseconds.  ARGV: user, milliseconds, ...
-for i = 1, #ARGV, 2 do redis.call('HINCRBY', KEYS[1], ARGV[i], ARGV[i + 1]) end
-return 1

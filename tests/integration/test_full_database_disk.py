@@ -1,0 +1,130 @@
+"""The disk of Postgres fills up: no stored data is lost, and everything resumes when space is free again."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from pathlib import Path
+from typing import Callable
+
+import psycopg
+import pytest
+import requests
+from api_client import person
+from hostile.dicom_bytes import bundle, series
+from ingest_help import upload_path, volume_path
+from test_ingest_faults import next_child
+
+SIZE_MB = 160
+#: Size of a segment of Postgres's write-ahead log.
+SEGMENT = 16 << 20
+
+
+class Disk:
+    """A small file system with Postgres's data."""
+
+    def __init__(self, stack, folder: Path):
+        self.stack, self.folder, self.ballast = stack, folder, folder / "ballast"
+
+    def fill(self) -> None:
+        """Fills it to the last byte, and so that Postgres needs a new log segment for the next commit."""
+        with self.ballast.open("wb", buffering=0) as file:
+            try:
+                while True:
+                    file.write(b"\0" * (1 << 20))
+            except OSError:
+                pass
+        for _ in range(20):
+            try:
+                self.stack.psql("SELECT pg_logical_emit_message(false, 'full', repeat('x', %s))", SEGMENT // 4)
+            except psycopg.Error:
+                return
+        raise AssertionError("Postgres finds room")
+
+    def make_room(self) -> None:
+        self.ballast.unlink(missing_ok=True)
+        self.stack.wait_ready("postgres", timeout=60)
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd"), extra_env={"DIAPHANE_LIGHT_MB": "0"})
+    stack.stop("postgres")
+    folder = stack.data_dir / "postgres"
+    owner = folder.stat()
+    was = folder.rename(folder.with_name("postgres-was"))
+    folder.mkdir(mode=0o700)
+    options = f"size={SIZE_MB}m,mode=0700,uid={owner.st_uid},gid={owner.st_gid}"
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode == 0
+    if not mounted:
+        stack_house.shut(stack)
+        pytest.skip("no file system can be mounted here")
+    try:
+        subprocess.run(["cp", "-a", f"{was}/.", folder], check=True)
+        stack.start("postgres")
+        stack.wait_ready()
+        yield stack, Disk(stack, folder)
+    finally:
+        subprocess.run(["umount", "--lazy", folder], check=True)
+        stack_house.shut(stack)
+
+
+def until_done(stack, act: Callable[[], requests.Response], statuses: tuple[int, ...]) -> None:
+    """Retries like a client until the request succeeds."""
+    stack.wait_until(lambda: act().status_code in statuses, what="success")
+
+
+def state(somebody, data_set: str) -> str:
+    answer = somebody.http.get(f"/v1/data-sets/{data_set}")
+    return answer.json()["state"] if answer.status_code == 200 else f"{answer.status_code}"
+
+
+def test_an_upload_whose_last_part_finds_the_disk_full_is_kept(running):
+    stack, disk = running
+    somebody, data = person(stack), bundle(series())
+    made = somebody.data_set(len(data))
+    url, one = made["upload_url"], made["data_set"]["id"]
+    assert somebody.patch(url, 0, data[:1000]).status_code == 204
+    disk.fill()
+    refused = somebody.patch(url, 1000, data[1000:])
+    assert refused.status_code in (500, 503, 507), refused.text
+    disk.make_room()
+    # A client asks how much has arrived, and sends the rest.
+    stack.wait_until(lambda: somebody.http.get("/v1/me").status_code == 200, what="the API")
+    if (there := somebody.offset(url)) < len(data):
+        assert somebody.patch(url, there, data[there:]).status_code == 204
+    stack.wait_until(lambda: state(somebody, one) == "ready", what="the volume")
+    stack.wait_until(lambda: not upload_path(stack, one).exists(), what="the original's end")
+
+
+def test_a_job_that_ends_while_the_disk_is_full_is_finished_later(running):
+    stack, disk = running
+    somebody = person(stack)
+    ingestd = stack.pids["ingestd"]
+    os.kill(ingestd, signal.SIGSTOP)    # so that the build does not end before its child is looked for
+    one = somebody.upload(bundle(series()))["id"]
+    os.kill(ingestd, signal.SIGCONT)
+    child = next_child(ingestd)
+    os.kill(child, signal.SIGSTOP)
+    disk.fill()
+    os.kill(child, signal.SIGCONT)
+    stack.wait_until(lambda: '"event":"postgres_away"' in stack.log("ingestd"), what="ingestd notices")
+    assert upload_path(stack, one).exists()
+    disk.make_room()
+    stack.wait_until(lambda: state(somebody, one) == "ready", what="the volume")
+    stack.wait_until(lambda: not upload_path(stack, one).exists(), what="the original's end")
+    assert (volume_path(stack, one) / "voxels.i16").stat().st_size == 2 * 20 * 16 * 16
+
+
+def test_a_deletion_that_finds_the_disk_full_is_carried_out_later(running):
+    stack, disk = running
+    somebody = person(stack)
+    one = somebody.upload(bundle(series()))["id"]
+    stack.wait_until(lambda: state(somebody, one) == "ready", what="the volume")
+    disk.fill()
+    refused = somebody.http.delete(f"/v1/data-sets/{one}")
+    assert refused.status_code in (500, 503, 507) and volume_path(stack, one).exists()
+    disk.make_room()
+    until_done(stack, lambda: somebody.http.delete(f"/v1/data-sets/{one}"), (204, 404))
+    stack.wait_until(lambda: not volume_path(stack, one).exists(), what="the volume's end")
