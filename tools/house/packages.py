@@ -65,9 +65,10 @@ def _as_root() -> list[str]:
 
 
 def _apt(*words: str, check: bool = True, afterwards: str = "") -> int:
-    # The status goes to standard output, because sudo closes all other files.
-    command = [*_as_root(), "env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8", "apt-get", "-qq", "-y",
-               "-o", "Dpkg::Use-Pty=0", "-o", "APT::Status-Fd=1", *words]
+    # sudo closes all files but the standard ones, and apt-get does not pass its status file on to dpkg, whose scripts need
+    # standard output. Hence a shell makes the status file, after sudo, from a copy of standard output.
+    command = [*_as_root(), "sh", "-c", 'exec "$@" 3>&1', "sh", "env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8",
+               "apt-get", "-qq", "-y", "-o", "Dpkg::Use-Pty=0", "-o", "APT::Status-Fd=3", *words]
     what = "Updating Debian's package lists" if words[0] == "update" else "Installing Debian packages"
     state = AptProgress()
     output = []
