@@ -334,3 +334,29 @@ def test_a_path_that_can_hold_no_data_is_refused_before_anything_is_made(tmp_pat
             datadir.check(tmp_path / name)
     datadir.check(tmp_path / "new" / "place")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "letters"]
+
+
+def test_the_reasons_of_all_failed_tests_are_repeated(tmp_path):
+    (tmp_path / "integration.xml").write_text(
+        '<testsuites><testsuite><testcase classname="integration.test_a" name="good" time="1"/>'
+        '<testcase classname="integration.test_a" name="bad" time="1"><failure message="assert 1 == 2">long log</failure></testcase>'
+        '<testcase classname="integration.test_a" name="broken" time="1"><error>no fixture</error></testcase></testsuite></testsuites>')
+    (tmp_path / "vitest.json").write_text(json.dumps({"testResults": [{"assertionResults": [
+        {"fullName": "a page", "status": "failed", "failureMessages": ["expected 3"]},
+        {"fullName": "another page", "status": "passed", "failureMessages": []}]}]}))
+    assert testing.failures(tmp_path, longest=10) == [
+        ("integration.test_a::bad", "assert 1 ="), ("integration.test_a::broken", "no fixture"), ("a page", "expected 3")]
+
+
+def test_scripts_of_packages_keep_their_standard_output_while_apt_reports_its_status(tmp_path, monkeypatch):
+    """apt-get does not pass the file of its status on to dpkg, so that this must not be standard output."""
+    apt = tmp_path / "apt-get"
+    apt.write_text('#!/bin/sh\nfor word; do case $word in APT::Status-Fd=*) fd=${word#*=};; esac; done\n'
+                   'eval "echo pmstatus:ccache:50:Configuring >&$fd"\neval "sh -c \'echo said by a script\' $fd>&-"\n')
+    apt.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    monkeypatch.setattr(packages, "_as_root", lambda: [])
+    shown = []
+    monkeypatch.setattr(packages, "progress", shown.append)
+    assert packages._apt("install", "ccache", check=False) == 0
+    assert len(shown) == 1 and "50%" in shown[0]

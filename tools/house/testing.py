@@ -134,6 +134,7 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False, n
         if with_checks:
             done.add("slow checks", lambda: check.count(slow=True))
         _say_times(done.times, reports)
+        _say_failures(reports)
     except HouseError as error:
         warn(str(error))
         done.total += Count(failed=1)
@@ -199,6 +200,32 @@ def slowest(reports: Path, most: int = 10) -> list[tuple[float, str]]:
         for file in json.loads(vitest.read_text(encoding="utf-8")).get("testResults", []):
             timed += [((case.get("duration") or 0) / 1e3, case.get("fullName", "")) for case in file.get("assertionResults", [])]
     return sorted(timed, reverse=True)[:most]
+
+
+def _say_failures(reports: Path) -> None:
+    """Repeats the names of the failed tests and why they failed, because logs of programs may have pushed them far up."""
+    found = failures(reports)
+    if found:
+        say("Failed tests:")
+    for name, reason in found:
+        say(f"  {name}\n    {reason}")
+
+
+def failures(reports: Path, longest: int = 600) -> list[tuple[str, str]]:
+    """Returns the names of the failed tests in the reports of pytest, ctest and Vitest, each with the first `longest` characters of
+    the reason."""
+    found: list[tuple[str, str]] = []
+    for report in sorted(reports.glob("*.xml")):
+        for case in _testcases(report):
+            for outcome in (*case.findall("failure"), *case.findall("error")):
+                reason = outcome.get("message") or (outcome.text or "")
+                found.append((f"{case.get('classname')}::{case.get('name')}", reason.strip()[:longest]))
+    vitest = reports / "vitest.json"
+    if vitest.exists():
+        for file in json.loads(vitest.read_text(encoding="utf-8")).get("testResults", []):
+            found += [(case.get("fullName", ""), "\n".join(case.get("failureMessages") or [])[:longest])
+                      for case in file.get("assertionResults", []) if case.get("status") == "failed"]
+    return found
 
 
 def _fresh(folder: Path) -> Path:
