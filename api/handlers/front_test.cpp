@@ -93,7 +93,7 @@ class FrontTest : public testing::Test {
   Request seen;
 };
 
-TEST_F(FrontTest, NobodyGetsToAHandlerWithoutACookie) {
+TEST_F(FrontTest, RequiresSessionCookie) {
   EXPECT_EQ(ask({"GET", "/v1/things/1", {}}).status, 401);
   EXPECT_EQ(
       ask({"GET", "/v1/things/1", {{"cookie", "__Host-diaphane=" + std::string(64, 'b')}}}).status,
@@ -104,7 +104,7 @@ TEST_F(FrontTest, NobodyGetsToAHandlerWithoutACookie) {
   EXPECT_EQ(seen.parameter("id"), "1");
 }
 
-TEST_F(FrontTest, AnUnsafeMethodNeedsTheTokenOfItsOwnSession) {
+TEST_F(FrontTest, UnsafeMethodRequiresCsrfTokenOfItsSession) {
   EXPECT_EQ(kind(ask({"POST", "/v1/things", {{"cookie", kCookie}}})), "csrf");
   EXPECT_EQ(kind(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kToken}}})),
             "csrf");
@@ -113,7 +113,7 @@ TEST_F(FrontTest, AnUnsafeMethodNeedsTheTokenOfItsOwnSession) {
             200);
 }
 
-TEST_F(FrontTest, TheEdgeLearnsWhoMaySendABodyWithoutRunningTheHandler) {
+TEST_F(FrontTest, BodyGateReturnsAccountWithoutRunningHandler) {
   const Head made{"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}};
   const Response may = ask_for_body(made, "5000");
   EXPECT_EQ(may.status, 204);
@@ -127,7 +127,7 @@ TEST_F(FrontTest, TheEdgeLearnsWhoMaySendABodyWithoutRunningTheHandler) {
   EXPECT_EQ(served, 0);
 }
 
-TEST_F(FrontTest, TheEdgeIsToldWhatABodyWouldBeRefusedWith) {
+TEST_F(FrontTest, BodyGateReturnsTheRefusalOfTheRequest) {
   const std::map<std::string, std::string> person{{"cookie", kCookie}, {"x-csrf-token", kCsrf}};
   EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", {}}, "5")), "unauthenticated");
   EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", {{"cookie", kCookie}}}, "5")), "csrf");
@@ -142,7 +142,7 @@ TEST_F(FrontTest, TheEdgeIsToldWhatABodyWouldBeRefusedWith) {
   EXPECT_EQ(served, 0);
 }
 
-TEST_F(FrontTest, WithoutASessionABodyIsSmallOnEveryRoute) {
+TEST_F(FrontTest, LimitsBodySizeOfUnauthenticatedRequests) {
   const std::string most = std::to_string(kAnyoneBodyBytes);
   const std::string more = std::to_string(kAnyoneBodyBytes + 1);
   EXPECT_EQ(ask({"POST", "/v1/plain", {{"content-length", most}}}).status, 200);
@@ -151,14 +151,14 @@ TEST_F(FrontTest, WithoutASessionABodyIsSmallOnEveryRoute) {
   EXPECT_EQ(kind(ask_for_body({"POST", "/v1/open", {}}, "101")), "body-too-large");
 }
 
-TEST_F(FrontTest, TheQuestionOfTheEdgeDoesNotRenewASession) {
+TEST_F(FrontTest, BodyGateDoesNotRenewSession) {
   clock.advance(std::chrono::hours(24 * 7));
   const Head made{"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}};
   EXPECT_EQ(header(ask_for_body(made, "5"), "Set-Cookie"), "");
   EXPECT_THAT(header(ask(made), "Set-Cookie"), testing::HasSubstr(kToken));
 }
 
-TEST_F(FrontTest, AnotherOriginIsRefusedEvenWhereNobodyNeedsToBeSignedIn) {
+TEST_F(FrontTest, RefusesForeignOriginEvenOnPublicRoutes) {
   for (const char* origin :
        {"null", "https://see.example.evil", "http://see.example", "https://see.example:1"}) {
     EXPECT_EQ(kind(ask({"POST", "/v1/open", {{"origin", origin}}})), "origin") << origin;
@@ -166,7 +166,7 @@ TEST_F(FrontTest, AnotherOriginIsRefusedEvenWhereNobodyNeedsToBeSignedIn) {
   EXPECT_EQ(ask({"POST", "/v1/open", {{"origin", "https://see.example"}}}).status, 200);
 }
 
-TEST_F(FrontTest, TheSamplesTokenOpensOnlyWhatIsMeantForIt) {
+TEST_F(FrontTest, SampleTokenWorksOnlyOnOperatorRoutes) {
   EXPECT_EQ(ask({"POST", "/v1/things", {{"authorization", "Bearer s3cret"}}}).status, 200);
   EXPECT_TRUE(asked_by.sample_operator);
   EXPECT_EQ(ask({"POST", "/v1/things", {{"authorization", "Bearer s3creT"}}}).status, 401);
@@ -177,38 +177,38 @@ TEST_F(FrontTest, TheSamplesTokenOpensOnlyWhatIsMeantForIt) {
   EXPECT_EQ(without.serve(std::get<Front::Admitted>(admitted)).status, 401);
 }
 
-TEST_F(FrontTest, ADefectBecomesADocumentThatSaysNothingOfIt) {
+TEST_F(FrontTest, InternalErrorResponseHidesTheReason) {
   const Response response = ask({"POST", "/v1/open", {}}, "throw");
   EXPECT_EQ(response.status, 500);
   EXPECT_EQ(kind(response), "internal");
   EXPECT_EQ(response.body.find("defect"), std::string::npos);
 }
 
-TEST_F(FrontTest, AChangeWhoseOutcomeIsUnknownIsNoFaultAndSaysSo) {
+TEST_F(FrontTest, UnknownOutcomeOfWriteIsReportedAsUnknown) {
   const Response response = ask({"POST", "/v1/open", {}}, "in doubt");
   EXPECT_EQ(response.status, 503);
   EXPECT_EQ(kind(response), "outcome-unknown");
   EXPECT_EQ(header(response, "Retry-After"), "2");
 }
 
-TEST_F(FrontTest, AReadWhoseOutcomeIsUnknownMayJustBeTriedAgain) {
+TEST_F(FrontTest, UnknownOutcomeOfReadIsReportedAsUnavailable) {
   const Response response = ask({"GET", "/v1/things/1", {{"cookie", kCookie}}}, "in doubt");
   EXPECT_EQ(response.status, 503);
   EXPECT_EQ(kind(response), "unavailable");
   EXPECT_EQ(header(response, "Retry-After"), "2");
 }
 
-TEST_F(FrontTest, NoLineBreakReachesAHeader) {
+TEST_F(FrontTest, DropsResponseHeaderWithLineBreak) {
   const Response response = ask({"POST", "/v1/open", {}}, "a\r\nSet-Cookie: x=y");
   EXPECT_EQ(response.status, 200);
   EXPECT_EQ(header(response, "X-Said"), "");
 }
 
-TEST_F(FrontTest, NoResponseIsLargerThanAMegabyte) {
+TEST_F(FrontTest, RefusesResponseOverOneMebibyte) {
   EXPECT_EQ(ask({"POST", "/v1/open", {}}, "large").status, 500);
 }
 
-TEST_F(FrontTest, AnnouncedBodiesOverTheLimitAreRefusedFromTheHead) {
+TEST_F(FrontTest, RefusesTooLargeOrInvalidContentLengthBeforeReadingBody) {
   EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", "101"}}}).status, 413);
   EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", "100"}}}).status, 200);
   for (const char* bad : {"-1", "1, 1", "0x10", "99999999999999999999"}) {
@@ -217,7 +217,7 @@ TEST_F(FrontTest, AnnouncedBodiesOverTheLimitAreRefusedFromTheHead) {
   EXPECT_EQ(ask({"POST", "/v1/open", {{"transfer-encoding", "chunked"}}}).status, 400);
 }
 
-TEST_F(FrontTest, EveryMethodIsAnsweredOnPurpose) {
+TEST_F(FrontTest, AnswersHeadAndOptionsAndRefusesOtherMethods) {
   const Response wrong = ask({"DELETE", "/v1/open", {}});
   EXPECT_EQ(wrong.status, 405);
   EXPECT_EQ(header(wrong, "Allow"), "POST");
@@ -232,7 +232,7 @@ TEST_F(FrontTest, EveryMethodIsAnsweredOnPurpose) {
   EXPECT_EQ(head.body, "");
 }
 
-TEST_F(FrontTest, TheEdgesRequestIdIsKeptAndAnyOtherTextIsNot) {
+TEST_F(FrontTest, KeepsWellFormedRequestIdAndReplacesOthers) {
   EXPECT_EQ(
       header(ask({"GET", "/v1/none", {{"x-request-id", "0123456789abcdef"}}}), "X-Request-Id"),
       "0123456789abcdef");
@@ -241,7 +241,7 @@ TEST_F(FrontTest, TheEdgesRequestIdIsKeptAndAnyOtherTextIsNot) {
   EXPECT_EQ(made.size(), 32u);
 }
 
-TEST_F(FrontTest, TheCookieIsNotForScriptsNorForOtherPages) {
+TEST_F(FrontTest, SessionCookieHasSecurityAttributes) {
   const std::string cookie = front.cookie(kToken);
   for (const char* part : {"HttpOnly", "SameSite=Strict", "Secure", "Path=/"}) {
     EXPECT_THAT(cookie, testing::HasSubstr(part));
@@ -251,14 +251,14 @@ TEST_F(FrontTest, TheCookieIsNotForScriptsNorForOtherPages) {
   EXPECT_THAT(cookie, testing::Not(testing::HasSubstr("Domain")));
 }
 
-TEST_F(FrontTest, UnderHttpsACookieThatAnotherHostCouldHaveSetIsNotLookedAt) {
+TEST_F(FrontTest, AcceptsOnlyHostPrefixedCookieUnderHttps) {
   EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", "diaphane=" + kToken}}}).status, 401);
   const Front plain(accounts, {.public_url = "http://see.example"});
   EXPECT_THAT(plain.cookie(kToken), testing::StartsWith("diaphane=" + kToken));
   EXPECT_EQ(plain.token_of({"GET", "/", {{"cookie", "diaphane=" + kToken}}}), kToken);
 }
 
-TEST_F(FrontTest, AnAdministratorWithoutASecondFactorIsToldToSetItUp) {
+TEST_F(FrontTest, AdministratorRoutesRequireSecondFactor) {
   const Head head{"GET", "/v1/ruled", {{"cookie", kCookie}}};
   EXPECT_EQ(kind(ask(head)), "forbidden");
   store.administrator = true;
@@ -270,7 +270,7 @@ TEST_F(FrontTest, AnAdministratorWithoutASecondFactorIsToldToSetItUp) {
   EXPECT_TRUE(asked_by.administrator);
 }
 
-TEST(Target, PathsAreTakenLetterForLetter) {
+TEST(Target, RefusesPathsThatAreNotInNormalForm) {
   for (const char* bad : {"", "v1", "//x/admin", "/v1//me", "/v1/../admin", "/v1/./me", "/v1/%6de",
                           "/v1/me%00", "/v1/m e", "*", "http://evil/v1/me", "/v1/me;x=1",
                           "/v1/\\me", "/v1/me?a=%", "/v1/me?a=%0a", "/v1/me?a=1&a=2"}) {
@@ -283,14 +283,14 @@ TEST(Target, PathsAreTakenLetterForLetter) {
                                {"limit", "5"}, {"cursor", "a.b c"}, {"flag", ""}}));
 }
 
-TEST(Target, APatternMatchesWholeSegmentsOnly) {
+TEST(Target, PatternMatchesWholeSegmentsOnly) {
   EXPECT_TRUE(match_path("/v1/a/{x}/b", "/v1/a/1/b"));
   for (const char* other : {"/v1/a//b", "/v1/a/1", "/v1/a/1/b/", "/v1/a/1/c", "/v1/a/1/2/b"}) {
     EXPECT_FALSE(match_path("/v1/a/{x}/b", other)) << other;
   }
 }
 
-TEST(RequestFields, EveryMistakeIsSaidAtOnce) {
+TEST(RequestFields, ReportsAllInvalidFieldsTogether) {
   Request request;
   request.headers["content-type"] = "application/json; charset=utf-8";
   request.body = R"({"title": 5, "bytes": -1, "surprise": true})";

@@ -34,7 +34,7 @@ ReadRecording read(const json& document) {
   return read;
 }
 
-TEST(RecordingFormat, WhatIsKeptHasEveryLookAndNothingThatAPersonTyped) {
+TEST(RecordingFormat, KeepsViewSettingsAndDropsFreeText) {
   const auto kept = read(sound());
   ASSERT_FALSE(kept.wrong);
   EXPECT_EQ(kept.recording.events, 2);
@@ -50,7 +50,7 @@ TEST(RecordingFormat, WhatIsKeptHasEveryLookAndNothingThatAPersonTyped) {
   EXPECT_EQ(read(body).recording.body, kept.recording.body);
 }
 
-TEST(RecordingFormat, WhatIsNoneIsRefusedByItsPart) {
+TEST(RecordingFormat, NamesTheInvalidFieldOfAMalformedRecording) {
   const auto refused = [](const char* patch) {
     const auto got = read(sound().patch(json::parse(patch)));
     return got.wrong && !got.wrong->fields.empty() ? got.wrong->fields.front().field : "";
@@ -76,7 +76,7 @@ TEST(RecordingFormat, WhatIsNoneIsRefusedByItsPart) {
   EXPECT_EQ(refused(R"([{"op": "add", "path": "/title", "value": "Head"}])"), "title");
 }
 
-TEST(RecordingFormat, ARecordingIsBoundedByWhatWillBeStored) {
+TEST(RecordingFormat, LimitsSizeOfStoredFormToOneMebibyte) {
   // Three characters of the request become twelve in the stored form: "1e9" is written as
   // 1000000000.0.
   const auto recorded = [](int numbers) {
@@ -105,7 +105,7 @@ TEST(RecordingFormat, ARecordingIsBoundedByWhatWillBeStored) {
   EXPECT_NE(too_large.wrong->fields.at(0).message.find("1 MiB"), std::string::npos);
 }
 
-TEST(RecordingFormat, WhatIsDeeperThanASceneIsRefused) {
+TEST(RecordingFormat, RefusesNestingDeeperThanAScene) {
   json deep = json::object();
   for (int i = 0; i < 50; ++i) deep = json{{"a", deep}};
   json document = sound();

@@ -21,7 +21,7 @@ std::string with(const std::string& name, const std::string& value) {
   return "{\"" + name + "\":" + value + "}";
 }
 
-TEST(Fields, AnyGivesTheValueThatIsInTheRequest) {
+TEST(Fields, AnyReturnsReferenceToValueAndReportsMissingField) {
   Fields in(json_request(R"({"keep": {"a": [1, 2]}})"));
   const nlohmann::json& keep = in.any("keep");
   EXPECT_EQ(keep["a"][1], 2);
@@ -33,7 +33,7 @@ TEST(Fields, AnyGivesTheValueThatIsInTheRequest) {
   EXPECT_EQ(wrong->fields.at(0).field, "other");
 }
 
-TEST(Fields, ABodyNestedTooDeeplyIsUnreadable) {
+TEST(Fields, RefusesTooDeeplyNestedBody) {
   for (const std::size_t depth : {std::size_t{kDeepestJson}, std::size_t{250'000}}) {
     Fields in(json_request(with("keep", nested(depth))));
     EXPECT_TRUE(in.any("keep").is_null()) << depth;
@@ -47,7 +47,7 @@ TEST(Fields, ABodyNestedTooDeeplyIsUnreadable) {
   EXPECT_FALSE(in.finish());
 }
 
-TEST(Fields, ABodyWithTooManyValuesIsUnreadable) {
+TEST(Fields, RefusesBodyWithTooManyValues) {
   std::string values = "[0";
   for (std::size_t i = 3; i < Fields::kMostValues; ++i) values += ",0";
   const std::string fits = with("list", values + "]"), too_many = with("list", values + ",0]");
@@ -65,7 +65,7 @@ TEST(Fields, ABodyWithTooManyValuesIsUnreadable) {
   EXPECT_TRUE(wider.any("list").is_array());
 }
 
-TEST(TimeOf, IsAMomentThatTheClockCanHold) {
+TEST(TimeOf, ParsesOnlyTimesThatTheClockCanRepresent) {
   ASSERT_TRUE(time_of("2026-11-22T10:00:00.5Z"));
   EXPECT_EQ(std::chrono::system_clock::to_time_t(*time_of("2026-11-22T10:00:00.5Z")), 1795341600);
   EXPECT_TRUE(time_of("2200-12-31T23:59:59Z"));
@@ -75,7 +75,7 @@ TEST(TimeOf, IsAMomentThatTheClockCanHold) {
   }
 }
 
-TEST(PresetFormat, ASceneNestedToTheLimitIsRefusedByItsField) {
+TEST(PresetFormat, NamesSceneFieldWhenSceneIsNestedToTheLimit) {
   Fields in(json_request(with("scene", with("camera", nested(kDeepestJson - 2)))));
   EXPECT_TRUE(read_scene(in).empty());
   const auto wrong = in.finish();

@@ -15,7 +15,7 @@ TEST(ReasonPhrase, EachStatusHasItsStandardPhrase) {
   EXPECT_EQ(reason_phrase(507), "Insufficient Storage");
 }
 
-TEST(ReasonPhrase, EveryProblemHasAPhraseOfItsOwn) {
+TEST(ReasonPhrase, EveryProblemStatusHasASpecificPhrase) {
   for (int kind = 0; kind <= static_cast<int>(ProblemKind::kInternal); ++kind) {
     const int status = form_of(static_cast<ProblemKind>(kind)).status;
     EXPECT_NE(reason_phrase(status), "Client Error") << status;
@@ -23,7 +23,7 @@ TEST(ReasonPhrase, EveryProblemHasAPhraseOfItsOwn) {
   }
 }
 
-TEST(ReasonPhrase, AnUnknownStatusIsNamedByItsClass) {
+TEST(ReasonPhrase, UnknownStatusFallsBackToItsClass) {
   EXPECT_EQ(reason_phrase(299), "Success");
   EXPECT_EQ(reason_phrase(499), "Client Error");
   EXPECT_EQ(reason_phrase(599), "Server Error");

@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 
 TimePoint at(int ms) { return TimePoint{} + milliseconds(1'000'000 + ms); }
 
-TEST(OpenInputs, AFrameShowsAllInputsUpToItsOwnAndEachCountsFromItsOwnTime) {
+TEST(OpenInputs, MeasuresEachInputFromItsSendTimeToTheFrameThatShowsIt) {
   OpenInputs open;
   open.sent(1, at(0));
   open.sent(2, at(16));
@@ -33,7 +33,7 @@ TEST(OpenInputs, AFrameShowsAllInputsUpToItsOwnAndEachCountsFromItsOwnTime) {
   EXPECT_NEAR(open.shown(9, at(50), at(0)).seconds.at(0), 0.017, 1e-9);
 }
 
-TEST(OpenInputs, WhatWasSentBeforeItIsMeasuredCountsNotAndWhatNeverCameCountsWithItsAge) {
+TEST(OpenInputs, IgnoresWarmUpInputsAndCountsUnansweredInputsWithTheirAge) {
   OpenInputs open;
   open.sent(1, at(0));
   open.sent(2, at(100));
@@ -43,7 +43,7 @@ TEST(OpenInputs, WhatWasSentBeforeItIsMeasuredCountsNotAndWhatNeverCameCountsWit
   EXPECT_TRUE(open.empty());
 }
 
-TEST(Percentile, IsTheSmallestThatSoManyAreNotAbove) {
+TEST(Percentile, ReturnsNearestRankOrZeroWithoutValues) {
   std::vector<double> values;
   for (int i = 100; i > 0; --i) values.push_back(i);
   EXPECT_EQ(percentile(values, 95), 95);
@@ -53,7 +53,7 @@ TEST(Percentile, IsTheSmallestThatSoManyAreNotAbove) {
   EXPECT_EQ(percentile(none, 50), 0);
 }
 
-TEST(Hands, AsManyMoveAsAreWantedNobodyTwiceAndEverybodyInTurn) {
+TEST(Hands, KeepsRequestedNumberOfDistinctSessionsMovingInRotation) {
   const auto trace = render::bench::make_trace("interactive", 20, 60, 3);
   Hands hands(trace, 5);
   std::vector<std::size_t> moving;
@@ -71,7 +71,7 @@ TEST(Hands, AsManyMoveAsAreWantedNobodyTwiceAndEverybodyInTurn) {
   EXPECT_EQ(ever.size(), 20U);
 }
 
-TEST(Hands, GesturesAreThoseOfTheTraceInTheirOrder) {
+TEST(Hands, ReplaysGesturesOfTraceInOrder) {
   const auto trace = render::bench::make_trace("interactive", 1, 60, 3);
   Hands hands(trace, 9);
   EXPECT_EQ(hands.moving(), 1U);
@@ -81,7 +81,7 @@ TEST(Hands, GesturesAreThoseOfTheTraceInTheirOrder) {
   EXPECT_EQ(hands.after(0).seconds, gestures[1].end - gestures[1].begin);
 }
 
-TEST(Turned, KeepsTheDistanceAndTheHeightAndComesRound) {
+TEST(Turned, KeepsDistanceAndHeightAndReturnsAfterFullTurn) {
   v1::Scene scene;
   scene.mutable_camera()->mutable_eye()->set_x(3);
   scene.mutable_camera()->mutable_eye()->set_z(4);
@@ -103,7 +103,7 @@ std::pair<std::size_t, int> searched(std::size_t first, std::size_t truth,
   return {search.largest_held(), runs};
 }
 
-TEST(Search, FindsTheLargestToWithinASixteenthFromAnyBegin) {
+TEST(Search, FindsLargestPassingValueWithinASixteenthFromAnyStart) {
   for (const std::size_t truth : {1U, 2U, 3U, 7U, 30U, 199U, 200U, 201U, 777U, 4000U}) {
     for (const std::size_t first : {1U, 2U, 16U, 200U}) {
       const auto [found, runs] = searched(first, truth);
@@ -116,7 +116,7 @@ TEST(Search, FindsTheLargestToWithinASixteenthFromAnyBegin) {
   EXPECT_EQ(searched(200, 9999, 512).first, 512U);
 }
 
-TEST(Metrics, AreReadWithTheirLabels) {
+TEST(Metrics, ParsesSamplesWithLabelsAndSkipsMalformedLines) {
   const Samples samples = parse_metrics(
       "# HELP a b\na_total 3\nb{part=\"x y\",q=\"z\"} 1.5e3\nbroken\n\nc{le=\"+Inf\"} 7 123\n");
   EXPECT_EQ(value_of(samples, "a_total"), 3);
@@ -125,7 +125,7 @@ TEST(Metrics, AreReadWithTheirLabels) {
   EXPECT_EQ(value_of(samples, "nothing"), 0);
 }
 
-TEST(Child, IsStartedWithItsEnvironmentMeasuredAndEnded) {
+TEST(Child, StartsWithEnvironmentReportsCpuTimeAndStops) {
   char log[] = "/tmp/diaphane-child-XXXXXX";
   ::close(::mkstemp(log));
   auto child =
@@ -145,7 +145,7 @@ TEST(Child, IsStartedWithItsEnvironmentMeasuredAndEnded) {
   ::unlink(log);
 }
 
-TEST(SoakPlan, HoldsEveryKindOfActAndSomeSlowReaders) {
+TEST(SoakPlan, DrawsEveryKindOfActAndSomeSlowReaders) {
   std::mt19937_64 draws(5);
   std::set<Act::Kind> kinds;
   int slow = 0, ended = 0;

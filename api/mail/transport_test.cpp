@@ -100,7 +100,7 @@ Result<void> send_to(const OneMailServer& server) {
   return (*transport)->send(kMail);
 }
 
-TEST(Smtp, TheMailArrivesWholeAndItsDotsAreStuffed) {
+TEST(Smtp, SendsWholeMessageWithDotStuffing) {
   OneMailServer server("250 well");
   EXPECT_TRUE(send_to(server));
   const std::string heard = server.finish();
@@ -109,27 +109,27 @@ TEST(Smtp, TheMailArrivesWholeAndItsDotsAreStuffed) {
   EXPECT_THAT(heard, HasSubstr("First line\r\n..\r\nhttps://see.example/verify#token=abc\r\n"));
 }
 
-TEST(Smtp, ARecipientRefusedForGoodIsNotTriedAgain) {
+TEST(Smtp, PermanentRecipientErrorIsNotRetried) {
   OneMailServer server("550 no such person");
   const auto sent = send_to(server);
   ASSERT_FALSE(sent);
   EXPECT_EQ(sent.error().code, ErrorCode::kInvalid);
 }
 
-TEST(Smtp, ARecipientRefusedForNowIsTriedAgain) {
+TEST(Smtp, TemporaryRecipientErrorIsRetried) {
   OneMailServer server("451 come back later");
   const auto sent = send_to(server);
   ASSERT_FALSE(sent);
   EXPECT_EQ(sent.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(Smtp, AServerThatIsAwayIsTriedAgain) {
+TEST(Smtp, UnreachableServerIsRetried) {
   const auto sent = (*open_mail_transport("smtp://127.0.0.1:1", "a@b"))->send(kMail);
   ASSERT_FALSE(sent);
   EXPECT_EQ(sent.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(FileMail, AMailIsOneReadableFileForItsOwnerAlone) {
+TEST(FileMail, WritesOneFileThatOnlyItsOwnerCanRead) {
   const auto directory = std::filesystem::temp_directory_path() / ("mail-" + random_hex(8));
   std::filesystem::create_directories(directory);
   ASSERT_TRUE((*open_mail_transport("file:" + directory.string(), "Diaphane <a@b>"))->send(kMail));
@@ -148,14 +148,14 @@ TEST(FileMail, AMailIsOneReadableFileForItsOwnerAlone) {
   std::filesystem::remove_all(directory);
 }
 
-TEST(Message, NoLineBreakMakesAHeader) {
+TEST(Message, LineBreaksDoNotInjectHeaders) {
   const std::string text =
       message_of({"a@b\r\nBcc: c@d", "s\nX-Evil: 1", "body"}, "x@y\r\nZ: 1", "now", "id");
   const std::string head = text.substr(0, text.find("\r\n\r\n"));
   for (const char* evil : {"\nBcc:", "\nX-Evil:", "\nZ:"}) EXPECT_THAT(head, Not(HasSubstr(evil)));
 }
 
-TEST(Setting, WhatIsNoTransportIsRefusedWithoutRepeatingAPassword) {
+TEST(Setting, InvalidTransportErrorDoesNotQuotePassword) {
   for (const char* bad :
        {"", "file:/nowhere/at/all", "http://x", "smtp://", "smtp://u:hunter2@h/path"}) {
     const auto transport = open_mail_transport(bad, "a@b");

@@ -41,7 +41,7 @@ const std::map<std::pair<Exposure, Role>, std::string> kTable{
     {{Exposure::kTakenDown, Role::kAdministrator}, "FL---------T"},
 };
 
-TEST(Access, IsWhatTheWholeTableSays) {
+TEST(Access, MatchesTheExpectedMatrix) {
   ASSERT_EQ(kTable.size(), kRoles.size() * kExposures.size());
   for (const Exposure exposure : kExposures) {
     for (const Role role : kRoles) {
@@ -55,7 +55,7 @@ TEST(Access, IsWhatTheWholeTableSays) {
   }
 }
 
-TEST(Access, NobodyMayWhatHeCannotFind) {
+TEST(Access, EveryActionRequiresFind) {
   for (const Exposure exposure : kExposures) {
     for (const Role role : kRoles) {
       if (may(role, Action::kFind, exposure)) continue;
@@ -64,7 +64,7 @@ TEST(Access, NobodyMayWhatHeCannotFind) {
   }
 }
 
-TEST(Access, AnAdministratorMayBesidesWhatHeIsToTheDataSet) {
+TEST(Access, AdministratorRightsAddToThoseOfTheDataSetRole) {
   for (const Exposure exposure : kExposures) {
     for (const Role role : kRoles) {
       for (const Action action : kActions) {
@@ -76,7 +76,7 @@ TEST(Access, AnAdministratorMayBesidesWhatHeIsToTheDataSet) {
   }
 }
 
-TEST(Access, RolesHaveNames) {
+TEST(Access, RoleNamesRoundTrip) {
   for (const Role role : kRoles) EXPECT_EQ(role_of(to_string(role)), role);
   EXPECT_FALSE(role_of("god"));
 }

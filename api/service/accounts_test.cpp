@@ -43,7 +43,7 @@ class AccountsTest : public testing::Test {
   Accounts accounts{store, hasher, codes, key, clock, {.public_url = "https://see.example"}};
 };
 
-TEST_F(AccountsTest, NothingThatIsStoredOpensAnAccount) {
+TEST_F(AccountsTest, StoredDataDoesNotAuthenticate) {
   sign_up_and_verify();
   const auto opened = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4");
   ASSERT_TRUE(opened);
@@ -62,7 +62,7 @@ TEST_F(AccountsTest, ALinkWorksOnce) {
   EXPECT_EQ(accounts.verify(token, kPassword).error().kind, ProblemKind::kLinkExpired);
 }
 
-TEST_F(AccountsTest, WhoeverReadsTheMailChoosesThePasswordHoweverOftenStrangersSignedUpBefore) {
+TEST_F(AccountsTest, AnyMailedLinkWorksDespiteRepeatedSignUps) {
   for (int i = 0; i < 6; ++i) ASSERT_TRUE(accounts.sign_up(kEmail, std::to_string(i)));
   ASSERT_EQ(store.mails.size(), 4u) << "a mailbox is not filled by strangers";
   const std::string newest = token_in_last_mail();
@@ -85,12 +85,12 @@ TEST_F(AccountsTest, SigningUpAgainLeavesEarlierLinksValid) {
   EXPECT_TRUE(accounts.verify(mine, kPassword));
 }
 
-TEST_F(AccountsTest, TheAddressIsTheSameInWhateverCase) {
+TEST_F(AccountsTest, AddressIsCaseInsensitive) {
   sign_up_and_verify();
   EXPECT_TRUE(accounts.sign_in("PERSON@EXAMPLE.ORG", kPassword, "", "1.2.3.4"));
 }
 
-TEST_F(AccountsTest, SigningUpWithAKnownAddressChangesNothingAndLooksTheSame) {
+TEST_F(AccountsTest, SigningUpWithKnownAddressDoesNotRevealTheAccount) {
   sign_up_and_verify();
   const std::string hash = store.accounts.begin()->second.password_hash;
   EXPECT_TRUE(accounts.sign_up(kEmail, "9.9.9.9"));
@@ -98,7 +98,7 @@ TEST_F(AccountsTest, SigningUpWithAKnownAddressChangesNothingAndLooksTheSame) {
   EXPECT_THAT(store.mails.back().subject, testing::HasSubstr("already"));
 }
 
-TEST_F(AccountsTest, AfterTenFailuresEvenTheRightPasswordWaitsUntilTheWindowHasPassed) {
+TEST_F(AccountsTest, TenFailuresLockAccountForFifteenMinutes) {
   sign_up_and_verify();
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(refused_sign_in("wrong wrong", std::to_string(i)), ProblemKind::kWrongCredentials);
@@ -143,7 +143,7 @@ TEST_F(AccountsTest, StrangersFailuresDoNotLockOutABrowserThatHasSignedInBefore)
   EXPECT_EQ(sign_in(kPassword, known).error().kind, ProblemKind::kTooManyAttempts);
 }
 
-TEST_F(AccountsTest, ASuccessClearsTheAccountButNotTheAddress) {
+TEST_F(AccountsTest, SuccessfulSignInResetsAccountLimitButNotAddressLimit) {
   sign_up_and_verify();
   for (int i = 0; i < 9; ++i) refused_sign_in("wrong wrong");
   clock.advance(1s);
@@ -158,7 +158,7 @@ TEST_F(AccountsTest, ASuccessClearsTheAccountButNotTheAddress) {
   EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kTooManyAttempts);
 }
 
-TEST_F(AccountsTest, ASessionSlidesWithUseButNeverBeyondItsLimit) {
+TEST_F(AccountsTest, SessionExtendsWithUseUpToItsLimit) {
   sign_up_and_verify();
   const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
   EXPECT_FALSE(accounts.authenticate(token)->renewed);
@@ -172,7 +172,7 @@ TEST_F(AccountsTest, ASessionSlidesWithUseButNeverBeyondItsLimit) {
   EXPECT_EQ(accounts.authenticate(token).error().kind, ProblemKind::kUnauthenticated);
 }
 
-TEST_F(AccountsTest, ASessionThatIsNotUsedExpires) {
+TEST_F(AccountsTest, SessionExpiresWithoutUse) {
   sign_up_and_verify();
   const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
   clock.advance(14 * 24h);
@@ -212,7 +212,7 @@ TEST_F(AccountsTest, OnlyTheHolderOfThePasswordLearnsThatAnAccountIsDisabled) {
   EXPECT_TRUE(store.sessions.empty());
 }
 
-TEST_F(AccountsTest, APeerSignsUpThirtyAddressesInAQuarterOfAnHour) {
+TEST_F(AccountsTest, LimitsSignUpsPerAddressToThirtyPerQuarterHour) {
   EXPECT_EQ(invalid_field(accounts.sign_up("person", "1.2.3.4")), "email");
   for (int i = 0; i < 30; ++i) {
     ASSERT_TRUE(accounts.sign_up(std::to_string(i) + "@example.org", "1.2.3.4"));
@@ -281,14 +281,14 @@ TEST_F(AccountsTest, EachStepThatFailsIsReportedAsUnavailable) {
   EXPECT_EQ(accounts.quota_of(who.user_id)->bytes, 1000);
 }
 
-TEST_F(AccountsTest, ADatabaseThatIsAwayIsNoWrongPassword) {
+TEST_F(AccountsTest, UnavailableDatabaseIsNotReportedAsWrongPassword) {
   sign_up_and_verify();
   store.away = true;
   EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kUnavailable);
   EXPECT_EQ(accounts.authenticate(std::string(64, 'a')).error().kind, ProblemKind::kUnavailable);
 }
 
-TEST(Password, IsRefusedForItsLengthInCharactersOrForBeingTheAddress) {
+TEST(Password, RefusesWrongLengthAndOwnEmailAddress) {
   EXPECT_TRUE(fault_of_password("kq7 zr4 vm2", kEmail));
   EXPECT_FALSE(fault_of_password("kq7 zr4 vm2x", kEmail));
   EXPECT_TRUE(fault_of_password("éàüöèçñâêîû", kEmail));  // 22 bytes, 11 characters
@@ -300,7 +300,7 @@ TEST(Password, IsRefusedForItsLengthInCharactersOrForBeingTheAddress) {
   EXPECT_TRUE(fault_of_password("pErson@example.ORG", kEmail));
 }
 
-TEST(Password, IsRefusedForBeingGuessedFirst) {
+TEST(Password, RefusesCommonPasswords) {
   for (const char* guessed :
        {"123456789012", "Qwertyuiop12", "password1234", "Football2023!", "!!!dragon!!!",
         "iloveyou-2012", "aaaaaaaaaaaa", "abcabcabcabc", "passwordpassword", "abcdefghijkl",
@@ -323,7 +323,7 @@ TEST(Password, TheHashIsSaltedAndVerifiesOnlyItself) {
   EXPECT_FALSE(*hasher.verify_nothing(kPassword));
 }
 
-TEST(Password, HashingIsBoundedHoweverManyAsk) {
+TEST(Password, BoundsConcurrentHashing) {
   PasswordHasher hasher(1, 1ms);
   std::atomic<int> done = 0, refused = 0;
   std::vector<std::thread> threads;
@@ -336,7 +336,7 @@ TEST(Password, HashingIsBoundedHoweverManyAsk) {
   EXPECT_TRUE(hasher.hash(kPassword));  // afterwards, there is room again
 }
 
-TEST(Email, IsAnAddressThatMailCanBeSentTo) {
+TEST(Email, AcceptsOnlyDeliverableAddresses) {
   for (const char* good : {"a@b", "first.last+tag@example.co.uk", "x_y@1-2.de"}) {
     EXPECT_TRUE(is_email(good)) << good;
   }

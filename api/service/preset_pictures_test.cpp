@@ -77,7 +77,7 @@ TEST_F(PresetPicturesTest, AnImageThatTheCacheLostIsRenderedAgain) {
   EXPECT_EQ(store.forgotten, std::vector{preset_id});
 }
 
-TEST_F(PresetPicturesTest, AnImageShowsTheSceneAndIsRenderedBehindEverybodyElse) {
+TEST_F(PresetPicturesTest, RendersSceneOfThePresetAtBackgroundPriority) {
   render();
   ASSERT_EQ(stills.requests().size(), 1u);
   const StillRequest request = stills.requests()[0];

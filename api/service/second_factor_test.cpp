@@ -22,7 +22,7 @@ const std::string kRfcSecret = "12345678901234567890";
 
 Time at(std::int64_t seconds) { return Time(std::chrono::seconds(seconds)); }
 
-TEST(Totp, TakesTheCodesOfTheStandard) {
+TEST(Totp, MatchesRfc6238TestVectors) {
   // RFC 6238, appendix B, SHA-1: the last six of the eight digits. The sixth vector is of the year
   // 2603, which the system clock cannot represent.
   const std::pair<std::int64_t, const char*> vectors[] = {{59, "287082"},
@@ -37,7 +37,7 @@ TEST(Totp, TakesTheCodesOfTheStandard) {
   EXPECT_FALSE(totp::step_of(kRfcSecret + "x", "287082", at(59), 0));
 }
 
-TEST(Totp, ClocksMayBeOneStepApartAndNoMore) {
+TEST(Totp, ToleratesClockSkewOfOneStep) {
   const std::int64_t seconds = 1111111111, step = seconds / 30;
   for (const std::int64_t apart : {-1, 0, 1}) {
     EXPECT_EQ(totp::step_of(kRfcSecret, "050471", at(seconds + apart * 30), 0), step) << apart;
@@ -46,21 +46,21 @@ TEST(Totp, ClocksMayBeOneStepApartAndNoMore) {
   EXPECT_FALSE(totp::step_of(kRfcSecret, "050471", at(seconds + 60), 0));
 }
 
-TEST(Totp, NoCodeIsTakenAgainNorOneBeforeIt) {
+TEST(Totp, RefusesReplayedAndEarlierCodes) {
   const std::int64_t step = 1111111111 / 30;
   EXPECT_TRUE(totp::step_of(kRfcSecret, "050471", at(1111111111), step - 1));
   EXPECT_FALSE(totp::step_of(kRfcSecret, "050471", at(1111111111), step));
   EXPECT_FALSE(totp::step_of(kRfcSecret, "081804", at(1111111111), step)) << "the one before";
 }
 
-TEST(Totp, IsReadWithGapsAndNothingElseIsACode) {
+TEST(Totp, AcceptsSpacesAndRefusesMalformedCodes) {
   EXPECT_TRUE(totp::step_of(kRfcSecret, "287 082", at(59), 0));
   for (const char* bad : {"", "28708", "2870820", "+87082", "287082\n", "éééééé"}) {
     EXPECT_FALSE(totp::step_of(kRfcSecret, bad, at(59), 0)) << bad;
   }
 }
 
-TEST(Totp, TheAddressIsWhatAuthenticatorsRead) {
+TEST(Totp, UriFollowsKeyUriFormat) {
   EXPECT_EQ(totp::uri(kRfcSecret, "a+b@example.org"),
             "otpauth://totp/Diaphane:a%2Bb%40example.org?secret=GEZDGNBVGY3TQOJQGEZDGNBVGY3TQOJQ"
             "&issuer=Diaphane&algorithm=SHA1&digits=6&period=30");
@@ -68,7 +68,7 @@ TEST(Totp, TheAddressIsWhatAuthenticatorsRead) {
   EXPECT_NE(totp::new_secret(), totp::new_secret());
 }
 
-TEST(SealingKey, OpensItsOwnForWhomItWasSealedAndNothingElse) {
+TEST(SealingKey, OpensOnlyItsOwnCiphertextForTheSameContext) {
   const auto key = SealingKey::of_hex(std::string(64, 'a')).value();
   const std::string sealed = key.seal("secret", "anna");
   EXPECT_EQ(sealed.find("secret"), std::string::npos);
@@ -90,7 +90,7 @@ TEST(SealingKey, OpensItsOwnForWhomItWasSealedAndNothingElse) {
   EXPECT_FALSE(SealingKey::read("/nonexistent"));
 }
 
-TEST(RecoveryCodes, AreTenOf120BitsAndReadAsPeopleTypeThem) {
+TEST(RecoveryCodes, GeneratesTenCodesAndToleratesTypingVariants) {
   const auto codes = new_recovery_codes();
   EXPECT_EQ(std::set<std::string>(codes.begin(), codes.end()).size(), 10u);
   EXPECT_THAT(codes[0], testing::MatchesRegex("([a-z2-7]{4}-){5}[a-z2-7]{4}"));
@@ -154,7 +154,7 @@ class SecondFactorTest : public testing::Test {
   Principal who;
 };
 
-TEST_F(SecondFactorTest, SigningInNeedsAFreshCodeOnceItIsSetUpAndNotBefore) {
+TEST_F(SecondFactorTest, SignInRequiresFreshCodeAfterSetUp) {
   ASSERT_TRUE(second.begin(who, kPassword));
   EXPECT_TRUE(let_in("")) << "begun is not set up";
   ASSERT_TRUE(second.confirm(who, code()));
@@ -170,14 +170,14 @@ TEST_F(SecondFactorTest, SigningInNeedsAFreshCodeOnceItIsSetUpAndNotBefore) {
   EXPECT_TRUE(let_in(code()));
 }
 
-TEST_F(SecondFactorTest, WithoutThePasswordNoCodeIsLookedAt) {
+TEST_F(SecondFactorTest, ChecksPasswordBeforeCode) {
   set_up();
   const auto opened = accounts.sign_in(kEmail, "not the password", code(1), "1.2.3.4");
   EXPECT_EQ(opened.error().kind, ProblemKind::kWrongCredentials);
   EXPECT_TRUE(let_in(code(1))) << "and none is used up";
 }
 
-TEST_F(SecondFactorTest, CodesAreNotGuessedSoonNorOverDays) {
+TEST_F(SecondFactorTest, LimitsCodeGuessesOverMinutesAndDays) {
   set_up();
   for (int i = 0; i < 5; ++i)
     EXPECT_EQ(refused("00000" + std::to_string(i)), ProblemKind::kWrongCode);
@@ -192,7 +192,7 @@ TEST_F(SecondFactorTest, CodesAreNotGuessedSoonNorOverDays) {
   EXPECT_TRUE(let_in(code()));
 }
 
-TEST_F(SecondFactorTest, ARecoveryCodeWorksOnceAndIsToldOf) {
+TEST_F(SecondFactorTest, RecoveryCodeWorksOnceAndItsUseIsMailed) {
   const auto codes = set_up();
   EXPECT_TRUE(let_in(codes[3]));
   EXPECT_THAT(factors.mails.back().subject, HasSubstr("recovery code"));
@@ -204,7 +204,7 @@ TEST_F(SecondFactorTest, ARecoveryCodeWorksOnceAndIsToldOf) {
   EXPECT_TRUE(let_in(fresh->front()));
 }
 
-TEST_F(SecondFactorTest, ASetUpThatWasLeftAloneIsForgottenAndOneThatIsDoneIsNotReplaced) {
+TEST_F(SecondFactorTest, UnconfirmedSetUpExpiresAndConfirmedSetUpIsNotReplaced) {
   EXPECT_EQ(second.confirm(who, "123456").error().kind, ProblemKind::kConflict);
   ASSERT_TRUE(second.begin(who, kPassword));
   const std::string first = code();
@@ -218,7 +218,7 @@ TEST_F(SecondFactorTest, ASetUpThatWasLeftAloneIsForgottenAndOneThatIsDoneIsNotR
   EXPECT_EQ(second.begin(who, "wrong").error().kind, ProblemKind::kInvalid);
 }
 
-TEST_F(SecondFactorTest, RemovingItNeedsPasswordAndCode) {
+TEST_F(SecondFactorTest, RemovalRequiresPasswordAndCode) {
   EXPECT_EQ(second.remove(who, kPassword, "123456").error().kind, ProblemKind::kConflict);
   set_up();
   EXPECT_EQ(second.remove(who, "wrong", code(1)).error().fields[0].field, "password");
@@ -247,7 +247,7 @@ TEST_F(SecondFactorTest, OfTwoRequestsWithOneCodeAtATimeOneSucceeds) {
   EXPECT_THAT(factors.mails.back().subject, HasSubstr("twice"));
 }
 
-TEST_F(SecondFactorTest, AnAdministratorNeedsIt) {
+TEST_F(SecondFactorTest, AdministratorRequiresSecondFactor) {
   EXPECT_FALSE(second.state(who)->required);
   who.administrator_waits = true;
   EXPECT_TRUE(second.state(who)->required);

@@ -428,7 +428,7 @@ TEST_F(VisitsTest, AnAddressOpensThirtyVisitsInAQuarterOfAnHourAndReopensThemAtW
   EXPECT_TRUE(open("one more"));
 }
 
-TEST_F(VisitsTest, AFullHouseIsReportedAsWhatItIs) {
+TEST_F(VisitsTest, ReportsWhichVisitLimitIsReached) {
   store.break_function("note_visit", ErrorCode::kTooMany, "address");
   const auto from_here = open();
   ASSERT_EQ(refusal(from_here), ProblemKind::kTooManyAttempts);

@@ -46,7 +46,7 @@ TEST(Problem, EachErrorOfAnAdapterHasItsKind) {
   }
 }
 
-TEST(Attempts, TheRefusalSaysHowLongToWaitInWholeMinutes) {
+TEST(Attempts, RefusalStatesWaitInWholeMinutes) {
   for (const auto& [wait, words, retry] :
        {std::tuple(0s, "in 1 minute.", 1s), std::tuple(1s, "in 1 minute.", 1s),
         std::tuple(60s, "in 1 minute.", 60s), std::tuple(61s, "in 2 minutes.", 61s),
@@ -66,7 +66,7 @@ TEST(Attempts, AreCountedByKindAndSource) {
   EXPECT_EQ(key.find("a@b"), std::string::npos);
 }
 
-TEST(Audit, DetailsAreNumbersAndCodeWordsOnly) {
+TEST(Audit, DetailsAllowOnlyNumbersAndCodeWords) {
   EXPECT_EQ(details_as_json({}), "{}");
   EXPECT_EQ(details_as_json({{"items", std::int64_t{-3}}, {"reason", "not_theirs"}}),
             R"({"items":-3,"reason":"not_theirs"})");
@@ -84,7 +84,7 @@ TEST(Audit, ActorsHaveNames) {
   EXPECT_EQ(to_string(AuditActor::kMachine), "machine");
 }
 
-TEST(Idempotency, ATokenIsTheSameOnlyForTheSameKeyBrowserAndThing) {
+TEST(Idempotency, TokenDependsOnKeyBrowserAndPurpose) {
   const std::string token = token_for("link", {"key", "browser"});
   EXPECT_TRUE(is_token(token));
   EXPECT_EQ(token_for("link", {"key", "browser"}), token);
@@ -97,7 +97,7 @@ TEST(Idempotency, ATokenIsTheSameOnlyForTheSameKeyBrowserAndThing) {
   }
 }
 
-TEST(PictureFile, ReplacesTheFileAsAWholeAndLeavesNothingElse) {
+TEST(PictureFile, ReplacesFileAtomicallyWithoutLeftovers) {
   const TemporaryDirectory directory;
   ASSERT_TRUE(write_picture(directory.path() + "/a/b.jpg", "first"));
   ASSERT_TRUE(write_picture(directory.path() + "/a/b.jpg", "second"));
@@ -116,7 +116,7 @@ TEST(PictureFile, ReplacesTheFileAsAWholeAndLeavesNothingElse) {
   EXPECT_EQ(entries, 2) << "no temporary file is left";
 }
 
-TEST(Cursor, ComesBackAsItWasGiven) {
+TEST(Cursor, RoundTrips) {
   for (const std::int64_t us :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{1'700'000'000'123'456}}) {
     const Cursor cursor{us, new_id()};
@@ -126,7 +126,7 @@ TEST(Cursor, ComesBackAsItWasGiven) {
   }
 }
 
-TEST(Cursor, WhatWasNotGivenOutIsRefused) {
+TEST(Cursor, RefusesMalformedCursor) {
   const std::string good = encode_cursor({1234, new_id()});
   for (const std::string& bad :
        {std::string(), std::string("."), good.substr(1, 3), good + "0", "0" + good, "-" + good,
@@ -135,18 +135,18 @@ TEST(Cursor, WhatWasNotGivenOutIsRefused) {
   }
 }
 
-TEST(Secrets, Blake2bIsTheStandards) {
+TEST(Secrets, Blake2bMatchesRfc7693) {
   // BLAKE2b (RFC 7693) with 256 bits, of an empty text.
   EXPECT_EQ(blake2b(""), "0e5751c026e543b2e8ab2eb06099daa1d1e5df47778f7787faab45cdf12fe3a8");
 }
 
-TEST(Secrets, AnIdMadeOfATextIsAnIdAndAlwaysTheSame) {
+TEST(Secrets, IdFromTextIsDeterministic) {
   EXPECT_TRUE(is_id(id_from("something")));
   EXPECT_EQ(id_from("something"), id_from("something"));
   EXPECT_NE(id_from("something"), id_from("something else"));
 }
 
-TEST(Secrets, ATokenIsSixtyFourLowerCaseDigits) {
+TEST(Secrets, TokenHasSixtyFourLowerCaseHexDigits) {
   EXPECT_TRUE(is_token(random_hex(32)));
   EXPECT_FALSE(is_token(random_hex(31)));
   EXPECT_FALSE(is_token(std::string(64, 'A')));
@@ -186,7 +186,7 @@ class Transport final : public MailTransport {
   int failures = 0, calls = 0;
 };
 
-TEST(Mailer, TriesAgainLaterAndLaterUntilItIsSent) {
+TEST(Mailer, RetriesWithBackoffUntilSent) {
   Queue queue;
   Transport transport;
   transport.failures = 3;
@@ -202,7 +202,7 @@ TEST(Mailer, TriesAgainLaterAndLaterUntilItIsSent) {
   EXPECT_GE(waited, 5s + 10s + 20s);
 }
 
-TEST(Mailer, GivesUpWhatIsHopeless) {
+TEST(Mailer, GivesUpAfterPermanentErrorOrTooManyAttempts) {
   Queue refused_for_good, always_failing;
   Transport transport;
   transport.failures = 1000;
@@ -218,13 +218,13 @@ TEST(Mailer, GivesUpWhatIsHopeless) {
   EXPECT_TRUE(always_failing.done);
 }
 
-TEST(Mailer, PausesDoubleUpToAnHour) {
+TEST(Mailer, BackoffDoublesUpToOneHour) {
   EXPECT_EQ(Mailer::pause_after(1), 5s);
   EXPECT_EQ(Mailer::pause_after(2), 10s);
   EXPECT_EQ(Mailer::pause_after(100), 1h);
 }
 
-TEST(Periodic, AWakeIsNotLostAndAThrowDoesNotEndIt) {
+TEST(Periodic, ContinuesAfterExceptionAndKeepsWakeUps) {
   std::atomic<int> runs = 0;
   Periodic periodic("test", 1h, [&] {
     if (++runs == 1) throw std::runtime_error("once");
@@ -236,7 +236,7 @@ TEST(Periodic, AWakeIsNotLostAndAThrowDoesNotEndIt) {
   EXPECT_GE(runs, 2);
 }
 
-TEST(UploadFiles, OneWriterAtATimeAndNoFileComesBack) {
+TEST(UploadFiles, AllowsOneWriterAndCreatesFileOnlyForFirstPart) {
   const auto directory = std::filesystem::temp_directory_path() / ("uploads-" + random_hex(8));
   std::filesystem::create_directories(directory);
   UploadFiles files(directory);
@@ -259,7 +259,7 @@ TEST(UploadFiles, OneWriterAtATimeAndNoFileComesBack) {
   std::filesystem::remove_all(directory);
 }
 
-TEST(UploadFiles, WhatAFullDiskTookOfAPartIsGivenBack) {
+TEST(UploadFiles, TruncatesPartialWriteOnFullDisk) {
   const auto directory = std::filesystem::temp_directory_path() / ("uploads-" + random_hex(8));
   std::filesystem::create_directories(directory);
   UploadFiles files(directory);

@@ -11,7 +11,7 @@ ProblemKind refusal(const Standing& standing, const PartRequest& request) {
   return part ? ProblemKind::kInternal : part.error().kind;
 }
 
-TEST(Tus, AnUploadIsCreatedWithItsLengthAndWhatIsSaidOfIt) {
+TEST(Tus, CreationReadsLengthAndMetadata) {
   const auto plan = plan_creation(
       {.length = "1000", .metadata = "title SGVhZA==,is_confidential, filename YS50YXI="});
   ASSERT_TRUE(plan);
@@ -21,7 +21,7 @@ TEST(Tus, AnUploadIsCreatedWithItsLengthAndWhatIsSaidOfIt) {
   EXPECT_EQ(plan->metadata.size(), 3u);
 }
 
-TEST(Tus, NoUploadIsCreatedWithoutALengthOrWithMalformedMetadata) {
+TEST(Tus, CreationRefusesMissingLengthOrMalformedMetadata) {
   for (const char* length : {"", "0", "-1", "1e3", "99999999999999999999"}) {
     EXPECT_FALSE(plan_creation({.length = length, .metadata = {}})) << length;
   }
@@ -30,7 +30,7 @@ TEST(Tus, NoUploadIsCreatedWithoutALengthOrWithMalformedMetadata) {
   }
 }
 
-TEST(Tus, APartIsTakenOnlyWhereTheUploadStands) {
+TEST(Tus, AcceptsPartOnlyAtCurrentOffset) {
   const Standing standing{.length = 100, .received = 40};
   for (int offset = 0; offset <= 110; ++offset) {
     const std::string text = std::to_string(offset);
@@ -42,33 +42,33 @@ TEST(Tus, APartIsTakenOnlyWhereTheUploadStands) {
   }
 }
 
-TEST(Tus, ThePartThatFillsTheUploadCompletesItAndNoneGoesBeyond) {
+TEST(Tus, LastPartCompletesUploadAndNoPartExceedsItsLength) {
   const Standing standing{.length = 100, .received = 40};
   EXPECT_FALSE(plan_part(standing, {.offset = "40", .bytes = 59})->completes);
   EXPECT_TRUE(plan_part(standing, {.offset = "40", .bytes = 60})->completes);
   EXPECT_EQ(refusal(standing, {.offset = "40", .bytes = 61}), ProblemKind::kInvalid);
 }
 
-TEST(Tus, TheEndMayBeSentAgainByWhoNeverGotTheAnswer) {
+TEST(Tus, EmptyPartAtTheEndMayBeRepeated) {
   const Standing complete{.length = 100, .received = 100, .taken = true};
   EXPECT_TRUE(plan_part(complete, {.offset = "100", .bytes = 0}));
   EXPECT_EQ(refusal(complete, {.offset = "40", .bytes = 60}), ProblemKind::kUploadComplete);
   EXPECT_EQ(refusal(complete, {.offset = "100", .bytes = 1}), ProblemKind::kUploadComplete);
 }
 
-TEST(Tus, AnExpiredUploadTakesNothing) {
+TEST(Tus, ExpiredUploadRefusesParts) {
   EXPECT_EQ(refusal({.length = 100, .received = 40, .expired = true}, {.offset = "40", .bytes = 1}),
             ProblemKind::kUploadExpired);
 }
 
-TEST(Tus, APartHasAtMostEightMebibytes) {
+TEST(Tus, LimitsPartToEightMebibytes) {
   const Standing standing{.length = 1 << 30};
   EXPECT_TRUE(plan_part(standing, {.offset = "0", .bytes = kMaxPartBytes}));
   EXPECT_EQ(refusal(standing, {.offset = "0", .bytes = kMaxPartBytes + 1}),
             ProblemKind::kBodyTooLarge);
 }
 
-TEST(Tus, MalformedOffsetsAreNamed) {
+TEST(Tus, MalformedOffsetNamesItsHeader) {
   for (const char* bad : {"", "-1", "+1", " 1", "1 ", "0x1", "99999999999999999999", "1.0"}) {
     const auto part = plan_part({.length = 10}, {.offset = bad, .bytes = 1});
     ASSERT_FALSE(part) << bad;
@@ -76,7 +76,7 @@ TEST(Tus, MalformedOffsetsAreNamed) {
   }
 }
 
-TEST(Tus, AChecksumFitsItsBytesAndNoOthers) {
+TEST(Tus, ChecksumMatchesOnlyItsBytes) {
   // SHA-1 of "hello world", the example of tus 1.0.
   const auto sha1 = parse_checksum("sha1 Kq5sNclPz7QV2+lfQIuc6R7oRu0=");
   ASSERT_TRUE(sha1);

@@ -81,7 +81,7 @@ class Line {
   std::thread thread_;
 };
 
-TEST(DeadLine, AWorkerThatBeatsAndAnswersNothingIsLeft) {
+TEST(HalfOpenConnection, ClosesStreamWhenKeepaliveFails) {
   FakeWorker worker;
   Line line(worker.address());
   FakePlaces places;

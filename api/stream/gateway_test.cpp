@@ -16,7 +16,7 @@ using std::chrono::seconds;
 using std::chrono::steady_clock;
 using testing::ElementsAre;
 
-TEST_F(GatewayTest, MessagesPassUnreadBothWays) {
+TEST_F(GatewayTest, ForwardsMessagesUnchangedInBothDirections) {
   FakeWorker worker;
   start();
   TestViewer one = viewer();
@@ -31,7 +31,7 @@ TEST_F(GatewayTest, MessagesPassUnreadBothWays) {
   wait_for_metric("diaphane_stream_attached 1");
 }
 
-TEST_F(GatewayTest, OrderIsKeptThroughFullQueues) {
+TEST_F(GatewayTest, KeepsMessageOrderUnderBackPressure) {
   FakeWorker worker;
   start();
   const auto one = attached(worker);
@@ -42,7 +42,7 @@ TEST_F(GatewayTest, OrderIsKeptThroughFullQueues) {
   for (int i = 0; i < 500; ++i) ASSERT_EQ(one->receive(), std::to_string(i));
 }
 
-TEST_F(GatewayTest, OpenSaysWhatIsKnownOfTheSession) {
+TEST_F(GatewayTest, OpenCarriesTheStateOfTheSession) {
   FakeWorker worker;
   start();
   const std::string ticket = places_.issue(worker.address());
@@ -70,7 +70,7 @@ TEST_F(GatewayTest, OpenSaysWhatIsKnownOfTheSession) {
   EXPECT_EQ(open.viewport().width(), 640u);
 }
 
-TEST_F(GatewayTest, ALinkThatIsEndedSendsAwayWhoCameByItAndNobodyElse) {
+TEST_F(GatewayTest, DisabledLinkDisconnectsOnlyItsGuests) {
   FakeWorker worker;
   start();
   const std::string person = places_.issue(worker.address());
@@ -94,7 +94,7 @@ TEST_F(GatewayTest, ALinkThatIsEndedSendsAwayWhoCameByItAndNobodyElse) {
   }
 }
 
-TEST_F(GatewayTest, AHandshakeThatIsNotOurPagesIsRefused) {
+TEST_F(GatewayTest, RefusesInvalidHandshakeWithoutUsingTheTicket) {
   FakeWorker worker;
   start();
   const std::string ticket = places_.issue(worker.address());
@@ -113,7 +113,7 @@ TEST_F(GatewayTest, AHandshakeThatIsNotOurPagesIsRefused) {
   wait_for_metric("diaphane_stream_refusals_total{reason=\"origin\"} 2");
 }
 
-TEST_F(GatewayTest, ATicketThatIsUnknownOrUsedClosesWith4401) {
+TEST_F(GatewayTest, UnknownOrUsedTicketClosesWith4401) {
   FakeWorker worker;
   start();
   const std::string ticket = places_.issue(worker.address());
@@ -130,7 +130,7 @@ TEST_F(GatewayTest, ATicketThatIsUnknownOrUsedClosesWith4401) {
   EXPECT_EQ(first.receive(), "still here");
 }
 
-TEST_F(GatewayTest, AnEndedSessionCloses4404AndAnAbsentRedis4503) {
+TEST_F(GatewayTest, EndedSessionClosesWith4404AndUnavailableRedisWith4503) {
   FakeWorker worker;
   start();
   const std::string gone = places_.issue(worker.address());
@@ -144,7 +144,7 @@ TEST_F(GatewayTest, AnEndedSessionCloses4404AndAnAbsentRedis4503) {
   EXPECT_EQ(second.close_code(), 4503);
 }
 
-TEST_F(GatewayTest, WhatTheWorkerSaysAtTheEndBecomesACode) {
+TEST_F(GatewayTest, MapsWorkerStatusToCloseCode) {
   start();
   using grpc::StatusCode;
   const std::pair<StatusCode, int> cases[] = {
@@ -162,7 +162,7 @@ TEST_F(GatewayTest, WhatTheWorkerSaysAtTheEndBecomesACode) {
   EXPECT_TRUE(places_.lost_workers().empty()) << "a worker that can be reached is not lost";
 }
 
-TEST_F(GatewayTest, AVisitorWhoseSlotAnAccountHolderNeededIsToldSo) {
+TEST_F(GatewayTest, DisplacedVisitorClosesWith4411) {
   FakeWorker needed(FakeWorker::displacing());
   start();
   TestViewer one = viewer();
@@ -171,7 +171,7 @@ TEST_F(GatewayTest, AVisitorWhoseSlotAnAccountHolderNeededIsToldSo) {
   EXPECT_TRUE(places_.refused_sessions().empty());
 }
 
-TEST_F(GatewayTest, ASessionForWhichAWorkerHasNoMemoryGoesElsewhere) {
+TEST_F(GatewayTest, SessionMovesToAnotherWorkerOnOutOfMemory) {
   FakeWorker full(FakeWorker::without_memory()),
       crowded(FakeWorker::ending(grpc::StatusCode::RESOURCE_EXHAUSTED));
   start();
@@ -189,7 +189,7 @@ TEST_F(GatewayTest, ASessionForWhichAWorkerHasNoMemoryGoesElsewhere) {
   EXPECT_TRUE(places_.lost_workers().empty()) << "it lives, and continues with the others";
 }
 
-TEST_F(GatewayTest, ASessionThatMovedOrEndedIsNotCalledTakenOver) {
+TEST_F(GatewayTest, MovedOrEndedSessionIsNotReportedAsTakenOver) {
   start();
   FakeWorker worker([](grpc::ServerContext&, FakeWorker::Stream& stream) {
     diaphane::v1::AttachRequest request;
@@ -208,7 +208,7 @@ TEST_F(GatewayTest, ASessionThatMovedOrEndedIsNotCalledTakenOver) {
   EXPECT_EQ(ended.close_code(), 4404);
 }
 
-TEST_F(GatewayTest, WhatTheWorkerSaidLastArrivesBeforeTheClose) {
+TEST_F(GatewayTest, LastMessagesOfWorkerArriveBeforeTheClose) {
   start();
   FakeWorker worker([](grpc::ServerContext&, FakeWorker::Stream& stream) {
     diaphane::v1::AttachReply reply;
@@ -224,7 +224,7 @@ TEST_F(GatewayTest, WhatTheWorkerSaidLastArrivesBeforeTheClose) {
   EXPECT_EQ(one.close_code(), 4409);
 }
 
-TEST_F(GatewayTest, AWorkerThatDiesIsForgottenBeforeTheViewerIsTold) {
+TEST_F(GatewayTest, RemovesDeadWorkerBeforeClosingTheViewer) {
   FakeWorker worker;
   start();
   const auto one = attached(worker);
@@ -233,7 +233,7 @@ TEST_F(GatewayTest, AWorkerThatDiesIsForgottenBeforeTheViewerIsTold) {
   EXPECT_THAT(places_.lost_workers(), ElementsAre("worker|one"));
 }
 
-TEST_F(GatewayTest, AWorkerThatIsAwayIsForgotten) {
+TEST_F(GatewayTest, RemovesUnreachableWorker) {
   std::string address;
   {
     FakeWorker dead;
@@ -248,7 +248,7 @@ TEST_F(GatewayTest, AWorkerThatIsAwayIsForgotten) {
   EXPECT_THAT(places_.lost_workers(), ElementsAre("worker|one"));
 }
 
-TEST_F(GatewayTest, AWorkerThatNeverTakesTheCallIsGivenUp) {
+TEST_F(GatewayTest, AttachTimesOutOnUnresponsiveWorker) {
   boost::asio::io_context io;
   boost::asio::ip::tcp::acceptor mute(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
   start({.attach = milliseconds(300)});
@@ -260,7 +260,7 @@ TEST_F(GatewayTest, AWorkerThatNeverTakesTheCallIsGivenUp) {
   EXPECT_LT(steady_clock::now() - begin, seconds(2));
 }
 
-TEST_F(GatewayTest, AWorkerWhoseHeartbeatStopsIsLeft) {
+TEST_F(GatewayTest, DisconnectsFromWorkerWithoutHeartbeat) {
   FakeWorker worker;
   start({.watch = milliseconds(100)});
   const auto one = attached(worker);
@@ -271,7 +271,7 @@ TEST_F(GatewayTest, AWorkerWhoseHeartbeatStopsIsLeft) {
   EXPECT_EQ(one->close_code(), 4503);
 }
 
-TEST_F(GatewayTest, StreamsGoOnWhileRedisIsAway) {
+TEST_F(GatewayTest, StreamsContinueWhileRedisIsUnavailable) {
   FakeWorker worker;
   start({.watch = milliseconds(50)});
   const auto one = attached(worker);
@@ -281,7 +281,7 @@ TEST_F(GatewayTest, StreamsGoOnWhileRedisIsAway) {
   EXPECT_EQ(one->receive(), "still here");
 }
 
-TEST_F(GatewayTest, StoppingTellsEachViewerToComeBack) {
+TEST_F(GatewayTest, StoppingClosesEachViewerWith1001) {
   FakeWorker worker;
   start();
   const auto one = attached(worker), two = attached(worker);
@@ -294,7 +294,7 @@ TEST_F(GatewayTest, StoppingTellsEachViewerToComeBack) {
   EXPECT_TRUE(worker.calls_ended(2));
 }
 
-TEST_F(GatewayTest, StoppingWaitsForNobodyLongerThanItsGrace) {
+TEST_F(GatewayTest, StoppingWaitsAtMostTheGracePeriod) {
   FakeWorker worker(FakeWorker::flood(300'000));
   start();
   TestViewer stalled = viewer(4096);
@@ -305,7 +305,7 @@ TEST_F(GatewayTest, StoppingWaitsForNobodyLongerThanItsGrace) {
   EXPECT_LT(steady_clock::now() - begin, seconds(2));
 }
 
-TEST_F(GatewayTest, ATakenPortAndABadAddressAreSaid) {
+TEST_F(GatewayTest, StartReportsOccupiedPortAndInvalidUrl) {
   start();
   prometheus::Registry registry;
   const auto taken = Gateway::start({.port = gateway_->port(), .public_url = "https://x"}, places_,
@@ -317,7 +317,7 @@ TEST_F(GatewayTest, ATakenPortAndABadAddressAreSaid) {
             ErrorCode::kInvalid);
 }
 
-TEST_F(GatewayTest, AStillComesFromAWorkerThatHasTheVolumeAndFromTheNextWhenItIsAway) {
+TEST_F(GatewayTest, StillFallsBackToNextWorkerWhenTheFirstIsUnavailable) {
   FakeWorker worker;
   std::string dead_address;
   {

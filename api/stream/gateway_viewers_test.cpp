@@ -18,7 +18,7 @@ using std::chrono::seconds;
 using std::chrono::steady_clock;
 using testing::HasSubstr;
 
-TEST_F(GatewayTest, TextAndTooLargeAndTooManyMessagesClose) {
+TEST_F(GatewayTest, ClosesOnTextOversizedAndTooFrequentMessages) {
   FakeWorker worker;
   start({.messages_per_second = 100});
   const auto text = attached(worker), large = attached(worker), many = attached(worker);
@@ -30,7 +30,7 @@ TEST_F(GatewayTest, TextAndTooLargeAndTooManyMessagesClose) {
   EXPECT_EQ(many->close_code(), 4429);
 }
 
-TEST_F(GatewayTest, AViewerThatStopsReadingIsClosedAndSlowsNobody) {
+TEST_F(GatewayTest, ClosesStalledViewerWithoutDelayingOthers) {
   FakeWorker flood(FakeWorker::flood(300'000)), worker;
   start({.write = milliseconds(1000)});
   TestViewer stalled = viewer(4096);
@@ -50,7 +50,7 @@ TEST_F(GatewayTest, AViewerThatStopsReadingIsClosedAndSlowsNobody) {
   EXPECT_TRUE(flood.calls_ended(1)) << "its worker is freed";
 }
 
-TEST_F(GatewayTest, AViewerThatReadsSlowlyHoldsTheWorkerBackAndLosesNothing) {
+TEST_F(GatewayTest, SlowViewerAppliesBackPressureWithoutLoss) {
   std::atomic<int> written = 0;
   FakeWorker worker([&](grpc::ServerContext&, FakeWorker::Stream& stream) {
     diaphane::v1::AttachReply reply;
@@ -74,7 +74,7 @@ TEST_F(GatewayTest, AViewerThatReadsSlowlyHoldsTheWorkerBackAndLosesNothing) {
   EXPECT_EQ(one.close_code(), 1000);
 }
 
-TEST_F(GatewayTest, WhatAViewerSentLastReachesTheWorkerAfterItLeft) {
+TEST_F(GatewayTest, LastMessagesOfViewerReachTheWorker) {
   FakeWorker* self = nullptr;
   FakeWorker worker([&](grpc::ServerContext&, FakeWorker::Stream& stream) {
     diaphane::v1::AttachRequest request;
@@ -96,7 +96,7 @@ TEST_F(GatewayTest, WhatAViewerSentLastReachesTheWorkerAfterItLeft) {
   EXPECT_TRUE(worker.calls_ended(1));
 }
 
-TEST_F(GatewayTest, AViewerThatVanishesFreesItsWorker) {
+TEST_F(GatewayTest, ResetConnectionEndsTheCallToTheWorker) {
   FakeWorker worker;
   start();
   {
@@ -108,7 +108,7 @@ TEST_F(GatewayTest, AViewerThatVanishesFreesItsWorker) {
   wait_for_metric("diaphane_stream_connections 0");
 }
 
-TEST_F(GatewayTest, AnIdleViewerIsKeptWhenItAnswersAndClosedWhenItDoesNot) {
+TEST_F(GatewayTest, ClosesIdleViewerThatDoesNotAnswerPings) {
   FakeWorker worker;
   start({.idle = milliseconds(400)});
   const auto mute = attached(worker), answering = attached(worker);
@@ -117,7 +117,7 @@ TEST_F(GatewayTest, AnIdleViewerIsKeptWhenItAnswersAndClosedWhenItDoesNot) {
   reader.join();
 }
 
-TEST_F(GatewayTest, TooManyConnectionsOfAllOrOfOnePersonAreRefused) {
+TEST_F(GatewayTest, LimitsConnectionsInTotalAndPerUser) {
   FakeWorker worker;
   start({.connections = 3, .connections_per_user = 1});
   const std::string user = new_id();
@@ -133,7 +133,7 @@ TEST_F(GatewayTest, TooManyConnectionsOfAllOrOfOnePersonAreRefused) {
   attached(worker, user);
 }
 
-TEST_F(GatewayTest, ASlowOrOverlongHandshakeIsEnded) {
+TEST_F(GatewayTest, EndsSlowOrOversizedHandshake) {
   start({.handshake = milliseconds(300)});
   boost::asio::io_context io;
   const auto talk = [&](const std::string& text, milliseconds between) {

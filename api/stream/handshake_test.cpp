@@ -9,7 +9,7 @@ const std::string kTicket(64, 'a');
 const std::string kTarget = "/stream?ticket=" + kTicket;
 constexpr std::string_view kOrigin = "https://scans.example";
 
-TEST(Handshake, GivesTheTicketOfAPageOfOurOwn) {
+TEST(Handshake, ReturnsTicketForOwnOrigin) {
   EXPECT_EQ(*check_handshake({kTarget, kOrigin, "diaphane.v1"}, kOrigin), kTicket);
   EXPECT_EQ(*check_handshake({kTarget, kOrigin, "other, diaphane.v1 ,x"}, kOrigin), kTicket);
 }
@@ -26,7 +26,7 @@ TEST(Handshake, RefusesEveryOtherOrigin) {
       << "no public origin admits nobody";
 }
 
-TEST(Handshake, RefusesWhatIsNoTicketOrAnotherPath) {
+TEST(Handshake, RefusesInvalidTicketOrPath) {
   for (const std::string& target :
        {std::string(), std::string("/"), std::string("/stream"), std::string("/stream?ticket="),
         "/stream?ticket=" + std::string(63, 'a'), kTarget + "a", kTarget + "&x=1",
@@ -38,13 +38,13 @@ TEST(Handshake, RefusesWhatIsNoTicketOrAnotherPath) {
   }
 }
 
-TEST(Handshake, RefusesWhoDoesNotOfferTheSubprotocol) {
+TEST(Handshake, RefusesMissingSubprotocol) {
   for (const char* offered : {"", ",", "diaphane", "diaphane.v10", "diaphane.v1x, diaphane.v2"}) {
     EXPECT_FALSE(check_handshake({kTarget, kOrigin, offered}, kOrigin)) << offered;
   }
 }
 
-TEST(Handshake, OriginIsWrittenAsABrowserDoes) {
+TEST(Handshake, SerializesOriginAsBrowsersDo) {
   EXPECT_EQ(origin_of("http://localhost:8080/"), "http://localhost:8080");
   EXPECT_EQ(origin_of("HTTPS://Scans.Example:443/x?y#z"), "https://scans.example");
   EXPECT_EQ(origin_of("http://scans.example:80"), "http://scans.example");

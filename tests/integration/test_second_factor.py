@@ -91,7 +91,7 @@ def test_a_code_is_used_once_also_of_many_at_a_time(api):  # noqa: F811
 
 
 def test_clocks_may_be_apart_a_little(api):  # noqa: F811
-    """For the exact tolerance: Totp.ClocksMayBeOneStepApartAndNoMore."""
+    """For the exact tolerance: Totp.ToleratesClockSkewOfOneStep."""
     one = person(api)
     one.sets_up_second_factor()
     for apart, status in ((5, 401), (-5, 401), (0, 200), (1, 200)):
