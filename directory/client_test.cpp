@@ -14,14 +14,14 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-TEST(RedisClient, RefusesAnAddressThatIsNone) {
+TEST(RedisClient, RefusesInvalidAddress) {
   for (const char* address : {"", "localhost", ":6379", "localhost:", "localhost:0",
                               "localhost:65536", "localhost:6379x"}) {
     EXPECT_EQ(Client::create({.address = address}).error().code, ErrorCode::kInvalid) << address;
   }
 }
 
-TEST(RedisClient, CarriesAnyBytes) {
+TEST(RedisClient, IsBinarySafe) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address()});
   const std::string bytes("\0\r\n\xff$", 5);
@@ -29,7 +29,7 @@ TEST(RedisClient, CarriesAnyBytes) {
   EXPECT_EQ((*client)->command({"GET", "key"})->text, bytes);
 }
 
-TEST(RedisClient, RunsAScriptThatRedisHasNeverSeenAndOneThatItHas) {
+TEST(RedisClient, LoadsScriptOnceAndThenRunsItByHash) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address()});
   for (int i = 0; i < 2; ++i) {
@@ -41,7 +41,7 @@ TEST(RedisClient, RunsAScriptThatRedisHasNeverSeenAndOneThatItHas) {
   EXPECT_EQ((*client)->command({"SCRIPT", "EXISTS", kListWorkers.sha1})->list.at(0).integer, 1);
 }
 
-TEST(RedisClient, SaysUnavailableWhileRedisIsAwayAndRecoversByItself) {
+TEST(RedisClient, ReportsUnavailableAndReconnects) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address()});
   ASSERT_TRUE((*client)->command({"SET", "key", "1"}));
@@ -52,7 +52,7 @@ TEST(RedisClient, SaysUnavailableWhileRedisIsAwayAndRecoversByItself) {
   EXPECT_EQ((*client)->command({"GET", "key"})->text, "1");
 }
 
-TEST(RedisClient, AConnectionThatDiedIdleCostsNoCall) {
+TEST(RedisClient, RetriesCommandOnDeadIdleConnection) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address()});
   ASSERT_TRUE((*client)->command({"PING"}));
@@ -61,7 +61,7 @@ TEST(RedisClient, AConnectionThatDiedIdleCostsNoCall) {
   EXPECT_TRUE((*client)->command({"PING"}));
 }
 
-TEST(RedisClient, ARedisThatHangsBlocksNoLongerThanTheTimeOut) {
+TEST(RedisClient, CommandTimesOutWhenRedisHangs) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address(), .command_timeout = milliseconds(200)});
   ASSERT_TRUE((*client)->command({"PING"}));
@@ -74,7 +74,7 @@ TEST(RedisClient, ARedisThatHangsBlocksNoLongerThanTheTimeOut) {
   EXPECT_TRUE((*client)->command({"PING"}));
 }
 
-TEST(RedisClient, AReplicaIsUnavailableAndTheNextCallConnectsAgain) {
+TEST(RedisClient, ReadOnlyReplicaIsUnavailableAndCausesReconnect) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address(), .connections = 1});
   const auto connection = [&] { return (*client)->command({"CLIENT", "ID"})->integer; };
@@ -92,7 +92,7 @@ TEST(RedisClient, AReplicaIsUnavailableAndTheNextCallConnectsAgain) {
   EXPECT_TRUE((*client)->run(kNoteRenderTime, {"somebody", "1"}));
 }
 
-TEST(RedisClient, ARefusedCommandIsADefectAndKeepsItsConnection) {
+TEST(RedisClient, RefusedCommandIsInternalErrorAndKeepsTheConnection) {
   TestRedisServer server;
   auto client = Client::create({.address = server.address(), .connections = 1});
   const auto before = (*client)->command({"CLIENT", "ID"})->integer;

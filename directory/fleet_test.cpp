@@ -41,7 +41,7 @@ class FleetTest : public testing::Test {
   Sessions sessions_{*client_};
 };
 
-TEST_F(FleetTest, OfHundredsOfWorkersNoneGetsMuchMoreThanAnother) {
+TEST_F(FleetTest, BalancesSessionsOverHundredsOfWorkers) {
   constexpr int kWorkers = 150;
   for (int i = 0; i < kWorkers; ++i) announce("w" + std::to_string(i));
   std::map<std::string, int> taken;
@@ -64,7 +64,7 @@ TEST_F(FleetTest, OfHundredsOfWorkersNoneGetsMuchMoreThanAnother) {
   EXPECT_GT(all, 4 * kWorkers * 98 / 100);
 }
 
-TEST_F(FleetTest, OfHundredsOfWorkersTheOneThatHasTheVolumeIsFound) {
+TEST_F(FleetTest, FindsWorkerWithTheVolumeAmongHundreds) {
   const std::string volume = new_id();
   for (int i = 0; i < 300; ++i) announce("w" + std::to_string(i));
   const auto first = sessions_.place(request(volume));
@@ -76,7 +76,7 @@ TEST_F(FleetTest, OfHundredsOfWorkersTheOneThatHasTheVolumeIsFound) {
   EXPECT_NE(sessions_.place(request(volume))->worker_id, first->worker_id) << "full";
 }
 
-TEST_F(FleetTest, ThousandsOfWorkersAreReadPageByPage) {
+TEST_F(FleetTest, ReadsThousandsOfWorkersInPages) {
   constexpr std::size_t kWorkers = 1000;
   for (std::size_t i = 0; i < kWorkers; ++i) {
     const std::string id = "w" + std::to_string(i);
@@ -99,7 +99,7 @@ TEST_F(FleetTest, ThousandsOfWorkersAreReadPageByPage) {
   EXPECT_LE(longest, kWorkers / 2) << "who asks for a place waits for so many";
 }
 
-TEST_F(FleetTest, WhatAWorkerReportsIsReadAndADrainRequestReachesItAlone) {
+TEST_F(FleetTest, ReadsReportAndDeliversDrainRequestOnlyToItsWorker) {
   WorkerDirectory worker(*client_, "w", "first"), other(*client_, "other", "first");
   const Heartbeat heartbeat{
       .address = "host:1", .slots = 4, .load = 0.25, .sessions = {{.id = new_id()}}};
@@ -128,7 +128,7 @@ TEST_F(FleetTest, WhatAWorkerReportsIsReadAndADrainRequestReachesItAlone) {
   EXPECT_EQ(*worker.report(report), 3U);
 }
 
-TEST_F(FleetTest, NonsenseInAWorkersFieldsIsReadAsNothing) {
+TEST_F(FleetTest, ClampsInvalidFieldsOfAWorker) {
   announce("w");
   ASSERT_TRUE(client_->command({"HSET", "diaphane:worker:w", "owner", "skull/w/x", "sampled", "nan",
                                 "used", "1e300", "slots", "-1", "draining", "2"}));
@@ -141,7 +141,7 @@ TEST_F(FleetTest, NonsenseInAWorkersFieldsIsReadAsNothing) {
   EXPECT_FALSE(page->workers[0].draining);
 }
 
-TEST_F(FleetTest, WhoFindsNoPlaceIsCountedByOneFleet) {
+TEST_F(FleetTest, CountsEachRefusedSessionOnceInOneFleet) {
   Sessions skull(*client_, {}, "skull");
   const auto asked = request();
   EXPECT_FALSE(skull.place(asked));

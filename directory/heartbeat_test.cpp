@@ -28,7 +28,7 @@ class HeartbeatTest : public SessionsTest {
   }
 };
 
-TEST_F(HeartbeatTest, ABeatingWorkerIsPlacedOnAndItsLiveSessionsHoldTheirSlots) {
+TEST_F(HeartbeatTest, HeartbeatHoldsTheSlotsOfLiveSessions) {
   beat("a", "one", {});
   const PlaceRequest first = request(), second = request();
   ASSERT_TRUE(sessions_.place(first));
@@ -39,7 +39,7 @@ TEST_F(HeartbeatTest, ABeatingWorkerIsPlacedOnAndItsLiveSessionsHoldTheirSlots) 
   EXPECT_TRUE(sessions_.place(request())) << "a session that the worker ended frees its slot";
 }
 
-TEST_F(HeartbeatTest, WhatAWorkerExpectsIsOfTheSessionsThatItHasHeardOf) {
+TEST_F(HeartbeatTest, ExpectedLoadExcludesPendingReservations) {
   beat("a", "one", {});
   const PlaceRequest first = request();
   ASSERT_TRUE(sessions_.place(first));
@@ -52,7 +52,7 @@ TEST_F(HeartbeatTest, WhatAWorkerExpectsIsOfTheSessionsThatItHasHeardOf) {
   EXPECT_EQ(field("sessions"), "1");
 }
 
-TEST_F(HeartbeatTest, ASessionThatWasEndedOrMovedIsEndedByItsWorker) {
+TEST_F(HeartbeatTest, HeartbeatReplyListsEndedAndMovedSessions) {
   beat("a", "one", {});
   const PlaceRequest ended = request(), moved = request();
   ASSERT_TRUE(sessions_.place(ended));
@@ -68,7 +68,7 @@ TEST_F(HeartbeatTest, ASessionThatWasEndedOrMovedIsEndedByItsWorker) {
   EXPECT_EQ(used("a"), 0);
 }
 
-TEST_F(HeartbeatTest, ASecondWorkerOfTheSameNameIsToldTheAddressOfTheFirst) {
+TEST_F(HeartbeatTest, RefusesSecondWorkerWithTheSameName) {
   beat("a", "one", {});
   WorkerDirectory second(*client_, "a", "two");
   const auto refused = second.beat({.address = "host:2", .slots = 2});
@@ -80,7 +80,7 @@ TEST_F(HeartbeatTest, ASecondWorkerOfTheSameNameIsToldTheAddressOfTheFirst) {
   EXPECT_FALSE(taken_over->name_taken_by) << "the process before it had the same port";
 }
 
-TEST_F(HeartbeatTest, ASessionThatRedisHasLostIsRestoredByItsWorkerOnce) {
+TEST_F(HeartbeatTest, WorkerRestoresSessionLostByRedisOnce) {
   const std::string id = new_id();
   WorkerDirectory worker(*client_, "a", "one");
   Heartbeat heartbeat{.address = "host:1", .slots = 2};
@@ -102,7 +102,7 @@ TEST_F(HeartbeatTest, ASessionThatRedisHasLostIsRestoredByItsWorkerOnce) {
   EXPECT_FALSE(*worker.save_scene(id, lost.saved)) << "it was placed again since";
 }
 
-TEST_F(HeartbeatTest, ARestartedWorkerHasNoSessions) {
+TEST_F(HeartbeatTest, RestartedWorkerHasNoSessions) {
   beat("a", "one", {});
   const PlaceRequest once = request();
   ASSERT_TRUE(sessions_.place(once));

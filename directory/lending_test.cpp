@@ -41,13 +41,13 @@ Lending helped_by(const std::string& id) {
   return lending;
 }
 
-TEST(Lending, NothingIsBorrowedWhereADeviceIsNotAskedForMoreThanThereIs) {
+TEST(Lending, BorrowsNothingWithoutOverload) {
   EXPECT_TRUE(lend({}, asked(1.0, {neighbour("a", 0)}), kRules, 1).helpers.empty());
   EXPECT_EQ(ids(lend({}, asked(1.4, {neighbour("a", 0)}), kRules, 1)),
             std::vector<std::string>{"a"});
 }
 
-TEST(Lending, OnlyAsManyAreAskedAsWhatIsLackingTakes) {
+TEST(Lending, BorrowsOnlyAsManyHelpersAsTheShortageNeeds) {
   const std::vector<Neighbour> idle{neighbour("a", 0.5), neighbour("b", 0.5), neighbour("c", 0.5),
                                     neighbour("d", 0.5), neighbour("e", 0.5)};
   EXPECT_EQ(lend({}, asked(1.3, idle), kRules, 1).helpers.size(), 1u);
@@ -58,7 +58,7 @@ TEST(Lending, OnlyAsManyAreAskedAsWhatIsLackingTakes) {
   EXPECT_TRUE(lend({}, half, kRules, 1).helpers.empty()) << "what comes already";
 }
 
-TEST(Lending, WhoIsNearFullDrainsOrWasNotHeardOfIsNotAsked) {
+TEST(Lending, SkipsBusyDrainingAndSilentNeighbours) {
   Neighbour draining = neighbour("draining", 0), silent = neighbour("silent", 0);
   draining.draining = true;
   silent.age = kRules.oldest + 1;
@@ -69,7 +69,7 @@ TEST(Lending, WhoIsNearFullDrainsOrWasNotHeardOfIsNotAsked) {
   EXPECT_EQ(ids(made), std::vector<std::string>{"idle"});
 }
 
-TEST(Lending, AHelperWithWorkOfItsOwnIsGivenBackAtOnce) {
+TEST(Lending, ReturnsHelperThatIsBusyGoneOrDraining) {
   for (double load : {0.0, 0.5, 0.8}) {
     EXPECT_EQ(
         lend(helped_by("a"), asked(1.5, {neighbour("a", load, 0.2)}), kRules, 1).helpers.size(), 1u)
@@ -82,12 +82,12 @@ TEST(Lending, AHelperWithWorkOfItsOwnIsGivenBackAtOnce) {
   EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {draining}), kRules, 1).helpers.empty());
 }
 
-TEST(Lending, WhatItDoesForOthersIsNoReasonToGiveAHelperBack) {
+TEST(Lending, KeepsHelperThatIsBusyOnlyWithBorrowedWork) {
   EXPECT_EQ(lend(helped_by("a"), asked(1.5, {neighbour("a", 0.1, 0.9)}), kRules, 1).helpers.size(),
             1u);
 }
 
-TEST(Lending, HelpersAreKeptUntilTheDeviceIsEnoughForAWhile) {
+TEST(Lending, KeepsHelpersUntilOverloadHasEndedForAWhile) {
   const std::vector<Neighbour> there{neighbour("a", 0, 0.3)};
   Lending lending = helped_by("a");
   for (int second = 0; second < 60; ++second) {
@@ -103,7 +103,7 @@ TEST(Lending, HelpersAreKeptUntilTheDeviceIsEnoughForAWhile) {
   EXPECT_TRUE(lending.helpers.empty());
 }
 
-TEST(Lending, AVolumeThatIsThereAndTheSameNodeArePreferred) {
+TEST(Lending, PrefersLoadedVolumeThenSameNode) {
   Neighbour volume = neighbour("volume", 0.3), near = neighbour("near", 0.3);
   volume.has_volume = true;
   near.same_node = true;
@@ -120,7 +120,7 @@ TEST(Lending, AVolumeThatIsThereAndTheSameNodeArePreferred) {
   EXPECT_NEAR(taken["far"], 3000 * 1 / 9.0, 5 * std::sqrt(3000 * 1 / 9.0 * 8 / 9.0));
 }
 
-TEST(Lending, ACrowdDoesNotAskTheSameOne) {
+TEST(Lending, SpreadsConcurrentBorrowersOverNeighbours) {
   std::vector<Neighbour> idle;
   for (int i = 0; i < 20; ++i) idle.push_back(neighbour(std::to_string(i), 0.01 * i));
   std::map<std::string, int> taken;
@@ -134,7 +134,7 @@ TEST(Lending, ACrowdDoesNotAskTheSameOne) {
   EXPECT_LT(most, 145);
 }
 
-TEST(Lending, WhateverIsKnownTheHelpersAreFewDifferentAndFit) {
+TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
   std::mt19937 random(7);
   const auto unit = [&] { return std::uniform_real_distribution<double>()(random); };
   for (int world = 0; world < 300; ++world) {
@@ -171,7 +171,7 @@ TEST(Lending, WhateverIsKnownTheHelpersAreFewDifferentAndFit) {
   }
 }
 
-TEST(Lending, ASettingOfNoHelpersAsksNobody) {
+TEST(Lending, BorrowsNothingWhenDisabled) {
   LendingRules none;
   none.most = 0;
   EXPECT_TRUE(lend({}, asked(5, {neighbour("a", 0)}), none, 1).helpers.empty());

@@ -14,7 +14,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST_F(SessionsTest, WithoutAWorkerNothingIsPlacedAndNothingIsLeftButThatItWasAsked) {
+TEST_F(SessionsTest, FailedPlacementLeavesOnlyTheRefusalCount) {
   const auto asked = request();
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(sessions_.place(asked).error().code, ErrorCode::kUnavailable);
@@ -23,7 +23,7 @@ TEST_F(SessionsTest, WithoutAWorkerNothingIsPlacedAndNothingIsLeftButThatItWasAs
   EXPECT_EQ(client_->command({"ZCARD", "diaphane:refused"})->integer, 1);
 }
 
-TEST_F(SessionsTest, AWorkerWithTheVolumeIsPreferredThenTheLeastUsed) {
+TEST_F(SessionsTest, PrefersWorkerWithTheVolumeThenTheLeastUsed) {
   const std::string volume = new_id();
   announce({.id = "busy", .slots = 4, .volumes = new_id() + "," + volume});
   announce({.id = "idle", .slots = 4});
@@ -35,13 +35,13 @@ TEST_F(SessionsTest, AWorkerWithTheVolumeIsPreferredThenTheLeastUsed) {
   EXPECT_EQ(used("idle"), 2);
 }
 
-TEST_F(SessionsTest, OfTwoEquallyUsedTheLessLoadedIsChosen) {
+TEST_F(SessionsTest, PrefersLowerLoadAtEqualUse) {
   announce({.id = "a", .load = "0.9"});
   announce({.id = "b", .load = "0.1"});
   EXPECT_EQ(sessions_.place(request())->worker_id, "b");
 }
 
-TEST_F(SessionsTest, AWorkerOfManyWhoRestIsChosenBeforeOneOfFewWhoLook) {
+TEST_F(SessionsTest, PrefersWorkerWithLowerExpectedLoadOverFewerSessions) {
   announce({.id = "few", .expected = "0"});
   ASSERT_TRUE(sessions_.place(request()));
   announce({.id = "many", .expected = "0"});
@@ -56,7 +56,7 @@ TEST_F(SessionsTest, AWorkerOfManyWhoRestIsChosenBeforeOneOfFewWhoLook) {
   EXPECT_EQ(sessions_.place(request())->worker_id, "many");
 }
 
-TEST_F(SessionsTest, WhoCameSinceTheLastHeartbeatTakesASlotsShare) {
+TEST_F(SessionsTest, CountsSessionsSinceLastHeartbeatWithOneSlotShareEach) {
   announce({.id = "a", .slots = 10, .expected = "0.45"});
   announce({.id = "b", .slots = 10, .expected = "0.5"});
   EXPECT_EQ(sessions_.place(request())->worker_id, "a");
@@ -66,7 +66,7 @@ TEST_F(SessionsTest, WhoCameSinceTheLastHeartbeatTakesASlotsShare) {
   EXPECT_EQ(sessions_.place(request())->worker_id, "a");
 }
 
-TEST_F(SessionsTest, AVolumeThatIsThereIsWorthAQuarterOfADevice) {
+TEST_F(SessionsTest, LoadedVolumeOutweighsAQuarterOfADevice) {
   const std::string volume = new_id();
   announce({.id = "with", .slots = 16, .volumes = volume, .expected = "0.6"});
   announce({.id = "without", .slots = 16, .expected = "0.4"});
@@ -75,7 +75,7 @@ TEST_F(SessionsTest, AVolumeThatIsThereIsWorthAQuarterOfADevice) {
   EXPECT_EQ(sessions_.place(request(new_id(), volume))->worker_id, "without");
 }
 
-TEST_F(SessionsTest, ADrainingWorkerAnotherProtocolAndAVanishedOneAreNeverChosen) {
+TEST_F(SessionsTest, NeverChoosesDrainingIncompatibleOrVanishedWorker) {
   announce({.id = "draining", .draining = "1"});
   announce({.id = "older", .epoch = "0"});
   announce({.id = "vanished"});
@@ -85,7 +85,7 @@ TEST_F(SessionsTest, ADrainingWorkerAnotherProtocolAndAVanishedOneAreNeverChosen
   EXPECT_EQ(sessions_.place(request())->worker_id, "good");
 }
 
-TEST_F(SessionsTest, TheLivingWorkersAreListedWithWhatTheySaid) {
+TEST_F(SessionsTest, ListsLiveWorkersWithTheirReports) {
   announce({.id = "a", .slots = 3, .volumes = "x,y", .draining = "1"});
   announce({.id = "older", .epoch = "0"});
   announce({.id = "vanished"});
@@ -99,7 +99,7 @@ TEST_F(SessionsTest, TheLivingWorkersAreListedWithWhatTheySaid) {
   EXPECT_THAT((*alive)[0].volumes, ElementsAre("x", "y"));
 }
 
-TEST_F(SessionsTest, EightPlacersAtOnceNeverOverCommit) {
+TEST_F(SessionsTest, ConcurrentPlacementNeverOvercommits) {
   announce({.id = "a", .slots = 37});
   announce({.id = "b", .slots = 23});
   std::atomic<int> placed = 0, refused = 0, wrong = 0;
@@ -132,7 +132,7 @@ PlaceRequest visit(const std::string& from = new_id()) {
   return request;
 }
 
-TEST_F(SessionsTest, VisitorsTogetherHoldAQuarterOfTheSlotsOfAllWorkers) {
+TEST_F(SessionsTest, LimitsVisitorsToAQuarterOfAllSlots) {
   announce({.id = "a", .slots = 8});
   announce({.id = "b", .slots = 8});
   std::set<std::string> workers;
@@ -147,7 +147,7 @@ TEST_F(SessionsTest, VisitorsTogetherHoldAQuarterOfTheSlotsOfAllWorkers) {
       << "no fleet grows for visitors beyond their share";
 }
 
-TEST_F(SessionsTest, OneAddressHoldsHalfOfTheVisitorsShare) {
+TEST_F(SessionsTest, LimitsOneAddressToHalfOfTheVisitorSlots) {
   announce({.id = "a", .slots = 32});
   const std::string here = new_id();
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(sessions_.place(visit(here))) << i;
@@ -155,13 +155,13 @@ TEST_F(SessionsTest, OneAddressHoldsHalfOfTheVisitorsShare) {
   EXPECT_TRUE(sessions_.place(visit()));
 }
 
-TEST_F(SessionsTest, TheLastSlotIsNeverAVisitors) {
+TEST_F(SessionsTest, KeepsTheLastSlotForAccountHolders) {
   announce({.id = "a", .slots = 1});
   EXPECT_EQ(sessions_.place(visit()).error().code, ErrorCode::kTooLarge);
   EXPECT_TRUE(sessions_.place(request()));
 }
 
-TEST_F(SessionsTest, AnAccountHolderIsPlacedWhereAVisitorHoldsTheSlot) {
+TEST_F(SessionsTest, AccountHolderDisplacesVisitorWhenNoSlotIsFree) {
   announce({.id = "a", .slots = 4});
   ASSERT_TRUE(sessions_.place(visit()));
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(sessions_.place(request()));
@@ -178,7 +178,7 @@ TEST_F(SessionsTest, AnAccountHolderIsPlacedWhereAVisitorHoldsTheSlot) {
   EXPECT_EQ(sessions_.place(request())->worker_id, "b");
 }
 
-TEST_F(SessionsTest, ASessionIsAVisitorsUntilItsOwnerOpensIt) {
+TEST_F(SessionsTest, VisitorSessionBecomesRegularWhenItsOwnerOpensIt) {
   announce({.id = "a", .slots = 8});
   PlaceRequest once = visit();
   const auto first = sessions_.place(once);
@@ -190,7 +190,7 @@ TEST_F(SessionsTest, ASessionIsAVisitorsUntilItsOwnerOpensIt) {
   EXPECT_FALSE(sessions_.consume(sessions_.place(once)->ticket)->visitor);
 }
 
-TEST_F(SessionsTest, TheSameSessionAgainStaysWithANewTicket) {
+TEST_F(SessionsTest, PlacingASessionAgainKeepsItsWorkerAndIssuesANewTicket) {
   announce({.id = "a", .slots = 1});
   const PlaceRequest once = request();
   const auto first = sessions_.place(once);
@@ -202,7 +202,7 @@ TEST_F(SessionsTest, TheSameSessionAgainStaysWithANewTicket) {
   EXPECT_EQ(used("a"), 1);
 }
 
-TEST_F(SessionsTest, ASessionMovesWhenItsWorkerIsGoneRestartedOrDraining) {
+TEST_F(SessionsTest, MovesSessionFromGoneRestartedOrDrainingWorker) {
   announce({.id = "a"});
   const PlaceRequest once = request();
   ASSERT_EQ(sessions_.place(once)->placement, 1u);
@@ -223,7 +223,7 @@ TEST_F(SessionsTest, ASessionMovesWhenItsWorkerIsGoneRestartedOrDraining) {
   EXPECT_EQ(sessions_.place(once)->placement, 4u);
 }
 
-TEST_F(SessionsTest, ASessionThatAWorkerHasNoMemoryForIsPlacedOnOthersForAWhile) {
+TEST_F(SessionsTest, AvoidsWorkerThatRanOutOfMemoryForAWhile) {
   Sessions patient(*client_, {.refused_ms = 300});
   announce({.id = "a", .slots = 4});
   const PlaceRequest one = request(), other = request();
@@ -250,7 +250,7 @@ TEST_F(SessionsTest, ASessionThatAWorkerHasNoMemoryForIsPlacedOnOthersForAWhile)
   EXPECT_EQ(patient.place(one)->worker_id, "a") << "it may have memory again";
 }
 
-TEST_F(SessionsTest, ASessionThatLostItsSlotIsPlacedAnewOnlyWhereOneIsFree) {
+TEST_F(SessionsTest, SessionWithoutSlotIsPlacedOnlyWhereOneIsFree) {
   announce({.id = "a", .slots = 1});
   const PlaceRequest first = request();
   ASSERT_TRUE(sessions_.place(first));
@@ -263,7 +263,7 @@ TEST_F(SessionsTest, ASessionThatLostItsSlotIsPlacedAnewOnlyWhereOneIsFree) {
   EXPECT_EQ(sessions_.place(first)->placement, 2u);
 }
 
-TEST_F(SessionsTest, AnotherPersonsSessionDoesNotExist) {
+TEST_F(SessionsTest, SessionOfAnotherUserIsNotFound) {
   announce({.id = "a"});
   const PlaceRequest mine = request();
   ASSERT_TRUE(sessions_.place(mine));
@@ -273,7 +273,7 @@ TEST_F(SessionsTest, AnotherPersonsSessionDoesNotExist) {
   EXPECT_EQ(sessions_.find(mine.session_id)->user_id, mine.user_id);
 }
 
-TEST_F(SessionsTest, APersonHasOnlySoManyPlacedSessions) {
+TEST_F(SessionsTest, LimitsPlacedSessionsPerUser) {
   announce({.id = "a", .slots = 100});
   const std::string user = new_id();
   std::string first;
@@ -288,7 +288,7 @@ TEST_F(SessionsTest, APersonHasOnlySoManyPlacedSessions) {
   EXPECT_TRUE(sessions_.place(request(user)));
 }
 
-TEST_F(SessionsTest, TheOldestUnplacedSessionIsForgottenWhenThereAreTooMany) {
+TEST_F(SessionsTest, EvictsOldestUnplacedSessionOverTheLimit) {
   Sessions sessions(*client_, {.placed = 2, .remembered = 3});
   announce({.id = "a", .slots = 100});
   const std::string user = new_id();
@@ -308,7 +308,7 @@ TEST_F(SessionsTest, TheOldestUnplacedSessionIsForgottenWhenThereAreTooMany) {
   EXPECT_THAT(left, ElementsAre(ids[1], ids[2], ids[3]));
 }
 
-TEST_F(SessionsTest, ATicketWorksOnceAndSaysWhereTheSessionIs) {
+TEST_F(SessionsTest, TicketWorksOnceAndLocatesTheSession) {
   announce({.id = "a", .incarnation = "x"});
   const PlaceRequest once = request();
   const auto placed = sessions_.place(once);
@@ -331,7 +331,7 @@ TEST_F(SessionsTest, ATicketWorksOnceAndSaysWhereTheSessionIs) {
   EXPECT_EQ(sessions_.consume(placed->ticket).error().code, ErrorCode::kUnauthenticated);
 }
 
-TEST_F(SessionsTest, OfManyWhoUseOneTicketAtOnceOneIsServed) {
+TEST_F(SessionsTest, ConcurrentUseOfATicketSucceedsOnce) {
   announce({.id = "a"});
   const auto placed = sessions_.place(request());
   std::atomic<int> served = 0;
@@ -356,14 +356,14 @@ TEST_F(SessionsTest, ATicketExpires) {
   EXPECT_EQ(sessions.consume(placed->ticket).error().code, ErrorCode::kUnauthenticated);
 }
 
-TEST_F(SessionsTest, WhatIsNoTicketIsRefused) {
+TEST_F(SessionsTest, RefusesMalformedOrUnknownTicket) {
   for (const std::string& text : {std::string(), std::string("*"), std::string(64, 'G'),
                                   std::string(64, 'a'), std::string(65, 'a')}) {
     EXPECT_EQ(sessions_.consume(text).error().code, ErrorCode::kUnauthenticated);
   }
 }
 
-TEST_F(SessionsTest, ATicketOfALostWorkerOrAnEndedSessionSaysWhich) {
+TEST_F(SessionsTest, TicketReportsLostWorkerOrEndedSession) {
   announce({.id = "a"});
   const PlaceRequest one = request();
   const auto before_loss = sessions_.place(one);
@@ -384,7 +384,7 @@ TEST_F(SessionsTest, AReservationExpires) {
   EXPECT_EQ(used("a"), 1);
 }
 
-TEST_F(SessionsTest, ALateTicketTakesNoSlotThatWentToAnother) {
+TEST_F(SessionsTest, LateTicketDoesNotTakeAReassignedSlot) {
   announce({.id = "a", .slots = 1});
   const PlaceRequest late = request();
   const auto ticket = sessions_.place(late);
@@ -394,7 +394,7 @@ TEST_F(SessionsTest, ALateTicketTakesNoSlotThatWentToAnother) {
   EXPECT_EQ(used("a"), 1);
 }
 
-TEST_F(SessionsTest, OnlyTheIncarnationThatWasLostIsForgotten) {
+TEST_F(SessionsTest, RemovesOnlyTheLostIncarnation) {
   announce({.id = "a", .incarnation = "second"});
   ASSERT_TRUE(sessions_.place(request()));
   EXPECT_FALSE(*sessions_.lost("a", "first"));
@@ -405,7 +405,7 @@ TEST_F(SessionsTest, OnlyTheIncarnationThatWasLostIsForgotten) {
   EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
 }
 
-TEST_F(SessionsTest, EndingADataSetEndsEverybodysSessionsOfItAndNoOther) {
+TEST_F(SessionsTest, EndingADataSetEndsAllItsSessionsAndNoOthers) {
   announce({.id = "a", .slots = 10});
   const std::string data_set = new_id();
   const PlaceRequest first = request(new_id(), data_set), second = request(new_id(), data_set),
@@ -420,7 +420,7 @@ TEST_F(SessionsTest, EndingADataSetEndsEverybodysSessionsOfItAndNoOther) {
   EXPECT_EQ(sessions_.sessions_of(first.user_id)->size(), 1u);
 }
 
-TEST_F(SessionsTest, SigningOutABrowserEndsTheSessionsItHadTicketsForAndNoOther) {
+TEST_F(SessionsTest, SignOutEndsOnlySessionsOfThatBrowser) {
   announce({.id = "a", .slots = 10});
   const std::string user = new_id(), left = new_id(), stays = new_id();
   PlaceRequest mine = request(user), shared = request(user), other = request(user);
@@ -442,7 +442,7 @@ TEST_F(SessionsTest, SigningOutABrowserEndsTheSessionsItHadTicketsForAndNoOther)
   EXPECT_EQ(used("a"), 2);
 }
 
-TEST_F(SessionsTest, ASessionThatItsWorkerWroteAgainEndsWithAnyBrowserOfItsUser) {
+TEST_F(SessionsTest, SignOutEndsRestoredSessionWithUnknownBrowser) {
   announce({.id = "a"});
   PlaceRequest one = request();
   one.browser = new_id();
@@ -454,7 +454,7 @@ TEST_F(SessionsTest, ASessionThatItsWorkerWroteAgainEndsWithAnyBrowserOfItsUser)
   EXPECT_FALSE(sessions_.find(one.session_id));
 }
 
-TEST_F(SessionsTest, EverythingThatIsWrittenExpires) {
+TEST_F(SessionsTest, AllKeysExpire) {
   announce({.id = "a"});
   ASSERT_TRUE(sessions_.place(request()));
   const Result<Reply> keys = client_->command({"KEYS", "*"});
@@ -464,7 +464,7 @@ TEST_F(SessionsTest, EverythingThatIsWrittenExpires) {
   }
 }
 
-TEST_F(SessionsTest, ALinkLeadsToItsSessionUntilItIsEnded) {
+TEST_F(SessionsTest, LinkResolvesToItsSessionUntilItEnds) {
   announce({.id = "a"});
   Links links(*client_);
   const PlaceRequest mine = request();
@@ -492,7 +492,7 @@ TEST_F(SessionsTest, ALinkLeadsToItsSessionUntilItIsEnded) {
   EXPECT_TRUE(sessions_.consume(sessions_.place(mine)->ticket)) << "the owner's own way stays";
 }
 
-TEST_F(SessionsTest, ASessionHasABoundedNumberOfLinksAndNoneOutlivesIt) {
+TEST_F(SessionsTest, LimitsLinksPerSessionAndEndsThemWithIt) {
   announce({.id = "a"});
   Links links(*client_);
   const PlaceRequest mine = request();
