@@ -21,7 +21,7 @@ JsonFault fault_of(const std::string& text, const JsonLimits& limits) {
   return parsed ? JsonFault::kMalformed : parsed.error();
 }
 
-TEST(BoundedJson, ParsesWhatIsWithinTheLimits) {
+TEST(BoundedJson, ParsesDocumentWithinTheLimits) {
   const auto parsed = parse_json(R"({"a": [1, 2.5, "x", null, true, {"b": -1}]})", {9, 3});
   ASSERT_TRUE(parsed.has_value());
   EXPECT_EQ((*parsed)["a"][5]["b"], -1);
@@ -29,7 +29,7 @@ TEST(BoundedJson, ParsesWhatIsWithinTheLimits) {
   EXPECT_TRUE(parse_json("7", {1, 0}).has_value());
 }
 
-TEST(BoundedJson, RefusesDeepNestingAtTheFirstLevelTooMany) {
+TEST(BoundedJson, RefusesNestingBeyondTheLimit) {
   EXPECT_EQ(fault_of(nested(65), {1000}), JsonFault::kTooDeep);
   // A quarter of a million levels overflow any stack when such a value is copied or written.
   EXPECT_EQ(fault_of(nested(250'000), {1'000'000}), JsonFault::kTooDeep);
@@ -46,7 +46,7 @@ TEST(BoundedJson, CountsEveryKindOfValue) {
   EXPECT_EQ(fault_of(R"({"a": 1, "a": 2, "a": 3})", {3}), JsonFault::kTooManyValues);
 }
 
-TEST(BoundedJson, RefusesWhatIsNotJson) {
+TEST(BoundedJson, RefusesMalformedJson) {
   for (const char* text : {"", " ", "{", "[1,]", "{\"a\"}", "1 2", "nul", "\"\xff\"", "1e999"}) {
     EXPECT_EQ(fault_of(text, {100}), JsonFault::kMalformed) << text;
   }

@@ -21,7 +21,7 @@
 namespace diaphane {
 namespace {
 
-TEST(Ids, EveryIdIsWellFormedAndDifferent) {
+TEST(Ids, GeneratesWellFormedUniqueIds) {
   std::set<std::string> seen;
   for (int i = 0; i < 1000; ++i) {
     const std::string id = new_id();
@@ -30,7 +30,7 @@ TEST(Ids, EveryIdIsWellFormedAndDifferent) {
   }
 }
 
-TEST(Ids, WhatCouldLeaveADirectoryIsNoId) {
+TEST(Ids, RefusesMalformedIds) {
   EXPECT_FALSE(is_id(""));
   EXPECT_FALSE(is_id("../../../../../../../../../etc/passwd!"));
   EXPECT_FALSE(is_id("00000000-0000-0000-0000-00000000000G"));
@@ -38,7 +38,7 @@ TEST(Ids, WhatCouldLeaveADirectoryIsNoId) {
   EXPECT_FALSE(is_id("00000000-0000-0000-0000-00000000000A"));
 }
 
-TEST(ClaimedPort, IsNobodyElsesAsLongAsItLives) {
+TEST(ClaimedPort, IsExclusiveWhileItExists) {
   std::vector<ClaimedPort> held;
   std::set<std::uint16_t> numbers;
   for (int i = 0; i < 100; ++i) {
@@ -100,14 +100,14 @@ TEST(ConnectTcp, TriesEachAddressOfTheHost) {
   EXPECT_FALSE(connect_tcp("no-such-host.invalid:80", 5s));
 }
 
-TEST(Config, AnOptionWinsOverTheEnvironment) {
+TEST(Config, OptionOverridesEnvironment) {
   ConfigReader in({"--api-port", "81"}, {{"DIAPHANE_API_PORT", "80"}, {"DIAPHANE_REDIS", "r:1"}});
   EXPECT_EQ(in.port("api-port", "REST"), 81);
   EXPECT_EQ(in.text("redis", "host:port"), "r:1");
   EXPECT_FALSE(in.finish("test").has_value());
 }
 
-TEST(Config, AllMistakesAreReportedTogether) {
+TEST(Config, ReportsAllMistakesTogether) {
   ConfigReader in({"--api-port=99999", "--engine", "abacus"}, {});
   in.port("api-port", "REST");
   in.text("redis", "host:port");
@@ -116,7 +116,7 @@ TEST(Config, AllMistakesAreReportedTogether) {
   EXPECT_EQ(in.mistakes().size(), 3u);
 }
 
-TEST(Config, AnUnknownOptionIsAUsageError) {
+TEST(Config, UnknownOptionIsUsageError) {
   ConfigReader in({"--nonsense", "1"}, {});
   EXPECT_EQ(in.finish("test"), kExitUsage);
 }
@@ -136,7 +136,7 @@ TEST(Try, ContinuesWithAValue) {
   EXPECT_EQ(evaluations, 1);
 }
 
-TEST(Try, ReturnsACopyOfTheErrorOfAVariable) {
+TEST(Try, CopiesErrorOfAVariable) {
   int evaluations = 0;
   const Result<int> failed = fail(ErrorCode::kNotFound, "There is no such number.", "number");
   const auto result = doubled(failed, evaluations);
@@ -148,7 +148,7 @@ TEST(Try, ReturnsACopyOfTheErrorOfAVariable) {
   EXPECT_EQ(evaluations, 1);
 }
 
-TEST(Try, TakesACallThatReturnsNothing) {
+TEST(Try, AcceptsVoidResults) {
   const auto step = [](bool works) -> Result<void> {
     if (!works) return fail(ErrorCode::kTooLarge, "Too large.");
     return {};

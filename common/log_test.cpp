@@ -17,14 +17,14 @@ nlohmann::json line_with(const std::string& text) {
   return nlohmann::json::parse(testing::internal::GetCapturedStderr());
 }
 
-TEST(Log, ALineIsOneJsonObjectWhateverItsTextsHold) {
+TEST(Log, WritesOneJsonObjectPerLineForAnyText) {
   const auto line = line_with("quote \" line\nfeed \x01 and \xff, which is not UTF-8");
   EXPECT_EQ(line["event"], "test");
   EXPECT_EQ(line["level"], "error");
   EXPECT_EQ(line["count"], 1);
 }
 
-TEST(Log, ALongTextIsCutOff) {
+TEST(Log, TruncatesLongText) {
   EXPECT_EQ(line_with(std::string(2048, 'x'))["reason"], std::string(2048, 'x'));
   EXPECT_EQ(line_with(std::string(1 << 20, 'x'))["reason"], std::string(2048, 'x') + "…");
   // The limit cuts a character of two bytes.
@@ -33,7 +33,7 @@ TEST(Log, ALongTextIsCutOff) {
   EXPECT_LT(cut.size(), 2060U);
 }
 
-TEST(Log, AnExceptionIsDescribedByItsTypeBecauseItsTextMayQuoteAnything) {
+TEST(Log, DescribesExceptionByTypeWithoutItsText) {
   EXPECT_EQ(log::describe(std::runtime_error("Key (email_key)=(somebody@example.org)")),
             "std::runtime_error");
   EXPECT_EQ(log::describe(std::system_error(2, std::generic_category(), "/scans/somebody")),
@@ -41,7 +41,7 @@ TEST(Log, AnExceptionIsDescribedByItsTypeBecauseItsTextMayQuoteAnything) {
   EXPECT_EQ(log::describe(log::SafeError("response over 1 MB")), "response over 1 MB");
 }
 
-TEST(LogDeathTest, AnExceptionThatNobodyCatchesIsLoggedWithoutItsText) {
+TEST(LogDeathTest, LogsUncaughtExceptionWithoutItsText) {
   const auto ends = [] {
     log::start("test");
     std::thread([] { throw std::runtime_error("somebody@example.org"); }).join();

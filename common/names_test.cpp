@@ -5,7 +5,7 @@
 namespace diaphane {
 namespace {
 
-TEST(Names, APlainNameIsOneInWhateverScript) {
+TEST(Names, AcceptsPlainNamesInAnyScript) {
   for (const char* name : {"", "Ann", "J\u00f6rg M\u00fcller-Lang", "J. R. Smith", "Dr. O'Neill",
                            "Zo\u00eb D\u2019Arcy", "\u674e\u5c0f\u9f8d", "\u0410\u043d\u043d\u0430",
                            "\u0645\u0631\u064a\u0645", "Louis 14", "\u0928\u0947\u0939\u093e"}) {
@@ -13,7 +13,7 @@ TEST(Names, APlainNameIsOneInWhateverScript) {
   }
 }
 
-TEST(Names, WhatCouldBeALinkAnAddressOrASentenceOfTheProductIsNone) {
+TEST(Names, RefusesNamesThatLookLikeLinksAddressesOrSentences) {
   for (const char* name : {"Your account ends. Go: http://evil.ex/x",
                            "evil.example",
                            "www.evil.example x",
@@ -39,7 +39,7 @@ TEST(Names, WhatCouldBeALinkAnAddressOrASentenceOfTheProductIsNone) {
   }
 }
 
-TEST(Names, ACleanNameHoldsNoCharacterThatIsNotSeen) {
+TEST(Names, CleanNameRemovesInvisibleCharacters) {
   EXPECT_EQ(clean_name(" Ann\u202e \u200b B\u2066 ", 40), "Ann B");
   EXPECT_EQ(clean_name("abcdef", 3), "abc");
 }

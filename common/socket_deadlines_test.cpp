@@ -29,7 +29,7 @@ struct Pair {
   int theirs = -1;
 };
 
-TEST(SocketDeadlines, EndsTheWaitForAPeerThatNeverAnswers) {
+TEST(SocketDeadlines, UnblocksReadAtTheDeadline) {
   SocketDeadlines deadlines;
   const Pair pair;
   const SocketDeadlines::Guard guard(deadlines, pair.ours, steady_clock::now() + 20ms);
@@ -38,7 +38,7 @@ TEST(SocketDeadlines, EndsTheWaitForAPeerThatNeverAnswers) {
   EXPECT_TRUE(guard.passed());
 }
 
-TEST(SocketDeadlines, AnEarlierDeadlineIsNotDelayedByALaterOne) {
+TEST(SocketDeadlines, LaterDeadlineDoesNotDelayAnEarlierOne) {
   SocketDeadlines deadlines;
   const Pair patient;
   const Pair hurried;
@@ -50,7 +50,7 @@ TEST(SocketDeadlines, AnEarlierDeadlineIsNotDelayedByALaterOne) {
   EXPECT_FALSE(later.passed());
 }
 
-TEST(SocketDeadlines, LeavesAConnectionAloneOnceItsGuardIsGone) {
+TEST(SocketDeadlines, DestroyedGuardDoesNotShutDownItsConnection) {
   SocketDeadlines deadlines;
   const Pair pair;
   const Pair other;
@@ -63,7 +63,7 @@ TEST(SocketDeadlines, LeavesAConnectionAloneOnceItsGuardIsGone) {
   EXPECT_EQ(recv(pair.ours, &byte, 1, 0), 1);
 }
 
-TEST(SocketDeadlines, ADescriptorNumberThatIsUsedAgainIsNotShutDown) {
+TEST(SocketDeadlines, DoesNotShutDownReusedDescriptor) {
   SocketDeadlines deadlines;
   Pair first;
   const SocketDeadlines::Guard guard(deadlines, first.ours, steady_clock::now() + 50ms);

@@ -27,7 +27,7 @@ class PostgresAddress : public testing::Test {
                                            "PGSERVICE", "PGSERVICEFILE", "PGSYSCONFDIR"};
 };
 
-TEST_F(PostgresAddress, ThisMachineNeedsNoTls) {
+TEST_F(PostgresAddress, AllowsLocalAddressesWithoutTls) {
   for (const char* url :
        {"postgresql://u:p@127.0.0.1:5432/d", "postgres://localhost/d", "postgresql://[::1]/d",
         "postgresql:///d", "", "dbname=d", "host=/run/postgresql dbname=d", "host=@abstract",
@@ -37,7 +37,7 @@ TEST_F(PostgresAddress, ThisMachineNeedsNoTls) {
   }
 }
 
-TEST_F(PostgresAddress, AnotherMachineIsRefusedInEverySpelling) {
+TEST_F(PostgresAddress, RefusesRemoteAddressesWithoutVerifiedTls) {
   for (const char* url :
        {"postgresql://u:p@10.0.0.1/d", "postgres://db.example.org:5432/d",
         "postgresql://u@/d?host=db.example.org", "postgresql:///d?hostaddr=10.0.0.1",
@@ -52,12 +52,12 @@ TEST_F(PostgresAddress, AnotherMachineIsRefusedInEverySpelling) {
   }
 }
 
-TEST_F(PostgresAddress, AnotherMachineIsUsedWhenItsCertificateIsChecked) {
+TEST_F(PostgresAddress, AllowsRemoteAddressesWithVerifiedTls) {
   EXPECT_TRUE(usable("postgresql://db.example.org/d?sslmode=verify-full"));
   EXPECT_TRUE(usable("host=db.example.org sslmode=verify-ca"));
 }
 
-TEST_F(PostgresAddress, TheEnvironmentCounts) {
+TEST_F(PostgresAddress, ReadsEnvironmentVariables) {
   setenv("PGHOST", "db.example.org", 1);
   EXPECT_FALSE(usable("dbname=d"));
   EXPECT_TRUE(usable("host=localhost dbname=d"));
@@ -69,7 +69,7 @@ TEST_F(PostgresAddress, TheEnvironmentCounts) {
   EXPECT_FALSE(usable("host=localhost"));
 }
 
-TEST_F(PostgresAddress, AServiceFileCounts) {
+TEST_F(PostgresAddress, ReadsServiceFile) {
   const std::string path = testing::TempDir() + "/diaphane_pg_service.conf";
   std::ofstream(path) << "[far]\nhost=db.example.org\n[safe]\nhost=db.example.org\n"
                          "sslmode=verify-full\n";
@@ -85,13 +85,13 @@ TEST_F(PostgresAddress, AServiceFileCounts) {
   EXPECT_STREQ(getenv("PGSERVICE"), "far");
 }
 
-TEST_F(PostgresAddress, WhatLibpqCannotReadIsRefusedWithoutQuotingIt) {
+TEST_F(PostgresAddress, ParseErrorDoesNotQuoteTheAddress) {
   const auto refused = may_be_used("postgresql://u:hidden@localhost/d?nonsense=1", false);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().message.find("hidden"), std::string::npos);
 }
 
-TEST_F(PostgresAddress, SettingsAreAddedToBothForms) {
+TEST_F(PostgresAddress, AddsSettingsToUrlsAndKeywordStrings) {
   EXPECT_EQ(
       with_settings("postgresql://u:p%27%5C@h/d?connect_timeout=9", {{"connect_timeout", "2"}}),
       R"(connect_timeout='2' dbname='d' host='h' password='p\'\\' user='u')");

@@ -5,7 +5,7 @@
 namespace diaphane::postgres {
 namespace {
 
-TEST(SqlFault, NamesStateConstraintAndStatementAndQuotesNothing) {
+TEST(SqlFault, ReportsStateConstraintAndStatementWithoutValues) {
   const pqxx::sql_error error(
       "ERROR:  duplicate key value violates unique constraint \"users_email_key_key\"\n"
       "DETAIL:  Key (email_key)=(somebody@example.org) already exists.\n",
@@ -16,7 +16,7 @@ TEST(SqlFault, NamesStateConstraintAndStatementAndQuotesNothing) {
             "transaction some_repository.cpp:12");
 }
 
-TEST(SqlFault, ReadsNoConstraintFromAMessageThatMayQuoteAValue) {
+TEST(SqlFault, IgnoresConstraintNamesThatMayBeValues) {
   EXPECT_EQ(constraint_in("ERROR:  invalid input syntax for type uuid: \"somebody\"", "22P02"), "");
   EXPECT_EQ(constraint_in("ERROR:  duplicate key\nDETAIL:  Key (name)=(\"somebody\")", "23505"),
             "");
@@ -24,7 +24,7 @@ TEST(SqlFault, ReadsNoConstraintFromAMessageThatMayQuoteAValue) {
   EXPECT_EQ(constraint_in("", "23505"), "");
 }
 
-TEST(SqlFault, StopsBeforeTheFirstValueOfAStatement) {
+TEST(SqlFault, TruncatesStatementBeforeItsFirstValue) {
   const pqxx::sql_error error("ERROR:  x", "SELECT 'somebody@example.org'", "42601");
   EXPECT_EQ(std::string(SqlFault(error, {"a.cpp", 1}).what()),
             "SQLSTATE 42601, statement SELECT, transaction a.cpp:1");

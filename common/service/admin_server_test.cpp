@@ -43,7 +43,7 @@ std::string get(std::uint16_t port, const std::string& path) {
   return fd < 0 ? "" : read_all(fd);
 }
 
-TEST(AdminServer, ReadinessFollowsItsChecksAndHealthDoesNot) {
+TEST(AdminServer, ReadinessFollowsChecksAndHealthDoesNot) {
   std::atomic<bool> database{true};
   const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options options;
@@ -65,7 +65,7 @@ TEST(AdminServer, ReadinessFollowsItsChecksAndHealthDoesNot) {
   EXPECT_NE(get(port, "/metrics").find("diaphane_start_time_seconds"), std::string::npos);
 }
 
-TEST(AdminServer, APortInUseIsAnErrorNotACrash) {
+TEST(AdminServer, ReportsOccupiedPort) {
   const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options first;
   first.port = claimed.number();
@@ -77,7 +77,7 @@ TEST(AdminServer, APortInUseIsAnErrorNotACrash) {
   EXPECT_EQ(b.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(AdminServer, UnfinishedRequestsDoNotKeepAProbeFromItsAnswer) {
+TEST(AdminServer, UnfinishedRequestsDoNotDelayProbes) {
   const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options options;
   options.port = claimed.number();
@@ -95,7 +95,7 @@ TEST(AdminServer, UnfinishedRequestsDoNotKeepAProbeFromItsAnswer) {
   for (const int fd : unfinished) EXPECT_EQ(read_all(fd), "") << "each of them is ended";
 }
 
-TEST(AdminServer, RefusesWhatIsNoProbe) {
+TEST(AdminServer, RefusesUnknownPathsMethodsAndOversizedRequests) {
   const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options options;
   options.port = claimed.number();
@@ -110,7 +110,7 @@ TEST(AdminServer, RefusesWhatIsNoProbe) {
   EXPECT_NE(get(port, "/healthz?a=b").find("200 OK"), std::string::npos);
 }
 
-TEST(AdminServer, StopsWithoutWaitingForALook) {
+TEST(AdminServer, StopsImmediately) {
   const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options options;
   options.port = claimed.number();

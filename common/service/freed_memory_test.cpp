@@ -28,7 +28,7 @@ bool still_there(const void* place, const std::string& wanted) {
   return mapped && found == wanted;
 }
 
-TEST(FreedMemory, HoldsNothingOfWhatItHeld) {
+TEST(FreedMemory, IsOverwritten) {
   if (kOwnAllocator) GTEST_SKIP() << "a sanitizer's allocator";
   overwrite_freed_memory();
   // Tests the middle of blocks in sizes that uploads and volumes use.

@@ -126,11 +126,11 @@ class GrpcTls : public ::testing::Test {
   Server server{with(server_files)};
 };
 
-TEST_F(GrpcTls, ConnectsBothSidesThatOneAuthorityHasSigned) {
+TEST_F(GrpcTls, ConnectsPeersOfTheSameAuthority) {
   EXPECT_TRUE(connects(server.address(), with(client_files, "renderd"), seconds(20)));
 }
 
-TEST_F(GrpcTls, RefusesAServerOfAnotherNameOrAuthority) {
+TEST_F(GrpcTls, RefusesServerWithWrongNameOrAuthority) {
   EXPECT_FALSE(connects(server.address(), with(client_files, "postgres")));
   EXPECT_FALSE(connects(server.address(), with(client_files))) << "it is not for 127.0.0.1";
   TlsFiles misled = client_files;
@@ -138,7 +138,7 @@ TEST_F(GrpcTls, RefusesAServerOfAnotherNameOrAuthority) {
   EXPECT_FALSE(connects(server.address(), with(misled, "renderd")));
 }
 
-TEST_F(GrpcTls, RefusesAServerThatHasExpiredSignedItselfOrIsNoServer) {
+TEST_F(GrpcTls, RefusesExpiredSelfSignedAndClientOnlyCertificates) {
   for (const TlsFiles& files :
        {ours.issue("expired", "DNS:renderd", -1), ours.issue_to_itself("itself", "DNS:renderd"),
         ours.issue("no-server", "DNS:renderd", 2, "clientAuth")}) {
@@ -150,7 +150,7 @@ TEST_F(GrpcTls, RefusesAServerThatHasExpiredSignedItselfOrIsNoServer) {
   EXPECT_TRUE(connects(right.address(), with(client_files, "renderd"), seconds(20)));
 }
 
-TEST_F(GrpcTls, ACertificateThatIsReplacedByAForeignOneIsNotTrustedAnyMore) {
+TEST_F(GrpcTls, DistrustsServerAfterItsCertificateIsReplacedByAForeignOne) {
   ASSERT_TRUE(connects(server.address(), with(client_files, "renderd"), seconds(20)));
   const TlsFiles foreign = others.issue("foreign", "DNS:renderd");
   std::filesystem::rename(foreign.key, server_files.key);
@@ -177,7 +177,7 @@ bool is_answered(const std::string& address, const InnerTls& tls) {
          !channel->WaitForStateChange(state, std::chrono::system_clock::now() + seconds(1));
 }
 
-TEST_F(GrpcTls, RefusesAClientOfAnotherAuthorityOrWithoutTls) {
+TEST_F(GrpcTls, RefusesClientOfAnotherAuthorityOrWithoutTls) {
   EXPECT_TRUE(is_answered(server.address(), with(client_files, "renderd")));
   TlsFiles foreign = others.issue("client", "DNS:api");
   foreign.ca = ours.path("ca.pem");
@@ -185,7 +185,7 @@ TEST_F(GrpcTls, RefusesAClientOfAnotherAuthorityOrWithoutTls) {
   EXPECT_FALSE(is_answered(server.address(), InnerTls{}));
 }
 
-TEST_F(GrpcTls, ARenewedCertificateIsTakenUpByARunningServer) {
+TEST_F(GrpcTls, ReloadsRenewedCertificate) {
   ASSERT_TRUE(connects(server.address(), with(client_files, "renderd"), seconds(20)));
   const TlsFiles renewed = ours.issue("renewed", "DNS:renamed");
   std::filesystem::rename(renewed.key, server_files.key);
@@ -193,7 +193,7 @@ TEST_F(GrpcTls, ARenewedCertificateIsTakenUpByARunningServer) {
   EXPECT_TRUE(connects(server.address(), with(client_files, "renamed"), seconds(4 * kLookedAt)));
 }
 
-TEST(PlainAddress, IsForThisMachineAloneUnlessSomebodySaysSo) {
+TEST(PlainAddress, AllowsOnlyLoopbackUnlessExplicitlyAllowed) {
   for (const char* here : {"127.0.0.1:1", "127.9.9.9", "localhost:80", "[::1]:80", "::1",
                            "unix:/run/diaphane/redis.sock"}) {
     EXPECT_TRUE(is_this_machine(here)) << here;
@@ -209,13 +209,13 @@ TEST(PlainAddress, IsForThisMachineAloneUnlessSomebodySaysSo) {
             std::string::npos);
 }
 
-TEST(PlainAddress, IsNoChannelToAnotherMachine) {
+TEST(PlainAddress, OpensNoPlainChannelToAnotherMachine) {
   const auto channel =
       open_channel("192.0.2.1:1", {}, channel_credentials({}), grpc::ChannelArguments());
   EXPECT_FALSE(channel->WaitForConnected(std::chrono::system_clock::now() + milliseconds(100)));
 }
 
-TEST(InnerTlsSettings, AreTakenTogetherAndFitTogether) {
+TEST(InnerTlsSettings, RefusesIncompleteOrMismatchedFiles) {
   const Authority ours;
   const TlsFiles one = ours.issue("one", "DNS:one"), two = ours.issue("two", "DNS:two");
   const auto mistakes = [](const TlsFiles& files) {
@@ -300,7 +300,7 @@ bool says_back(int local, std::size_t bytes) {
   return heard == said;
 }
 
-TEST(TlsTunnel, CarriesBothWaysToTheRightServer) {
+TEST(TlsTunnel, CarriesDataInBothDirections) {
   const Authority ours;
   const Echo server(ours.issue("server", "IP:127.0.0.1,DNS:localhost"));
   TlsTunnels tunnels(ours.issue("client", "DNS:api"));
@@ -311,7 +311,7 @@ TEST(TlsTunnel, CarriesBothWaysToTheRightServer) {
   }
 }
 
-TEST(TlsTunnel, IsNoneToAServerOfAnotherNameOrAuthority) {
+TEST(TlsTunnel, RefusesServerWithWrongNameOrAuthority) {
   const Authority ours, others;
   const TlsFiles client = ours.issue("client", "DNS:api");
   const Echo misnamed(ours.issue("server", "DNS:elsewhere,IP:127.0.0.2"));
@@ -324,7 +324,7 @@ TEST(TlsTunnel, IsNoneToAServerOfAnotherNameOrAuthority) {
   EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(TlsTunnel, IsNoneToAServerThatHasExpiredSignedItselfOrIsNoServer) {
+TEST(TlsTunnel, RefusesExpiredSelfSignedAndClientOnlyCertificates) {
   const Authority ours;
   const TlsFiles client = ours.issue("client", "DNS:api");
   for (const TlsFiles& files :
@@ -336,7 +336,7 @@ TEST(TlsTunnel, IsNoneToAServerThatHasExpiredSignedItselfOrIsNoServer) {
   }
 }
 
-TEST(TlsTunnel, EndsWhereOurCertificateIsNotTaken) {
+TEST(TlsTunnel, EndsWhenTheServerRefusesTheClientCertificate) {
   const Authority ours, others;
   const Echo server(ours.issue("server", "IP:127.0.0.1"));
   TlsFiles foreign = others.issue("client", "DNS:api");
@@ -346,7 +346,7 @@ TEST(TlsTunnel, EndsWhereOurCertificateIsNotTaken) {
   EXPECT_TRUE(!local || !says_back(*local, 10));
 }
 
-TEST(TlsTunnel, WaitsNoLongerThanItMay) {
+TEST(TlsTunnel, ConnectionAttemptTimesOut) {
   const Authority ours;
   asio::io_context io;
   tcp::acceptor silent(io, {asio::ip::make_address("127.0.0.1"), 0});
