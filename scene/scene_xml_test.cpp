@@ -38,7 +38,7 @@ std::string wrapped(const std::string& inside, const std::string& attributes = "
   return "<preset xmlns=\"urn:diaphane:preset\" " + attributes + ">" + inside + "</preset>";
 }
 
-TEST(PresetXml, GivesBackTheSameSceneExactly) {
+TEST(PresetXml, RoundTripsExactly) {
   const auto scene = whole_scene();
   ASSERT_TRUE(check_scene(scene, no_pictures));
   const std::string xml = preset_to_xml("Mine & yours", scene);
@@ -50,7 +50,7 @@ TEST(PresetXml, GivesBackTheSameSceneExactly) {
   EXPECT_EQ(preset_to_xml("Mine & yours", read->scene), xml);
 }
 
-TEST(PresetXml, KeepsWhatItDoesNotKnow) {
+TEST(PresetXml, PreservesUnknownElements) {
   const std::string foreign = wrapped(
       "<!-- of the clinic --><atlas region=\"knee\"><page>7</page></atlas>"
       "<transferFunction><channels tint=\"warm\"><name>a</name><opacity><value>1</value></opacity>"
@@ -74,7 +74,7 @@ TEST(PresetXml, KeepsWhatItDoesNotKnow) {
   EXPECT_EQ(preset_to_xml("New", third->scene, again), again);
 }
 
-TEST(PresetXml, NamesTheElementThatIsWrong) {
+TEST(PresetXml, NamesTheInvalidElement) {
   EXPECT_EQ(field_of_error(wrapped("<bounces>many</bounces>")), "bounces");
   EXPECT_EQ(field_of_error(wrapped("<bounces>-1</bounces>")), "bounces");
   EXPECT_EQ(field_of_error(wrapped("<bounces>1</bounces><bounces>2</bounces>")), "bounces");
@@ -90,7 +90,7 @@ TEST(PresetXml, NamesTheElementThatIsWrong) {
             "lights[0].environment.texture.picture");
 }
 
-TEST(PresetXml, OfALaterVersionSaysSo) {
+TEST(PresetXml, ReportsUnsupportedVersion) {
   EXPECT_EQ(field_of_error(wrapped("", "version=\"2\"")), "version");
   EXPECT_NE(preset_from_xml(wrapped("", "version=\"2\"")).error().message.find("newer"),
             std::string::npos);
@@ -100,7 +100,7 @@ TEST(PresetXml, OfALaterVersionSaysSo) {
   }
 }
 
-TEST(PresetXml, RefusesHostileDocumentsAtOnce) {
+TEST(PresetXml, RefusesHostileDocuments) {
   const std::string laughs =
       "<?xml version=\"1.0\"?><!DOCTYPE preset [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]>" +
       wrapped("<lights><name>&b;</name></lights>");
@@ -124,7 +124,7 @@ TEST(PresetXml, RefusesHostileDocumentsAtOnce) {
   }
 }
 
-TEST(PresetXml, RefusesWhatIsNotUtf8) {
+TEST(PresetXml, RefusesInvalidUtf8) {
   const std::string declared = "<?xml version=\"1.0\" comment=\"\xff\"?>";
   for (const std::string& bad :
        {wrapped("", "version=\"1\" name=\"\xe9\""), wrapped("<lights><name>\xff</name></lights>"),
@@ -135,7 +135,7 @@ TEST(PresetXml, RefusesWhatIsNotUtf8) {
   EXPECT_EQ(field_of_error(wrapped("<lights><name>&#x20AC; \xc3\xa9</name></lights>")), "none");
 }
 
-TEST(PresetXml, AnEntityIsNeverAnythingButText) {
+TEST(PresetXml, UnknownEntitiesStayText) {
   const auto read = preset_from_xml(wrapped("<lights><name>&file; &amp; &#65;</name></lights>"));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->scene.lights(0).name(), "&file; & A");

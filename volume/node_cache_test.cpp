@@ -98,7 +98,7 @@ class NodeCacheTest : public ::testing::Test {
   fs::path root_;
 };
 
-TEST_F(NodeCacheTest, WhatWasReadOnceIsReadFromTheCopyAlsoByAnotherProgram) {
+TEST_F(NodeCacheTest, LaterProcessReadsVolumeFromTheCopy) {
   store("a", 1);
   EXPECT_EQ(used(*cache(), "a"), noise(1).voxels);
   const auto later = cache();
@@ -113,7 +113,7 @@ TEST_F(NodeCacheTest, WhatWasReadOnceIsReadFromTheCopyAlsoByAnotherProgram) {
   EXPECT_EQ(later->counts().bytes, kBytes);
 }
 
-TEST_F(NodeCacheTest, ADamagedCopyIsRemovedAndTheStoreIsRead) {
+TEST_F(NodeCacheTest, RemovesDamagedCopyAndReadsTheStore) {
   store("a", 1);
   const auto cache = this->cache();
   for (const bool cut : {false, true}) {
@@ -133,7 +133,7 @@ TEST_F(NodeCacheTest, ADamagedCopyIsRemovedAndTheStoreIsRead) {
   EXPECT_EQ(cache->counts().hits, 0U);
 }
 
-TEST_F(NodeCacheTest, WhatIsErasedIsNotGivenOutAndItsCopyGoesWithTheSweep) {
+TEST_F(NodeCacheTest, ErasedVolumeIsNotFoundAndSweepRemovesItsCopy) {
   store("a", 1);
   store("b", 2);
   const auto cache = this->cache();
@@ -148,7 +148,7 @@ TEST_F(NodeCacheTest, WhatIsErasedIsNotGivenOutAndItsCopyGoesWithTheSweep) {
   EXPECT_EQ(cache->counts().erased, 1U);
 }
 
-TEST_F(NodeCacheTest, WhatIsReplacedIsReadAsItIsNowAndTheOldCopyGoes) {
+TEST_F(NodeCacheTest, ReadsReplacedVolumeAndSweepRemovesTheOldCopy) {
   store("a", 1);
   const auto cache = this->cache();
   used(*cache, "a");
@@ -166,7 +166,7 @@ TEST_F(NodeCacheTest, WhatIsReplacedIsReadAsItIsNowAndTheOldCopyGoes) {
   EXPECT_EQ(cache->counts().hits, 1U);
 }
 
-TEST_F(NodeCacheTest, ACopySaysNothingWithoutTheHeaderInTheStore) {
+TEST_F(NodeCacheTest, CopyIsUnreadableWithoutTheHeaderInTheStore) {
   Volume flat = noise(1);
   std::fill(flat.voxels.begin(), flat.voxels.end(), std::int16_t{0x4141});
   measure(flat);
@@ -187,7 +187,7 @@ TEST_F(NodeCacheTest, ACopySaysNothingWithoutTheHeaderInTheStore) {
   EXPECT_LT(chi, 367);
 }
 
-TEST_F(NodeCacheTest, TheBoundHoldsAndTheLeastRecentlyUsedGoes) {
+TEST_F(NodeCacheTest, EvictsLeastRecentlyUsedOverTheLimit) {
   for (const char* id : {"a", "b", "c"}) store(id, static_cast<unsigned>(id[0]));
   const auto cache = this->cache(2 * kBytes);
   used(*cache, "a");
@@ -202,7 +202,7 @@ TEST_F(NodeCacheTest, TheBoundHoldsAndTheLeastRecentlyUsedGoes) {
   EXPECT_EQ(small->counts().refused, 1U);
 }
 
-TEST(MakeRoom, TakesTheOldestThatAreNeededAndNeverWhatIsBeingWritten) {
+TEST(MakeRoom, EvictsOldestCopiesButNoUnfinishedOnes) {
   const std::vector<CachedCopy> copies = {
       {"new.sealed", 10, 9}, {"old.sealed", 10, 1}, {".tmp-x", 10, 0}};
   EXPECT_EQ(make_room(copies, 10, 40), std::vector<std::string>{});
@@ -212,7 +212,7 @@ TEST(MakeRoom, TakesTheOldestThatAreNeededAndNeverWhatIsBeingWritten) {
   EXPECT_EQ(make_room({}, 31, 30), std::nullopt);
 }
 
-TEST_F(NodeCacheTest, WhatAKilledWriterLeftGoesAndWhatALivingOneHasStays) {
+TEST_F(NodeCacheTest, SweepRemovesOnlyFilesOfDeadWriters) {
   const auto cache = this->cache();
   const std::string left = (root_ / "copies" / ".tmp-left").string();
   const std::string mine = (root_ / "copies" / ".tmp-mine").string();
@@ -224,7 +224,7 @@ TEST_F(NodeCacheTest, WhatAKilledWriterLeftGoesAndWhatALivingOneHasStays) {
   close(held);
 }
 
-TEST_F(NodeCacheTest, AFullDiskFailsNoRead) {
+TEST_F(NodeCacheTest, ReadSucceedsOnFullDisk) {
   store("a", 1);
   const auto cache = this->cache();
   // Uses a child process with a file size limit, which resembles a full disk without needing one.
@@ -245,7 +245,7 @@ TEST_F(NodeCacheTest, AFullDiskFailsNoRead) {
   EXPECT_EQ(used(*cache, "a"), noise(1).voxels) << "the folder went";
 }
 
-TEST_F(NodeCacheTest, SeveralProcessesShareAFolderAlsoWhenOneIsKilled) {
+TEST_F(NodeCacheTest, ProcessesShareAFolderEvenIfOneIsKilled) {
   constexpr int kVolumes = 6;
   for (int i = 0; i < kVolumes; ++i) store(std::to_string(i), static_cast<unsigned>(i));
   constexpr std::uint64_t kBound = 3 * kBytes;

@@ -57,7 +57,7 @@ std::int16_t at(const Volume& volume, std::uint32_t x, std::uint32_t y, std::uin
                                (y + std::size_t{volume.header.size[1]} * z)];
 }
 
-TEST(Region, EveryKeptVoxelIsBitExactAtItsPlaceAndEveryOtherIsAir) {
+TEST(Region, KeepsVoxelsInsideExactlyAndReplacesOthersByAir) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(0, 1), sign(-1, 1);
   const auto side = [&](std::uint32_t least, std::uint32_t range) {
@@ -128,7 +128,7 @@ TEST(Region, EveryKeptVoxelIsBitExactAtItsPlaceAndEveryOtherIsAir) {
   EXPECT_GT(cuts, 20);
 }
 
-TEST(Region, AllOfItIsKeptAsItIs) {
+TEST(Region, FullRegionKeepsVolumeUnchanged) {
   const Volume old = numbered({12, 11, 10}, {1, 1, 2});
   const auto left = cut_volume(old, {{-50, -50, -50}, {50, 50, 50}, {}});
   ASSERT_TRUE(left.has_value());
@@ -139,7 +139,7 @@ TEST(Region, AllOfItIsKeptAsItIs) {
   EXPECT_EQ(left->header.window_width, old.header.window_width);
 }
 
-TEST(Region, WhatWasCutAwayIsNeitherInTheVoxelsNorInTheirRange) {
+TEST(Region, RemovedValuesAreNeitherInVoxelsNorInTheirRange) {
   Volume old = numbered({16, 16, 16}, {1, 1, 1});
   old.voxels[old.voxels.size() - 1] = 32000;  // a gold tooth in the far corner
   measure(old);
@@ -150,7 +150,7 @@ TEST(Region, WhatWasCutAwayIsNeitherInTheVoxelsNorInTheirRange) {
   EXPECT_EQ(left->header.size, (std::array<std::uint32_t, 3>{10, 16, 16}));
 }
 
-TEST(Region, AirOfOtherThanCtIsItsLeastValue) {
+TEST(Region, AirIsTheMinimumUnlessCtReachesMinus1000) {
   Volume old = numbered({16, 16, 16}, {1, 1, 1});
   old.header.modality = Modality::kMr;
   EXPECT_EQ(plan_cut(old.header, {{-8, -8, -8}, {8, 8, 8}, {}})->air, old.header.minimum);
@@ -159,7 +159,7 @@ TEST(Region, AirOfOtherThanCtIsItsLeastValue) {
   EXPECT_EQ(plan_cut(old.header, {{-8, -8, -8}, {8, 8, 8}, {}})->air, -500);
 }
 
-TEST(Region, TooLittleIsRefused) {
+TEST(Region, RefusesRegionThatKeepsTooLittle) {
   const Volume old = numbered({16, 16, 16}, {1, 1, 1});
   EXPECT_FALSE(plan_cut(old.header, {{20, 20, 20}, {30, 30, 30}, {}}));
   EXPECT_FALSE(plan_cut(old.header, {{-8, -8, 0}, {8, 8, 3}, {}}));
@@ -167,7 +167,7 @@ TEST(Region, TooLittleIsRefused) {
   EXPECT_TRUE(plan_cut(old.header, {{-8, -8, -8}, {8, 8, 8}, {{{0, 0, 20}, {0, 0, 1}}}}));
 }
 
-TEST(Region, IsReadAndWrittenAsJson) {
+TEST(Region, RoundTripsThroughJson) {
   const Region region{{-1, -2.5, -3}, {1, 2, 3}, {{{0, 1, 0}, {0, -0.6, -0.8}}}};
   const auto again = region_from_json(to_json(region));
   ASSERT_TRUE(again.has_value());
@@ -178,7 +178,7 @@ TEST(Region, IsReadAndWrittenAsJson) {
   EXPECT_TRUE(region_from_json(R"({"box": {"low": [0, 0, 0], "high": [1, 1, 1]}})"));
 }
 
-TEST(Region, OfAnyOtherFormIsRefusedWithTheField) {
+TEST(Region, NamesTheInvalidField) {
   const std::string box = R"("box": {"low": [0, 0, 0], "high": [1, 1, 1]})";
   const std::pair<std::string, std::string> cases[] = {
       {"", "keep"},

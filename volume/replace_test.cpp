@@ -41,7 +41,7 @@ class Replace : public ::testing::Test {
   Volume old_, new_;
 };
 
-TEST_F(Replace, TheNewOneIsThereAndNothingOfTheOld) {
+TEST_F(Replace, ReplacesVolumeAndErasesTheOldOne) {
   const int held = open((place() + "/voxels.i16").c_str(), O_RDONLY);
   std::string hash_told;
   ASSERT_TRUE(replace(new_, place(), [&]() -> Result<void> {
@@ -57,7 +57,7 @@ TEST_F(Replace, TheNewOneIsThereAndNothingOfTheOld) {
   close(held);
 }
 
-TEST_F(Replace, ARefusalBeforeTheExchangeChangesNothing) {
+TEST_F(Replace, RefusalBeforeTheExchangeChangesNothing) {
   const auto done =
       replace(new_, place(), []() -> Result<void> { return fail(ErrorCode::kConflict, "no"); });
   ASSERT_FALSE(done.has_value());
@@ -66,7 +66,7 @@ TEST_F(Replace, ARefusalBeforeTheExchangeChangesNothing) {
   EXPECT_EQ(entries(), 1U);
 }
 
-TEST_F(Replace, WhatWasDeletedMeanwhileStaysDeleted) {
+TEST_F(Replace, DoesNotRestoreDeletedVolume) {
   const auto done = replace(new_, place(), [&]() -> Result<void> {
     fs::remove_all(place());
     return {};
@@ -78,7 +78,7 @@ TEST_F(Replace, WhatWasDeletedMeanwhileStaysDeleted) {
             ErrorCode::kNotFound);
 }
 
-TEST_F(Replace, AnOldOneThatAKilledWriterLeftIsSwept) {
+TEST_F(Replace, SweepRemovesOldVolumeOfKilledWriter) {
   // A writer that was killed after the exchange leaves the old volume under a temporary name.
   fs::rename(place(), store_ / ".tmp-a-0123456789abcdef");
   EXPECT_EQ(sweep_unfinished(store_.string()).value_or(0), 1U);

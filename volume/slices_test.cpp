@@ -47,7 +47,7 @@ constexpr std::array<double, 9> kIdentity{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /// Covers all 24 orientations in which a stored volume (determinant +1) can lie along the patient's
 /// axes. Every voxel appears in exactly one pixel of every plane, at its own position.
-TEST(Slices, AlongThePatientsAxesEachPixelIsTheVoxelThatLiesThere) {
+TEST(Slices, AxisAlignedPixelsEqualTheirVoxels) {
   int ways = 0;
   const std::array<std::array<std::size_t, 3>, 6> orders{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
@@ -99,7 +99,7 @@ TEST(Slices, AlongThePatientsAxesEachPixelIsTheVoxelThatLiesThere) {
   EXPECT_EQ(ways, 24);
 }
 
-TEST(Slices, LieAsARadiologistSeesThem) {
+TEST(Slices, FollowRadiologicalOrientation) {
   const Volume volume = numbered({6, 4, 5}, {1, 2, 3}, kIdentity);
   const SliceStack axial = plan_stack(volume.header, Plane::kAxial);
   EXPECT_EQ(axial.columns, 6U);
@@ -120,7 +120,7 @@ TEST(Slices, LieAsARadiologistSeesThem) {
 }
 
 /// Axes that were rounded when they were written still count as the patient's.
-TEST(Slices, OfAxesThatAreRoundedAreTheVoxels) {
+TEST(Slices, ToleratesRoundedAxes) {
   std::array<double, 9> direction = kIdentity;
   direction[1] = 3e-5;
   direction[3] = -3e-5;
@@ -135,7 +135,7 @@ TEST(Slices, OfAxesThatAreRoundedAreTheVoxels) {
 
 /// Every pixel, except where rounding decides, has the value of the voxel that contains its centre,
 /// and the minimum outside the box.
-TEST(Slices, OfAnObliqueVolumeHaveTheValueOfTheVoxelThatAPixelIsIn) {
+TEST(Slices, ObliquePixelsTakeTheVoxelThatContainsThem) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   for (int turn = 0; turn < 4; ++turn) {
@@ -184,7 +184,7 @@ TEST(Slices, OfAnObliqueVolumeHaveTheValueOfTheVoxelThatAPixelIsIn) {
   }
 }
 
-TEST(Slices, OfAnObliqueVolumeCoverItsBoxAndHaveABoundedSize) {
+TEST(Slices, ObliqueSlicesCoverTheBoxWithBoundedSize) {
   const double c = std::cos(0.5), s = std::sin(0.5);
   Header header;
   header.size = {2000, 2000, 3};
@@ -197,7 +197,7 @@ TEST(Slices, OfAnObliqueVolumeCoverItsBoxAndHaveABoundedSize) {
   EXPECT_DOUBLE_EQ(stack.next[2], 5);
 }
 
-TEST(Slices, ThatAreNotThereAreRefused) {
+TEST(Slices, RefusesIndexOutOfRange) {
   const Volume volume = numbered({3, 4, 5}, {1, 1, 1}, kIdentity);
   const SliceStack stack = plan_stack(volume.header, Plane::kAxial);
   EXPECT_TRUE(slice_of(volume, stack, 4));

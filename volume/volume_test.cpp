@@ -54,7 +54,7 @@ Volume ramp() {
 
 bool can_hash() { return content_hash("", 0).has_value(); }
 
-TEST_F(VolumeStore, WhatIsWrittenIsRead) {
+TEST_F(VolumeStore, RoundTrips) {
   Volume volume = ramp();
   ASSERT_TRUE(write(volume, at("a")).has_value());
   auto again = read(at("a"), can_hash());
@@ -73,7 +73,7 @@ TEST_F(VolumeStore, WhatIsWrittenIsRead) {
   EXPECT_EQ(entries(), 1u) << "nothing temporary stays";
 }
 
-TEST_F(VolumeStore, AChangedVoxelIsNoticed) {
+TEST_F(VolumeStore, DetectsChangedVoxel) {
   if (!can_hash()) GTEST_SKIP() << "no libsodium";
   Volume volume = ramp();
   ASSERT_TRUE(write(volume, at("a")).has_value());
@@ -87,7 +87,7 @@ TEST_F(VolumeStore, AChangedVoxelIsNoticed) {
   EXPECT_EQ(again.error().code, ErrorCode::kInternal);
 }
 
-TEST_F(VolumeStore, VoxelsThatDoNotFillTheSizeAreRefused) {
+TEST_F(VolumeStore, RefusesVoxelsThatDoNotMatchTheSize) {
   Volume volume = ramp();
   volume.voxels.pop_back();
   EXPECT_EQ(write(volume, at("a")).error().code, ErrorCode::kInvalid);
@@ -102,7 +102,7 @@ TEST_F(VolumeStore, VoxelsThatDoNotFillTheSizeAreRefused) {
   }
 }
 
-TEST_F(VolumeStore, AReaderSeesAWholeVolumeOrNone) {
+TEST_F(VolumeStore, ReaderSeesWholeVolumeOrNone) {
   // A reader runs concurrently with a writer. Every volume that it can open must be complete.
   constexpr int kRounds = 40;
   Volume big = ramp();
@@ -128,7 +128,7 @@ TEST_F(VolumeStore, AReaderSeesAWholeVolumeOrNone) {
   writer.join();
 }
 
-TEST_F(VolumeStore, AnExistingVolumeIsNeverReplaced) {
+TEST_F(VolumeStore, NeverOverwritesExistingVolume) {
   Volume volume = ramp();
   ASSERT_TRUE(write(volume, at("a")).has_value());
   EXPECT_EQ(write(volume, at("a")).error().code, ErrorCode::kConflict);
@@ -137,7 +137,7 @@ TEST_F(VolumeStore, AnExistingVolumeIsNeverReplaced) {
   EXPECT_EQ(entries(), 2u);
 }
 
-TEST_F(VolumeStore, APathWithoutAPlainNameIsRefused) {
+TEST_F(VolumeStore, RefusesPathWithoutPlainName) {
   Volume volume = ramp();
   for (const std::string name : {"", ".", "..", ".tmp-x", "a/.."}) {
     EXPECT_FALSE(write(volume, at(name)).has_value()) << name;
@@ -146,7 +146,7 @@ TEST_F(VolumeStore, APathWithoutAPlainNameIsRefused) {
   EXPECT_EQ(entries(), 0u);
 }
 
-TEST_F(VolumeStore, ALinkIsNotFollowed) {
+TEST_F(VolumeStore, DoesNotFollowSymbolicLinks) {
   Volume volume = ramp();
   ASSERT_TRUE(write(volume, at("a")).has_value());
   fs::rename(at("a/voxels.i16"), at("elsewhere"));
@@ -154,7 +154,7 @@ TEST_F(VolumeStore, ALinkIsNotFollowed) {
   EXPECT_FALSE(read(at("a"), false).has_value());
 }
 
-TEST_F(VolumeStore, TheSweepTakesWhatNoWriterHolds) {
+TEST_F(VolumeStore, SweepRemovesUnlockedTemporaryFolders) {
   fs::create_directories(at(".tmp-dead-1234"));
   std::ofstream(at(".tmp-dead-1234/voxels.i16")) << "half";
   fs::create_directories(at(".tmp-live-1234"));
@@ -171,7 +171,7 @@ TEST_F(VolumeStore, TheSweepTakesWhatNoWriterHolds) {
   EXPECT_FALSE(sweep_unfinished(at("missing")).has_value());
 }
 
-TEST(Measure, PercentilesAreTheValuesAtTheirRank) {
+TEST(Measure, PercentilesUseNearestRank) {
   Volume volume;
   volume.header.size = {1000, 1, 1};
   for (int i = 1; i <= 1000; ++i) volume.voxels.push_back(static_cast<std::int16_t>(1001 - i));
@@ -182,7 +182,7 @@ TEST(Measure, PercentilesAreTheValuesAtTheirRank) {
   EXPECT_EQ(volume.header.percentiles, expected);
 }
 
-TEST(Measure, TheWholeRangeOfValuesIsCounted) {
+TEST(Measure, CoversTheWholeInt16Range) {
   Volume volume;
   volume.header.size = {2, 1, 1};
   volume.voxels = {INT16_MIN, INT16_MAX};
@@ -191,7 +191,7 @@ TEST(Measure, TheWholeRangeOfValuesIsCounted) {
   EXPECT_EQ(volume.header.maximum, INT16_MAX);
 }
 
-TEST(Header, AHeaderThatWouldMirrorOrShearIsRefused) {
+TEST(Header, RefusesMirroringOrShearingDirections) {
   Header header = ramp().header;
   header.direction = {1, 0, 0, 0, 1, 0, 0, 0, -1};
   EXPECT_FALSE(check(header).has_value());
@@ -201,7 +201,7 @@ TEST(Header, AHeaderThatWouldMirrorOrShearIsRefused) {
   EXPECT_FALSE(check(header).has_value());
 }
 
-TEST(Header, SizesAndSpacingsOutOfRangeAreRefused) {
+TEST(Header, RefusesSizesAndSpacingsOutOfRange) {
   const Header good = ramp().header;
   Header header = good;
   header.size = {65535, 65535, 65535};
@@ -215,7 +215,7 @@ TEST(Header, SizesAndSpacingsOutOfRangeAreRefused) {
   }
 }
 
-TEST(Header, AnUnknownFieldIsRefused) {
+TEST(Header, RefusesUnknownFields) {
   // The header is an allow-list, so text with an unknown field, such as a patient's name, is
   // refused.
   std::string text = *to_json(ramp().header);
