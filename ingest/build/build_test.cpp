@@ -44,7 +44,7 @@ void expect_the_picture(const volume::Volume& v, const std::string& what) {
   }
 }
 
-TEST(BuildVolume, EveryVoxelIsWhereItsSliceSaysItIs) {
+TEST(BuildVolume, PlacesEveryVoxelAsItsSliceStates) {
   // For every patient position, and rows or columns in either direction: the place of a voxel in
   // the patient, computed from the volume's header, is the place in its slice.
   const std::array<double, 6> orientations[] = {
@@ -83,7 +83,7 @@ TEST(BuildVolume, EveryVoxelIsWhereItsSliceSaysItIs) {
   }
 }
 
-TEST(BuildVolume, ValuesAreHounsfieldUnitsUnderAnyPacking) {
+TEST(BuildVolume, DecodesHounsfieldUnitsFromEveryTransferSyntax) {
   for (const char* uid : {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2",
                           "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.5", "1.2.840.10008.1.2.4.70",
                           "1.2.840.10008.1.2.4.80", "1.2.840.10008.1.2.4.90"}) {
@@ -103,7 +103,7 @@ TEST(BuildVolume, ValuesAreHounsfieldUnitsUnderAnyPacking) {
             std::vector<std::string>{"the inverted (negative) image was converted back"});
 }
 
-TEST(BuildVolume, ANonLinearCompressionOfEightOrTwelveBitsIsClose) {
+TEST(BuildVolume, DecodesLossyJpegApproximately) {
   Options options = plain_ct();
   options.rows = options.columns = 32;
   options.series.transfer_syntax = "1.2.840.10008.1.2.4.51";  // JPEG, 12 bits
@@ -116,7 +116,7 @@ TEST(BuildVolume, ANonLinearCompressionOfEightOrTwelveBitsIsClose) {
   }
 }
 
-TEST(BuildVolume, HounsfieldUnitsAreClampedAndSaid) {
+TEST(BuildVolume, ClampsHounsfieldUnitsAndReportsIt) {
   Options options = plain_ct();
   options.series.slope = 20;
   options.series.intercept = -1000;
@@ -148,7 +148,7 @@ TEST(BuildVolume, RefusesAScaleThatClipsManyValues) {
   EXPECT_NE(v.error().message.find("scale"), std::string::npos);
 }
 
-TEST(BuildVolume, MrBeyondInt16IsHalvedAndSaid) {
+TEST(BuildVolume, HalvesMrValuesBeyondInt16AndReportsIt) {
   Options options = plain_ct();
   options.series.sop_class = "1.2.840.10008.5.1.4.1.1.4";
   options.series.modality = "MR";
@@ -168,7 +168,7 @@ TEST(BuildVolume, MrBeyondInt16IsHalvedAndSaid) {
   EXPECT_EQ(v->header.repairs.size(), 1u);
 }
 
-TEST(BuildVolume, ABrokenCompressedSliceIsAnErrorNotAPicture) {
+TEST(BuildVolume, BrokenCompressedSliceDoesNotChangeOtherSlices) {
   Options options = plain_ct();
   options.rows = options.columns = 32;
   options.series.transfer_syntax = "1.2.840.10008.1.2.4.70";
@@ -186,7 +186,7 @@ TEST(BuildVolume, ABrokenCompressedSliceIsAnErrorNotAPicture) {
   }
 }
 
-TEST(BuildVolume, NothingOfThePatientIsInTheHeader) {
+TEST(BuildVolume, HeaderContainsNoPatientData) {
   Options options = plain_ct();
   options.series.with_patient = true;
   auto v = built(files_of(options));
@@ -202,7 +202,7 @@ TEST(BuildVolume, NothingOfThePatientIsInTheHeader) {
   EXPECT_NE(json.find("contentHash"), std::string::npos);
 }
 
-TEST(ReadFolder, TheLargestSuitableSeriesIsTaken) {
+TEST(ReadFolder, ChoosesTheLargestSuitableSeries) {
   std::string folder = (fs::temp_directory_path() / "diaphane-folder-XXXXXX").string();
   ASSERT_NE(mkdtemp(folder.data()), nullptr);
   int n = 0;

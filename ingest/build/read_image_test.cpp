@@ -52,7 +52,7 @@ std::string mha(const std::string& type, const std::string& data,
          "\nElementDataFile = LOCAL\n" + data;
 }
 
-TEST_F(ReadImage, AMetaImageIsReadWithItsSpacing) {
+TEST_F(ReadImage, ReadsMetaImageWithItsSpacing) {
   auto v = read_image(put("a.mha", mha("MET_SHORT", voxels<std::int16_t>(-100))));
   ASSERT_TRUE(v.has_value()) << v.error().message;
   EXPECT_EQ(v->header.size, (std::array<std::uint32_t, 3>{4, 3, 2}));
@@ -64,14 +64,14 @@ TEST_F(ReadImage, AMetaImageIsReadWithItsSpacing) {
   EXPECT_TRUE(v->header.repairs.empty());
 }
 
-TEST_F(ReadImage, AxesOfAMetaImageAreOneAfterAnother) {
+TEST_F(ReadImage, ReadsMetaImageAxesInOrder) {
   // x goes to the back, y to the head, z to the left.
   auto v = read_image(put("a.mha", mha("MET_SHORT", voxels<std::int16_t>(), "0 1 0 0 0 1 1 0 0")));
   ASSERT_TRUE(v.has_value()) << v.error().message;
   EXPECT_EQ(v->header.direction, (std::array<double, 9>{0, 0, 1, 1, 0, 0, 0, 1, 0}));
 }
 
-TEST_F(ReadImage, LeftHandedAxesAreTurnedAndNotMirrored) {
+TEST_F(ReadImage, ReversesSlicesOfLeftHandedAxesWithoutMirroring) {
   auto v = read_image(put("a.mha", mha("MET_SHORT", voxels<std::int16_t>(), "1 0 0 0 1 0 0 0 -1")));
   ASSERT_TRUE(v.has_value()) << v.error().message;
   EXPECT_EQ(v->header.direction, (std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
@@ -79,7 +79,7 @@ TEST_F(ReadImage, LeftHandedAxesAreTurnedAndNotMirrored) {
   EXPECT_EQ(v->voxels[12], 0);
 }
 
-TEST_F(ReadImage, TypesBecomeInt16) {
+TEST_F(ReadImage, ConvertsTypesToInt16) {
   EXPECT_EQ(read_image(put("a.mha", mha("MET_UCHAR", voxels<std::uint8_t>(10))))->voxels[23], 230);
   EXPECT_EQ(read_image(put("b.mha", mha("MET_USHORT", voxels<std::uint16_t>(1000))))->voxels[23],
             23000);
@@ -87,7 +87,7 @@ TEST_F(ReadImage, TypesBecomeInt16) {
             std::lround(23 * 50.4));
 }
 
-TEST_F(ReadImage, WhatDoesNotFitIsScaledAndSaid) {
+TEST_F(ReadImage, ScalesValuesThatDoNotFitAndReportsIt) {
   auto v = read_image(put("a.mha", mha("MET_USHORT", voxels<std::uint16_t>(2800))));
   ASSERT_TRUE(v.has_value());
   EXPECT_EQ(v->voxels[23], 23 * 1400);
@@ -98,7 +98,7 @@ TEST_F(ReadImage, WhatDoesNotFitIsScaledAndSaid) {
   EXPECT_EQ(v->header.repairs.size(), 1u);
 }
 
-TEST_F(ReadImage, OtherTypesAndShapesAreRefusedInWords) {
+TEST_F(ReadImage, RefusesOtherTypesAndShapesWithAMessage) {
   const auto code = [&](const std::string& name, const std::string& bytes) {
     auto v = read_image(put(name, bytes));
     EXPECT_FALSE(v.has_value()) << name;
@@ -124,7 +124,7 @@ TEST_F(ReadImage, OtherTypesAndShapesAreRefusedInWords) {
   EXPECT_EQ(code("j.mha", huge), ErrorCode::kTooLarge);
 }
 
-TEST_F(ReadImage, AnMhdReadsItsRawFile) {
+TEST_F(ReadImage, ReadsRawFileOfAnMhd) {
   put("a.raw", voxels<std::int16_t>());
   std::string header = mha("MET_SHORT", "");
   header.replace(header.find("LOCAL"), 5, "a.raw");
@@ -157,7 +157,7 @@ std::string nifti(const std::array<float, 12>& rows, float slope = 0, std::int16
   return h + data;
 }
 
-TEST_F(ReadImage, NiftiIsBroughtFromRasToLps) {
+TEST_F(ReadImage, ConvertsNiftiFromRasToLps) {
   // x to the right, y to the front and z to the head are -x, -y, z in LPS, which is right-handed.
   auto v = read_image(put("a.nii", nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0})));
   ASSERT_TRUE(v.has_value()) << v.error().message;
@@ -167,7 +167,7 @@ TEST_F(ReadImage, NiftiIsBroughtFromRasToLps) {
   EXPECT_EQ(v->voxels[5], 5);
 }
 
-TEST_F(ReadImage, ALeftHandedNiftiIsNotMirrored) {
+TEST_F(ReadImage, DoesNotMirrorLeftHandedNifti) {
   // Stored with x to the left (radiological): voxel 0, 0, 0 is at the right, front, foot corner.
   auto v = read_image(put("a.nii", nifti({-0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0})));
   ASSERT_TRUE(v.has_value()) << v.error().message;
@@ -195,7 +195,7 @@ TEST_F(ReadImage, ALeftHandedNiftiIsNotMirrored) {
   EXPECT_EQ(neighbour({0, 0, 1}), 12);
 }
 
-TEST_F(ReadImage, NiftiMayBeCompressedAndScaled) {
+TEST_F(ReadImage, ReadsCompressedAndScaledNifti) {
   const std::string plain = nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0}, 20);
   const std::string path = (folder_ / "a.nii.gz").string();
   gzFile out = gzopen(path.c_str(), "wb");
@@ -206,7 +206,7 @@ TEST_F(ReadImage, NiftiMayBeCompressedAndScaled) {
   EXPECT_EQ(v->voxels[23], 460);
 }
 
-TEST_F(ReadImage, ANiftiInTimeIsRefused) {
+TEST_F(ReadImage, RefusesNiftiTimeSeries) {
   auto v = read_image(put("a.nii", nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0}, 0, 3)));
   ASSERT_FALSE(v.has_value());
   EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
@@ -236,7 +236,7 @@ std::string gzipped(const std::string& data, const fs::path& folder) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST_F(ReadImage, NrrdIsReadWithItsDirections) {
+TEST_F(ReadImage, ReadsNrrdWithItsDirections) {
   const std::string lps = "left-posterior-superior", turned = "(0,0.5,0) (0,0,0.7) (1.5,0,0)";
   for (const std::string encoding : {"raw", "gzip"}) {
     const std::string data = encoding == "raw" ? long_rows() : gzipped(long_rows(), folder_);
@@ -258,7 +258,7 @@ TEST_F(ReadImage, NrrdIsReadWithItsDirections) {
   EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
 }
 
-TEST_F(ReadImage, ANiftiThatIsCutOffIsRefused) {
+TEST_F(ReadImage, RefusesTruncatedNifti) {
   const std::string whole = nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0});
   EXPECT_FALSE(read_image(put("a.nii", whole.substr(0, 370))).has_value());
   const std::string packed = gzipped(whole, folder_);
@@ -266,7 +266,7 @@ TEST_F(ReadImage, ANiftiThatIsCutOffIsRefused) {
   EXPECT_FALSE(read_image(put("c.nii.gz", packed.substr(0, packed.size() - 30))).has_value());
 }
 
-TEST(ImageNames, AreKnownByTheirEnding) {
+TEST(ImageNames, AreRecognizedByTheirExtension) {
   for (const char* name : {"a.mha", "A.MHD", "x/y.nii", "b.nii.gz", "c.NRRD"})
     EXPECT_TRUE(is_image_name(name));
   for (const char* name : {"a", "mha", "a.gz", "a.dcm", "a.png", "nii.gz.txt"})

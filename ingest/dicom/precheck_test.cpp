@@ -45,7 +45,7 @@ std::string pixels(std::uint32_t length, const std::string& value) {
   return wide(0x7FE0, 0x10, "OW", length, value);
 }
 
-TEST(Precheck, APlainSliceIsFit) {
+TEST(Precheck, AcceptsPlainSlice) {
   const Precheck checked = check(header() + sizes(2, 3) + pixels(12, std::string(12, 'p')));
   EXPECT_EQ(checked.state, FileState::kFit) << checked.text;
   EXPECT_EQ(checked.rows, 2);
@@ -53,7 +53,7 @@ TEST(Precheck, APlainSliceIsFit) {
   EXPECT_TRUE(checked.has_pixels);
 }
 
-TEST(Precheck, PixelsStayInTheFileSoThatALargeOneIsNotHeldTwice) {
+TEST(Precheck, ReferencesPixelsWithoutCopyingThem) {
   const std::string file = header() + element(0x28, 8, "IS", "2 ") + sizes(2, 3) +
                            pixels(24, std::string(12, 'p') + std::string(12, 'q'));
   const Precheck checked = check(file);
@@ -69,7 +69,7 @@ TEST(Precheck, PixelsStayInTheFileSoThatALargeOneIsNotHeldTwice) {
   EXPECT_TRUE(frame_file(checked, 2).empty());
 }
 
-TEST(Precheck, ATinyFileThatClaimsAnEnormousPictureIsTooLarge) {
+TEST(Precheck, RefusesTinyFileThatDeclaresAnEnormousImage) {
   const std::string file =
       header() + element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2" + std::string(1, '\0')) +
       sizes(65535, 65535) + pixels(2, "xx");
@@ -77,7 +77,7 @@ TEST(Precheck, ATinyFileThatClaimsAnEnormousPictureIsTooLarge) {
   EXPECT_EQ(check(file).state, FileState::kTooLarge);
 }
 
-TEST(Precheck, FramesAndSamplesCannotOverflowTheProduct) {
+TEST(Precheck, ImageSizeDoesNotOverflow) {
   // 65535 x 65535 x 65535 x (2^63 - 1) x 8192 exceeds 64 bits and must not wrap around to a small
   // number.
   const std::string file = header() + element(0x28, 2, "US", u16(65535)) +
@@ -93,20 +93,20 @@ TEST(Precheck, FramesAndSamplesCannotOverflowTheProduct) {
   EXPECT_EQ(check(cubes).state, FileState::kTooLarge);
 }
 
-TEST(Precheck, ZerosBehindThePixelsAreNoDamage) {
+TEST(Precheck, AcceptsZerosAfterThePixels) {
   const std::string file = header() + sizes(2, 3) + pixels(12, std::string(12, 'p'));
   EXPECT_EQ(check(file + std::string(1001, '\0')).state, FileState::kFit);
   EXPECT_EQ(check(file + std::string(1000, '\0') + "x").state, FileState::kDamaged);
 }
 
-TEST(Precheck, PixelsThatAreNotAllThereAreDamage) {
+TEST(Precheck, RefusesMissingPixels) {
   EXPECT_EQ(check(header() + sizes(8, 8) + pixels(128, std::string(100, 'p'))).state,
             FileState::kDamaged);
   EXPECT_EQ(check(header() + sizes(8, 8) + pixels(100, std::string(100, 'p'))).state,
             FileState::kDamaged);
 }
 
-TEST(Precheck, EveryTruncationOfAFileIsNoticed) {
+TEST(Precheck, DetectsEveryTruncation) {
   // A truncated file is never fit with pixels, unless only data after the pixels is missing.
   Options options = plain_ct();
   options.series.with_patient = true;
@@ -135,14 +135,14 @@ std::string nested(int depth, bool undefined) {
   return inner;
 }
 
-TEST(Precheck, SequencesAreNestedAtMostSixteenDeep) {
+TEST(Precheck, LimitsSequenceNestingToSixteen) {
   for (const bool undefined : {false, true}) {
     EXPECT_EQ(check(header() + nested(16, undefined)).state, FileState::kFit);
     EXPECT_EQ(check(header() + nested(17, undefined)).state, FileState::kTooLarge);
   }
 }
 
-TEST(Precheck, ABombOfNestedSequencesIsRefusedWithoutACrash) {
+TEST(Precheck, RefusesNestedSequenceBombWithoutCrash) {
   // 4 MB of sequence starts, which crashed a reader that recurses.
   std::string bomb = header();
   const std::string one = wide(8, 0x1111, "SQ", 0xFFFFFFFF, item(0xFFFFFFFF));
@@ -157,7 +157,7 @@ TEST(Precheck, ABombOfNestedSequencesIsRefusedWithoutACrash) {
   EXPECT_EQ(check(unknown).state, FileState::kTooLarge);
 }
 
-TEST(Precheck, TooManyElementsAreRefused) {
+TEST(Precheck, RefusesTooManyElements) {
   std::string file = header();
   for (int i = 0; i < 120000; ++i) file += element(0x11, 0x1000 + (i & 0xFF), "LO", "");
   Limits limits;
@@ -165,7 +165,7 @@ TEST(Precheck, TooManyElementsAreRefused) {
   EXPECT_EQ(check(file, limits).state, FileState::kTooLarge);
 }
 
-TEST(Precheck, ALengthBeyondTheFileIsDamage) {
+TEST(Precheck, RefusesLengthBeyondTheFile) {
   EXPECT_EQ(check(header() + wide(8, 0x1111, "UT", 0x7FFFFFFF, "short")).state,
             FileState::kDamaged);
   EXPECT_EQ(check(header() + wide(8, 0x1111, "SQ", 0xFFFFFFF0, item(8))).state,
@@ -190,7 +190,7 @@ std::string deflated(const std::string& data) {
   return packed;
 }
 
-TEST(Precheck, ADeflateBombIsStoppedAtItsCap) {
+TEST(Precheck, StopsDeflateBombAtTheLimit) {
   Limits limits;
   limits.inflated_bytes = 1 << 20;
   const std::string bomb =
@@ -205,7 +205,7 @@ TEST(Precheck, ADeflateBombIsStoppedAtItsCap) {
   EXPECT_EQ(check(good.substr(0, good.size() - 3), limits).state, FileState::kDamaged);
 }
 
-TEST(Precheck, ACompressedPictureOfAnotherSizeIsDamage) {
+TEST(Precheck, RefusesCompressedImageOfAnotherSize) {
   // A header of 4 x 4 around a JPEG of 60000 x 60000, whose decoder would believe the JPEG.
   const std::string sof("\xFF\xD8\xFF\xC3\x00\x0B\x10\xEA\x60\xEA\x60\x01\x01\x11\x00", 15);
   const std::string scan("\xFF\xDA\x00\x08\x01\x01\x00\x01\x00\x00 data \xFF\xD9", 18);
@@ -237,7 +237,7 @@ TEST(Precheck, ACompressedPictureOfAnotherSizeIsDamage) {
   }
 }
 
-TEST(Precheck, RunLengthsUnpackToThePictureAndNoMore) {
+TEST(Precheck, RefusesRunLengthsThatDoNotMatchTheImageSize) {
   const auto file = [&](const std::string& frame, std::uint32_t segments) {
     std::string head = u32(segments) + u32(64) + u32(64 + static_cast<std::uint32_t>(frame.size()));
     head.resize(64);
@@ -256,7 +256,7 @@ TEST(Precheck, RunLengthsUnpackToThePictureAndNoMore) {
   EXPECT_EQ(check(file(run + run, 0xF0000002)).state, FileState::kDamaged);
 }
 
-TEST(Precheck, WhatCompressedFilesBecomeIsCounted) {
+TEST(Precheck, CountsBytesOfInflatedFiles) {
   const std::string packed =
       header("1.2.840.10008.1.2.1.99") + deflated(sizes(2, 3) + pixels(12, std::string(12, 'p')));
   EXPECT_EQ(check(packed).unpacked_bytes, (sizes(2, 3) + pixels(12, std::string(12, 'p'))).size());
@@ -268,7 +268,7 @@ TEST(Precheck, WhatCompressedFilesBecomeIsCounted) {
   EXPECT_GT(check(bomb, limits).unpacked_bytes, 0u) << "what it cost counts although it is refused";
 }
 
-TEST(Precheck, PixelsOfAnotherRepresentationAreDamage) {
+TEST(Precheck, RefusesPixelsWithAnotherValueRepresentation) {
   for (const char* vr : {"SQ", "UN", "UT"}) {
     EXPECT_EQ(check(header() + sizes(2, 3) + wide(0x7FE0, 0x10, vr, 12, item(4) + "1234")).state,
               FileState::kDamaged)
@@ -276,7 +276,7 @@ TEST(Precheck, PixelsOfAnotherRepresentationAreDamage) {
   }
 }
 
-TEST(Precheck, WhatCanBeUnderstoodInTwoWaysIsDamage) {
+TEST(Precheck, RefusesAmbiguousElements) {
   const std::string body = sizes(2, 3) + pixels(12, std::string(12, 'p'));
   EXPECT_EQ(check(header() + element(0x28, 0x10, "US", u16(2)) + body).state, FileState::kDamaged);
   EXPECT_EQ(check(header() + body + pixels(12, std::string(12, 'q'))).state, FileState::kDamaged);
@@ -285,7 +285,7 @@ TEST(Precheck, WhatCanBeUnderstoodInTwoWaysIsDamage) {
       FileState::kDamaged);
 }
 
-TEST(Precheck, PixelsOfWhichNothingIsSaidAreDamage) {
+TEST(Precheck, RefusesPixelsWithoutTheirDescription) {
   const std::string own = element(0x09, 0x10, "LO", "OF ITS OWN ");
   EXPECT_EQ(check(header() + own + pixels(2, "pq")).state, FileState::kDamaged);
   EXPECT_EQ(check(header() + own).state, FileState::kFit) << "no slice, and GDCM is not asked";
@@ -298,7 +298,7 @@ TEST(Precheck, PixelsOfWhichNothingIsSaidAreDamage) {
   EXPECT_EQ(check(header() + sizes(1, 1, 0) + pixels(2, "pq")).state, FileState::kDamaged);
 }
 
-TEST(Precheck, OtherFilesAreNotDicom) {
+TEST(Precheck, RecognizesFilesThatAreNotDicom) {
   for (const std::string file :
        {std::string(), std::string("x"), std::string(131, '\0'), std::string(5000, '\0'),
         std::string("\x89PNG\r\n\x1a\n and so on and on and on"),
@@ -336,7 +336,7 @@ std::string mutated(std::string file, std::mt19937& random) {
   return file;
 }
 
-TEST(Precheck, WhatPassesItAfterAnyChangeIsReadOrRefusedWithoutACrash) {
+TEST(Precheck, GdcmSurvivesMutatedFilesThatPass) {
   // 20 000 changed files. GDCM must survive every file that passes the pre-check, within this
   // process.
   std::mt19937 random(20261121);

@@ -29,7 +29,7 @@ std::string code_of(const Options& options) {
   return choice.code;
 }
 
-TEST(Case1, ARegularCtIsBuilt) {
+TEST(Case1, AcceptsRegularCt) {
   const Scan scan = scan_of(files_of(plain_ct()));
   const Assessment& a = only(scan);
   ASSERT_TRUE(a.suitable) << a.text;
@@ -44,7 +44,7 @@ TEST(Case1, ARegularCtIsBuilt) {
   EXPECT_EQ(plane_name(a.direction), "axial");
 }
 
-TEST(Case1, MrAndPtAreBuiltToo) {
+TEST(Case1, AcceptsMrAndPet) {
   Options options = plain_ct();
   options.series.sop_class = "1.2.840.10008.5.1.4.1.1.4";
   options.series.modality = "MR";
@@ -54,7 +54,7 @@ TEST(Case1, MrAndPtAreBuiltToo) {
   EXPECT_EQ(only(scan_of(files_of(options))).modality, volume::Modality::kPt);
 }
 
-TEST(Case2, JitterIsBuiltAndSaid) {
+TEST(Case2, AcceptsJitterAndReportsIt) {
   Options options = plain_ct();
   options.place = [](int z) { return 2.0 * z + (z % 2 == 1 && z < 19 ? 0.035 : 0); };
   const Scan scan = scan_of(files_of(options));
@@ -64,7 +64,7 @@ TEST(Case2, JitterIsBuiltAndSaid) {
   EXPECT_EQ(a.repairs.size(), 1u);
 }
 
-TEST(Case3, ObliqueSlicesKeepTheirDirection) {
+TEST(Case3, KeepsDirectionOfObliqueSlices) {
   Options options = plain_ct();
   const double c = std::cos(0.4), s = std::sin(0.4);
   options.series.orientation = {c, s, 0, 0, 0, -1};
@@ -76,7 +76,7 @@ TEST(Case3, ObliqueSlicesKeepTheirDirection) {
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(a.direction[i], expected[i], 1e-6) << i;
 }
 
-TEST(Case4, AGantryTiltIsStraightened) {
+TEST(Case4, CorrectsGantryTilt) {
   Options options = plain_ct();
   options.step = {0, std::tan(18.5 * M_PI / 180), 1};
   const Scan scan = scan_of(files_of(options));
@@ -88,7 +88,7 @@ TEST(Case4, AGantryTiltIsStraightened) {
   EXPECT_EQ(a.size, (std::array<std::uint32_t, 3>{12, 10 + 16, 20}));
 }
 
-TEST(Case5, AFewMissingSlicesAreFilledIn) {
+TEST(Case5, FillsFewMissingSlices) {
   Options options = plain_ct();
   options.slices = 38;
   options.place = [](int z) { return 2.0 * (z < 9 ? z : z + 2); };
@@ -100,7 +100,7 @@ TEST(Case5, AFewMissingSlicesAreFilledIn) {
   EXPECT_NE(a.repairs[0].find("2 slices were missing"), std::string::npos);
 }
 
-TEST(Case5, ManyAreRefusedWithTheirNumber) {
+TEST(Case5, RefusesManyMissingSlicesWithTheirNumber) {
   Options options = plain_ct();
   options.place = [](int z) { return 2.0 * (z < 9 ? z : z + 2); };
   const Scan scan = scan_of(files_of(options));
@@ -108,7 +108,7 @@ TEST(Case5, ManyAreRefusedWithTheirNumber) {
   EXPECT_NE(only(scan).text.find("2 slices are missing"), std::string::npos);
 }
 
-TEST(Case6, VaryingSpacingIsComputedAnewUnlessItVariesTooMuch) {
+TEST(Case6, ResamplesVaryingSpacingUnlessItVariesTooMuch) {
   Options options = plain_ct();
   options.place = [](int z) { return z < 10 ? 2.0 * z : 20 + 3.3 * (z - 10); };
   const Scan scan = scan_of(files_of(options));
@@ -120,7 +120,7 @@ TEST(Case6, VaryingSpacingIsComputedAnewUnlessItVariesTooMuch) {
   EXPECT_EQ(code_of(options), "varying_spacing");
 }
 
-TEST(Case7, ASliceThatIsThereTwiceIsKeptOnce) {
+TEST(Case7, KeepsDuplicateSliceOnce) {
   std::vector<std::string> files = files_of(plain_ct());
   files.push_back(files[4]);
   files.insert(files.begin(), files[11]);
@@ -132,7 +132,7 @@ TEST(Case7, ASliceThatIsThereTwiceIsKeptOnce) {
   EXPECT_NE(a.repairs[0].find("2 slices were duplicated"), std::string::npos);
 }
 
-TEST(Case7, OneIdentifierForDifferentSlicesIsRefused) {
+TEST(Case7, RefusesDifferentSlicesWithTheSameUid) {
   Options options = plain_ct();
   const std::string uid = new_uid();
   options.change = [&](int z, SeriesSpec&, SliceSpec& slice) {
@@ -141,7 +141,7 @@ TEST(Case7, OneIdentifierForDifferentSlicesIsRefused) {
   EXPECT_EQ(code_of(options), "repeated_identifier");
 }
 
-TEST(Case8, SeveralVolumesAtTheSamePlacesAreATimeSeries) {
+TEST(Case8, RefusesTimeSeries) {
   Options options = plain_ct();
   std::vector<std::string> files = files_of(options);
   const std::vector<std::string> second = files_of(options);
@@ -149,14 +149,14 @@ TEST(Case8, SeveralVolumesAtTheSamePlacesAreATimeSeries) {
   EXPECT_EQ(choose(scan_of(files)).code, "time_series");
 }
 
-TEST(Case9, AScoutAloneIsRefusedAsOne) {
+TEST(Case9, RefusesScout) {
   Options options = plain_ct();
   options.slices = 1;
   options.series.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER";
   EXPECT_EQ(code_of(options), "scout");
 }
 
-TEST(Case9, ScoutsInAGoodSeriesAreLeftOut) {
+TEST(Case9, SkipsScoutsInASuitableSeries) {
   Options options = plain_ct();
   std::vector<std::string> files = files_of(options);
   Options scout = options;
@@ -176,7 +176,7 @@ TEST(Case9, ScoutsInAGoodSeriesAreLeftOut) {
   EXPECT_NE(a.repairs[0].find("3 overview images"), std::string::npos);
 }
 
-TEST(Case10, RotatingProjectionsAreViewsNotSlices) {
+TEST(Case10, RefusesProjections) {
   Options options = plain_ct();
   options.change = [](int z, SeriesSpec& series, SliceSpec& slice) {
     const double angle = z * 0.3;
@@ -189,13 +189,13 @@ TEST(Case10, RotatingProjectionsAreViewsNotSlices) {
   EXPECT_EQ(code_of(options), "views_not_slices");
 }
 
-TEST(Case11, OnePositionRepeatedIsRefused) {
+TEST(Case11, RefusesRepeatedPosition) {
   Options options = plain_ct();
   options.place = [](int) { return 5.0; };
   EXPECT_EQ(code_of(options), "one_position");
 }
 
-TEST(Case12, SeveralPicturesInAFileThatDoesNotSayWhereTheyLieAreRefused) {
+TEST(Case12, RefusesMultiFrameFilesWithoutFramePositions) {
   Options options = plain_ct();
   options.slices = 16;
   options.change = [](int, SeriesSpec&, SliceSpec& slice) {
@@ -208,13 +208,13 @@ TEST(Case12, SeveralPicturesInAFileThatDoesNotSayWhereTheyLieAreRefused) {
   EXPECT_EQ(code_of(options), "no_position");
 }
 
-TEST(Case13, SlicesWithoutAPlaceAreRefused) {
+TEST(Case13, RefusesSlicesWithoutPosition) {
   Options options = plain_ct();
   options.series.with_geometry = false;
   EXPECT_EQ(code_of(options), "no_position");
 }
 
-TEST(Case14, TheLargestGroupOfOneSizeIsKept) {
+TEST(Case14, KeepsTheLargestGroupOfTheSameSize) {
   Options options = plain_ct();
   options.slices = 24;
   options.change = [](int z, SeriesSpec& series, SliceSpec&) {
@@ -232,7 +232,7 @@ TEST(Case14, TheLargestGroupOfOneSizeIsKept) {
   EXPECT_EQ(code_of(options), "mixed");
 }
 
-TEST(Case15, AScaleOfItsOwnForEachSliceIsTakenIntoOne) {
+TEST(Case15, UnifiesRescaleSlopesOfSlices) {
   Options options = plain_ct();
   options.series.sop_class = "1.2.840.10008.5.1.4.1.1.128";
   options.series.modality = "PT";
@@ -246,7 +246,7 @@ TEST(Case15, AScaleOfItsOwnForEachSliceIsTakenIntoOne) {
   EXPECT_EQ(code_of(options), "bad_rescale");
 }
 
-TEST(Scale, RefusesScalesThatNoScanHas) {
+TEST(Scale, RefusesImplausibleRescaleValues) {
   for (const double slope : {1e38, -1e38, 1e300, 1e-300}) {
     Options options = plain_ct();
     options.series.slope = slope;
@@ -257,7 +257,7 @@ TEST(Scale, RefusesScalesThatNoScanHas) {
   EXPECT_EQ(code_of(options), "bad_rescale");
 }
 
-TEST(Case18, ColourIsScreenshots) {
+TEST(Case18, RefusesColourImagesAsScreenshots) {
   Options options = plain_ct();
   options.series.photometric = "RGB";
   options.series.samples = 3;
@@ -272,7 +272,7 @@ TEST(Case18, ColourIsScreenshots) {
   EXPECT_EQ(code_of(options), "screenshots");
 }
 
-TEST(Case19, AnUnsupportedCompressionIsNamed) {
+TEST(Case19, NamesUnsupportedCompression) {
   std::vector<std::string> files = files_of(plain_ct());
   for (std::string& file : files) {
     // MPEG-2 replaces explicit little endian, with the same length.
@@ -287,7 +287,7 @@ TEST(Case19, AnUnsupportedCompressionIsNamed) {
   EXPECT_NE(choice.text.find("1.2.840.10008.1.2.9"), std::string::npos) << choice.text;
 }
 
-TEST(Case21, ATruncatedFileIsLeftOutAndThenASliceIsMissing) {
+TEST(Case21, CountsTruncatedFileAsMissingSlice) {
   std::vector<std::string> files = files_of(plain_ct());
   files[5].resize(files[5].size() / 2);  // slice 18 of 20
   const Scan one = scan_of(files);
@@ -301,7 +301,7 @@ TEST(Case21, ATruncatedFileIsLeftOutAndThenASliceIsMissing) {
   EXPECT_NE(choice.text.find("damaged"), std::string::npos) << choice.text;
 }
 
-TEST(Case21, ATruncatedFileAtTheEndOfTheStackIsSaid) {
+TEST(Case21, ReportsTruncatedFileAtTheEndOfTheStack) {
   Options options = plain_ct();
   std::vector<std::string> files = files_of(options);
   for (int n = 0; n < 20; ++n) {
@@ -313,7 +313,7 @@ TEST(Case21, ATruncatedFileAtTheEndOfTheStackIsSaid) {
   EXPECT_NE(choice.repairs[0].find("1 file was damaged"), std::string::npos);
 }
 
-TEST(Case22, WhatIsNoSliceIsNeverListed) {
+TEST(Case22, SkipsObjectsThatAreNotSlices) {
   const char* const others[] = {"1.2.840.10008.5.1.4.1.1.7",      // secondary capture
                                 "1.2.840.10008.5.1.4.1.1.88.67",  // dose report
                                 "1.2.840.10008.5.1.4.1.1.104.1",  // PDF
@@ -329,7 +329,7 @@ TEST(Case22, WhatIsNoSliceIsNeverListed) {
   }
 }
 
-TEST(Case23, TwoPatientsOfOneSeriesAreListedApart) {
+TEST(Case23, SeparatesPatientsWithinASeries) {
   Options options = plain_ct();
   std::vector<std::string> files = files_of(options);
   options.series.extra = {{0x0010, 0x0020, "LO", "another", {}}};
@@ -340,7 +340,7 @@ TEST(Case23, TwoPatientsOfOneSeriesAreListedApart) {
   EXPECT_TRUE(choose_largest(scan).suitable);
 }
 
-TEST(Case24, TooFewSlicesAreRefused) {
+TEST(Case24, RefusesTooFewSlices) {
   Options options = plain_ct();
   for (const int n : {1, 3, 15}) {
     options.slices = n;
@@ -353,7 +353,7 @@ TEST(Case24, TooFewSlicesAreRefused) {
   EXPECT_EQ(code_of(options), "too_few_slices") << "18 mm";
 }
 
-TEST(Case25, ASeriesOverTheQuotaIsRefused) {
+TEST(Case25, RefusesSeriesOverTheQuota) {
   ScanLimits limits;
   limits.most_voxels = 12 * 10 * 20 - 1;
   EXPECT_EQ(choose(scan_of(files_of(plain_ct()), limits)).code, "over_quota");
@@ -361,25 +361,25 @@ TEST(Case25, ASeriesOverTheQuotaIsRefused) {
   EXPECT_TRUE(choose(scan_of(files_of(plain_ct()), limits)).suitable);
 }
 
-TEST(Originals, ComputedPicturesAreRefused) {
+TEST(Originals, RefusesDerivedImages) {
   Options options = plain_ct();
   options.series.image_type = "DERIVED\\SECONDARY\\REFORMATTED";
   EXPECT_EQ(code_of(options), "not_original");
 }
 
-TEST(Scale, UnsignedCtWithoutAScaleIsRefused) {
+TEST(Scale, RefusesUnsignedCtWithoutRescale) {
   Options options = plain_ct();
   options.series.with_rescale = false;
   EXPECT_EQ(code_of(options), "no_rescale");
 }
 
-TEST(Nothing, IsSaidInWords) {
+TEST(EmptyInput, ReportsEmptyAndForeignInput) {
   EXPECT_EQ(choose(scan_of({})).code, "empty");
   EXPECT_EQ(choose(scan_of({"", "plain text, no picture", std::string(9000, 'x')})).code,
             "not_dicom");
 }
 
-TEST(Folder, SubfoldersAreReadAndLinksAreNot) {
+TEST(Folder, ReadsSubfoldersButNoLinks) {
   namespace fs = std::filesystem;
   std::string folder = (fs::temp_directory_path() / "diaphane-scan-XXXXXX").string();
   ASSERT_NE(mkdtemp(folder.data()), nullptr);

@@ -42,7 +42,7 @@ std::vector<Vec3> stack_of(const Axes& axes, int n, double spacing) {
   return positions;
 }
 
-TEST(Stack, OrderAndSpacingDoNotDependOnTheOrderOfFilesOrOnHowThePatientLies) {
+TEST(Stack, OrderAndSpacingAreIndependentOfFileOrderAndOrientation) {
   std::mt19937 random(7);
   for (int round = 0; round < 100; ++round) {
     const Axes axes = turned(random);
@@ -59,7 +59,7 @@ TEST(Stack, OrderAndSpacingDoNotDependOnTheOrderOfFilesOrOnHowThePatientLies) {
   }
 }
 
-TEST(Stack, JitterWithinTwoPercentIsBuiltWithTheMeanSpacing) {
+TEST(Stack, ToleratesJitterWithinTwoPercent) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> off(-0.0199 * 2, 0.0199 * 2);
   const Axes axes = turned(random);
@@ -74,7 +74,7 @@ TEST(Stack, JitterWithinTwoPercentIsBuiltWithTheMeanSpacing) {
   EXPECT_GT(stack.jitter, 0.001);
 }
 
-TEST(Stack, SmallStepsThatAddUpAreNoJitter) {
+TEST(Stack, DoesNotTreatAccumulatingDriftAsJitter) {
   // Each distance is within 2% of the mean, but slices in the middle are a full slice off their
   // place.
   std::mt19937 random(3);
@@ -107,7 +107,7 @@ void expect_every_slice_in_its_place(const Stack& stack, const std::vector<Vec3>
   }
 }
 
-TEST(Stack, FewSmallHolesAreFilledFromTheNeighbours) {
+TEST(Stack, FillsFewSmallGapsFromTheNeighbours) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
   std::vector<Vec3> positions = stack_of(axes, 60, 1.5);
@@ -121,7 +121,7 @@ TEST(Stack, FewSmallHolesAreFilledFromTheNeighbours) {
   expect_every_slice_in_its_place(stack, positions, axes);
 }
 
-TEST(Stack, MissingSlicesAreCounted) {
+TEST(Stack, CountsMissingSlices) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
   std::vector<Vec3> positions = stack_of(axes, 40, 1.5);
@@ -133,7 +133,7 @@ TEST(Stack, MissingSlicesAreCounted) {
   EXPECT_NE(stack.text.find("4 slices are missing"), std::string::npos) << stack.text;
 }
 
-TEST(Stack, TooLargeAHoleIsMissingSlicesHoweverFewTheyAre) {
+TEST(Stack, RefusesGapOfThreeSlices) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
   for (const int hole : {2, 3}) {
@@ -143,7 +143,7 @@ TEST(Stack, TooLargeAHoleIsMissingSlicesHoweverFewTheyAre) {
   }
 }
 
-TEST(Stack, VaryingDistancesAreComputedAnewAtTheSmallestThatCounts) {
+TEST(Stack, ResamplesVaryingSpacingToTheFinest) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
   // As in a head scan: fine below and twice as coarse above, without missing slices.
@@ -165,7 +165,7 @@ TEST(Stack, VaryingDistancesAreComputedAnewAtTheSmallestThatCounts) {
   EXPECT_EQ(arrange(positions, axes, kPixel).code, "varying_spacing");
 }
 
-TEST(Stack, ATiltIsMeasuredByPositionAndOrientation) {
+TEST(Stack, MeasuresGantryTilt) {
   std::mt19937 random(5);
   for (const double degrees : {0.2, 5.0, 18.5, -18.5}) {
     const Axes axes = turned(random);
@@ -191,7 +191,7 @@ TEST(Stack, ATiltIsMeasuredByPositionAndOrientation) {
   EXPECT_EQ(arrange(positions, axes, kPixel).code, "tilted") << "56 degrees is not a gantry tilt";
 }
 
-TEST(Stack, OneShiftedSliceIsRefused) {
+TEST(Stack, RefusesOneShiftedSlice) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
   std::vector<Vec3> positions = stack_of(axes, 30, 1);
@@ -199,7 +199,7 @@ TEST(Stack, OneShiftedSliceIsRefused) {
   EXPECT_EQ(arrange(positions, axes, kPixel).code, "shifted_slices");
 }
 
-TEST(Stack, RepeatedPositionsAreTimeOrAreUnclear) {
+TEST(Stack, ClassifiesRepeatedPositions) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
   std::vector<Vec3> twice = stack_of(axes, 30, 1);
@@ -212,7 +212,7 @@ TEST(Stack, RepeatedPositionsAreTimeOrAreUnclear) {
   EXPECT_EQ(arrange(std::vector<Vec3>(30, once[0]), axes, kPixel).code, "one_position");
 }
 
-TEST(Axes, EveryStackSortedAlongItsNormalIsRightHanded) {
+TEST(Axes, AreRightHanded) {
   std::mt19937 random(13);
   for (int round = 0; round < 50; ++round) {
     Axes given = turned(random);
@@ -225,7 +225,7 @@ TEST(Axes, EveryStackSortedAlongItsNormalIsRightHanded) {
   }
 }
 
-TEST(Axes, DirectionsThatAreNoneAreRefused) {
+TEST(Axes, RefusesInvalidDirections) {
   Axes axes;
   EXPECT_FALSE(make_axes({0, 0, 0, 0, 0, 0}, axes));
   EXPECT_FALSE(make_axes({1, 0, 0, 1, 0, 0}, axes));

@@ -37,7 +37,7 @@ void expect_the_picture(const Options& options, const std::string& what) {
   }
 }
 
-TEST(Values, EveryLayoutGivesTheSameHounsfieldUnits) {
+TEST(Values, EveryPixelLayoutGivesTheSameHounsfieldUnits) {
   for (const int is_signed : {0, 1}) {
     for (const int stored : {12, 13, 16}) {
       for (int high = stored - 1; high < 16; ++high) {
@@ -66,7 +66,7 @@ TEST(Values, EveryLayoutGivesTheSameHounsfieldUnits) {
   }
 }
 
-TEST(Values, BitsThatAreNotStoredAreCleared) {
+TEST(Values, ClearsBitsThatAreNotStored) {
   Slice slice;
   slice.rows = slice.columns = 1;
   slice.modality = volume::Modality::kMr;
@@ -77,7 +77,7 @@ TEST(Values, BitsThatAreNotStoredAreCleared) {
   EXPECT_EQ(to_values(std::as_bytes(std::span(negative)), {16, 12, 11, true}, slice).values[0], -1);
 }
 
-TEST(Values, PaddingInCtIsAir) {
+TEST(Values, CtPaddingBecomesAir) {
   Slice slice;
   slice.rows = 1;
   slice.columns = 3;
@@ -90,7 +90,7 @@ TEST(Values, PaddingInCtIsAir) {
   EXPECT_EQ(values, (std::vector<std::int32_t>{kAirHu, -1024, 476}));
 }
 
-TEST(Values, OfMrStayAsStored) {
+TEST(Values, MrValuesStayUnscaled) {
   Slice slice;
   slice.rows = 1;
   slice.columns = 2;
@@ -102,7 +102,7 @@ TEST(Values, OfMrStayAsStored) {
   EXPECT_EQ(values, (std::vector<std::int32_t>{7, 65535}));
 }
 
-TEST(Values, FormsThatAreNotHandledAreKnown) {
+TEST(Values, RefusesUnsupportedPixelLayouts) {
   EXPECT_TRUE(is_readable({8, 8, 7, false}));
   EXPECT_TRUE(is_readable({16, 12, 15, true}));
   for (const PixelLayout bad :
@@ -113,7 +113,7 @@ TEST(Values, FormsThatAreNotHandledAreKnown) {
   }
 }
 
-TEST(Values, ANegativeIsInverted) {
+TEST(Values, InvertsMonochrome1) {
   for (const int is_signed : {0, 1}) {
     Options options = plain_ct();
     options.series.photometric = "MONOCHROME1";
@@ -123,7 +123,7 @@ TEST(Values, ANegativeIsInverted) {
   }
 }
 
-TEST(Values, EveryTransferSyntaxGivesTheSamePicture) {
+TEST(Values, EveryTransferSyntaxGivesTheSameImage) {
   const char* const lossless[] = {
       "1.2.840.10008.1.2",       // implicit little endian
       "1.2.840.10008.1.2.1",     // explicit little endian
@@ -143,7 +143,7 @@ TEST(Values, EveryTransferSyntaxGivesTheSamePicture) {
   }
 }
 
-TEST(Values, AFileWithoutAHeaderIsReadAllTheSame) {
+TEST(Values, ReadsFileWithoutFileMetaHeader) {
   for (const char* uid : {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1"}) {
     Options options = plain_ct();
     options.series.transfer_syntax = uid;

@@ -103,7 +103,7 @@ int head_mr(const Vector& p) {
 
 const Vector kHeadSize{220, 260, 230};
 
-TEST(FindHead, AHeadInCtByItsBrainCase) {
+TEST(FindHead, RecognizesHeadInCtByItsBrainCase) {
   for (const double turn : {0.0, 0.2}) {
     const auto found = find_head(made(Modality::kCt, kHeadSize, head_ct, turn));
     EXPECT_TRUE(found.found);
@@ -112,7 +112,7 @@ TEST(FindHead, AHeadInCtByItsBrainCase) {
   }
 }
 
-TEST(FindHead, AHoleInTheSkullHidesNoHead) {
+TEST(FindHead, ToleratesHoleInTheSkull) {
   const auto found = find_head(made(Modality::kCt, kHeadSize, [](const Vector& p) {
     const bool hole = p[0] > 40 && std::abs(p[1]) < 25 && std::abs(p[2] - 40) < 25;
     return hole && head_ct(p) > 500 ? 30 : head_ct(p);
@@ -120,14 +120,14 @@ TEST(FindHead, AHoleInTheSkullHidesNoHead) {
   EXPECT_TRUE(found.found);
 }
 
-TEST(FindHead, AHeadInMrByItsShape) {
+TEST(FindHead, RecognizesHeadInMrByItsShape) {
   const auto found = find_head(made(Modality::kMr, kHeadSize, head_mr));
   EXPECT_TRUE(found.found);
   EXPECT_EQ(found.sign, "head_shape");
   EXPECT_TRUE(found.proposal.has_value());
 }
 
-TEST(FindHead, TheProposedCutTakesTheFaceAndKeepsTheBrain) {
+TEST(FindHead, ProposedCutRemovesTheFaceAndKeepsTheBrain) {
   for (const auto modality : {Modality::kCt, Modality::kMr}) {
     const Volume volume = made(modality, kHeadSize, modality == Modality::kCt ? head_ct : head_mr);
     const auto found = find_head(volume);
@@ -156,7 +156,7 @@ TEST(FindHead, TheProposedCutTakesTheFaceAndKeepsTheBrain) {
   }
 }
 
-TEST(FindHead, InCtTheCutFollowsAHeadThatNodsOrLooksAside) {
+TEST(FindHead, CutFollowsTiltedAndTurnedHeadsInCt) {
   for (const bool nods : {true, false}) {
     for (const double degrees : {-35.0, -20.0, 20.0, 35.0}) {
       const double c = std::cos(degrees * 0.0174533), s = std::sin(degrees * 0.0174533);
@@ -190,7 +190,7 @@ TEST(FindHead, InCtTheCutFollowsAHeadThatNodsOrLooksAside) {
   }
 }
 
-TEST(FindHead, OtherPartsOfTheBodyAreNone) {
+TEST(FindHead, FindsNoHeadInOtherBodyParts) {
   const Vector trunk{400, 300, 200};
   EXPECT_FALSE(find_head(made(Modality::kCt, trunk, abdomen_ct)).found);
   EXPECT_FALSE(find_head(made(Modality::kCt, trunk, pelvis_ct)).found);
@@ -205,7 +205,7 @@ TEST(FindHead, OtherPartsOfTheBodyAreNone) {
   EXPECT_FALSE(find_head(made(Modality::kMr, {200, 200, 300}, as_mr(limb_ct))).found);
 }
 
-TEST(FindHead, NothingIsNone) {
+TEST(FindHead, FindsNoHeadInEmptyVolume) {
   const auto empty =
       find_head(made(Modality::kCt, {100, 100, 100}, [](const Vector&) { return -1000; }));
   EXPECT_FALSE(empty.found);

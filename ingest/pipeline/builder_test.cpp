@@ -42,7 +42,7 @@ class BuilderTest : public ::testing::Test {
 
 constexpr const char* kRefuses = R"(printf '\n{"code":"scout","text":"A scout."}' >&5)";
 
-TEST_F(BuilderTest, AMissingFileIsGoneOnlyWhereOthersWereFound) {
+TEST_F(BuilderTest, MissingFileIsFinalOnlyIfTheDiskIsMounted) {
   child_does(kRefuses);
   builder_.emplace(options_);
   EXPECT_FALSE(build("missing")) << "nothing was ever found here";
@@ -64,7 +64,7 @@ TEST_F(BuilderTest, AMissingFileIsGoneOnlyWhereOthersWereFound) {
   EXPECT_TRUE(build());
 }
 
-TEST_F(BuilderTest, ACrashCountsAgainstTheInputOnlyOnceItIsRead) {
+TEST_F(BuilderTest, CrashIsAVerdictOnlyAfterTheInputWasRead) {
   child_does("kill -SEGV $$");
   builder_.emplace(options_);
   EXPECT_FALSE(build()) << "it had not begun";
@@ -74,7 +74,7 @@ TEST_F(BuilderTest, ACrashCountsAgainstTheInputOnlyOnceItIsRead) {
   EXPECT_EQ(crashed->verdict.code, "unreadable");
 }
 
-TEST_F(BuilderTest, AChildWithoutMemoryOrDiskGivesNoVerdict) {
+TEST_F(BuilderTest, ChildWithoutMemoryOrDiskGivesNoVerdict) {
   child_does(R"(printf '\n' >&5; exit 71)");
   builder_.emplace(options_);
   auto without = build();

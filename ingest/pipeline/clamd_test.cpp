@@ -130,7 +130,7 @@ Result<Clamd::Found> look(
   return found;
 }
 
-TEST(Clamd, IsShownTheContentOfEachFileByItself) {
+TEST(Clamd, ScansEachFileOfATarSeparately) {
   Listener clamd("stream: OK");
   const std::vector<std::string> contents{"one", std::string(700'000, 'x'), std::string(512, 'y')};
   const std::string tar = tar_of(contents);
@@ -141,7 +141,7 @@ TEST(Clamd, IsShownTheContentOfEachFileByItself) {
   EXPECT_EQ(clamd.streams.back().find_first_not_of('\0'), std::string::npos);
 }
 
-TEST(Clamd, IsShownEveryByteOfWhatIsNoTar) {
+TEST(Clamd, ScansEveryByteOfOtherInput) {
   for (const std::string& odd :
        {std::string("MZ no tar at all"), std::string(1000, '\0') + "behind the end",
         tar_of({"one"}).substr(0, 513), std::string(100, 'x') + tar_of({"shifted"})}) {
@@ -152,7 +152,7 @@ TEST(Clamd, IsShownEveryByteOfWhatIsNoTar) {
   }
 }
 
-TEST(Clamd, IsShownALongFileInPartsThatOverlap) {
+TEST(Clamd, ScansLongFilesInOverlappingParts) {
   std::string content(1'000'000, '\0');
   for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>(i * 7919 >> 8);
   const std::uint64_t most = 300'000;
@@ -169,13 +169,13 @@ TEST(Clamd, IsShownALongFileInPartsThatOverlap) {
   EXPECT_EQ(at, content.size());
 }
 
-TEST(Clamd, AFindIsAFind) {
+TEST(Clamd, ReportsInfection) {
   Listener clamd("stream: Some.Thing-1 FOUND");
   EXPECT_EQ(look(clamd.path(), tar_of({"a", "b"})), Clamd::Found::kInfected);
   EXPECT_EQ(clamd.streams.size(), 1u) << "the rest need not be looked at";
 }
 
-TEST(Clamd, WhatIsNoAnswerIsNeverTakenForClean) {
+TEST(Clamd, NeverReportsCleanWithoutACleanAnswer) {
   for (const char* answer :
        {"INSTREAM size limit exceeded. ERROR", "", "stream: OKAY", "UNKNOWN"}) {
     Listener clamd(answer);
@@ -190,7 +190,7 @@ TEST(Clamd, WhatIsNoAnswerIsNeverTakenForClean) {
   EXPECT_FALSE(look(std::string(300, 'x'), tar_of({"a"})));
 }
 
-TEST(Clamd, AStopIsHeardWhileItIsSilent) {
+TEST(Clamd, StopsWhileClamdIsSilent) {
   Listener silent("", Listener::Does::kSaysNothing);
   int asked = 0;
   EXPECT_EQ(look(silent.path(), tar_of({"a"}), 1 << 20, [&] { return ++asked < 3; }),

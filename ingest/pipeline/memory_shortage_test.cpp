@@ -44,17 +44,17 @@ class MemoryShortage : public ::testing::Test {
   }
 };
 
-TEST_F(MemoryShortage, AProcessBeyondItsOwnLimitGetsAnException) {
+TEST_F(MemoryShortage, ExceedingOwnLimitThrowsBadAlloc) {
   EXPECT_EQ(asks(900 * kMb, RLIMIT_AS, 600 * kMb), kRefused);
 }
 
 /// A limit on writable memory alone simulates a machine with too little memory.
-TEST_F(MemoryShortage, AProcessBelowItsLimitEndsWhenTheMachineHasNoMore) {
+TEST_F(MemoryShortage, ExitsWhenTheMachineIsOutOfMemory) {
   EXPECT_EQ(asks(900 * kMb, RLIMIT_DATA, 600 * kMb), kShort);
   EXPECT_EQ(asks(100 * kMb, RLIMIT_DATA, 600 * kMb), kGot);
 }
 
-TEST_F(MemoryShortage, SmallRequestsAtTheLimitAreToldApartToo) {
+TEST_F(MemoryShortage, DistinguishesSmallAllocationsAtTheLimitToo) {
   for (const auto& [resource, end] :
        {std::pair(RLIMIT_AS, kRefused), std::pair(RLIMIT_DATA, kShort)}) {
     const pid_t child = fork();

@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-TEST(MovedScene, EverythingInTheWorldGoesAlongAndTheLookStays) {
+TEST(MovedScene, MovesWorldPositionsAndKeepsTheLook) {
   const std::string before = R"({
     "transferFunction": {"channels": [{"name": "bone", "opacity": [{"value": 100}, {"value": 300, "opacity": 1}]}],
                          "extinctionPerMm": 2},
@@ -45,7 +45,7 @@ TEST(MovedScene, EverythingInTheWorldGoesAlongAndTheLookStays) {
   EXPECT_EQ(json::parse(*back)["clip"], old["clip"]);
 }
 
-TEST(MovedScene, WhatIsNoSceneIsSaidSo) {
+TEST(MovedScene, RefusesInvalidScene) {
   EXPECT_FALSE(moved_scene("{\"nothing\": 1}", {}));
   EXPECT_FALSE(moved_scene("", {}));
 }

@@ -30,7 +30,7 @@ ChildEnd shell(
   return end.value_or(ChildEnd());
 }
 
-TEST(Supervisor, AReportAndAnExitCodeComeBack) {
+TEST(Supervisor, ReturnsReportAndExitCode) {
   const ChildEnd end = shell("printf hello >&5; exit 3");
   EXPECT_EQ(end.how, How::kExited);
   EXPECT_EQ(end.exit_code, 3);
@@ -38,26 +38,26 @@ TEST(Supervisor, AReportAndAnExitCodeComeBack) {
   EXPECT_GT(end.peak_bytes, 100000u);
 }
 
-TEST(Supervisor, ACrashIsSeenAsOne) {
+TEST(Supervisor, ReportsCrashWithItsSignal) {
   const ChildEnd end = shell("kill -SEGV $$");
   EXPECT_EQ(end.how, How::kCrashed);
   EXPECT_EQ(end.signal, SIGSEGV);
 }
 
-TEST(Supervisor, WhatDoesNotEndIsEnded) {
+TEST(Supervisor, KillsChildAtTheTimeLimit) {
   const auto before = std::chrono::steady_clock::now();
   EXPECT_EQ(shell("trap '' TERM INT; while :; do :; done", std::chrono::milliseconds(300)).how,
             How::kTimedOut);
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(3));
 }
 
-TEST(Supervisor, AStopEndsTheChild) {
+TEST(Supervisor, StopRequestEndsTheChild) {
   int asked = 0;
   EXPECT_EQ(shell("while :; do :; done", std::chrono::seconds(20), [&] { return ++asked < 4; }).how,
             How::kStopped);
 }
 
-TEST(Supervisor, AnEndlessReportIsCutAndHurtsNobody) {
+TEST(Supervisor, TruncatesEndlessReport) {
   const ChildEnd end = shell("while :; do echo xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx >&5; done",
                              std::chrono::milliseconds(500));
   EXPECT_EQ(end.how, How::kTimedOut);
@@ -65,7 +65,7 @@ TEST(Supervisor, AnEndlessReportIsCutAndHurtsNobody) {
   EXPECT_FALSE(read_report(end.report).has_value());
 }
 
-TEST(Supervisor, NothingOfOurEnvironmentOrOpenFilesGetsToTheChild) {
+TEST(Supervisor, ChildInheritsNoEnvironmentAndNoDescriptors) {
   setenv("DIAPHANE_POSTGRES", "postgresql://user:secret@host", 1);
   const int leaked = open("/etc/hostname", O_RDONLY);  // on purpose without O_CLOEXEC
   const ChildEnd end = shell("{ export -p; ls -l /proc/self/fd; } >&5");
@@ -76,7 +76,7 @@ TEST(Supervisor, NothingOfOurEnvironmentOrOpenFilesGetsToTheChild) {
   EXPECT_NE(end.report.find("/dev/null"), std::string::npos) << "0 to 2 are open";
 }
 
-TEST(Supervisor, AProgramThatIsNotThereIsAnExitCode) {
+TEST(Supervisor, MissingProgramExitsWith127) {
   const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
   auto end =
       run_child({"/no/such/program", {}, null, null, std::chrono::seconds(5)}, [] { return true; });
@@ -85,7 +85,7 @@ TEST(Supervisor, AProgramThatIsNotThereIsAnExitCode) {
   EXPECT_EQ(end->exit_code, 127);
 }
 
-TEST(Report, WhatWasSaidIsUnderstood) {
+TEST(Report, RoundTrips) {
   Verdict verdict = refused("too_few_slices", "Too few slices: 3.");
   auto again = read_report(write_report(verdict));
   ASSERT_TRUE(again.has_value());
@@ -103,7 +103,7 @@ TEST(Report, WhatWasSaidIsUnderstood) {
   EXPECT_EQ(again->header.repairs, verdict.header.repairs);
 }
 
-TEST(Report, AChildThatWasTakenOverCannotSayWhatItLikes) {
+TEST(Report, RefusesReportsOfACompromisedChild) {
   for (const std::string bad :
        {std::string(), std::string("{"), std::string("[]"), std::string("{\"code\":\"x\"}"),
         std::string(R"({"code":"Robert'); DROP TABLE","text":"x"})"),

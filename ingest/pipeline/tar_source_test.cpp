@@ -57,7 +57,7 @@ std::vector<std::pair<std::size_t, std::string>> all(TarSource& source) {
   return found;
 }
 
-TEST(TarSource, TheSameFilesComeInTheSameOrderEachTime) {
+TEST(TarSource, VisitsFilesInTheSameOrderEachTime) {
   TarSource source(tar_of({{"a", "one"}, {"b", ""}, {"c", std::string(3000, 'c')}}), 1 << 20);
   const auto first = all(source);
   ASSERT_EQ(first.size(), 3u);
@@ -66,7 +66,7 @@ TEST(TarSource, TheSameFilesComeInTheSameOrderEachTime) {
   EXPECT_EQ(all(source), first);
 }
 
-TEST(TarSource, NamesAreNotTrustedAndOnlyRegularFilesCount) {
+TEST(TarSource, IgnoresNamesAndReadsOnlyRegularFiles) {
   TarSource source(tar_of({{"../../etc/passwd", "one"},
                            {"link", "", AE_IFLNK, "/etc/passwd"},
                            {"/absolute", "two"},
@@ -78,7 +78,7 @@ TEST(TarSource, NamesAreNotTrustedAndOnlyRegularFilesCount) {
   EXPECT_EQ(found[1].second, "two");
 }
 
-TEST(TarSource, OfAFileThatIsTooLargeOnlyTheBeginningIsRead) {
+TEST(TarSource, ReadsOnlyTheBeginningOfOversizedFiles) {
   TarSource source(tar_of({{"a", std::string(100000, 'a')}, {"b", "two"}}), 50000);
   const auto found = all(source);
   ASSERT_EQ(found.size(), 2u);
@@ -86,7 +86,7 @@ TEST(TarSource, OfAFileThatIsTooLargeOnlyTheBeginningIsRead) {
   EXPECT_EQ(found[1].second, "two");
 }
 
-TEST(TarSource, AnArchiveThatIsCutOffIsAnError) {
+TEST(TarSource, RefusesTruncatedArchive) {
   TarSource source(tar_of({{"a", std::string(5000, 'a')}, {"b", std::string(5000, 'b')}}, 7000),
                    1 << 20);
   auto done =
@@ -96,7 +96,7 @@ TEST(TarSource, AnArchiveThatIsCutOffIsAnError) {
   EXPECT_EQ(done.error().code, ErrorCode::kInvalid);
 }
 
-TEST(TarSource, ACompressedArchiveIsNoArchive) {
+TEST(TarSource, RefusesCompressedArchive) {
   // No filters, so that nobody can send a bomb as .tar.gz.
   const int fd = memfd_create("gz", MFD_CLOEXEC);
   ASSERT_EQ(write(fd, "\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03 and more of it", 26), 26);

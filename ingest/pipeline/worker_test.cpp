@@ -194,7 +194,7 @@ class WorkerTest : public ::testing::Test {
   FakeBuilder builder_;
 };
 
-TEST_F(WorkerTest, ASuccessKeepsTheVolumeAndRemovesTheOriginal) {
+TEST_F(WorkerTest, SuccessStoresVolumeAndRemovesUpload) {
   const Job job = put();
   auto w = worker();
   EXPECT_TRUE(w.work_once());
@@ -205,7 +205,7 @@ TEST_F(WorkerTest, ASuccessKeepsTheVolumeAndRemovesTheOriginal) {
   EXPECT_FALSE(w.work_once()) << "nothing waits";
 }
 
-TEST_F(WorkerTest, ARefusalRemovesTheOriginalToo) {
+TEST_F(WorkerTest, RefusalRemovesUpload) {
   builder_.verdict = refused("scout", "This is a scout.");
   const Job job = put();
   EXPECT_TRUE(worker().work_once());
@@ -214,7 +214,7 @@ TEST_F(WorkerTest, ARefusalRemovesTheOriginalToo) {
   EXPECT_FALSE(fs::exists(volume_of(job)));
 }
 
-TEST_F(WorkerTest, AResultIsHeldUntilPostgresIsBack) {
+TEST_F(WorkerTest, KeepsResultUntilPostgresIsAvailable) {
   const Job job = put();
   auto w = worker();
   builder_.takes = std::chrono::milliseconds(30);
@@ -226,7 +226,7 @@ TEST_F(WorkerTest, AResultIsHeldUntilPostgresIsBack) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, AJobThatNeverGetsMemoryIsGivenUpWithoutReading) {
+TEST_F(WorkerTest, GivesUpJobThatNeverGetsMemoryWithoutReadingIt) {
   const Job job = put(options_.most_attempts);
   EXPECT_TRUE(worker().work_once());
   EXPECT_EQ(builder_.builds, 0);
@@ -235,14 +235,14 @@ TEST_F(WorkerTest, AJobThatNeverGetsMemoryIsGivenUpWithoutReading) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, AJobThatWasInterruptedHoweverOftenIsBuilt) {
+TEST_F(WorkerTest, InterruptionsDoNotCountAsAttempts) {
   const Job job = put();
   jobs_.waiting.front().interruptions = 1000;
   EXPECT_TRUE(worker().work_once());
   EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
 }
 
-TEST_F(WorkerTest, AMissingFileIsWaitedForAndThenGivenUp) {
+TEST_F(WorkerTest, RetriesMissingFileAndThenGivesUp) {
   builder_.file_missing = true;
   const Job job = put();
   auto w = worker();
@@ -256,7 +256,7 @@ TEST_F(WorkerTest, AMissingFileIsWaitedForAndThenGivenUp) {
   EXPECT_EQ(jobs_.refusals[0].second, "upload_gone");
 }
 
-TEST_F(WorkerTest, AConditionThatPassesKeepsTheOriginalAndCountsNoAttempt) {
+TEST_F(WorkerTest, TransientFailureKeepsUploadAndCountsNoAttempt) {
   const std::pair<ErrorCode, WaitReason> cases[] = {{ErrorCode::kTooLarge, WaitReason::kRoom},
                                                     {ErrorCode::kOutOfMemory, WaitReason::kMemory},
                                                     {ErrorCode::kUnavailable, WaitReason::kService},
@@ -282,7 +282,7 @@ TEST_F(WorkerTest, AConditionThatPassesKeepsTheOriginalAndCountsNoAttempt) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, AStoreThatFailsKeepsTheOriginalUntilItIsBack) {
+TEST_F(WorkerTest, StoreFailureKeepsUploadUntilItRecovers) {
   const Job job = put();
   fs::remove(root_ / "volumes");
   auto w = worker();
@@ -295,7 +295,7 @@ TEST_F(WorkerTest, AStoreThatFailsKeepsTheOriginalUntilItIsBack) {
   EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
 }
 
-TEST_F(WorkerTest, PausesDoubleUpToALimit) {
+TEST_F(WorkerTest, BackoffDoublesUpToALimit) {
   Worker::Options options;
   EXPECT_EQ(Worker::pause_after(0, options), options.first_pause);
   EXPECT_EQ(Worker::pause_after(3, options), 8 * options.first_pause);
@@ -305,7 +305,7 @@ TEST_F(WorkerTest, PausesDoubleUpToALimit) {
   EXPECT_EQ(Worker::pause_for_memory(11, options), options.longest_pause_for_memory);
 }
 
-TEST_F(WorkerTest, AKilledChildIsTriedAgainAndGivenUpWhenItIsKilledEveryTime) {
+TEST_F(WorkerTest, RetriesKilledChildAndGivesUpAfterTheLastAttempt) {
   const Job job = put();
   auto w = worker();
   for (int i = 0; i < options_.most_attempts; ++i) {
@@ -322,7 +322,7 @@ TEST_F(WorkerTest, AKilledChildIsTriedAgainAndGivenUpWhenItIsKilledEveryTime) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, AVolumeThatIsTooLargeForTheLightWorkerIsLeftToTheOther) {
+TEST_F(WorkerTest, LightWorkerLeavesLargeVolumeToTheOther) {
   builder_.too_large = true;
   const Job job = put();
   EXPECT_TRUE(worker().work_once());
@@ -330,7 +330,7 @@ TEST_F(WorkerTest, AVolumeThatIsTooLargeForTheLightWorkerIsLeftToTheOther) {
   EXPECT_TRUE(original_there(job));
 }
 
-TEST_F(WorkerTest, AVolumeOverTheQuotaLeavesNothing) {
+TEST_F(WorkerTest, VolumeOverQuotaLeavesNoFiles) {
   jobs_.hold_at_finish = Hold::kOverQuota;
   const Job job = put();
   EXPECT_TRUE(worker().work_once());
@@ -338,7 +338,7 @@ TEST_F(WorkerTest, AVolumeOverTheQuotaLeavesNothing) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, ADataSetDeletedBeforeTheEndLeavesNothing) {
+TEST_F(WorkerTest, DataSetDeletedDuringBuildLeavesNoFiles) {
   jobs_.hold_at_finish = Hold::kDeleted;
   const Job job = put();
   EXPECT_TRUE(worker().work_once());
@@ -346,7 +346,7 @@ TEST_F(WorkerTest, ADataSetDeletedBeforeTheEndLeavesNothing) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, ALostLeaseStopsTheBuildAndTouchesNothing) {
+TEST_F(WorkerTest, LostLeaseStopsBuildAndKeepsUpload) {
   builder_.takes = std::chrono::seconds(20);
   jobs_.hold = Hold::kLost;
   const Job job = put();
@@ -356,7 +356,7 @@ TEST_F(WorkerTest, ALostLeaseStopsTheBuildAndTouchesNothing) {
   EXPECT_TRUE(jobs_.released.empty());
 }
 
-TEST_F(WorkerTest, ALeaseIsRenewedWhileBuilding) {
+TEST_F(WorkerTest, RenewsLeaseDuringBuild) {
   builder_.takes = std::chrono::milliseconds(120);
   put();
   EXPECT_TRUE(worker().work_once());
@@ -364,7 +364,7 @@ TEST_F(WorkerTest, ALeaseIsRenewedWhileBuilding) {
   EXPECT_EQ(jobs_.ready.size(), 1u);
 }
 
-TEST_F(WorkerTest, AStopGivesTheJobBackAfterTheGrace) {
+TEST_F(WorkerTest, StoppingReleasesTheJobAfterTheGracePeriod) {
   builder_.takes = std::chrono::seconds(20);
   const Job job = put();
   auto w = worker();
@@ -378,7 +378,7 @@ TEST_F(WorkerTest, AStopGivesTheJobBackAfterTheGrace) {
   EXPECT_TRUE(original_there(job));
 }
 
-TEST_F(WorkerTest, AVolumeThatAKilledClaimerLeftIsReplaced) {
+TEST_F(WorkerTest, ReplacesIncompleteVolumeOfKilledWorker) {
   const Job job = put();
   fs::create_directories(volume_of(job));
   std::ofstream(volume_of(job) / "voxels.i16") << "old";
@@ -417,7 +417,7 @@ class CutTest : public WorkerTest {
   }
 };
 
-TEST_F(CutTest, WhatIsLeftTakesThePlaceOfTheVolume) {
+TEST_F(CutTest, CutVolumeReplacesTheOriginal) {
   const Job job = order();
   EXPECT_TRUE(worker().work_once());
   EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
@@ -428,7 +428,7 @@ TEST_F(CutTest, WhatIsLeftTakesThePlaceOfTheVolume) {
   EXPECT_EQ(in_store(), 1U);
 }
 
-TEST_F(CutTest, AnOrderOfAVolumeThatIsNotThereAnyMoreCutsNothing) {
+TEST_F(CutTest, OrderForAnotherVolumeChangesNothing) {
   Job job = order();
   jobs_.waiting.front().cut->of = "blake2b:another";
   EXPECT_TRUE(worker().work_once());
@@ -437,7 +437,7 @@ TEST_F(CutTest, AnOrderOfAVolumeThatIsNotThereAnyMoreCutsNothing) {
   expect_old(job);
 }
 
-TEST_F(CutTest, WhatKeepsTooLittleCutsNothing) {
+TEST_F(CutTest, RegionThatKeepsTooLittleChangesNothing) {
   Job job = order();
   jobs_.waiting.front().cut->region = {};
   EXPECT_TRUE(worker().work_once());
@@ -445,7 +445,7 @@ TEST_F(CutTest, WhatKeepsTooLittleCutsNothing) {
   expect_old(job);
 }
 
-TEST_F(CutTest, AChildThatFailsCutsNothing) {
+TEST_F(CutTest, FailedChildChangesNothing) {
   const Job job = order();
   builder_.verdict = refused("too_large", "It needs too much.");
   EXPECT_TRUE(worker().work_once());
@@ -454,7 +454,7 @@ TEST_F(CutTest, AChildThatFailsCutsNothing) {
   expect_old(job);
 }
 
-TEST_F(CutTest, AFullDiskLeavesTheOldVolumeAndTheOrder) {
+TEST_F(CutTest, FullDiskKeepsTheOldVolumeAndTheOrder) {
   const Job job = order();
   builder_.failure = Error{ErrorCode::kTooLarge, "the disk is full", {}};
   auto w = worker();
@@ -468,7 +468,7 @@ TEST_F(CutTest, AFullDiskLeavesTheOldVolumeAndTheOrder) {
   EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
 }
 
-TEST_F(CutTest, OnlyWhoHoldsTheJobPutsTheNewOneInPlace) {
+TEST_F(CutTest, LostLeaseChangesNothing) {
   const Job job = order();
   jobs_.hold_at_note = Hold::kLost;
   EXPECT_TRUE(worker().work_once());
@@ -476,7 +476,7 @@ TEST_F(CutTest, OnlyWhoHoldsTheJobPutsTheNewOneInPlace) {
   expect_old(job);
 }
 
-TEST_F(CutTest, AnAttemptThatWasKilledAfterTheExchangeIsOnlyFinished) {
+TEST_F(CutTest, ResumesAttemptThatWasKilledAfterTheExchange) {
   Job job = order();
   volume::Volume left = *volume::cut_volume(stored(job), job.cut->region);
   ASSERT_TRUE(volume::replace(left, volume_of(job).string(), []() -> Result<void> { return {}; }));
@@ -490,7 +490,7 @@ TEST_F(CutTest, AnAttemptThatWasKilledAfterTheExchangeIsOnlyFinished) {
   EXPECT_EQ(in_store(), 1U);
 }
 
-TEST_F(CutTest, ADataSetDeletedBeforeTheEndLeavesNothing) {
+TEST_F(CutTest, DataSetDeletedDuringCutLeavesNoFiles) {
   const Job job = order();
   jobs_.hold_at_finish = Hold::kDeleted;
   EXPECT_TRUE(worker().work_once());

@@ -30,7 +30,7 @@ class Sample : public ::testing::Test {
   Cranium cranium_;
 };
 
-TEST_F(Sample, ThePatientLooksToTheFrontAndStandsUpright) {
+TEST_F(Sample, PatientFacesForwardAndStandsUpright) {
   const volume::Volume v = upright(cranium_);
   constexpr std::int16_t kSkin = -300, kBone = 500;
   // In a slice through the orbits, the nose is the part of the head farthest to the front (low y).
@@ -58,7 +58,7 @@ TEST_F(Sample, ThePatientLooksToTheFrontAndStandsUpright) {
   EXPECT_LT(at(v, 128, 128, 60), kBone) << "inside is brain";
 }
 
-TEST_F(Sample, TheMappedVolumeIsTheMatrixInItsOwnOrder) {
+TEST_F(Sample, MappedVolumeKeepsTheOrderOfTheMatrix) {
   const volume::Volume v = mapped(cranium_);
   EXPECT_EQ(v.header.minimum, 0);
   EXPECT_EQ(v.header.maximum, 30000);
@@ -68,7 +68,7 @@ TEST_F(Sample, TheMappedVolumeIsTheMatrixInItsOwnOrder) {
   }
 }
 
-TEST_F(Sample, TheSeriesInABundleBecomesTheSameVolumeVoxelByVoxel) {
+TEST_F(Sample, BundledSeriesBuildsTheIdenticalVolume) {
   const volume::Volume wanted = upright(cranium_);
   Bundle bundle;
   std::size_t with_canary = 0;
