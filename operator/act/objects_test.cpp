@@ -226,7 +226,7 @@ TEST(Objects, AFinalizerOfOthersStays) {
   EXPECT_EQ(without_finalizer(object)["metadata"]["finalizers"], Json::array({"other/one"}));
 }
 
-TEST(Durations, AreReadAsGoWritesThem) {
+TEST(Durations, ParsesGoDurations) {
   EXPECT_EQ(duration_of("90s"), 90);
   EXPECT_EQ(duration_of("1h30m"), 5400);
   EXPECT_EQ(duration_of("1m250ms"), 60.25);

@@ -29,13 +29,13 @@ std::vector<std::string> words(const std::vector<RetireStep>& steps) {
 
 using Words = std::vector<std::string>;
 
-TEST(Retire, InTimeTheFleetIsDeletedAndItsOperatorWaitedFor) {
+TEST(Retire, DeletesFleetAndWaitsForItsOperatorWithinTheGracePeriod) {
   EXPECT_EQ(words(retire_steps({object("skull", false, true), {}}, true)), Words{"delete skull"});
   EXPECT_EQ(words(retire_steps({object("skull", true, true), {}}, true)), Words{});
   EXPECT_EQ(words(retire_steps({std::nullopt, {object("a", false, true)}}, true)), Words{});
 }
 
-TEST(Retire, OutOfTimeWorkersAreLetGoOfAndThenTheFleet) {
+TEST(Retire, RemovesFinalizersOfWorkersAndThenOfTheFleetAfterTheGracePeriod) {
   const Remains left{object("skull", true, true),
                      {object("a", false, true), object("b", true, true), object("c", true, false)}};
   EXPECT_EQ(words(retire_steps(left, false)), (Words{"delete a", "let go b"}));
@@ -61,7 +61,7 @@ struct Shell {
   }
 };
 
-TEST(Retire, WhatAnOperatorDrainsInTimeIsNotTouched) {
+TEST(Retire, DoesNotInterfereWithTimelyDrain) {
   Shell shell;
   shell.put(200, object("skull", false, true));
   shell.put(200, Json::object());
@@ -73,7 +73,7 @@ TEST(Retire, WhatAnOperatorDrainsInTimeIsNotTouched) {
             (Words{"GET skull", "DELETE skull", "GET skull", "GET skull", "GET renderworkers"}));
 }
 
-TEST(Retire, AfterItsTimeOnlyWorkersOfThatFleetAreLetGoOfAndOnlyOfOurs) {
+TEST(Retire, RemovesOnlyOwnFinalizersOfThatFleetAfterTheGracePeriod) {
   Shell shell;
   shell.now = 0;
   shell.options.grace = 0;
@@ -100,7 +100,7 @@ TEST(Retire, AfterItsTimeOnlyWorkersOfThatFleetAreLetGoOfAndOnlyOfOurs) {
   EXPECT_EQ(sent["metadata"]["finalizers"], Json::array({"other/one"}));
 }
 
-TEST(Retire, WhatIsNotAllowedIsNotTriedForEver) {
+TEST(Retire, StopsWhenForbidden) {
   Shell shell;
   shell.put(200, object("skull", false, true));
   shell.put(403, {{"reason", "Forbidden"}, {"message", "cannot delete resource"}});

@@ -65,7 +65,7 @@ void expect_same(const Snapshot& a, const Snapshot& b) {
   EXPECT_EQ(a.index, b.index);
 }
 
-TEST_F(ObserverTest, WhatIsBroughtUpToDateIsWhatIsThere) {
+TEST_F(ObserverTest, IncrementalViewEqualsFullRebuild) {
   Random random(7);
   const auto some = [&](const char* kind) { return kind + std::to_string(random.below(6)); };
   Observer kept = stores_.observer();
@@ -105,7 +105,7 @@ TEST_F(ObserverTest, WhatIsBroughtUpToDateIsWhatIsThere) {
   }
 }
 
-TEST_F(ObserverTest, NothingIsCopiedWhileNothingChanges) {
+TEST_F(ObserverTest, CopiesNothingWhileNothingChanges) {
   stores_.workers.changed(worker("w", "n"));
   Observer kept = stores_.observer();
   const char* before = kept.look(1).world.workers[0].uid.data();
@@ -119,7 +119,7 @@ TEST_F(ObserverTest, NothingIsCopiedWhileNothingChanges) {
   EXPECT_EQ(kept.look(4).world.workers[0].uid, "u-w");
 }
 
-TEST_F(ObserverTest, GpusOfOthersAreThoseOfNowOnANodeThatComesLater) {
+TEST_F(ObserverTest, CountsForeignGpusOnNodesThatAppearLater) {
   Observer kept = stores_.observer();
   stores_.pods.changed(pod("x", "n", 3));
   EXPECT_TRUE(kept.look(1).world.nodes.empty());
@@ -129,7 +129,7 @@ TEST_F(ObserverTest, GpusOfOthersAreThoseOfNowOnANodeThatComesLater) {
   EXPECT_EQ(kept.look(3).world.nodes[0].foreign_gpus, 0);
 }
 
-TEST_F(ObserverTest, OnlyWhatSaysSomethingNewIsNews) {
+TEST_F(ObserverTest, ReportsOnlyRelevantChanges) {
   EXPECT_TRUE(stores_.workers.changed(worker("w", "n")));
   EXPECT_FALSE(stores_.workers.changed(*stores_.workers.find("w"))) << "told twice";
   WorkerObject again = *stores_.workers.find("w");

@@ -50,7 +50,7 @@ TEST(TelemetryOfRedis, TakesAgesNotTimesFromItsClock) {
   EXPECT_EQ(reading.demand[0].last_used, 90);
 }
 
-TEST(TelemetryOfRedis, AllPagesAreOneReadingAndWhoComesTwiceCountsOnce) {
+TEST(TelemetryOfRedis, MergesPagesAndCountsEachWorkerOnce) {
   const WorkerReport of_v{.owner = "skull/v/1", .sessions = 1, .used = 1};
   const WorkerReport of_w{.owner = "skull/w/3", .sessions = 2, .used = 2};
   const WorkerReport before{.owner = "skull/w/2", .sessions = 4, .used = 4};
@@ -65,7 +65,7 @@ TEST(TelemetryOfRedis, AllPagesAreOneReadingAndWhoComesTwiceCountsOnce) {
   EXPECT_EQ(reading.demand[0].sampled, 101);
 }
 
-TEST(TelemetryOfRedis, WhoIsOfNoFleetIsLeftOut) {
+TEST(TelemetryOfRedis, SkipsWorkersWithoutAFleet) {
   for (const char* owner : {"", "x", "x/y", "/"}) {
     const Reading reading = read({page({{.owner = owner}, {.owner = "skull/w/3"}})});
     ASSERT_EQ(reading.telemetry.size(), 1U) << owner;
@@ -73,7 +73,7 @@ TEST(TelemetryOfRedis, WhoIsOfNoFleetIsLeftOut) {
   }
 }
 
-TEST(TelemetryBook, KeepsTheLastSampleOfWhoHasGoneSilent) {
+TEST(TelemetryBook, KeepsTheLastSampleOfSilentWorkers) {
   TelemetryBook book;
   World world;
   world.workers.emplace_back().uid = "w";
@@ -93,7 +93,7 @@ TEST(TelemetryBook, KeepsTheLastSampleOfWhoHasGoneSilent) {
   EXPECT_TRUE(world.telemetry.empty());
 }
 
-TEST(TelemetryBook, ListensAnewAfterAGap) {
+TEST(TelemetryBook, RestartsListeningTimeAfterAGap) {
   TelemetryBook book;
   const auto since = [&] {
     World world;

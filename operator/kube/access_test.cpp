@@ -26,7 +26,7 @@ class AccessTest : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(AccessTest, OfAPodIsWhatKubernetesMountedThere) {
+TEST_F(AccessTest, ReadsInClusterConfiguration) {
   write("namespace", "clinic\n");
   const auto access = access_of_pod(
       {{"KUBERNETES_SERVICE_HOST", "fd00::1"}, {"KUBERNETES_SERVICE_PORT", "6443"}}, folder_);
@@ -37,7 +37,7 @@ TEST_F(AccessTest, OfAPodIsWhatKubernetesMountedThere) {
   EXPECT_FALSE(access_of_pod({}, folder_));
 }
 
-TEST_F(AccessTest, ATokenIsReadAgainAfterAMinuteOrWhenItIsRefused) {
+TEST_F(AccessTest, ReloadsTokenAfterAMinuteOrARefusal) {
   write("token", "one\n");
   Token token(folder_ + "/token");
   const Token::Time begin{};
@@ -52,7 +52,7 @@ TEST_F(AccessTest, ATokenIsReadAgainAfterAMinuteOrWhenItIsRefused) {
   EXPECT_EQ(token.at(begin + 10min), "three");
 }
 
-TEST(Times, AreReadAndWrittenAsKubernetesHasThem) {
+TEST(Times, ParseAndFormatRfc3339) {
   EXPECT_EQ(time_text(0.25), "1970-01-01T00:00:00.250000Z");
   EXPECT_EQ(time_text(0.99999999), "1970-01-01T00:00:01.000000Z");
   EXPECT_EQ(time_of("2026-11-22T15:04:05Z"), 1795359845.0);
@@ -62,7 +62,7 @@ TEST(Times, AreReadAndWrittenAsKubernetesHasThem) {
   EXPECT_NEAR(*time_of(time_text(1795359845.123456)), 1795359845.123456, 1e-6);
 }
 
-TEST(ApiErrors, KeepTheReasonThatTheServerGave) {
+TEST(ApiErrors, KeepTheReasonOfTheServer) {
   const Error error =
       error_of(409, {{"reason", "AlreadyExists"}, {"message", "pods \"a\" already exists"}});
   EXPECT_EQ(error.code, ErrorCode::kConflict);

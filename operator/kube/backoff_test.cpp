@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 using Time = Backoff::Time;
 
-TEST(Backoff, DoublesUpToItsLongest) {
+TEST(Backoff, DoublesUpToItsMaximum) {
   Backoff backoff;
   std::chrono::milliseconds expected = 800ms;
   Time now{};
@@ -20,7 +20,7 @@ TEST(Backoff, DoublesUpToItsLongest) {
   EXPECT_EQ(expected, 30s);
 }
 
-TEST(Backoff, BeginsAnewAfterTwoMinutesWithoutAFailure) {
+TEST(Backoff, ResetsAfterTwoMinutesWithoutFailure) {
   Backoff backoff;
   Time now{};
   for (int i = 0; i < 8; ++i) backoff.next(now, 0);
@@ -28,7 +28,7 @@ TEST(Backoff, BeginsAnewAfterTwoMinutesWithoutAFailure) {
   EXPECT_EQ(backoff.next(now + 119s + 120s, 0), 800ms);
 }
 
-TEST(Backoff, AddsUpToAsMuchAgain) {
+TEST(Backoff, AddsJitterWithoutDoublingIt) {
   Backoff one;
   EXPECT_EQ(one.next({}, 0.5), 1200ms);
   // Jitter is not doubled with the delay.

@@ -12,7 +12,7 @@ Happened draining(const std::string& uid, const std::string& message) {
   return {"RenderWorker", "w-" + uid, uid, "Draining", message, false};
 }
 
-TEST(EventLog, TheSameAgainIsOneEventWithACountWrittenEveryTenSeconds) {
+TEST(EventLog, AggregatesRepeatedEventsAndWritesTheCountEveryTenSeconds) {
   EventLog log("run");
   const auto first = log.note(draining("1", "x"), Time{});
   ASSERT_TRUE(first);
@@ -29,7 +29,7 @@ TEST(EventLog, TheSameAgainIsOneEventWithACountWrittenEveryTenSeconds) {
   EXPECT_EQ(count, 61);
 }
 
-TEST(EventLog, AnotherObjectOrMessageIsAnotherEvent) {
+TEST(EventLog, SeparatesEventsByObjectAndMessage) {
   EventLog log("run");
   const auto a = log.note(draining("1", "x"), Time{});
   const auto b = log.note(draining("2", "x"), Time{});
@@ -39,7 +39,7 @@ TEST(EventLog, AnotherObjectOrMessageIsAnotherEvent) {
   EXPECT_NE(a->name, c->name);
 }
 
-TEST(EventLog, OneObjectCannotFloodTheCluster) {
+TEST(EventLog, RateLimitsEventsPerObject) {
   EventLog log("run");
   int written = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -50,7 +50,7 @@ TEST(EventLog, OneObjectCannotFloodTheCluster) {
   EXPECT_TRUE(log.note(draining("2", "x"), Time{}));
 }
 
-TEST(EventLog, ForgetsWhatIsLongAgo) {
+TEST(EventLog, ForgetsOldEvents) {
   EventLog log("run");
   for (int i = 0; i < 100; ++i) log.note(draining(std::to_string(i), "x"), Time{});
   EXPECT_EQ(log.remembered(), 100U);

@@ -76,7 +76,7 @@ class InformerTest : public testing::Test {
   std::unique_ptr<Informer<Thing>> informer_;
 };
 
-TEST_F(InformerTest, ListsPageByPageAndWatchesFromThere) {
+TEST_F(InformerTest, ListsInPagesAndWatchesFromTheListedVersion) {
   transport_.put({200, list_of({thing("a", "3")}, "5", "to/ken=")});
   transport_.put({200, list_of({thing("b", "4")}, "5")});
   transport_.put({200,
@@ -91,7 +91,7 @@ TEST_F(InformerTest, ListsPageByPageAndWatchesFromThere) {
   EXPECT_NE(asked[2].query.find("allowWatchBookmarks=true"), std::string::npos);
 }
 
-TEST_F(InformerTest, AnOwnWriteIsNewsAtOnceAndItsEchoIsNone) {
+TEST_F(InformerTest, NotifiesOfOwnWriteOnceAndIgnoresItsEcho) {
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   start();
   ASSERT_TRUE(wait_until([&] { return told_ == 1; }));
@@ -106,7 +106,7 @@ TEST_F(InformerTest, AnOwnWriteIsNewsAtOnceAndItsEchoIsNone) {
   EXPECT_EQ(told_, 3) << "b came and went; of a but the version is another";
 }
 
-TEST_F(InformerTest, ABrokenWatchGoesOnFromItsLastBookmark) {
+TEST_F(InformerTest, ResumesBrokenWatchFromItsLastBookmark) {
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   transport_.put({200, event("BOOKMARK", {{"metadata", {{"resourceVersion", "90"}}}})});
   transport_.put({0, ""});
@@ -117,7 +117,7 @@ TEST_F(InformerTest, ABrokenWatchGoesOnFromItsLastBookmark) {
   EXPECT_EQ(informer_->reflector().counts().lists, 1U);
 }
 
-TEST_F(InformerTest, WhatWasMissedIsListedAgainAsAnAnswerAndWithinAWatch) {
+TEST_F(InformerTest, RelistsWhenAVersionExpiredInAResponseOrAWatch) {
   const json gone = {{"code", 410}, {"reason", "Expired"}};
   transport_.put({200, list_of({thing("a", "3"), thing("b", "4")}, "5")});
   transport_.put({200, event("ERROR", gone)});
@@ -132,7 +132,7 @@ TEST_F(InformerTest, WhatWasMissedIsListedAgainAsAnAnswerAndWithinAWatch) {
   EXPECT_EQ(informer_->reflector().counts().expired, 3U);
 }
 
-TEST_F(InformerTest, AListThatExpiresBetweenItsPagesLeavesWhatWasKnown) {
+TEST_F(InformerTest, ListThatExpiresBetweenPagesKeepsKnownObjects) {
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   transport_.put({200, event("ERROR", {{"code", 410}})});
   transport_.put({200, list_of({thing("b", "4")}, "9", "next")});
@@ -143,7 +143,7 @@ TEST_F(InformerTest, AListThatExpiresBetweenItsPagesLeavesWhatWasKnown) {
   EXPECT_EQ(names(), "a3 ");
 }
 
-TEST_F(InformerTest, ASilentWatchIsGivenUpAndGoesOnFromWhereItWas) {
+TEST_F(InformerTest, RestartsSilentWatchFromItsLastVersion) {
   silence_ = std::chrono::milliseconds(50);
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   transport_.put({200, event("BOOKMARK", {{"metadata", {{"resourceVersion", "90"}}}}), true});
@@ -155,7 +155,7 @@ TEST_F(InformerTest, ASilentWatchIsGivenUpAndGoesOnFromWhereItWas) {
   EXPECT_EQ(informer_->reflector().counts().failures, 0U);
 }
 
-TEST_F(InformerTest, AWatchThatIsNotAnsweredAtAllHasFailed) {
+TEST_F(InformerTest, UnansweredWatchCountsAsFailure) {
   silence_ = std::chrono::milliseconds(50);
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   transport_.put({0, "", true});
@@ -166,7 +166,7 @@ TEST_F(InformerTest, AWatchThatIsNotAnsweredAtAllHasFailed) {
   EXPECT_EQ(informer_->reflector().counts().failures, 1U);
 }
 
-TEST_F(InformerTest, AServerThatIsAwayIsAskedForEver) {
+TEST_F(InformerTest, RetriesUnavailableServerIndefinitely) {
   for (int i = 0; i < 40; ++i) transport_.put({i % 2 == 0 ? 0 : 503, "no"});
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   start();

@@ -47,7 +47,7 @@ class LeaderTest : public testing::Test {
   std::unique_ptr<Leader> leader_;
 };
 
-TEST_F(LeaderTest, WhoIsNotAnsweredInTimeHasLost) {
+TEST_F(LeaderTest, LosesLeadershipWithoutAnAnswerInTime) {
   transport_.put({404, "{}"});
   transport_.put({201, lease("me", "1")});
   // Repeatedly broken: neither renewed nor read.
@@ -69,7 +69,7 @@ TEST_F(LeaderTest, WhoIsNotAnsweredInTimeHasLost) {
   leader_.reset();
 }
 
-TEST_F(LeaderTest, AConflictIsReadAndAnothersNameMeansThatItIsLost) {
+TEST_F(LeaderTest, LosesLeadershipWhenAConflictShowsAnotherHolder) {
   transport_.put({404, "{}"});
   transport_.put({201, lease("me", "1")});
   transport_.put({409, R"({"reason":"Conflict"})"});

@@ -22,18 +22,18 @@ LeaseDecision::Options me() {
   return options;
 }
 
-TEST(Lease, NothingIsDoneBeforeItWasRead) {
+TEST(Lease, WaitsUntilTheLeaseWasRead) {
   const LeaseDecision decision(me());
   EXPECT_EQ(decision.step(Time{} + 1h), Step::kWait);
 }
 
-TEST(Lease, IsCreatedWhereThereIsNone) {
+TEST(Lease, IsCreatedIfMissing) {
   LeaseDecision decision(me());
   decision.observed(std::nullopt, Time{});
   EXPECT_EQ(decision.step(Time{}), Step::kCreate);
 }
 
-TEST(Lease, AnothersIsTakenWhenItHasNotChangedForItsDurationByOurClock) {
+TEST(Lease, AcquiresLeaseThatWasUnchangedForItsDurationByLocalClock) {
   LeaseDecision decision(me());
   decision.observed(held_by("other", "1"), Time{});
   EXPECT_EQ(decision.step(Time{} + 14s), Step::kWait);
@@ -44,13 +44,13 @@ TEST(Lease, AnothersIsTakenWhenItHasNotChangedForItsDurationByOurClock) {
   EXPECT_EQ(decision.step(Time{} + 29s), Step::kAcquire);
 }
 
-TEST(Lease, GivenBackItIsTakenAtOnce) {
+TEST(Lease, AcquiresReleasedLeaseAtOnce) {
   LeaseDecision decision(me());
   decision.observed(held_by("", "1"), Time{});
   EXPECT_EQ(decision.step(Time{}), Step::kAcquire);
 }
 
-TEST(Lease, RunsFromTheBeginOfTheWriteThatRenewedIt) {
+TEST(Lease, RunsFromTheStartOfTheRenewingWrite) {
   LeaseDecision decision(me());
   decision.observed(std::nullopt, Time{});
   decision.written(held_by("me", "1"), Time{} + 1s);
@@ -60,14 +60,14 @@ TEST(Lease, RunsFromTheBeginOfTheWriteThatRenewedIt) {
   EXPECT_EQ(decision.step(Time{} + 11s), Step::kLost);
 }
 
-TEST(Lease, WhoStoodStillPastItsDeadlineLeadsNoMore) {
+TEST(Lease, SuspendedLeaderLosesItsLease) {
   LeaseDecision decision(me());
   decision.written(held_by("me", "1"), Time{});
   EXPECT_FALSE(decision.leads(Time{} + 60s));
   EXPECT_EQ(decision.step(Time{} + 60s), Step::kLost);
 }
 
-TEST(Lease, TakenByAnotherOrDeletedItIsLost) {
+TEST(Lease, IsLostWhenTakenOrDeleted) {
   LeaseDecision taken(me()), deleted(me());
   for (LeaseDecision* one : {&taken, &deleted}) one->written(held_by("me", "1"), Time{});
   taken.observed(held_by("other", "2"), Time{} + 1s);
@@ -76,7 +76,7 @@ TEST(Lease, TakenByAnotherOrDeletedItIsLost) {
   EXPECT_EQ(deleted.step(Time{} + 1s), Step::kLost);
 }
 
-TEST(Lease, AWriteWhoseAnswerWasLostIsFoundAndGoneOnFrom) {
+TEST(Lease, RecoversFromLostWriteResponse) {
   LeaseDecision decision(me());
   decision.written(held_by("me", "1"), Time{});
   decision.observed(held_by("me", "2"), Time{} + 2s);
@@ -84,7 +84,7 @@ TEST(Lease, AWriteWhoseAnswerWasLostIsFoundAndGoneOnFrom) {
   EXPECT_EQ(decision.record()->version, "2");
 }
 
-TEST(Lease, ThoseWhoWaitDoNotAllComeAtOnce) {
+TEST(Lease, FollowersRetryWithJitter) {
   LeaseDecision decision(me());
   EXPECT_EQ(decision.pause(0), 2s);
   EXPECT_GT(decision.pause(0.9), 4s);
@@ -94,7 +94,7 @@ TEST(Lease, ThoseWhoWaitDoNotAllComeAtOnce) {
 
 // Two candidates with the same record, each with its own clock, one of which stops: they never lead
 // at the same time.
-TEST(Lease, TwoNeverLeadTogetherWhateverTheirClocksSay) {
+TEST(Lease, NeverHasTwoLeadersDespiteClockDifferences) {
   for (int still = 0; still < 40; ++still) {
     LeaseDecision::Options a = me(), b = me();
     a.identity = "a";

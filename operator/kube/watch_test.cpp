@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 using Type = WatchEvent::Type;
 
-TEST(Watch, IsReadWhereverItIsCut) {
+TEST(Watch, ParsesEventsSplitAtAnyByte) {
   const std::string text = R"({"type":"ADDED","object":{"metadata":{"name":"a"}}})"
                            "\n"
                            R"({"type":"MODIFIED","object":{"metadata":{"name":"b"}}})"
@@ -33,7 +33,7 @@ TEST(Watch, IsReadWhereverItIsCut) {
   }
 }
 
-TEST(Watch, WhatIsNoEventIsAnError) {
+TEST(Watch, ReportsMalformedEventAsError) {
   for (const char* line :
        {"", "x", "[]", "{}", R"({"type":"ADDED"})", R"({"type":"NEWS","object":{}})",
         R"({"type":7,"object":{"code":"410"}})"}) {
@@ -41,7 +41,7 @@ TEST(Watch, WhatIsNoEventIsAnError) {
   }
 }
 
-TEST(Watch, TooOldAndTooNewAreListedAgain) {
+TEST(Watch, RelistsOnTooOldOrTooNewVersion) {
   EXPECT_EQ(read_event(R"({"type":"ERROR","object":{"code":410,"reason":"Expired"}})").type,
             Type::kExpired);
   EXPECT_EQ(read_event(R"({"type":"ERROR","object":{"code":500}})").type, Type::kError);
@@ -54,7 +54,7 @@ TEST(Watch, TooOldAndTooNewAreListedAgain) {
   EXPECT_FALSE(must_list_again(500, "words"));
 }
 
-TEST(Watch, VersionsAreNumbersOfAnyLength) {
+TEST(Watch, ComparesVersionsOfAnyLength) {
   EXPECT_LT(compare_versions("9", "10"), 0);
   EXPECT_GT(compare_versions("340282366920938463463374607431768211456", "18446744073709551616"), 0);
   EXPECT_EQ(compare_versions("007", "7"), 0);
@@ -66,7 +66,7 @@ struct Thing {
 };
 bool alike(const Thing& a, const Thing& b) { return a.name == b.name && a.uid == b.uid; }
 
-TEST(Store, AnOwnWriteIsSeenBeforeTheWatchTellsIt) {
+TEST(Store, ShowsOwnWriteBeforeItsWatchEvent) {
   Store<Thing> store;
   store.replace({{"a", "1", "5"}}, "5");
   store.wrote({"b", "2", "7"});
@@ -75,7 +75,7 @@ TEST(Store, AnOwnWriteIsSeenBeforeTheWatchTellsIt) {
   EXPECT_EQ(store.version(), "7");
 }
 
-TEST(Store, AnAnswerThatTheWatchHasGonePastBringsNothingBack) {
+TEST(Store, LateWriteResponseDoesNotRestoreDeletedObject) {
   Store<Thing> store;
   store.replace({}, "5");
   store.changed({"b", "2", "7"});
@@ -84,7 +84,7 @@ TEST(Store, AnAnswerThatTheWatchHasGonePastBringsNothingBack) {
   EXPECT_FALSE(store.find("b"));
 }
 
-TEST(Store, AnOlderEventDoesNotTakeBackAnOwnWrite) {
+TEST(Store, OlderEventDoesNotRevertOwnWrite) {
   Store<Thing> store;
   store.replace({{"a", "1", "5"}}, "5");
   store.wrote({"a", "1", "9"});
@@ -92,7 +92,7 @@ TEST(Store, AnOlderEventDoesNotTakeBackAnOwnWrite) {
   EXPECT_EQ(store.find("a")->version, "9");
 }
 
-TEST(Store, ListedAgainItForgetsWhatIsGone) {
+TEST(Store, RelistRemovesMissingObjects) {
   Store<Thing> store;
   EXPECT_FALSE(store.listed());
   store.replace({{"a", "1", "5"}, {"b", "2", "5"}}, "5");

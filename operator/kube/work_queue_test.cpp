@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 using Time = WorkQueue::Time;
 
-TEST(WorkQueue, PutTwiceItComesOnce) {
+TEST(WorkQueue, DeduplicatesKeys) {
   WorkQueue queue;
   queue.put("a", Time{});
   queue.put("a", Time{});
@@ -17,7 +17,7 @@ TEST(WorkQueue, PutTwiceItComesOnce) {
   EXPECT_EQ(queue.take(Time{} + 1h), std::nullopt);
 }
 
-TEST(WorkQueue, AKeyIsWithOneWorkerAtATime) {
+TEST(WorkQueue, GivesAKeyToOneWorkerAtATime) {
   WorkQueue queue;
   queue.put("a", Time{});
   EXPECT_EQ(queue.take(Time{}), "a");
@@ -27,7 +27,7 @@ TEST(WorkQueue, AKeyIsWithOneWorkerAtATime) {
   EXPECT_EQ(queue.take(Time{} + 1h), "a");
 }
 
-TEST(WorkQueue, PutAgainItComesAtItsNewTurnButNotBeforeItsPauseIsOver) {
+TEST(WorkQueue, ReschedulesKeyButNotBeforeItsBackoffEnds) {
   WorkQueue queue;
   queue.put("a", Time{});
   queue.put("b", Time{} + 1s);
@@ -41,7 +41,7 @@ TEST(WorkQueue, PutAgainItComesAtItsNewTurnButNotBeforeItsPauseIsOver) {
   EXPECT_EQ(queue.take(Time{} + 1h + WorkQueue::kFirst), "a");
 }
 
-TEST(WorkQueue, GivesWhatHasBeenDueForLongestFirst) {
+TEST(WorkQueue, ReturnsLongestDueKeyFirst) {
   WorkQueue queue;
   queue.put("late", Time{} + 2s);
   queue.put("soon", Time{} + 1s);
@@ -51,7 +51,7 @@ TEST(WorkQueue, GivesWhatHasBeenDueForLongestFirst) {
   EXPECT_EQ(queue.take(Time{} + 3s), "late");
 }
 
-TEST(WorkQueue, WhatFailsComesBackLaterAndLater) {
+TEST(WorkQueue, RetriesFailedKeyWithIncreasingBackoff) {
   WorkQueue queue;
   Time now{};
   std::chrono::milliseconds pause = 5ms;
@@ -70,7 +70,7 @@ TEST(WorkQueue, WhatFailsComesBackLaterAndLater) {
   EXPECT_EQ(pause, 1000s);
 }
 
-TEST(WorkQueue, SuccessEndsTheCountOfFailuresOfThatKeyAlone) {
+TEST(WorkQueue, SuccessResetsFailuresOfThatKeyOnly) {
   WorkQueue queue;
   for (const char* key : {"a", "b"}) {
     queue.put(key, Time{});
