@@ -37,7 +37,7 @@ const std::string kHash = template_hash(pods());
 const CreateWorker kWorker{"skull-0", "skull", "f", "node-1", kHash};
 const CreatePod kPod{"skull-0", "w", "node-1", kHash, 3};
 
-TEST(Objects, AFleetIsReadWhole) {
+TEST(Objects, ParsesFleet) {
   const auto read = read_fleet(fleet_object());
   ASSERT_TRUE(read);
   const FleetSpec& spec = read->fleet.spec;
@@ -55,7 +55,7 @@ TEST(Objects, AFleetIsReadWhole) {
   EXPECT_FALSE(read->fleet.deleted);
 }
 
-TEST(Objects, TheHashOfATemplateIsThatOfItsMeaning) {
+TEST(Objects, TemplateHashDependsOnlyOnItsContent) {
   const std::string hash = template_hash(with_slots(pods(), 4));
   EXPECT_EQ(template_hash(with_slots(Json::parse(pods().dump()), 4)), hash);
   EXPECT_NE(template_hash(with_slots(pods(), 5)), hash);
@@ -65,7 +65,7 @@ TEST(Objects, TheHashOfATemplateIsThatOfItsMeaning) {
   EXPECT_EQ(read_fleet(fleet_object())->fleet.spec.template_hash, hash);
 }
 
-TEST(Objects, AWorkerIsReadAsItWasMade) {
+TEST(Objects, WorkerRoundTrips) {
   Json object = worker_object(kWorker, pods());
   object["metadata"]["uid"] = "w";
   object["metadata"]["resourceVersion"] = "9";
@@ -87,7 +87,7 @@ TEST(Objects, AWorkerIsReadAsItWasMade) {
   EXPECT_FALSE(read_worker(object, templates)->worker.labelled);
 }
 
-TEST(Objects, AWorkersStatusIsReadAsItWasWritten) {
+TEST(Objects, WorkerStatusRoundTrips) {
   WorkerStatus status;
   status.observed_generation = 2;
   status.epoch = 5;
@@ -106,7 +106,7 @@ TEST(Objects, AWorkersStatusIsReadAsItWasWritten) {
   EXPECT_EQ(read->worker.drain, (Drain{DrainReason::kIdle, 1795359850.125}));
 }
 
-TEST(Objects, AFleetsStatusIsReadAsItWasWritten) {
+TEST(Objects, FleetStatusRoundTrips) {
   FleetStatus status;
   status.replicas = 3;
   status.slots_reserved = 1;
@@ -124,7 +124,7 @@ TEST(Objects, AFleetsStatusIsReadAsItWasWritten) {
   EXPECT_EQ(object["status"]["selector"], "diaphane.dev/fleet=skull");
 }
 
-TEST(Objects, APodHasItsGpuItsNodeAndItsName) {
+TEST(Objects, PodRequestsItsGpuNodeAndName) {
   const Json pod = pod_object(kPod, "skull", {{"pool", "gpu"}}, with_slots(pods(), 4));
   const Json& container = pod["spec"]["containers"][1];
   EXPECT_EQ(container["resources"]["limits"]["nvidia.com/gpu"], "1");
@@ -144,7 +144,7 @@ TEST(Objects, APodHasItsGpuItsNodeAndItsName) {
   EXPECT_EQ(pod["metadata"]["labels"]["app"], "renderd");
 }
 
-TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
+TEST(Objects, PodIsOwnOnlyIfARenderWorkerOwnsIt) {
   Json object = pod_object(kPod, "skull", {}, pods());
   object["metadata"]["uid"] = "p";
   object["metadata"]["namespace"] = "home";
@@ -181,7 +181,7 @@ TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
   EXPECT_FALSE(read_pod(object, "home"));
 }
 
-TEST(Objects, APodsStateIsRead) {
+TEST(Objects, ParsesPodState) {
   Json object = pod_object(kPod, "skull", {}, pods());
   object["status"] = Json::parse(R"({"phase": "Pending", "conditions": [
     {"type": "PodScheduled", "status": "False", "reason": "Unschedulable",
@@ -193,7 +193,7 @@ TEST(Objects, APodsStateIsRead) {
   EXPECT_EQ(read_pod(object, "")->pod.phase, Phase::kRunning);
 }
 
-TEST(Objects, ANodeIsRead) {
+TEST(Objects, ParsesNode) {
   const auto read = read_node(Json::parse(R"({"metadata": {"name": "n", "labels": {"pool": "gpu"}},
     "spec": {"unschedulable": true, "taints": [{"key": "k", "value": "v", "effect": "NoExecute"}]},
     "status": {"allocatable": {"nvidia.com/gpu": "8"}, "conditions": [{"type": "Ready", "status": "True"}]}})"));
@@ -204,7 +204,7 @@ TEST(Objects, ANodeIsRead) {
   EXPECT_EQ(read->node.taints[0].effect, "NoExecute");
 }
 
-TEST(Objects, WhatIsOddStopsNothing) {
+TEST(Objects, ToleratesMalformedObjects) {
   Templates templates;
   for (const char* text :
        {"{}", R"({"metadata": 3, "spec": [], "status": "x"})",
@@ -221,7 +221,7 @@ TEST(Objects, WhatIsOddStopsNothing) {
   }
 }
 
-TEST(Objects, AFinalizerOfOthersStays) {
+TEST(Objects, KeepsForeignFinalizers) {
   const Json object = {{"metadata", {{"finalizers", {"other/one", "diaphane.dev/drain"}}}}};
   EXPECT_EQ(without_finalizer(object)["metadata"]["finalizers"], Json::array({"other/one"}));
 }

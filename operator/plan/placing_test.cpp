@@ -66,7 +66,7 @@ TEST(Placing, EachOfTheFourLoadsCounts) {
   }
 }
 
-TEST(Placing, AReservationWithoutASampleYetIsAWholeGpu) {
+TEST(Placing, ReservationWithoutSampleCountsAsWholeGpu) {
   World world = wanting_one(2);
   occupy(world, "a", 0.1, 0, 0, 0);
   occupy(world, "b", 0.1, 0, 0, 0);
@@ -93,7 +93,7 @@ TEST(Placing, TelemetryOverSixtySecondsOldExcludesTheNode) {
   EXPECT_EQ(node_of(world), "a");
 }
 
-TEST(Placing, ASampleThatMakesNoSenseCountsAsNone) {
+TEST(Placing, IgnoresInvalidSamples) {
   const double odd[] = {std::numeric_limits<double>::quiet_NaN(),
                         std::numeric_limits<double>::infinity(), -5};
   for (const double value : odd) {
@@ -107,7 +107,7 @@ TEST(Placing, ASampleThatMakesNoSenseCountsAsNone) {
   EXPECT_FALSE(load_of(slotless, 1).has_value());
 }
 
-TEST(Placing, TwoRandomOfThoseWithinATenthOfTheLeastLoadedAreCompared) {
+TEST(Placing, ComparesTwoRandomNodesWithinATenthOfTheLeastLoaded) {
   const std::vector<Candidate> nodes{{0.50, 1}, {0.55, 1}, {0.59, 1}, {0.61, 1}, {0.1, 0}};
   std::map<std::size_t, int> counts;
   Random random(3);
@@ -119,7 +119,7 @@ TEST(Placing, TwoRandomOfThoseWithinATenthOfTheLeastLoadedAreCompared) {
   EXPECT_NEAR(counts[2], 1000, 200);
 }
 
-TEST(Placing, WithoutAPlaceThereIsNone) {
+TEST(Placing, ChoosesNoNodeWithoutRoom) {
   Random random(1);
   const std::vector<Candidate> full{{0.1, 0}, {0.2, -1}};
   EXPECT_FALSE(choose(full, Strategy::kLeastLoaded, random));
@@ -143,7 +143,7 @@ TEST(Placing, SpreadsOverEqualNodes) {
   for (const auto& [node, count] : counts) EXPECT_EQ(count, 1) << node;
 }
 
-TEST(Placing, ANodeThatCannotTakeItIsLeftOutAndSaidWhy) {
+TEST(Placing, SkipsUnsuitableNodesAndReportsWhy) {
   const struct {
     const char* why;
     void (*change)(World&);
@@ -181,7 +181,7 @@ TEST(Placing, ANodeThatCannotTakeItIsLeftOutAndSaidWhy) {
   }
 }
 
-TEST(Placing, ATaintThatIsToleratedOrOnlyPreferredIsNone) {
+TEST(Placing, IgnoresToleratedAndPreferredTaints) {
   World world = wanting_one(1);
   world.nodes[0].taints = {{"gpu", "yes", "NoSchedule"}, {"slow", "", "PreferNoSchedule"}};
   world.fleets[0].spec.tolerations.push_back({"gpu", "", "NoSchedule"});
@@ -190,7 +190,7 @@ TEST(Placing, ATaintThatIsToleratedOrOnlyPreferredIsNone) {
   EXPECT_EQ(node_of(world), "");
 }
 
-TEST(Placing, ANodeThatWasTriedInVainIsAskedAgainAfterItsPause) {
+TEST(Placing, RetriesFailedNodeAfterItsBackoff) {
   World world = wanting_one(1);
   world.fleets[0].status.refusals.push_back({"a", 3, world.now - 19});
   EXPECT_EQ(node_of(world), "");
@@ -199,7 +199,7 @@ TEST(Placing, ANodeThatWasTriedInVainIsAskedAgainAfterItsPause) {
   EXPECT_EQ(node_of(world), "a");
 }
 
-TEST(Placing, APodWhoseWorkerHasGoneHoldsItsGpu) {
+TEST(Placing, OrphanedPodHoldsItsGpu) {
   World world = wanting_one(1);
   world.nodes[0].gpus = 1;
   Pod pod;

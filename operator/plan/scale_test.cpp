@@ -16,7 +16,7 @@ std::vector<DrainReason> drains(const World& world) {
   return reasons;
 }
 
-TEST(Scale, IsWhatDemandAndBoundsSay) {
+TEST(Scale, FollowsDemandWithinBounds) {
   FleetSpec spec;
   spec.sessions_per_worker = 4;
   spec.max_replicas = 5;
@@ -52,7 +52,7 @@ TEST(Scale, IsWhatDemandAndBoundsSay) {
   EXPECT_EQ(wanted_workers(spec, nullptr, 0, kNow).least, 4);
 }
 
-TEST(Scale, ToZeroOnlyIfAskedAndAfterItsTime) {
+TEST(Scale, ScalesToZeroOnlyIfConfiguredAndAfterTheDelay) {
   FleetSpec spec;
   spec.min_idle_slots = 5;
   Demand demand;
@@ -67,7 +67,7 @@ TEST(Scale, ToZeroOnlyIfAskedAndAfterItsTime) {
   EXPECT_EQ(wanted_workers(spec, &demand, 0, kNow).least, 1);
 }
 
-TEST(Scale, TheBucketIsRebuiltFromTimesOfCreation) {
+TEST(Scale, RebuildsTokenBucketFromCreationTimes) {
   EXPECT_EQ(refill_tokens(2, {}, kNow).count, 2);
   EXPECT_EQ(refill_tokens(2, {kNow, kNow}, kNow).count, 0);
   EXPECT_EQ(refill_tokens(2, {kNow, kNow}, kNow).next, kNow + 0.5);
@@ -78,7 +78,7 @@ TEST(Scale, TheBucketIsRebuiltFromTimesOfCreation) {
   EXPECT_GT(refill_tokens(0, {kNow}, kNow).count, 1000);
 }
 
-TEST(Scale, IsRateLimitedAndNeverLater) {
+TEST(Scale, RateLimitsCreationAndRequeuesInTime) {
   World world = test_world(8);
   world.fleets[0].spec.replicas = 16;
   world.fleets[0].spec.max_refill_per_second = 3;
@@ -92,7 +92,7 @@ TEST(Scale, IsRateLimitedAndNeverLater) {
   EXPECT_EQ(created(world), 1u);
 }
 
-TEST(Scale, NamesAreTheLowestFreeNumbers) {
+TEST(Scale, NamesUseTheLowestFreeNumbers) {
   World world = test_world(4);
   world.fleets[0].spec.replicas = 4;
   add_running(world, 1, "a", 0);
@@ -106,7 +106,7 @@ TEST(Scale, NamesAreTheLowestFreeNumbers) {
   EXPECT_EQ(made[2].name, "render-4");
 }
 
-TEST(Scale, DownAfterIdleAndOnlyTheIdle) {
+TEST(Scale, ScalesDownOnlyIdleWorkersAfterTheIdleTime) {
   World world = test_world(2);
   add_running(world, 0, "a", 1);
   add_running(world, 1, "a", 0);
@@ -125,7 +125,7 @@ TEST(Scale, DownAfterIdleAndOnlyTheIdle) {
   EXPECT_TRUE(drains(world).empty());
 }
 
-TEST(Scale, WhileDemandIsOldNobodyIsAddedForTheLostToo) {
+TEST(Scale, AddsNoReplacementsWhileDemandIsStale) {
   World world = test_world(4);
   for (int i = 0; i < 3; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
   world.telemetry[0].sampled = world.now - 5;
@@ -133,7 +133,7 @@ TEST(Scale, WhileDemandIsOldNobodyIsAddedForTheLostToo) {
   EXPECT_EQ(created(world), 0u);  // otherwise one more with each plan
 }
 
-TEST(Scale, ASurplusWithinTheHysteresisStays) {
+TEST(Scale, KeepsSurplusWithinTheHysteresis) {
   World world = test_world(8);
   for (int i = 0; i < 12; ++i) add_running(world, i, std::string(1, char('a' + i / 2)), 0);
   world.demand[0].used = 43;  // with one more 11 workers; with a tenth more 13
@@ -142,7 +142,7 @@ TEST(Scale, ASurplusWithinTheHysteresisStays) {
   EXPECT_EQ(drains(world).size(), 1u);
 }
 
-TEST(Scale, FewerReplicasTakeTheLeastBusy) {
+TEST(Scale, ReducingReplicasDrainsTheLeastBusy) {
   World world = test_world(2);
   add_running(world, 0, "a", 3);
   add_running(world, 1, "a", 1);
@@ -154,7 +154,7 @@ TEST(Scale, FewerReplicasTakeTheLeastBusy) {
   EXPECT_EQ(drained[0].drain.reason, DrainReason::kReplicas);
 }
 
-TEST(Scale, AnUpgradePutsANewOneBesideFirst) {
+TEST(Scale, UpgradeCreatesNewWorkerBeforeDraining) {
   World world = test_world(2);
   world.fleets[0].spec.replicas = 2;
   add_running(world, 0, "a", 2);
@@ -175,7 +175,7 @@ TEST(Scale, AnUpgradePutsANewOneBesideFirst) {
   EXPECT_EQ(created(world), 1u);
 }
 
-TEST(Scale, AnUpgradeWithoutRoomGoesWhereTheOthersHaveTheSlots) {
+TEST(Scale, UpgradeWithoutRoomDrainsOnlyIfOthersHaveTheSlots) {
   World world = test_world(1);
   world.fleets[0].spec.replicas = 2;
   add_running(world, 0, "a", 3);

@@ -67,7 +67,7 @@ TEST(Workers, FirstTheReservationThenThePodThenNothing) {
   EXPECT_TRUE(next.requeue_after.has_value());
 }
 
-TEST(Workers, NothingIsDoneBeforeEverythingHasBeenListed) {
+TEST(Workers, PlansNothingBeforeEverythingWasListed) {
   World world = test_world(2);
   world.fleets[0].spec.replicas = 2;
   world.complete = false;
@@ -75,7 +75,7 @@ TEST(Workers, NothingIsDoneBeforeEverythingHasBeenListed) {
 }
 
 // pod crash
-TEST(WhenThingsFail, AnEndedPodIsCountedRemovedAndMadeAgainAfterAPause) {
+TEST(WhenThingsFail, CountsFailedPodAndRecreatesItAfterBackoff) {
   World world = one_running();
   world.telemetry.clear();
   world.pods[0].phase = Phase::kFailed;
@@ -95,7 +95,7 @@ TEST(WhenThingsFail, AnEndedPodIsCountedRemovedAndMadeAgainAfterAPause) {
   EXPECT_EQ(made[0].node, "a");  // its reservation
 }
 
-TEST(WhenThingsFail, APodThatEndsAgainAndAgainIsGivenUpAndItsNodeLeftAlone) {
+TEST(WhenThingsFail, GivesUpRepeatedlyFailingPodAndAvoidsItsNode) {
   World world = one_running();
   world.telemetry.clear();
   world.pods[0].phase = Phase::kFailed;
@@ -111,7 +111,7 @@ TEST(WhenThingsFail, APodThatEndsAgainAndAgainIsGivenUpAndItsNodeLeftAlone) {
   EXPECT_EQ(other[0].node, "b");
 }
 
-TEST(WhenThingsFail, FailuresAreForgivenAfterTwoMinutes) {
+TEST(WhenThingsFail, ResetsFailuresAfterTwoMinutes) {
   World world = one_running();
   world.workers[0].status.failures = 2;
   world.workers[0].status.failed_at = world.now - 119;
@@ -124,7 +124,7 @@ TEST(WhenThingsFail, FailuresAreForgivenAfterTwoMinutes) {
 }
 
 // node lost
-TEST(WhenThingsFail, ALostNodeIsReplacedAndItsPlaceHeldUntilItIsKnownToBeGone) {
+TEST(WhenThingsFail, ReplacesWorkerOfLostNodeAndHoldsItsReservation) {
   World world = one_running(1);
   world.nodes[0].ready = false;
   world.now += 2;
@@ -162,7 +162,7 @@ TEST(WhenThingsFail, ALostNodeIsReplacedAndItsPlaceHeldUntilItIsKnownToBeGone) {
 }
 
 // one odd read
-TEST(WhenThingsFail, OneOddReadKillsNobody) {
+TEST(WhenThingsFail, SingleBadReadingEndsNoWorker) {
   void (*const odd[])(World&) = {
       [](World& w) { w.nodes.clear(); },
       [](World& w) { w.nodes[0].ready = false; },
@@ -189,7 +189,7 @@ TEST(WhenThingsFail, OneOddReadKillsNobody) {
   EXPECT_EQ(deeds(plan(fleetless, 1)), 0u);
 }
 
-TEST(WhenThingsFail, AWorkerThatIsNotHeardOfIsReplacedAndAfterAMinuteDrained) {
+TEST(WhenThingsFail, ReplacesSilentWorkerAndDrainsItAfterAMinute) {
   World world = one_running(1);
   add_running(world, 1, "b", 0);
   world.fleets[0].spec.replicas = 2;
@@ -202,7 +202,7 @@ TEST(WhenThingsFail, AWorkerThatIsNotHeardOfIsReplacedAndAfterAMinuteDrained) {
 }
 
 // Redis down
-TEST(WhenThingsFail, WhenNobodyIsHeardOfKubernetesIsBelieved) {
+TEST(WhenThingsFail, TrustsKubernetesWhenAllWorkersAreSilent) {
   World world = test_world(4);
   for (int i = 0; i < 4; ++i) add_running(world, i, std::string(1, char('a' + i)), 0);
   settle(world, 300);
@@ -214,7 +214,7 @@ TEST(WhenThingsFail, WhenNobodyIsHeardOfKubernetesIsBelieved) {
   EXPECT_EQ(fresh->status, Truth::kFalse);
 }
 
-TEST(WhenThingsFail, WhileRedisIsAwayWhoeverWasHeardOfBeforeIsThere) {
+TEST(WhenThingsFail, KeepsKnownWorkersWhileRedisIsUnavailable) {
   World world = test_world(2);
   for (int i = 0; i < 2; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
   world.fleets[0].spec.replicas = 2;
@@ -237,7 +237,7 @@ TEST(WhenThingsFail, WhileRedisIsAwayWhoeverWasHeardOfBeforeIsThere) {
 }
 
 // leader lost
-TEST(WhenThingsFail, TheNextLeaderFindsReservationsInTheWorkers) {
+TEST(WhenThingsFail, NextLeaderRecoversReservationsFromWorkers) {
   World world = test_world(1);
   world.fleets[0].spec.replicas = 2;
   add_worker(world, 0, "a");
@@ -250,7 +250,7 @@ TEST(WhenThingsFail, TheNextLeaderFindsReservationsInTheWorkers) {
 }
 
 // replayed events
-TEST(WhenThingsFail, WhatAnEarlierPodSaidIsNotTakenForThisOnes) {
+TEST(WhenThingsFail, IgnoresTelemetryOfAnEarlierPod) {
   World world = one_running();
   world.workers[0].drain = Drain{DrainReason::kIdle, world.now - 5};
   world.telemetry[0].draining = true;
@@ -262,7 +262,7 @@ TEST(WhenThingsFail, WhatAnEarlierPodSaidIsNotTakenForThisOnes) {
   EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());
 }
 
-TEST(WhenThingsFail, UnschedulableReleasesBacksOffAndTakesTheNextNode) {
+TEST(WhenThingsFail, UnschedulablePodMovesToTheNextNodeWithBackoff) {
   World world = one_running();
   world.telemetry.clear();
   world.pods[0].phase = Phase::kPending;
@@ -292,7 +292,7 @@ TEST(WhenThingsFail, UnschedulableReleasesBacksOffAndTakesTheNextNode) {
   EXPECT_EQ(next[0].node, "b");
 }
 
-TEST(WhenThingsFail, SomebodyElsesPodIsLeftAlone) {
+TEST(WhenThingsFail, IgnoresForeignPods) {
   World world = one_running();
   Pod foreign;
   foreign.name = "render-7";
@@ -318,7 +318,7 @@ TEST(WhenThingsFail, SomebodyElsesPodIsLeftAlone) {
   EXPECT_EQ(other[0].name, "render-1");
 }
 
-TEST(WhenThingsFail, AnEditedOrDeletedChildIsPutBack) {
+TEST(WhenThingsFail, RestoresEditedOrDeletedChildren) {
   World world = one_running(1);
   settle(world);
   world.workers[0].finalizer = false;
@@ -352,7 +352,7 @@ TEST(WhenThingsFail, AnEditedOrDeletedChildIsPutBack) {
 }
 
 // drain, cordon
-TEST(WhenThingsFail, ACordonDrainsAndSessionsHaveTheirGrace) {
+TEST(WhenThingsFail, CordonDrainsWithAGracePeriodForSessions) {
   World world = one_running(2);
   world.fleets[0].spec.drain_timeout = 60;
   world.nodes[0].cordoned = true;
@@ -376,7 +376,7 @@ TEST(WhenThingsFail, ACordonDrainsAndSessionsHaveTheirGrace) {
   EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
 }
 
-TEST(WhenThingsFail, ADeletedFleetDrainsItsWorkersAndGoesLast) {
+TEST(WhenThingsFail, DeletedFleetDrainsItsWorkersBeforeItIsRemoved) {
   World world = one_running(1);
   world.fleets[0].deleted = world.now;
   EXPECT_EQ(drained(world), DrainReason::kDeleted);
