@@ -53,7 +53,7 @@ TEST(Estimate, IsWithinATenthOfTheTruthPast64SamplesForBothKindsOfPoints) {
 /// 0.97 at 128. With these seeds the result is always the same; with others the test would fail
 /// once in forty runs. Without the bias of the display curve the ratio is 0.88, which is also two
 /// spreads too low.
-TEST(Estimate, IsWithinATenthOfTheTruthAlsoWhereTheDisplayCutsOffBrightSamples) {
+TEST(Estimate, IsWithinTenPercentOfTheTrueErrorDespiteClipping) {
   v1::Scene scene = test::skull_scene();
   scene.mutable_phase()->set_g(0.8);
   scene.set_bounces(32);
@@ -70,7 +70,7 @@ TEST(Estimate, IsWithinATenthOfTheTruthAlsoWhereTheDisplayCutsOffBrightSamples) 
 
 /// From 16 to 256 samples, a slope has a spread of 1.3% / (ln 2 sqrt(10)) = 0.006. The display
 /// curve bends the line by less than 0.02 in this range.
-TEST(Estimate, TheTrueErrorFallsAsTheRootOfTheSamplesAndNoSlowerWithLowDiscrepancy) {
+TEST(Estimate, TrueErrorConvergesAtMonteCarloRate) {
   const auto& curves = measured().curves;
   EXPECT_NEAR(*slope(curves[0], &CurvePoint::rmse, 16), -0.5, 0.03);
   EXPECT_LT(*slope(curves[1], &CurvePoint::rmse, 16), -0.47);

@@ -118,7 +118,7 @@ TEST(DivisionChoice, TilesMoveAsMuchLessAsThereAreDevices) {
   EXPECT_LT(average.seconds, tiles.seconds) << "the slowest of four bands is waited for";
 }
 
-TEST(DivisionChoice, AFewSamplesOfALargePictureOverASlowWireAreTilesAndManyAreAnAverage) {
+TEST(DivisionChoice, ChoosesTilesForFewSamplesOfLargeImagesAndOtherwiseAverage) {
   auto few = four_devices({3840, 2160}, 4);
   EXPECT_EQ(choose_division(few), Division::kTiles);
   const auto many = four_devices({1280, 720}, 100'000);
@@ -214,7 +214,7 @@ TEST(DivisionChoice, StaysWithTilesUntilAnAverageIsFaster) {
   EXPECT_LE(changes, 1);
 }
 
-TEST(Parts, AreHandedOverAtOnceThenWithEachFourthAndNeverForMoreThanAnEighthOfTheTime) {
+TEST(Parts, AreDeliveredEarlyThenPeriodicallyWithinAnEighthOfTheTime) {
   EXPECT_FALSE(part_due({.held = 1}));
   EXPECT_TRUE(part_due({.held = 2}));
   EXPECT_FALSE(part_due({.held = 2, .room = false}));

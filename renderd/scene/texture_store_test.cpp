@@ -28,7 +28,7 @@ struct TextureStore : testing::Test {
   }
 };
 
-TEST_F(TextureStore, BoundsTheTexturesOfAllScenesTogetherAndSaysWhichFieldIsTooMuch) {
+TEST_F(TextureStore, BoundsTexturesOfAllScenesAndNamesTheExceedingField) {
   std::vector<std::shared_ptr<const PreparedTextures>> held;
   for (unsigned i = 0; i < 3; ++i) {
     const auto prepared = prepare(picture(i));

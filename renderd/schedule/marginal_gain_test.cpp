@@ -72,7 +72,7 @@ TEST(MarginalGain, ADragLeavesTheDeviceToOthersBetweenItsFrames) {
   EXPECT_EQ(chosen({dragging, resting(2, 400)}), 1U);
 }
 
-TEST(MarginalGain, MoreDragsThanTheDeviceHasTimeForGetFewerFramesAndOthersTheRest) {
+TEST(MarginalGain, LimitsInteractiveSessionsToTheirShareUnderOverload) {
   std::vector<SessionView> sessions{resting(1, 400)};
   for (std::uint64_t handle = 2; handle <= 11; ++handle) {
     sessions.push_back(asking(handle, 0.05));
@@ -153,7 +153,7 @@ TEST(MarginalGain, OnlyTheFirstPictureOfADragOvertakesAndOnlyWhenItIsDue) {
   EXPECT_FALSE(overtaking(under_way));
 }
 
-TEST(MarginalGain, ACheapFirstPictureOvertakesAnExpensiveOneAndNotTheOtherWayRound) {
+TEST(MarginalGain, CheapFirstImageOvertakesExpensiveOne) {
   MarginalGain policy;
   SessionView small = asking(1, 0.02);
   small.seconds_per_sample = 0.002;

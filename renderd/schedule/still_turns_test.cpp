@@ -41,7 +41,7 @@ TEST(StillTurns, AFileGivesBackWhatALongSampleTook) {
   }
 }
 
-TEST(StillTurns, APictureIsMadeOfAllSamplesOrOfGoodOnesOrWhenItIsLateButNotOfNone) {
+TEST(StillTurns, FinishesAtTheSampleErrorOrTimeLimitButNotWithoutSamples) {
   const double never = 0;
   EXPECT_FALSE(still_is_rendered({9, 10, 0.2, never, false}));
   EXPECT_TRUE(still_is_rendered({10, 10, 0.2, never, false}));

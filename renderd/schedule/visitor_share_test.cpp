@@ -31,7 +31,7 @@ std::map<std::uint64_t, double> spend(VisitorShare& policy, const std::vector<Se
 
 VisitorShare policy_of(PolicyKind kind, double share) { return {make_policy(kind), share}; }
 
-TEST(VisitorShare, ManyVisitorsTogetherTakeNoMoreThanTheirShareFromOneAccountHolder) {
+TEST(VisitorShare, LimitsManyVisitorsToTheirShare) {
   for (const PolicyKind kind : kPolicyKinds) {
     VisitorShare policy = policy_of(kind, 0.25);
     std::vector<SessionView> views{gaining(1, false)};

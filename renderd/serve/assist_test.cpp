@@ -169,7 +169,7 @@ TEST_F(Assist, AnAssistantRestsWithThePicture) {
   EXPECT_EQ(helpers_[0]->worker->assists().used(), 0u);
 }
 
-TEST_F(Assist, AHelperThatIsLentComesInMidPictureAndIsLeftAtOnceWhenGivenBack) {
+TEST_F(Assist, BorrowedHelperJoinsDuringRenderingAndLeavesWhenReturned) {
   for (const Division division : {Division::kAverage, Division::kTiles}) {
     start(0, {.division = division}, 1);
     Helper first(store_.path), second(store_.path);

@@ -71,7 +71,7 @@ struct LenderTest : testing::Test {
   GrpcAssistants helpers{{}, {}, 2};
 };
 
-TEST_F(LenderTest, NeighboursAreAskedWhileSeveralWaitAndGivenBackWhenNobodyDoes) {
+TEST_F(LenderTest, BorrowsWhileSeveralSessionsWaitAndReturnsAfterwards) {
   const auto beat = [&] { neighbour("a"); };
   beat();
   rest = 0.1;

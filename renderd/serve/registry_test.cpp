@@ -154,7 +154,7 @@ TEST_F(RegistryTest, ARestartAtTheSameAddressTakesOverAtOnce) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
 }
 
-TEST_F(RegistryTest, ASecondWorkerOfANameIsRefusedWhileTheFirstLivesAndTheNameNeverFlaps) {
+TEST_F(RegistryTest, RefusesSecondWorkerWithTheSameNameWhileTheFirstLives) {
   const std::string id = new_id();
   place(id, "w1", 1);
   auto [attachment, link] = attach(id);

@@ -421,7 +421,7 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   EXPECT_FALSE(owner.link->inbox.ended(20ms));
 }
 
-TEST_F(HostTest, GuestsOwnCamerasHoldAQuarterOfTheSlotsAndGoWhenAnAccountHolderNeedsOne) {
+TEST_F(HostTest, LimitsGuestCamerasToAQuarterOfTheSlotsAndDisplacesThem) {
   options.host.slots = 4;
   restart();
   const std::string id = new_id();
@@ -502,7 +502,7 @@ v1::Scene textured(v1::Scene scene, unsigned number, std::uint32_t side) {
   return scene;
 }
 
-TEST_F(HostTest, TexturesOfAllSessionsShareOneBoundedMemoryAndWhoFindsNoneKeepsThePicture) {
+TEST_F(HostTest, BoundsTextureMemoryOfAllSessionsAndKeepsTheImageOnRefusal) {
   if (test::png(1, 1, [](auto, auto) { return test::Rgb8{}; }).empty()) GTEST_SKIP();
   constexpr std::size_t kBytes = std::size_t{256} * 256 * 16;
   limit_texture_memory(2 * kBytes, 2 * kBytes);

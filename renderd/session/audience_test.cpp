@@ -223,7 +223,7 @@ TEST_F(AudienceTest, TheOwnerTakesTheRoleOnlyFromAPresenterWhoHasGone) {
   EXPECT_EQ(say(again, turned(1)).problem->code(), "forbidden");
 }
 
-TEST_F(AudienceTest, ASecondConnectionOfOneParticipantReplacesTheFirstAndNobodyElse) {
+TEST_F(AudienceTest, SecondConnectionOfAParticipantReplacesOnlyTheFirst) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   const auto attached = attach(state, {kAnn, {}, {}}, now);

@@ -326,7 +326,7 @@ TEST_F(StateTest, AGestureIsOverWhenItsLastInputSaysSoAndNotBefore) {
   EXPECT_FALSE(state.wanted.rest);
 }
 
-TEST_F(StateTest, HowFarAwaySomethingIsMayBeAskedOfAPlaceInThePictureAndNotTooOften) {
+TEST_F(StateTest, AnswersDepthQueriesAtALimitedRate) {
   say(hello());
   v1::ClientMessage query;
   query.mutable_depth_query()->set_id(7);

@@ -147,7 +147,7 @@ TEST_F(StreamTest, EachViewerGetsTilesAtItsOwnPaceAndWhoCannotShowThemNone) {
   EXPECT_EQ(due().size(), 2U);
 }
 
-TEST_F(StreamTest, ASlowConnectionOfThePresenterMakesMovingPicturesSmallerNobodyElses) {
+TEST_F(StreamTest, OnlyThePresentersConnectionReducesResolutionWhileMoving) {
   const std::uint64_t other = join("guest-a", {});
   learn(owner, 0.01, 100000);
   EXPECT_EQ(state.wanted.moving_scale, 1);
@@ -175,7 +175,7 @@ TEST_F(StreamTest, AFrameForManyIsAsLargeAsThePresentersConnectionAllows) {
 }
 
 // 25 frames of 10 KB per second, two at a time, do not fill a connection that answers after 100 ms.
-TEST_F(StreamTest, ALongRoundTripHoldsMoreThanTwoFramesAndABoundedNumberOfBytes) {
+TEST_F(StreamTest, LongRoundTripAllowsMoreFramesInFlightWithBoundedBytes) {
   Receiver& receiver = *state.audience.find(owner);
   std::vector<std::pair<TimePoint, std::uint64_t>> coming;
   std::uint64_t most_frames = 0;

@@ -171,7 +171,7 @@ TEST(FindHits, LeaveOfWhatIsBehindWhatBeerAndLambertSay) {
   });
 }
 
-TEST(ExactTables, EveryValueIsInThePieceThatIsFoundForItAlsoBetweenTwoIntegers) {
+TEST(ExactTables, FindTheContainingPieceForEveryValue) {
   // There are eight nodes per voxel value, and the function bends at nearly each of them.
   constexpr double kScale = 8;
   Random random(41, 0, 0);

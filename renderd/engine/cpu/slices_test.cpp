@@ -213,7 +213,7 @@ volume::Volume cube_volume() {
 constexpr Features kLitSlices = kSlices.with(Feature::kAreaLights);
 const double kGreyRadiance = 2 * std::pow(0.7, 2.2);
 
-TEST(Slices, OpaqueMatterHidesWhatIsBehindAndASliceHidesTheMatterBehindIt) {
+TEST(Slices, OccludeAndAreOccludedByOpaqueMedium) {
   const test::Prepared behind(cube_volume(), cube_scene(1e4, 8));
   const test::Prepared before(cube_volume(), cube_scene(1e4, -8));
   for (std::uint64_t i = 0; i < 10; ++i) {

@@ -161,7 +161,7 @@ TEST_F(CudaFilmTest, ASessionAtFullHdTakesAtMost100MegabytesWithItsPicture) {
   EXPECT_LE(hd->device_bytes(), 92'000'000u) << "8 MB are for tables and cell bounds";
 }
 
-TEST_F(CudaFilmTest, ASessionAtFullHdTakesAtMost100MegabytesAlsoWhileItsPicturesAreSmoothed) {
+TEST_F(CudaFilmTest, LimitsFullHdSessionTo100MegabytesWithDenoising) {
   auto hd = CudaFilm::make({1920, 1080});
   ASSERT_TRUE(hd);
   ASSERT_TRUE(hd->keep_guides(true));
