@@ -201,7 +201,7 @@ TEST_F(RunnerTest, ARefusedSceneKeepsThePictureAndTheNextOneIsTaken) {
   EXPECT_EQ(one->failure_count(), 0U);
 }
 
-TEST_F(RunnerTest, ASizeThatDoesNotFitIsToldOnceAndTheSmallerPictureGoesOn) {
+TEST_F(RunnerTest, FallsBackToSmallerSizeOnOutOfMemory) {
   device->seconds_per_megapixel = 8;
   const auto one = viewer({200, 200});
   ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
