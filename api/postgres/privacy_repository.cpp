@@ -229,6 +229,16 @@ Result<void> PrivacyRepository::expire(Time now) {
   });
 }
 
+Result<std::vector<std::string>> PrivacyRepository::ids() {
+  return database_.read([](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+    std::vector<std::string> all;
+    for (const pqxx::row& row : transaction.exec("SELECT id FROM exports")) {
+      all.push_back(row[0].as<std::string>());
+    }
+    return all;
+  });
+}
+
 Result<std::vector<std::string>> PrivacyRepository::remove_account(
     const std::string& user_id, const std::string& email,
     const std::vector<std::string>& attempt_keys, const Mail& told, Time now) {

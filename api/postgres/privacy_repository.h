@@ -23,6 +23,7 @@ class PrivacyRepository final : public ExportStore, public AccountDeletionStore 
   Result<Sizes> sizes(const std::string& user_id) override;
   Result<void> wait(const std::string& id, Time not_before) override;
   Result<void> expire(Time now) override;
+  Result<std::vector<std::string>> ids() override;
 
   Result<std::vector<std::string>> remove_account(const std::string& user_id,
                                                   const std::string& email,

@@ -150,13 +150,41 @@ Result<void> Exports::make(const ExportStore::Job& job) {
     return fail(ErrorCode::kUnavailable, "cannot rename the export");
   }
   const auto wanted = store_.finish(job.id, *bytes);
-  if (!wanted || !*wanted) leave_nothing();
+  // If the outcome is unknown, the export may be ready. If it is gone instead, sweep() deletes the
+  // file.
+  const bool unknown = !wanted && wanted.error().code == ErrorCode::kOutcomeUnknown;
+  if (!unknown && !(wanted && *wanted)) leave_nothing();
   DIAPHANE_TRY(wanted);
   return {};
 }
 
+void Exports::sweep() {
+  namespace fs = std::filesystem;
+  constexpr std::string_view kUnfinished = ".tmp-", kFinished = ".zip";
+  std::vector<std::pair<std::string, fs::path>> files;  // with the ID of the export
+  std::error_code error;
+  for (fs::directory_iterator entry(options_.exports, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::string id = entry->path().filename();
+    if (id.starts_with(kUnfinished)) {
+      id.erase(0, kUnfinished.size());
+    } else if (id.ends_with(kFinished)) {
+      id.resize(id.size() - kFinished.size());
+    }
+    if (is_id(id)) files.emplace_back(std::move(id), entry->path());
+  }
+  if (files.empty()) return;
+  // The files are listed first, because an export exists before its file does.
+  const auto ids = store_.ids();
+  if (!ids) return;
+  for (const auto& [id, path] : files) {
+    if (std::find(ids->begin(), ids->end(), id) == ids->end()) fs::remove(path, error);
+  }
+}
+
 void Exports::look() {
   (void)store_.expire(clock_.wall());
+  sweep();
   for (;;) {
     const auto job = store_.claim(clock_.wall(), kLease);
     if (!job || !*job) return;
@@ -165,7 +193,9 @@ void Exports::look() {
     if (made) continue;
     log::warning("failed to create an export",
                  {{"export", one.id}, {"reason", made.error().message}, {"waits", one.waits + 1}});
-    if (made.error().code == ErrorCode::kUnavailable) {
+    // An export that turns out to be ready does not return to the queue.
+    if (made.error().code == ErrorCode::kUnavailable ||
+        made.error().code == ErrorCode::kOutcomeUnknown) {
       (void)store_.wait(one.id, clock_.wall() + pause_after(one.waits));
     }
   }

@@ -62,9 +62,11 @@ class ExportStore {
   /// Returns false if the export is no longer requested.
   virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
   virtual Result<Sizes> sizes(const std::string& user_id) = 0;
-  /// Returns it to the queue until `not_before`. The attempt does not count.
+  /// Returns it to the queue until `not_before`, unless it is ready. The attempt does not count.
   virtual Result<void> wait(const std::string& id, Time not_before) = 0;
   virtual Result<void> expire(Time now) = 0;
+  /// Returns the IDs of all exports.
+  virtual Result<std::vector<std::string>> ids() = 0;
 };
 
 class ExportFile {
@@ -110,6 +112,8 @@ class Exports {
 
  private:
   Result<void> make(const ExportStore::Job& job);
+  /// Deletes files whose export no longer exists.
+  void sweep();
   Result<void> check_room(const ExportStore::Job& job) const;
   Result<std::int64_t> write(const ExportStore::Job& job, const std::string& path);
 

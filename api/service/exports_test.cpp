@@ -83,6 +83,12 @@ class FakeExportStore final : public ExportStore, public Fake {
     return {};
   }
   Result<void> expire(Time) override { return enter("expire"); }
+  Result<std::vector<std::string>> ids() override {
+    DIAPHANE_TRY(enter("ids"));
+    std::vector<std::string> all;
+    for (const auto& [user, one] : exports) all.push_back(one.id);
+    return all;
+  }
 };
 
 /// Archives that list their entries, one per line: "<name> <- <source>" for files.
@@ -127,6 +133,7 @@ class ExportsTest : public testing::Test {
   }
   /// Queues the export with this ID, with a number of earlier waits, and creates it.
   void look(int waits = 0) {
+    store.exports["anna"].id = id;
     store.due.push_back({id, "anna", waits});
     exports->look();
   }
@@ -265,6 +272,31 @@ TEST_F(ExportsTest, WhatFailsForNowWaitsAndLeavesNoFile) {
     expect_waiting();
   }
   EXPECT_THAT(store.finished, IsEmpty());
+}
+
+TEST_F(ExportsTest, AnExportThatMayBeReadyKeepsItsFile) {
+  store.break_function("finish", ErrorCode::kOutcomeUnknown);
+  look();
+  EXPECT_TRUE(is_made());
+  EXPECT_EQ(store.waits[id], clock.wall() + 2s) << "the store ignores this if it is ready";
+}
+
+TEST_F(ExportsTest, FilesWithoutAnExportAreDeleted) {
+  const std::string orphan = new_id(), kept = new_id();
+  for (const auto& name :
+       {orphan + ".zip", ".tmp-" + orphan, kept + ".zip", std::string("other")}) {
+    disk.write("exports/" + name, "..");
+  }
+  store.exports["bert"].id = kept;
+  store.break_function("ids");
+  exports->look();
+  EXPECT_TRUE(disk.has("exports/" + orphan + ".zip")) << "nothing is known about it";
+  store.repair("ids");
+  exports->look();
+  EXPECT_FALSE(disk.has("exports/" + orphan + ".zip"));
+  EXPECT_FALSE(disk.has("exports/.tmp-" + orphan));
+  EXPECT_TRUE(disk.has("exports/" + kept + ".zip"));
+  EXPECT_TRUE(disk.has("exports/other"));
 }
 
 TEST_F(ExportsTest, WhatFailsForGoodDoesNotWait) {
