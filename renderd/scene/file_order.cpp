@@ -9,11 +9,12 @@ namespace diaphane::render {
 namespace v1 = diaphane::v1;
 
 Result<void> note_key_view(std::vector<v1::Scene>& keys, const v1::KeyView& view) {
-  if (view.index() == 0) keys.clear();
-  if (view.index() != keys.size() || view.index() >= kMostKeyViews) {
+  const bool first = view.index() == 0;  // begins a new list
+  if ((!first && view.index() != keys.size()) || view.index() >= kMostKeyViews) {
     return fail(ErrorCode::kInvalid, "Views must be sent in order, at most 16.");
   }
   if (const auto sound = check_scene(view.scene()); !sound) return sound;
+  if (first) keys.clear();
   keys.push_back(view.scene());
   return {};
 }
