@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <utility>
 
 #include "common/fault_point.h"
@@ -165,7 +166,11 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
   const std::uint64_t bytes = header.voxel_count() * sizeof(std::int16_t);
   bool whole = static_cast<std::uint64_t>(info.st_size) == bytes;
   if (whole) {
-    voxels.resize(header.voxel_count());
+    try {
+      voxels.resize(header.voxel_count());
+    } catch (const std::bad_alloc&) {
+      return false;  // The copy may be sound, so it stays.
+    }
     RunningHash hash;
     auto* data = reinterpret_cast<char*>(voxels.data());
     for (std::uint64_t at = 0; whole && at < bytes; at += kPiece) {

@@ -15,6 +15,7 @@
 #include <random>
 
 #include "volume/hash.h"
+#include "volume/header.h"
 #include "volume/store.h"
 
 namespace diaphane::volume {
@@ -131,6 +132,40 @@ TEST_F(NodeCacheTest, RemovesDamagedCopyAndReadsTheStore) {
   }
   EXPECT_EQ(cache->counts().damaged, 2U);
   EXPECT_EQ(cache->counts().hits, 0U);
+}
+
+TEST_F(NodeCacheTest, TreatsCopyThatDoesNotFitInMemoryAsMiss) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers have their own operator new";
+#endif
+  store("a", 1);
+  used(*cache(), "a");
+  ASSERT_EQ(copies().size(), 1U);
+  // The volume claims 2 GiB. The files are sparse, and a child process has less address space.
+  Header header = read_header(place("a")).value();
+  header.size = {1024, 1024, 1024};
+  const std::uint64_t bytes = header.voxel_count() * sizeof(std::int16_t);
+  std::ofstream(place("a") + "/volume.json") << to_json(header).value();
+  fs::resize_file(place("a") + "/voxels.i16", bytes);
+  fs::resize_file(copies()[0], bytes);
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit small{1 << 30, 1 << 30};
+    setrlimit(RLIMIT_AS, &small);
+    const auto mine = this->cache();
+    try {
+      const auto volume = mine->read("a");
+      const bool good = !volume && volume.error().code == ErrorCode::kOutOfMemory &&
+                        mine->counts().misses == 1 && mine->counts().damaged == 0;
+      _exit(good ? 0 : 1);
+    } catch (const std::bad_alloc&) {
+      _exit(2);
+    }
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(copies().size(), 1U) << "nothing is wrong with it";
 }
 
 TEST_F(NodeCacheTest, ErasedVolumeIsNotFoundAndSweepRemovesItsCopy) {
