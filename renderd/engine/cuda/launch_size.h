@@ -30,10 +30,10 @@ class LaunchSize {
     fits_all_ = fits_seen_ = kLargest;
   }
 
-  /// Records that a launch of `work` took `ms`. The next size meets the target according to this
-  /// launch and to the most expensive launch of the previous pass over the picture. It grows at
-  /// most by a factor of four.
-  void learn(std::uint64_t work, double ms) {
+  /// Records that a launch of `work`, with `samples` samples per pixel, took `ms`. The next size
+  /// meets the target according to this launch and to the most expensive launch of the previous
+  /// pass over the picture. It grows at most by a factor of four.
+  void learn(std::uint64_t work, double ms, std::uint32_t samples = 1) {
     const double fits = ms > 0 ? static_cast<double>(work) * kTargetMs / ms : kLargest;
     // A short launch with little work takes as long as its longest path, whatever its size.
     const bool telling = ms >= kTargetMs / 4 || static_cast<double>(work) >= kFirst / 16;
@@ -41,8 +41,9 @@ class LaunchSize {
     const double most = std::min(4 * static_cast<double>(work_), unseen_most_);
     work_ = static_cast<std::uint64_t>(
         std::clamp(std::min(fits, fits_all_), 1.0, std::clamp(most, 1.0, kLargest)));
-    if (work < unseen_) {
-      unseen_ -= work;
+    const std::uint64_t pixels = work / std::max(samples, 1u);
+    if (pixels < unseen_) {
+      unseen_ -= pixels;
       return;
     }
     unseen_ = pixels_;

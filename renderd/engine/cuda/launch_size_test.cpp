@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace diaphane::render::cuda {
 namespace {
 
@@ -51,6 +53,30 @@ TEST(LaunchSize, BackgroundDoesNotMakeTheDenseRowsBelowItLong) {
   }
   EXPECT_LE(longest, 5 * LaunchSize::kTargetMs);
   EXPECT_LE(launches, 3 * 600) << "an eighth of a millisecond is the least that pays";
+}
+
+/// The picture of the test above with 16 samples per pixel, so its work is 16 times as large.
+TEST(LaunchSize, APassIsOverWhenAllSamplesOfItsPixelsAreDone) {
+  constexpr std::uint64_t kPixels = 2048 * 2048;
+  constexpr std::uint32_t kSamples = 16;
+  LaunchSize size;
+  size.forget(1024, kPixels, 1024);
+  // All rows so far are background, so the limit of the first pass still holds.
+  const std::uint64_t background = kPixels * kSamples / 2;
+  for (std::uint64_t done = 0; done < background;) {
+    const std::uint64_t work = std::min(size.work(), background - done);
+    size.learn(work, 0.01, kSamples);
+    done += work;
+  }
+  const std::uint64_t limit = size.work();
+  EXPECT_LE(limit, 1u << 14);
+  for (std::uint64_t done = background; done < 2 * background;) {
+    const std::uint64_t work = std::min(size.work(), 2 * background - done);
+    size.learn(work, 0.01, kSamples);
+    done += work;
+  }
+  size.learn(size.work(), 0.01, kSamples);
+  EXPECT_GT(size.work(), limit) << "the whole picture was rendered once";
 }
 
 TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {

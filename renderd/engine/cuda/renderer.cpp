@@ -217,10 +217,11 @@ Result<void> CudaRenderer::merge_film(const FilmPart& part) {
   return film_->merge(part, stream_.get());
 }
 
-Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
+Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work, std::uint32_t samples) {
   // Event 0 is the start. Launch n starts at event n and ends at event n + 1.
   const auto event = [this](std::size_t n) { return events_[n % events_.size()].get(); };
   flight.work[flight.launched % flight.work.size()] = work;
+  flight.samples[flight.launched % flight.samples.size()] = samples;
   ++flight.launched;
   DIAPHANE_CUDA_TRY(cudaEventRecord(event(flight.launched), stream_.get()));
   // Long launches are not queued behind each other, because a stop has to wait for all queued
@@ -232,7 +233,8 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
     float ms = 0;
     DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&ms, event(oldest), event(oldest + 1)));
     launch_milliseconds_ = static_cast<double>(ms);
-    launch_size_.learn(flight.work[oldest % flight.work.size()], launch_milliseconds_);
+    launch_size_.learn(flight.work[oldest % flight.work.size()], launch_milliseconds_,
+                       flight.samples[oldest % flight.samples.size()]);
   }
   return {};
 }
@@ -302,7 +304,8 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
                               stream_.get()));
     }
     film_->done(piece, rows);
-    DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
+    DIAPHANE_TRY(
+        note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples, stripe.samples));
   }
   return true;
 }

@@ -74,6 +74,7 @@ class CudaRenderer : public FrameRenderer {
   struct Flight {
     std::size_t launched = 0, seen = 0;
     std::array<std::uint64_t, kAhead + 1> work{};
+    std::array<std::uint32_t, kAhead + 1> samples{};  ///< per pixel
   };
 
   CudaRenderer(std::shared_ptr<const CudaVolume> volume, DeviceShares shares, std::uint64_t seed,
@@ -94,7 +95,7 @@ class CudaRenderer : public FrameRenderer {
   Result<void> make_exact();
   /// Traces until every pixel has `target` samples. Returns false if stopped before.
   Result<bool> trace_until(std::uint64_t target, const std::function<bool()>& stop, Flight& flight);
-  Result<void> note_launch(Flight& flight, std::uint64_t work);
+  Result<void> note_launch(Flight& flight, std::uint64_t work, std::uint32_t samples);
   /// Chooses the kernels for this scene: one for the first samples with guides, and one for the
   /// rest.
   Result<void> choose_variants();
