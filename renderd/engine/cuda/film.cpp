@@ -50,7 +50,11 @@ std::uint32_t CudaFilm::tile_count() const {
 }
 
 std::uint64_t CudaFilm::device_bytes() const {
-  return sum_.bytes() + difference_.bytes() + state_.bytes() + dropped_.bytes() +
+  std::uint64_t handed = 0;
+  for (const auto& part : handed_) {
+    if (part && part->pixels.data() != nullptr) handed += part->pixels.bytes();
+  }
+  return handed + sum_.bytes() + difference_.bytes() + state_.bytes() + dropped_.bytes() +
          (guides_.data() == nullptr ? 0 : guides_.bytes()) + by_stripe_.bytes() + counts_.bytes() +
          tiles_.bytes() + display_.bytes() + (packed_.data() == nullptr ? 0 : packed_.bytes());
 }
