@@ -29,18 +29,19 @@ Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
 }  // namespace
 
 std::vector<Route> account_change_routes(AccountChanges& changes, const Front& front) {
-  const auto ask_reset = [&changes](const Request& request, const Principal&) -> Outcome<Response> {
+  const auto ask_reset = [&changes](const Request& request,
+                                    const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.request_reset(email, request.address), 202);
+    return answer(changes.request_reset(email, request.address, who.language), 202);
   };
-  const auto reset = [&changes](const Request& request, const Principal&) -> Outcome<Response> {
+  const auto reset = [&changes](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string token = in.text("token", 1, 200);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.reset(token, password), 204);
+    return answer(changes.reset(token, password, who.language), 204);
   };
   const auto change_password = [&changes](const Request& request,
                                           const Principal& who) -> Outcome<Response> {

@@ -37,11 +37,12 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
 }  // namespace
 
 std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front) {
-  const auto sign_up = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
+  const auto sign_up = [&accounts](const Request& request,
+                                   const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.sign_up(email, request.address);
+    const auto done = accounts.sign_up(email, request.address, who.language);
     DIAPHANE_TRY(done);
     return empty_response(202);
   };
@@ -54,15 +55,16 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     DIAPHANE_TRY(done);
     return empty_response(204);
   };
-  const auto sign_in = [&accounts, &render_time, &front](const Request& request,
-                                                         const Principal&) -> Outcome<Response> {
+  const auto sign_in = [&accounts, &render_time, &front](
+                           const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
     const std::string password = in.secret("password", kPasswordBytes);
     const std::string code = in.text_or("code", "", kCodeCharacters);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto opened = accounts.sign_in(email, password, code, request.address,
-                                         browser_of(request), front.known_browser_of(request));
+    const auto opened =
+        accounts.sign_in(email, password, code, request.address, browser_of(request),
+                         front.known_browser_of(request), who.language);
     DIAPHANE_TRY(opened);
     auto response = me(accounts, render_time, opened->principal);
     if (response) {

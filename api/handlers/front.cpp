@@ -8,6 +8,7 @@
 #include "api/handlers/problem_document.h"
 #include "api/handlers/request_fields.h"
 #include "api/handlers/target.h"
+#include "api/service/language.h"
 #include "api/service/secrets.h"
 #include "common/ids.h"
 #include "common/log.h"
@@ -218,8 +219,9 @@ Response Front::serve(Admitted& admitted) const {
     bool renewed = false, begun = false;
     const auto answer = [&]() -> Outcome<Response> {
       if (admitted.asks_for_body) return decide_body(route, request);
-      const auto principal = identify(route, request, Accounts::Renewal::kYes);
+      auto principal = identify(route, request, Accounts::Renewal::kYes);
       DIAPHANE_TRY(principal);
+      principal->language = preferred_language(request.header("accept-language"));
       renewed = principal->renewed;
       begun = true;
       return route.handler(request, *principal);

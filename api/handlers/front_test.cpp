@@ -93,6 +93,13 @@ class FrontTest : public testing::Test {
   Request seen;
 };
 
+TEST_F(FrontTest, TakesLanguageFromRequestWithoutSession) {
+  (void)ask({"POST", "/v1/open", {{"accept-language", "de-AT, en;q=0.5"}}});
+  EXPECT_EQ(asked_by.language, Language::kGerman);
+  (void)ask({"POST", "/v1/open", {{"accept-language", "fr"}}});
+  EXPECT_EQ(asked_by.language, Language::kEnglish);
+}
+
 TEST_F(FrontTest, RequiresSessionCookie) {
   EXPECT_EQ(ask({"GET", "/v1/things/1", {}}).status, 401);
   EXPECT_EQ(

@@ -22,6 +22,30 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// Encodes a header text outside ASCII as words of RFC 2047. No character is split between words.
+std::string header_text(const std::string& text) {
+  if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x80; })) return text;
+  constexpr std::size_t kWordLetters = 60;  // an encoded word has at most 75 characters
+  constexpr char kHex[] = "0123456789ABCDEF";
+  std::string words, word;
+  const auto end_word = [&] {
+    words += (words.empty() ? "=?UTF-8?Q?" : "\r\n =?UTF-8?Q?") + word + "?=";
+    word.clear();
+  };
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool begins_character = (byte & 0xc0) != 0x80;
+    if (begins_character && word.size() + 12 > kWordLetters) end_word();
+    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')) {
+      word += c;
+    } else {
+      word += {'=', kHex[byte >> 4], kHex[byte & 15]};
+    }
+  }
+  end_word();
+  return words;
+}
+
 std::string rfc5322_now() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -162,8 +186,8 @@ std::string message_of(const Mail& mail, const std::string& from, const std::str
   const std::size_t at = sender.find('@');
   const std::string domain = at == std::string::npos ? "localhost" : sender.substr(at + 1);
   return "Date: " + date + "\r\nFrom: " + one_line(from) + "\r\nTo: <" + one_line(mail.recipient) +
-         ">\r\nSubject: " + one_line(mail.subject) + "\r\nMessage-ID: <" + message_id + "@" +
-         domain +
+         ">\r\nSubject: " + header_text(one_line(mail.subject)) + "\r\nMessage-ID: <" + message_id +
+         "@" + domain +
          ">\r\nAuto-Submitted: auto-generated\r\nMIME-Version: 1.0\r\n"
          "Content-Type: text/plain; charset=utf-8\r\nContent-Transfer-Encoding: 8bit\r\n\r\n" +
          crlf_lines(mail.body);

@@ -129,6 +129,17 @@ TEST(Smtp, UnreachableServerIsRetried) {
   EXPECT_EQ(sent.error().code, ErrorCode::kUnavailable);
 }
 
+TEST(Message, EncodesNonAsciiSubjectInShortWords) {
+  const Mail mail{"a@b", "Bestätigen Sie Ihre E-Mail-Adresse\r\nBcc: c@d äöüäöüäöüäöü", "Text\n"};
+  const std::string message = message_of(mail, "a@b", "now", "1");
+  EXPECT_THAT(message, HasSubstr("Subject: =?UTF-8?Q?Best=C3=A4tigen=20Sie=20Ihre"));
+  EXPECT_THAT(message, Not(HasSubstr("\r\nBcc")));
+  EXPECT_THAT(message, Not(HasSubstr("=C3?=")));
+  const std::string head = message.substr(0, message.find("\r\n\r\n"));
+  std::istringstream lines(head);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 90u) << line;
+}
+
 TEST(FileMail, WritesOneFileThatOnlyItsOwnerCanRead) {
   const auto directory = std::filesystem::temp_directory_path() / ("mail-" + random_hex(8));
   std::filesystem::create_directories(directory);

@@ -35,7 +35,8 @@ void AccountChanges::end_pictures(const std::string& user_id) {
   if (!placement_.end_all_by(user_id)) log::warning("failed to end an account's sessions");
 }
 
-Outcome<void> AccountChanges::request_reset(const std::string& email, const std::string& address) {
+Outcome<void> AccountChanges::request_reset(const std::string& email, const std::string& address,
+                                            Language language) {
   if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
   const auto now = clock_.wall();
   const std::string key = email_key(email);
@@ -50,16 +51,17 @@ Outcome<void> AccountChanges::request_reset(const std::string& email, const std:
   if (*full) return {};
 
   const std::string token = random_hex(32);
-  const auto done =
-      store_.request_reset(key, blake2b(token), now + options_.reset_life,
-                           mails::reset(email, options_.public_url + "/reset#token=" + token),
-                           mails::no_account(email, options_.public_url + "/sign-up"));
+  const auto done = store_.request_reset(
+      key, blake2b(token), now + options_.reset_life,
+      mails::reset(language, email, options_.public_url + "/reset#token=" + token),
+      mails::no_account(language, email, options_.public_url + "/sign-up"));
   if (!done) return refuse(done.error());
   wake_mailer_();
   return {};
 }
 
-Outcome<void> AccountChanges::reset(const std::string& token, const std::string& password) {
+Outcome<void> AccountChanges::reset(const std::string& token, const std::string& password,
+                                    Language language) {
   if (!is_token(token)) return refuse_field("token", "This link is incomplete or invalid.");
   const auto now = clock_.wall();
   const std::string token_hash = blake2b(token);
@@ -72,8 +74,8 @@ Outcome<void> AccountChanges::reset(const std::string& token, const std::string&
   }
   auto hash = hasher_.hash(password);
   if (!hash) return refuse(hash.error());
-  const auto done =
-      store_.reset(token_hash, *hash, mails::password_changed(person.email, forgot_url()), now);
+  const auto done = store_.reset(
+      token_hash, *hash, mails::password_changed(language, person.email, forgot_url()), now);
   if (!done) return refuse(done.error());
   if (!*done) return too_old();
   // Clears the failures, so that the reader of the mailbox can sign in however often others have
@@ -92,9 +94,9 @@ Outcome<void> AccountChanges::change_password(const Principal& who, const std::s
   }
   auto hash = hasher_.hash(password);
   if (!hash) return refuse(hash.error());
-  const auto done =
-      store_.change_password(who.user_id, *hash, who.session_id,
-                             mails::password_changed(who.email, forgot_url()), clock_.wall());
+  const auto done = store_.change_password(
+      who.user_id, *hash, who.session_id,
+      mails::password_changed(who.language, who.email, forgot_url()), clock_.wall());
   if (!done) return refuse(done.error());
   end_pictures(who.user_id);
   wake_mailer_();
@@ -124,9 +126,10 @@ Outcome<void> AccountChanges::request_email(const Principal& who, const std::str
       key,
       blake2b(token),
       now + options_.change_life,
-      mails::confirm_new_address(new_email, options_.public_url + "/confirm-email#token=" + token),
-      mails::new_address_taken(new_email, options_.public_url + "/"),
-      mails::address_asked_to_change(who.email, forgot_url())};
+      mails::confirm_new_address(who.language, new_email,
+                                 options_.public_url + "/confirm-email#token=" + token),
+      mails::new_address_taken(who.language, new_email, options_.public_url + "/"),
+      mails::address_asked_to_change(who.language, who.email, forgot_url())};
   if (const auto done = store_.request_email(request, now); !done) return refuse(done.error());
   wake_mailer_();
   return {};
@@ -144,8 +147,9 @@ Outcome<void> AccountChanges::confirm_email(const Principal& who, const std::str
                   "This link belongs to a different account. Sign in to the account that requested "
                   "the change, then open the link again.");
   }
-  const auto done = store_.confirm_email(token_hash, email_key((*bearer)->new_email),
-                                         mails::address_changed((*bearer)->email), now);
+  const auto done =
+      store_.confirm_email(token_hash, email_key((*bearer)->new_email),
+                           mails::address_changed(who.language, (*bearer)->email), now);
   if (!done) return refuse(done.error());
   if (!*done) return too_old();
   wake_mailer_();

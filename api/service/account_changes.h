@@ -90,9 +90,12 @@ class AccountChanges {
                  PasswordHasher& hasher, Placement& placement, const Clock& clock, Options options);
 
   /// Succeeds after the same work whether or not the account exists. `address` is the peer's.
-  Outcome<void> request_reset(const std::string& email, const std::string& address);
+  /// `language` is that of the email.
+  Outcome<void> request_reset(const std::string& email, const std::string& address,
+                              Language language = Language::kEnglish);
   /// Signs out everywhere. Returns kLinkExpired for an invalid token.
-  Outcome<void> reset(const std::string& token, const std::string& password);
+  Outcome<void> reset(const std::string& token, const std::string& password,
+                      Language language = Language::kEnglish);
   Outcome<void> change_password(const Principal& who, const std::string& current,
                                 const std::string& password);
   /// Sends a link to the new address and notifies the old one.

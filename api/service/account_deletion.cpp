@@ -15,7 +15,7 @@ Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& p
       who.user_id, who.email,
       {attempt_key("account", key), attempt_key(kSignUpMails, key), attempt_key(kResetMails, key),
        attempt_key(kChangeMails, key), attempt_key("change", who.user_id)},
-      mails::account_deleted(who.email), clock_.wall());
+      mails::account_deleted(who.language, who.email), clock_.wall());
   if (!data_sets) return refuse(data_sets.error());
   // The rows are deleted, so no session can be opened any more. Running ones are ended if possible.
   bool ended = placement_.end_all_by(who.user_id).has_value();

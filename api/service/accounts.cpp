@@ -39,7 +39,8 @@ std::optional<std::string> Accounts::known(const std::optional<Account>& account
   return nonce;
 }
 
-Outcome<void> Accounts::sign_up(const std::string& email, const std::string& address) {
+Outcome<void> Accounts::sign_up(const std::string& email, const std::string& address,
+                                Language language) {
   if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
 
   const auto now = clock_.wall();
@@ -58,13 +59,14 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& add
   if (*full) return {};
 
   const std::string token = random_hex(32);
-  const SignUp sign_up{new_id(),
-                       email,
-                       key,
-                       blake2b(token),
-                       now + options_.link_life,
-                       mails::welcome(email, options_.public_url + "/verify#token=" + token),
-                       mails::already_there(email, options_.public_url + "/")};
+  const SignUp sign_up{
+      new_id(),
+      email,
+      key,
+      blake2b(token),
+      now + options_.link_life,
+      mails::welcome(language, email, options_.public_url + "/verify#token=" + token),
+      mails::already_there(language, email, options_.public_url + "/")};
   const auto done = store_.sign_up(sign_up, now);
   if (!done) return refuse(done.error());
   wake_mailer_();
@@ -117,14 +119,15 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Co
   return true;
 }
 
-Outcome<void> Accounts::check_code(const Account& account, const std::string& code) {
+Outcome<void> Accounts::check_code(const Account& account, const std::string& code,
+                                   Language language) {
   const auto needed = codes_.needed(account.id);
   DIAPHANE_TRY(needed);
   if (!*needed) return {};
   if (code.empty()) {
     return refuse(ProblemKind::kCodeNeeded, "Enter the code from your authenticator app.");
   }
-  const auto right = codes_.take(account.id, account.email, code);
+  const auto right = codes_.take(account.id, account.email, code, language);
   DIAPHANE_TRY(right);
   if (!*right) {
     return refuse(
@@ -137,7 +140,7 @@ Outcome<void> Accounts::check_code(const Account& account, const std::string& co
 Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std::string& password,
                                             const std::string& code, const std::string& address,
                                             const std::string& browser,
-                                            const std::string& known_browser) {
+                                            const std::string& known_browser, Language language) {
   const auto now = clock_.wall();
   const std::string key = email_key(email);
   const auto account = store_.find_by_email(key);
@@ -154,7 +157,7 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
   if ((*account)->disabled) {
     return refuse(ProblemKind::kDisabled, "An administrator has disabled this account.");
   }
-  DIAPHANE_TRY(check_code(**account, code));
+  DIAPHANE_TRY(check_code(**account, code, language));
 
   Opened opened;
   opened.token = random_hex(32);

@@ -7,6 +7,7 @@
 
 #include "api/service/account_store.h"
 #include "api/service/code_check.h"
+#include "api/service/language.h"
 #include "api/service/password.h"
 #include "api/service/problem.h"
 #include "api/service/secrets.h"
@@ -27,6 +28,7 @@ struct Principal {
   /// Has the administrator role without two-factor authentication. Until it is on, `administrator`
   /// is false.
   bool administrator_waits = false;
+  Language language = Language::kEnglish;  ///< of the request; known even of nobody
 };
 
 /// Sign-up, sign-in and sign-out. Thread-safe.
@@ -63,7 +65,9 @@ class Accounts {
 
   /// Sends a link. Returns kInvalid only for errors that reveal no account and otherwise succeeds,
   /// whether or not the account exists. `address` is the peer's, for the rate limit.
-  Outcome<void> sign_up(const std::string& email, const std::string& address);
+  /// `language` is that of the email.
+  Outcome<void> sign_up(const std::string& email, const std::string& address,
+                        Language language = Language::kEnglish);
   /// Only the holder of the emailed token can choose the password, because the token proves access
   /// to the mailbox (docs/adr/0034). Returns kLinkExpired for an unknown, used or expired token.
   Outcome<void> verify(const std::string& token, const std::string& password);
@@ -72,9 +76,11 @@ class Accounts {
   /// returns kCodeNeeded without a code and kWrongCode for a wrong one. `browser` is an approximate
   /// name. If `known_browser` shows that this browser has signed in to this account before, its
   /// failures are counted separately, so that the failures of strangers do not lock it out.
+  /// `language` is that of emails about the code.
   Outcome<Opened> sign_in(const std::string& email, const std::string& password,
                           const std::string& code, const std::string& address,
-                          const std::string& browser = "", const std::string& known_browser = "");
+                          const std::string& browser = "", const std::string& known_browser = "",
+                          Language language = Language::kEnglish);
   /// Asks for the password again before an irreversible action. A wrong one is reported for
   /// `field`. Failures are counted only for this web session.
   Outcome<void> confirm_password(const Principal& who, const std::string& field,
@@ -94,7 +100,7 @@ class Accounts {
 
  private:
   /// Returns kCodeNeeded, kWrongCode, or nothing if no code is needed or the code is correct.
-  Outcome<void> check_code(const Account& account, const std::string& code);
+  Outcome<void> check_code(const Account& account, const std::string& code, Language language);
   /// The keys for which a password attempt is counted.
   struct Counters {
     std::string whole;                   ///< reset after a correct password

@@ -67,7 +67,7 @@ Outcome<bool> CodeCheck::needed(const std::string& user_id) {
 }
 
 Outcome<bool> CodeCheck::take(const std::string& user_id, const std::string& email,
-                              const std::string& code) {
+                              const std::string& code, Language language) {
   const auto now = clock_.wall();
   const std::string soon = attempt_key("code", user_id), day = attempt_key("code-day", user_id);
   // Recorded before the code is checked, as for passwords (accounts.cpp).
@@ -76,7 +76,7 @@ Outcome<bool> CodeCheck::take(const std::string& user_id, const std::string& ema
                                            now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
-  const auto right = is_right(user_id, email, code, now);
+  const auto right = is_right(user_id, email, code, language, now);
   if (!right || !*right) return right;
   for (const std::string& key : {soon, day}) {
     if (auto done = attempts_.forget_attempts(key, std::nullopt); !done) {
@@ -86,22 +86,24 @@ Outcome<bool> CodeCheck::take(const std::string& user_id, const std::string& ema
   return true;
 }
 
-Outcome<bool> CodeCheck::was_used(const std::string& user_id, const std::string& email, Time now) {
+Outcome<bool> CodeCheck::was_used(const std::string& user_id, const std::string& email,
+                                  Language language, Time now) {
   log::warning("authentication code reused", {{"user", user_id}});
-  const auto noted = store_.note_reuse(user_id, mails::code_reused(email, account_url()), now);
+  const auto noted =
+      store_.note_reuse(user_id, mails::code_reused(language, email, account_url()), now);
   if (!noted) return refuse(noted.error());
   wake_mailer_();
   return false;
 }
 
 Outcome<bool> CodeCheck::is_right(const std::string& user_id, const std::string& email,
-                                  const std::string& code, Time now) {
+                                  const std::string& code, Language language, Time now) {
   const auto factor = store_.find(user_id);
   if (!factor) return refuse(factor.error());
   if (!*factor || !(*factor)->confirmed_at) return false;
   if (const auto hash = recovery_code_hash(code)) {
     const auto taken = store_.take_recovery_code(
-        user_id, *hash, mails::recovery_code_used(email, account_url()), now);
+        user_id, *hash, mails::recovery_code_used(language, email, account_url()), now);
     if (!taken) return refuse(taken.error());
     if (*taken) wake_mailer_();
     return *taken;
@@ -115,11 +117,11 @@ Outcome<bool> CodeCheck::is_right(const std::string& user_id, const std::string&
   const auto step = totp::step_of(*secret, code, now, (*factor)->last_step);
   if (!step) {
     const bool used = totp::step_of(*secret, code, now, 0).has_value();
-    return used ? was_used(user_id, email, now) : Outcome<bool>(false);
+    return used ? was_used(user_id, email, language, now) : Outcome<bool>(false);
   }
   const auto taken = store_.take_step(user_id, *step);
   if (!taken) return refuse(taken.error());
-  return *taken ? Outcome<bool>(true) : was_used(user_id, email, now);
+  return *taken ? Outcome<bool>(true) : was_used(user_id, email, language, now);
 }
 
 }  // namespace diaphane::api

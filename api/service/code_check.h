@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/service/account_store.h"
+#include "api/service/language.h"
 #include "api/service/problem.h"
 #include "api/service/secrets.h"
 #include "common/clock.h"
@@ -74,17 +75,19 @@ class CodeCheck {
   /// Whether signing in requires a code.
   Outcome<bool> needed(const std::string& user_id);
   /// Whether `code` is correct; a correct code is consumed. Returns kTooManyAttempts even for a
-  /// correct code. Notifies `email` if a recovery code was used or a code was reused.
-  Outcome<bool> take(const std::string& user_id, const std::string& email, const std::string& code);
+  /// correct code. Notifies `email` in `language` if a recovery code was used or a code was reused.
+  Outcome<bool> take(const std::string& user_id, const std::string& email, const std::string& code,
+                     Language language);
 
   std::string account_url() const { return options_.public_url + "/account"; }
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
   /// Returns false for a reused code, and logs and reports the reuse.
-  Outcome<bool> was_used(const std::string& user_id, const std::string& email, Time now);
+  Outcome<bool> was_used(const std::string& user_id, const std::string& email, Language language,
+                         Time now);
   Outcome<bool> is_right(const std::string& user_id, const std::string& email,
-                         const std::string& code, Time now);
+                         const std::string& code, Language language, Time now);
 
   SecondFactorStore& store_;
   AccountStore& attempts_;

@@ -72,9 +72,9 @@ Outcome<std::vector<std::string>> SecondFactors::confirm(const Principal& who,
   const auto step = totp::step_of(*secret, code, now, (*factor)->last_step);
   if (!step) return wrong_code();
   auto codes = new_recovery_codes();
-  const auto done =
-      store_.confirm(who.user_id, (*factor)->sealed_secret, *step, hashes_of(codes), who.session_id,
-                     mails::second_factor_added(who.email, codes_.account_url()), now);
+  const auto done = store_.confirm(
+      who.user_id, (*factor)->sealed_secret, *step, hashes_of(codes), who.session_id,
+      mails::second_factor_added(who.language, who.email, codes_.account_url()), now);
   if (!done) return refuse(done.error());
   if (!*done) return not_begun();
   signed_out_();
@@ -90,7 +90,7 @@ Outcome<void> SecondFactors::confirm_both(const Principal& who, const std::strin
   if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
-  const auto right = codes_.take(who.user_id, who.email, code);
+  const auto right = codes_.take(who.user_id, who.email, code, who.language);
   DIAPHANE_TRY(right);
   if (!*right) return wrong_code();
   return {};
@@ -102,8 +102,8 @@ Outcome<std::vector<std::string>> SecondFactors::renew_recovery_codes(const Prin
   DIAPHANE_TRY(confirm_both(who, password, code));
   auto codes = new_recovery_codes();
   const auto done = store_.renew_recovery_codes(
-      who.user_id, hashes_of(codes), mails::recovery_codes_renewed(who.email, codes_.account_url()),
-      clock_.wall());
+      who.user_id, hashes_of(codes),
+      mails::recovery_codes_renewed(who.language, who.email, codes_.account_url()), clock_.wall());
   if (!done) return refuse(done.error());
   wake_mailer_();
   return codes;
@@ -113,7 +113,8 @@ Outcome<void> SecondFactors::remove(const Principal& who, const std::string& pas
                                     const std::string& code) {
   if (auto right = confirm_both(who, password, code); !right) return right;
   const auto done = store_.remove(
-      who.user_id, mails::second_factor_removed(who.email, codes_.account_url()), clock_.wall());
+      who.user_id, mails::second_factor_removed(who.language, who.email, codes_.account_url()),
+      clock_.wall());
   if (!done) return refuse(done.error());
   wake_mailer_();
   return {};

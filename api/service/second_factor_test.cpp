@@ -267,7 +267,8 @@ TEST_F(SecondFactorTest, EachStepThatFailsIsReportedAsUnavailable) {
   expect_unavailable({{factors, "find", confirm}, {factors, "confirm", confirm}});
   const auto codes = set_up();
   const auto take = [&](const std::string& with) {
-    return [this, with] { return refusal(check.take(who.user_id, kEmail, with)); };
+    return
+        [this, with] { return refusal(check.take(who.user_id, kEmail, with, Language::kEnglish)); };
   };
   const auto renew = [&] { return refusal(second.renew_recovery_codes(who, kPassword, codes[0])); };
   const auto remove = [&] { return refusal(second.remove(who, kPassword, codes[1])); };
@@ -289,7 +290,8 @@ TEST_F(SecondFactorTest, WithAnotherKeyCodesCannotBeCheckedButRecoveryCodesCan) 
   const auto codes = set_up();
   const SealingKey other = SealingKey::of_hex(std::string(64, '2')).value();
   CodeCheck blind{factors, store, other, clock, {}};
-  EXPECT_EQ(blind.take(who.user_id, kEmail, code(1)).error().kind, ProblemKind::kInternal);
+  EXPECT_EQ(blind.take(who.user_id, kEmail, code(1), Language::kEnglish).error().kind,
+            ProblemKind::kInternal);
   EXPECT_TRUE(blind.take(who.user_id, kEmail, codes[0]).value());
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "api/service/account_mails.h"
 #include "api/service/password.h"
 #include "api/service/secrets.h"
 #include "common/ids.h"
@@ -11,22 +12,6 @@
 
 namespace diaphane::api {
 namespace {
-
-/// The sender chooses only two parts of this text: the name, which can hold no parenthesis, link or
-/// quotation mark (is_plain_name), and the email address, which was confirmed. The title of the
-/// scan is left out because it may say something about a person's health.
-Mail invitation(const std::string& email, const std::string& name, const std::string& from,
-                const std::string& public_url) {
-  const std::string sender = name.empty() ? from : name + " (" + from + ")";
-  return {
-      email, "A scan was shared with you on Diaphane",
-      sender +
-          " shared a scan with you on Diaphane.\n\nTo see it, sign in with this email address or "
-          "use it to create an account. You will find the scan under \"My scans\":\n\n" +
-          public_url +
-          "/scans\n\nIf you do not know the sender, ignore this email. We do not tell anyone "
-          "whether you have an account.\n"};
-}
 
 tl::unexpected<Problem> no_such_link() {
   return refuse(ProblemKind::kNotFound, "This link is invalid or has been disabled.");
@@ -80,9 +65,9 @@ Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
   }
   const auto name = parts_.store.public_name(who.user_id);
   if (!name) return refuse(name.error());
-  const auto added =
-      parts_.store.share_with(id, {new_id(), key, may_save, now}, options_.people,
-                              invitation(email, *name, who.email, options_.public_url));
+  const auto added = parts_.store.share_with(
+      id, {new_id(), key, may_save, now}, options_.people,
+      mails::invitation(email, *name, who.email, options_.public_url + "/scans"));
   if (!added) return refuse(added.error());
   if (*added) wake_mailer_();
   return {};

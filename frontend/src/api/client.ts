@@ -1,6 +1,7 @@
 import { AnonymiseApi } from "./anonymise";
 import { SecondFactorApi } from "./second_factor";
 import { PresetsApi, SharingApi } from "./sharing";
+import { language } from "../texts";
 import type {
   AuditEntry,
   BrowserSession,
@@ -267,6 +268,8 @@ export class Api {
 
   private async send(method: string, path: string, body?: unknown, init: RequestInit = {}): Promise<Response> {
     const headers = new Headers(init.headers);
+    // Emails that a request causes are in the language of the page, which need not be the browser's.
+    headers.set("Accept-Language", language.value);
     const raw = body instanceof Blob;
     if (body !== undefined && !raw) headers.set("Content-Type", "application/json");
     if (method !== "GET" && this.token) headers.set("X-CSRF-Token", this.token);
