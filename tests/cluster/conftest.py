@@ -52,7 +52,7 @@ def namespace(plane: Plane):
 @pytest.fixture
 def cluster(plane: Plane, namespace: str, request):
     """Yields what an operator needs in the test's namespace, and reports the ends of the operators' logs after a failure."""
-    from operator_help import Cluster     # imports wait_for from this module
+    from operator_helpers import Cluster     # imports wait_for from this module
 
     folder = Path(tempfile.mkdtemp(prefix="diaphane-operator-"))
     plane.run_as.own(folder)

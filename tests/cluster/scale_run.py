@@ -21,7 +21,7 @@ from pathlib import Path
 import httpx
 import redis as redis_client
 from conftest import wait_for
-from operator_help import BUILD, GROUP, Cluster, Redis
+from operator_helpers import BUILD, GROUP, Cluster, Redis
 from plane import ORDER, Plane
 
 from house import paths, users

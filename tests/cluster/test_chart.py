@@ -10,7 +10,7 @@ import subprocess
 import pytest
 import yaml
 from certificates import issue
-from chart_help import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, stored, values_file
+from chart_helpers import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, stored, values_file
 from conftest import wait_for
 
 pytestmark = pytest.mark.chosen

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from conftest import wait_for
-from dashboard_help import unanswered
+from dashboard_helpers import unanswered
 
 
 def test_every_query_about_the_operator_is_answered(cluster):

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 from conftest import wait_for
-from operator_help import GROUP
+from operator_helpers import GROUP
 
 
 def uids(cluster) -> set[str]:

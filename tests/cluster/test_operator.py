@@ -7,7 +7,7 @@ import time
 
 import pytest
 from conftest import wait_for
-from operator_help import GROUP
+from operator_helpers import GROUP
 
 
 @pytest.mark.chosen

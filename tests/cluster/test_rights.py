@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 from conftest import wait_for
-from operator_help import GROUP, LEASE, Cluster, Operator, chart_rights
-from stuck_wire import StuckWire
+from operator_helpers import GROUP, LEASE, Cluster, Operator, chart_rights
+from blackhole_proxy import BlackholeProxy
 
 _numbers = itertools.count()
 
@@ -247,7 +247,7 @@ def tells_an_event_again(world, resource, verb):
 
 def reads_what_is_there_already(world, resource, verb):
     """Its watches are stuck, so it learns of another creator's pod only from the refusal of its own write."""
-    wire = StuckWire(world.plane.server)
+    wire = BlackholeProxy(world.plane.server)
     try:
         operator = world.fresh(server=wire.url)
         wait_for(lambda: operator.ready().get("leader"), "a leader")

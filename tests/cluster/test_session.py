@@ -15,7 +15,7 @@ import pytest
 from node_agent import NodeAgent
 from plane import ORDER, Plane
 from playwright.sync_api import expect, sync_playwright
-from service_help import NAME, Service
+from service_helpers import NAME, Service
 
 from harness import REPO
 from house import chromium, logfiles, users

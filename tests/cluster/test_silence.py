@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 
 from conftest import wait_for
-from stuck_wire import StuckWire
+from blackhole_proxy import BlackholeProxy
 
 
 def test_a_watch_that_has_died_without_a_word_is_noticed_and_goes_on(cluster, record_property):
     """The API server sends a bookmark every minute. Without one for a minute and a quarter, the operator watches again from the
     last revision."""
-    wire = StuckWire(cluster.plane.server)
+    wire = BlackholeProxy(cluster.plane.server)
     try:
         cluster.nodes(2, gpus=1)
         operator = cluster.operator(server=wire.url)

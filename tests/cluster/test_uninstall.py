@@ -6,10 +6,10 @@ from __future__ import annotations
 import subprocess
 
 import pytest
-from chart_help import CHART, rendered, values_file
+from chart_helpers import CHART, rendered, values_file
 from conftest import wait_for
-from hooks_help import Hooks
-from operator_help import BUILD, GROUP
+from hooks_helpers import Hooks
+from operator_helpers import BUILD, GROUP
 from test_chart import prepare
 
 RELEASE = "it-diaphane"

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 import yaml
-from chart_help import CHART, SECRET, values_file
+from chart_helpers import CHART, SECRET, values_file
 from conftest import wait_for
-from hooks_help import Hooks
-from operator_help import GROUP
+from hooks_helpers import Hooks
+from operator_helpers import GROUP
 from test_chart import prepare
 
 from house import paths

@@ -12,7 +12,7 @@ import pytest
 from conftest import wait_for
 from kubelet_node import ADDRESS, KubeletNode
 from plane import ORDER, Plane
-from service_help import Front, Service
+from service_helpers import Front, Service
 from test_session import ENOUGH, NAMESPACE, POOL, SESSION, page  # noqa: F401
 
 from harness import REPO

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Page
 
 from harness import REPO, TestStack
-from house import page_walk
+from house import page_crawler
 from person import PATIENCE_MS, Person
 
 AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
@@ -49,14 +49,14 @@ LOOKS = [pytest.param({"viewport": {"width": 1440, "height": 900}, "color_scheme
 def test_no_page_has_a_fault_that_a_checker_finds(stack: TestStack, browser, shown, look: dict):
     cookies, data_set = shown
     found: dict[str, list[str]] = {}
-    for who in (page_walk.NOBODY, page_walk.PERSON):
+    for who in (page_crawler.NOBODY, page_crawler.PERSON):
         context = browser.new_context(**look)
-        if who == page_walk.PERSON:
+        if who == page_crawler.PERSON:
             context.add_cookies(cookies)
         page = context.new_page()
-        for place in page_walk.places(data_set):
+        for place in page_crawler.places(data_set):
             if place.who == who:
-                page_walk.go(page, stack.url, place, data_set)
+                page_crawler.go(page, stack.url, place, data_set)
                 if wrong := faults(page):
                     found[place.name] = wrong
         context.close()
@@ -75,22 +75,22 @@ def too_wide(page: Page) -> list[str]:
             .filter((e) => e.getBoundingClientRect().right > innerWidth + 1).slice(0, 3).map((e) => e.outerHTML.slice(0, 80))]""")
 
 
-@pytest.mark.parametrize("who", [page_walk.NOBODY, page_walk.PERSON, ADMINISTRATOR])
+@pytest.mark.parametrize("who", [page_crawler.NOBODY, page_crawler.PERSON, ADMINISTRATOR])
 def test_every_page_fits_at_200_and_400_percent_and_moves_nothing_for_who_wants_it_still(stack: TestStack, browser, shown, who: str):
     cookies, data_set = shown
     context = browser.new_context(reduced_motion="reduce")
     context.set_default_timeout(PATIENCE_MS)
     stack.psql("UPDATE users SET is_administrator = %s WHERE id = (SELECT owner_id FROM data_sets WHERE id = %s)", who == ADMINISTRATOR, data_set)
-    if who != page_walk.NOBODY:
+    if who != page_crawler.NOBODY:
         context.add_cookies(cookies)
     page = context.new_page()
     found = {}
-    for place in page_walk.places(data_set):
-        if (place.who == page_walk.NOBODY) != (who == page_walk.NOBODY):
+    for place in page_crawler.places(data_set):
+        if (place.who == page_crawler.NOBODY) != (who == page_crawler.NOBODY):
             continue
-        if who == page_walk.PERSON and place.path.startswith("/admin"):
+        if who == page_crawler.PERSON and place.path.startswith("/admin"):
             continue  # this user has nothing here
-        page_walk.go(page, stack.url, place, data_set)
+        page_crawler.go(page, stack.url, place, data_set)
         for width, height in WINDOWS:
             page.set_viewport_size({"width": width, "height": height})
             if wrong := too_wide(page):
@@ -103,5 +103,5 @@ def test_every_page_fits_at_200_and_400_percent_and_moves_nothing_for_who_wants_
 
 
 def test_the_walk_knows_every_word_of_the_router():
-    words = page_walk.first_words()
+    words = page_crawler.first_words()
     assert {"", "scans", "add", "sign-in", "view", "join"} <= set(words) and len(words) == len(set(words))

@@ -1,5 +1,5 @@
 """kill -9 of programs that the picture's renderer does not need, while a picture is shown (for the renderer's own:
-test_whole_way.py)."""
+test_upload_to_view.py)."""
 
 from __future__ import annotations
 

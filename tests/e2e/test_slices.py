@@ -8,7 +8,7 @@ from pathlib import Path
 
 from playwright.sync_api import expect
 
-from fingers import Fingers
+from touch import Fingers
 from harness import REPO, TestStack
 from person import Person
 from slice_reader import PLANES, Reader, spots_of

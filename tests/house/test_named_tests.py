@@ -47,4 +47,4 @@ def test_every_test_that_is_named_is_there(page):
 
 def test_a_name_that_is_nobodys_is_seen():
     assert not _is_there("test_that_nobody_wrote", _python()) and not _is_there("Sandbox.WillNeverBeCalledSo…", _cpp())
-    assert _is_there("test_who_may", _python()) and _is_there("Sandbox.*", _cpp())
+    assert _is_there("test_access_matrix", _python()) and _is_there("Sandbox.*", _cpp())

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Callable, Sequence
 
 from edge_attacks import REFUSED, Attack, Request
-from who_may_table import OPERATIONS, ROWS
-from who_may_world import ROLES
+from access_matrix import OPERATIONS, ROWS
+from access_matrix_fixture import ROLES
 
 #: The kind of the unmodified request.
 ITSELF = "the request itself"
@@ -17,7 +17,7 @@ SAFE = ("GET", "HEAD", "OPTIONS")
 
 @dataclass(frozen=True)
 class Route:
-    """`may`: by role, "+" or the status with which it is refused (who_may.txt)."""
+    """`may`: by role, "+" or the status with which it is refused (access_matrix.txt)."""
 
     name: str
     group: str

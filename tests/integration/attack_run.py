@@ -22,11 +22,11 @@ import psycopg
 from api_client import forget_attempts
 from attack_plan import ITSELF, Cell, Choice, Tally, fault_of
 from edge_attacks import Attack, Request, attacks_on, slow
-from edge_help import STATUS_LINE
+from edge_helpers import STATUS_LINE
 from harness import TestStack
 from psycopg import sql
-from who_may_table import OPERATIONS
-from who_may_world import World, able_to_render, free_slots, question
+from access_matrix import OPERATIONS
+from access_matrix_fixture import World, able_to_render, free_slots, question
 
 #: Concurrent cells with one connection each: more than the API has threads, and too few to make it refuse.
 AT_ONCE = 24

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from api_client import person
-from stream_help import PROGRAMS, open_session, store_ball
+from stream_helpers import PROGRAMS, open_session, store_ball
 
 
 @pytest.fixture(scope="module")

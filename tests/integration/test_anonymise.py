@@ -7,9 +7,9 @@ import uuid
 import numpy
 import pytest
 from api_client import person, problem
-from cut_help import KEEP, expected_left, hash_of, holders_of_mark, marked_scan
+from cut_helpers import KEEP, expected_left, hash_of, holders_of_mark, marked_scan
 from jpeg_pixels import jpeg_pixels
-from stream_help import open_session
+from stream_helpers import open_session
 
 CONFIRMATION = "this cannot be undone"
 CAMERA = {"camera": {"eye": {"y": -300, "z": 4}, "target": {"z": 4}, "up": {"z": 1}, "verticalFovDegrees": 30},

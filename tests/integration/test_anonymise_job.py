@@ -6,9 +6,9 @@ import json
 import signal
 
 import pytest
-from cut_help import (SIDE, build_killer, expected_left, hash_of, holders_of_mark, order, ready_data_set, run_ingestd)
-from ingest_help import volume_path
-from stream_help import free_port
+from cut_helpers import (SIDE, build_killer, expected_left, hash_of, holders_of_mark, order, ready_data_set, run_ingestd)
+from ingest_helpers import volume_path
+from stream_helpers import free_port
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import tarfile
 
 import pytest
 from hostile.canary_scan import CanaryScan
-from ingest_help import enqueue, nothing_left, upload_path, volume_path, wait_end
+from ingest_helpers import enqueue, nothing_left, upload_path, volume_path, wait_end
 
 from canaries import Search
 from house import clamav

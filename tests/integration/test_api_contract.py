@@ -11,8 +11,8 @@ import uuid
 import pytest
 from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
                         problem, remove_worker)
-from cut_help import KEEP, store
-from who_may_world import put_picture
+from cut_helpers import KEEP, store
+from access_matrix_fixture import put_picture
 
 OPERATIONS = list(CONTRACT.operations())
 WITH_BODY = [o for o in OPERATIONS if "application/json" in str(CONTRACT.resolve(o[2].get("requestBody", {})))]

@@ -7,7 +7,7 @@ import json
 
 import pytest
 from api_client import CONTRACT, add_worker, api, client, make_ready, one, other, person, problem, remove_worker  # noqa: F401
-from who_may_world import put_picture
+from access_matrix_fixture import put_picture
 
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 XML = {"Content-Type": "application/xml"}
@@ -301,7 +301,7 @@ def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, t
     """The scene of a new session, as sent to the worker."""
     import secrets
 
-    from stream_help import MESSAGES
+    from stream_helpers import MESSAGES
 
     add_worker(api, "presets-test", slots=64)
 

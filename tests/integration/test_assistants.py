@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from api_client import person
-from stream_help import OtherWorker, Viewer, free_port, open_session, store_ball
+from stream_helpers import OtherWorker, Viewer, free_port, open_session, store_ball
 
 
 @pytest.fixture

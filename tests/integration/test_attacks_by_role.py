@@ -10,9 +10,9 @@ from api_client import person
 from attack_plan import Cell, Tally, all_of_them, cells, fault_of, printed, routes, some_of, table
 from attack_run import Sent, changes, run, state_of
 from edge_attacks import Attack, Request, attacks_on
-from edge_help import Undisturbed, talk
-from who_may_table import OPERATIONS
-from who_may_world import ROLES
+from edge_helpers import Undisturbed, talk
+from access_matrix import OPERATIONS
+from access_matrix_fixture import ROLES
 
 #: Attacks per cell, besides the request itself, and headers and a body at one byte per second.
 EACH = 4

@@ -13,7 +13,7 @@ import pytest
 from api_client import Person, person
 from canaries import Search, forms
 from hostile.canary_scan import PLACES, CanaryScan
-from ingest_help import upload_path, wait_end
+from ingest_helpers import upload_path, wait_end
 from test_ingest_faults import children
 
 PROGRAMS = ("postgres", "redis", "api", "edge", "ingestd")

@@ -9,8 +9,8 @@ import uuid
 import httpx
 import pytest
 from api_client import person
-from dashboard_help import asked, unanswered
-from stream_help import Viewer, open_session, store_ball
+from dashboard_helpers import asked, unanswered
+from stream_helpers import Viewer, open_session, store_ball
 from websockets.exceptions import ConnectionClosed
 
 from harness import TestStack

@@ -13,7 +13,7 @@ import time
 import httpx
 import pytest
 from api_client import person, problem
-from edge_help import Undisturbed, connect, family, part_head, requests_of, signed, spooled, statuses, talk
+from edge_helpers import Undisturbed, connect, family, part_head, requests_of, signed, spooled, statuses, talk
 
 #: Slowest acceptable response for an ordinary user during an attack (2 cores, shared with the attackers).
 P99_SECONDS = 0.5

@@ -13,10 +13,10 @@ from datetime import datetime
 
 import pytest
 from api_client import person, problem
-from edge_help import connect as connect_raw
-from edge_help import resident_mb
+from edge_helpers import connect as connect_raw
+from edge_helpers import resident_mb
 from house import ports
-from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 from test_gateway_attacks import frame, handshake
 from test_gateway_stream import back_again
 

@@ -13,7 +13,7 @@ import pytest
 import requests
 from api_client import person
 from hostile.dicom_bytes import bundle, series
-from ingest_help import upload_path, volume_path
+from ingest_helpers import upload_path, volume_path
 from test_ingest_faults import next_child
 
 SIZE_MB = 160

@@ -12,10 +12,10 @@ from typing import Callable
 
 import pytest
 from api_client import person, problem
-from cut_help import KEEP, expected_left, hash_of, holders_of_mark, marked_scan
+from cut_helpers import KEEP, expected_left, hash_of, holders_of_mark, marked_scan
 from harness import REPO
 from hostile.dicom_bytes import bundle, series
-from ingest_help import upload_path, volume_path
+from ingest_helpers import upload_path, volume_path
 
 MOST_STEPS = 80
 CONFIRMATION = "this cannot be undone"

@@ -7,8 +7,8 @@ import time
 
 import pytest
 from api_client import person
-from edge_help import connect, resident_mb, statuses, talk
-from stream_help import new_ticket, open_session, store_ball
+from edge_helpers import connect, resident_mb, statuses, talk
+from stream_helpers import new_ticket, open_session, store_ball
 
 KEY = b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import httpx
 import pytest
 from api_client import person
-from stream_help import PROGRAMS, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, Viewer, new_ticket, open_session, store_ball
 from test_gateway_stream import back_again
 
 VIEWERS = 4

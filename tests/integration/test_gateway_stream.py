@@ -10,7 +10,7 @@ import uuid
 
 import pytest
 from api_client import person, problem
-from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 

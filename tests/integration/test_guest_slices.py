@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 from api_client import client, person
-from stream_help import ClientMessage, Viewer, open_session, store_ball
+from stream_helpers import ClientMessage, Viewer, open_session, store_ball
 from test_live_sessions import Guest, hand_over, link_of
 from test_slices import AXIAL, CORONAL, SAGITTAL, stored, values, wish
 from websockets.exceptions import ConnectionClosed

@@ -9,7 +9,7 @@ import pytest
 from api_client import person, problem
 from hostile import codestreams as code
 from hostile.dicom_bytes import RLE, bundle, encapsulated, series
-from ingest_help import upload_path, volume_path
+from ingest_helpers import upload_path, volume_path
 from test_ingest_faults import next_child
 
 SIDE, SLICES = 256, 20

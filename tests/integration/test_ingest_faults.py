@@ -12,7 +12,7 @@ import pytest
 from hostile import codestreams as code
 from hostile.dicom_bytes import RLE, encapsulated, series
 from hostile.dicom_bytes import bundle as dicom_bundle
-from ingest_help import bundle, cranium, enqueue, nothing_left, state, upload_path, volume_path, wait_end
+from ingest_helpers import bundle, cranium, enqueue, nothing_left, state, upload_path, volume_path, wait_end
 
 PROGRAMS = ("postgres", "redis", "api", "ingestd")
 

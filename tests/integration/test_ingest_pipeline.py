@@ -9,7 +9,7 @@ import subprocess
 import time
 
 import pytest
-from ingest_help import (BIRTH_DATE, CANARY, bundle, cranium, enqueue, hiding_places, nothing_left, state, tool,
+from ingest_helpers import (BIRTH_DATE, CANARY, bundle, cranium, enqueue, hiding_places, nothing_left, state, tool,
                          upload_path, volume_path, wait_end)
 
 from harness import REPO  # noqa: F401  (puts tools/ on the path)

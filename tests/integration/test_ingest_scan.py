@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from ingest_help import CANARY
+from ingest_helpers import CANARY
 
 from harness import REPO  # noqa: F401  (puts tools/ on the path)
 from house import paths

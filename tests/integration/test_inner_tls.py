@@ -11,7 +11,7 @@ import httpx
 import pytest
 from api_client import person
 from certificates import issue
-from stream_help import PROGRAMS, Viewer, free_port, open_session, store_ball
+from stream_helpers import PROGRAMS, Viewer, free_port, open_session, store_ball
 
 @pytest.fixture
 def ours(stack_house) -> Path:

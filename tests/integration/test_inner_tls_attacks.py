@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from api_client import person
 from certificates import issue, issue_another
-from stream_help import PROGRAMS, Viewer, free_port, open_session, store_ball
+from stream_helpers import PROGRAMS, Viewer, free_port, open_session, store_ball
 from test_gateway_process import Watcher
 from test_inner_tls import by_port, ours, redis_port, settings  # noqa: F401
 

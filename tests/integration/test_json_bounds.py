@@ -9,7 +9,7 @@ import uuid
 import httpx
 import pytest
 from api_client import PASSWORD, Person, client, person, problem
-from edge_help import connect, read_all, resident_mb
+from edge_helpers import connect, read_all, resident_mb
 
 LEVELS = 250_000
 NESTED = "[" * LEVELS + "]" * LEVELS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from api_client import person
 from harness import metrics_at
-from stream_help import PROGRAMS, OtherWorker, Viewer, open_session, store_ball
+from stream_helpers import PROGRAMS, OtherWorker, Viewer, open_session, store_ball
 
 
 def gauge(metrics: str, name: str) -> float:

@@ -15,7 +15,7 @@ from api_client import client, person, problem
 from google.protobuf import json_format
 from harness import REPO
 from house import ports, replay
-from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 
 
 class Guest:

@@ -16,7 +16,7 @@ from harness import TestStack
 from house import datadir
 from house.says import HouseError
 from house.users import RunAs
-from stream_help import PROGRAMS, Viewer, open_session, store_ball
+from stream_helpers import PROGRAMS, Viewer, open_session, store_ball
 
 NOBODY = pwd.getpwnam("nobody")
 #: Run as another user: the result of connecting to a Unix socket and to a port.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from api_client import person
-from stream_help import PROGRAMS, OtherWorker, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, OtherWorker, Viewer, new_ticket, open_session, store_ball
 
 #: A ball of 64^3 uses 0.6 MB with its tables, so one fits into 1 MB, and two do not.
 SIDE, FITS_ONE_MB = 64, "1"

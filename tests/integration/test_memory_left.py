@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from api_client import person
-from cut_help import MARK, marked_scan
-from stream_help import Viewer, open_session
+from cut_helpers import MARK, marked_scan
+from stream_helpers import Viewer, open_session
 from test_anonymise import ask, loaded, picture, wait_cut
 from test_slices import AXIAL, wish
 

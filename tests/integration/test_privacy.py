@@ -11,7 +11,7 @@ from pathlib import Path
 
 from api_client import PASSWORD, Person, add_worker, api, forget_attempts, link_token, make_ready, person, problem, remove_worker  # noqa: F401
 from redis import Redis
-from who_may_world import RECORDING, SCENE, put_picture
+from access_matrix_fixture import RECORDING, SCENE, put_picture
 
 VOXELS = bytes(range(256)) * 40
 

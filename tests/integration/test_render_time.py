@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from api_client import CONTRACT, client, person, problem
-from stream_help import PROGRAMS, Viewer, open_session, store_ball
+from stream_helpers import PROGRAMS, Viewer, open_session, store_ball
 
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 KEY = "3" * 64

@@ -9,8 +9,8 @@ import httpx
 import pytest
 from api_client import PASSWORD, Device, Person, api, client, forget_attempts, link_token, person, problem  # noqa: F401
 from test_api_admin import command
-from who_may_table import OPERATIONS, ROWS
-from who_may_world import World, question
+from access_matrix import OPERATIONS, ROWS
+from access_matrix_fixture import World, question
 
 
 def sign_in(stack, one: Person, code: str | None = None, password: str = PASSWORD) -> httpx.Response:

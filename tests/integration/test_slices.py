@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stream_help import ClientMessage, Viewer, open_session
+from stream_helpers import ClientMessage, Viewer, open_session
 
 AXIAL, CORONAL, SAGITTAL = 1, 2, 3
 

@@ -13,7 +13,7 @@ import pytest
 from api_client import Person, client
 from harness import StackHouse, TestStack
 from slow_network import SlowNetwork
-from stream_help import Viewer, open_session, store_ball
+from stream_helpers import Viewer, open_session, store_ball
 
 ROUND_TRIP_S = 0.1
 BITS_PER_S = 2e6

@@ -6,7 +6,7 @@ import secrets
 
 import pytest
 from api_client import client, forget_attempts, person, problem
-from stream_help import PROGRAMS, ClientMessage, Viewer, open_session, store_ball
+from stream_helpers import PROGRAMS, ClientMessage, Viewer, open_session, store_ball
 from test_live_sessions import Guest, link_of
 
 SLOTS = 8

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from api_client import Person, person
-from cut_help import KEEP, MARK, marked_scan
-from stream_help import OtherWorker, Viewer, new_ticket, open_session, store_ball
+from cut_helpers import KEEP, MARK, marked_scan
+from stream_helpers import OtherWorker, Viewer, new_ticket, open_session, store_ball
 
 from harness import metrics_at
 

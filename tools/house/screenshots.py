@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
 
-from . import bench, build, chromium, install, page_walk, paths, viewer_walk
+from . import bench, build, chromium, install, page_crawler, paths, viewer_tour
 from .bench_client import Person, cranium
 from .bench_stack import running
 from .says import HouseError, say
@@ -41,14 +41,14 @@ def run(out: Path, only: str, one_size: str | None = None, one_look: str | None 
 def guide() -> int:
     GUIDE.mkdir(parents=True, exist_ok=True)
     wanted = re.findall(r"\(guide/([\w-]+?)(-phone)?\.jpg\)", GUIDE.with_suffix(".md").read_text(encoding="utf-8"))
-    if unknown := {name for name, _ in wanted} - {step.name for step in viewer_walk.STEPS}:
-        raise HouseError(f"docs/guide.md uses pictures that no step of viewer_walk.py makes: {', '.join(sorted(unknown))}")
+    if unknown := {name for name, _ in wanted} - {step.name for step in viewer_tour.STEPS}:
+        raise HouseError(f"docs/guide.md uses pictures that no step of viewer_tour.py makes: {', '.join(sorted(unknown))}")
     with _seen() as (browser, stack, person, shown):
         for size, window in GUIDE_SIZES.items():
             steps = [step for step, phone in wanted if bool(phone) == (size == "phone")]
             context = _context(browser, stack, person, window, "light")
             page = context.new_page()
-            for name in viewer_walk.walk(page, f"{stack.settings.url}/view/{shown}", only=steps):
+            for name in viewer_tour.walk(page, f"{stack.settings.url}/view/{shown}", only=steps):
                 page.screenshot(path=GUIDE / f"{name}{'-phone' if size == 'phone' else ''}.jpg", type="jpeg", quality=82)
             context.close()
     say(f"Pictures saved to {GUIDE}")
@@ -98,20 +98,20 @@ def _scans(stack: Stack, person: Person, folder: Path) -> str:
 def _pages(browser, stack: Stack, person: Person, shown: str, size: tuple[int, int], look: str, only: str) -> Iterator[tuple[str, object]]:
     """Yields (name, page that shows it), one after the other."""
     url = stack.settings.url
-    for who in (page_walk.NOBODY, page_walk.PERSON):
-        context = _context(browser, stack, person if who == page_walk.PERSON else None, size, look)
+    for who in (page_crawler.NOBODY, page_crawler.PERSON):
+        context = _context(browser, stack, person if who == page_crawler.PERSON else None, size, look)
         page = context.new_page()
-        for place in page_walk.places(shown):
+        for place in page_crawler.places(shown):
             if place.who != who or only not in place.name:
                 continue
-            page_walk.go(page, url, place, shown)
+            page_crawler.go(page, url, place, shown)
             page.wait_for_timeout(400)    # wait for pictures that load late
             yield place.name, page
-            if place.path == "/add" and who == page_walk.PERSON:
+            if place.path == "/add" and who == page_crawler.PERSON:
                 yield from _found(page, stack)
-        if who == page_walk.PERSON:
-            steps = tuple(step.name for step in viewer_walk.STEPS if only in f"viewer-{step.name}")
-            for step in viewer_walk.walk(page, f"{url}/view/{shown}", samples=4, only=steps):
+        if who == page_crawler.PERSON:
+            steps = tuple(step.name for step in viewer_tour.STEPS if only in f"viewer-{step.name}")
+            for step in viewer_tour.walk(page, f"{url}/view/{shown}", samples=4, only=steps):
                 yield f"viewer-{step}", page
         context.close()
 

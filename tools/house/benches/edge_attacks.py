@@ -32,7 +32,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     from api_client import person
     from attack_plan import ROLES, Cell, Tally, all_of_them, cells, printed, routes, some_of, table
     from attack_run import run
-    from edge_help import Undisturbed
+    from edge_helpers import Undisturbed
     from harness import TestStack
 
     wanted = options.routes.split(",") if options.routes else None

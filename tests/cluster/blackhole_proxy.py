@@ -36,7 +36,7 @@ class _Connection:
                 pass
 
 
-class StuckWire:
+class BlackholeProxy:
     def __init__(self, server: str):
         self._to = (urlsplit(server).hostname, urlsplit(server).port)
         self._listener = socket.create_server(("127.0.0.1", 0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from playwright.sync_api import Locator, Page
 
-from fingers import Fingers
+from touch import Fingers
 
 SLIDER_STEPS = 1000
 

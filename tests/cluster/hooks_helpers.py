@@ -6,7 +6,7 @@ import subprocess
 import threading
 
 from conftest import wait_for
-from operator_help import BUILD
+from operator_helpers import BUILD
 from plane import node
 from pod_contents import Places, data_of, environment
 

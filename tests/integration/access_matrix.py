@@ -1,4 +1,4 @@
-"""The access matrix who_may.txt, and its operations."""
+"""The access matrix access_matrix.txt, and its operations."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from api_client import CONTRACT
-from who_may_world import ROLES
+from access_matrix_fixture import ROLES
 
-TABLE = Path(__file__).with_name("who_may.txt")
+TABLE = Path(__file__).with_name("access_matrix.txt")
 #: Path, method and operation by operationId.
 OPERATIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     operation["operationId"]: (path, method, operation) for path, method, operation in CONTRACT.operations()}

@@ -56,7 +56,7 @@ def go(page, url: str, place: Place, data_set: str) -> None:
         settle(page)
         if place.path == "/nothing-here" or page.get_by_role("heading", name="Page not found").count() == 0:
             return
-    raise HouseError(f"no address is known for /{place.path}: add it to tools/house/page_walk.py")
+    raise HouseError(f"no address is known for /{place.path}: add it to tools/house/page_crawler.py")
 
 
 def settle(page, milliseconds: int = 15_000) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import httpx
 import redis as redis_client
-from chart_help import rendered
+from chart_helpers import rendered
 from conftest import wait_for
 from plane import Plane
 

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from picture import SHRINK, difference, spread, wait_for_samples
-from test_by_hand import Eye, answered
+from test_controls import Eye, answered
 from test_in_picture import open_viewer
 from test_settings import Hands
 

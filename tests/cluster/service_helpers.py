@@ -8,7 +8,7 @@ import threading
 import time
 from pathlib import Path
 
-from chart_help import CHART, SECRET, stored, values_file
+from chart_helpers import CHART, SECRET, stored, values_file
 from conftest import wait_for
 from node_agent import NodeAgent, Pod
 from plane import Plane

@@ -1,5 +1,5 @@
-"""The objects of test_who_may.py: users of every role, and one object of each kind that belongs to the owner. A new operation
-needs a row in who_may.txt, a method of World for each new path parameter, and a body in `bodies` if one made of the schema's
+"""The objects of test_access_matrix.py: users of every role, and one object of each kind that belongs to the owner. A new operation
+needs a row in access_matrix.txt, a method of World for each new path parameter, and a body in `bodies` if one made of the schema's
 required fields is not enough."""
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any, Callable
 
 import httpx
 from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready
-from cut_help import KEEP, store
+from cut_helpers import KEEP, store
 from harness import TestStack
 from seeds import stored, write_person
 
@@ -375,7 +375,7 @@ def question(world: World, role: str, path: str, method: str, operation: dict[st
     for parameter in operation["parameters"]:
         if parameter["in"] == "path":
             make = getattr(world, parameter["name"], None)
-            assert make, f"{name}: World has no {parameter['name']}() yet (who_may_world.py)"
+            assert make, f"{name}: World has no {parameter['name']}() yet (access_matrix_fixture.py)"
             path = path.replace("{" + parameter["name"] + "}", make())
     body: Any = bodies[name](world, who) if name in bodies else None
     if state:
@@ -393,7 +393,7 @@ def question(world: World, role: str, path: str, method: str, operation: dict[st
         return who.http.build_request(method, path, content=xml, headers={"Content-Type": "application/xml"})
     if body is None and "requestBody" in operation:
         schema = CONTRACT.resolve(CONTRACT.resolve(operation["requestBody"])["content"]["application/json"]["schema"])
-        assert not schema.get("required"), f"{name} needs a body (who_may_world.py)"
+        assert not schema.get("required"), f"{name} needs a body (access_matrix_fixture.py)"
         body = {}
     return who.http.build_request(method, path, headers=headers, **({} if body is None else {"json": body}))
 

@@ -1,11 +1,11 @@
-"""Every operation of api/openapi.yaml in every role, compared with one table: who_may.txt."""
+"""Every operation of api/openapi.yaml in every role, compared with one table: access_matrix.txt."""
 
 from __future__ import annotations
 
 import pytest
 from api_client import api, forget_attempts  # noqa: F401
-from who_may_table import OPERATIONS, ROWS
-from who_may_world import ROLES, STATES, World, ask
+from access_matrix import OPERATIONS, ROWS
+from access_matrix_fixture import ROLES, STATES, World, ask
 
 
 def test_every_operation_has_a_row_and_every_row_an_operation():
@@ -25,14 +25,14 @@ def test_nobody_may_what_needs_an_account():
 
 
 @pytest.mark.parametrize("name", sorted({*OPERATIONS, *ROWS}))
-def test_who_may(api, name):  # noqa: F811
+def test_access_matrix(api, name):  # noqa: F811
     about, _, state = name.partition(":")
     path, method, operation = OPERATIONS[about]
     forget_attempts(api)
     wrong = []
     world = World(api)
     for role in ROLES:
-        wanted = ROWS.get(name, {}).get(role, "a row in who_may.txt")
+        wanted = ROWS.get(name, {}).get(role, "a row in access_matrix.txt")
         answer = ask(world, role, path, method, operation, state)
         # A successful request changed something, and a disabled owner creates nothing more, so the next request gets new objects.
         if (answer.is_success and method != "GET") or state == "disabled":

@@ -10,12 +10,12 @@ from typing import Callable
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from fingers import Fingers
+from touch import Fingers
 from harness import TestStack
 from picture import ALIKE, SIDE, difference, facts
 from test_in_picture import middle, open_viewer
 from test_settings import Hands
-from ways import WAYS, Mouse
+from input_methods import WAYS, Mouse
 
 WINDOWS = {"look": "Materials", "light": "Light", "lens": "Lens and quality", "cuts": "Cuts and slices"}
 RESETS = {"look": "Reset the materials", "light": "Reset the light", "lens": "Reset lens and quality", "cuts": "Remove all cuts and slices"}
