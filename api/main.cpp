@@ -296,29 +296,29 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   uploads.on_disposal([&] { dispose.wake(); });
 
   Executor executor(kWorkers, kWaiting);
-  Front front(accounts, {.public_url = settings.public_url,
-                         .sample_token = settings.sample_token,
-                         .measure = [&](const Measured& request) {
-                           metrics.measured(request);
-                           metrics.set_waiting(static_cast<double>(executor.waiting()));
-                         }});
-  front.add(account_routes(accounts, render_time, front));
-  front.add(account_change_routes(account_changes, front));
-  front.add(second_factor_routes(second_factors));
-  front.add(admin_routes(administration));
-  front.add(privacy_routes(exports, deletion, front));
-  front.add(data_set_routes(data_sets, thumbnails));
-  front.add(upload_routes(uploads, data_sets));
-  front.add(session_routes(sessions));
-  front.add(live_routes(live_links, front));
-  front.add(recording_routes(recordings));
-  front.add(sharing_routes(sharing, front));
-  front.add(anonymise_routes(anonymise));
-  front.add(visit_routes(visits));
-  front.add(preset_routes(presets, preset_pictures));
-  front.add(report_routes(reports));
+  RequestRouter router(accounts, {.public_url = settings.public_url,
+                                  .sample_token = settings.sample_token,
+                                  .measure = [&](const Measured& request) {
+                                    metrics.measured(request);
+                                    metrics.set_waiting(static_cast<double>(executor.waiting()));
+                                  }});
+  router.add(account_routes(accounts, render_time, router));
+  router.add(account_change_routes(account_changes, router));
+  router.add(second_factor_routes(second_factors));
+  router.add(admin_routes(administration));
+  router.add(privacy_routes(exports, deletion, router));
+  router.add(data_set_routes(data_sets, thumbnails));
+  router.add(upload_routes(uploads, data_sets));
+  router.add(session_routes(sessions));
+  router.add(live_routes(live_links, router));
+  router.add(recording_routes(recordings));
+  router.add(sharing_routes(sharing, router));
+  router.add(anonymise_routes(anonymise));
+  router.add(visit_routes(visits));
+  router.add(preset_routes(presets, preset_pictures));
+  router.add(report_routes(reports));
 
-  auto listener = Listener::open(front, executor, {.port = settings.api_port});
+  auto listener = Listener::open(router, executor, {.port = settings.api_port});
   if (!listener) {
     std::fprintf(stderr, "%s\n", listener.error().message.c_str());
     return kExitUnavailable;

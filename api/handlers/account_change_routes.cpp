@@ -28,7 +28,7 @@ Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
 
 }  // namespace
 
-std::vector<Route> account_change_routes(AccountChanges& changes, const Front& front) {
+std::vector<Route> account_change_routes(AccountChanges& changes, const RequestRouter& router) {
   const auto ask_reset = [&changes](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -73,11 +73,11 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const Front& f
                                   const Principal& who) -> Outcome<Response> {
     return answer(changes.end_browser_session(who, request.parameter("browser_session_id")), 204);
   };
-  const auto end_all = [&changes, &front](const Request&,
-                                          const Principal& who) -> Outcome<Response> {
+  const auto end_all = [&changes, &router](const Request&,
+                                           const Principal& who) -> Outcome<Response> {
     const auto done = changes.sign_out_everywhere(who);
     DIAPHANE_TRY(done);
-    return empty_response(204).with("Set-Cookie", front.cookie(""));
+    return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
   const std::string all = "/v1/me/browser-sessions";
   constexpr auto kAnyone = Access::kAnyone;

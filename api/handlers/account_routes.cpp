@@ -36,7 +36,8 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
 
 }  // namespace
 
-std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front) {
+std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
+                                  const RequestRouter& router) {
   const auto sign_up = [&accounts](const Request& request,
                                    const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -55,7 +56,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     DIAPHANE_TRY(done);
     return empty_response(204);
   };
-  const auto sign_in = [&accounts, &render_time, &front](
+  const auto sign_in = [&accounts, &render_time, &router](
                            const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
@@ -64,21 +65,21 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto opened =
         accounts.sign_in(email, password, code, request.address, browser_of(request),
-                         front.known_browser_of(request), who.language);
+                         router.known_browser_of(request), who.language);
     DIAPHANE_TRY(opened);
     auto response = me(accounts, render_time, opened->principal);
     if (response) {
-      response->with("Set-Cookie", front.cookie(opened->token));
+      response->with("Set-Cookie", router.cookie(opened->token));
       // The HTTP library would join two Set-Cookie headers into one, so the edge sends this one.
-      response->with("X-Known-Browser", front.browser_cookie(opened->known_browser));
+      response->with("X-Known-Browser", router.browser_cookie(opened->known_browser));
     }
     return response;
   };
-  const auto sign_out = [&accounts, &front](const Request& request,
-                                            const Principal&) -> Outcome<Response> {
-    const auto done = accounts.sign_out(front.token_of(request));
+  const auto sign_out = [&accounts, &router](const Request& request,
+                                             const Principal&) -> Outcome<Response> {
+    const auto done = accounts.sign_out(router.token_of(request));
     DIAPHANE_TRY(done);
-    return empty_response(204).with("Set-Cookie", front.cookie(""));
+    return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
   const auto get_me = [&accounts, &render_time](const Request&, const Principal& who) {
     return me(accounts, render_time, who);

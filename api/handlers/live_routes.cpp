@@ -5,10 +5,10 @@
 
 namespace diaphane::api {
 
-std::vector<Route> live_routes(LiveLinks& links, const Front& front) {
-  const auto make = [&links, &front](const Request& request,
-                                     const Principal& who) -> Outcome<Response> {
-    const auto once = once_of(request, front);
+std::vector<Route> live_routes(LiveLinks& links, const RequestRouter& router) {
+  const auto make = [&links, &router](const Request& request,
+                                      const Principal& who) -> Outcome<Response> {
+    const auto once = idempotency_scope_of(request, router);
     DIAPHANE_TRY(once);
     const auto token = links.make(who, request.parameter("session_id"), *once);
     DIAPHANE_TRY(token);

@@ -30,7 +30,8 @@ nlohmann::ordered_json to_json(const Export& one) {
 
 }  // namespace
 
-std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, const Front& front) {
+std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion,
+                                  const RequestRouter& router) {
   const auto request_one = [&exports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto made = exports.request(who);
     DIAPHANE_TRY(made);
@@ -57,14 +58,14 @@ std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, c
         .with("Content-Disposition", "attachment; filename=\"diaphane-export.zip\"")
         .with("Cache-Control", "no-store");
   };
-  const auto delete_account = [&deletion, &front](const Request& request,
-                                                  const Principal& who) -> Outcome<Response> {
+  const auto delete_account = [&deletion, &router](const Request& request,
+                                                   const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string password = in.secret("password", 800);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = deletion.remove(who, password);
     DIAPHANE_TRY(done);
-    return empty_response(204).with("Set-Cookie", front.cookie(""));
+    return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
   constexpr auto kPerson = Access::kPerson;
   return {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "api/handlers/front.h"
+#include "api/handlers/request_router.h"
 #include "api/service/account_changes.h"
 #include "api/service/account_deletion.h"
 #include "api/service/accounts.h"
@@ -26,17 +26,19 @@
 /// must outlive the routes.
 namespace diaphane::api {
 
-std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front);
-std::vector<Route> account_change_routes(AccountChanges& changes, const Front& front);
+std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
+                                  const RequestRouter& router);
+std::vector<Route> account_change_routes(AccountChanges& changes, const RequestRouter& router);
 std::vector<Route> second_factor_routes(SecondFactors& factors);
 std::vector<Route> admin_routes(Administration& administration);
-std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, const Front& front);
+std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion,
+                                  const RequestRouter& router);
 std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails);
 /// Creating an upload with tus announces a data set, like POST /v1/data-sets.
 std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets);
 std::vector<Route> session_routes(Sessions& sessions);
-std::vector<Route> live_routes(LiveLinks& links, const Front& front);
-std::vector<Route> sharing_routes(Sharing& sharing, const Front& front);
+std::vector<Route> live_routes(LiveLinks& links, const RequestRouter& router);
+std::vector<Route> sharing_routes(Sharing& sharing, const RequestRouter& router);
 std::vector<Route> anonymise_routes(Anonymise& anonymise);
 std::vector<Route> visit_routes(Visits& visits);
 std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures);

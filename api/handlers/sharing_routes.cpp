@@ -90,15 +90,15 @@ std::vector<Route> people_routes(Sharing& sharing) {
   };
 }
 
-std::vector<Route> link_routes(Sharing& sharing, const Front& front) {
+std::vector<Route> link_routes(Sharing& sharing, const RequestRouter& router) {
   const auto list = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = sharing.links(who, request.parameter("data_set_id"));
     DIAPHANE_TRY(found);
     return list_response(*found);
   };
-  const auto make = [&sharing, &front](const Request& request,
-                                       const Principal& who) -> Outcome<Response> {
-    const auto once = once_of(request, front);
+  const auto make = [&sharing, &router](const Request& request,
+                                        const Principal& who) -> Outcome<Response> {
+    const auto once = idempotency_scope_of(request, router);
     DIAPHANE_TRY(once);
     Fields in(request);
     const std::chrono::hours life(in.integer("hours", 1, kLongestLink));
@@ -127,7 +127,7 @@ std::vector<Route> link_routes(Sharing& sharing, const Front& front) {
 
 }  // namespace
 
-std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
+std::vector<Route> sharing_routes(Sharing& sharing, const RequestRouter& router) {
   const auto browse = [&sharing](const Request& request, const Principal& who) {
     return gallery(sharing, request, who);
   };
@@ -172,7 +172,7 @@ std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
       {"GET", "/v1/me/public-name", "getPublicName", Access::kPerson, get_name, {}},
       {"PATCH", "/v1/me/public-name", "setPublicName", Access::kPerson, set_name, {}},
   };
-  for (auto more : {people_routes(sharing), link_routes(sharing, front)}) {
+  for (auto more : {people_routes(sharing), link_routes(sharing, router)}) {
     routes.insert(routes.end(), more.begin(), more.end());
   }
   return routes;

@@ -74,8 +74,8 @@ class InFlight {
 }  // namespace
 
 struct Listener::Impl {
-  Impl(const Front& f, Executor& e, Options o)
-      : front(f),
+  Impl(const RequestRouter& f, Executor& e, Options o)
+      : router(f),
         executor(e),
         options(o),
         listener(web::uri("http://127.0.0.1:" + std::to_string(o.port))) {}
@@ -92,7 +92,7 @@ struct Listener::Impl {
 
     Impl& impl;
     http_request message;
-    Front::Admitted admitted;
+    RequestRouter::Admitted admitted;
     std::int64_t bytes = 0;
   };
   using Shared = std::shared_ptr<Exchange>;
@@ -102,7 +102,7 @@ struct Listener::Impl {
   void refuse_body(const Shared& exchange, Response response);
   void reply(const Shared& exchange, const Response& response);
 
-  const Front& front;
+  const RequestRouter& router;
   Executor& executor;
   const Options options;
   http_listener listener;
@@ -113,15 +113,15 @@ struct Listener::Impl {
 
 void Listener::Impl::receive(const http_request& message) {
   const auto exchange = std::make_shared<Exchange>(*this, message);
-  Front::Admission admission = front.admit(head_of(message));
+  RequestRouter::Admission admission = router.admit(head_of(message));
   if (auto* response = std::get_if<Response>(&admission)) {
     refuse_body(exchange, std::move(*response));
     return;
   }
-  exchange->admitted = std::get<Front::Admitted>(std::move(admission));
+  exchange->admitted = std::get<RequestRouter::Admitted>(std::move(admission));
   const auto no_room = [&](const char* why) {
-    refuse_body(exchange, front.refusal({ProblemKind::kBusy, why, {}, std::chrono::seconds(1)},
-                                        exchange->admitted.request));
+    refuse_body(exchange, router.refusal({ProblemKind::kBusy, why, {}, std::chrono::seconds(1)},
+                                         exchange->admitted.request));
   };
   if (draining) return no_room("The server is shutting down. Please try again in a moment.");
   exchange->bytes = announced_bytes(message);
@@ -137,16 +137,16 @@ void Listener::Impl::receive(const http_request& message) {
           // The peer disconnected during the body. The response cannot be delivered, but the
           // library requires one.
           reply(exchange,
-                front.refusal({ProblemKind::kBadRequest, "The request body ended early.", {}, {}},
-                              exchange->admitted.request));
+                router.refusal({ProblemKind::kBadRequest, "The request body ended early.", {}, {}},
+                               exchange->admitted.request));
           return;
         }
         if (!executor.submit([this, exchange] { run(exchange); })) {
-          reply(exchange, front.refusal({ProblemKind::kBusy,
-                                         "The server is busy. Please try again in a moment.",
-                                         {},
-                                         std::chrono::seconds(1)},
-                                        exchange->admitted.request));
+          reply(exchange, router.refusal({ProblemKind::kBusy,
+                                          "The server is busy. Please try again in a moment.",
+                                          {},
+                                          std::chrono::seconds(1)},
+                                         exchange->admitted.request));
         }
       })
       .then([](const pplx::task<void>& done) {
@@ -160,7 +160,7 @@ void Listener::Impl::receive(const http_request& message) {
 
 void Listener::Impl::run(const Shared& exchange) {
   try {
-    const Response response = front.serve(exchange->admitted);
+    const Response response = router.serve(exchange->admitted);
     exchange->admitted.request.body = {};
     reply(exchange, response);
   } catch (const std::exception& thrown) {
@@ -200,10 +200,10 @@ void Listener::Impl::reply(const Shared& exchange, const Response& response) {
   });
 }
 
-Result<std::unique_ptr<Listener>> Listener::open(const Front& front, Executor& executor,
+Result<std::unique_ptr<Listener>> Listener::open(const RequestRouter& router, Executor& executor,
                                                  Options options) {
   crossplat::threadpool::initialize_with_threads(static_cast<std::size_t>(options.library_threads));
-  auto impl = std::make_unique<Impl>(front, executor, options);
+  auto impl = std::make_unique<Impl>(router, executor, options);
   Impl* const raw = impl.get();
   const auto receive = [raw](const http_request& message) {
     try {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "api/handlers/front.h"
+#include "api/handlers/request_router.h"
 #include "api/http/executor.h"
 #include "common/result.h"
 
@@ -22,9 +22,9 @@ class Listener {
     std::int64_t body_budget = std::int64_t{128} << 20;
   };
 
-  /// Returns kUnavailable if the port is in use. `front` and `executor` must outlive the listener.
+  /// Returns kUnavailable if the port is in use. `router` and `executor` must outlive the listener.
   /// Call it only once per process.
-  static Result<std::unique_ptr<Listener>> open(const Front& front, Executor& executor,
+  static Result<std::unique_ptr<Listener>> open(const RequestRouter& router, Executor& executor,
                                                 Options options);
   ~Listener();
 

@@ -87,28 +87,28 @@ pqxx::connection& Database::Lease::connection() {
   return *connection_;
 }
 
-Database::Mishap Database::judge(Lease& lease, CallSite where) {
+Database::FailureKind Database::judge(Lease& lease, CallSite where) {
   try {
     throw;
   } catch (const pqxx::broken_connection&) {
     lease.discard();
-    return Mishap::kAway;
+    return FailureKind::kUnavailable;
   } catch (const pqxx::in_doubt_error&) {
     // The transaction may have been committed, so it must not be repeated.
     lease.discard();
     log::warning("commit_in_doubt");
-    return Mishap::kInDoubt;
+    return FailureKind::kCommitUnknown;
   } catch (const pqxx::statement_completion_unknown&) {
     lease.discard();
     log::warning("commit_in_doubt");
-    return Mishap::kInDoubt;
+    return FailureKind::kCommitUnknown;
   } catch (const pqxx::transaction_rollback&) {
     lease.answered();
-    return Mishap::kAgain;
+    return FailureKind::kRetry;
   } catch (const pqxx::unexpected_rows&) {
     // A required row has been deleted in the meantime, for example with the account.
     lease.answered();
-    return Mishap::kConflict;
+    return FailureKind::kConflict;
   } catch (const pqxx::sql_error& error) {
     lease.answered();
     // Shutting down or starting up (57P0x), out of connections, memory or disk (53), the disk is
@@ -116,13 +116,13 @@ Database::Mishap Database::judge(Lease& lease, CallSite where) {
     // (25006).
     if (starts_with_any(error.sqlstate(), {"57", "53", "58", "08", "55P03", "25P03", "25006"})) {
       lease.discard();
-      return Mishap::kAway;
+      return FailureKind::kUnavailable;
     }
     // Concurrent transactions checked the same rule, and the second one broke a constraint. When it
     // runs again, it sees the changes of the first.
     if (starts_with_any(error.sqlstate(), {"23503", "23505", "23514"})) {
       log::info("sql_conflict", {{"reason", postgres::SqlFault(error, where).what()}});
-      return Mishap::kConflict;
+      return FailureKind::kConflict;
     }
     throw postgres::SqlFault(error, where);
   }

@@ -69,7 +69,7 @@ class Database {
   static constexpr Limits kUsual{std::chrono::seconds(2), kPatience.answer};
   static constexpr Limits kProbe{std::chrono::milliseconds(500), std::chrono::milliseconds(1500)};
 
-  enum class Mishap { kAway, kInDoubt, kAgain, kConflict };
+  enum class FailureKind { kUnavailable, kCommitUnknown, kRetry, kConflict };
 
   class Lease {
    public:
@@ -101,7 +101,7 @@ class Database {
   std::invoke_result_t<Work, pqxx::work&> run(Work& work, bool commit, const Limits& limits,
                                               CallSite where);
   /// Classifies the current exception for `lease`. Throws SqlFault for a bug.
-  static Mishap judge(Lease& lease, CallSite where);
+  static FailureKind judge(Lease& lease, CallSite where);
   tl::unexpected<Error> not_granted();
   static tl::unexpected<Error> away();
   static tl::unexpected<Error> outcome_unknown();
@@ -147,15 +147,15 @@ std::invoke_result_t<Work, pqxx::work&> Database::run(Work& work, bool commit, c
       const bool stale = lease.reused();
       if (late) lease.silent();
       switch (judge(lease, where)) {
-        case Mishap::kAway:
+        case FailureKind::kUnavailable:
           if (late || !stale || attempt > static_cast<int>(limit_)) return away();
           break;
-        case Mishap::kInDoubt:
+        case FailureKind::kCommitUnknown:
           return outcome_unknown();
-        case Mishap::kAgain:
+        case FailureKind::kRetry:
           if (++conflicts > kConflicts) return away();
           break;
-        case Mishap::kConflict:
+        case FailureKind::kConflict:
           if (++conflicts > kConflicts) return conflict(where);
           break;
       }

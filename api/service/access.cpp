@@ -99,9 +99,9 @@ bool may(Role role, Action action, Exposure exposure) {
   return (allowed(role, exposure) & bit(action)) != 0;
 }
 
-bool may(const Standing& standing, Action action, Exposure exposure) {
-  return may(standing.role, action, exposure) ||
-         (standing.administrator && may(Role::kAdministrator, action, exposure));
+bool may(const DataSetRelation& relation, Action action, Exposure exposure) {
+  return may(relation.role, action, exposure) ||
+         (relation.administrator && may(Role::kAdministrator, action, exposure));
 }
 
 std::string_view to_string(Role role) {

@@ -53,11 +53,11 @@ inline constexpr std::array kExposures{Exposure::kPrivate, Exposure::kPublic, Ex
 bool may(Role role, Action action, Exposure exposure);
 
 /// The role of a signed-in user. An administrator also has the role that they would have otherwise.
-struct Standing {
+struct DataSetRelation {
   Role role = Role::kNobody;
   bool administrator = false;
 };
-bool may(const Standing& standing, Action action, Exposure exposure);
+bool may(const DataSetRelation& relation, Action action, Exposure exposure);
 
 /// "nobody", "unverified", "other", "shared-view", "shared-edit", "owner", "administrator".
 std::string_view to_string(Role role);

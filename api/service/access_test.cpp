@@ -68,9 +68,9 @@ TEST(Access, AdministratorRightsAddToThoseOfTheDataSetRole) {
   for (const Exposure exposure : kExposures) {
     for (const Role role : kRoles) {
       for (const Action action : kActions) {
-        EXPECT_EQ(may(Standing{role, true}, action, exposure),
+        EXPECT_EQ(may(DataSetRelation{role, true}, action, exposure),
                   may(role, action, exposure) || may(Role::kAdministrator, action, exposure));
-        EXPECT_EQ(may(Standing{role, false}, action, exposure), may(role, action, exposure));
+        EXPECT_EQ(may(DataSetRelation{role, false}, action, exposure), may(role, action, exposure));
       }
     }
   }

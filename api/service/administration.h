@@ -65,8 +65,8 @@ class AdministrationStore {
   virtual Result<std::vector<std::string>> ready_data_sets(const std::string& user_id) = 0;
 };
 
-/// The actions of administrators. handlers/front.h checks the permission before. Each access to
-/// user data is logged in the audit log before the data is returned. Thread-safe.
+/// The actions of administrators. handlers/request_router.h checks the permission before. Each
+/// access to user data is logged in the audit log before the data is returned. Thread-safe.
 class Administration {
  public:
   struct Users {

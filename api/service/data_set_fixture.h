@@ -59,10 +59,10 @@ class DataSetFixture : public testing::Test {
       for (const Role role : kRoles) {
         expose(exposure);
         const bool administrator = role == Role::kAdministrator;
-        const Standing standing{administrator ? Role::kOther : role, administrator};
+        const DataSetRelation relation{administrator ? Role::kOther : role, administrator};
         Refusal expected;
-        if (!may(standing, action, exposure)) expected = ProblemKind::kForbidden;
-        if (!may(standing, Action::kFind, exposure)) expected = ProblemKind::kNotFound;
+        if (!may(relation, action, exposure)) expected = ProblemKind::kForbidden;
+        if (!may(relation, Action::kFind, exposure)) expected = ProblemKind::kNotFound;
         EXPECT_EQ(request(as(role)), expected)
             << to_string(role) << ", exposure " << static_cast<int>(exposure);
       }

@@ -131,9 +131,9 @@ Outcome<DataSet> DataSets::authorise(const Principal& who, const std::string& id
   auto found = store_.find(viewer_of(who), id);
   if (!found && found.error().code == ErrorCode::kNotFound) return not_found();
   if (!found) return refuse(found.error());
-  const Standing standing{found->role, who.administrator};
-  if (!may(standing, Action::kFind, found->exposure())) return not_found();
-  if (!may(standing, action, found->exposure())) {
+  const DataSetRelation relation{found->role, who.administrator};
+  if (!may(relation, Action::kFind, found->exposure())) return not_found();
+  if (!may(relation, action, found->exposure())) {
     return refuse(ProblemKind::kForbidden,
                   "You can view this scan, but you don't have permission to do this.");
   }

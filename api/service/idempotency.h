@@ -19,7 +19,7 @@ struct Created {
 struct KeyReused {};  ///< the key was used before with a different request
 
 /// For resources with a secret that is not stored, such as the token of a link.
-struct Once {
+struct IdempotencyScope {
   std::string key;      ///< key of the request; if empty, each request creates a new resource
   std::string browser;  ///< the cookie, a secret that only the user's browser knows
 };
@@ -27,6 +27,6 @@ struct Once {
 /// Returns a token of 256 bits (secrets.h, is_token). It is random without a key and otherwise the
 /// same each time that this browser requests `what` with that key. It cannot be derived from stored
 /// data, because it depends on the cookie, of which only a hash is stored.
-std::string token_for(std::string_view what, const Once& once);
+std::string token_for(std::string_view what, const IdempotencyScope& once);
 
 }  // namespace diaphane::api

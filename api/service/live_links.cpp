@@ -28,7 +28,7 @@ Outcome<std::string> LiveLinks::check_owner(const Principal& who, const std::str
 }
 
 Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id,
-                                     const Once& once) {
+                                     const IdempotencyScope& once) {
   const auto mine = check_owner(who, session_id);
   DIAPHANE_TRY(mine);
   // People with whom a scan is shared must not share it further.

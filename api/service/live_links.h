@@ -39,7 +39,8 @@ class LiveLinks {
   /// Returns the token of a new link. It is shown only once and stored as a hash. The same key
   /// returns the same token, or kConflict once the link is disabled. Returns kNotFound (session) or
   /// kTooMany.
-  Outcome<std::string> make(const Principal& who, const std::string& session_id, const Once& once);
+  Outcome<std::string> make(const Principal& who, const std::string& session_id,
+                            const IdempotencyScope& once);
   /// Disables all links of the session and disconnects everyone who joined with them.
   Outcome<void> end(const Principal& who, const std::string& session_id);
   /// Joins the session of a link. `key` is 64 hexadecimal digits that the guest's browser keeps, so

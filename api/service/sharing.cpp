@@ -96,7 +96,7 @@ Outcome<std::vector<DataSetLink>> Sharing::links(const Principal& who, const std
 
 Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::string& id,
                                              std::chrono::hours life, bool slices,
-                                             const Once& once) {
+                                             const IdempotencyScope& once) {
   DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const auto now = parts_.clock.wall();
   const NewLink wanted{{new_id(), now, now + life, slices}, token_for("link\n" + id, once)};

@@ -55,7 +55,7 @@ class Sharing {
   /// The same key returns the same link and token in the browser that created it, and kConflict in
   /// another browser or once it is disabled. Returns kTooMany or kIdempotencyKeyReused.
   Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life,
-                             bool slices, const Once& once);
+                             bool slices, const IdempotencyScope& once);
   Outcome<void> end_link(const Principal& who, const std::string& id, const std::string& link_id);
 
   /// Returns kNotAnonymised unless the owner has anonymised the scan, or kNotReady. Without

@@ -24,8 +24,8 @@ class SharingTest : public DataSetFixture {
   Refusal share(const std::string& email) {
     return refusal(sharing.share_with(owner, id, email, false));
   }
-  Outcome<Sharing::NewLink> make_link(const Once& once = {}, std::chrono::hours life = 24h,
-                                      bool slices = false) {
+  Outcome<Sharing::NewLink> make_link(const IdempotencyScope& once = {},
+                                      std::chrono::hours life = 24h, bool slices = false) {
     return sharing.make_link(owner, id, life, slices, once);
   }
 

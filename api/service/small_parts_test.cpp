@@ -91,7 +91,8 @@ TEST(Idempotency, TokenDependsOnKeyBrowserAndPurpose) {
   EXPECT_NE(token_for("other link", {"key", "browser"}), token);
   EXPECT_NE(token_for("link", {"other key", "browser"}), token);
   EXPECT_NE(token_for("link", {"key", "other browser"}), token);
-  for (const Once& random : {Once{"", "browser"}, Once{"key", ""}, Once{}}) {
+  for (const IdempotencyScope& random :
+       {IdempotencyScope{"", "browser"}, IdempotencyScope{"key", ""}, IdempotencyScope{}}) {
     EXPECT_TRUE(is_token(token_for("link", random)));
     EXPECT_NE(token_for("link", random), token_for("link", random));
   }

@@ -86,7 +86,7 @@ bool fits(const Checksum& checksum, std::string_view bytes) {
   return digest(checksum.kind, bytes) == checksum.digest;
 }
 
-Outcome<Part> plan_part(const Standing& standing, const PartRequest& request) {
+Outcome<Part> plan_part(const UploadProgress& progress, const PartRequest& request) {
   const auto offset = parse_offset(request.offset);
   if (!offset) return refuse_field("Upload-Offset", "must be a whole number of bytes");
   Part part{*offset, std::nullopt, false};
@@ -98,23 +98,23 @@ Outcome<Part> plan_part(const Standing& standing, const PartRequest& request) {
   if (request.bytes > kMaxPartBytes) {
     return refuse(ProblemKind::kBodyTooLarge, "A part may be at most 8 MiB.");
   }
-  const bool complete = standing.received == standing.length;
-  if (complete && *offset == standing.length && request.bytes == 0) return part;
-  if (complete || standing.taken) {
+  const bool complete = progress.received == progress.length;
+  if (complete && *offset == progress.length && request.bytes == 0) return part;
+  if (complete || progress.taken) {
     return refuse(ProblemKind::kUploadComplete, "This upload is already complete.");
   }
-  if (standing.expired) {
+  if (progress.expired) {
     return refuse(ProblemKind::kUploadExpired,
                   "This upload was inactive for too long and has expired. Start it again.");
   }
-  if (*offset != standing.received) {
+  if (*offset != progress.received) {
     return refuse(ProblemKind::kOffsetMismatch,
-                  "The next byte of this upload is " + std::to_string(standing.received) + ".");
+                  "The next byte of this upload is " + std::to_string(progress.received) + ".");
   }
-  if (request.bytes > standing.length - standing.received) {
+  if (request.bytes > progress.length - progress.received) {
     return refuse_field("body", "exceeds the announced length of the upload");
   }
-  part.completes = *offset + request.bytes == standing.length;
+  part.completes = *offset + request.bytes == progress.length;
   return part;
 }
 

@@ -36,7 +36,7 @@ struct Creation {
 Outcome<Creation> plan_creation(const CreationRequest& request);
 
 /// The progress of an upload.
-struct Standing {
+struct UploadProgress {
   std::int64_t length = 0;  ///< announced
   std::int64_t received = 0;
   bool taken = false;  ///< complete and queued, or cancelled; nothing can be appended any more
@@ -65,7 +65,7 @@ struct Part {
 /// Returns kInvalid (a malformed header or a body beyond the announced length), kOffsetMismatch,
 /// kUploadExpired, kUploadComplete or kBodyTooLarge. An empty part at the end of a complete upload
 /// is accepted, because a client sends it again if the last response was lost.
-Outcome<Part> plan_part(const Standing& standing, const PartRequest& request);
+Outcome<Part> plan_part(const UploadProgress& progress, const PartRequest& request);
 
 /// Returns kInvalid unless the text is `<algorithm> <base64>` with an algorithm in kChecksums.
 Outcome<Checksum> parse_checksum(std::string_view header);

@@ -5,8 +5,8 @@
 namespace diaphane::api::tus {
 namespace {
 
-ProblemKind refusal(const Standing& standing, const PartRequest& request) {
-  const auto part = plan_part(standing, request);
+ProblemKind refusal(const UploadProgress& progress, const PartRequest& request) {
+  const auto part = plan_part(progress, request);
   EXPECT_FALSE(part);
   return part ? ProblemKind::kInternal : part.error().kind;
 }
@@ -31,10 +31,10 @@ TEST(Tus, CreationRefusesMissingLengthOrMalformedMetadata) {
 }
 
 TEST(Tus, AcceptsPartOnlyAtCurrentOffset) {
-  const Standing standing{.length = 100, .received = 40};
+  const UploadProgress progress{.length = 100, .received = 40};
   for (int offset = 0; offset <= 110; ++offset) {
     const std::string text = std::to_string(offset);
-    const auto part = plan_part(standing, {.offset = text, .bytes = 10});
+    const auto part = plan_part(progress, {.offset = text, .bytes = 10});
     EXPECT_EQ(part.has_value(), offset == 40) << offset;
     if (!part) {
       EXPECT_EQ(part.error().kind, ProblemKind::kOffsetMismatch);
@@ -43,14 +43,14 @@ TEST(Tus, AcceptsPartOnlyAtCurrentOffset) {
 }
 
 TEST(Tus, LastPartCompletesUploadAndNoPartExceedsItsLength) {
-  const Standing standing{.length = 100, .received = 40};
-  EXPECT_FALSE(plan_part(standing, {.offset = "40", .bytes = 59})->completes);
-  EXPECT_TRUE(plan_part(standing, {.offset = "40", .bytes = 60})->completes);
-  EXPECT_EQ(refusal(standing, {.offset = "40", .bytes = 61}), ProblemKind::kInvalid);
+  const UploadProgress progress{.length = 100, .received = 40};
+  EXPECT_FALSE(plan_part(progress, {.offset = "40", .bytes = 59})->completes);
+  EXPECT_TRUE(plan_part(progress, {.offset = "40", .bytes = 60})->completes);
+  EXPECT_EQ(refusal(progress, {.offset = "40", .bytes = 61}), ProblemKind::kInvalid);
 }
 
 TEST(Tus, EmptyPartAtTheEndMayBeRepeated) {
-  const Standing complete{.length = 100, .received = 100, .taken = true};
+  const UploadProgress complete{.length = 100, .received = 100, .taken = true};
   EXPECT_TRUE(plan_part(complete, {.offset = "100", .bytes = 0}));
   EXPECT_EQ(refusal(complete, {.offset = "40", .bytes = 60}), ProblemKind::kUploadComplete);
   EXPECT_EQ(refusal(complete, {.offset = "100", .bytes = 1}), ProblemKind::kUploadComplete);
@@ -62,9 +62,9 @@ TEST(Tus, ExpiredUploadRefusesParts) {
 }
 
 TEST(Tus, LimitsPartToEightMebibytes) {
-  const Standing standing{.length = 1 << 30};
-  EXPECT_TRUE(plan_part(standing, {.offset = "0", .bytes = kMaxPartBytes}));
-  EXPECT_EQ(refusal(standing, {.offset = "0", .bytes = kMaxPartBytes + 1}),
+  const UploadProgress progress{.length = 1 << 30};
+  EXPECT_TRUE(plan_part(progress, {.offset = "0", .bytes = kMaxPartBytes}));
+  EXPECT_EQ(refusal(progress, {.offset = "0", .bytes = kMaxPartBytes + 1}),
             ProblemKind::kBodyTooLarge);
 }
 

@@ -1,4 +1,4 @@
-#include "api/handlers/front.h"
+#include "api/handlers/request_router.h"
 
 #include <algorithm>
 #include <charconv>
@@ -53,18 +53,18 @@ bool is_header_text(const std::string& text) {
 
 }  // namespace
 
-Front::Front(Accounts& accounts, Options options)
+RequestRouter::RequestRouter(Accounts& accounts, Options options)
     : accounts_(accounts),
       options_(std::move(options)),
       secure_(options_.public_url.starts_with("https://")),
       cookie_name_(secure_ ? "__Host-diaphane" : "diaphane"),
       browser_cookie_name_(cookie_name_ + "_browser") {}
 
-void Front::add(std::vector<Route> routes) {
+void RequestRouter::add(std::vector<Route> routes) {
   std::move(routes.begin(), routes.end(), std::back_inserter(routes_));
 }
 
-Front::Admission Front::admit(Head head) const {
+RequestRouter::Admission RequestRouter::admit(Head head) const {
   if (head.target != kBodyGate) return admit_request(std::move(head));
   head.method = head.header("x-original-method");
   head.target = head.header("x-original-target");
@@ -74,7 +74,7 @@ Front::Admission Front::admit(Head head) const {
   return admission;
 }
 
-Front::Admission Front::admit_request(Head head) const {
+RequestRouter::Admission RequestRouter::admit_request(Head head) const {
   Request request;
   static_cast<Head&>(request) = std::move(head);
   request.request_id = request_id_of(request);
@@ -149,14 +149,14 @@ Front::Admission Front::admit_request(Head head) const {
   return Admitted{chosen, std::move(request), false};
 }
 
-Outcome<void> Front::check_origin(const Request& request) const {
+Outcome<void> RequestRouter::check_origin(const Request& request) const {
   const std::string_view origin = request.header("origin");
   if (is_safe(request.method) || origin.empty() || origin == options_.public_url) return {};
   return refuse(ProblemKind::kOrigin, "Requests from other origins are not allowed.");
 }
 
-Outcome<Principal> Front::identify(const Route& route, const Request& request,
-                                   Accounts::Renewal renewal) const {
+Outcome<Principal> RequestRouter::identify(const Route& route, const Request& request,
+                                           Accounts::Renewal renewal) const {
   DIAPHANE_TRY(check_origin(request));
   if (route.access == Access::kAnyone) return Principal{};
 
@@ -196,7 +196,7 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request,
 }
 
 /// Does not renew the session. The request itself does that and sends the cookie.
-Outcome<Response> Front::decide_body(const Route& route, const Request& request) const {
+Outcome<Response> RequestRouter::decide_body(const Route& route, const Request& request) const {
   const auto principal = identify(route, request, Accounts::Renewal::kNo);
   DIAPHANE_TRY(principal);
   if (route.body_check) {
@@ -209,7 +209,7 @@ Outcome<Response> Front::decide_body(const Route& route, const Request& request)
   return std::move(response).with("X-Account", principal->user_id);
 }
 
-Response Front::serve(Admitted& admitted) const {
+Response RequestRouter::serve(Admitted& admitted) const {
   const auto began = std::chrono::steady_clock::now();
   const Route& route = *admitted.route;
   const Request& request = admitted.request;
@@ -257,7 +257,7 @@ Response Front::serve(Admitted& admitted) const {
   return response;
 }
 
-Response Front::refusal(const Problem& problem, const Request& request) const {
+Response RequestRouter::refusal(const Problem& problem, const Request& request) const {
   Response response = finish(problem_response(problem, request.request_id), request);
   const log::RequestScope scope(request.request_id);
   log::info("request", {{"operation", "none"}, {"status", response.status}});
@@ -265,7 +265,7 @@ Response Front::refusal(const Problem& problem, const Request& request) const {
   return response;
 }
 
-Response Front::finish(Response response, const Request& request) const {
+Response RequestRouter::finish(Response response, const Request& request) const {
   response.with("X-Request-Id", request.request_id);
   response.with("X-Content-Type-Options", "nosniff");
   if (request.target.starts_with("/v1/uploads")) response.with("Tus-Resumable", "1.0.0");
@@ -285,28 +285,30 @@ Response Front::finish(Response response, const Request& request) const {
   return response;
 }
 
-std::string Front::cookie(const std::string& token) const {
+std::string RequestRouter::cookie(const std::string& token) const {
   const auto age = token.empty() ? std::chrono::seconds(0) : accounts_.session_life();
   return set_cookie(cookie_name_, token, age);
 }
 
-std::string Front::browser_cookie(const std::string& known_browser) const {
+std::string RequestRouter::browser_cookie(const std::string& known_browser) const {
   return set_cookie(browser_cookie_name_, known_browser, kBrowserKnown);
 }
 
-std::string Front::set_cookie(const std::string& name, const std::string& value,
-                              std::chrono::seconds age) const {
+std::string RequestRouter::set_cookie(const std::string& name, const std::string& value,
+                                      std::chrono::seconds age) const {
   return name + "=" + value + "; Path=/; Max-Age=" + std::to_string(age.count()) +
          "; HttpOnly; SameSite=Strict" + (secure_ ? "; Secure" : "");
 }
 
-std::string Front::token_of(const Head& head) const { return cookie_of(head, cookie_name_); }
+std::string RequestRouter::token_of(const Head& head) const {
+  return cookie_of(head, cookie_name_);
+}
 
-std::string Front::known_browser_of(const Head& head) const {
+std::string RequestRouter::known_browser_of(const Head& head) const {
   return cookie_of(head, browser_cookie_name_);
 }
 
-std::string Front::cookie_of(const Head& head, std::string_view name) {
+std::string RequestRouter::cookie_of(const Head& head, std::string_view name) {
   std::string_view rest = head.header("cookie");
   while (!rest.empty()) {
     const std::size_t end = rest.find(';');
@@ -320,10 +322,11 @@ std::string Front::cookie_of(const Head& head, std::string_view name) {
   return {};
 }
 
-Outcome<Once> once_of(const Request& request, const Front& front) {
+Outcome<IdempotencyScope> idempotency_scope_of(const Request& request,
+                                               const RequestRouter& router) {
   auto key = idempotency_key(request);
   DIAPHANE_TRY(key);
-  return Once{*std::move(key), front.token_of(request)};
+  return IdempotencyScope{*std::move(key), router.token_of(request)};
 }
 
 }  // namespace diaphane::api

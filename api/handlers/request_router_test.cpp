@@ -1,4 +1,4 @@
-#include "api/handlers/front.h"
+#include "api/handlers/request_router.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@
 namespace diaphane::api {
 namespace {
 
-class FrontTest : public testing::Test {
+class RequestRouterTest : public testing::Test {
  protected:
-  FrontTest() {
+  RequestRouterTest() {
     const auto answer = [this](const Request& request, const Principal& who) -> Outcome<Response> {
       ++served;
       asked_by = who;
@@ -30,34 +30,34 @@ class FrontTest : public testing::Test {
       response.body = request.body == "large" ? std::string(2 << 20, 'x') : "well";
       return std::move(response).with("X-Said", request.body);
     };
-    front.add({{"GET", "/v1/things/{id}", "getThing", Access::kPerson, answer, {"limit"}},
-               {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
-               {"GET", "/v1/ruled", "rule", Access::kAdministrator, answer, {}},
-               {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100},
-               {"POST", "/v1/plain", "plain", Access::kAnyone, answer, {}},
-               {"PATCH",
-                "/v1/parts/{id}",
-                "append",
-                Access::kPersonOrOperator,
-                answer,
-                {},
-                8 << 20,
-                [this](const Request& request, const Principal&, std::int64_t bytes) {
-                  checked = request.parameter("id") + " " + std::to_string(bytes);
-                  return bytes > 1000 ? Outcome<void>(refuse(ProblemKind::kLocked, "Not now."))
-                                      : Outcome<void>();
-                }}});
+    router.add({{"GET", "/v1/things/{id}", "getThing", Access::kPerson, answer, {"limit"}},
+                {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
+                {"GET", "/v1/ruled", "rule", Access::kAdministrator, answer, {}},
+                {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100},
+                {"POST", "/v1/plain", "plain", Access::kAnyone, answer, {}},
+                {"PATCH",
+                 "/v1/parts/{id}",
+                 "append",
+                 Access::kPersonOrOperator,
+                 answer,
+                 {},
+                 8 << 20,
+                 [this](const Request& request, const Principal&, std::int64_t bytes) {
+                   checked = request.parameter("id") + " " + std::to_string(bytes);
+                   return bytes > 1000 ? Outcome<void>(refuse(ProblemKind::kLocked, "Not now."))
+                                       : Outcome<void>();
+                 }}});
     WebSession session{blake2b(kToken), "user", kCsrf, clock.wall(),
                        clock.wall() + std::chrono::hours(24 * 14)};
     (void)store.open_session(session);
   }
 
   Response ask(Head head, std::string body = "") {
-    auto admission = front.admit(std::move(head));
+    auto admission = router.admit(std::move(head));
     if (auto* response = std::get_if<Response>(&admission)) return *response;
-    auto& admitted = std::get<Front::Admitted>(admission);
+    auto& admitted = std::get<RequestRouter::Admitted>(admission);
     admitted.request.body = std::move(body);
-    return front.serve(admitted);
+    return router.serve(admitted);
   }
   /// Sends the query that the edge sends before it reads the body of such a request.
   Response ask_for_body(const Head& head, const std::string& length) {
@@ -86,21 +86,21 @@ class FrontTest : public testing::Test {
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
   CodeCheck codes{factors, store, key, clock, {}};
   Accounts accounts{store, hasher, codes, key, clock, {.public_url = "https://see.example"}};
-  Front front{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
+  RequestRouter router{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
   int served = 0;
   std::string checked;
   Principal asked_by;
   Request seen;
 };
 
-TEST_F(FrontTest, TakesLanguageFromRequestWithoutSession) {
+TEST_F(RequestRouterTest, TakesLanguageFromRequestWithoutSession) {
   (void)ask({"POST", "/v1/open", {{"accept-language", "de-AT, en;q=0.5"}}});
   EXPECT_EQ(asked_by.language, Language::kGerman);
   (void)ask({"POST", "/v1/open", {{"accept-language", "fr"}}});
   EXPECT_EQ(asked_by.language, Language::kEnglish);
 }
 
-TEST_F(FrontTest, RequiresSessionCookie) {
+TEST_F(RequestRouterTest, RequiresSessionCookie) {
   EXPECT_EQ(ask({"GET", "/v1/things/1", {}}).status, 401);
   EXPECT_EQ(
       ask({"GET", "/v1/things/1", {{"cookie", "__Host-diaphane=" + std::string(64, 'b')}}}).status,
@@ -111,7 +111,7 @@ TEST_F(FrontTest, RequiresSessionCookie) {
   EXPECT_EQ(seen.parameter("id"), "1");
 }
 
-TEST_F(FrontTest, UnsafeMethodRequiresCsrfTokenOfItsSession) {
+TEST_F(RequestRouterTest, UnsafeMethodRequiresCsrfTokenOfItsSession) {
   EXPECT_EQ(kind(ask({"POST", "/v1/things", {{"cookie", kCookie}}})), "csrf");
   EXPECT_EQ(kind(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kToken}}})),
             "csrf");
@@ -120,7 +120,7 @@ TEST_F(FrontTest, UnsafeMethodRequiresCsrfTokenOfItsSession) {
             200);
 }
 
-TEST_F(FrontTest, BodyGateReturnsAccountWithoutRunningHandler) {
+TEST_F(RequestRouterTest, BodyGateReturnsAccountWithoutRunningHandler) {
   const Head made{"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}};
   const Response may = ask_for_body(made, "5000");
   EXPECT_EQ(may.status, 204);
@@ -134,7 +134,7 @@ TEST_F(FrontTest, BodyGateReturnsAccountWithoutRunningHandler) {
   EXPECT_EQ(served, 0);
 }
 
-TEST_F(FrontTest, BodyGateReturnsTheRefusalOfTheRequest) {
+TEST_F(RequestRouterTest, BodyGateReturnsTheRefusalOfTheRequest) {
   const std::map<std::string, std::string> person{{"cookie", kCookie}, {"x-csrf-token", kCsrf}};
   EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", {}}, "5")), "unauthenticated");
   EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", {{"cookie", kCookie}}}, "5")), "csrf");
@@ -149,7 +149,7 @@ TEST_F(FrontTest, BodyGateReturnsTheRefusalOfTheRequest) {
   EXPECT_EQ(served, 0);
 }
 
-TEST_F(FrontTest, LimitsBodySizeOfUnauthenticatedRequests) {
+TEST_F(RequestRouterTest, LimitsBodySizeOfUnauthenticatedRequests) {
   const std::string most = std::to_string(kAnyoneBodyBytes);
   const std::string more = std::to_string(kAnyoneBodyBytes + 1);
   EXPECT_EQ(ask({"POST", "/v1/plain", {{"content-length", most}}}).status, 200);
@@ -158,14 +158,14 @@ TEST_F(FrontTest, LimitsBodySizeOfUnauthenticatedRequests) {
   EXPECT_EQ(kind(ask_for_body({"POST", "/v1/open", {}}, "101")), "body-too-large");
 }
 
-TEST_F(FrontTest, BodyGateDoesNotRenewSession) {
+TEST_F(RequestRouterTest, BodyGateDoesNotRenewSession) {
   clock.advance(std::chrono::hours(24 * 7));
   const Head made{"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}};
   EXPECT_EQ(header(ask_for_body(made, "5"), "Set-Cookie"), "");
   EXPECT_THAT(header(ask(made), "Set-Cookie"), testing::HasSubstr(kToken));
 }
 
-TEST_F(FrontTest, RefusesForeignOriginEvenOnPublicRoutes) {
+TEST_F(RequestRouterTest, RefusesForeignOriginEvenOnPublicRoutes) {
   for (const char* origin :
        {"null", "https://see.example.evil", "http://see.example", "https://see.example:1"}) {
     EXPECT_EQ(kind(ask({"POST", "/v1/open", {{"origin", origin}}})), "origin") << origin;
@@ -173,49 +173,49 @@ TEST_F(FrontTest, RefusesForeignOriginEvenOnPublicRoutes) {
   EXPECT_EQ(ask({"POST", "/v1/open", {{"origin", "https://see.example"}}}).status, 200);
 }
 
-TEST_F(FrontTest, SampleTokenWorksOnlyOnOperatorRoutes) {
+TEST_F(RequestRouterTest, SampleTokenWorksOnlyOnOperatorRoutes) {
   EXPECT_EQ(ask({"POST", "/v1/things", {{"authorization", "Bearer s3cret"}}}).status, 200);
   EXPECT_TRUE(asked_by.sample_operator);
   EXPECT_EQ(ask({"POST", "/v1/things", {{"authorization", "Bearer s3creT"}}}).status, 401);
   EXPECT_EQ(ask({"GET", "/v1/things/1", {{"authorization", "Bearer s3cret"}}}).status, 401);
-  Front without(accounts, {.public_url = "https://see.example"});
+  RequestRouter without(accounts, {.public_url = "https://see.example"});
   without.add({{"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, {}, {}}});
   auto admitted = without.admit({"POST", "/v1/things", {{"authorization", "Bearer "}}});
-  EXPECT_EQ(without.serve(std::get<Front::Admitted>(admitted)).status, 401);
+  EXPECT_EQ(without.serve(std::get<RequestRouter::Admitted>(admitted)).status, 401);
 }
 
-TEST_F(FrontTest, InternalErrorResponseHidesTheReason) {
+TEST_F(RequestRouterTest, InternalErrorResponseHidesTheReason) {
   const Response response = ask({"POST", "/v1/open", {}}, "throw");
   EXPECT_EQ(response.status, 500);
   EXPECT_EQ(kind(response), "internal");
   EXPECT_EQ(response.body.find("defect"), std::string::npos);
 }
 
-TEST_F(FrontTest, UnknownOutcomeOfWriteIsReportedAsUnknown) {
+TEST_F(RequestRouterTest, UnknownOutcomeOfWriteIsReportedAsUnknown) {
   const Response response = ask({"POST", "/v1/open", {}}, "in doubt");
   EXPECT_EQ(response.status, 503);
   EXPECT_EQ(kind(response), "outcome-unknown");
   EXPECT_EQ(header(response, "Retry-After"), "2");
 }
 
-TEST_F(FrontTest, UnknownOutcomeOfReadIsReportedAsUnavailable) {
+TEST_F(RequestRouterTest, UnknownOutcomeOfReadIsReportedAsUnavailable) {
   const Response response = ask({"GET", "/v1/things/1", {{"cookie", kCookie}}}, "in doubt");
   EXPECT_EQ(response.status, 503);
   EXPECT_EQ(kind(response), "unavailable");
   EXPECT_EQ(header(response, "Retry-After"), "2");
 }
 
-TEST_F(FrontTest, DropsResponseHeaderWithLineBreak) {
+TEST_F(RequestRouterTest, DropsResponseHeaderWithLineBreak) {
   const Response response = ask({"POST", "/v1/open", {}}, "a\r\nSet-Cookie: x=y");
   EXPECT_EQ(response.status, 200);
   EXPECT_EQ(header(response, "X-Said"), "");
 }
 
-TEST_F(FrontTest, RefusesResponseOverOneMebibyte) {
+TEST_F(RequestRouterTest, RefusesResponseOverOneMebibyte) {
   EXPECT_EQ(ask({"POST", "/v1/open", {}}, "large").status, 500);
 }
 
-TEST_F(FrontTest, RefusesTooLargeOrInvalidContentLengthBeforeReadingBody) {
+TEST_F(RequestRouterTest, RefusesTooLargeOrInvalidContentLengthBeforeReadingBody) {
   EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", "101"}}}).status, 413);
   EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", "100"}}}).status, 200);
   for (const char* bad : {"-1", "1, 1", "0x10", "99999999999999999999"}) {
@@ -224,7 +224,7 @@ TEST_F(FrontTest, RefusesTooLargeOrInvalidContentLengthBeforeReadingBody) {
   EXPECT_EQ(ask({"POST", "/v1/open", {{"transfer-encoding", "chunked"}}}).status, 400);
 }
 
-TEST_F(FrontTest, AnswersHeadAndOptionsAndRefusesOtherMethods) {
+TEST_F(RequestRouterTest, AnswersHeadAndOptionsAndRefusesOtherMethods) {
   const Response wrong = ask({"DELETE", "/v1/open", {}});
   EXPECT_EQ(wrong.status, 405);
   EXPECT_EQ(header(wrong, "Allow"), "POST");
@@ -239,7 +239,7 @@ TEST_F(FrontTest, AnswersHeadAndOptionsAndRefusesOtherMethods) {
   EXPECT_EQ(head.body, "");
 }
 
-TEST_F(FrontTest, KeepsWellFormedRequestIdAndReplacesOthers) {
+TEST_F(RequestRouterTest, KeepsWellFormedRequestIdAndReplacesOthers) {
   EXPECT_EQ(
       header(ask({"GET", "/v1/none", {{"x-request-id", "0123456789abcdef"}}}), "X-Request-Id"),
       "0123456789abcdef");
@@ -248,24 +248,24 @@ TEST_F(FrontTest, KeepsWellFormedRequestIdAndReplacesOthers) {
   EXPECT_EQ(made.size(), 32u);
 }
 
-TEST_F(FrontTest, SessionCookieHasSecurityAttributes) {
-  const std::string cookie = front.cookie(kToken);
+TEST_F(RequestRouterTest, SessionCookieHasSecurityAttributes) {
+  const std::string cookie = router.cookie(kToken);
   for (const char* part : {"HttpOnly", "SameSite=Strict", "Secure", "Path=/"}) {
     EXPECT_THAT(cookie, testing::HasSubstr(part));
   }
-  EXPECT_THAT(front.cookie(""), testing::HasSubstr("Max-Age=0"));
+  EXPECT_THAT(router.cookie(""), testing::HasSubstr("Max-Age=0"));
   EXPECT_THAT(cookie, testing::StartsWith("__Host-diaphane=" + kToken));
   EXPECT_THAT(cookie, testing::Not(testing::HasSubstr("Domain")));
 }
 
-TEST_F(FrontTest, AcceptsOnlyHostPrefixedCookieUnderHttps) {
+TEST_F(RequestRouterTest, AcceptsOnlyHostPrefixedCookieUnderHttps) {
   EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", "diaphane=" + kToken}}}).status, 401);
-  const Front plain(accounts, {.public_url = "http://see.example"});
+  const RequestRouter plain(accounts, {.public_url = "http://see.example"});
   EXPECT_THAT(plain.cookie(kToken), testing::StartsWith("diaphane=" + kToken));
   EXPECT_EQ(plain.token_of({"GET", "/", {{"cookie", "diaphane=" + kToken}}}), kToken);
 }
 
-TEST_F(FrontTest, AdministratorRoutesRequireSecondFactor) {
+TEST_F(RequestRouterTest, AdministratorRoutesRequireSecondFactor) {
   const Head head{"GET", "/v1/ruled", {{"cookie", kCookie}}};
   EXPECT_EQ(kind(ask(head)), "forbidden");
   store.administrator = true;

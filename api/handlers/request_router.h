@@ -61,7 +61,7 @@ struct Measured {
 /// Handles everything around a handler: routing, authentication, cross-site requests, problem
 /// documents, request IDs, the log line and metrics. Independent of the HTTP library. Thread-safe
 /// once all routes are added.
-class Front {
+class RequestRouter {
  public:
   struct Options {
     std::string public_url;    ///< origin of the page
@@ -78,7 +78,7 @@ class Front {
   /// The immediate response, if any.
   using Admission = std::variant<Admitted, Response>;
 
-  Front(Accounts& accounts, Options options);
+  RequestRouter(Accounts& accounts, Options options);
 
   void add(std::vector<Route> routes);
 
@@ -117,6 +117,6 @@ class Front {
 };
 
 /// The Idempotency-Key of a request, with the cookie from which secrets are derived again.
-Outcome<Once> once_of(const Request& request, const Front& front);
+Outcome<IdempotencyScope> idempotency_scope_of(const Request& request, const RequestRouter& router);
 
 }  // namespace diaphane::api
