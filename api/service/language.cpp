@@ -7,7 +7,6 @@ namespace diaphane::api {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 255;
-constexpr int kMostLanguages = 32;
 
 std::string_view trimmed(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t'; };
@@ -51,7 +50,7 @@ Language preferred_language(std::string_view accept_language) {
   Language best = Language::kEnglish;
   int best_quality = 0;
   std::string_view rest = accept_language;
-  for (int i = 0; i < kMostLanguages && !rest.empty(); ++i) {
+  while (!rest.empty()) {
     const std::size_t end = std::min(rest.find(','), rest.size());
     const std::string_view part = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
