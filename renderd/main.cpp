@@ -417,7 +417,7 @@ int run(int argc, char** argv) {
                                  settings.lend > 0 ? assistants.get() : nullptr);
     std::optional<Watchdog> watchdog;
     if (settings.silence.count() > 0) {
-      std::vector<Watchdog::Watched> all = watched(worker.runner().signs());
+      std::vector<Watchdog::Watched> all = watched(worker.runner().progress());
       all.push_back({"main loop", [&] { return turns.load(); }});
       watchdog.emplace(std::move(all), Watchdog::Options{.limit = settings.silence,
                                                          .look = milliseconds(250),

@@ -36,15 +36,15 @@ void Runner::stop() {
 
 std::uint64_t Runner::add(std::shared_ptr<RenderClient> client,
                           std::unique_ptr<FrameRenderer> renderer, std::uint64_t first_epoch) {
-  auto track = std::make_shared<Track>(first_epoch);
-  track->client = std::move(client);
-  track->renderer = std::move(renderer);
+  auto entry = std::make_shared<SessionEntry>(first_epoch);
+  entry->client = std::move(client);
+  entry->renderer = std::move(renderer);
   std::uint64_t handle = 0;
   {
     const std::lock_guard lock(mutex_);
-    handle = track->handle = next_handle_++;
-    known_.push_back(track);
-    arriving_.push_back(std::move(track));
+    handle = entry->handle = next_handle_++;
+    known_.push_back(entry);
+    arriving_.push_back(std::move(entry));
     ++wakes_;
   }
   changed_.notify_one();
@@ -54,8 +54,8 @@ std::uint64_t Runner::add(std::shared_ptr<RenderClient> client,
 void Runner::remove(std::uint64_t handle) {
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& track : known_) {
-      if (track->handle == handle) track->gone = true;
+    for (const auto& entry : known_) {
+      if (entry->handle == handle) entry->gone = true;
     }
     ++wakes_;
   }
@@ -107,19 +107,19 @@ void Runner::run() {
 }
 
 void Runner::adopt() {
-  std::vector<std::shared_ptr<Track>> leaving;  // destroyed outside the lock
+  std::vector<std::shared_ptr<SessionEntry>> leaving;  // destroyed outside the lock
   const std::lock_guard lock(mutex_);
-  for (auto& track : arriving_) tracks_.push_back(std::move(track));
+  for (auto& entry : arriving_) entries_.push_back(std::move(entry));
   arriving_.clear();
   for (StillJob& job : arriving_stills_) {
     const auto before = std::find_if(stills_.begin(), stills_.end(),
                                      [&](const auto& still) { return still->job.rank > job.rank; });
-    stills_.insert(before, std::make_shared<Still>(Still{std::move(job)}));
+    stills_.insert(before, std::make_shared<PendingStill>(PendingStill{std::move(job)}));
   }
   arriving_stills_.clear();
-  const auto gone = [](const std::shared_ptr<Track>& track) { return track->gone.load(); };
-  std::copy_if(tracks_.begin(), tracks_.end(), std::back_inserter(leaving), gone);
-  std::erase_if(tracks_, gone);
+  const auto gone = [](const std::shared_ptr<SessionEntry>& entry) { return entry->gone.load(); };
+  std::copy_if(entries_.begin(), entries_.end(), std::back_inserter(leaving), gone);
+  std::erase_if(entries_, gone);
   std::erase_if(known_, gone);
 }
 
@@ -128,10 +128,10 @@ void Runner::adopt() {
 std::chrono::nanoseconds Runner::next_rest() const {
   const Time now = clock_.now();
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
-  for (const auto& track : tracks_) {
-    if (track->under_way) continue;
-    const Wanted& wanted = track->ledger.wanted();
-    if (!track->ledger.moving() || !wanted.visible) continue;
+  for (const auto& entry : entries_) {
+    if (entry->under_way) continue;
+    const Wanted& wanted = entry->ledger.wanted();
+    if (!entry->ledger.moving() || !wanted.visible) continue;
     const Seconds rest = Seconds(kRestSeconds) - (now - wanted.last_input);
     wait = std::min(wait, std::chrono::duration_cast<std::chrono::nanoseconds>(
                               std::max(rest, Seconds(0)) + std::chrono::milliseconds(1)));
@@ -153,32 +153,32 @@ RunnerTimes Runner::times() const {
 
 // Accounts for the work that the lanes have finished.
 void Runner::collect() {
-  std::vector<std::unique_ptr<Turn>> ended;
+  std::vector<std::unique_ptr<WorkItem>> ended;
   double busy = 0;
   {
     const std::lock_guard lock(mutex_);
     ended.swap(ended_);
     busy = in_flight_.busy_seconds(clock_.now());
-    for (const auto& turn : ended) {
-      spent_.scenes += turn->scene_seconds;
-      spent_.rendering += turn->render_seconds;
-      spent_.pictures += turn->picture_seconds;
+    for (const auto& item : ended) {
+      spent_.scenes += item->scene_seconds;
+      spent_.rendering += item->render_seconds;
+      spent_.pictures += item->picture_seconds;
     }
   }
   still_seconds_due_ =
       std::min(still_seconds_due_ + still_share_ * (busy - busy_told_), kLongestStillSeconds);
   busy_told_ = busy;
-  for (const auto& turn : ended) turn->still ? settle_still(*turn) : settle(*turn);
+  for (const auto& item : ended) item->still ? settle_still(*item) : settle(*item);
 }
 
-void Runner::settle(Turn& turn) {
-  Track& track = *turn.track;
-  track.under_way = false;
-  if (turn.failed) return drop(track, *turn.failed);
-  if (!turn.refused) return;
-  if (!track.ledger.has_picture()) return drop(track, *turn.refused);
-  track.ledger.refused();
-  track.client->refused(track.ledger.wanted(), *turn.refused);
+void Runner::settle(WorkItem& item) {
+  SessionEntry& entry = *item.entry;
+  entry.under_way = false;
+  if (item.failed) return drop(entry, *item.failed);
+  if (!item.refused) return;
+  if (!entry.ledger.has_picture()) return drop(entry, *item.refused);
+  entry.ledger.refused();
+  entry.client->refused(entry.ledger.wanted(), *item.refused);
 }
 
 // Reads the current request of every session, and begins pictures that are due although no samples
@@ -191,34 +191,34 @@ std::vector<SessionView> Runner::look() {
     costs = costs_;
   }
   std::vector<SessionView> views;
-  views.reserve(tracks_.size());
+  views.reserve(entries_.size());
   std::size_t moving = 0;
   std::size_t waiting = 0;
   double error = 0;
-  for (const auto& track : tracks_) {
-    if (track->gone) continue;
-    Ledger& ledger = track->ledger;
-    if (!track->under_way) {
-      ledger.refresh(track->client->wanted(), costs, options_.rules, now);
-      track->seen = ledger.view(track->handle, costs, options_.rules, now);
-      track->moving = ledger.moving() && ledger.wanted().visible;
+  for (const auto& entry : entries_) {
+    if (entry->gone) continue;
+    Ledger& ledger = entry->ledger;
+    if (!entry->under_way) {
+      ledger.refresh(entry->client->wanted(), costs, options_.rules, now);
+      entry->seen = ledger.view(entry->handle, costs, options_.rules, now);
+      entry->moving = ledger.moving() && ledger.wanted().visible;
       const auto question = ledger.emission(options_.rules, now);
       if (question && should_emit(*question)) {
-        auto turn = std::make_unique<Turn>();
-        turn->track = track;
-        turn->question = question;
-        turn->fill = 0;  // hardly uses the device
-        begin(std::move(turn));
+        auto item = std::make_unique<WorkItem>();
+        item->entry = entry;
+        item->question = question;
+        item->fill = 0;  // hardly uses the device
+        begin(std::move(item));
       }
       if (!ledger.wanted().scene) continue;
     }
-    track->seen.under_way = track->under_way;
-    track->seen.visitor = track->client->of_visitor();
-    if (track->moving) ++moving;
-    if (gains(track->seen) && !track->client->of_another_worker()) ++waiting;
+    entry->seen.under_way = entry->under_way;
+    entry->seen.visitor = entry->client->of_visitor();
+    if (entry->moving) ++moving;
+    if (gains(entry->seen) && !entry->client->of_another_worker()) ++waiting;
     // A session without a first picture has an infinite error; it counts as 1.
-    if (track->seen.visible) error += std::min(1.0, track->seen.error);
-    views.push_back(track->seen);
+    if (entry->seen.visible) error += std::min(1.0, entry->seen.error);
+    views.push_back(entry->seen);
   }
   error_ = error;
   moving_ = moving;
@@ -254,158 +254,158 @@ bool Runner::step() {
     spent_.deciding += decided;
   }
   for (const Quantum& quantum : quanta) {
-    const auto chosen = std::find_if(tracks_.begin(), tracks_.end(), [&](const auto& track) {
-      return track->handle == quantum.session;
+    const auto chosen = std::find_if(entries_.begin(), entries_.end(), [&](const auto& entry) {
+      return entry->handle == quantum.session;
     });
-    if (chosen == tracks_.end()) continue;
-    auto turn = std::make_unique<Turn>();
-    turn->track = *chosen;
-    turn->samples = quantum.samples;
-    const Ledger& ledger = turn->track->ledger;
+    if (chosen == entries_.end()) continue;
+    auto item = std::make_unique<WorkItem>();
+    item->entry = *chosen;
+    item->samples = quantum.samples;
+    const Ledger& ledger = item->entry->ledger;
     if (!options_.device_queues && ledger.moving() && first_picture(ledger)) {
-      turn->precedence = first_picture_precedence(turn->track->seen);
+      item->precedence = first_picture_precedence(item->entry->seen);
     }
     const double parallel = options_.rules.device_parallel;
     const Canvas canvas = ledger.planned();
     const double work = double(canvas.width) * canvas.height * quantum.samples;
-    turn->fill = parallel > 0 ? std::min(1.0, work / parallel) : 1;
-    begin(std::move(turn));
+    item->fill = parallel > 0 ? std::min(1.0, work / parallel) : 1;
+    begin(std::move(item));
   }
   return quanta.empty() ? room && begin_still() : true;
 }
 
-void Runner::begin(std::unique_ptr<Turn> turn) {
-  if (turn->track) turn->track->under_way = true;
-  if (turn->still) still_under_way_ = true;
+void Runner::begin(std::unique_ptr<WorkItem> item) {
+  if (item->entry) item->entry->under_way = true;
+  if (item->still) still_under_way_ = true;
   {
     const std::lock_guard lock(mutex_);
-    in_flight_.begin(turn->fill, clock_.now(), turn->precedence);
-    if (turn->track && turn->samples > 0) {
+    in_flight_.begin(item->fill, clock_.now(), item->precedence);
+    if (item->entry && item->samples > 0) {
       ++spent_.quanta;
-      spent_.switches += last_ != turn->track->handle;
-      last_ = turn->track->handle;
+      spent_.switches += last_ != item->entry->handle;
+      last_ = item->entry->handle;
     }
   }
-  // The closure owns the turn as a raw pointer, because std::function requires copyable closures.
-  lanes_.start([this, turn = turn.release()] {
-    std::unique_ptr<Turn> mine(turn);
+  // The closure owns the item as a raw pointer, because std::function requires copyable closures.
+  lanes_.start([this, item = item.release()] {
+    std::unique_ptr<WorkItem> mine(item);
     {
-      Signs::Work signs(signs_);
-      mine->still ? carry_out_still(*mine, signs) : carry_out(*mine, signs);
+      ProgressMonitor::Work work(progress_);
+      mine->still ? carry_out_still(*mine, work) : carry_out(*mine, work);
     }
     ended(std::move(mine));
   });
 }
 
-void Runner::ended(std::unique_ptr<Turn> turn) {
-  rendered(*turn);
-  // Notifies under the lock, because the runner may be destroyed once its last turn has ended.
+void Runner::ended(std::unique_ptr<WorkItem> item) {
+  rendered(*item);
+  // Notifies under the lock, because the runner may be destroyed once its last item has ended.
   const std::lock_guard lock(mutex_);
-  in_flight_.end(clock_.now(), turn->precedence);
-  ended_.push_back(std::move(turn));
+  in_flight_.end(clock_.now(), item->precedence);
+  ended_.push_back(std::move(item));
   ++wakes_;
   changed_.notify_one();
 }
 
-double Runner::own_seconds(const Turn& turn) const {
+double Runner::own_seconds(const WorkItem& item) const {
   const std::lock_guard lock(mutex_);
-  return in_flight_.own_seconds(clock_.now(), turn.precedence);
+  return in_flight_.own_seconds(clock_.now(), item.precedence);
 }
 
-void Runner::carry_out(Turn& turn, Signs::Work& signs) {
-  if (turn.question) {
-    if (!options_.device_queues) turn.track->renderer->set_precedence(0);
-    return show(turn, *turn.question);
+void Runner::carry_out(WorkItem& item, ProgressMonitor::Work& work) {
+  if (item.question) {
+    if (!options_.device_queues) item.entry->renderer->set_precedence(0);
+    return show(item, *item.question);
   }
-  const bool there = render(turn, signs);
+  const bool there = render(item, work);
   // A device that queues continues with other quanta while the picture is made. On the CPU, the
   // picture is made by the threads that render.
-  if (options_.device_queues) rendered(turn);
-  if (there) show_if_due(turn);
+  if (options_.device_queues) rendered(item);
+  if (there) show_if_due(item);
 }
 
-void Runner::rendered(Turn& turn) {
-  if (turn.fill == 0) return;
+void Runner::rendered(WorkItem& item) {
+  if (item.fill == 0) return;
   const std::lock_guard lock(mutex_);
-  in_flight_.rendered(std::exchange(turn.fill, 0), clock_.now());
+  in_flight_.rendered(std::exchange(item.fill, 0), clock_.now());
   ++wakes_;
   changed_.notify_one();
 }
 
 // Prepares the requested scene if it has changed and renders the samples. Returns false if there is
 // nothing to show.
-bool Runner::render(Turn& turn, Signs::Work& signs) {
-  Track& track = *turn.track;
-  Ledger& ledger = track.ledger;
-  track.renderer->set_precedence(
-      options_.device_queues ? static_cast<unsigned>(first_picture(ledger)) : turn.precedence);
+bool Runner::render(WorkItem& item, ProgressMonitor::Work& work) {
+  SessionEntry& entry = *item.entry;
+  Ledger& ledger = entry.ledger;
+  entry.renderer->set_precedence(
+      options_.device_queues ? static_cast<unsigned>(first_picture(ledger)) : item.precedence);
   if (ledger.stale()) {
-    const double before = own_seconds(turn);
-    track.renderer->prepare_denoising(!ledger.wanted().raw);
-    auto taken = track.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
-    turn.scene_seconds = own_seconds(turn) - before;
+    const double before = own_seconds(item);
+    entry.renderer->prepare_denoising(!ledger.wanted().raw);
+    auto taken = entry.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
+    item.scene_seconds = own_seconds(item) - before;
     if (!taken) {
-      turn.refused = std::move(taken.error());
+      item.refused = std::move(taken.error());
       return false;
     }
-    ledger.began(turn.scene_seconds, clock_.now());
-    track.client->began(ledger.epoch(), ledger.wanted());
+    ledger.began(item.scene_seconds, clock_.now());
+    entry.client->began(ledger.epoch(), ledger.wanted());
   }
   const bool interruptible = ledger.interruptible();
   const auto stop = [&] {
-    signs.alive();
-    if (stopping_ || track.gone) return true;
-    return interruptible && track.client->version() != ledger.applied_version();
+    work.heartbeat();
+    if (stopping_ || entry.gone) return true;
+    return interruptible && entry.client->version() != ledger.applied_version();
   };
   const Time start = clock_.now();
-  const double before = own_seconds(turn);
-  const auto batch = track.renderer->render(turn.samples, stop);
+  const double before = own_seconds(item);
+  const auto batch = entry.renderer->render(item.samples, stop);
   if (!batch) {
-    turn.failed = batch.error();
+    item.failed = batch.error();
     return false;
   }
-  const Progress progress = track.renderer->progress();
+  const Progress progress = entry.renderer->progress();
   const Time now = clock_.now();
-  turn.render_seconds = seconds_between(start, now);
+  item.render_seconds = seconds_between(start, now);
   // Charges only the session's own share of the device, because quanta that share it wait for each
   // other.
   Batch own = *batch;
-  if (turn.render_seconds > 0) own.seconds *= (own_seconds(turn) - before) / turn.render_seconds;
+  if (item.render_seconds > 0) own.seconds *= (own_seconds(item) - before) / item.render_seconds;
   {
     const std::lock_guard lock(mutex_);
     ledger.rendered(own, progress, costs_, now);
   }
-  if (track.gone) return false;
-  track.client->rendered(own);
+  if (entry.gone) return false;
+  entry.client->rendered(own);
   return true;
 }
 
-void Runner::show_if_due(Turn& turn) {
-  Track& track = *turn.track;
+void Runner::show_if_due(WorkItem& item) {
+  SessionEntry& entry = *item.entry;
   const Time now = clock_.now();
   DeviceCosts costs;
   {
     const std::lock_guard lock(mutex_);
     costs = costs_;
   }
-  track.ledger.refresh(track.client->wanted(), costs, options_.rules, now);
-  const auto question = track.ledger.emission(options_.rules, now);
-  if (question && should_emit(*question)) show(turn, *question);
+  entry.ledger.refresh(entry.client->wanted(), costs, options_.rules, now);
+  const auto question = entry.ledger.emission(options_.rules, now);
+  if (question && should_emit(*question)) show(item, *question);
 }
 
-void Runner::show(Turn& turn, const EmissionQuestion& question) {
-  Track& track = *turn.track;
-  Ledger& ledger = track.ledger;
-  if (track.gone) return;
+void Runner::show(WorkItem& item, const EmissionQuestion& question) {
+  SessionEntry& entry = *item.entry;
+  Ledger& ledger = entry.ledger;
+  if (entry.gone) return;
   const Time start = clock_.now();
-  const double before = own_seconds(turn);
+  const double before = own_seconds(item);
   RenderedPicture rendered;
   // The converged picture is never denoised: it shows the samples and nothing else.
   const Result<bool> shown =
-      question.converged ? track.renderer->display(rendered.picture).map([] { return false; })
-                         : track.renderer->display_denoised(rendered.picture);
+      question.converged ? entry.renderer->display(rendered.picture).map([] { return false; })
+                         : entry.renderer->display_denoised(rendered.picture);
   if (!shown) {
-    turn.failed = shown.error();
+    item.failed = shown.error();
     return;
   }
   rendered.info.epoch = ledger.epoch();
@@ -417,21 +417,21 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
   rendered.info.moving = ledger.moving();
   rendered.info.converged = question.converged;
   rendered.info.denoised = *shown;
-  turn.picture_seconds = seconds_between(start, clock_.now());
-  const double own = own_seconds(turn) - before;
+  item.picture_seconds = seconds_between(start, clock_.now());
+  const double own = own_seconds(item) - before;
   rendered.info.render_us =
       static_cast<std::uint64_t>((ledger.scene_seconds() + ledger.progress().seconds + own) * 1e6);
   {
     const std::lock_guard lock(mutex_);
     ledger.shown(own, costs_, start);
   }
-  track.client->picture(std::move(rendered));
-  if (ledger.wanted().kernel_report) track.client->kernel(track.renderer->report());
+  entry.client->picture(std::move(rendered));
+  if (ledger.wanted().kernel_report) entry.client->kernel(entry.renderer->report());
 }
 
-void Runner::drop(Track& track, const Error& why) {
-  track.gone = true;
-  track.client->failed(why);
+void Runner::drop(SessionEntry& entry, const Error& why) {
+  entry.gone = true;
+  entry.client->failed(why);
   if (why.code == ErrorCode::kDeviceLost && options_.device_lost) options_.device_lost(why);
 }
 

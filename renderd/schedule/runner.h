@@ -16,8 +16,8 @@
 #include "renderd/schedule/lanes.h"
 #include "renderd/schedule/ledger.h"
 #include "renderd/schedule/policy.h"
-#include "renderd/schedule/signs.h"
-#include "renderd/schedule/still_turns.h"
+#include "renderd/schedule/progress_monitor.h"
+#include "renderd/schedule/still_scheduling.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
@@ -106,12 +106,12 @@ class Runner {
   /// workers do not count.
   std::size_t waiting() const { return waiting_; }
   /// Progress of each quantum and picture in flight, for a watchdog.
-  const Signs& signs() const { return signs_; }
+  const ProgressMonitor& progress() const { return progress_; }
 
  private:
-  struct Track;
-  struct Turn;
-  struct Still;
+  struct SessionEntry;
+  struct WorkItem;
+  struct PendingStill;
   using Time = Ledger::Time;
 
   void run();
@@ -120,26 +120,26 @@ class Runner {
   /// Begins the next quanta. Returns true if it began any and there may be room for more.
   bool step();
   std::vector<SessionView> look();
-  void begin(std::unique_ptr<Turn> turn);
+  void begin(std::unique_ptr<WorkItem> item);
   bool begin_still();
   void drop_cancelled_stills();
 
   // These run on a lane's thread.
-  void carry_out(Turn& turn, Signs::Work& signs);
-  bool render(Turn& turn, Signs::Work& signs);
-  void rendered(Turn& turn);
-  void show_if_due(Turn& turn);
-  void show(Turn& turn, const EmissionQuestion& question);
-  void carry_out_still(Turn& turn, Signs::Work& signs);
-  void render_still(Turn& turn, Signs::Work& signs);
-  void finish_still(Turn& turn, Signs::Work& signs);
-  double own_seconds(const Turn& turn) const;
-  void ended(std::unique_ptr<Turn> turn);
+  void carry_out(WorkItem& item, ProgressMonitor::Work& work);
+  bool render(WorkItem& item, ProgressMonitor::Work& work);
+  void rendered(WorkItem& item);
+  void show_if_due(WorkItem& item);
+  void show(WorkItem& item, const EmissionQuestion& question);
+  void carry_out_still(WorkItem& item, ProgressMonitor::Work& work);
+  void render_still(WorkItem& item, ProgressMonitor::Work& work);
+  void finish_still(WorkItem& item, ProgressMonitor::Work& work);
+  double own_seconds(const WorkItem& item) const;
+  void ended(std::unique_ptr<WorkItem> item);
 
-  void settle(Turn& turn);
-  void settle_still(Turn& turn);
+  void settle(WorkItem& item);
+  void settle_still(WorkItem& item);
   std::chrono::nanoseconds next_rest() const;
-  void drop(Track& track, const Error& why);
+  void drop(SessionEntry& entry, const Error& why);
 
   const std::unique_ptr<Policy> policy_;
   const Clock& clock_;
@@ -148,23 +148,23 @@ class Runner {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t wakes_ = 0;
-  std::vector<std::shared_ptr<Track>> arriving_;
-  std::vector<std::shared_ptr<Track>> known_;  // searched by `remove`
+  std::vector<std::shared_ptr<SessionEntry>> arriving_;
+  std::vector<std::shared_ptr<SessionEntry>> known_;  // searched by `remove`
   std::deque<StillJob> arriving_stills_;
   std::uint64_t next_handle_ = 1;
   mutable InFlight in_flight_;
-  std::vector<std::unique_ptr<Turn>> ended_;
+  std::vector<std::unique_ptr<WorkItem>> ended_;
   DeviceCosts costs_;
   RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
   std::atomic<double> error_{0};
   std::atomic<std::size_t> moving_{0};  // number of sessions; written by the runner's thread
   std::atomic<std::size_t> waiting_{0};
-  Signs signs_;
+  ProgressMonitor progress_;
 
   // Accessed only by the runner's thread.
-  std::vector<std::shared_ptr<Track>> tracks_;
-  std::deque<std::shared_ptr<Still>> stills_;
+  std::vector<std::shared_ptr<SessionEntry>> entries_;
+  std::deque<std::shared_ptr<PendingStill>> stills_;
   bool still_under_way_ = false;
   std::uint64_t last_ = 0;  // handle of the session whose quantum was begun last
   double still_share_ = 0;

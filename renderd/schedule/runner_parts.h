@@ -20,8 +20,8 @@ inline constexpr double kStillQuantumSeconds = 0.03;
 
 // A session on this device. All members except `gone` belong to the runner's thread, or to a lane
 // while that executes a quantum of the session.
-struct Runner::Track {
-  explicit Track(std::uint64_t first_epoch) : ledger(first_epoch) {}
+struct Runner::SessionEntry {
+  explicit SessionEntry(std::uint64_t first_epoch) : ledger(first_epoch) {}
 
   std::uint64_t handle = 0;
   std::shared_ptr<RenderClient> client;
@@ -35,19 +35,19 @@ struct Runner::Track {
   SessionView seen;  // as of the last call of look() without a quantum in flight
 };
 
-struct Runner::Still {
+struct Runner::PendingStill {
   StillJob job;
   std::uint64_t samples = 0;
 };
 
 // A unit of work for a lane, and its results.
-struct Runner::Turn {
-  std::shared_ptr<Track> track;
+struct Runner::WorkItem {
+  std::shared_ptr<SessionEntry> entry;
   std::uint32_t samples = 0;                 // 0: only makes a picture that is due
   std::optional<EmissionQuestion> question;  // for that picture
-  std::shared_ptr<Still> still;              // set instead of `track`
+  std::shared_ptr<PendingStill> still;       // set instead of `entry`
   double fill = 1;
-  /// On a device that does not queue, this turn pauses turns of lower precedence.
+  /// On a device that does not queue, this item pauses items of lower precedence.
   unsigned precedence = 0;
 
   std::optional<Error> refused, failed;

@@ -47,10 +47,10 @@ void Watchdog::look() {
   options_.hung(*longest);
 }
 
-std::vector<Watchdog::Watched> watched(const Signs& signs) {
+std::vector<Watchdog::Watched> watched(const ProgressMonitor& monitor) {
   std::vector<Watchdog::Watched> all;
-  for (std::size_t i = 0; i < Signs::kPlaces; ++i) {
-    all.push_back({"device", [&signs, i] { return signs.at(i); }});
+  for (std::size_t i = 0; i < ProgressMonitor::kPlaces; ++i) {
+    all.push_back({"device", [&monitor, i] { return monitor.at(i); }});
   }
   return all;
 }

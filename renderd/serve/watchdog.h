@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "renderd/schedule/signs.h"
+#include "renderd/schedule/progress_monitor.h"
 
 namespace diaphane::render {
 
@@ -62,7 +62,7 @@ class Watchdog {
 };
 
 /// Returns an entry named "device" for each piece of work that a device may have in progress.
-/// `signs` must outlive them.
-std::vector<Watchdog::Watched> watched(const Signs& signs);
+/// `monitor` must outlive them.
+std::vector<Watchdog::Watched> watched(const ProgressMonitor& monitor);
 
 }  // namespace diaphane::render

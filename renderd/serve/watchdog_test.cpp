@@ -56,19 +56,19 @@ TEST(Watchdog, WhoHasNothingToDoAndWhoGoesOnAreLeftAlone) {
   EXPECT_FALSE(watchdog.suspects());
 }
 
-TEST(Signs, WorkHasAPlaceOfItsOwnThatChangesWithItsSignsAndIsGivenBack) {
-  Signs signs;
-  Signs::Work one(signs);
-  const std::uint64_t first = signs.at(0);
+TEST(ProgressMonitor, EachPieceOfWorkHasItsOwnPlaceUntilItEnds) {
+  ProgressMonitor monitor;
+  ProgressMonitor::Work one(monitor);
+  const std::uint64_t first = monitor.at(0);
   EXPECT_NE(first, 0U);
   {
-    Signs::Work two(signs);
-    EXPECT_NE(signs.at(1), 0U);
-    EXPECT_EQ(signs.at(0), first) << "another's signs are not its own";
+    ProgressMonitor::Work two(monitor);
+    EXPECT_NE(monitor.at(1), 0U);
+    EXPECT_EQ(monitor.at(0), first) << "another's heartbeats are not its own";
   }
-  EXPECT_EQ(signs.at(1), 0U);
-  one.alive();
-  EXPECT_NE(signs.at(0), first);
+  EXPECT_EQ(monitor.at(1), 0U);
+  one.heartbeat();
+  EXPECT_NE(monitor.at(0), first);
 }
 
 // A client that always requests more.
@@ -96,7 +96,7 @@ TEST(Watchdog, ADeviceThatHangsInAQuantumIsNoticedAndALongQuantumIsNot) {
   const SystemClock clock;
   Runner runner(make_policy(PolicyKind::kMarginalGain), clock, {});
   Told told;
-  Watchdog watchdog(watched(runner.signs()), told.within(250ms));
+  Watchdog watchdog(watched(runner.progress()), told.within(250ms));
 
   auto volume = std::make_shared<FakeDeviceVolume>(volume::Header{});
   auto looker = std::make_shared<Looker>();

@@ -9,7 +9,7 @@ namespace diaphane::render {
 
 /// Records the progress of the work on a device for a watchdog. Each piece of work occupies a
 /// place, whose value changes whenever the work reports progress. Wait-free.
-class Signs {
+class ProgressMonitor {
  public:
   /// More than the number of pieces of work that ever run at once. Work that finds no free place is
   /// not watched.
@@ -18,10 +18,10 @@ class Signs {
   /// Occupies a place for as long as it lives.
   class Work {
    public:
-    explicit Work(Signs& signs) : signs_(signs) {
-      for (auto& place : signs_.places_) {
+    explicit Work(ProgressMonitor& monitor) : monitor_(monitor) {
+      for (auto& place : monitor_.places_) {
         std::uint64_t free = 0;
-        if (place.compare_exchange_strong(free, signs_.next())) {
+        if (place.compare_exchange_strong(free, monitor_.next())) {
           place_ = &place;
           return;
         }
@@ -32,12 +32,12 @@ class Signs {
     }
     Work(const Work&) = delete;
     Work& operator=(const Work&) = delete;
-    void alive() {
-      if (place_) place_->store(signs_.next(), std::memory_order_relaxed);
+    void heartbeat() {
+      if (place_) place_->store(monitor_.next(), std::memory_order_relaxed);
     }
 
    private:
-    Signs& signs_;
+    ProgressMonitor& monitor_;
     std::atomic<std::uint64_t>* place_ = nullptr;
   };
 

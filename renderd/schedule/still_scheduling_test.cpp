@@ -1,11 +1,11 @@
-#include "renderd/schedule/still_turns.h"
+#include "renderd/schedule/still_scheduling.h"
 
 #include <gtest/gtest.h>
 
 namespace diaphane::render {
 namespace {
 
-TEST(StillTurns, AFileTakesNothingOfADeviceOnWhichSomebodyMoves) {
+TEST(StillScheduling, AFileTakesNothingOfADeviceOnWhichSomebodyMoves) {
   EXPECT_EQ(still_share(StillRank::kFile, 1), 0);
   EXPECT_FALSE(still_may_run(StillRank::kFile, 1));
   EXPECT_TRUE(still_may_run(StillRank::kFile, 0));
@@ -15,7 +15,7 @@ TEST(StillTurns, AFileTakesNothingOfADeviceOnWhichSomebodyMoves) {
   }
 }
 
-TEST(StillTurns, ShareFallsWithRankAndWithHandsThatMove) {
+TEST(StillScheduling, ShareFallsWithRankAndWithHandsThatMove) {
   EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kBackground, 0));
   EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kAwaited, 1));
   EXPECT_GE(still_share(StillRank::kBackground, 0), still_share(StillRank::kFile, 0));
@@ -24,7 +24,7 @@ TEST(StillTurns, ShareFallsWithRankAndWithHandsThatMove) {
 
 // While sessions render without a pause, a file gets a sixteenth of the time in the long run,
 // however long its samples take.
-TEST(StillTurns, AFileGivesBackWhatALongSampleTook) {
+TEST(StillScheduling, AFileGivesBackWhatALongSampleTook) {
   for (const double sample : {0.01, 0.1, 0.9}) {
     double due = 0, busy = 0, files = 0;
     while (busy < 1000) {
@@ -41,7 +41,7 @@ TEST(StillTurns, AFileGivesBackWhatALongSampleTook) {
   }
 }
 
-TEST(StillTurns, FinishesAtTheSampleErrorOrTimeLimitButNotWithoutSamples) {
+TEST(StillScheduling, FinishesAtTheSampleErrorOrTimeLimitButNotWithoutSamples) {
   const double never = 0;
   EXPECT_FALSE(still_is_rendered({9, 10, 0.2, never, false}));
   EXPECT_TRUE(still_is_rendered({10, 10, 0.2, never, false}));
