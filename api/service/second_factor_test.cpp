@@ -292,7 +292,7 @@ TEST_F(SecondFactorTest, WithAnotherKeyCodesCannotBeCheckedButRecoveryCodesCan) 
   CodeCheck blind{factors, store, other, clock, {}};
   EXPECT_EQ(blind.take(who.user_id, kEmail, code(1), Language::kEnglish).error().kind,
             ProblemKind::kInternal);
-  EXPECT_TRUE(blind.take(who.user_id, kEmail, codes[0]).value());
+  EXPECT_TRUE(blind.take(who.user_id, kEmail, codes[0], Language::kEnglish).value());
 }
 
 }  // namespace
