@@ -37,13 +37,13 @@ Controller::Controller(Options options, kube::Transport& transport, directory::C
       redis_(redis),
       metrics_(metrics),
       events_(api_, options_.name_space),
-      carrier_({options_.name_space,
-                [this](Kind kind, const Json& object) {
-                  if (kind == Kind::kFleet) fleets_->wrote(object);
-                  if (kind == Kind::kWorker) workers_->wrote(object);
-                  if (kind == Kind::kPod) pods_->wrote(object);
-                }},
-               api_, events_) {
+      executor_({options_.name_space,
+                 [this](Kind kind, const Json& object) {
+                   if (kind == Kind::kFleet) fleets_->apply_own_write(object);
+                   if (kind == Kind::kWorker) workers_->apply_own_write(object);
+                   if (kind == Kind::kPod) pods_->apply_own_write(object);
+                 }},
+                api_, events_) {
   const std::string ours = "/apis/" + std::string(kVersion) + "/namespaces/" + options_.name_space;
   const auto tell = [this] { changed(); };
   fleets_ = std::make_unique<kube::Informer<FleetObject>>(
@@ -122,7 +122,7 @@ void Controller::run_plans(const std::stop_token& stop) {
     const auto begun = steady_clock::now();
     Snapshot& seen = observer.look(wall());
     seen.world.complete = true;
-    book_.fill(seen.world);
+    telemetry_cache_.fill(seen.world);
     const Plan made =
         plan(seen.world, static_cast<std::uint64_t>(begun.time_since_epoch().count()));
     const nanoseconds spent = steady_clock::now() - begun;
@@ -182,7 +182,7 @@ void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
     Result<void> done =
         fail(ErrorCode::kUnavailable, "this operator is not the leader", "NotLeading");
     // A process that was suspended learns here that another one leads.
-    if (leader_->leads()) done = carrier_.carry_out(actions, seen);
+    if (leader_->leads()) done = executor_.carry_out(actions, seen);
     for (const Action* action : actions) metrics_.action(name_of(*action), done.has_value());
     const std::lock_guard lock(work_mutex_);
     if (done) {
@@ -242,10 +242,10 @@ void Controller::run_telemetry(const std::stop_token& stop) {
     }
     redis_answers_ = answer.has_value();
     if (!answer) {
-      book_.missed();
+      telemetry_cache_.missed();
       continue;
     }
-    book_.note(*std::move(answer), wall());
+    telemetry_cache_.note(*std::move(answer), wall());
     changed();
   }
 }

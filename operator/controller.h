@@ -61,7 +61,7 @@ class Controller {
   directory::Client& redis_;
   Metrics& metrics_;
   Templates templates_;
-  TelemetryBook book_;
+  TelemetryCache telemetry_cache_;
   std::atomic<bool> redis_answers_{false};
 
   std::mutex mutex_;
@@ -74,7 +74,7 @@ class Controller {
   std::map<std::string, std::vector<const Action*>> todo_;
 
   Events events_;
-  Carrier carrier_;
+  ActionExecutor executor_;
   std::unique_ptr<kube::Informer<FleetObject>> fleets_;
   std::unique_ptr<kube::Informer<WorkerObject>> workers_;
   std::unique_ptr<kube::Informer<PodObject>> pods_;

@@ -67,9 +67,9 @@ tl::unexpected<Error> not_seen() {
 std::string key_of(const Action& action) { return std::visit(KeyOf{}, action); }
 const char* name_of(const Action& action) { return std::visit(NameOf{}, action); }
 
-struct Carrier::Turn {
+struct ActionExecutor::ExecutionContext {
   const Snapshot& seen;
-  std::string version;  ///< after a write of this turn
+  std::string version;  ///< after a write of this context
 
   Target target(const std::string& name, const std::string& uid, const std::string& at) const {
     return {name, uid, version.empty() ? at : version};
@@ -81,28 +81,30 @@ struct Carrier::Turn {
   }
 };
 
-Result<void> Carrier::carry_out(const std::vector<const Action*>& actions, const Snapshot& seen) {
-  Turn turn{seen, {}};
+Result<void> ActionExecutor::carry_out(const std::vector<const Action*>& actions,
+                                       const Snapshot& seen) {
+  ExecutionContext context{seen, {}};
   for (const Action* action : actions) {
-    auto done = std::visit([&](const auto& what) { return one(what, turn); }, *action);
+    auto done = std::visit([&](const auto& what) { return execute(what, context); }, *action);
     if (!done) return done;
   }
   return {};
 }
 
-std::string Carrier::path(Kind kind, const std::string& name, const char* part) const {
+std::string ActionExecutor::path(Kind kind, const std::string& name, const char* part) const {
   return path_of(options_.name_space, kind, name) + part;
 }
 
-Result<void> Carrier::wrote(Kind kind, const Result<Json>& answer, Turn& turn) {
+Result<void> ActionExecutor::wrote(Kind kind, const Result<Json>& answer,
+                                   ExecutionContext& context) {
   DIAPHANE_TRY(answer);
-  turn.version = kube::version_of(*answer);
+  context.version = kube::version_of(*answer);
   options_.wrote(kind, *answer);
   return {};
 }
 
-Result<void> Carrier::created(Kind kind, const std::string& name, const Result<Json>& answer,
-                              Turn& turn) {
+Result<void> ActionExecutor::created(Kind kind, const std::string& name, const Result<Json>& answer,
+                                     ExecutionContext& context) {
   if (!answer && answer.error().field == "AlreadyExists") {
     // Another operator created it, or this one did without receiving the answer. The existing
     // object decides.
@@ -114,19 +116,20 @@ Result<void> Carrier::created(Kind kind, const std::string& name, const Result<J
                    {{"object", key(kind, name)}, {"message", there.error().message}});
     }
   }
-  return wrote(kind, answer, turn);
+  return wrote(kind, answer, context);
 }
 
-Result<void> Carrier::gone(const Result<void>& answer) {
+Result<void> ActionExecutor::gone(const Result<void>& answer) {
   if (!answer && answer.error().code != ErrorCode::kNotFound) return answer;
   return {};
 }
 
-Result<void> Carrier::one(const CreateWorker& action, Turn& turn) {
-  const auto pods = turn.seen.pods_of.find(action.fleet_uid);
-  if (pods == turn.seen.pods_of.end()) return not_seen();
-  auto done = created(Kind::kWorker, action.name,
-                      api_.create(path(Kind::kWorker), worker_object(action, *pods->second)), turn);
+Result<void> ActionExecutor::execute(const CreateWorker& action, ExecutionContext& context) {
+  const auto pods = context.seen.pods_of.find(action.fleet_uid);
+  if (pods == context.seen.pods_of.end()) return not_seen();
+  auto done =
+      created(Kind::kWorker, action.name,
+              api_.create(path(Kind::kWorker), worker_object(action, *pods->second)), context);
   if (done) {
     events_.tell({"RenderFleet", action.fleet, action.fleet_uid, "Placed",
                   "Placed worker " + action.name + " on node " + action.node});
@@ -134,13 +137,13 @@ Result<void> Carrier::one(const CreateWorker& action, Turn& turn) {
   return done;
 }
 
-Result<void> Carrier::one(const CreatePod& action, Turn& turn) {
-  const Worker* worker = turn.worker(action.worker_uid);
-  const Fleet* of = worker ? find(turn.seen.world.fleets, worker->fleet_uid) : nullptr;
+Result<void> ActionExecutor::execute(const CreatePod& action, ExecutionContext& context) {
+  const Worker* worker = context.worker(action.worker_uid);
+  const Fleet* of = worker ? find(context.seen.world.fleets, worker->fleet_uid) : nullptr;
   if (!of) return not_seen();
   const auto template_of = [&](const std::string& uid) {
-    const auto found = turn.seen.pods_of.find(uid);
-    return found == turn.seen.pods_of.end() ? Template() : found->second;
+    const auto found = context.seen.pods_of.find(uid);
+    return found == context.seen.pods_of.end() ? Template() : found->second;
   };
   Template pods = template_of(action.worker_uid);
   // The template on the worker was edited by hand, but its fleet may still have the original.
@@ -154,7 +157,7 @@ Result<void> Carrier::one(const CreatePod& action, Turn& turn) {
   auto done = created(
       Kind::kPod, action.worker,
       api_.create(path(Kind::kPod), pod_object(action, of->name, of->spec.node_selector, *pods)),
-      turn);
+      context);
   if (!done && done.error().field != "AlreadyExists") {
     events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
                   done.error().message, true});
@@ -162,12 +165,12 @@ Result<void> Carrier::one(const CreatePod& action, Turn& turn) {
   return done;
 }
 
-Result<void> Carrier::one(const SetDrain& action, Turn& turn) {
-  const Target target = turn.target(action.worker, action.uid, action.version);
+Result<void> ActionExecutor::execute(const SetDrain& action, ExecutionContext& context) {
+  const Target target = context.target(action.worker, action.uid, action.version);
   auto done = wrote(
       Kind::kWorker,
       api_.apply(path(Kind::kWorker, action.worker), drain_patch(target, action.drain), "drain"),
-      turn);
+      context);
   if (done) {
     events_.tell({"RenderWorker", action.worker, action.uid, "Draining",
                   "Draining, reason: " + std::string(to_string(action.drain.reason))});
@@ -175,24 +178,24 @@ Result<void> Carrier::one(const SetDrain& action, Turn& turn) {
   return done;
 }
 
-Result<void> Carrier::one(const DeletePod& action, Turn& turn) {
-  const Pod* pod = find(turn.seen.world.pods, action.uid);
+Result<void> ActionExecutor::execute(const DeletePod& action, ExecutionContext& context) {
+  const Pod* pod = find(context.seen.world.pods, action.uid);
   if (!pod || !pod->owned) return not_seen();
   return gone(api_.remove(path(Kind::kPod, action.name), {action.uid, pod->version}));
 }
 
-Result<void> Carrier::one(const DeleteWorker& action, Turn& turn) {
-  const Worker* worker = turn.worker(action.uid);
+Result<void> ActionExecutor::execute(const DeleteWorker& action, ExecutionContext& context) {
+  const Worker* worker = context.worker(action.uid);
   if (!worker) return not_seen();
-  const Target target = turn.target(action.name, action.uid, worker->version);
+  const Target target = context.target(action.name, action.uid, worker->version);
   return gone(api_.remove(path(Kind::kWorker, action.name), {target.uid, target.version}));
 }
 
-Result<void> Carrier::one(const RemoveFinalizer& action, Turn& turn) {
+Result<void> ActionExecutor::execute(const RemoveFinalizer& action, ExecutionContext& context) {
   const auto there = api_.get(path(action.kind, action.name));
   if (!there && there.error().code == ErrorCode::kNotFound) return {};
   DIAPHANE_TRY(there);
-  const Target target = turn.target(action.name, action.uid, action.version);
+  const Target target = context.target(action.name, action.uid, action.version);
   const std::string uid = there->value("/metadata/uid"_json_pointer, "");
   if (uid != target.uid || kube::version_of(*there) != target.version) {
     options_.wrote(action.kind, *there);
@@ -204,55 +207,55 @@ Result<void> Carrier::one(const RemoveFinalizer& action, Turn& turn) {
   return {};
 }
 
-Result<void> Carrier::one(const Restore& action, Turn& turn) {
+Result<void> ActionExecutor::execute(const Restore& action, ExecutionContext& context) {
   if (action.kind == Kind::kFleet) {
-    const Fleet* fleet = find(turn.seen.world.fleets, action.uid);
+    const Fleet* fleet = find(context.seen.world.fleets, action.uid);
     if (!fleet) return not_seen();
     return wrote(action.kind,
                  api_.apply(path(action.kind, action.name),
-                            finalizer_patch(action.kind,
-                                            turn.target(action.name, action.uid, fleet->version))),
-                 turn);
+                            finalizer_patch(action.kind, context.target(action.name, action.uid,
+                                                                        fleet->version))),
+                 context);
   }
   events_.tell({kind_name(action.kind), action.name, action.uid, "Restored",
                 "Restored labels, owner or finalizer that had been changed", true});
   if (action.kind == Kind::kPod) {
-    const Pod* pod = find(turn.seen.world.pods, action.uid);
-    const Worker* worker = pod ? turn.worker(pod->owner_uid) : nullptr;
+    const Pod* pod = find(context.seen.world.pods, action.uid);
+    const Worker* worker = pod ? context.worker(pod->owner_uid) : nullptr;
     if (!worker) return not_seen();
     return wrote(action.kind,
                  api_.apply(path(action.kind, action.name),
-                            pod_patch(turn.target(action.name, action.uid, pod->version),
+                            pod_patch(context.target(action.name, action.uid, pod->version),
                                       worker->fleet, worker->name)),
-                 turn);
+                 context);
   }
-  const Worker* worker = turn.worker(action.uid);
+  const Worker* worker = context.worker(action.uid);
   if (!worker) return not_seen();
   return wrote(
       action.kind,
       api_.apply(path(action.kind, action.name),
-                 worker_patch(turn.target(action.name, action.uid, worker->version), *worker)),
-      turn);
+                 worker_patch(context.target(action.name, action.uid, worker->version), *worker)),
+      context);
 }
 
-Result<void> Carrier::one(const SetWorkerStatus& action, Turn& turn) {
-  const Worker* worker = turn.worker(action.uid);
+Result<void> ActionExecutor::execute(const SetWorkerStatus& action, ExecutionContext& context) {
+  const Worker* worker = context.worker(action.uid);
   if (!worker) return not_seen();
-  const Target target = turn.target(action.name, action.uid, worker->version);
+  const Target target = context.target(action.name, action.uid, worker->version);
   return wrote(Kind::kWorker,
                api_.apply(path(Kind::kWorker, action.name, "/status"),
                           worker_status_patch(target, action.status), "status"),
-               turn);
+               context);
 }
 
-Result<void> Carrier::one(const SetFleetStatus& action, Turn& turn) {
-  const Fleet* fleet = find(turn.seen.world.fleets, action.uid);
+Result<void> ActionExecutor::execute(const SetFleetStatus& action, ExecutionContext& context) {
+  const Fleet* fleet = find(context.seen.world.fleets, action.uid);
   if (!fleet) return not_seen();
-  const Target target = turn.target(action.name, action.uid, fleet->version);
+  const Target target = context.target(action.name, action.uid, fleet->version);
   return wrote(Kind::kFleet,
                api_.apply(path(Kind::kFleet, action.name, "/status"),
                           fleet_status_patch(target, action.status), "status"),
-               turn);
+               context);
 }
 
 }  // namespace diaphane::fleet

@@ -15,14 +15,14 @@ std::string key_of(const Action& action);
 const char* name_of(const Action& action);
 
 /// Sends actions to the API server. Thread-safe.
-class Carrier {
+class ActionExecutor {
  public:
   struct Options {
     std::string name_space;
     /// Receives the API server's answer to a write before the watch reports it.
     std::function<void(Kind, const Json&)> wrote;
   };
-  Carrier(Options options, kube::Api& api, Events& events)
+  ActionExecutor(Options options, kube::Api& api, Events& events)
       : options_(std::move(options)), api_(api), events_(events) {}
 
   /// Executes the actions on one object in order, up to the first failure. kConflict: the object
@@ -30,20 +30,21 @@ class Carrier {
   Result<void> carry_out(const std::vector<const Action*>& actions, const Snapshot& seen);
 
  private:
-  struct Turn;  ///< state of one object, whose version advances with each write
-  Result<void> one(const CreateWorker& action, Turn& turn);
-  Result<void> one(const CreatePod& action, Turn& turn);
-  Result<void> one(const SetDrain& action, Turn& turn);
-  Result<void> one(const DeletePod& action, Turn& turn);
-  Result<void> one(const DeleteWorker& action, Turn& turn);
-  Result<void> one(const RemoveFinalizer& action, Turn& turn);
-  Result<void> one(const Restore& action, Turn& turn);
-  Result<void> one(const SetWorkerStatus& action, Turn& turn);
-  Result<void> one(const SetFleetStatus& action, Turn& turn);
+  struct ExecutionContext;  ///< state of one object, whose version advances with each write
+  Result<void> execute(const CreateWorker& action, ExecutionContext& context);
+  Result<void> execute(const CreatePod& action, ExecutionContext& context);
+  Result<void> execute(const SetDrain& action, ExecutionContext& context);
+  Result<void> execute(const DeletePod& action, ExecutionContext& context);
+  Result<void> execute(const DeleteWorker& action, ExecutionContext& context);
+  Result<void> execute(const RemoveFinalizer& action, ExecutionContext& context);
+  Result<void> execute(const Restore& action, ExecutionContext& context);
+  Result<void> execute(const SetWorkerStatus& action, ExecutionContext& context);
+  Result<void> execute(const SetFleetStatus& action, ExecutionContext& context);
 
   std::string path(Kind kind, const std::string& name = "", const char* part = "") const;
-  Result<void> wrote(Kind kind, const Result<Json>& answer, Turn& turn);
-  Result<void> created(Kind kind, const std::string& name, const Result<Json>& answer, Turn& turn);
+  Result<void> wrote(Kind kind, const Result<Json>& answer, ExecutionContext& context);
+  Result<void> created(Kind kind, const std::string& name, const Result<Json>& answer,
+                       ExecutionContext& context);
   static Result<void> gone(const Result<void>& answer);
 
   const Options options_;

@@ -38,9 +38,9 @@ Json conditions_of(const std::vector<Condition>& conditions, std::int64_t genera
   Json all = Json::array();
   for (const Condition& one : conditions) {
     all.push_back({{"type", one.type},
-                   {"status", one.status == Truth::kTrue    ? "True"
-                              : one.status == Truth::kFalse ? "False"
-                                                            : "Unknown"},
+                   {"status", one.status == ConditionStatus::kTrue    ? "True"
+                              : one.status == ConditionStatus::kFalse ? "False"
+                                                                      : "Unknown"},
                    {"reason", one.reason.empty() ? one.type : one.reason},
                    {"message", one.message},
                    {"observedGeneration", generation},
@@ -132,7 +132,7 @@ Json worker_status_patch(const Target& target, const WorkerStatus& status) {
 Json fleet_status_patch(const Target& target, const FleetStatus& status) {
   Json patch = patch_of("RenderFleet", target);
   Json refusals = Json::array();
-  for (const Refusal& one : status.refusals) {
+  for (const NodeBackoff& one : status.refusals) {
     refusals.push_back(
         {{"node", one.node}, {"count", one.count}, {"since", kube::time_text(one.since)}});
   }

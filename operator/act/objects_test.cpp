@@ -94,8 +94,8 @@ TEST(Objects, WorkerStatusRoundTrips) {
   status.failures = 1;
   status.failed_pod = "p";
   status.failed_at = 1795359845.25;
-  status.conditions = {{"Ready", Truth::kFalse, "Starting", "", 1795359840.5},
-                       {"Scheduled", Truth::kUnknown, "NoPod", "", 1795359841}};
+  status.conditions = {{"Ready", ConditionStatus::kFalse, "Starting", "", 1795359840.5},
+                       {"Scheduled", ConditionStatus::kUnknown, "NoPod", "", 1795359841}};
   Json object = worker_object(kWorker, pods());
   object["status"] = worker_status_patch({"skull-0", "w", "9"}, status)["status"];
   object["spec"]["drain"] =
@@ -112,7 +112,7 @@ TEST(Objects, FleetStatusRoundTrips) {
   status.slots_reserved = 1;
   status.written = 1795359845.75;
   status.refusals = {{"node-1", 2, 1795359840.25}};
-  status.conditions = {{"Available", Truth::kTrue, "Ready", "3 of 3", 1795359840}};
+  status.conditions = {{"Available", ConditionStatus::kTrue, "Ready", "3 of 3", 1795359840}};
   Json object = fleet_object();
   object["status"] = fleet_status_patch({"skull", "f", "7"}, status)["status"];
   const FleetStatus read = read_fleet(object)->fleet.status;

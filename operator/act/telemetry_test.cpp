@@ -73,15 +73,15 @@ TEST(TelemetryOfRedis, SkipsWorkersWithoutAFleet) {
   }
 }
 
-TEST(TelemetryBook, KeepsTheLastSampleOfSilentWorkers) {
-  TelemetryBook book;
-  World world;
+TEST(TelemetryCache, KeepsTheLastSampleOfSilentWorkers) {
+  TelemetryCache cache;
+  ClusterState world;
   world.workers.emplace_back().uid = "w";
-  book.note(read({page({{.owner = "skull/w/3", .sessions = 1}})}), 100);
-  book.note(read({page()}, 102), 102);
+  cache.note(read({page({{.owner = "skull/w/3", .sessions = 1}})}), 100);
+  cache.note(read({page()}, 102), 102);
   world.now = 120;
   for (int again = 0; again < 2; ++again) {
-    book.fill(world);
+    cache.fill(world);
     ASSERT_EQ(world.telemetry.size(), 1U);
     EXPECT_EQ(world.telemetry[0].sampled, 100);
     EXPECT_EQ(world.listening_since, 100);
@@ -89,24 +89,24 @@ TEST(TelemetryBook, KeepsTheLastSampleOfSilentWorkers) {
     EXPECT_EQ(world.demand[0].sampled, 102);
   }
   world.workers.clear();
-  book.fill(world);
+  cache.fill(world);
   EXPECT_TRUE(world.telemetry.empty());
 }
 
-TEST(TelemetryBook, RestartsListeningTimeAfterAGap) {
-  TelemetryBook book;
+TEST(TelemetryCache, RestartsListeningTimeAfterAGap) {
+  TelemetryCache cache;
   const auto since = [&] {
-    World world;
-    book.fill(world);
+    ClusterState world;
+    cache.fill(world);
     return world.listening_since;
   };
-  for (const Seconds now : {100, 101, 103}) book.note({}, now);
+  for (const Seconds now : {100, 101, 103}) cache.note({}, now);
   EXPECT_EQ(since(), 100);
-  book.missed();
+  cache.missed();
   EXPECT_EQ(since(), 100);
-  book.note({}, 104);
+  cache.note({}, 104);
   EXPECT_EQ(since(), 104);
-  book.note({}, 108);  // the operator itself was suspended
+  cache.note({}, 108);  // the operator itself was suspended
   EXPECT_EQ(since(), 108);
 }
 

@@ -72,7 +72,7 @@ class FleetModel {
  public:
   FleetModel(const Setting& setting, Way way);
   Figures run();
-  const World& world() const { return world_; }
+  const ClusterState& world() const { return world_; }
 
  private:
   struct Session {
@@ -121,7 +121,7 @@ class FleetModel {
 
   Setting setting_;
   Way way_;
-  World world_;
+  ClusterState world_;
   Random random_;
   Random faults_;  ///< the same sequence for every policy
   std::mt19937_64 normal_;

@@ -92,9 +92,9 @@ class Informer final : private Reflector::Sink {
   const Store<T>& store() const { return store_; }
   const Reflector& reflector() const { return reflector_; }
   /// Stores the answer to a write of this operator.
-  void wrote(const nlohmann::json& object) {
+  void apply_own_write(const nlohmann::json& object) {
     auto one = read_(object);
-    if (one && store_.wrote(std::move(*one))) changed_();
+    if (one && store_.apply_own_write(std::move(*one))) changed_();
   }
 
  private:

@@ -12,7 +12,9 @@ using nlohmann::json;
 struct Thing {
   std::string name, uid, version;
 };
-bool alike(const Thing& a, const Thing& b) { return a.name == b.name && a.uid == b.uid; }
+bool equal_except_version(const Thing& a, const Thing& b) {
+  return a.name == b.name && a.uid == b.uid;
+}
 
 json thing(const std::string& name, const std::string& version) {
   return {{"metadata", {{"name", name}, {"uid", "u-" + name}, {"resourceVersion", version}}}};
@@ -95,7 +97,7 @@ TEST_F(InformerTest, NotifiesOfOwnWriteOnceAndIgnoresItsEcho) {
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   start();
   ASSERT_TRUE(wait_until([&] { return told_ == 1; }));
-  informer_->wrote(thing("b", "6"));
+  informer_->apply_own_write(thing("b", "6"));
   EXPECT_EQ(told_, 2);
   transport_.put({200,
                   event("ADDED", thing("b", "6")) + event("MODIFIED", thing("a", "7")) +

@@ -13,7 +13,8 @@
 namespace diaphane::kube {
 
 /// The current objects of a watched kind, as last reported. `T` has `name`, `uid` and `version`,
-/// and `alike(a, b)` says whether two objects differ only in their version. Thread-safe.
+/// and `equal_except_version(a, b)` says whether two objects differ only in their version.
+/// Thread-safe.
 template <typename T>
 class Store {
  public:
@@ -29,7 +30,7 @@ class Store {
     listed_ = true;
     ++revision_;
   }
-  /// Returns whether anything but the version changed. So do deleted() and wrote().
+  /// Returns whether anything but the version changed. So do deleted() and apply_own_write().
   bool changed(T object) {
     const std::lock_guard lock(mutex_);
     version_ = object.version;
@@ -49,7 +50,7 @@ class Store {
   }
   /// Stores the answer to a write of this operator before the watch reports it. Ignores versions
   /// that the watch has passed, because the object may have been deleted since.
-  bool wrote(T object) {
+  bool apply_own_write(T object) {
     const std::lock_guard lock(mutex_);
     if (!listed_ || compare_versions(object.version, version_) <= 0) return false;
     return put(std::move(object));
@@ -94,7 +95,7 @@ class Store {
       return true;
     }
     if (compare_versions(object.version, found->second.version) <= 0) return false;
-    const bool news = !alike(object, found->second);
+    const bool news = !equal_except_version(object, found->second);
     found->second = std::move(object);
     ++revision_;
     return news;

@@ -64,12 +64,14 @@ TEST(Watch, ComparesVersionsOfAnyLength) {
 struct Thing {
   std::string name, uid, version;
 };
-bool alike(const Thing& a, const Thing& b) { return a.name == b.name && a.uid == b.uid; }
+bool equal_except_version(const Thing& a, const Thing& b) {
+  return a.name == b.name && a.uid == b.uid;
+}
 
 TEST(Store, ShowsOwnWriteBeforeItsWatchEvent) {
   Store<Thing> store;
   store.replace({{"a", "1", "5"}}, "5");
-  store.wrote({"b", "2", "7"});
+  store.apply_own_write({"b", "2", "7"});
   ASSERT_TRUE(store.find("b"));
   store.changed({"b", "2", "7"});
   EXPECT_EQ(store.version(), "7");
@@ -80,14 +82,14 @@ TEST(Store, LateWriteResponseDoesNotRestoreDeletedObject) {
   store.replace({}, "5");
   store.changed({"b", "2", "7"});
   store.deleted("b", "8");
-  store.wrote({"b", "2", "7"});
+  store.apply_own_write({"b", "2", "7"});
   EXPECT_FALSE(store.find("b"));
 }
 
 TEST(Store, OlderEventDoesNotRevertOwnWrite) {
   Store<Thing> store;
   store.replace({{"a", "1", "5"}}, "5");
-  store.wrote({"a", "1", "9"});
+  store.apply_own_write({"a", "1", "9"});
   store.changed({"a", "1", "7"});
   EXPECT_EQ(store.find("a")->version, "9");
 }

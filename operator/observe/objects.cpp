@@ -66,9 +66,9 @@ std::vector<Condition> conditions(const Json& status) {
     Condition condition;
     condition.type = text(one, "type");
     const std::string value = text(one, "status");
-    condition.status = value == "True"    ? Truth::kTrue
-                       : value == "False" ? Truth::kFalse
-                                          : Truth::kUnknown;
+    condition.status = value == "True"    ? ConditionStatus::kTrue
+                       : value == "False" ? ConditionStatus::kFalse
+                                          : ConditionStatus::kUnknown;
     condition.reason = text(one, "reason");
     condition.message = text(one, "message");
     condition.since = time(one, "lastTransitionTime").value_or(0);
@@ -154,26 +154,26 @@ bool has_finalizer(const Json& metadata) {
   return all.is_array() && std::find(all.begin(), all.end(), kFinalizer) != all.end();
 }
 
-bool alike(FleetObject a, const FleetObject& b) {
+bool equal_except_version(FleetObject a, const FleetObject& b) {
   a.version = b.version;
   a.fleet.version = b.fleet.version;
   if (a.pods && b.pods && *a.pods == *b.pods) a.pods = b.pods;
   return a == b;
 }
 
-bool alike(WorkerObject a, const WorkerObject& b) {
+bool equal_except_version(WorkerObject a, const WorkerObject& b) {
   a.version = b.version;
   a.worker.version = b.worker.version;
   return a == b;
 }
 
-bool alike(PodObject a, const PodObject& b) {
+bool equal_except_version(PodObject a, const PodObject& b) {
   a.version = b.version;
   a.pod.version = b.pod.version;
   return a == b;
 }
 
-bool alike(NodeObject a, const NodeObject& b) {
+bool equal_except_version(NodeObject a, const NodeObject& b) {
   a.version = b.version;
   return a == b;
 }
@@ -275,8 +275,8 @@ std::optional<PodObject> read_pod(const Json& object, const std::string& home) {
   pod.created = time(metadata, "creationTimestamp").value_or(0);
   pod.terminating = time(metadata, "deletionTimestamp");
   for (const Condition& one : conditions(status)) {
-    if (one.type == "Ready") pod.ready = one.status == Truth::kTrue;
-    if (one.type == "PodScheduled" && one.status == Truth::kFalse &&
+    if (one.type == "Ready") pod.ready = one.status == ConditionStatus::kTrue;
+    if (one.type == "PodScheduled" && one.status == ConditionStatus::kFalse &&
         one.reason == "Unschedulable") {
       pod.unschedulable = one.since;
     }
@@ -309,7 +309,7 @@ std::optional<NodeObject> read_node(const Json& object) {
   }
   node.ready = false;
   for (const Condition& one : conditions(part(object, "status"))) {
-    if (one.type == "Ready") node.ready = one.status == Truth::kTrue;
+    if (one.type == "Ready") node.ready = one.status == ConditionStatus::kTrue;
   }
   return read;
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "operator/plan/world.h"
+#include "operator/plan/cluster_state.h"
 
 // Conversion of Kubernetes objects to the plan's data. Missing or malformed fields get their
 // defaults, because the API server has validated what it stores and a single odd object must not
@@ -50,10 +50,10 @@ struct NodeObject {
 };
 
 /// Whether two objects differ only in their version.
-bool alike(FleetObject a, const FleetObject& b);
-bool alike(WorkerObject a, const WorkerObject& b);
-bool alike(PodObject a, const PodObject& b);
-bool alike(NodeObject a, const NodeObject& b);
+bool equal_except_version(FleetObject a, const FleetObject& b);
+bool equal_except_version(WorkerObject a, const WorkerObject& b);
+bool equal_except_version(PodObject a, const PodObject& b);
+bool equal_except_version(NodeObject a, const NodeObject& b);
 
 /// Stores each template once, however many workers use it. Thread-safe.
 class Templates {

@@ -3,7 +3,7 @@
 namespace diaphane::fleet {
 
 Snapshot& Observer::look(Seconds now) {
-  World& world = snapshot_.world;
+  ClusterState& world = snapshot_.world;
   world.now = now;
   const bool fleets = fleets_.newer(seen_.fleets, [&](const auto& all) {
     world.fleets.clear();

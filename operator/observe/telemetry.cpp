@@ -66,7 +66,7 @@ void TelemetryReader::add_worker(const directory::WorkerReport& report, Seconds 
   reading_.telemetry.push_back(std::move(sample));
 }
 
-void TelemetryBook::note(Reading reading, Seconds now) {
+void TelemetryCache::note(Reading reading, Seconds now) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(gap_, false) || now - listened_until_ > kHeartbeat) listening_since_ = now;
   listened_until_ = now;
@@ -77,12 +77,12 @@ void TelemetryBook::note(Reading reading, Seconds now) {
   demand_ = std::move(reading.demand);
 }
 
-void TelemetryBook::missed() {
+void TelemetryCache::missed() {
   const std::lock_guard lock(mutex_);
   gap_ = true;
 }
 
-void TelemetryBook::fill(World& world) {
+void TelemetryCache::fill(ClusterState& world) {
   const std::lock_guard lock(mutex_);
   std::unordered_set<std::string_view> there(world.workers.size());
   for (const Worker& worker : world.workers) there.insert(worker.uid);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "directory/fleets.h"
-#include "operator/plan/world.h"
+#include "operator/plan/cluster_state.h"
 
 namespace diaphane::fleet {
 
@@ -37,13 +37,13 @@ class TelemetryReader {
 };
 
 /// The last sample of each pod, also kept after its heartbeat stops. Thread-safe.
-class TelemetryBook {
+class TelemetryCache {
  public:
   void note(Reading reading, Seconds now);
   /// Records that Redis did not answer.
   void missed();
   /// Adds the known samples to `world`, and forgets pods of workers that it does not contain.
-  void fill(World& world);
+  void fill(ClusterState& world);
 
  private:
   std::mutex mutex_;

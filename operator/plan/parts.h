@@ -11,12 +11,12 @@
 #include "operator/plan/scale.h"
 #include "operator/plan/view.h"
 
-// The parts of a plan, in the order in which they run. Each adds to the draft.
+// The parts of a plan, in the order in which they run. Each adds to the builder.
 
 namespace diaphane::fleet {
 
 /// A plan under construction.
-struct Draft {
+struct PlanBuilder {
   Plan plan;
   Seconds now = 0;
   std::set<std::string_view> drained;  ///< uids of workers that this plan drains
@@ -44,17 +44,17 @@ struct Scaling {
 };
 
 /// Plans one worker from its reservation to its end.
-void plan_worker(const WorkerView& view, Draft& draft);
+void plan_worker(const WorkerView& view, PlanBuilder& builder);
 /// Plans the number of workers and their nodes. Reserves GPUs in `nodes`.
 Scaling plan_scale(const FleetView& fleet, const View& world, std::vector<NodeView>& nodes,
-                   Random& random, Draft& draft);
+                   Random& random, PlanBuilder& builder);
 /// Returns the nodes that failed to run a worker of this fleet, including new ones.
-std::vector<Refusal> refusals_of(const FleetView& fleet, Seconds now);
-void plan_worker_status(const WorkerView& view, Draft& draft);
-void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, Draft& draft);
+std::vector<NodeBackoff> refusals_of(const FleetView& fleet, Seconds now);
+void plan_worker_status(const WorkerView& view, PlanBuilder& builder);
+void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, PlanBuilder& builder);
 
 /// Returns how long a node is avoided after its last refusal.
-Seconds backoff_of(const Refusal& refusal);
+Seconds backoff_of(const NodeBackoff& refusal);
 /// A worker is given up after this many failures of its pods.
 inline constexpr int kMostFailures = 5;
 inline constexpr Seconds kIdleBeforeDown = 60;

@@ -57,7 +57,7 @@ std::optional<std::size_t> choose(std::span<const Candidate> candidates, Strateg
 }
 
 std::optional<Unfit> unfit(const NodeView& view, const FleetSpec& spec,
-                           const std::vector<Refusal>& refusals, Seconds now) {
+                           const std::vector<NodeBackoff>& refusals, Seconds now) {
   const Node& node = *view.node;
   for (const auto& [key, value] : spec.node_selector) {
     const auto found = node.labels.find(key);
@@ -71,7 +71,7 @@ std::optional<Unfit> unfit(const NodeView& view, const FleetSpec& spec,
   if (out_of_service(node)) return Unfit::kTaint;
   if (view.free() <= 0) return Unfit::kFull;
   if (view.silent) return Unfit::kSilent;
-  for (const Refusal& refusal : refusals) {
+  for (const NodeBackoff& refusal : refusals) {
     if (refusal.node == node.name && now < refusal.since + backoff_of(refusal)) {
       return Unfit::kRefused;
     }
@@ -79,7 +79,7 @@ std::optional<Unfit> unfit(const NodeView& view, const FleetSpec& spec,
   return std::nullopt;
 }
 
-Placing::Placing(const Fleet& fleet, const std::vector<Refusal>& refusals,
+Placing::Placing(const Fleet& fleet, const std::vector<NodeBackoff>& refusals,
                  std::vector<NodeView>& nodes, Seconds now)
     : nodes_(nodes), unfit_(kReasons.size()) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -92,7 +92,7 @@ Placing::Placing(const Fleet& fleet, const std::vector<Refusal>& refusals,
     candidates_.push_back({nodes[i].load, nodes[i].free()});
   }
   if (unfit_[static_cast<std::size_t>(Unfit::kRefused)] == 0) return;
-  for (const Refusal& refusal : refusals) {
+  for (const NodeBackoff& refusal : refusals) {
     const Seconds due = refusal.since + backoff_of(refusal);
     if (due > now) again_ = std::min(again_.value_or(due), due);
   }

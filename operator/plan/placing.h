@@ -30,13 +30,13 @@ std::optional<std::size_t> choose(std::span<const Candidate> candidates, Strateg
 /// Why a node cannot run a worker of the fleet, regardless of its load. nullopt: it can.
 enum class Unfit { kNotReady, kCordoned, kSelector, kTaint, kSilent, kRefused, kFull };
 std::optional<Unfit> unfit(const NodeView& node, const FleetSpec& spec,
-                           const std::vector<Refusal>& refusals, Seconds now);
+                           const std::vector<NodeBackoff>& refusals, Seconds now);
 
 /// Chooses nodes one after the other and reserves a GPU on each.
 class Placing {
  public:
-  Placing(const Fleet& fleet, const std::vector<Refusal>& refusals, std::vector<NodeView>& nodes,
-          Seconds now);
+  Placing(const Fleet& fleet, const std::vector<NodeBackoff>& refusals,
+          std::vector<NodeView>& nodes, Seconds now);
   /// Returns the name of a node, or nullptr if none has room.
   const std::string* next(Strategy strategy, Random& random);
   bool room() const;

@@ -12,26 +12,26 @@
 namespace diaphane::fleet {
 namespace {
 
-std::string node_of(const World& world, std::uint64_t seed = 1) {
+std::string node_of(const ClusterState& world, std::uint64_t seed = 1) {
   const auto made = all<CreateWorker>(plan(world, seed));
   return made.empty() ? "" : made.front().node;
 }
 
 /// Returns how often each node gets the next worker.
-std::map<std::string, int> drawn(const World& world) {
+std::map<std::string, int> drawn(const ClusterState& world) {
   std::map<std::string, int> counts;
   for (std::uint64_t seed = 0; seed < 200; ++seed) ++counts[node_of(world, seed)];
   return counts;
 }
 
-World wanting_one(int nodes) {
-  World world = test_world(nodes);
+ClusterState wanting_one(int nodes) {
+  ClusterState world = test_world(nodes);
   world.fleets[0].spec.replicas = 1;
   return world;
 }
 
 /// Another fleet's worker on that node, with this sample.
-void occupy(World& world, const std::string& node, double busy, double memory, int sessions,
+void occupy(ClusterState& world, const std::string& node, double busy, double memory, int sessions,
             double error, Seconds age = 1) {
   if (world.fleets.size() == 1) {
     Fleet other = world.fleets[0];
@@ -59,7 +59,7 @@ TEST(Placing, EachOfTheFourLoadsCounts) {
     double error;
   } cases[] = {{0.9, 0, 0, 0}, {0, 0.9, 0, 0}, {0, 0, 4, 0}, {0, 0, 0, 0.9}};
   for (const auto& one : cases) {
-    World world = wanting_one(2);
+    ClusterState world = wanting_one(2);
     occupy(world, "a", one.busy, one.memory, one.sessions, one.error);
     occupy(world, "b", 0.1, 0.1, 0, 0.1);
     EXPECT_EQ(drawn(world), (std::map<std::string, int>{{"b", 200}}));
@@ -67,7 +67,7 @@ TEST(Placing, EachOfTheFourLoadsCounts) {
 }
 
 TEST(Placing, ReservationWithoutSampleCountsAsWholeGpu) {
-  World world = wanting_one(2);
+  ClusterState world = wanting_one(2);
   occupy(world, "a", 0.1, 0, 0, 0);
   occupy(world, "b", 0.1, 0, 0, 0);
   world.telemetry.pop_back();
@@ -75,7 +75,7 @@ TEST(Placing, ReservationWithoutSampleCountsAsWholeGpu) {
 }
 
 TEST(Placing, TelemetryOverTenSecondsOldFallsBackToCounts) {
-  World world = wanting_one(2);
+  ClusterState world = wanting_one(2);
   occupy(world, "a", 0.0, 0, 0, 0, 11);
   occupy(world, "b", 0.7, 0, 0, 0);
   EXPECT_EQ(drawn(world), (std::map<std::string, int>{{"b", 200}}));
@@ -84,7 +84,7 @@ TEST(Placing, TelemetryOverTenSecondsOldFallsBackToCounts) {
 }
 
 TEST(Placing, TelemetryOverSixtySecondsOldExcludesTheNode) {
-  World world = wanting_one(1);
+  ClusterState world = wanting_one(1);
   occupy(world, "a", 0.0, 0, 0, 0, 59);
   EXPECT_EQ(node_of(world), "a");
   world.telemetry[0].sampled = world.now - 61;
@@ -128,14 +128,14 @@ TEST(Placing, ChoosesNoNodeWithoutRoom) {
 }
 
 TEST(Placing, PackedFillsTheFullestNode) {
-  World world = wanting_one(3);
+  ClusterState world = wanting_one(3);
   world.fleets[0].spec.strategy = Strategy::kPacked;
   occupy(world, "b", 0.9, 0, 0, 0);
   EXPECT_EQ(drawn(world), (std::map<std::string, int>{{"b", 200}}));
 }
 
 TEST(Placing, SpreadsOverEqualNodes) {
-  World world = wanting_one(8);
+  ClusterState world = wanting_one(8);
   EXPECT_EQ(drawn(world).size(), 8u);
   world.fleets[0].spec.replicas = 8;
   std::map<std::string, int> counts;
@@ -146,26 +146,26 @@ TEST(Placing, SpreadsOverEqualNodes) {
 TEST(Placing, SkipsUnsuitableNodesAndReportsWhy) {
   const struct {
     const char* why;
-    void (*change)(World&);
+    void (*change)(ClusterState&);
   } cases[] = {
-      {"0 of 1 nodes have room: 1 not ready", [](World& w) { w.nodes[0].ready = false; }},
-      {"0 of 1 nodes have room: 1 cordoned", [](World& w) { w.nodes[0].cordoned = true; }},
+      {"0 of 1 nodes have room: 1 not ready", [](ClusterState& w) { w.nodes[0].ready = false; }},
+      {"0 of 1 nodes have room: 1 cordoned", [](ClusterState& w) { w.nodes[0].cordoned = true; }},
       {"0 of 1 nodes have room: 1 not selected",
-       [](World& w) { w.fleets[0].spec.node_selector["zone"] = "north"; }},
+       [](ClusterState& w) { w.fleets[0].spec.node_selector["zone"] = "north"; }},
       {"0 of 1 nodes have room: 1 tainted",
-       [](World& w) {
+       [](ClusterState& w) {
          w.nodes[0].taints.push_back({"gpu", "yes", "NoSchedule"});
        }},
-      {"0 of 1 nodes have room: 1 full", [](World& w) { w.nodes[0].foreign_gpus = 2; }},
-      {"0 of 1 nodes have room: 1 full", [](World& w) { w.nodes[0].gpus = 0; }},
+      {"0 of 1 nodes have room: 1 full", [](ClusterState& w) { w.nodes[0].foreign_gpus = 2; }},
+      {"0 of 1 nodes have room: 1 full", [](ClusterState& w) { w.nodes[0].gpus = 0; }},
       {"0 of 1 nodes have room: 1 rejected recently",
-       [](World& w) {
+       [](ClusterState& w) {
          w.fleets[0].status.refusals.push_back({"a", 1, w.now - 1});
        }},
-      {"0 of 0 nodes have room", [](World& w) { w.nodes.clear(); }},
+      {"0 of 0 nodes have room", [](ClusterState& w) { w.nodes.clear(); }},
   };
   for (const auto& one : cases) {
-    World world = wanting_one(1);
+    ClusterState world = wanting_one(1);
     one.change(world);
     const Plan made = plan(world, 1);
     EXPECT_TRUE(all<CreateWorker>(made).empty()) << one.why;
@@ -174,7 +174,7 @@ TEST(Placing, SkipsUnsuitableNodesAndReportsWhy) {
     bool limited = false;
     for (const Condition& is : status[0].status.conditions) {
       if (is.type != "CapacityLimited") continue;
-      limited = is.status == Truth::kTrue;
+      limited = is.status == ConditionStatus::kTrue;
       EXPECT_EQ(is.message, std::string("Missing workers: 1. ") + one.why);
     }
     EXPECT_TRUE(limited) << one.why;
@@ -182,7 +182,7 @@ TEST(Placing, SkipsUnsuitableNodesAndReportsWhy) {
 }
 
 TEST(Placing, IgnoresToleratedAndPreferredTaints) {
-  World world = wanting_one(1);
+  ClusterState world = wanting_one(1);
   world.nodes[0].taints = {{"gpu", "yes", "NoSchedule"}, {"slow", "", "PreferNoSchedule"}};
   world.fleets[0].spec.tolerations.push_back({"gpu", "", "NoSchedule"});
   EXPECT_EQ(node_of(world), "a");
@@ -191,7 +191,7 @@ TEST(Placing, IgnoresToleratedAndPreferredTaints) {
 }
 
 TEST(Placing, RetriesFailedNodeAfterItsBackoff) {
-  World world = wanting_one(1);
+  ClusterState world = wanting_one(1);
   world.fleets[0].status.refusals.push_back({"a", 3, world.now - 19});
   EXPECT_EQ(node_of(world), "");
   EXPECT_NEAR(plan(world, 1).requeue_after.value(), 1, 1e-6);  // 5 s, 10 s, 20 s
@@ -200,7 +200,7 @@ TEST(Placing, RetriesFailedNodeAfterItsBackoff) {
 }
 
 TEST(Placing, OrphanedPodHoldsItsGpu) {
-  World world = wanting_one(1);
+  ClusterState world = wanting_one(1);
   world.nodes[0].gpus = 1;
   Pod pod;
   pod.name = "render-9";

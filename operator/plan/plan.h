@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "directory/constants.h"
-#include "operator/plan/world.h"
+#include "operator/plan/cluster_state.h"
 
 // The next actions that bring the cluster to the state that its fleets specify. The plan is a pure
 // function (docs/adr/0024) without memory, so a new leader continues where the last one stopped.
@@ -85,7 +85,7 @@ struct Plan {
 };
 
 /// Empty until the world is complete. The same world and seed give the same plan.
-Plan plan(const World& world, std::uint64_t seed);
+Plan plan(const ClusterState& world, std::uint64_t seed);
 
 /// Maximum age of a worker's heartbeat, and of its telemetry.
 inline constexpr Seconds kHeartbeat = directory::kHeartbeatMs / 1000.0;

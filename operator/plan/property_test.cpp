@@ -18,7 +18,7 @@ namespace {
 class Worlds : public testing::TestWithParam<int> {};
 
 /// What one plan reserves must fit beside what its world contains.
-void expect_room(const World& world, const Plan& plan) {
+void expect_room(const ClusterState& world, const Plan& plan) {
   std::map<std::string, int> taken;
   for (const Worker& worker : world.workers) ++taken[worker.node];
   std::set<std::string> names;
@@ -62,7 +62,7 @@ class Chaos {
 
   /// One round of the operator, with all but its own resources `lag` rounds old.
   Plan reconcile(bool faults) {
-    World world = cluster_.observed();
+    ClusterState world = cluster_.observed();
     past_.push_back(world);
     if (past_.size() > 4) past_.pop_front();
     if (faults && cluster_.chance(0.4)) world.pods = some_past().pods;
@@ -84,7 +84,7 @@ class Chaos {
   void trouble() {
     const std::string node =
         nodes_[static_cast<std::size_t>(cluster_.up_to(int(nodes_.size()) - 1))];
-    World& world = cluster_.world();
+    ClusterState& world = cluster_.world();
     const auto some_worker = [&]() -> Worker* {
       if (world.workers.empty()) return nullptr;
       return &world
@@ -175,7 +175,7 @@ class Chaos {
   }
 
   SimulatedCluster& cluster() { return cluster_; }
-  const World& some_past() {
+  const ClusterState& some_past() {
     return past_[static_cast<std::size_t>(cluster_.up_to(int(past_.size()) - 1))];
   }
   bool checks_room = true;
@@ -184,7 +184,7 @@ class Chaos {
   SimulatedCluster cluster_;
   int seed_;
   std::uint64_t random_ = 1;
-  std::deque<World> past_;
+  std::deque<ClusterState> past_;
   std::vector<std::string> nodes_, fleets_;
 };
 
@@ -195,7 +195,7 @@ std::string said(const std::vector<std::string>& violations) {
 }
 
 /// All workers are ready and current, and there are as many as desired or as fit.
-void expect_settled(const World& world, int room) {
+void expect_settled(const ClusterState& world, int room) {
   const Plan next = plan(world, 1);
   EXPECT_EQ(deeds(next), 0u) << "action " << next.actions.front().index();
   for (const Fleet& fleet : world.fleets) {
@@ -210,7 +210,7 @@ void expect_settled(const World& world, int room) {
       for (const Condition& one : worker.status.conditions) {
         if (one.type == "Ready") is = &one;
       }
-      ready += is && is->status == Truth::kTrue;
+      ready += is && is->status == ConditionStatus::kTrue;
       for (const Telemetry& sample : world.telemetry) {
         idle |= sample.worker_uid == worker.uid && sample.sessions == 0;
       }
@@ -222,8 +222,9 @@ void expect_settled(const World& world, int room) {
     }
     const Wanted wanted = wanted_workers(fleet.spec, demand, ready, world.now);
     const bool limited = std::any_of(
-        fleet.status.conditions.begin(), fleet.status.conditions.end(),
-        [](const Condition& c) { return c.type == "CapacityLimited" && c.status == Truth::kTrue; });
+        fleet.status.conditions.begin(), fleet.status.conditions.end(), [](const Condition& c) {
+          return c.type == "CapacityLimited" && c.status == ConditionStatus::kTrue;
+        });
     // A worker with a session stays, even if it is not needed.
     EXPECT_TRUE(ready <= wanted.most || !idle) << fleet.name;
     if (ready < wanted.least) {
@@ -237,7 +238,7 @@ void expect_settled(const World& world, int room) {
   }
 }
 
-int room_of(const World& world) {
+int room_of(const ClusterState& world) {
   int room = 0;
   for (const Node& node : world.nodes) {
     int free = node.gpus - node.foreign_gpus;
@@ -252,7 +253,7 @@ TEST_P(Worlds, ReserveNoMoreThanThereIsMoveNobodyAndSettle) {
   chaos.run(150, true);
   chaos.mend();
   chaos.run(900, false);
-  const World world = chaos.cluster().observed();
+  const ClusterState world = chaos.cluster().observed();
   expect_settled(world, room_of(world));
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }
@@ -266,7 +267,7 @@ TEST_P(Worlds, EveryReservationIsReleasedWhenTheFleetGoes) {
     fleet.deleted = chaos.cluster().world().now;
   }
   chaos.run(300, false);
-  const World& world = chaos.cluster().world();
+  const ClusterState& world = chaos.cluster().world();
   EXPECT_TRUE(world.workers.empty()) << world.workers.front().name;
   EXPECT_TRUE(world.fleets.empty());
   for (const Pod& pod : world.pods) EXPECT_FALSE(pod.owned) << pod.name;
@@ -278,7 +279,7 @@ TEST_P(Worlds, APlanIsTheSameTwiceAndInAnyOrderAndDoneTwiceIsDoneOnce) {
   std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
   for (int i = 0; i < 100; ++i) {
     chaos.run(1, true);
-    World world = chaos.cluster().observed();
+    ClusterState world = chaos.cluster().observed();
     const Plan once = plan(world, 5), again = plan(world, 5);
     std::shuffle(world.workers.begin(), world.workers.end(), random);
     std::shuffle(world.pods.begin(), world.pods.end(), random);
@@ -323,7 +324,7 @@ TEST_P(Worlds, AnOperatorPausedBeyondItsLeaseDoesNoHarm) {
   }
   chaos.mend();
   chaos.run(900, false);
-  const World world = chaos.cluster().observed();
+  const ClusterState world = chaos.cluster().observed();
   expect_settled(world, room_of(world));
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }

@@ -30,7 +30,7 @@ bool idle(const WorkerView& view, Seconds now, Seconds since) {
   if (!view.pod || view.health == Health::kComing) {
     return !sample || now - sample->sampled > kFresh;
   }
-  return view.beats && sample->sessions == 0 && sample->reserved == 0 &&
+  return view.heartbeat_fresh && sample->sessions == 0 && sample->reserved == 0 &&
          now - sample->idle_since >= since;
 }
 
@@ -64,7 +64,7 @@ void sort_to_drain(std::vector<const WorkerView*>& workers, const FleetSpec& spe
   for (std::size_t i = 0; i < keyed.size(); ++i) workers[i] = keyed[i].second;
 }
 
-struct Tally {
+struct WorkerCounts {
   std::vector<const WorkerView*> active;  ///< not leaving
   int usable = 0;                         ///< of these, workers whose slots count
   int ready = 0;
@@ -72,11 +72,11 @@ struct Tally {
   int upgrading = 0;  ///< leaving because of an outdated template
 };
 
-Tally tally(const FleetView& fleet, const Draft& draft) {
-  Tally tally;
+WorkerCounts tally(const FleetView& fleet, const PlanBuilder& builder) {
+  WorkerCounts tally;
   for (const WorkerView* view : fleet.workers) {
     const Worker& worker = *view->worker;
-    if (draft.leaving(*view)) {
+    if (builder.leaving(*view)) {
       tally.upgrading += worker.drain && worker.drain->reason == DrainReason::kUpgrade;
       continue;
     }
@@ -89,9 +89,10 @@ Tally tally(const FleetView& fleet, const Draft& draft) {
 }
 
 /// Drains a worker, which then no longer counts as active.
-void take(Tally& tally, std::size_t i, DrainReason reason, const FleetSpec& spec, Draft& draft) {
+void take(WorkerCounts& tally, std::size_t i, DrainReason reason, const FleetSpec& spec,
+          PlanBuilder& builder) {
   const WorkerView& view = *tally.active[i];
-  draft.drain(view, reason);
+  builder.drain(view, reason);
   tally.usable -= counts(view);
   tally.ready -= view.health == Health::kReady;
   if (view.worker->template_hash != spec.template_hash) {
@@ -102,8 +103,8 @@ void take(Tally& tally, std::size_t i, DrainReason reason, const FleetSpec& spec
 }
 
 /// Drains outdated workers once others replace them, so that their sessions have somewhere to go.
-void upgrade(const FleetView& fleet, int wanted, bool room, Tally& tally, Scaling& scaling,
-             Draft& draft) {
+void upgrade(const FleetView& fleet, int wanted, bool room, WorkerCounts& tally, Scaling& scaling,
+             PlanBuilder& builder) {
   const FleetSpec& spec = fleet.fleet->spec;
   int taken = fleet.demand ? fleet.demand->used + fleet.demand->reserved : 0, seen = 0;
   for (const WorkerView* view : fleet.workers) seen += sessions_on(*view);
@@ -122,7 +123,7 @@ void upgrade(const FleetView& fleet, int wanted, bool room, Tally& tally, Scalin
     const bool alone = !room && tally.upgrading == 0 && fleet.metrics_fresh &&
                        (tally.ready - started) * spec.sessions_per_worker >= taken;
     if (tally.upgrading < surge_of(wanted) && (replaced || alone || never)) {
-      take(tally, i, DrainReason::kUpgrade, spec, draft);
+      take(tally, i, DrainReason::kUpgrade, spec, builder);
       continue;
     }
     scaling.waiting |= !room;
@@ -130,19 +131,19 @@ void upgrade(const FleetView& fleet, int wanted, bool room, Tally& tally, Scalin
   }
 }
 
-void scale_down(const FleetView& fleet, int most, Tally& tally, Draft& draft) {
+void scale_down(const FleetView& fleet, int most, WorkerCounts& tally, PlanBuilder& builder) {
   const FleetSpec& spec = fleet.fleet->spec;
   // An explicit number of replicas applies at once, without waiting for idle workers.
   const int bound = spec.replicas ? std::min(*spec.replicas, spec.max_replicas) : spec.max_replicas;
   for (std::size_t i = 0; i < tally.active.size();) {
     const WorkerView& view = *tally.active[i];
     if (bound == 0 || (counts(view) && tally.usable > bound)) {
-      take(tally, i, DrainReason::kReplicas, spec, draft);
-    } else if (tally.usable > most && counts(view) && idle(view, draft.now, kIdleBeforeDown)) {
-      take(tally, i, DrainReason::kIdle, spec, draft);
+      take(tally, i, DrainReason::kReplicas, spec, builder);
+    } else if (tally.usable > most && counts(view) && idle(view, builder.now, kIdleBeforeDown)) {
+      take(tally, i, DrainReason::kIdle, spec, builder);
     } else {
       if (tally.usable > most && view.telemetry) {
-        draft.wake(view.telemetry->idle_since + kIdleBeforeDown);
+        builder.wake(view.telemetry->idle_since + kIdleBeforeDown);
       }
       ++i;
     }
@@ -154,26 +155,26 @@ std::string name_of(const Fleet& fleet, int ordinal) {
 }
 
 void scale_up(const FleetView& fleet, const View& world, Placing& placing, int count,
-              Random& random, Scaling& scaling, Draft& draft) {
+              Random& random, Scaling& scaling, PlanBuilder& builder) {
   const FleetSpec& spec = fleet.fleet->spec;
   std::vector<Seconds> created;
   created.reserve(fleet.workers.size());
   for (const WorkerView* view : fleet.workers) created.push_back(view->worker->created);
-  for (const Refusal& refusal : fleet.fleet->status.refusals) created.push_back(refusal.since);
-  Tokens tokens = refill_tokens(spec.max_refill_per_second, std::move(created), draft.now);
+  for (const NodeBackoff& refusal : fleet.fleet->status.refusals) created.push_back(refusal.since);
+  Tokens tokens = refill_tokens(spec.max_refill_per_second, std::move(created), builder.now);
   int ordinal = 0;
   for (int i = 0; i < count; ++i) {
-    if (tokens.count < 1) return draft.wake(tokens.next);
+    if (tokens.count < 1) return builder.wake(tokens.next);
     const std::string* node = placing.next(spec.strategy, random);
     if (!node) {
       scaling.missing = count - i;
       scaling.why = placing.why();
-      if (placing.again()) draft.wake(*placing.again());
+      if (placing.again()) builder.wake(*placing.again());
       return;
     }
     while (world.names.contains(name_of(*fleet.fleet, ordinal))) ++ordinal;
-    draft.add(CreateWorker{name_of(*fleet.fleet, ordinal), fleet.fleet->name, fleet.fleet->uid,
-                           *node, spec.template_hash});
+    builder.add(CreateWorker{name_of(*fleet.fleet, ordinal), fleet.fleet->name, fleet.fleet->uid,
+                             *node, spec.template_hash});
     ++ordinal;
     tokens.count -= 1;
   }
@@ -222,29 +223,29 @@ Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds no
 }
 
 Scaling plan_scale(const FleetView& fleet, const View& world, std::vector<NodeView>& nodes,
-                   Random& random, Draft& draft) {
+                   Random& random, PlanBuilder& builder) {
   const FleetSpec& spec = fleet.fleet->spec;
   Scaling scaling;
   if (fleet.fleet->deleted) return scaling;
-  Tally have = tally(fleet, draft);
-  const Wanted wanted = wanted_workers(spec, fleet.demand, have.usable, draft.now);
+  WorkerCounts have = tally(fleet, builder);
+  const Wanted wanted = wanted_workers(spec, fleet.demand, have.usable, builder.now);
   scaling.wanted = wanted.least;
   sort_to_drain(have.active, spec, nodes);
 
-  const std::vector<Refusal> refusals = refusals_of(fleet, draft.now);
-  Placing placing(*fleet.fleet, refusals, nodes, draft.now);
+  const std::vector<NodeBackoff> refusals = refusals_of(fleet, builder.now);
+  Placing placing(*fleet.fleet, refusals, nodes, builder.now);
   const int surge = std::min(surge_of(wanted.least), have.outdated);
-  upgrade(fleet, wanted.least, placing.room(), have, scaling, draft);
+  upgrade(fleet, wanted.least, placing.room(), have, scaling, builder);
   scaling.outdated = have.outdated;
-  if (have.outdated == 0 || wanted.most == 0) scale_down(fleet, wanted.most, have, draft);
+  if (have.outdated == 0 || wanted.most == 0) scale_down(fleet, wanted.most, have, builder);
   if (fleet.demand && spec.scale_to_zero_after && !spec.replicas && fleet.demand->used == 0) {
     const Seconds due = fleet.demand->last_used + *spec.scale_to_zero_after;
-    if (due > draft.now) draft.wake(due);
+    if (due > builder.now) builder.wake(due);
   }
   // Lost workers may return, so they count until they are known to be gone.
   const int beside = spec.max_replicas + surge - static_cast<int>(have.active.size());
   const int short_of = std::min(wanted.least + surge - have.usable, beside);
-  if (short_of > 0) scale_up(fleet, world, placing, short_of, random, scaling, draft);
+  if (short_of > 0) scale_up(fleet, world, placing, short_of, random, scaling, builder);
   // If there is no room for a surge, an upgrade replaces workers one by one.
   scaling.missing = std::min(scaling.missing, std::max(0, wanted.least - have.usable));
   return scaling;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "operator/plan/world.h"
+#include "operator/plan/cluster_state.h"
 
 // How many workers a fleet needs, and how fast they are created.
 

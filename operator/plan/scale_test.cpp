@@ -8,9 +8,9 @@
 namespace diaphane::fleet {
 namespace {
 
-std::size_t created(const World& world) { return all<CreateWorker>(plan(world, 1)).size(); }
+std::size_t created(const ClusterState& world) { return all<CreateWorker>(plan(world, 1)).size(); }
 
-std::vector<DrainReason> drains(const World& world) {
+std::vector<DrainReason> drains(const ClusterState& world) {
   std::vector<DrainReason> reasons;
   for (const SetDrain& one : all<SetDrain>(plan(world, 1))) reasons.push_back(one.drain.reason);
   return reasons;
@@ -79,7 +79,7 @@ TEST(Scale, RebuildsTokenBucketFromCreationTimes) {
 }
 
 TEST(Scale, RateLimitsCreationAndRequeuesInTime) {
-  World world = test_world(8);
+  ClusterState world = test_world(8);
   world.fleets[0].spec.replicas = 16;
   world.fleets[0].spec.max_refill_per_second = 3;
   EXPECT_EQ(created(world), 3u);
@@ -93,7 +93,7 @@ TEST(Scale, RateLimitsCreationAndRequeuesInTime) {
 }
 
 TEST(Scale, NamesUseTheLowestFreeNumbers) {
-  World world = test_world(4);
+  ClusterState world = test_world(4);
   world.fleets[0].spec.replicas = 4;
   add_running(world, 1, "a", 0);
   Pod foreign;
@@ -107,7 +107,7 @@ TEST(Scale, NamesUseTheLowestFreeNumbers) {
 }
 
 TEST(Scale, ScalesDownOnlyIdleWorkersAfterTheIdleTime) {
-  World world = test_world(2);
+  ClusterState world = test_world(2);
   add_running(world, 0, "a", 1);
   add_running(world, 1, "a", 0);
   add_running(world, 2, "b", 0);
@@ -126,7 +126,7 @@ TEST(Scale, ScalesDownOnlyIdleWorkersAfterTheIdleTime) {
 }
 
 TEST(Scale, AddsNoReplacementsWhileDemandIsStale) {
-  World world = test_world(4);
+  ClusterState world = test_world(4);
   for (int i = 0; i < 3; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
   world.telemetry[0].sampled = world.now - 5;
   world.demand[0].sampled = world.now - 11;
@@ -134,7 +134,7 @@ TEST(Scale, AddsNoReplacementsWhileDemandIsStale) {
 }
 
 TEST(Scale, KeepsSurplusWithinTheHysteresis) {
-  World world = test_world(8);
+  ClusterState world = test_world(8);
   for (int i = 0; i < 12; ++i) add_running(world, i, std::string(1, char('a' + i / 2)), 0);
   world.demand[0].used = 43;  // with one more 11 workers; with a tenth more 13
   EXPECT_TRUE(drains(world).empty());
@@ -143,7 +143,7 @@ TEST(Scale, KeepsSurplusWithinTheHysteresis) {
 }
 
 TEST(Scale, ReducingReplicasDrainsTheLeastBusy) {
-  World world = test_world(2);
+  ClusterState world = test_world(2);
   add_running(world, 0, "a", 3);
   add_running(world, 1, "a", 1);
   add_running(world, 2, "b", 2);
@@ -155,7 +155,7 @@ TEST(Scale, ReducingReplicasDrainsTheLeastBusy) {
 }
 
 TEST(Scale, UpgradeCreatesNewWorkerBeforeDraining) {
-  World world = test_world(2);
+  ClusterState world = test_world(2);
   world.fleets[0].spec.replicas = 2;
   add_running(world, 0, "a", 2);
   add_running(world, 1, "a", 1);
@@ -176,7 +176,7 @@ TEST(Scale, UpgradeCreatesNewWorkerBeforeDraining) {
 }
 
 TEST(Scale, UpgradeWithoutRoomDrainsOnlyIfOthersHaveTheSlots) {
-  World world = test_world(1);
+  ClusterState world = test_world(1);
   world.fleets[0].spec.replicas = 2;
   add_running(world, 0, "a", 3);
   add_running(world, 1, "a", 2);

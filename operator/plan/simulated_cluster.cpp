@@ -15,8 +15,8 @@ void bump(std::string& version) { version = std::to_string(std::stoll("0" + vers
 
 }  // namespace
 
-World SimulatedCluster::observed() const {
-  World world = world_;
+ClusterState SimulatedCluster::observed() const {
+  ClusterState world = world_;
   world.complete = true;
   return world;
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "operator/plan/cluster_state.h"
 #include "operator/plan/plan.h"
-#include "operator/plan/world.h"
 
 // A simulation for tests of an API server with its preconditions, garbage collectors, scheduler,
 // kubelets, renderd and the placement of sessions, in steps of one second.
@@ -18,9 +18,9 @@ class SimulatedCluster {
   explicit SimulatedCluster(std::uint64_t seed) : random_(seed) { world_.now = 1'000'000; }
 
   // The actual state, which tests may change.
-  World& world() { return world_; }
+  ClusterState& world() { return world_; }
   /// The state as observed through complete and current caches.
-  World observed() const;
+  ClusterState observed() const;
 
   /// Returns false if the API server would reject the action (exists, not found, another uid or
   /// version).
@@ -83,7 +83,7 @@ class SimulatedCluster {
   bool carry_out(const SetWorkerStatus& action);
   bool carry_out(const SetFleetStatus& action);
 
-  World world_;
+  ClusterState world_;
   std::mt19937_64 random_;
   std::uint64_t counter_ = 0;
   std::vector<Session> sessions_;

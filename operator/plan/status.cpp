@@ -12,14 +12,16 @@ constexpr Seconds kBetweenWrites = 1;
 constexpr Seconds kForgiven = 120;
 
 /// Keeps the transition time of `before` if the status is unchanged.
-Condition condition(const std::vector<Condition>& before, std::string type, Truth status,
+Condition condition(const std::vector<Condition>& before, std::string type, ConditionStatus status,
                     std::string reason, std::string message, Seconds now) {
   const Condition* same = find(before, type);
   const Seconds since = same && same->status == status ? same->since : now;
   return {std::move(type), status, std::move(reason), std::move(message), since};
 }
 
-Truth truth(bool holds) { return holds ? Truth::kTrue : Truth::kFalse; }
+ConditionStatus status_of(bool holds) {
+  return holds ? ConditionStatus::kTrue : ConditionStatus::kFalse;
+}
 
 bool same_status(const FleetStatus& a, const FleetStatus& b) {
   const auto all = [](const FleetStatus& s) {
@@ -55,7 +57,7 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
   std::vector<Condition> all;
   const auto add = [&](const char* type, bool holds, std::string reason, std::string message) {
     all.push_back(
-        condition(before, type, truth(holds), std::move(reason), std::move(message), now));
+        condition(before, type, status_of(holds), std::move(reason), std::move(message), now));
   };
   const std::string of = std::to_string(counts.ready) + " of " + std::to_string(scaling.wanted);
   const bool available = counts.ready > 0 || scaling.wanted == 0;
@@ -115,10 +117,10 @@ const Condition* find(const std::vector<Condition>& conditions, std::string_view
   return nullptr;
 }
 
-void plan_worker_status(const WorkerView& view, Draft& draft) {
+void plan_worker_status(const WorkerView& view, PlanBuilder& builder) {
   const Worker& worker = *view.worker;
   WorkerStatus status = worker.status;
-  const Seconds now = draft.now;
+  const Seconds now = builder.now;
   const Pod* pod = view.pod;
   if (pod && (pod->phase == Phase::kFailed || pod->phase == Phase::kSucceeded) &&
       status.failed_pod != pod->uid) {
@@ -134,22 +136,23 @@ void plan_worker_status(const WorkerView& view, Draft& draft) {
   status.conditions.clear();
   const auto add = [&](const char* type, bool holds, std::string reason) {
     status.conditions.push_back(
-        condition(worker.status.conditions, type, truth(holds), std::move(reason), "", now));
+        condition(worker.status.conditions, type, status_of(holds), std::move(reason), "", now));
   };
   // Unknown while there is no pod. The release of a worker waits for this condition.
-  const bool bound = view.beats || (pod && !pod->node.empty());
-  status.conditions.push_back(condition(worker.status.conditions, "Scheduled",
-                                        !pod && !bound ? Truth::kUnknown : truth(bound),
-                                        bound                ? "Bound"
-                                        : !pod               ? "NoPod"
-                                        : pod->unschedulable ? "Unschedulable"
-                                                             : "Waiting",
-                                        "", now));
+  const bool bound = view.heartbeat_fresh || (pod && !pod->node.empty());
+  status.conditions.push_back(
+      condition(worker.status.conditions, "Scheduled",
+                !pod && !bound ? ConditionStatus::kUnknown : status_of(bound),
+                bound                ? "Bound"
+                : !pod               ? "NoPod"
+                : pod->unschedulable ? "Unschedulable"
+                                     : "Waiting",
+                "", now));
   const bool ready = view.health == Health::kReady && !view.leaving();
   add("Ready", ready, ready_reason(view));
   // If someone removed the drain by hand, the condition still shows it until it is restored.
   const Condition* draining = find(worker.status.conditions, "Draining");
-  const bool was = draining && draining->status == Truth::kTrue;
+  const bool was = draining && draining->status == ConditionStatus::kTrue;
   add("Draining", worker.drain || was,
       worker.drain ? std::string(to_string(worker.drain->reason))
       : was        ? draining->reason
@@ -158,10 +161,10 @@ void plan_worker_status(const WorkerView& view, Draft& draft) {
       view.health == Health::kUnhealthy ? "NoHeartbeat" : "HeartbeatReceived");
   add("NodeLost", view.health == Health::kNodeLost,
       view.health == Health::kNodeLost ? "NodeUnreachable" : "NodeReachable");
-  if (status != worker.status) draft.add(SetWorkerStatus{worker.name, worker.uid, status});
+  if (status != worker.status) builder.add(SetWorkerStatus{worker.name, worker.uid, status});
 }
 
-void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, Draft& draft) {
+void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, PlanBuilder& builder) {
   const FleetStatus& before = fleet.fleet->status;
   const Counts counts = count(fleet);
   FleetStatus status = before;
@@ -173,18 +176,18 @@ void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, Draft& dr
     status.slots_used = fleet.demand->used;
     status.slots_reserved = fleet.demand->reserved;
   }
-  status.refusals = refusals_of(fleet, draft.now);
-  status.conditions = conditions_of(fleet, scaling, counts, draft.now);
+  status.refusals = refusals_of(fleet, builder.now);
+  status.conditions = conditions_of(fleet, scaling, counts, builder.now);
   if (same_status(status, before)) return;
   // The plan waits for refusals, and clients for the observed generation, so both are written at
   // once.
   const bool urgent = status.refusals != before.refusals ||
                       status.observed_generation != before.observed_generation;
-  if (!urgent && draft.now - before.written < kBetweenWrites) {
-    return draft.wake(before.written + kBetweenWrites);
+  if (!urgent && builder.now - before.written < kBetweenWrites) {
+    return builder.wake(before.written + kBetweenWrites);
   }
-  status.written = draft.now;
-  draft.add(SetFleetStatus{fleet.fleet->name, fleet.fleet->uid, status});
+  status.written = builder.now;
+  builder.add(SetFleetStatus{fleet.fleet->name, fleet.fleet->uid, status});
 }
 
 }  // namespace diaphane::fleet

@@ -13,8 +13,8 @@ namespace diaphane::fleet {
 inline constexpr Seconds kNow = 1'000'000;
 
 /// A fleet `render` with its finalizer, no demand, and nodes `a`, `b`, ... with two GPUs each.
-inline World test_world(int nodes = 2) {
-  World world;
+inline ClusterState test_world(int nodes = 2) {
+  ClusterState world;
   world.now = kNow;
   world.complete = true;
   world.listened_until = kNow;
@@ -37,7 +37,7 @@ inline World test_world(int nodes = 2) {
   return world;
 }
 
-inline Worker& add_worker(World& world, int ordinal, const std::string& node) {
+inline Worker& add_worker(ClusterState& world, int ordinal, const std::string& node) {
   Worker worker;
   worker.name = "render-" + std::to_string(ordinal);
   worker.uid = "uid-" + std::to_string(ordinal);
@@ -52,7 +52,7 @@ inline Worker& add_worker(World& world, int ordinal, const std::string& node) {
   return world.workers.back();
 }
 
-inline Pod& add_pod(World& world, const Worker& worker) {
+inline Pod& add_pod(ClusterState& world, const Worker& worker) {
   Pod pod;
   pod.name = worker.name;
   pod.uid = "pod-of-" + worker.uid;
@@ -67,7 +67,8 @@ inline Pod& add_pod(World& world, const Worker& worker) {
   return world.pods.back();
 }
 
-inline Telemetry& add_sample(World& world, const Worker& worker, int sessions, Seconds age = 1) {
+inline Telemetry& add_sample(ClusterState& world, const Worker& worker, int sessions,
+                             Seconds age = 1) {
   Telemetry sample;
   sample.worker_uid = worker.uid;
   sample.epoch = worker.status.epoch;
@@ -81,7 +82,7 @@ inline Telemetry& add_sample(World& world, const Worker& worker, int sessions, S
 }
 
 /// Adds a worker whose pod runs and sends heartbeats.
-inline void add_running(World& world, int ordinal, const std::string& node, int sessions) {
+inline void add_running(ClusterState& world, int ordinal, const std::string& node, int sessions) {
   add_worker(world, ordinal, node);
   const Worker worker = world.workers.back();
   add_pod(world, worker);

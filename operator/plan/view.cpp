@@ -18,22 +18,22 @@ std::vector<const T*> by_name(const std::vector<T>& all) {
   return sorted;
 }
 
-Health judge(const WorkerView& view, const World& world) {
+Health judge(const WorkerView& view, const ClusterState& world) {
   const Pod* pod = view.pod;
   // A worker with a heartbeat is alive, whatever a single read says about its pod or its node.
-  if (view.beats) return Health::kReady;
+  if (view.heartbeat_fresh) return Health::kReady;
   if (!pod || pod->finished()) return Health::kComing;
   if (!pod->node.empty() && (!view.node || !view.node->ready || out_of_service(*view.node))) {
     return Health::kNodeLost;
   }
   if (pod->phase == Phase::kPending) return Health::kComing;
-  if (!view.silence_counts) return pod->ready ? Health::kReady : Health::kComing;
+  if (!view.heartbeat_overdue) return pod->ready ? Health::kReady : Health::kComing;
   if (!view.telemetry && world.now - pod->created < kStarting) return Health::kComing;
   return Health::kUnhealthy;
 }
 
 /// Returns how long no heartbeat arrived although telemetry was available.
-Seconds silence(const WorkerView& view, const World& world) {
+Seconds silence(const WorkerView& view, const ClusterState& world) {
   Seconds last = world.listening_since;
   if (view.pod) last = std::max(last, view.pod->created);
   if (view.telemetry) last = std::max(last, view.telemetry->sampled);
@@ -42,13 +42,13 @@ Seconds silence(const WorkerView& view, const World& world) {
 
 /// Returns how much silence is tolerated. A worker that has sent a heartbeat since telemetry became
 /// available has less time than one that must reconnect.
-Seconds patience(const WorkerView& view, const World& world) {
+Seconds patience(const WorkerView& view, const ClusterState& world) {
   const bool heard = view.telemetry && view.telemetry->sampled >= world.listening_since;
   return heard ? kHeartbeat : kFresh;
 }
 
 /// Whether at least half of the pods that have been ready for a while send telemetry.
-bool fresh(const FleetView& fleet, const World& world) {
+bool fresh(const FleetView& fleet, const ClusterState& world) {
   std::size_t expected = 0, heard = 0;
   for (const WorkerView* view : fleet.workers) {
     if (!view->pod || !view->pod->ready || world.now - view->pod->created < kStarting) continue;
@@ -58,7 +58,8 @@ bool fresh(const FleetView& fleet, const World& world) {
   return 2 * heard >= expected;
 }
 
-void weigh(NodeView& node, const std::vector<const WorkerView*>& workers, const World& world) {
+void weigh(NodeView& node, const std::vector<const WorkerView*>& workers,
+           const ClusterState& world) {
   double load = node.node->foreign_gpus;
   bool expected = false;
   Seconds newest = -kExcluded;
@@ -94,7 +95,7 @@ bool out_of_service(const Node& node) {
   });
 }
 
-View look(const World& world) {
+View look(const ClusterState& world) {
   View view;
   view.now = world.now;
   std::unordered_map<std::string_view, std::size_t> nodes;
@@ -135,7 +136,7 @@ View look(const World& world) {
       continue;
     }
     if (const auto found = named.find(pod.name); found != named.end()) {
-      view.workers[found->second].in_the_way = &pod;
+      view.workers[found->second].name_conflict = &pod;
     }
     if (!pod.owned || pod.finished()) continue;
     if (NodeView* node = node_of(pod.node)) ++node->reserved;
@@ -150,7 +151,7 @@ View look(const World& world) {
       continue;
     }
     worker.telemetry = &sample;
-    worker.beats = world.now - sample.sampled <= kHeartbeat;
+    worker.heartbeat_fresh = world.now - sample.sampled <= kHeartbeat;
   }
   std::vector<std::vector<const WorkerView*>> on(view.nodes.size());
   for (WorkerView& worker : view.workers) {
@@ -168,8 +169,8 @@ View look(const World& world) {
   for (WorkerView& worker : view.workers) {
     const auto fleet = fleets.find(worker.worker->fleet_uid);
     const bool metrics = fleet == fleets.end() || view.fleets[fleet->second].metrics_fresh;
-    worker.silent = silence(worker, world);
-    worker.silence_counts = metrics && worker.silent > patience(worker, world);
+    worker.heartbeat_age = silence(worker, world);
+    worker.heartbeat_overdue = metrics && worker.heartbeat_age > patience(worker, world);
     worker.health = judge(worker, world);
   }
   for (std::size_t i = 0; i < view.nodes.size(); ++i) weigh(view.nodes[i], on[i], world);

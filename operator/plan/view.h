@@ -5,8 +5,8 @@
 #include <unordered_set>
 #include <vector>
 
+#include "operator/plan/cluster_state.h"
 #include "operator/plan/plan.h"
-#include "operator/plan/world.h"
 
 // The world with its objects linked to each other and assessed.
 
@@ -24,11 +24,11 @@ struct WorkerView {
   const Fleet* fleet = nullptr;  ///< with the worker's fleet uid
   const Node* node = nullptr;
   const Pod* pod = nullptr;              ///< its own pod
-  const Pod* in_the_way = nullptr;       ///< another worker's pod of the same name
+  const Pod* name_conflict = nullptr;    ///< another worker's pod of the same name
   const Telemetry* telemetry = nullptr;  ///< last sample of its pod
-  bool beats = false;
-  Seconds silent = 0;          ///< seconds without a heartbeat while listening
-  bool silence_counts = true;  ///< `silent` is too long, and other pods do send heartbeats
+  bool heartbeat_fresh = false;
+  Seconds heartbeat_age = 0;      ///< seconds without a heartbeat while listening
+  bool heartbeat_overdue = true;  ///< `heartbeat_age` is too long, but other pods send heartbeats
   Health health = Health::kComing;
 
   bool leaving() const { return worker->drain || worker->deleted; }
@@ -61,7 +61,7 @@ struct View {
 };
 
 /// Returns a view whose pointers refer to `world`.
-View look(const World& world);
+View look(const ClusterState& world);
 
 /// Returns max(busy, memory, slots taken, summed error), or nullopt for an old or implausible
 /// sample.

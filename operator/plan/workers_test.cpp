@@ -8,15 +8,15 @@ namespace diaphane::fleet {
 namespace {
 
 /// A fleet with one worker on node a, whose pod runs.
-World one_running(int sessions = 0) {
-  World world = test_world(2);
+ClusterState one_running(int sessions = 0) {
+  ClusterState world = test_world(2);
   world.fleets[0].spec.replicas = 1;
   add_running(world, 0, "a", sessions);
   return world;
 }
 
 /// Writes statuses as they are after `seconds` without a change.
-void settle(World& world, Seconds seconds = 0) {
+void settle(ClusterState& world, Seconds seconds = 0) {
   for (const SetWorkerStatus& one : all<SetWorkerStatus>(plan(world, 1))) {
     for (Worker& worker : world.workers) {
       if (worker.uid == one.uid) worker.status = one.status;
@@ -30,25 +30,25 @@ void settle(World& world, Seconds seconds = 0) {
   for (Demand& demand : world.demand) demand.sampled = world.now;
 }
 
-void beat(World& world) {
+void beat(ClusterState& world) {
   for (Telemetry& sample : world.telemetry) sample.sampled = world.now;
 }
 
-std::optional<DrainReason> drained(const World& world) {
+std::optional<DrainReason> drained(const ClusterState& world) {
   const auto found = all<SetDrain>(plan(world, 1));
   if (found.empty()) return std::nullopt;
   return found.front().drain.reason;
 }
 
-Truth says(const World& world, const char* type) {
-  World copy = world;
+ConditionStatus says(const ClusterState& world, const char* type) {
+  ClusterState copy = world;
   settle(copy);
   const Condition* is = find(copy.workers[0].status.conditions, type);
-  return is ? is->status : Truth::kUnknown;
+  return is ? is->status : ConditionStatus::kUnknown;
 }
 
 TEST(Workers, FirstTheReservationThenThePodThenNothing) {
-  World world = test_world(1);
+  ClusterState world = test_world(1);
   world.fleets[0].spec.replicas = 1;
   Plan next = plan(world, 1);
   EXPECT_EQ(deeds(next), 1u);
@@ -68,7 +68,7 @@ TEST(Workers, FirstTheReservationThenThePodThenNothing) {
 }
 
 TEST(Workers, PlansNothingBeforeEverythingWasListed) {
-  World world = test_world(2);
+  ClusterState world = test_world(2);
   world.fleets[0].spec.replicas = 2;
   world.complete = false;
   EXPECT_TRUE(plan(world, 1).actions.empty());
@@ -76,7 +76,7 @@ TEST(Workers, PlansNothingBeforeEverythingWasListed) {
 
 // pod crash
 TEST(WhenThingsFail, CountsFailedPodAndRecreatesItAfterBackoff) {
-  World world = one_running();
+  ClusterState world = one_running();
   world.telemetry.clear();
   world.pods[0].phase = Phase::kFailed;
   EXPECT_EQ(deeds(plan(world, 1)), 0u);  // counted first
@@ -96,7 +96,7 @@ TEST(WhenThingsFail, CountsFailedPodAndRecreatesItAfterBackoff) {
 }
 
 TEST(WhenThingsFail, GivesUpRepeatedlyFailingPodAndAvoidsItsNode) {
-  World world = one_running();
+  ClusterState world = one_running();
   world.telemetry.clear();
   world.pods[0].phase = Phase::kFailed;
   world.workers[0].status.failures = kMostFailures;
@@ -112,7 +112,7 @@ TEST(WhenThingsFail, GivesUpRepeatedlyFailingPodAndAvoidsItsNode) {
 }
 
 TEST(WhenThingsFail, ResetsFailuresAfterTwoMinutes) {
-  World world = one_running();
+  ClusterState world = one_running();
   world.workers[0].status.failures = 2;
   world.workers[0].status.failed_at = world.now - 119;
   settle(world);
@@ -125,20 +125,20 @@ TEST(WhenThingsFail, ResetsFailuresAfterTwoMinutes) {
 
 // node lost
 TEST(WhenThingsFail, ReplacesWorkerOfLostNodeAndHoldsItsReservation) {
-  World world = one_running(1);
+  ClusterState world = one_running(1);
   world.nodes[0].ready = false;
   world.now += 2;
   EXPECT_EQ(deeds(plan(world, 1)), 0u);  // its heartbeat is two seconds old
   world.now += 2;
   world.demand[0].sampled = world.now;
-  EXPECT_EQ(says(world, "NodeLost"), Truth::kTrue);
+  EXPECT_EQ(says(world, "NodeLost"), ConditionStatus::kTrue);
   Plan next = plan(world, 1);
   EXPECT_EQ(deeds(next), 1u);
   ASSERT_EQ(all<CreateWorker>(next).size(), 1u);
   EXPECT_EQ(all<CreateWorker>(next)[0].node, "b");
   // When it is marked by hand or deleted, it drains without waiting for its sessions.
   for (const bool deleted : {false, true}) {
-    World gone = world;
+    ClusterState gone = world;
     add_running(gone, 1, "b", 0);
     settle(gone, 6);
     beat(gone);
@@ -163,19 +163,19 @@ TEST(WhenThingsFail, ReplacesWorkerOfLostNodeAndHoldsItsReservation) {
 
 // one odd read
 TEST(WhenThingsFail, SingleBadReadingEndsNoWorker) {
-  void (*const odd[])(World&) = {
-      [](World& w) { w.nodes.clear(); },
-      [](World& w) { w.nodes[0].ready = false; },
-      [](World& w) { w.pods.clear(); },
-      [](World& w) { w.pods[0].ready = false; },
-      [](World& w) { w.pods[0].phase = Phase::kUnknown; },
-      [](World& w) { w.telemetry.clear(); },
-      [](World& w) { w.telemetry[0].busy = std::numeric_limits<double>::quiet_NaN(); },
-      [](World& w) { w.telemetry[0].epoch = 77; },
-      [](World& w) { w.demand.clear(); },
+  void (*const odd[])(ClusterState&) = {
+      [](ClusterState& w) { w.nodes.clear(); },
+      [](ClusterState& w) { w.nodes[0].ready = false; },
+      [](ClusterState& w) { w.pods.clear(); },
+      [](ClusterState& w) { w.pods[0].ready = false; },
+      [](ClusterState& w) { w.pods[0].phase = Phase::kUnknown; },
+      [](ClusterState& w) { w.telemetry.clear(); },
+      [](ClusterState& w) { w.telemetry[0].busy = std::numeric_limits<double>::quiet_NaN(); },
+      [](ClusterState& w) { w.telemetry[0].epoch = 77; },
+      [](ClusterState& w) { w.demand.clear(); },
   };
   for (std::size_t i = 0; i < std::size(odd); ++i) {
-    World world = one_running(1);
+    ClusterState world = one_running(1);
     settle(world);
     odd[i](world);
     const Plan next = plan(world, 1);
@@ -184,17 +184,17 @@ TEST(WhenThingsFail, SingleBadReadingEndsNoWorker) {
     EXPECT_TRUE(all<DeletePod>(next).empty()) << i;
     EXPECT_TRUE(all<RemoveFinalizer>(next).empty()) << i;
   }
-  World fleetless = one_running(1);
+  ClusterState fleetless = one_running(1);
   fleetless.fleets.clear();
   EXPECT_EQ(deeds(plan(fleetless, 1)), 0u);
 }
 
 TEST(WhenThingsFail, ReplacesSilentWorkerAndDrainsItAfterAMinute) {
-  World world = one_running(1);
+  ClusterState world = one_running(1);
   add_running(world, 1, "b", 0);
   world.fleets[0].spec.replicas = 2;
   world.telemetry[0].sampled = world.now - 4;
-  EXPECT_EQ(says(world, "Unhealthy"), Truth::kTrue);
+  EXPECT_EQ(says(world, "Unhealthy"), ConditionStatus::kTrue);
   EXPECT_EQ(drained(world), std::nullopt);
   EXPECT_EQ(all<CreateWorker>(plan(world, 1)).size(), 1u);
   world.telemetry[0].sampled = world.now - 61;
@@ -203,7 +203,7 @@ TEST(WhenThingsFail, ReplacesSilentWorkerAndDrainsItAfterAMinute) {
 
 // Redis down
 TEST(WhenThingsFail, TrustsKubernetesWhenAllWorkersAreSilent) {
-  World world = test_world(4);
+  ClusterState world = test_world(4);
   for (int i = 0; i < 4; ++i) add_running(world, i, std::string(1, char('a' + i)), 0);
   settle(world, 300);
   world.demand[0].sampled -= 300;
@@ -211,11 +211,11 @@ TEST(WhenThingsFail, TrustsKubernetesWhenAllWorkersAreSilent) {
   settle(world);
   const Condition* fresh = find(world.fleets[0].status.conditions, "MetricsFresh");
   ASSERT_TRUE(fresh);
-  EXPECT_EQ(fresh->status, Truth::kFalse);
+  EXPECT_EQ(fresh->status, ConditionStatus::kFalse);
 }
 
 TEST(WhenThingsFail, KeepsKnownWorkersWhileRedisIsUnavailable) {
-  World world = test_world(2);
+  ClusterState world = test_world(2);
   for (int i = 0; i < 2; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
   world.fleets[0].spec.replicas = 2;
   // Their pods are too new to judge whether many are silent.
@@ -238,7 +238,7 @@ TEST(WhenThingsFail, KeepsKnownWorkersWhileRedisIsUnavailable) {
 
 // leader lost
 TEST(WhenThingsFail, NextLeaderRecoversReservationsFromWorkers) {
-  World world = test_world(1);
+  ClusterState world = test_world(1);
   world.fleets[0].spec.replicas = 2;
   add_worker(world, 0, "a");
   add_worker(world, 1, "a");  // the previous leader died before it created their pods
@@ -251,7 +251,7 @@ TEST(WhenThingsFail, NextLeaderRecoversReservationsFromWorkers) {
 
 // replayed events
 TEST(WhenThingsFail, IgnoresTelemetryOfAnEarlierPod) {
-  World world = one_running();
+  ClusterState world = one_running();
   world.workers[0].drain = Drain{DrainReason::kIdle, world.now - 5};
   world.telemetry[0].draining = true;
   EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
@@ -263,7 +263,7 @@ TEST(WhenThingsFail, IgnoresTelemetryOfAnEarlierPod) {
 }
 
 TEST(WhenThingsFail, UnschedulablePodMovesToTheNextNodeWithBackoff) {
-  World world = one_running();
+  ClusterState world = one_running();
   world.telemetry.clear();
   world.pods[0].phase = Phase::kPending;
   world.pods[0].node.clear();
@@ -273,7 +273,7 @@ TEST(WhenThingsFail, UnschedulablePodMovesToTheNextNodeWithBackoff) {
   settle(world);
   ASSERT_EQ(world.fleets[0].status.refusals.size(), 1u);
   EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
-  World two = world;  // refused at the same time: one refusal
+  ClusterState two = world;  // refused at the same time: one refusal
   add_worker(two, 1, "a");
   const Worker second = two.workers[1];
   Pod refused = two.pods[0];
@@ -293,7 +293,7 @@ TEST(WhenThingsFail, UnschedulablePodMovesToTheNextNodeWithBackoff) {
 }
 
 TEST(WhenThingsFail, IgnoresForeignPods) {
-  World world = one_running();
+  ClusterState world = one_running();
   Pod foreign;
   foreign.name = "render-7";
   foreign.labelled = false;
@@ -319,7 +319,7 @@ TEST(WhenThingsFail, IgnoresForeignPods) {
 }
 
 TEST(WhenThingsFail, RestoresEditedOrDeletedChildren) {
-  World world = one_running(1);
+  ClusterState world = one_running(1);
   settle(world);
   world.workers[0].finalizer = false;
   world.pods[0].labelled = false;
@@ -331,7 +331,7 @@ TEST(WhenThingsFail, RestoresEditedOrDeletedChildren) {
   EXPECT_EQ(restored[0].kind, Kind::kPod);
   EXPECT_EQ(restored[1].kind, Kind::kFleet);
 
-  World undrained = one_running(1);
+  ClusterState undrained = one_running(1);
   undrained.workers[0].drain = Drain{DrainReason::kCordoned, undrained.now - 7};
   settle(undrained);
   undrained.workers[0].drain.reset();
@@ -339,13 +339,13 @@ TEST(WhenThingsFail, RestoresEditedOrDeletedChildren) {
   ASSERT_EQ(drain.size(), 1u);
   EXPECT_EQ(drain[0].drain.reason, DrainReason::kCordoned);
 
-  World deleted = one_running(1);
+  ClusterState deleted = one_running(1);
   deleted.workers[0].deleted = deleted.now;  // kubectl delete renderworker
   EXPECT_EQ(drained(deleted), DrainReason::kDeleted);
   EXPECT_EQ(all<CreateWorker>(plan(deleted, 1)).size(), 1u);
   EXPECT_TRUE(all<DeletePod>(plan(deleted, 1)).empty());
 
-  World evicted = one_running(1);
+  ClusterState evicted = one_running(1);
   // kubectl delete pod: waits for its end, then creates it again
   evicted.pods[0].terminating = evicted.now;
   EXPECT_EQ(deeds(plan(evicted, 1)), 0u);
@@ -353,7 +353,7 @@ TEST(WhenThingsFail, RestoresEditedOrDeletedChildren) {
 
 // drain, cordon
 TEST(WhenThingsFail, CordonDrainsWithAGracePeriodForSessions) {
-  World world = one_running(2);
+  ClusterState world = one_running(2);
   world.fleets[0].spec.drain_timeout = 60;
   world.nodes[0].cordoned = true;
   EXPECT_EQ(drained(world), DrainReason::kCordoned);
@@ -363,7 +363,7 @@ TEST(WhenThingsFail, CordonDrainsWithAGracePeriodForSessions) {
   beat(world);
   world.telemetry[0].draining = true;
   EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());  // two users are still viewing
-  World empty = world;
+  ClusterState empty = world;
   empty.telemetry[0].sessions = 0;
   EXPECT_EQ(all<DeleteWorker>(plan(empty, 1)).size(), 1u);
   empty.telemetry[0].reserved = 1;
@@ -377,7 +377,7 @@ TEST(WhenThingsFail, CordonDrainsWithAGracePeriodForSessions) {
 }
 
 TEST(WhenThingsFail, DeletedFleetDrainsItsWorkersBeforeItIsRemoved) {
-  World world = one_running(1);
+  ClusterState world = one_running(1);
   world.fleets[0].deleted = world.now;
   EXPECT_EQ(drained(world), DrainReason::kDeleted);
   EXPECT_TRUE(all<CreateWorker>(plan(world, 1)).empty());
@@ -390,7 +390,7 @@ TEST(WhenThingsFail, DeletedFleetDrainsItsWorkersBeforeItIsRemoved) {
 }
 
 TEST(Status, IsWrittenAtMostOnceASecondAndOnlyOnChange) {
-  World world = one_running(1);
+  ClusterState world = one_running(1);
   settle(world);
   EXPECT_TRUE(all<SetFleetStatus>(plan(world, 1)).empty());
   world.demand[0].used = 3;

@@ -15,12 +15,12 @@ namespace diaphane::fleet {
 using Seconds = double;
 using Labels = std::map<std::string, std::string>;
 
-enum class Truth { kTrue, kFalse, kUnknown };
+enum class ConditionStatus { kTrue, kFalse, kUnknown };
 
 /// A condition of a status, as in Kubernetes.
 struct Condition {
   std::string type;
-  Truth status = Truth::kUnknown;
+  ConditionStatus status = ConditionStatus::kUnknown;
   std::string reason;
   std::string message;
   Seconds since = 0;  ///< lastTransitionTime of `status`
@@ -56,11 +56,11 @@ struct FleetSpec {
 };
 
 /// A node that failed to run a worker and is avoided for a while.
-struct Refusal {
+struct NodeBackoff {
   std::string node;
   int count = 0;      ///< refusals, each after the pause of the previous one
   Seconds since = 0;  ///< of the last refusal
-  bool operator==(const Refusal&) const = default;
+  bool operator==(const NodeBackoff&) const = default;
 };
 
 struct FleetStatus {
@@ -70,7 +70,7 @@ struct FleetStatus {
   int slots_total = 0;
   int slots_used = 0;
   int slots_reserved = 0;
-  std::vector<Refusal> refusals;      ///< sorted by node name
+  std::vector<NodeBackoff> refusals;  ///< sorted by node name
   std::vector<Condition> conditions;  ///< each type at most once
   Seconds written = 0;
   bool operator==(const FleetStatus&) const = default;
@@ -194,7 +194,7 @@ struct Demand {
   Seconds sampled = 0;
 };
 
-struct World {
+struct ClusterState {
   Seconds now = 0;
   bool complete = false;  ///< every kind has been listed once
   /// Start of uninterrupted telemetry. Missing telemetry before this time means nothing.
