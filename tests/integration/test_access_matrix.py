@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import pytest
-from api_client import api, forget_attempts  # noqa: F401
+from api_client import forget_attempts
 from access_matrix import OPERATIONS, ROWS
 from access_matrix_fixture import ROLES, STATES, World, ask
+
+
+@pytest.fixture(scope="module")
+def api(stack_house):
+    """A stack of its own, because the samples and the worker that the table needs would be there for all other tests, too."""
+    opened = stack_house.open(only=("postgres", "redis", "api", "edge"))
+    yield opened
+    stack_house.shut(opened)
 
 
 def test_every_operation_has_a_row_and_every_row_an_operation():
@@ -25,7 +33,7 @@ def test_nobody_may_what_needs_an_account():
 
 
 @pytest.mark.parametrize("name", sorted({*OPERATIONS, *ROWS}))
-def test_access_matrix(api, name):  # noqa: F811
+def test_access_matrix(api, name):
     about, _, state = name.partition(":")
     path, method, operation = OPERATIONS[about]
     forget_attempts(api)

@@ -228,3 +228,14 @@ def test_no_secret_is_in_the_database_or_the_logs(api):  # noqa: F811
     log = api.log("api") + api.log("edge") + api.log("postgres")
     for secret in (token, PASSWORD, one.email, one.csrf):
         assert secret not in log
+
+
+@pytest.mark.parametrize("wanted,subject", [("de-AT,de;q=0.9,en;q=0.5", "Bestätigen Sie Ihre E-Mail-Adresse für Diaphane"),
+                                            ("fr,en;q=0.5", "Confirm your email address for Diaphane"),
+                                            ("de\"<script>", "Confirm your email address for Diaphane")])
+def test_a_mail_is_in_the_language_that_the_request_prefers(api, wanted, subject):
+    one = Person(api)
+    api.psql("DELETE FROM attempts")
+    assert one.http.post("/v1/accounts", json={"email": one.email}, headers={"Accept-Language": wanted}).status_code == 202
+    [mail] = api.wait_until(lambda: api.mails(one.email), what="the mail")
+    assert mail["Subject"] == subject
