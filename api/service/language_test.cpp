@@ -28,17 +28,12 @@ TEST(PreferredLanguage, IsTheOneWithTheHighestQuality) {
 }
 
 TEST(PreferredLanguage, IsEnglishForGarbage) {
-  const std::string many = [] {
-    std::string text;
-    for (int i = 0; i < 40; ++i) text += ",";
-    return text + "de";
-  }();
   for (const std::string& garbage :
        {std::string(), std::string(";"), std::string(",,,;q=,"), std::string("den"),
         std::string("deutsch"), std::string("de_DE"), std::string("d"), std::string("-de"),
         std::string("de;q="), std::string("de;q=2"), std::string("de;q=1.0000"),
         std::string("de;q=0.1111"), std::string("de;q=-1"), std::string("de;q=0.5;q=0.5"),
-        std::string("de\r\nBcc: a@b.c"), std::string("de\0", 3), std::string("\xff\xfe"), many,
+        std::string("de\r\nBcc: a@b.c"), std::string("de\0", 3), std::string("\xff\xfe"),
         "de," + std::string(253, 'x')}) {
     EXPECT_EQ(preferred_language(garbage), Language::kEnglish) << garbage;
   }
