@@ -28,7 +28,7 @@ struct Principal {
   /// Has the administrator role without two-factor authentication. Until it is on, `administrator`
   /// is false.
   bool administrator_waits = false;
-  Language language = Language::kEnglish;  ///< of the request; known even of nobody
+  Language language = Language::kEnglish;  ///< of the request, with or without an account
 };
 
 /// Sign-up, sign-in and sign-out. Thread-safe.

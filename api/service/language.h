@@ -9,8 +9,8 @@ namespace diaphane::api {
 enum class Language : std::uint8_t { kEnglish, kGerman };
 
 /// Returns the language that an Accept-Language header (RFC 9110, section 12.5.4) prefers.
-/// English, if it names neither language, or both equally with English first, or is malformed.
-/// Nothing else of the header is used. Reads at most 255 bytes and 32 languages.
+/// Returns English if the header names neither language, names English first among equals, is
+/// malformed or is longer than 255 bytes.
 Language preferred_language(std::string_view accept_language);
 
 }  // namespace diaphane::api

@@ -46,7 +46,7 @@ class Firefox:
         self.browser.navigate(url)
 
     def heading(self, name: str) -> WebElement:
-        """Waits for it, as all that follow do."""
+        """Waits for the heading. The methods below wait for their elements, too."""
         return self._find(f"//h1[normalize-space()='{name}']")
 
     def text(self, text: str) -> WebElement:
@@ -71,7 +71,7 @@ class Firefox:
         chain.pointer_move(right, down, duration=200, origin="pointer").pointer_up().perform()
 
     def choose_files(self, field: WebElement, files: list[Path]) -> None:
-        """Marionette cannot choose a folder, so that its files are chosen one by one."""
+        """Chooses the files of a folder one by one, because Marionette cannot choose the folder."""
         self.evaluate("arguments[0].webkitdirectory = false", field)
         field.send_keys("\n".join(map(str, files)))
 

@@ -10,7 +10,7 @@ from access_matrix_fixture import ROLES, STATES, World, ask
 
 @pytest.fixture(scope="module")
 def api(stack_house):
-    """A stack of its own, because the samples and the worker that the table needs would be there for all other tests, too."""
+    """A separate stack, because the samples and the worker that the table needs would remain for all other tests."""
     opened = stack_house.open(only=("postgres", "redis", "api", "edge"))
     yield opened
     stack_house.shut(opened)
