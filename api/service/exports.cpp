@@ -12,6 +12,8 @@
 namespace diaphane::api {
 namespace {
 
+constexpr std::chrono::hours kSweepInterval{1};  // a sweep reads the IDs of all exports
+
 constexpr std::string_view kReadMe =
     "This archive contains all the data that Diaphane stored about you when you requested it.\n\n"
     "records/   The database records, one JSON file per table. Passwords, cookies and the secret\n"
@@ -158,7 +160,7 @@ Result<void> Exports::make(const ExportStore::Job& job) {
   return {};
 }
 
-void Exports::sweep() {
+bool Exports::sweep() {
   namespace fs = std::filesystem;
   constexpr std::string_view kUnfinished = ".tmp-", kFinished = ".zip";
   std::vector<std::pair<std::string, fs::path>> files;  // with the ID of the export
@@ -173,18 +175,19 @@ void Exports::sweep() {
     }
     if (is_id(id)) files.emplace_back(std::move(id), entry->path());
   }
-  if (files.empty()) return;
+  if (files.empty()) return true;
   // The files are listed first, because an export exists before its file does.
   const auto ids = store_.ids();
-  if (!ids) return;
+  if (!ids) return false;
   for (const auto& [id, path] : files) {
     if (std::find(ids->begin(), ids->end(), id) == ids->end()) fs::remove(path, error);
   }
+  return true;
 }
 
 void Exports::look() {
   (void)store_.expire(clock_.wall());
-  sweep();
+  if (clock_.wall() >= next_sweep_ && sweep()) next_sweep_ = clock_.wall() + kSweepInterval;
   for (;;) {
     const auto job = store_.claim(clock_.wall(), kLease);
     if (!job || !*job) return;

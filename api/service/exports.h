@@ -112,8 +112,9 @@ class Exports {
 
  private:
   Result<void> make(const ExportStore::Job& job);
-  /// Deletes files whose export no longer exists.
-  void sweep();
+  /// Deletes files whose export no longer exists. Returns false if the exports are unknown because
+  /// the database did not answer.
+  bool sweep();
   Result<void> check_room(const ExportStore::Job& job) const;
   Result<std::int64_t> write(const ExportStore::Job& job, const std::string& path);
 
@@ -121,6 +122,7 @@ class Exports {
   MakeFile make_file_;
   const Clock& clock_;
   Options options_;
+  Time next_sweep_{};
   std::function<void()> wake_ = [] {};
 };
 
