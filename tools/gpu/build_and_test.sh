@@ -45,7 +45,7 @@ fi
 if wants memcheck; then
   for tool in memcheck racecheck initcheck; do
     step "$tool" compute-sanitizer --tool $tool --error-exitcode 9 "$BUILD/bin/render_cuda_test" \
-      --gtest_filter='CudaFilmTest.*:AccelerationTest.*:CudaEngineTest.TheSame*:CudaEngineTest.ABadScene*:CudaEngineTest.ANewScene*'
+      --gtest_filter='CudaFilmTest.*:AccelerationTest.*:CudaEngineTest.SameSeed*:CudaEngineTest.RefusesInvalidScene*:CudaEngineTest.NewScene*'
     grep -E 'ERROR SUMMARY|RACECHECK SUMMARY' "$OUT/$tool.log"
   done
 fi

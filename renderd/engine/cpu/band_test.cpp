@@ -39,9 +39,9 @@ class Bands : public ::testing::TestWithParam<Walk> {
   std::shared_ptr<const DeviceVolume> volume_ = *engine_->load(test::skull_volume());
 };
 
-TEST_P(Bands, AreTheWholeBitByBit) { expect_bands_to_be_the_whole(test::skull_scene()); }
+TEST_P(Bands, ReproduceTheWholeImageBitByBit) { expect_bands_to_be_the_whole(test::skull_scene()); }
 
-TEST_P(Bands, AreTheWholeOfALensAndOfParallelRaysToo) {
+TEST_P(Bands, ReproduceTheWholeImageForLensAndParallelRays) {
   auto scene = test::skull_scene();
   scene.mutable_camera()->set_aperture_radius(5);
   expect_bands_to_be_the_whole(scene);
@@ -50,7 +50,7 @@ TEST_P(Bands, AreTheWholeOfALensAndOfParallelRaysToo) {
   expect_bands_to_be_the_whole(scene);
 }
 
-TEST_P(Bands, OfAPictureThatNoFilmHolds) {
+TEST_P(Bands, RenderImageThatIsTooLargeForAFilm) {
   const PictureRgb8 band = picture(test::skull_scene(), {16384, 1, 8192, 16384});
   EXPECT_EQ(band.size.width, 16384u);
   EXPECT_EQ(band.pixels.size(), std::size_t{3} * 16384);

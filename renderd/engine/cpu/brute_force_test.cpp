@@ -190,7 +190,7 @@ TEST(BruteForce, AgreesOnEveryTileOfTheSkull) {
   expect_agreement(test::skull_volume(), test::skull_scene(), {64, 64}, 64);
 }
 
-TEST(BruteForce, AgreesOnEveryTileOfAThinMediumAndAThickOne) {
+TEST(BruteForce, AgreesOnEveryTileOfThinAndThickMedia) {
   for (const double extinction : {0.02, 10.0}) {
     diaphane::v1::Scene scene = test::skull_scene();
     scene.mutable_transfer_function()->set_extinction_per_mm(extinction);

@@ -74,7 +74,7 @@ void expect_thin_lens(double distance, bool parallel) {
   EXPECT_GT(widest, 0.995) << "the lens is used to its edge";
 }
 
-TEST(Lens, RaysMeetInThePlaneOfFocusAndFillTheCircleOfConfusion) {
+TEST(Lens, RaysMeetInTheFocalPlaneAndFillTheCircleOfConfusion) {
   for (const double distance : {100.0, 1e4, 1e6}) {
     expect_thin_lens<kLens>(distance, false);
     expect_thin_lens<kLens.with(Feature::kOrthographic)>(distance, false);
@@ -82,7 +82,7 @@ TEST(Lens, RaysMeetInThePlaneOfFocusAndFillTheCircleOfConfusion) {
   }
 }
 
-TEST(Lens, WithoutAFocalDistanceTheTargetIsSharp) {
+TEST(Lens, FocusesOnTheTargetWithoutFocalDistance) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_camera()->set_aperture_radius(8);
   const test::Prepared p(tilted_volume(), scene, {64, 48});
@@ -137,7 +137,7 @@ test::Moments squared_radius(double focus) {
   return out;
 }
 
-TEST(Lens, APointBlursToTheCircleOfConfusion) {
+TEST(Lens, BlursPointToTheCircleOfConfusion) {
   const test::Moments sharp = squared_radius(100);
   EXPECT_LT(sharp.mean, 1.0) << "in the plane of focus a voxel stays a voxel (mm^2)";
   const double limit = test::critical_z(test::sidak(kAlpha, 2));
@@ -153,7 +153,7 @@ TEST(Lens, APointBlursToTheCircleOfConfusion) {
 /// A black, opaque cube of 20 mm before a white background. Parallel rays show it at the same size
 /// from any distance: 20 mm of `orthographic_height`. With independent points, one sample of each
 /// pixel is a Bernoulli trial. The significance is 1e-3.
-TEST(Orthographic, ThePictureIsSoManyMillimetresHighAtAnyDistance) {
+TEST(Orthographic, ImageHeightDoesNotDependOnTheDistance) {
   const double limit = test::critical_z(test::sidak(kAlpha, 3));
   for (const double distance : {30.0, 500.0, 1e6}) {
     diaphane::v1::Scene scene;
@@ -198,7 +198,7 @@ TEST(Orthographic, RaysAreParallelAndStartNearTheBox) {
 }
 
 /// A kernel that supports a lens and parallel rays gives the same picture for a scene with neither.
-TEST(Camera, AGeneralKernelGivesTheSameRays) {
+TEST(Camera, GeneralKernelGeneratesTheSameRays) {
   const test::Prepared p(tilted_volume(), test::skull_scene(), {64, 48});
   Random random(11, 0, 0);
   for (int i = 0; i < 200; ++i) {

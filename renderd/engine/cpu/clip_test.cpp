@@ -18,7 +18,7 @@ constexpr double kAlpha = 1e-3;
 constexpr Features kClip = Features{}.with(Feature::kClip);
 constexpr Features kClipLight = kClip.with(Feature::kClipLight);
 
-TEST(Clip, LeavesOfARayWhatBoxAndPlanesKeep) {
+TEST(Clip, ClipsRayToBoxAndPlanes) {
   diaphane::v1::Scene scene = test::skull_scene();
   test::set(scene.mutable_clip()->mutable_box_low(), -12, -14, -9);
   test::set(scene.mutable_clip()->mutable_box_high(), 15, 11, 13);
@@ -67,7 +67,7 @@ TEST(Clip, LeavesOfARayWhatBoxAndPlanesKeep) {
   EXPECT_GT(crossed, 2000);
 }
 
-TEST(Clip, WhatCutsNothingOffIsCompiledOut) {
+TEST(Clip, IneffectiveClipIsCompiledOut) {
   diaphane::v1::Scene scene = test::skull_scene();
   const auto features = [&] {
     return test::Prepared(test::constant_volume(10, 7), scene).scene().features;
@@ -84,7 +84,7 @@ TEST(Clip, WhatCutsNothingOffIsCompiledOut) {
   EXPECT_FALSE(features().has(Feature::kClipLight));
 }
 
-TEST(Clip, ABoxWithoutThicknessShowsNothing) {
+TEST(Clip, BoxWithoutThicknessShowsNothing) {
   diaphane::v1::Scene scene = test::skull_scene();
   test::set(scene.mutable_clip()->mutable_box_low(), -5, 0, -5);
   test::set(scene.mutable_clip()->mutable_box_high(), 5, 0, 5);
@@ -149,7 +149,7 @@ double largest_t(const std::vector<test::Moments>& a, const std::vector<test::Mo
 }
 
 /// Welch's t of each tile, with a significance of 1e-3 over all tiles and both kernels (Sidak).
-TEST(Clip, ABoxThatCutsLightIsACroppedVolume) {
+TEST(Clip, BoxThatCutsLightEqualsACroppedVolume) {
   constexpr Features kLit = kClipLight.with(Feature::kAreaLights).with(Feature::kEnvironment);
   // The box keeps the voxels [6, 18) x [2, 22) x [6, 14) of 24 x 24 x 20 voxels of 1 x 1.2 x 1.5
   // mm.
@@ -177,7 +177,7 @@ TEST(Clip, ABoxThatCutsLightIsACroppedVolume) {
 /// A homogeneous cube of 20 mm is cut in the middle across the view axis. A lamp behind the camera
 /// shines through the part that is cut away. Single scattering is an integral over the ray and the
 /// lamp.
-TEST(Clip, LightGoesThroughWhatIsCutAwayOrIsDimmedThereAsChosen) {
+TEST(Clip, ClippedRegionCastsShadowsOnlyIfConfigured) {
   constexpr double kExtinction = 0.15;
   const double limit = test::critical_z(test::sidak(kAlpha, 3));
   double previous = 0;
@@ -236,7 +236,7 @@ TEST(Clip, LightGoesThroughWhatIsCutAwayOrIsDimmedThereAsChosen) {
 /// An oblique plane through a tilted, homogeneous, black cube before a white background. The
 /// picture shows the transmittance of the remaining part, according to Beer and Lambert. The test
 /// is binomial, with a significance of 1e-3 over the pixels.
-TEST(Clip, APlaneLeavesItsPartOfTheTransmittance) {
+TEST(Clip, PlaneClipsTheTransmittanceOfTheRay) {
   diaphane::v1::Scene scene;
   test::add_channel(*scene.mutable_transfer_function(), {{0, 1}, {2000, 1}}, 0, 0, 0);
   scene.mutable_transfer_function()->set_extinction_per_mm(0.1);

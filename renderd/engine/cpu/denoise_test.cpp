@@ -75,7 +75,7 @@ double rmse(const std::vector<float>& a, const std::function<double(std::size_t)
 
 /// The halves differ while their mean is the same everywhere, so the whole filtered picture is
 /// used.
-TEST(Denoiser, AConstantPictureStaysConstantWhateverTheGuides) {
+TEST(Denoiser, ConstantImageStaysConstantWithAnyGuides) {
   for (const std::uint64_t samples : {1ull, 2ull, 6ull}) {
     Made film;
     film.fill(samples, [&](std::size_t p, std::uint64_t n) {
@@ -94,7 +94,7 @@ TEST(Denoiser, AConstantPictureStaysConstantWhateverTheGuides) {
 
 /// With noise of 1, 2 and 16 samples on an even surface, the noise falls. The energy is that of the
 /// truth within 5 standard errors of the picture's mean.
-TEST(Denoiser, NoiseFallsAndTheEnergyIsKept) {
+TEST(Denoiser, ReducesNoiseAndKeepsTheEnergy) {
   for (const std::uint64_t samples : {1ull, 2ull, 16ull}) {
     Made film;
     film.fill(samples, [](std::size_t p, std::uint64_t n) { return noise(0.2f, p, n); });
@@ -109,7 +109,7 @@ TEST(Denoiser, NoiseFallsAndTheEnergyIsKept) {
 }
 
 /// The picture has a step where one of the guides has one. Each side must keep its brightness.
-TEST(Denoiser, EdgesOfEachGuideAreKept) {
+TEST(Denoiser, KeepsEdgesOfEachGuide) {
   const Guides plain{1, 100, {0.5f, 0.5f, 0.5f}, {0, 0, 1}};
   std::vector<Guides> others(5, plain);
   others[0].opacity = 0.4f;
@@ -137,7 +137,7 @@ TEST(Denoiser, EdgesOfEachGuideAreKept) {
   }
 }
 
-TEST(Denoiser, NoPixelOfASliceChangesAndNoneGivesToOthers) {
+TEST(Denoiser, SlicePixelsNeitherChangeNorBleed) {
   Made film;
   const auto slice = [](std::size_t p) { return column(p) >= 20 && column(p) < 40; };
   film.fill(4, [&](std::size_t p, std::uint64_t n) {
@@ -158,7 +158,7 @@ TEST(Denoiser, NoPixelOfASliceChangesAndNoneGivesToOthers) {
   EXPECT_LT(beside, 0.8) << "a bright pixel of the slice lit its neighbours";
 }
 
-TEST(Denoiser, GivesTheSameBitsWhateverTheThreads) {
+TEST(Denoiser, ResultDoesNotDependOnTheNumberOfThreads) {
   Made film;
   film.fill(3, [](std::size_t p, std::uint64_t n) { return noise(0.2f, p, n); });
   const auto one = film.denoised(1);
@@ -167,7 +167,7 @@ TEST(Denoiser, GivesTheSameBitsWhateverTheThreads) {
 }
 
 /// The film has pixels whose samples were all dropped, sums that overflowed, and invalid guides.
-TEST(Denoiser, WhatIsNotFiniteNeverSpreads) {
+TEST(Denoiser, DoesNotSpreadNonFiniteValues) {
   for (const std::uint64_t samples : {1ull, 4ull}) {
     Made film;
     film.fill(samples, [](std::size_t p, std::uint64_t n) {
@@ -204,7 +204,7 @@ TEST(Denoiser, WhatIsNotFiniteNeverSpreads) {
 /// the remaining noise with variance V, the denoiser should remove the share V / (V + B), where B
 /// is the variance of the texture. No filter can know more. The test allows a factor of 2. The
 /// picture is therefore smooth with few samples, and finally becomes the raw one.
-TEST(Denoiser, FadesOutAsTheErrorFalls) {
+TEST(Denoiser, EffectFadesAsTheErrorFalls) {
   const auto level = [](std::size_t p) {
     return 0.3f + 0.05f * static_cast<float>((p * 7919) % 13) / 13;
   };
@@ -290,7 +290,7 @@ void expect_never_worse(const diaphane::v1::Scene& scene, Walk walk,
   }
 }
 
-TEST(DenoisedPicture, IsNeverWorseThanTheRawOne) {
+TEST(DenoisedPicture, IsNeverWorseThanTheRawImage) {
   const std::initializer_list<std::uint32_t> counts{1, 2, 4, 16, 64};
   auto thin = test::skull_scene(), dense = test::skull_scene(), dark = test::skull_scene();
   const double extinction = thin.transfer_function().extinction_per_mm();
@@ -304,7 +304,7 @@ TEST(DenoisedPicture, IsNeverWorseThanTheRawOne) {
   expect_never_worse(test::skull_scene(), Walk::kAuto, {1, 2, 4}, "skull by the exact walk");
 }
 
-TEST(DenoisedPicture, IsTheRawOneWithoutGuidesAndAfterConvergence) {
+TEST(DenoisedPicture, EqualsTheRawImageWithoutGuidesAndAfterConvergence) {
   const volume::Volume volume = test::skull_volume();
   const auto engine = make_cpu_engine(2);
   auto renderer = engine->renderer(engine->load(volume).value(), 1, 0).value();
@@ -326,7 +326,7 @@ TEST(DenoisedPicture, IsTheRawOneWithoutGuidesAndAfterConvergence) {
   EXPECT_EQ(smooth.pixels, raw.pixels);
 }
 
-TEST(DenoisedPicture, GuidesChangeNoSample) {
+TEST(DenoisedPicture, RecordingGuidesDoesNotChangeSamples) {
   const volume::Volume volume = test::skull_volume();
   const auto engine = make_cpu_engine(2);
   const auto loaded = engine->load(volume).value();

@@ -46,7 +46,7 @@ std::vector<float> rendered(const volume::Volume& volume, const diaphane::v1::Sc
   return radiance(*s.renderer);
 }
 
-TEST(CpuEngine, GivesTheSamePictureBitForBitWhateverTheThreadsAndTheAsking) {
+TEST(CpuEngine, ImageDoesNotDependOnThreadsOrBatchSizes) {
   const volume::Volume volume = test::skull_volume();
   const std::vector<float> one = rendered(volume, test::skull_scene(), 7, 1);
   for (unsigned threads : {2u, 3u, 7u}) {
@@ -59,7 +59,7 @@ TEST(CpuEngine, GivesTheSamePictureBitForBitWhateverTheThreadsAndTheAsking) {
   EXPECT_NE(rendered(volume, test::skull_scene(), 7, 1, 2), one) << "another seed";
 }
 
-TEST(CpuEngine, PicturesOfTwoRangesOfSamplesHaveIndependentErrors) {
+TEST(CpuEngine, DisjointSampleRangesHaveIndependentErrors) {
   // Two devices render one session, so their errors must be independent. The test is two-sided at
   // 1e-5 on the correlation of the errors over the pixels that vary (Fisher's z, normal).
   const volume::Volume volume = test::skull_volume();
@@ -83,7 +83,7 @@ TEST(CpuEngine, PicturesOfTwoRangesOfSamplesHaveIndependentErrors) {
   EXPECT_LT(std::abs(std::atanh(r)), 4.42 / std::sqrt(pixels - 3.0) + 4.0 / 260);
 }
 
-TEST(CpuEngine, StopsBetweenTilesAndDiscardsWhatIsUnfinished) {
+TEST(CpuEngine, StopsBetweenTilesAndDiscardsUnfinishedSamples) {
   const volume::Volume volume = test::skull_volume();
   Session s = session(volume);
   ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
@@ -104,7 +104,7 @@ TEST(CpuEngine, StopsBetweenTilesAndDiscardsWhatIsUnfinished) {
       << "as if nothing had been stopped";
 }
 
-TEST(CpuEngine, ARefusedSceneLeavesPictureAndProgress) {
+TEST(CpuEngine, RefusedSceneKeepsImageAndProgress) {
   Session s = session(test::skull_volume());
   ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
   ASSERT_TRUE(s.renderer->render(2, nullptr));
@@ -126,7 +126,7 @@ TEST(CpuEngine, ARefusedSceneLeavesPictureAndProgress) {
   EXPECT_EQ(radiance(*s.renderer), before);
 }
 
-TEST(CpuEngine, NothingIsRenderedBeforeASceneIsSet) {
+TEST(CpuEngine, RendersNothingBeforeASceneIsSet) {
   Session s = session(test::skull_volume());
   PictureRgb8 picture;
   EXPECT_FALSE(s.renderer->render(1, nullptr));
@@ -134,7 +134,7 @@ TEST(CpuEngine, NothingIsRenderedBeforeASceneIsSet) {
   EXPECT_TRUE(s.renderer->features().empty());
 }
 
-TEST(CpuEngine, ASceneSetAgainStartsAfreshOnAnyCanvas) {
+TEST(CpuEngine, SettingTheSceneAgainRestartsOnAnyCanvas) {
   const volume::Volume volume = test::skull_volume();
   Session s = session(volume);
   for (const Canvas canvas : {kCanvas, Canvas{20, 70}, kCanvas, Canvas{1, 1}, kCanvas}) {
@@ -146,7 +146,7 @@ TEST(CpuEngine, ASceneSetAgainStartsAfreshOnAnyCanvas) {
   }
 }
 
-TEST(CpuEngine, SessionsOnOneEngineDoNotDisturbEachOther) {
+TEST(CpuEngine, SessionsOnOneEngineAreIndependent) {
   const volume::Volume volume = test::skull_volume();
   const std::shared_ptr<Engine> engine = make_cpu_engine(2);
   const auto shared = engine->load(volume).value();
@@ -167,7 +167,7 @@ TEST(CpuEngine, SessionsOnOneEngineDoNotDisturbEachOther) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(CpuEngine, PicturesTogetherStayWithinTheMemoryForThem) {
+TEST(CpuEngine, LimitsTheMemoryOfAllImagesTogether) {
   const std::uint64_t one = std::uint64_t{kCanvas.width} * kCanvas.height * 56;
   const std::shared_ptr<Engine> engine = make_cpu_engine(1, 5 * one / 2);
   const auto volume = engine->load(test::skull_volume()).value();
@@ -187,7 +187,7 @@ TEST(CpuEngine, PicturesTogetherStayWithinTheMemoryForThem) {
   }
 }
 
-TEST(CpuEngine, DisplayIsTheToneMappedRadiance) {
+TEST(CpuEngine, DisplayEqualsTheToneMappedRadiance) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_display()->set_exposure(-1);
   Session s = session(test::skull_volume());
@@ -227,7 +227,7 @@ void expect_transmittance(const volume::Volume& volume, const diaphane::v1::Scen
   EXPECT_NEAR(mean, p, test::critical_z(test::sidak(1e-3, tests)) * error + 1e-5) << what;
 }
 
-TEST(Degenerate, VolumesGiveTheirDefinedPicture) {
+TEST(Degenerate, VolumesHaveTheirDefinedTransmittance) {
   const auto one = [](double, double, double) { return 5.0; };
   constexpr std::size_t kTests = 9;
   expect_transmittance(test::make_volume({1, 1, 1}, {2, 3, 4}, one), shadow_scene(0.2), 0.6, kTests,
@@ -248,7 +248,7 @@ TEST(Degenerate, VolumesGiveTheirDefinedPicture) {
                        kTests, "1:30");
 }
 
-TEST(Degenerate, TheCameraMayBeFarAwayOrInside) {
+TEST(Degenerate, CameraMayBeFarAwayOrInside) {
   const auto five = [](double, double, double) { return 5.0; };
   const volume::Volume volume = test::make_volume({20, 20, 20}, {1, 1, 1}, five);
   expect_transmittance(volume, shadow_scene(0.05, 9e5, 0.001), 1, 3, "900 m");
@@ -256,7 +256,7 @@ TEST(Degenerate, TheCameraMayBeFarAwayOrInside) {
   expect_transmittance(volume, shadow_scene(0.1, 10), 2, 3, "on the face");
 }
 
-TEST(Degenerate, PicturesStayFinite) {
+TEST(Degenerate, ImagesStayFinite) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(1e6);
   for (const double g : {0.0, 0.999999999, -0.999999999}) {
@@ -275,7 +275,7 @@ TEST(Degenerate, PicturesStayFinite) {
   }
 }
 
-TEST(CpuEngine, RefusesAVolumeThatDoesNotFit) {
+TEST(CpuEngine, RefusesVolumeWithMissingVoxels) {
   volume::Volume volume = test::skull_volume();
   volume.voxels.pop_back();
   const auto loaded = make_cpu_engine(1)->load(volume);
@@ -286,7 +286,7 @@ TEST(CpuEngine, RefusesAVolumeThatDoesNotFit) {
 /// From 64 samples on, the estimated error is within 10% of the true one for a scene like the
 /// cranium. The true error is the root mean square over independent pictures, compared with a
 /// converged picture whose own noise is subtracted.
-TEST(ErrorEstimate, CoversTheTruth) {
+TEST(ErrorEstimate, IsWithinTenPercentOfTheTrueError) {
   constexpr Canvas kSmall{64, 64};
   constexpr std::uint32_t kReference = 2048;
   const volume::Volume volume = test::skull_volume();

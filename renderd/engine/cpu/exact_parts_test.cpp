@@ -76,7 +76,7 @@ float walked_depth(const SceneView<LinearVolume>& view, const Crossing& way) {
   return walk.depth();
 }
 
-TEST(ExactCell, HasTheDepthOfFineStepsHoweverOftenTheValueTurns) {
+TEST(ExactCell, MatchesRayMarchingForNonMonotonicValues) {
   Random random(21, 0, 0);
   int by_turns[4] = {0, 0, 0, 0};
   for (int i = 0; i < 6000 && by_turns[2] < 60; ++i) {
@@ -142,7 +142,7 @@ void expect_beer_and_lambert(float certain, const Transmittance& transmittance) 
   }
 }
 
-TEST(TransmittanceWalk, HasBeerAndLambertAsItsMeanBeyondWhereRaysEndByChance) {
+TEST(TransmittanceWalk, MeanFollowsBeerLambertBeyondRussianRoulette) {
   const Thick thick;
   const auto view = thick.scene.view();
   expect_beer_and_lambert(kCertainDepth, [&](float length, Random& random) {
@@ -155,7 +155,7 @@ TEST(TransmittanceWalk, HasBeerAndLambertAsItsMeanBeyondWhereRaysEndByChance) {
   });
 }
 
-TEST(FindHits, LeaveOfWhatIsBehindWhatBeerAndLambertSay) {
+TEST(FindHits, RemainingTransmittanceFollowsBeerLambert) {
   const Thick thick;
   auto view = thick.scene.view();
   for (auto& strata : view.exact.strata) strata = 0;
@@ -202,7 +202,7 @@ TEST(ExactTables, FindTheContainingPieceForEveryValue) {
   }
 }
 
-TEST(ExactEstimate, MatterBehindALampCastsNoShadow) {
+TEST(ExactEstimate, MediumBehindALampCastsNoShadow) {
   // A lamp shines on a floor. Above the lamp is a ceiling that would absorb all of its light.
   const auto volume = test::make_volume({24, 24, 24}, {1, 1, 1}, [](double, double, double z) {
     return z < 8 ? 12'000 : z > 18 ? 30'000 : 0;

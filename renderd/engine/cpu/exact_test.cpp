@@ -79,7 +79,7 @@ double stepped_depth(const SceneView<LinearVolume>& view, const Way& way) {
   return depth * length / steps;
 }
 
-TEST(ExactWalk, FindsTheOpticalDepthOfFineSteps) {
+TEST(ExactWalk, OpticalDepthMatchesRayMarching) {
   for (const auto& scene : {test::skull_scene(), curves_scene()}) {
     const test::Prepared p(test::skull_volume(), scene);
     const auto view = p.view();
@@ -97,7 +97,7 @@ TEST(ExactWalk, FindsTheOpticalDepthOfFineSteps) {
   }
 }
 
-TEST(ExactWalk, PassesEveryCellThatIsNotEmpty) {
+TEST(ExactWalk, VisitsEveryNonEmptyCell) {
   // A walk through all bricks must hit no more matter than a walk that skips the empty ones.
   const test::Prepared p(test::skull_volume(), curves_scene());
   const auto view = p.view();
@@ -117,7 +117,7 @@ TEST(ExactWalk, PassesEveryCellThatIsNotEmpty) {
   EXPECT_LT(cells, all / 2) << "and something is skipped";
 }
 
-TEST(ExactTables, SkipsAreTheLargestEmptyCubes) {
+TEST(ExactTables, SkipsSpanTheLargestEmptyCubes) {
   const Int3 bricks{9, 7, 6};
   std::vector<std::uint8_t> occupied(static_cast<std::size_t>(9 * 7 * 6), 0);
   Random random(3, 0, 0);
@@ -147,7 +147,7 @@ TEST(ExactTables, SkipsAreTheLargestEmptyCubes) {
   }
 }
 
-TEST(ExactTables, PiecesGiveTheTableBack) {
+TEST(ExactTables, PiecesReproduceTheTable) {
   std::vector<float> table;
   for (int i = 0; i <= 4000; ++i) {
     const double v = i < 1000   ? 0
@@ -171,7 +171,7 @@ TEST(ExactTables, PiecesGiveTheTableBack) {
   }
 }
 
-TEST(OpacityStrata, CoverTheOpacityAndWeighWhatIsFoundByTheirWidth) {
+TEST(OpacityStrata, CoverTheOpacityRangeAndWeightHitsByWidth) {
   for (std::int32_t count = 1; count <= kMostHits; ++count) {
     double end = 0;
     for (std::int32_t i = 0; i < count; ++i) {
@@ -200,7 +200,7 @@ TEST(OpacityStrata, CoverTheOpacityAndWeighWhatIsFoundByTheirWidth) {
   }
 }
 
-TEST(FindHits, AreWhereTheOpacityReachesTheirStrata) {
+TEST(FindHits, HitsLieWhereTheOpacityReachesTheirStrata) {
   const test::Prepared p(test::skull_volume(), curves_scene());
   auto view = p.view();
   int found = 0;
@@ -257,7 +257,7 @@ std::vector<test::Moments> tiles_of(const test::Prepared& p, int pictures, std::
   return tiles;
 }
 
-TEST(ExactEstimate, HasTheMeanOfTracking) {
+TEST(ExactEstimate, MatchesTheMeanOfTracking) {
   static constexpr Features kF =
       Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
   constexpr double kAlpha = 1e-4;

@@ -43,7 +43,7 @@ diaphane::v1::Scene with_opacity(double opacity) {
   return scene;
 }
 
-TEST(Extremes, AnEmptyFunctionShowsTheSkyAlone) {
+TEST(Extremes, EmptyTransferFunctionShowsOnlyTheSky) {
   for (const auto& scene :
        {with_opacity(0), [] {
           auto off = test::skull_scene();
@@ -54,7 +54,7 @@ TEST(Extremes, AnEmptyFunctionShowsTheSkyAlone) {
   }
 }
 
-TEST(Extremes, VolumesOfEveryShapeAndValueGiveFinitePictures) {
+TEST(Extremes, VolumesOfAnyShapeAndValueRenderFinite) {
   const std::array<std::uint32_t, 3> sizes[] = {{1, 1, 1},  {1, 30, 30}, {30, 1, 30}, {30, 30, 1},
                                                 {1, 1, 30}, {8, 8, 8},   {9, 16, 17}};
   for (const auto& size : sizes) {
@@ -73,7 +73,7 @@ TEST(Extremes, VolumesOfEveryShapeAndValueGiveFinitePictures) {
   }
 }
 
-TEST(Extremes, VoxelsFromAThousandthToAThousandMillimetresAndOneToTwenty) {
+TEST(Extremes, SmallLargeAndAnisotropicVoxelsRenderFinite) {
   for (const std::array<double, 3> spacing :
        {std::array{1.0, 1.0, 20.0}, std::array{20.0, 1.0, 1.0}, std::array{1e-3, 1e-3, 1e-3},
         std::array{1e3, 1e3, 1e3}, std::array{1e-3, 1.0, 1e3}}) {
@@ -89,7 +89,7 @@ TEST(Extremes, VoxelsFromAThousandthToAThousandMillimetresAndOneToTwenty) {
   }
 }
 
-TEST(Extremes, ExtinctionFromAMillionthToAMillionPerMillimetre) {
+TEST(Extremes, AnyExtinctionRendersFinite) {
   for (double extinction = 1e-6; extinction < 2e6; extinction *= 100) {
     diaphane::v1::Scene solid = with_opacity(1);
     solid.mutable_transfer_function()->set_extinction_per_mm(extinction);
@@ -103,7 +103,7 @@ TEST(Extremes, ExtinctionFromAMillionthToAMillionPerMillimetre) {
   }
 }
 
-TEST(Extremes, ACameraOnEveryAxisInsideOnTheFaceAndFarAway) {
+TEST(Extremes, AnyCameraPositionRendersFinite) {
   for (const double distance : {1e-5, 0.5, 24.0, 100.0, 1e6}) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const double sign : {1.0, -1.0}) {
@@ -118,7 +118,7 @@ TEST(Extremes, ACameraOnEveryAxisInsideOnTheFaceAndFarAway) {
   }
 }
 
-TEST(Extremes, FieldsOfViewFromAThousandthToAlmostAHalfCircle) {
+TEST(Extremes, AnyFieldOfViewRendersFinite) {
   for (const double fov : {1e-3, 1.0, 120.0, 179.9}) {
     diaphane::v1::Scene scene = test::skull_scene();
     scene.mutable_camera()->set_vertical_fov_degrees(fov);
@@ -126,7 +126,7 @@ TEST(Extremes, FieldsOfViewFromAThousandthToAlmostAHalfCircle) {
   }
 }
 
-TEST(Extremes, LampsThatTouchTheVolumeLieInItOrAreTiny) {
+TEST(Extremes, LampsOfAnySizeInsideTheVolumeRenderFinite) {
   // The box of the skull extends from -24 to 24 in z.
   for (const double z : {24.0, 23.999, 0.0, -24.0}) {
     for (const double side : {1e-5, 1.0, 100.0, 1e6}) {
@@ -138,7 +138,7 @@ TEST(Extremes, LampsThatTouchTheVolumeLieInItOrAreTiny) {
   }
 }
 
-TEST(Extremes, ALampWithoutSizeIsRefusedByName) {
+TEST(Extremes, RefusesLampWithoutAreaAndNamesTheField) {
   diaphane::v1::Scene scene = test::skull_scene();
   test::set(scene.mutable_lights(0)->mutable_rectangle()->mutable_v(), 0, 0, 0);
   const auto checked = check_scene(scene);
@@ -146,7 +146,7 @@ TEST(Extremes, ALampWithoutSizeIsRefusedByName) {
   EXPECT_EQ(checked.error().field, "lights[0].rectangle.v");
 }
 
-TEST(Extremes, ABlackSceneHasNoErrorAndIsBlack) {
+TEST(Extremes, UnlitSceneIsBlack) {
   diaphane::v1::Scene scene = test::skull_scene();
   for (auto& light : *scene.mutable_lights()) {
     test::set(light.has_rectangle() ? light.mutable_rectangle()->mutable_radiance()
@@ -156,7 +156,7 @@ TEST(Extremes, ABlackSceneHasNoErrorAndIsBlack) {
   for (const float x : rendered(test::skull_volume(), scene)) ASSERT_EQ(x, 0.0f);
 }
 
-TEST(ErrorEstimate, FallsAsTheSquareRootOfTheSamples) {
+TEST(ErrorEstimate, FallsWithTheSquareRootOfTheSamples) {
   // Independent samples give a slope of -1/2 from 64 to 4096 samples, by least squares over powers
   // of two. The estimate itself has a spread of 4% (chi-square) over about 300 pixels with
   // contents, whose three colours are correlated. This gives the slope a standard error of 0.014,

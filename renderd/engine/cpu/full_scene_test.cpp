@@ -134,11 +134,11 @@ std::vector<std::string> rejections(const Tiles& a, const Tiles& b) {
   return out;
 }
 
-TEST(FullScene, HasTheMeanOfAnIndependentEstimatorForwards) {
+TEST(FullScene, ForwardScatteringMatchesAnIndependentEstimator) {
   EXPECT_EQ(rejections(rendered(full_scene(0.5)), reference_of(0.5)), std::vector<std::string>{});
 }
 
-TEST(FullScene, HasTheMeanOfAnIndependentEstimatorBackwards) {
+TEST(FullScene, BackwardScatteringMatchesAnIndependentEstimator) {
   EXPECT_EQ(rejections(rendered(full_scene(-0.4)), reference_of(-0.4)), std::vector<std::string>{});
 }
 
@@ -159,24 +159,24 @@ const Tiles& deep_reference() {
   return known;
 }
 
-TEST(FullScene, DeepPathsHaveTheMeanOfAnIndependentEstimator) {
+TEST(FullScene, DeepPathsMatchAnIndependentEstimator) {
   EXPECT_EQ(rejections(rendered(deep_scene()), deep_reference()), std::vector<std::string>{});
 }
 
-TEST(FullScene, SurfacesHaveTheMeanOfAnIndependentEstimator) {
+TEST(FullScene, SurfacesMatchAnIndependentEstimator) {
   diaphane::v1::Scene scene = deep_scene();
   scene.mutable_shading()->set_mode(diaphane::v1::Shading::SURFACE);
   scene.set_bounces(2);
   EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
 }
 
-TEST(FullScene, MissingCollisionsAreSeen) {
+TEST(FullScene, TestDetectsMissingCollisions) {
   diaphane::v1::Scene scene = deep_scene();
   scene.set_bounces(2);
   EXPECT_NE(rejections(rendered(scene), deep_reference()), std::vector<std::string>{});
 }
 
-TEST(FullScene, ABiasOfThreePercentIsSeen) {
+TEST(FullScene, TestDetectsABiasOfThreePercent) {
   // Matter reflects 3% more than in the reference.
   diaphane::v1::Scene scene = full_scene(0.5);
   for (auto& channel : *scene.mutable_transfer_function()->mutable_channels()) {

@@ -111,7 +111,7 @@ Scene every_light() {
   return scene;
 }
 
-TEST(Lights, EveryChoiceOfSamplesHasTheSamePicture) {
+TEST(Lights, EverySamplingStrategyHasTheSameMean) {
   for (const double g : {0.8, -0.5}) {
     Scene scene = every_light();
     scene.mutable_phase()->set_g(g);
@@ -125,7 +125,7 @@ TEST(Lights, EveryChoiceOfSamplesHasTheSamePicture) {
   }
 }
 
-TEST(Lights, EveryChoiceOfSamplesHasTheSamePictureOfGlossAndManyBounces) {
+TEST(Lights, StrategiesAgreeWithGlossAndManyBounces) {
   Scene scene = every_light();
   scene.mutable_shading()->set_mode(diaphane::v1::Shading::HYBRID);
   auto* channel = scene.mutable_transfer_function()->mutable_channels(0);
@@ -163,7 +163,7 @@ constexpr Features kLamps = Features{}
 constexpr Features kEveryLight =
     kLamps.with(Feature::kTexturedLights).with(Feature::kTexturedEnvironment);
 
-TEST(Lights, AVariantWithMoreFeaturesHasTheSamePicture) {
+TEST(Lights, VariantWithMoreFeaturesHasTheSameMean) {
   const Scene scene = every_light();
   const Features needed = test::Prepared(test::skull_volume(), scene).scene().features;
   ASSERT_TRUE(kEveryLight.holds(needed));
@@ -180,7 +180,7 @@ TEST(Lights, AVariantWithMoreFeaturesHasTheSamePicture) {
 
 /// In the exact walk each strategy has separate strata, and a strategy without strata must have no
 /// weight, even if the variant could combine strategies that the scene does not.
-TEST(Lights, TheExactWalkHasThePictureOfTracking) {
+TEST(Lights, ExactWalkMatchesTracking) {
   for (const double g : {0.0, 0.6}) {
     Scene scene = every_light();
     scene.mutable_phase()->set_g(g);
@@ -189,7 +189,7 @@ TEST(Lights, TheExactWalkHasThePictureOfTracking) {
   }
 }
 
-TEST(BoxLight, IsTheSumOfItsSixRectangles) {
+TEST(BoxLight, EqualsTheSumOfItsSixRectangles) {
   Scene box = dark_scene(), faces = dark_scene();
   auto* b = box.add_lights()->mutable_box();
   test::set(b->mutable_corner(), 30, 25, 20);
@@ -219,7 +219,7 @@ TEST(BoxLight, IsTheSumOfItsSixRectangles) {
 
 /// A texture of one colour must give the same light as that colour without a texture, whatever the
 /// other settings.
-TEST(TexturedLights, OfOneColourAreThePlainOnes) {
+TEST(TexturedLights, UniformTextureEqualsAPlainLight) {
   // The sRGB value 188 is 0.5029 of white.
   const std::string grey = test::png(9, 5, [](auto, auto) { return test::Rgb8{188, 188, 188}; });
   const double half = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
@@ -273,7 +273,7 @@ TEST(TexturedLights, OfOneColourAreThePlainOnes) {
   }
 }
 
-TEST(EnvironmentMap, IsSeenBehindTheVolumeWhenAskedFor) {
+TEST(EnvironmentMap, IsVisibleBehindTheVolumeOnlyIfConfigured) {
   Scene scene = dark_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(0);
   test::add_sky(scene, 2);
@@ -290,7 +290,7 @@ TEST(EnvironmentMap, IsSeenBehindTheVolumeWhenAskedFor) {
 
 #endif
 
-TEST(Lights, ExtremesGiveFinitePictures) {
+TEST(Lights, ExtremeLightsRenderFinite) {
   const auto finite = [](const Scene& scene) {
     double sum = 0;
     for (const float x : picture_of(scene, {}, 0, 64)) {

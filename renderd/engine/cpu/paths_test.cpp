@@ -63,7 +63,7 @@ diaphane::v1::Scene furnace(const Look& look, double extinction, std::uint32_t b
 /// With albedo 1 nothing is absorbed, so only paths that were cut off lose light. Every ray leaves
 /// the volume with a probability of at least exp(-depth of the diagonal), so after n collisions at
 /// most (1 - that)^n of all paths remain.
-TEST(WhiteFurnace, ComesToOneAsBouncesGrow) {
+TEST(WhiteFurnace, ApproachesOneWithMoreBounces) {
   constexpr double kExtinction = 0.05;
   const double diagonal = std::sqrt(48.0 * 48 + 48 * 48 + 48 * 48);
   const double stays = -std::expm1(-kExtinction * diagonal);
@@ -89,7 +89,7 @@ TEST(WhiteFurnace, ComesToOneAsBouncesGrow) {
 /// The classical test: matter that emits as much as it absorbs, inside walls of the same
 /// brightness, is as bright as the walls, whatever its properties. The requirement is 1 +- 0.025,
 /// and the statistical bound is much tighter.
-TEST(EmittingSphere, EnclosedItIsAsBrightAsItsWalls) {
+TEST(EmittingSphere, EnclosedEmitterIsAsBrightAsItsWalls) {
   const double limit = test::critical_z(test::sidak(kAlpha, 2 * 2 * std::size(kLooks)));
   for (const Look& look : kLooks) {
     for (const double extinction : {0.1, 4.0}) {
@@ -114,7 +114,7 @@ TEST(EmittingSphere, EnclosedItIsAsBrightAsItsWalls) {
 
 /// The reverse of Beer and Lambert: the brightness of a homogeneous cube that only emits is 1 -
 /// exp(-depth).
-TEST(Emission, OfAHomogeneousCubeIsItsAbsorptance) {
+TEST(Emission, HomogeneousCubeEmitsItsAbsorptance) {
   const double limit = test::critical_z(test::sidak(kAlpha, 4));
   for (const double depth : {0.01, 0.5, 3.0, 1e4}) {
     diaphane::v1::Scene scene;
@@ -131,7 +131,7 @@ TEST(Emission, OfAHomogeneousCubeIsItsAbsorptance) {
 }
 
 /// The shading has no effect if light is scattered once and paths are cut off there.
-TEST(Bounces, OneIsTheSameAsNone) {
+TEST(Bounces, OneBounceEqualsNone) {
   diaphane::v1::Scene scene = test::skull_scene();
   const test::Prepared none(test::skull_volume(), scene, kCanvas);
   scene.set_bounces(1);
@@ -143,7 +143,7 @@ TEST(Bounces, OneIsTheSameAsNone) {
 
 /// With a lamp and a sky, paths with and without roulette have the same mean, and so does the
 /// kernel with all features.
-TEST(Paths, RouletteAndFurtherFeaturesChangeNoMean) {
+TEST(Paths, RouletteAndExtraFeaturesKeepTheMean) {
   const double limit = test::critical_z(test::sidak(kAlpha, 3 * std::size(kLooks)));
   for (const Look& look : kLooks) {
     diaphane::v1::Scene scene = test::skull_scene();
@@ -164,7 +164,7 @@ TEST(Paths, RouletteAndFurtherFeaturesChangeNoMean) {
 
 /// Inside matter that scatters forwards, a wide lamp is found by sampling points on it, by paths
 /// that hit it, or by both with weights.
-TEST(Paths, EveryWayToFindALampHasTheSameMean) {
+TEST(Paths, EveryLightSamplingTechniqueHasTheSameMean) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.clear_lights();
   test::add_lamp(scene, -20, 15, 40, 120, 3);
@@ -185,7 +185,7 @@ TEST(Paths, EveryWayToFindALampHasTheSameMean) {
 }
 
 /// Tests the same for one collision, with surfaces and gloss.
-TEST(Shading, FurtherFeaturesChangeNoMean) {
+TEST(Shading, ExtraFeaturesKeepTheMean) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_shading()->set_mode(diaphane::v1::Shading::SURFACE);
   test::set(scene.mutable_transfer_function()->mutable_channels(0)->mutable_specular(), 0.1, 0.1,
@@ -199,7 +199,7 @@ TEST(Shading, FurtherFeaturesChangeNoMean) {
 
 /// Extreme parameters give no value that is not finite, and none that is brighter than the
 /// brightest light.
-TEST(Paths, StayFiniteInTheStiffestMatter) {
+TEST(Paths, StayFiniteInExtremeMedia) {
   for (const double extinction : {1e-6, 1e3, 1e6}) {
     for (const double g : {-0.999999, 0.0, 0.99999999}) {
       diaphane::v1::Scene scene = furnace(kLooks[4], extinction, extinction > 1e5 ? 3 : 256);

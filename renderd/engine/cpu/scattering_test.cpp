@@ -76,7 +76,7 @@ test::Prepared cube(double extinction, double albedo, double g) {
   return test::Prepared(test::constant_volume(10, 1000, 2), scene, {1, 1});
 }
 
-TEST(Furnace, SingleScatteringInAUniformSkyIsItsExactIntegral) {
+TEST(Furnace, SingleScatteringInAUniformSkyMatchesTheIntegral) {
   struct Setting {
     double extinction, albedo, g;
   };
@@ -107,7 +107,7 @@ TEST(Furnace, SingleScatteringInAUniformSkyIsItsExactIntegral) {
 
 /// The same cube is lit by a lamp, and the quadrature is over the area of the lamp instead of the
 /// sphere.
-TEST(Lamp, SingleScatteringIsItsExactIntegral) {
+TEST(Lamp, SingleScatteringMatchesTheIntegral) {
   for (const double g : {0.0, 0.7}) {
     diaphane::v1::Scene scene;
     test::add_channel(*scene.mutable_transfer_function(), {{0, 1}, {2000, 1}}, 1, 1, 1);
@@ -165,7 +165,7 @@ test::Moments mean_with(const SceneView<LinearVolume>& view) {
   return m;
 }
 
-TEST(Variants, OfMoreFeaturesGiveTheSameEstimate) {
+TEST(Variants, ExtraFeaturesGiveTheSameEstimate) {
   constexpr Features kLean = Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment);
   const test::Prepared p(test::skull_volume(), test::skull_scene(), {48, 48});
   ASSERT_EQ(p.scene().features, kLean);
@@ -181,7 +181,7 @@ TEST(Variants, OfMoreFeaturesGiveTheSameEstimate) {
 
 /// Tests a medium that is deep enough for crossing macrocells voxel by voxel, with and without this
 /// method.
-TEST(Variants, BoundsByTheVoxelChangeNoEstimate) {
+TEST(Variants, PerVoxelBoundsKeepTheEstimate) {
   constexpr Features kPlain = Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment);
   constexpr Features kSteep = kPlain.with(Feature::kSteepExtinction);
   diaphane::v1::Scene scene = test::skull_scene();
@@ -193,7 +193,7 @@ TEST(Variants, BoundsByTheVoxelChangeNoEstimate) {
 }
 
 /// With two lamps picked by power, the result is the sum of the results of each alone.
-TEST(Lamps, AddUpWhenOneIsPicked) {
+TEST(Lamps, PickingOneLampGivesTheSumOfBoth) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.clear_lights();
   scene.mutable_display()->set_show_environment(false);

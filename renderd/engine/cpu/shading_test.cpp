@@ -34,7 +34,7 @@ diaphane::v1::Scene scene_of(diaphane::v1::Shading::Mode mode) {
   return scene;
 }
 
-TEST(Gradient, IsThatOfTheWorldWhateverTheSpacing) {
+TEST(Gradient, IsInWorldSpaceForAnySpacing) {
   const Double3 direction = normalize(Double3{1, -2, 0.5});
   const test::Prepared p(ramp(direction, 400), scene_of(diaphane::v1::Shading::SURFACE));
   const auto view = p.view();
@@ -49,7 +49,7 @@ TEST(Gradient, IsThatOfTheWorldWhateverTheSpacing) {
 }
 
 /// A place is a surface with probability 1 - exp(-|gradient of the opacity| / scale).
-TEST(Hybrid, ChoosesByTheGradient) {
+TEST(Hybrid, ChoosesSurfaceOrVolumeByTheGradient) {
   constexpr std::array kSlopes{0.0, 100.0, 400.0, 1500.0};
   constexpr int kTries = 100'000;
   const double limit = test::critical_z(test::sidak(kAlpha, kSlopes.size()));
@@ -70,7 +70,7 @@ TEST(Hybrid, ChoosesByTheGradient) {
   }
 }
 
-TEST(Surfaces, AreThePhaseFunctionWhereNothingChanges) {
+TEST(Surfaces, FallBackToThePhaseFunctionWithoutGradient) {
   diaphane::v1::Scene scene = scene_of(diaphane::v1::Shading::SURFACE);
   const test::Prepared flat(ramp({1, 0, 0}, 0), scene);
   EXPECT_FALSE(scatter_at<kSurfacesOnly>(flat.view(), {12, 20, 5}, 10000, {0, 1, 0}, 0.5f).surface);
@@ -82,7 +82,7 @@ TEST(Surfaces, AreThePhaseFunctionWhereNothingChanges) {
 
 /// At the border of a channel that is full from its first value, a surface is found within a voxel,
 /// and its normal is that of the values and not of the axes.
-TEST(Surfaces, AreSeenAtAStepOfTheFunction) {
+TEST(Surfaces, AreFoundAtAStepOfTheTransferFunction) {
   diaphane::v1::Scene scene = scene_of(diaphane::v1::Shading::SURFACE);
   scene.mutable_transfer_function()->mutable_channels(0)->mutable_opacity(0)->set_value(9990);
   scene.mutable_transfer_function()->mutable_channels(0)->mutable_opacity(0)->set_opacity(1);
@@ -93,7 +93,7 @@ TEST(Surfaces, AreSeenAtAStepOfTheFunction) {
   EXPECT_NEAR(std::abs(dot(to_double(s.normal), direction)), 1, 1e-4);
 }
 
-TEST(Surfaces, HaveTheMeanGlossOfTheirChannels) {
+TEST(Surfaces, AverageTheGlossOfTheirChannels) {
   diaphane::v1::Scene scene = scene_of(diaphane::v1::Shading::SURFACE);
   auto& f = *scene.mutable_transfer_function();
   test::set(f.mutable_channels(0)->mutable_specular(), 0.2, 0.4, 0);
@@ -113,7 +113,7 @@ TEST(Surfaces, HaveTheMeanGlossOfTheirChannels) {
 }
 
 /// These tables exist only while the scene needs them.
-TEST(Tables, OfGlossAndEmissionAreThereWhenAChannelHasThem) {
+TEST(Tables, GlossAndEmissionTablesExistOnlyIfNeeded) {
   diaphane::v1::Scene scene = scene_of(diaphane::v1::Shading::SURFACE);
   auto* channel = scene.mutable_transfer_function()->mutable_channels(0);
   const auto tables = [&] {

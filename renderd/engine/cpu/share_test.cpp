@@ -37,7 +37,7 @@ class Shares : public ::testing::Test {
   std::shared_ptr<const DeviceVolume> volume_ = *engine_->load(test::skull_volume());
 };
 
-TEST_F(Shares, PartsOfOneSequenceAreThePictureOfOneDevice) {
+TEST_F(Shares, PartsOfOneSequenceReproduceTheSingleDeviceImage) {
   for (const std::uint32_t devices : {2u, 3u, 5u}) {
     const auto alone = renderer();
     ASSERT_TRUE(alone->render(4 * devices, nullptr));
@@ -57,7 +57,7 @@ TEST_F(Shares, PartsOfOneSequenceAreThePictureOfOneDevice) {
   }
 }
 
-TEST_F(Shares, BandsOfRowsAreThePictureOfOneDevice) {
+TEST_F(Shares, BandsOfRowsReproduceTheSingleDeviceImage) {
   const auto alone = renderer();
   ASSERT_TRUE(alone->render(6, nullptr));
   const auto merged = renderer({.first_row = 16, .last_row = 32});
@@ -79,7 +79,7 @@ TEST_F(Shares, BandsOfRowsAreThePictureOfOneDevice) {
   for (std::size_t i = 0; i < a.pixels.size(); ++i) ASSERT_NEAR(a.pixels[i], b.pixels[i], 1);
 }
 
-TEST_F(Shares, TakingInPiecesIsTakingAtOnce) {
+TEST_F(Shares, TakingFilmInPiecesEqualsTakingItAtOnce) {
   const auto from = renderer();
   const auto to = renderer({.sequence = 3});
   FilmPart part;
@@ -98,7 +98,7 @@ TEST_F(Shares, TakingInPiecesIsTakingAtOnce) {
   expect_the_same(radiance(*to), radiance(*alone));
 }
 
-TEST_F(Shares, AnotherShareKeepsWhatTheFilmHolds) {
+TEST_F(Shares, ChangingTheShareKeepsTheFilm) {
   const auto one = renderer({.sequence = 1});
   ASSERT_TRUE(one->render(3, nullptr));
   const auto refused = one->set_share({.sequence = 2});
@@ -118,7 +118,7 @@ TEST_F(Shares, AnotherShareKeepsWhatTheFilmHolds) {
   }
 }
 
-TEST_F(Shares, WhatDoesNotFitIsRefusedAndHarmsNothing) {
+TEST_F(Shares, RefusesMismatchedPartsAndKeepsTheImage) {
   const auto one = renderer();
   ASSERT_TRUE(one->render(2, nullptr));
   const auto before = radiance(*one);

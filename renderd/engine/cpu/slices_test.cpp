@@ -127,14 +127,14 @@ void expect_exact(const volume::Volume& v, const int* axis, const double* sign) 
   }
 }
 
-TEST(Slices, ShowInterpolatedVoxelsExactlyAtAnyExposure) {
+TEST(Slices, ShowInterpolatedVoxelsRegardlessOfExposure) {
   const int axis[] = {0, 1, 2};
   const double sign[] = {1, 1, 1};
   expect_exact(smooth_volume(), axis, sign);
   expect_exact(test::tilt(smooth_volume()), axis, sign);
 }
 
-TEST(Slices, FollowThePatientsAxesWhereverTheVoxelsLie) {
+TEST(Slices, FollowThePatientAxesForAnyVoxelOrder) {
   volume::Volume v = smooth_volume();
   // Voxel axes: x points to the head, y to the patient's right, z to the front; the frame is
   // right-handed.
@@ -149,7 +149,7 @@ TEST(Slices, FollowThePatientsAxesWhereverTheVoxelsLie) {
 }
 
 /// Tests the display bytes of the whole engine.
-TEST(Slices, TheDisplayShowsTheWindowsGreyWhateverTheExposure) {
+TEST(Slices, ShowWindowedGreyRegardlessOfExposure) {
   const auto engine = make_cpu_engine(1);
   const auto volume = engine->load(test::constant_volume(8, 300)).value();
   for (const double exposure : {-6.0, 0.0, 0.7, 8.0}) {
@@ -172,7 +172,7 @@ TEST(Slices, TheDisplayShowsTheWindowsGreyWhateverTheExposure) {
   }
 }
 
-TEST(Slices, InTheTransferFunctionsColoursShowOpacityTimesColour) {
+TEST(Slices, TransferColouringShowsOpacityTimesColour) {
   diaphane::v1::Scene scene = slices_alone();
   scene.mutable_slices()->set_colouring(diaphane::v1::Slices::TRANSFER);
   scene.mutable_display()->set_exposure(2);
@@ -230,7 +230,7 @@ TEST(Slices, OccludeAndAreOccludedByOpaqueMedium) {
 
 /// Black matter in front of a slice dims the slice by its transmittance: about 10 mm of full
 /// extinction between two ramps. The significance is 1e-3.
-TEST(Slices, ThinMatterBeforeASliceDimsItByItsTransmittance) {
+TEST(Slices, ThinMediumDimsSliceByItsTransmittance) {
   const test::Prepared p(cube_volume(), cube_scene(0.1, 8), {4, 4});
   test::Moments lean, general;
   for (std::uint64_t i = 0; i < 20'000; ++i) {
@@ -247,7 +247,7 @@ TEST(Slices, ThinMatterBeforeASliceDimsItByItsTransmittance) {
   EXPECT_NEAR(general.mean, exact, limit * general.error_of_mean());
 }
 
-TEST(Slices, LightPassesThroughThem) {
+TEST(Slices, CastNoShadow) {
   diaphane::v1::Scene with = test::skull_scene();
   test::set_camera(with, 0, 120, 0, 30);
   // The slice is above everything visible, between the lamp and the skull.
@@ -266,7 +266,7 @@ TEST(Slices, LightPassesThroughThem) {
   }
 }
 
-TEST(Slices, AreCutByTheClipAndSeenInItsFaces) {
+TEST(Slices, AreClippedAndVisibleInTheClipFaces) {
   diaphane::v1::Scene scene = slices_alone();
   scene.mutable_slices()->clear_coronal();
   scene.mutable_slices()->clear_axial();
@@ -301,7 +301,7 @@ TEST(Slices, AreCutByTheClipAndSeenInItsFaces) {
   EXPECT_EQ(whole(3.3), whole(15));
 }
 
-TEST(Slices, OutsideTheVolumeAreCompiledOutAndAloneTracesNothing) {
+TEST(Slices, AreCompiledOutOutsideTheVolume) {
   diaphane::v1::Scene scene = test::skull_scene();
   test::show(scene.mutable_slices()->mutable_axial(), 500);
   scene.mutable_slices()->set_window_width(1);

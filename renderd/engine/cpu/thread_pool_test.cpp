@@ -11,7 +11,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(ThreadPool, EachPieceIsDoneOnce) {
+TEST(ThreadPool, RunsEachPieceOnce) {
   ThreadPool pool(4);
   for (const std::uint32_t count : {0u, 1u, 3u, 64u, 1000u}) {
     std::vector<std::atomic<int>> calls(count);
@@ -20,7 +20,7 @@ TEST(ThreadPool, EachPieceIsDoneOnce) {
   }
 }
 
-TEST(ThreadPool, WhatIsNotBegunIsLeftOutWhenStopped) {
+TEST(ThreadPool, StopSkipsPiecesThatHaveNotStarted) {
   // Other threads might finish all pieces before the first check.
   ThreadPool pool(1);
   std::atomic<int> done{0};
@@ -29,7 +29,7 @@ TEST(ThreadPool, WhatIsNotBegunIsLeftOutWhenStopped) {
   EXPECT_LT(done, 1000);
 }
 
-TEST(ThreadPool, LoopsOfTwoCallersGoOnAtOnce) {
+TEST(ThreadPool, LoopsOfTwoCallersRunConcurrently) {
   // The pool has no threads of its own, so only the callers work.
   ThreadPool pool(1);
   std::latch both(2);
@@ -71,7 +71,7 @@ struct BackgroundLoop {
   std::thread thread;
 };
 
-TEST(ThreadPool, ALoopPausesThoseOfLowerPrecedence) {
+TEST(ThreadPool, PausesLoopsOfLowerPriority) {
   for (const unsigned threads : {1u, 3u}) {
     ThreadPool pool(threads);
     BackgroundLoop other(pool, kEndless, 2);
@@ -89,7 +89,7 @@ TEST(ThreadPool, ALoopPausesThoseOfLowerPrecedence) {
   }
 }
 
-TEST(ThreadPool, ALoopDoesNotPauseThoseOfHigherPrecedence) {
+TEST(ThreadPool, DoesNotPauseLoopsOfHigherPriority) {
   ThreadPool pool(1);
   BackgroundLoop other(pool, kEndless, 3);
   bool went_on = false;
@@ -104,7 +104,7 @@ TEST(ThreadPool, ALoopDoesNotPauseThoseOfHigherPrecedence) {
   lower.join();
 }
 
-TEST(ThreadPool, APausedLoopEndsWhenItIsStopped) {
+TEST(ThreadPool, PausedLoopEndsWhenStopped) {
   ThreadPool pool(1);
   BackgroundLoop other(pool, kEndless);
   EXPECT_TRUE(pool.run(
@@ -118,7 +118,7 @@ TEST(ThreadPool, APausedLoopEndsWhenItIsStopped) {
   EXPECT_EQ(other.begun, other.ended);
 }
 
-TEST(ThreadPool, APausedLoopGoesOnAfterwards) {
+TEST(ThreadPool, PausedLoopResumes) {
   ThreadPool pool(2);
   constexpr int kPieces = 1 << 20;
   BackgroundLoop other(pool, kPieces);
@@ -129,7 +129,7 @@ TEST(ThreadPool, APausedLoopGoesOnAfterwards) {
   EXPECT_EQ(other.ended, kPieces);
 }
 
-TEST(ThreadPool, ManyCallersGetEachOfTheirPiecesOnce) {
+TEST(ThreadPool, RunsEachPieceOfConcurrentCallersOnce) {
   ThreadPool pool(3);
   std::array<std::atomic<int>, 4> sums{};
   std::vector<std::thread> callers;

@@ -133,7 +133,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-TEST(DeltaTracking, LetsThroughWhatBeerAndLambertSay) {
+TEST(DeltaTracking, TransmissionFollowsBeerLambert) {
   const std::vector<Case> all = cases();
   const double limit = test::critical_z(test::sidak(kAlpha, all.size()));
   for (const Case& c : all) {
@@ -151,7 +151,7 @@ TEST(DeltaTracking, LetsThroughWhatBeerAndLambertSay) {
   }
 }
 
-TEST(Transmittance, HasBeerAndLambertAsItsMean) {
+TEST(Transmittance, MeanFollowsBeerLambert) {
   const std::vector<Case> all = cases();
   const double limit = test::critical_z(test::sidak(kAlpha, all.size()));
   for (const Case& c : all) {
@@ -172,7 +172,7 @@ TEST(Transmittance, HasBeerAndLambertAsItsMean) {
   }
 }
 
-TEST(DeltaTracking, MeetsTheThinnestMediumAsOftenAsItShould) {
+TEST(DeltaTracking, HitsVeryThinMediumAtTheExpectedRate) {
   const Case c = homogeneous(1e-6);
   const SceneView<LinearVolume> view = c.prepared.view();
   const Span span = inside(c);
@@ -188,7 +188,7 @@ TEST(DeltaTracking, MeetsTheThinnestMediumAsOftenAsItShould) {
 }
 
 /// At a depth of 1e4 no ray passes, but the collisions still follow the exponential law.
-TEST(DeltaTracking, EndsInADenseMediumWhereItShould) {
+TEST(DeltaTracking, CollisionsInDenseMediumAreExponential) {
   for (double depth : {100.0, 1e4, 4e6}) {
     const Case c = homogeneous(depth);
     const SceneView<LinearVolume> view = c.prepared.view();
@@ -216,7 +216,7 @@ TEST(DeltaTracking, EndsInADenseMediumWhereItShould) {
 
 /// The optical depth at the collision is exponential with mean 1 for every medium. This also tests
 /// media through which no ray passes, where the tests above see only that.
-TEST(DeltaTracking, CollidesAtAnExponentialOpticalDepth) {
+TEST(DeltaTracking, CollisionDepthIsExponential) {
   constexpr int kBins = 101;
   constexpr std::uint64_t kRays = 300'000;
   struct Deep {
@@ -258,7 +258,7 @@ TEST(DeltaTracking, CollidesAtAnExponentialOpticalDepth) {
 }
 
 /// With a majorant a million times the extinction, no step may be lost to rounding.
-TEST(DeltaTracking, HoldsUnderAMajorantAMillionTimesTooLarge) {
+TEST(DeltaTracking, IsUnbiasedWithAMajorantAMillionTimesTooLarge) {
   Case c = homogeneous(0.02);
   std::vector<CellBounds> bounds = c.prepared.scene().transfer->bounds;
   for (CellBounds& b : bounds) b = {0, b.majorant * 1e6f};
@@ -276,7 +276,7 @@ TEST(DeltaTracking, HoldsUnderAMajorantAMillionTimesTooLarge) {
 }
 
 /// The same laws hold if each macrocell is crossed voxel by voxel.
-TEST(SteepTracking, LetsThroughWhatBeerAndLambertSay) {
+TEST(SteepTracking, TransmissionFollowsBeerLambert) {
   std::vector<Case> all;
   for (double scale : {6.0, 20.0}) {
     all.push_back(spike(scale));
@@ -302,7 +302,7 @@ TEST(SteepTracking, LetsThroughWhatBeerAndLambertSay) {
 }
 
 /// Clear and opaque voxels side by side at a million per mm must not make the work unbounded.
-TEST(SteepTracking, IsQuickBesideAnOpaqueWall) {
+TEST(SteepTracking, IsFastBesideAnOpaqueWall) {
   diaphane::v1::TransferFunction f;
   test::add_channel(f, {{500, 0}, {1000, 1}});
   f.set_extinction_per_mm(1e6);
@@ -326,7 +326,7 @@ TEST(SteepTracking, IsQuickBesideAnOpaqueWall) {
 
 /// Compares one bound of the whole volume in every cell, as if there were no grid, with separate
 /// bounds for each cell.
-TEST(Grid, ChangesNoEstimate) {
+TEST(Grid, DoesNotChangeTheEstimate) {
   const test::Prepared prepared(test::skull_volume(), test::skull_scene());
   const SceneView<LinearVolume> with = prepared.view();
   float majorant = 0;

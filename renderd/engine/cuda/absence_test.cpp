@@ -14,13 +14,13 @@ class CudaAbsenceTest : public ::testing::Test {
   }
 };
 
-TEST_F(CudaAbsenceTest, AutoTakesTheCpu) {
+TEST_F(CudaAbsenceTest, AutoFallsBackToTheCpu) {
   const auto engine = make_engine(EngineChoice::kAuto, 1);
   ASSERT_TRUE(engine) << engine.error().message;
   EXPECT_EQ((*engine)->info().engine, "cpu");
 }
 
-TEST_F(CudaAbsenceTest, AskedForItSaysThatNoDeviceAnswers) {
+TEST_F(CudaAbsenceTest, ExplicitRequestReportsThatNoDeviceIsAvailable) {
   const auto engine = make_engine(EngineChoice::kCuda, 1);
   ASSERT_FALSE(engine);
   EXPECT_EQ(engine.error().code, ErrorCode::kUnavailable);

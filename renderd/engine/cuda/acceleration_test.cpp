@@ -89,7 +89,7 @@ class AccelerationTest : public CudaTest {
   Stream stream_;
 };
 
-TEST_F(AccelerationTest, IsTheHostsForEverySizeAndRange) {
+TEST_F(AccelerationTest, MatchesTheHostForEverySizeAndRange) {
   expect_the_hosts(noise(1, 1, 1, 5, 5, 1), full_scene());
   expect_the_hosts(noise(9, 1, 70, 0, 1000, 2), full_scene());
   expect_the_hosts(noise(65, 33, 17, -1000, 3000, 3), full_scene());
@@ -97,7 +97,7 @@ TEST_F(AccelerationTest, IsTheHostsForEverySizeAndRange) {
   expect_the_hosts(lumpy_volume(50, 40, 30), full_scene());
 }
 
-TEST_F(AccelerationTest, IsTheHostsWhereTheFunctionIsEmptySteepOrASpike) {
+TEST_F(AccelerationTest, MatchesTheHostForEmptySteepAndSpikedFunctions) {
   const auto volume = noise(65, 33, 17, -1000, 3000, 5);
   auto scene = full_scene();
   auto* channels = scene.mutable_transfer_function()->mutable_channels();
@@ -122,7 +122,7 @@ TEST_F(AccelerationTest, IsTheHostsWhereTheFunctionIsEmptySteepOrASpike) {
   expect_the_hosts(volume, scene);
 }
 
-TEST_F(AccelerationTest, TakesLessThanAFiftiethOfALargeVolume) {
+TEST_F(AccelerationTest, UsesLessThanTwoPercentOfALargeVolume) {
   const auto volume = CudaVolume::load(noise(160, 160, 160, -1000, 3000, 6));
   ASSERT_TRUE(volume);
   const auto tables = prepare_transfer(full_scene().transfer_function(), (*volume)->grid(),

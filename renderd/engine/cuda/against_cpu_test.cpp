@@ -185,7 +185,7 @@ TEST_F(CudaAgainstCpuTest, CameraClipAndSlicesHaveTheSameMean) {
   }
 }
 
-TEST_F(CudaAgainstCpuTest, AStiffSceneHasTheSameMean) {
+TEST_F(CudaAgainstCpuTest, DenseSceneHasTheSameMean) {
   auto scene = full_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(100);
   expect_same(lumpy_volume(33, 9, 1), scene, kFew);
@@ -193,7 +193,7 @@ TEST_F(CudaAgainstCpuTest, AStiffSceneHasTheSameMean) {
 
 /// One sample of the exact walk is dozens of rays, so a few samples are enough. The CPU uses
 /// tracking, so that the walk is compared with a different method.
-TEST_F(CudaAgainstCpuTest, TheExactWalkHasTheMeanOfTracking) {
+TEST_F(CudaAgainstCpuTest, ExactWalkMatchesTracking) {
   const auto cpu = make_cpu_engine(0);
   const auto volume = lumpy_volume(40, 30, 25);
   EXPECT_EQ(rejections(tile_moments(*cpu, volume, full_scene(), kFew, 5000),
@@ -202,7 +202,7 @@ TEST_F(CudaAgainstCpuTest, TheExactWalkHasTheMeanOfTracking) {
             0);
 }
 
-TEST_F(CudaAgainstCpuTest, TheTestSeesABiasOfTwoPercent) {
+TEST_F(CudaAgainstCpuTest, TestDetectsABiasOfTwoPercent) {
   const auto volume = lumpy_volume(40, 30, 25);
   auto brighter = full_scene();
   for (auto& light : *brighter.mutable_lights()) {

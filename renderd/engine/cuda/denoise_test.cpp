@@ -88,7 +88,7 @@ class CudaDenoiseTest : public CudaTest {
 };
 
 /// Weights near 0 differ by rounding, but never by more than a quarter of a display level.
-TEST_F(CudaDenoiseTest, ThePictureIsTheHosts) {
+TEST_F(CudaDenoiseTest, ImageMatchesTheHost) {
   if (!engine_) GTEST_SKIP();
   for (const std::uint32_t samples : {1u, 2u, 5u, 16u}) {
     ASSERT_NO_FATAL_FAILURE(make(samples));
@@ -105,7 +105,7 @@ TEST_F(CudaDenoiseTest, ThePictureIsTheHosts) {
   }
 }
 
-TEST_F(CudaDenoiseTest, TheSameBitsEachTimeAndNoPixelOfASliceChanges) {
+TEST_F(CudaDenoiseTest, IsDeterministicAndKeepsSlicePixels) {
   if (!engine_) GTEST_SKIP();
   ASSERT_NO_FATAL_FAILURE(make(3));
   const auto first = on_device();
@@ -123,7 +123,7 @@ TEST_F(CudaDenoiseTest, TheSameBitsEachTimeAndNoPixelOfASliceChanges) {
 
 /// The kernel records the same guides as the CPU engine, whose rays are the same. The test compares
 /// their effect: the errors of both denoised pictures against a converged one are similar.
-TEST_F(CudaDenoiseTest, BothEnginesSmoothAScene) {
+TEST_F(CudaDenoiseTest, DenoisesAsWellAsTheCpuEngine) {
   if (!engine_) GTEST_SKIP();
   const auto volume = lumpy_volume(40, 30, 25);
   const auto scene = full_scene();

@@ -35,13 +35,13 @@ class CudaEngineTest : public CudaTest {
   std::shared_ptr<const DeviceVolume> volume_;
 };
 
-TEST_F(CudaEngineTest, TheSameSeedGivesTheSameBits) {
+TEST_F(CudaEngineTest, SameSeedGivesTheSameBits) {
   const auto picture = rendered(40);
   EXPECT_EQ(picture, rendered(40));
   EXPECT_NE(picture, rendered(40, 2));
 }
 
-TEST_F(CudaEngineTest, AStoppedBatchGoesOnAndGivesTheSameBits) {
+TEST_F(CudaEngineTest, StoppedBatchResumesWithTheSameBits) {
   auto one = renderer(volume_);
   ASSERT_TRUE(one->set_scene(full_scene(), {512, 512}));
   ASSERT_TRUE(render_all(*one, full_scene(), {512, 512}, 40));
@@ -62,7 +62,7 @@ TEST_F(CudaEngineTest, AStoppedBatchGoesOnAndGivesTheSameBits) {
   EXPECT_EQ(whole, radiance_of(*one));
 }
 
-TEST_F(CudaEngineTest, StoppedBeforeItBeginsItAddsNothing) {
+TEST_F(CudaEngineTest, BatchStoppedBeforeItStartsAddsNothing) {
   auto one = renderer(volume_);
   ASSERT_TRUE(one->set_scene(full_scene(), kCanvas));
   const auto batch = one->render(8, [] { return true; });
@@ -72,7 +72,7 @@ TEST_F(CudaEngineTest, StoppedBeforeItBeginsItAddsNothing) {
   EXPECT_TRUE(std::isinf(one->progress().error));
 }
 
-TEST_F(CudaEngineTest, SessionsThatShareAVolumeDoNotDisturbEachOther) {
+TEST_F(CudaEngineTest, SessionsThatShareAVolumeAreIndependent) {
   constexpr int kSessions = 8;
   std::vector<std::vector<float>> alone, together(kSessions);
   for (int i = 0; i < kSessions; ++i) alone.push_back(rendered(32, 10 + i));
@@ -85,7 +85,7 @@ TEST_F(CudaEngineTest, SessionsThatShareAVolumeDoNotDisturbEachOther) {
   EXPECT_EQ(alone, together);
 }
 
-TEST_F(CudaEngineTest, TheErrorFallsAsTheSquareRootOfTheSamples) {
+TEST_F(CudaEngineTest, ErrorFallsWithTheSquareRootOfTheSamples) {
   auto one = renderer(volume_);
   ASSERT_TRUE(render_all(*one, full_scene(), kCanvas, 64));
   const double before = one->progress().error;
@@ -95,7 +95,7 @@ TEST_F(CudaEngineTest, TheErrorFallsAsTheSquareRootOfTheSamples) {
   EXPECT_NEAR(before / one->progress().error, 4, 0.5);
 }
 
-TEST_F(CudaEngineTest, ABadSceneIsRefusedAndThePictureStays) {
+TEST_F(CudaEngineTest, RefusesInvalidSceneAndKeepsTheImage) {
   auto one = renderer(volume_);
   ASSERT_TRUE(render_all(*one, full_scene(), kCanvas, 4));
   const auto before = radiance_of(*one);
@@ -110,7 +110,7 @@ TEST_F(CudaEngineTest, ABadSceneIsRefusedAndThePictureStays) {
   EXPECT_EQ(before, radiance_of(*one));
 }
 
-TEST_F(CudaEngineTest, ANewSceneStartsAfreshAndAsIfItWereTheFirst) {
+TEST_F(CudaEngineTest, NewSceneRendersLikeTheFirst) {
   auto used = renderer(volume_);
   auto other = full_scene();
   other.mutable_transfer_function()->mutable_channels()->DeleteSubrange(1, 1);
@@ -147,7 +147,7 @@ class FullDevice {
   std::vector<void*> held_;
 };
 
-TEST_F(CudaEngineTest, WhatDoesNotFitIsRefusedAndHarmsNothing) {
+TEST_F(CudaEngineTest, OutOfMemoryKeepsTheImage) {
   auto one = renderer(volume_);
   ASSERT_TRUE(render_all(*one, full_scene(), kCanvas, 16));
   const auto before = radiance_of(*one);
@@ -170,7 +170,7 @@ TEST_F(CudaEngineTest, WhatDoesNotFitIsRefusedAndHarmsNothing) {
   EXPECT_TRUE(engine_->load(constant_volume(512, 7)));
 }
 
-TEST_F(CudaEngineTest, WithLittleMemoryAPictureTakesMoreLaunchesAndHasTheSameBits) {
+TEST_F(CudaEngineTest, LowMemoryGivesTheSameBits) {
   // The working memory of the exact walk for 640 x 480 would take 92 MB.
   const Canvas canvas{640, 480};
   std::vector<float> tight;
@@ -187,7 +187,7 @@ TEST_F(CudaEngineTest, WithLittleMemoryAPictureTakesMoreLaunchesAndHasTheSameBit
   EXPECT_EQ(tight, radiance_of(*other));
 }
 
-TEST_F(CudaEngineTest, BeerLambertHolds) {
+TEST_F(CudaEngineTest, TransmissionFollowsBeerLambert) {
   // With 32 mm of constant extinction, a sample is 1 with probability exp(-depth), otherwise 0. The
   // binomial distribution is tested to a significance of 1e-5 over all depths.
   constexpr std::uint32_t kSamples = 256;
@@ -230,13 +230,13 @@ TEST_F(CudaEngineTest, BeerLambertHolds) {
   std::_Exit(said ? 0 : 1);
 }
 
-TEST_F(CudaEngineTest, EveryCallSaysThatTheDeviceIsLost) {
+TEST_F(CudaEngineTest, EveryCallReportsALostDevice) {
   // The test needs a new process, because a broken context lasts as long as its process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(break_the_device(), ::testing::ExitedWithCode(0), "");
 }
 
-TEST(CudaError, SaysWhatACallerCanDo) {
+TEST(CudaError, MapsToErrorCodes) {
   EXPECT_EQ(error_of(cudaErrorMemoryAllocation).code, ErrorCode::kOutOfMemory);
   EXPECT_EQ(error_of(cudaErrorNoDevice).code, ErrorCode::kUnavailable);
   EXPECT_EQ(error_of(cudaErrorInsufficientDriver).code, ErrorCode::kUnavailable);
@@ -246,7 +246,7 @@ TEST(CudaError, SaysWhatACallerCanDo) {
 
 /// Like share_test.cpp for the CPU: parts of one sequence and bands of rows that are taken from one
 /// film and merged into another give the picture of one device.
-TEST_F(CudaEngineTest, PartsAndBandsOfOneSequenceAreThePictureOfOneDevice) {
+TEST_F(CudaEngineTest, PartsAndBandsReproduceTheSingleDeviceImage) {
   const auto alone = rendered(8);
   for (const bool tiles : {false, true}) {
     auto merged = renderer(volume_);

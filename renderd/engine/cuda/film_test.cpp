@@ -63,7 +63,7 @@ class CudaFilmTest : public CudaTest {
   std::vector<std::uint32_t> state_ = std::vector<std::uint32_t>(kPixels);
 };
 
-TEST_F(CudaFilmTest, SamplesThatAreNotFiniteAreDroppedAndCounted) {
+TEST_F(CudaFilmTest, DropsAndCountsNonFiniteSamples) {
   ASSERT_GT(dropped_, 0u);
   EXPECT_EQ(film_.dropped(stream_.get()), dropped_);
   std::vector<float> picture(3 * kPixels);
@@ -76,7 +76,7 @@ TEST_F(CudaFilmTest, SamplesThatAreNotFiniteAreDroppedAndCounted) {
   }
 }
 
-TEST_F(CudaFilmTest, TheErrorIsTheHosts) {
+TEST_F(CudaFilmTest, ErrorMatchesTheHost) {
   WhiteHistogram histogram;
   count_white(host(), 0, kPixels, film_.samples(), histogram);
   const float white = white_from_histogram(histogram);
@@ -92,7 +92,7 @@ TEST_F(CudaFilmTest, TheErrorIsTheHosts) {
   EXPECT_NEAR(*error, expected, 1e-5 * expected);
 }
 
-TEST_F(CudaFilmTest, ThePictureIsTheHostsWithinOneLevel) {
+TEST_F(CudaFilmTest, ImageMatchesTheHostWithinOneLevel) {
   std::vector<std::uint8_t> picture(3 * kPixels);
   ASSERT_TRUE(film_.display(0.25f, picture.data(), stream_.get()));
   std::size_t other = 0;
@@ -108,7 +108,7 @@ TEST_F(CudaFilmTest, ThePictureIsTheHostsWithinOneLevel) {
   EXPECT_LT(other, 3 * kPixels / 500);
 }
 
-TEST_F(CudaFilmTest, RowsThatAreAheadAreDividedByTheirOwnCount) {
+TEST_F(CudaFilmTest, NormalizesEachRowByItsOwnSampleCount) {
   // One more batch of 5 samples is stopped after its first 16 rows.
   const auto batch = random_batch(77, film_.samples(), 5);
   constexpr std::size_t kAhead = 16 * kCanvas.width;
@@ -128,7 +128,7 @@ TEST_F(CudaFilmTest, RowsThatAreAheadAreDividedByTheirOwnCount) {
   }
 }
 
-TEST_F(CudaFilmTest, APictureIsTheSameInOnePieceAndInSeveral) {
+TEST_F(CudaFilmTest, ImageIsTheSameInOneOrSeveralPieces) {
   // There are more pixels than radiance() computes at once.
   auto large = CudaFilm::make({1031, 700});
   ASSERT_TRUE(large);
@@ -150,7 +150,7 @@ TEST_F(CudaFilmTest, APictureIsTheSameInOnePieceAndInSeveral) {
   }
 }
 
-TEST_F(CudaFilmTest, ASessionAtFullHdTakesAtMost100MegabytesWithItsPicture) {
+TEST_F(CudaFilmTest, LimitsFullHdSessionTo100Megabytes) {
   auto hd = CudaFilm::make({1920, 1080});
   ASSERT_TRUE(hd);
   ASSERT_TRUE(hd->clear(stream_.get()));
@@ -182,7 +182,7 @@ TEST_F(CudaFilmTest, LimitsFullHdSessionTo100MegabytesWithDenoising) {
 
 /// A drag makes the picture smaller, and its end makes it larger again. The film must keep its
 /// memory.
-TEST_F(CudaFilmTest, AFilmOfASmallerPictureAndOfTheOldOneAgainIsTheSameMemory) {
+TEST_F(CudaFilmTest, ReusesItsMemoryForSmallerImages) {
   auto film = CudaFilm::make({64, 48});
   ASSERT_TRUE(film);
   ASSERT_TRUE(film->keep_guides(true));

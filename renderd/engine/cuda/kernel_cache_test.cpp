@@ -32,7 +32,7 @@ const CompiledKernel kKernel{std::string("\x7f"
                                          9),
                              "_Z5traceILj3EEvv"};
 
-TEST_F(KernelCacheTest, GivesBackWhatItWasGiven) {
+TEST_F(KernelCacheTest, ReturnsStoredKernel) {
   const KernelCache cache(directory_);
   EXPECT_FALSE(cache.find("features 3"));
   cache.keep("features 3", kKernel);
@@ -44,7 +44,7 @@ TEST_F(KernelCacheTest, GivesBackWhatItWasGiven) {
   EXPECT_EQ(files(), 1u) << "nothing temporary is left";
 }
 
-TEST_F(KernelCacheTest, ADamagedFileIsIgnoredAndReplaced) {
+TEST_F(KernelCacheTest, IgnoresAndReplacesDamagedFile) {
   const KernelCache cache(directory_);
   cache.keep("key", kKernel);
   const fs::path path = only_file();
@@ -63,7 +63,7 @@ TEST_F(KernelCacheTest, ADamagedFileIsIgnoredAndReplaced) {
   EXPECT_TRUE(cache.find("key"));
 }
 
-TEST_F(KernelCacheTest, AnotherKeysFileIsNotTaken) {
+TEST_F(KernelCacheTest, RefusesFileOfAnotherKey) {
   const KernelCache cache(directory_);
   cache.keep("one", kKernel);
   const fs::path first = only_file();
@@ -76,7 +76,7 @@ TEST_F(KernelCacheTest, AnotherKeysFileIsNotTaken) {
   EXPECT_FALSE(cache.find("two"));
 }
 
-TEST_F(KernelCacheTest, KeepsABoundedNumber) {
+TEST_F(KernelCacheTest, KeepsABoundedNumberOfFiles) {
   const KernelCache cache(directory_);
   for (std::size_t i = 0; i < KernelCache::kMostFiles + 10; ++i) {
     cache.keep(std::to_string(i), kKernel);
@@ -84,7 +84,7 @@ TEST_F(KernelCacheTest, KeepsABoundedNumber) {
   EXPECT_EQ(files(), KernelCache::kMostFiles);
 }
 
-TEST_F(KernelCacheTest, WritersAtOnceLeaveAWholeFile) {
+TEST_F(KernelCacheTest, ConcurrentWritersLeaveACompleteFile) {
   {
     std::vector<std::jthread> threads;
     for (int i = 0; i < 4; ++i) {
@@ -102,7 +102,7 @@ TEST_F(KernelCacheTest, WritersAtOnceLeaveAWholeFile) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST(KernelCache, WithoutADirectoryOrWhereNothingCanBeWrittenItIsAsIfEmpty) {
+TEST(KernelCache, IsEmptyWithoutAWritableDirectory) {
   for (const char* directory : {"", "/proc/nowhere/kernels", "/dev/null/kernels"}) {
     const KernelCache cache(directory);
     cache.keep("key", kKernel);

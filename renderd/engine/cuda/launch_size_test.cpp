@@ -7,7 +7,7 @@
 namespace diaphane::render::cuda {
 namespace {
 
-TEST(LaunchSize, ComesToTheTargetWhateverTheSceneCosts) {
+TEST(LaunchSize, ConvergesToTheTargetTimeForAnyCost) {
   for (const double ms_per_sample : {1e-9, 1e-6, 1e-3, 1.0}) {
     LaunchSize size;
     for (int i = 0; i < 30; ++i) {
@@ -19,7 +19,7 @@ TEST(LaunchSize, ComesToTheTargetWhateverTheSceneCosts) {
   }
 }
 
-TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksAtOnce) {
+TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksImmediately) {
   LaunchSize size;
   const std::uint64_t first = size.work();
   size.learn(first, 0);
@@ -36,7 +36,7 @@ TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksAtOnce) {
 
 /// A picture of 2048 x 2048 pixels. Its upper half is empty and its lower half is dense, with paths
 /// of a thousand collisions, where the device takes 1e-3 ms per sample.
-TEST(LaunchSize, BackgroundDoesNotMakeTheDenseRowsBelowItLong) {
+TEST(LaunchSize, EmptyRowsDoNotMakeLaunchesOfDenseRowsTooLong) {
   constexpr std::uint64_t kHalf = 2048 * 1024;
   LaunchSize size;
   size.forget(1024, 2 * kHalf, 1024);
@@ -56,7 +56,7 @@ TEST(LaunchSize, BackgroundDoesNotMakeTheDenseRowsBelowItLong) {
 }
 
 /// The picture of the test above with 16 samples per pixel, so its work is 16 times as large.
-TEST(LaunchSize, APassIsOverWhenAllSamplesOfItsPixelsAreDone) {
+TEST(LaunchSize, PassEndsAfterAllSamplesOfItsPixels) {
   constexpr std::uint64_t kPixels = 2048 * 2048;
   constexpr std::uint32_t kSamples = 16;
   LaunchSize size;
@@ -79,7 +79,7 @@ TEST(LaunchSize, APassIsOverWhenAllSamplesOfItsPixelsAreDone) {
   EXPECT_GT(size.work(), limit) << "the whole picture was rendered once";
 }
 
-TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {
+TEST(LaunchSize, RowsAreAPositiveMultipleOfTheStep) {
   LaunchSize size;
   size.learn(size.work(), 1e12);
   EXPECT_EQ(size.rows(8192, 16, 8), 8u);
@@ -88,7 +88,7 @@ TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {
   EXPECT_EQ(size.rows(1, 1, 8), 65536u);
 }
 
-TEST(LaneShift, GivesEachSampleAThreadUpToTheMost) {
+TEST(LaneShift, GivesEachSampleAThreadUpToTheMaximum) {
   EXPECT_EQ(lane_shift_for(1, 5), 0u);
   EXPECT_EQ(lane_shift_for(3, 5), 1u);
   EXPECT_EQ(lane_shift_for(16, 5), 4u);

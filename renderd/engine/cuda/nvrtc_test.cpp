@@ -29,7 +29,7 @@ class NvrtcTest : public ::testing::Test {
 
 /// Each compilation takes a second or more, so only three feature sets are compiled: none, those of
 /// a typical scene, and all. The code does not contain what a scene does not need.
-TEST_F(NvrtcTest, EveryKernelCompilesAndIsSmallerTheLessASceneNeeds) {
+TEST_F(NvrtcTest, CompilesEveryKernelSmallerWithFewerFeatures) {
   for (const KernelTemplate* kernel : kKernels) {
     std::size_t size = 0;
     std::string symbol;
@@ -49,13 +49,13 @@ TEST_F(NvrtcTest, EveryKernelCompilesAndIsSmallerTheLessASceneNeeds) {
   }
 }
 
-TEST_F(NvrtcTest, AnArchitectureThatItDoesNotKnowIsUnsupported) {
+TEST_F(NvrtcTest, ReportsUnknownArchitectureAsUnsupported) {
   const auto compiled = nvrtc_->compile(kTraceKernel, Features{}, 10);
   ASSERT_FALSE(compiled);
   EXPECT_EQ(compiled.error().code, ErrorCode::kUnsupported);
 }
 
-TEST_F(NvrtcTest, ASourceThatIsWrongSaysWhere) {
+TEST_F(NvrtcTest, CompileErrorNamesTheFile) {
   KernelTemplate broken = kTraceKernel;
   broken.header = "renderd/engine/cuda/no_such.cuh";
   const auto compiled = nvrtc_->compile(broken, Features{}, 90);
@@ -64,7 +64,7 @@ TEST_F(NvrtcTest, ASourceThatIsWrongSaysWhere) {
   EXPECT_NE(compiled.error().message.find("no_such.cuh"), std::string::npos);
 }
 
-TEST(KernelSources, HoldTheHeadersAsTheyAre) {
+TEST(KernelSources, ContainTheUnchangedHeaders) {
   bool found = false;
   for (const KernelSourceFile& file : kernel_sources()) {
     const std::string_view name(file.name), text(file.text);

@@ -13,23 +13,23 @@ TEST(Refusal, NamesTheMissingDriver) {
   EXPECT_EQ(error.message, "no CUDA device is available: no NVIDIA driver is installed");
 }
 
-TEST(Refusal, NamesTheDriverThatIsTooOld) {
+TEST(Refusal, NamesOutdatedDriver) {
   EXPECT_EQ(explain_no_device(kNoDevice, 12020, 13000).message,
             "no CUDA device is available: the NVIDIA driver supports CUDA up to 12.2, but CUDA 13 "
             "is required");
 }
 
-TEST(Refusal, KeepsTheMessageOfAMachineWithoutADevice) {
+TEST(Refusal, KeepsTheMessageWithoutADevice) {
   EXPECT_EQ(explain_no_device(kNoDevice, 13000, 13020).message, kNoDevice.message);
 }
 
-TEST(Refusal, NamesTheComputeCapabilityThatIsTooLow) {
+TEST(Refusal, NamesInsufficientComputeCapability) {
   const Error error = explain_refusal(kNoDevice, {"Tesla V100", 70, 16ULL << 30});
   EXPECT_EQ(error.code, ErrorCode::kUnavailable);
   EXPECT_EQ(error.message, "Tesla V100 has compute capability 7.0, but 8.0 or later is required");
 }
 
-TEST(Refusal, NamesTheMemoryOfADeviceThatIsFull) {
+TEST(Refusal, NamesTheMemoryOfAFullDevice) {
   const Error full{ErrorCode::kOutOfMemory, "not enough memory on the device", {}};
   EXPECT_EQ(explain_refusal(full, {"NVIDIA A2", 86, 2ULL << 30}).message,
             "NVIDIA A2 (2048 MiB) has too little free memory to start the CUDA engine");

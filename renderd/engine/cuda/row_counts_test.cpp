@@ -7,7 +7,7 @@
 namespace diaphane::render::cuda {
 namespace {
 
-TEST(RowCounts, WithoutAStopEveryBatchIsTheWholePicture) {
+TEST(RowCounts, BatchesCoverTheWholeImageUnlessStopped) {
   RowCounts rows(100);
   for (const std::uint64_t target : {1u, 33u, 40u}) {
     while (rows.least() < target) {
@@ -22,7 +22,7 @@ TEST(RowCounts, WithoutAStopEveryBatchIsTheWholePicture) {
   }
 }
 
-TEST(RowCounts, AStoppedBatchGoesOnWhereItStopped) {
+TEST(RowCounts, StoppedBatchResumesWhereItStopped) {
   RowCounts rows(64);
   rows.done(rows.next(40, 32), 24);
   EXPECT_EQ(rows.least(), 0u);

@@ -58,7 +58,7 @@ class CudaVariantsTest : public CudaTest {
   std::string directory_;
 };
 
-TEST_F(CudaVariantsTest, ExactlyWhatTheSceneNeedsIsCompiledIn) {
+TEST_F(CudaVariantsTest, CompilesExactlyTheFeaturesOfTheScene) {
   const auto exact = engine(KernelChoice::kExact);
   const auto one = renderer_of(*exact);
   ASSERT_TRUE(one->set_scene(sky_scene(), kCanvas));
@@ -72,7 +72,7 @@ TEST_F(CudaVariantsTest, ExactlyWhatTheSceneNeedsIsCompiledIn) {
   EXPECT_EQ(report.note, "");
 }
 
-TEST_F(CudaVariantsTest, TheNextProcessReadsItFromDiskAndTheBitsAreTheSame) {
+TEST_F(CudaVariantsTest, CachedKernelGivesTheSameBits) {
   std::vector<float> first;
   double cold = 0;
   for (const bool again : {false, true}) {
@@ -92,7 +92,7 @@ TEST_F(CudaVariantsTest, TheNextProcessReadsItFromDiskAndTheBitsAreTheSame) {
   }
 }
 
-TEST_F(CudaVariantsTest, AKernelOnDiskThatIsNoCodeIsCompiledAgain) {
+TEST_F(CudaVariantsTest, RecompilesDamagedCachedKernel) {
   {
     const auto exact = engine(KernelChoice::kExact);
     ASSERT_TRUE(renderer_of(*exact)->set_scene(sky_scene(), kCanvas));
@@ -107,7 +107,7 @@ TEST_F(CudaVariantsTest, AKernelOnDiskThatIsNoCodeIsCompiledAgain) {
   EXPECT_FALSE(one->report().from_cache);
 }
 
-TEST_F(CudaVariantsTest, APictureKeepsTheKernelWithWhichItBegan) {
+TEST_F(CudaVariantsTest, ImageKeepsItsFirstKernel) {
   const auto server = engine(KernelChoice::kStandIn);
   const auto one = renderer_of(*server);
   ASSERT_TRUE(one->set_scene(full_scene(), kCanvas));
@@ -185,7 +185,7 @@ TEST_F(CudaVariantsTest, TheGeneralKernelHasAllFeatures) {
   EXPECT_TRUE(one->report().left_out.empty());
 }
 
-TEST_F(CudaVariantsTest, ToldToBeLeanItTakesFivePercentBesideTheVolume) {
+TEST_F(CudaVariantsTest, LeanMemoryModeAddsAtMostFivePercentToTheVolume) {
   EngineOptions options;
   options.lean_memory = true;
   options.kernels = KernelChoice::kGeneral;
