@@ -27,7 +27,7 @@ struct HostFilm {
   ConstFilmView read() const { return {sum.data(), difference.data(), state.data()}; }
 };
 
-TEST(Film, MeanIsThatOfTheSamplesHoweverTheyAreBatched) {
+TEST(Film, MeanDoesNotDependOnBatching) {
   HostFilm by_one(1), by_many(1);
   Random random(1, 2, 3);
   double exact = 0;
@@ -51,7 +51,7 @@ TEST(Film, MeanIsThatOfTheSamplesHoweverTheyAreBatched) {
   EXPECT_TRUE(a.met_matter);
 }
 
-TEST(Film, ASparseSignalKeepsItsMeanOverTenMillionSamples) {
+TEST(Film, SparseSignalKeepsItsMeanOverTenMillionSamples) {
   // One sample in a thousand is 1. An fp32 running sum would have lost precision long before the
   // end.
   HostFilm film(1);
@@ -66,7 +66,7 @@ TEST(Film, ASparseSignalKeepsItsMeanOverTenMillionSamples) {
   EXPECT_NEAR(estimate_of(film.read(), 0, kBatches * kBatch).mean.x, 1.7e-3, 1e-9);
 }
 
-TEST(Film, SamplesThatAreNotFiniteAreDroppedAndCounted) {
+TEST(Film, DropsAndCountsNonFiniteSamples) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Float3 bad[] = {
@@ -91,7 +91,7 @@ TEST(Film, SamplesThatAreNotFiniteAreDroppedAndCounted) {
   EXPECT_NEAR(e.deviation.x, 0, 1e-6);
 }
 
-TEST(Film, APixelOfWhichEverySampleWasDroppedIsBlack) {
+TEST(Film, PixelWithoutValidSamplesIsBlack) {
   HostFilm film(1);
   for (std::uint64_t n = 0; n < 3; ++n) {
     PixelBatch batch;
@@ -102,7 +102,7 @@ TEST(Film, APixelOfWhichEverySampleWasDroppedIsBlack) {
 }
 
 /// E[deviation^2] = Var[mean] holds for even and odd numbers of samples.
-TEST(Film, TheSquaredDeviationIsTheVarianceOfTheMean) {
+TEST(Film, SquaredDeviationEstimatesTheVarianceOfTheMean) {
   for (const std::uint64_t samples : {2ull, 3ull, 7ull, 16ull}) {
     test::Moments squared, mean;
     constexpr int kTrials = 20'000;
@@ -123,7 +123,7 @@ TEST(Film, TheSquaredDeviationIsTheVarianceOfTheMean) {
   }
 }
 
-TEST(Tone, IsThePowerCurveWithinThreeMillionths) {
+TEST(Tone, MatchesThePowerCurveWithinThreeMillionths) {
   for (int i = 0; i <= 200'000; ++i) {
     const float x = static_cast<float>(i) / 200'000;
     ASSERT_NEAR(tone(x), std::pow(static_cast<double>(x), 1 / 2.2), 3e-6) << x;
@@ -157,7 +157,7 @@ TEST(White, IsThe99thPercentileWithinABin) {
 /// With 64 exponential samples per pixel over a ramp, the percentile of the means is 13% too high
 /// and that of the halves is 21% too high. The correction leaves 6.2%, which is of second order.
 /// 40,000 pixels determine a percentile to 0.5%, and 0.09 is five times that above the 6.2%.
-TEST(White, IsRidOfMostOfWhatNoiseAddsToIt) {
+TEST(White, CorrectsMostOfTheBiasFromNoise) {
   constexpr std::uint64_t kPixels = 40'000, kSamples = 64;
   HostFilm film(kPixels);
   for (std::uint64_t p = 0; p < kPixels; ++p) {
@@ -174,7 +174,7 @@ TEST(White, IsRidOfMostOfWhatNoiseAddsToIt) {
   EXPECT_NEAR(white_from_histogram(histogram), 0.99, 0.09);
 }
 
-TEST(White, BinsRiseWithRadianceAndNeverLeaveTheHistogram) {
+TEST(White, BinsAreMonotonicAndStayInTheHistogram) {
   std::uint32_t before = 0;
   for (float x = 1e-12f; x < 1e12f; x *= 1.02f) {
     const std::uint32_t bin = white_bin(x);
@@ -188,7 +188,7 @@ TEST(White, BinsRiseWithRadianceAndNeverLeaveTheHistogram) {
 
 /// Over pictures of many pixels with noise of a known size, in the linear part of the curve, the
 /// estimate is the root mean square error of the displayed picture.
-TEST(Error, EstimatesWhatADisplayedPictureIsOffBy) {
+TEST(Error, EstimatesTheRmseOfTheDisplayedImage) {
   constexpr std::uint32_t kWidth = 100, kHeight = 90;
   constexpr std::uint64_t kSamples = 64;
   HostFilm film(kWidth * kHeight);
@@ -226,7 +226,7 @@ TEST(Error, EstimatesWhatADisplayedPictureIsOffBy) {
 /// an independent calculation the ratio is 1.02 here; from the difference of the halves alone it
 /// would be 0.89. The standard error over the pixels is 0.014, and 0.08 is four times that above
 /// 1.02, a significance of 5e-5.
-TEST(Error, IsThatOfTheDisplayedPictureAlsoWhereNoiseReachesBeyondWhite) {
+TEST(Error, EstimatesTheRmseOfClippedPixels) {
   constexpr std::uint32_t kWidth = 96, kHeight = 96;
   constexpr std::uint64_t kSamples = 16;
   HostFilm film(kWidth * kHeight);
@@ -260,7 +260,7 @@ Guides guides_of(Random& random, float opacity) {
   return {opacity, opacity * 2000.0f * b.b, albedo * opacity, normal * opacity};
 }
 
-TEST(Guides, PackedAreWithinHalfAStepOfWhatTheyWere) {
+TEST(Guides, PackingRoundsToTheNearestStep) {
   Random random(5, 0, 0);
   for (int i = 0; i < 20'000; ++i) {
     const Guides g = guides_of(random, i % 3 == 0 ? 1.0f : random.one());
@@ -280,7 +280,7 @@ TEST(Guides, PackedAreWithinHalfAStepOfWhatTheyWere) {
   }
 }
 
-TEST(Guides, WhatIsSeenAtAllStaysSeenAndNothingStaysNothing) {
+TEST(Guides, PackingKeepsTinyOpacityNonZeroAndZeroExact) {
   EXPECT_GT(unpack(pack({1e-5f, 1e-3f, {}, {}})).opacity, 0);
   EXPECT_NEAR(unpack(pack({1e-5f, 1e-3f, {}, {}})).depth * 31, 100, 0.1);
   for (const Guides& none : {unpack(PackedGuides{}), unpack(pack(Guides{}))}) {
@@ -293,7 +293,7 @@ TEST(Guides, WhatIsSeenAtAllStaysSeenAndNothingStaysNothing) {
 
 /// Each of four roundings is off by up to half a step and is then partly averaged away: 1 + 3/4 +
 /// 2/4 + 1/4 half steps.
-TEST(Guides, TheMeanOfFourSamplesOneByOneIsTheirMean) {
+TEST(Guides, RunningMeanOfFourSamplesIsTheirMean) {
   Random random(6, 0, 0);
   for (int i = 0; i < 5'000; ++i) {
     PackedGuides mean{};

@@ -8,7 +8,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(FilmPart, APackedMeanIsWithinHalfAStepOfElevenBits) {
+TEST(FilmPart, PackedMeanRoundsToElevenBits) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<float> exponent(-39.0f, 22.9f);
   for (int i = 0; i < 100'000; ++i) {
@@ -21,7 +21,7 @@ TEST(FilmPart, APackedMeanIsWithinHalfAStepOfElevenBits) {
 }
 
 /// Verifies the display error that the comment of PackedPixel states.
-TEST(FilmPart, ThePackingIsBelowASixteenthOfADisplayLevel) {
+TEST(FilmPart, PackingErrorIsBelowASixteenthOfADisplayLevel) {
   double squared = 0;
   int count = 0;
   for (float x = 1e-6f; x < 1.0f; x *= 1.0007f, ++count) {
@@ -32,7 +32,7 @@ TEST(FilmPart, ThePackingIsBelowASixteenthOfADisplayLevel) {
   EXPECT_LT(std::sqrt(squared / count), 1.3e-4);
 }
 
-TEST(FilmPart, APackedHalfKeepsSignAndSizeAndInTheMeanItsSquare) {
+TEST(FilmPart, PackedHalfKeepsSignMagnitudeAndMeanSquare) {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal(0, 0.05);
   double squared = 0, packed = 0;
@@ -59,7 +59,7 @@ struct OnePixel {
 
 /// Samples, some of which are not finite, are added to two films that are packed and merged. Mean,
 /// noise, marks and counts of dropped samples are those of one film with all of them.
-TEST(FilmPart, MergedPixelsAreThePixelOfAllSamples) {
+TEST(FilmPart, MergedPixelsEqualThePixelOfAllSamples) {
   std::mt19937_64 random(3);
   std::exponential_distribution<float> light(1.0f);
   for (int round = 0; round < 2'000; ++round) {

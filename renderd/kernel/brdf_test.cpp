@@ -79,7 +79,7 @@ constexpr Setting kSettings[] = {
     {0.5, 0.3, 0.01, 0.4}, {0.7, 0.2, 0.4, 0.05}, {1, 1, 0.2, 0.3}, {0.2, 0.9, 0.6, 0.9},
 };
 
-TEST(Brdf, SamplerHasItsDensity) {
+TEST(Brdf, SamplerMatchesItsDensity) {
   const double alpha = test::sidak(kAlpha, 2 * std::size(kSettings));
   for (const Setting& setting : kSettings) {
     const Brdf b = surface(setting.diffuse, setting.specular, setting.roughness, setting.cosine);
@@ -124,7 +124,7 @@ test::Moments reflected(const Brdf& b, std::uint64_t samples) {
 
 /// White furnace test of a surface. Nothing is lost without a lobe, and at most 1% under a smooth
 /// one. A rough one loses the light that its facets would scatter a second time.
-TEST(Brdf, GivesBackAtMostAllLightAndLosesLittle) {
+TEST(Brdf, ConservesEnergyWithLittleLoss) {
   int settings = 0;
   for (double specular : {0.0, 0.001, 0.02, 0.04, 0.2, 0.6, 1.0}) {
     for (double roughness : {0.001, 0.05, 0.2, 0.5, 1.0}) {
@@ -163,7 +163,7 @@ TEST(Brdf, IsReciprocal) {
   }
 }
 
-TEST(Brdf, WithABlackLobeIsTheOneWithout) {
+TEST(Brdf, BlackLobeEqualsNoLobe) {
   const Brdf b = surface(0.7, 0, 0.3, 0.5);
   Random random(1, 1, 1);
   for (int i = 0; i < 1000; ++i) {

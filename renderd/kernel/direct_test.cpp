@@ -137,7 +137,7 @@ void expect_same_for_every_choice(const Scatter<F>& scatter, const std::string& 
       << what << " scatter " << matter.mean << " both " << both.mean;
 }
 
-TEST(DirectLight, IsTheSameForEveryChoiceOfSamples) {
+TEST(DirectLight, EverySamplingStrategyHasTheSameMean) {
   expect_same_for_every_choice(phase_scatter<kForwards>(0.9f), "g = 0.9");
   expect_same_for_every_choice(phase_scatter<kForwards>(-0.6f), "g = -0.6");
   expect_same_for_every_choice(phase_scatter<kForwards>(0), "g = 0");
@@ -145,7 +145,7 @@ TEST(DirectLight, IsTheSameForEveryChoiceOfSamples) {
   expect_same_for_every_choice(surface_scatter(0.9f), "dull");
 }
 
-TEST(DirectLight, IsTheSameWithMoreCompiledInThanIsNeeded) {
+TEST(DirectLight, ExtraFeaturesKeepTheMean) {
   const Lights lights;
   const double critical = test::critical_z(test::sidak(kAlpha, 3));
   const test::Moments lean =
@@ -172,7 +172,7 @@ TEST(DirectLight, IsTheSameWithMoreCompiledInThanIsNeeded) {
 
 /// Narrow scattering finds lights for which points on them work badly. The combination is nearly as
 /// good as the better technique.
-TEST(DirectLight, BothWaysTogetherAreNeverMuchWorseThanTheBetter) {
+TEST(DirectLight, CombinationIsNearlyAsGoodAsTheBetterTechnique) {
   const Lights lights;
   LightsView one = lights.view();
   one.environment = {};
@@ -185,7 +185,7 @@ TEST(DirectLight, BothWaysTogetherAreNeverMuchWorseThanTheBetter) {
   }
 }
 
-TEST(DirectLight, LeavesOutWhatNoFeatureNeeds) {
+TEST(DirectLight, OmitsStrategiesThatNoFeatureNeeds) {
   EXPECT_EQ(strategy_count<Features{}>(), 0u);
   EXPECT_EQ(strategy_count<Features{}.with(Feature::kAreaLights)>(), 1u);
   EXPECT_EQ(strategy_count<Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment)>(),
@@ -195,7 +195,7 @@ TEST(DirectLight, LeavesOutWhatNoFeatureNeeds) {
 }
 
 /// The weights of both techniques add up to one for any densities.
-TEST(Share, AddsUpToOneOverBothWays) {
+TEST(Share, WeightsOfBothTechniquesAddUpToOne) {
   for (const float a : {1e-30f, 1e-3f, 1.0f, 1e12f, 3e38f}) {
     for (const float b : {0.0f, 1e-30f, 1e-3f, 1.0f, 1e12f, 3e38f}) {
       const float mine = share(Mis::kBoth, Mis::kLight, a, b);

@@ -92,7 +92,7 @@ double exact(const Case& c) {
                                               : received(c.light, to_double(c.place));
 }
 
-TEST(AreaLights, SamplesAddUpToTheSolidAngle) {
+TEST(AreaLights, SamplesIntegrateToTheSolidAngle) {
   for (const Case& c : cases()) {
     test::Moments moments;
     Random random(1, 2, 3);
@@ -109,7 +109,7 @@ TEST(AreaLights, SamplesAddUpToTheSolidAngle) {
 }
 
 /// Rays in all directions estimate the same integral where they meet the light.
-TEST(AreaLights, RaysMeetThemUnderTheirSolidAngle) {
+TEST(AreaLights, RandomRaysHitWithTheirSolidAngle) {
   for (const Case& c : cases()) {
     if (exact(c) < 1e-2) continue;  // too small for random rays to meet
     test::Moments moments;
@@ -126,7 +126,7 @@ TEST(AreaLights, RaysMeetThemUnderTheirSolidAngle) {
 }
 
 /// Sampling a point of a light and intersecting a ray with it agree on its position and density.
-TEST(AreaLights, ARayTowardsASampleMeetsItWithTheSameDensity) {
+TEST(AreaLights, SamplingAndIntersectionAgreeOnTheDensity) {
   for (const Case& c : cases()) {
     Random random(3, 2, 1);
     int missed = 0;
@@ -151,7 +151,7 @@ TEST(AreaLights, ARayTowardsASampleMeetsItWithTheSameDensity) {
   }
 }
 
-TEST(RectangleLight, PointsAreUniformOverIt) {
+TEST(RectangleLight, SamplesAreUniform) {
   const AreaLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
   const Double3 place{3, -4, 5}, u = to_double(light.u), v = to_double(light.v);
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), det = uu * vv - uv * uv;
@@ -169,7 +169,7 @@ TEST(RectangleLight, PointsAreUniformOverIt) {
   EXPECT_TRUE(down.uniform(test::sidak(kAlpha, 2)));
 }
 
-TEST(DiskLight, PointsAreUniformOverIt) {
+TEST(DiskLight, SamplesAreUniform) {
   const AreaLight light = disk({5, -3, 40}, {0.3f, -0.2f, -1}, 12);
   const Double3 place{3, -4, 5};
   Counts rings, sectors;
@@ -187,7 +187,7 @@ TEST(DiskLight, PointsAreUniformOverIt) {
   EXPECT_TRUE(sectors.uniform(test::sidak(kAlpha, 2)));
 }
 
-TEST(SphereLight, DirectionsAreUniformOverItsCone) {
+TEST(SphereLight, SampledDirectionsAreUniformOverItsCone) {
   const AreaLight light = sphere({10, 20, 30}, 9);
   for (const Float3 place : {Float3{0, 0, 0}, Float3{10, 20, 39.1f}, Float3{-200, 20, 30}}) {
     const Double3 to = to_double(light.corner - place);
@@ -213,7 +213,7 @@ TEST(SphereLight, DirectionsAreUniformOverItsCone) {
   }
 }
 
-TEST(SphereLight, GivesNothingInside) {
+TEST(SphereLight, IsDarkInside) {
   const AreaLight light = sphere({10, 20, 30}, 9);
   for (const Float3 place : {Float3{10, 20, 30}, Float3{10, 20, 38.9f}, Float3{10, 20, 39}}) {
     EXPECT_FALSE(sampled<kShaped>(light, place, 0.3f, 0.6f).lit);
@@ -222,7 +222,7 @@ TEST(SphereLight, GivesNothingInside) {
 }
 
 /// Points are the limit of small lights of equal strength.
-TEST(PointLight, IsTheLimitOfSmallLights) {
+TEST(PointLight, EqualsTheLimitOfSmallLights) {
   const Float3 place{3, 5, -40};
   for (const bool round : {false, true}) {
     const auto make = [&](float radius) {
@@ -240,7 +240,7 @@ TEST(PointLight, IsTheLimitOfSmallLights) {
   }
 }
 
-TEST(RectangleLight, DirectionAndDistanceLeadToIt) {
+TEST(RectangleLight, DirectionAndDistanceLeadToTheSample) {
   const AreaLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
   const LightSample s = sampled<kPlain>(light, {1, 2, 3}, 0.25f, 0.75f);
   const Float3 reached = Float3{1, 2, 3} + s.direction * s.distance;
@@ -287,7 +287,7 @@ struct TestPicture {
   }
 };
 
-TEST(LightTexture, IsExactAtItsTexelsAndLinearBetween) {
+TEST(LightTexture, InterpolatesLinearlyBetweenTexels) {
   const TestPicture picture;
   const LightsView view = picture.view();
   const auto green = [&](float across, float down) {
@@ -308,7 +308,7 @@ TEST(LightTexture, IsExactAtItsTexelsAndLinearBetween) {
 
 /// A light with a texture is the sum of many small untextured ones that have its colour in their
 /// middle.
-TEST(TexturedLights, AreTheSumOfTheirParts) {
+TEST(TexturedLights, EqualTheSumOfTheirParts) {
   const TestPicture picture;
   const LightsView view = picture.view();
   constexpr int kParts = 40;
@@ -342,7 +342,7 @@ TEST(TexturedLights, AreTheSumOfTheirParts) {
   EXPECT_NEAR(rays.mean, parts, limit * rays.error_of_mean());
 }
 
-TEST(TexturedLights, ShowTheSameColourToPointsAndRays) {
+TEST(TexturedLights, SamplesAndRaysSeeTheSameColour) {
   const TestPicture picture;
   const LightsView view = picture.view();
   for (Case c : cases()) {
@@ -360,7 +360,7 @@ TEST(TexturedLights, ShowTheSameColourToPointsAndRays) {
   }
 }
 
-TEST(PickLight, FollowsTheProbabilitiesAndLeavesAUniformNumber) {
+TEST(PickLight, FollowsTheProbabilitiesAndReturnsAUniformRemainder) {
   const double powers[] = {1, 1000, 1e-3, 40, 0.5, 300, 7};
   double total = 0, sum = 0;
   for (double p : powers) total += p;

@@ -59,7 +59,7 @@ TEST(LinearVolume, InterpolatesAndClampsLikeTheDefinition) {
   }
 }
 
-TEST(LinearVolume, GivesTheVoxelAtItsCentre) {
+TEST(LinearVolume, ReturnsTheVoxelAtItsCentre) {
   const Int3 size{3, 4, 5};
   const auto voxels = noise(size, -1000, 3000);
   const LinearVolume volume{voxels.data(), size};
@@ -68,7 +68,7 @@ TEST(LinearVolume, GivesTheVoxelAtItsCentre) {
   EXPECT_EQ(volume.at({3.0f, 4.0f, 5.0f}), voxels.back());
 }
 
-TEST(TransferTables, ColourIsTheWeightedMeanAndDoesNotDarkenAtAnEdge) {
+TEST(TransferTables, ColourIsWeightedByOpacityWithoutDarkEdges) {
   const float extinction[] = {0, 2, 4};
   const Float4 colour[] = {{0, 0, 0, 0}, {0.8f, 0.4f, 0.2f, 1}, {0.8f, 0.4f, 0.2f, 1}};
   const TransferView t{extinction, colour, 1, -10, 0, 3};  // values 10, 11, 12

@@ -26,7 +26,7 @@ double cumulative(double g, double c) {
   return (1 + g) * c / (root * (root + o));
 }
 
-TEST(HenyeyGreenstein, SamplerHasItsDistribution) {
+TEST(HenyeyGreenstein, SamplerMatchesItsDistribution) {
   const double gs[] = {0, 1e-6, 0.3, -0.3, 0.9, -0.9, 0.99, -0.999};
   const double limit = test::critical_chi_square(test::sidak(kAlpha, 2 * std::size(gs)), kBins - 1);
   const Float3 in = normalize(Float3{0.3f, -0.5f, 0.8f});
@@ -52,7 +52,7 @@ TEST(HenyeyGreenstein, SamplerHasItsDistribution) {
   }
 }
 
-TEST(HenyeyGreenstein, SampleInvertsTheDistributionForEveryG) {
+TEST(HenyeyGreenstein, SamplerInvertsTheDistributionForEveryG) {
   for (double g : {0.0, 0.5, 0.999, 0.9999999, 1 - 0x1p-24}) {
     for (double u : {1e-9, 1e-4, 0.2, 0.5, 0.9, 0.9999}) {
       const double c = sample_one_minus_cos(static_cast<float>(g), static_cast<float>(u));
@@ -79,7 +79,7 @@ TEST(HenyeyGreenstein, DensityIsTheDerivativeOfTheDistribution) {
   }
 }
 
-TEST(HenyeyGreenstein, StaysFiniteAtTheLastNumberBeforeOne) {
+TEST(HenyeyGreenstein, StaysFiniteForTheLargestG) {
   const float g = 0x1.fffffep-1f;
   const Float3 in{0, 0, 1}, back{0, 0, -1};
   for (float sign : {1.0f, -1.0f}) {

@@ -60,7 +60,7 @@ int walk_and_check(const Setting& s, const Ray& ray) {
   return pieces;
 }
 
-TEST(CellWalk, CoversEveryRayWithoutGapInTheRightCells) {
+TEST(CellWalk, VisitsTheRightCellsWithoutGaps) {
   const Int3 sizes[] = {{1, 1, 1}, {8, 8, 8}, {9, 1, 200}, {256, 256, 108}, {33, 70, 12}};
   Random random(1, 2, 3);
   for (const Int3 size : sizes) {
@@ -100,7 +100,7 @@ TEST(CellWalk, EndsForRaysAlongAxesEdgesAndDiagonals) {
   walk_and_check(setting, Ray{{-5, 8, 8}, {1, 1e-7f, -1e-7f}});
 }
 
-TEST(Clip, AnEmptyBoxIsMissedByEveryRay) {
+TEST(Clip, EveryRayMissesAnEmptyBox) {
   const Box nothing{{0, 0, 0}, {0, 0, 0}};
   const Float3 directions[] = {{1, 0, 0}, {0.6f, 0.8f, 0}, {0, -1, -0.0f}, {1, 1, 1}};
   for (const Float3 d : directions) {

@@ -15,7 +15,7 @@ namespace {
 
 /// Chi-square of 1e6 points over 101 rings of equal area, over 101 sectors, and over 8 x 13 cells
 /// of both. The significance is 1e-3 over the three tests (Sidak).
-TEST(Disk, SamplesAreUniformByRingBySectorAndByBoth) {
+TEST(Disk, SamplesAreUniformOverRingsAndSectors) {
   constexpr int kSamples = 1'000'000, kBins = 101;
   std::array<std::uint64_t, kBins> rings{}, sectors{};
   std::array<std::uint64_t, 104> both{};
@@ -40,7 +40,7 @@ TEST(Disk, SamplesAreUniformByRingBySectorAndByBoth) {
   EXPECT_LT(test::chi_square_uniform(both), test::critical_chi_square(alpha, 103));
 }
 
-TEST(Disk, CornersEdgesAndMiddleOfTheSquareAreInIt) {
+TEST(Disk, MapsCornersEdgesAndCentreIntoTheDisk) {
   for (const float u : {0.0f, 0.5f, 1.0f, 0x1.fffffep-1f}) {
     for (const float v : {0.0f, 0.5f, 1.0f, 0x1p-33f}) {
       const DiskPoint p = sample_disk(u, v);

@@ -34,7 +34,7 @@ std::uint32_t box_of(float x, std::uint32_t k, bool& on_border) {
 }
 
 /// In a (0,2)-net, each box of area 2^-m whose edges are powers of two holds one point.
-TEST(Points, EveryAlignedBlockOfEveryPairIsANet) {
+TEST(Points, EveryAlignedBlockIsANet) {
   std::size_t points_seen = 0, on_borders = 0;
   for (const Points::Use use : kUses) {
     for (std::uint32_t half = 0; half < 2; ++half) {
@@ -87,7 +87,7 @@ double chi_square_of(Numbers numbers) {
 }
 constexpr double kBinsLessOne = 255;
 
-TEST(Points, EachIsUniformAndItsTwoNumbersIndependent) {
+TEST(Points, AreUniformWithIndependentCoordinates) {
   constexpr std::array<std::uint32_t, 4> kIndices{0, 1, 7, 100'000};
   const double limit = test::critical_chi_square(
       test::sidak(kAlpha, 2 * kUses.size() * kIndices.size()), kBinsLessOne);
@@ -107,7 +107,7 @@ TEST(Points, EachIsUniformAndItsTwoNumbersIndependent) {
 
 /// The points of different pairs, halves and streams are independent, also at the same index, and
 /// in both their first and their second numbers.
-TEST(Points, PairsHalvesAndStreamsAreIndependentOfEachOther) {
+TEST(Points, PairsHalvesAndStreamsAreIndependent) {
   std::vector<double> chi;
   for (std::size_t i = 0; i < kUses.size(); ++i) {
     const Points::Use use = kUses[i], other = kUses[(i + 1) % kUses.size()];
@@ -137,7 +137,7 @@ TEST(Points, PairsHalvesAndStreamsAreIndependentOfEachOther) {
 /// points (n / 144): a shuffle that keeps every block a net leaves two successive points on
 /// opposite sides in both pairs. An integrand of both pairs therefore gains nothing from the net,
 /// while an integrand of one pair gains everything.
-TEST(Points, PairsOfOnePixelAreShuffledAgainstEachOther) {
+TEST(Points, PairsOfOnePixelAreShuffledIndependently) {
   constexpr std::uint32_t kPoints = 64, kPixels = 20'000;
   const double limit = test::critical_z(test::sidak(kAlpha, 3 * kUses.size()));
   for (std::size_t i = 0; i < kUses.size(); ++i) {
@@ -197,7 +197,7 @@ Halves integrate(std::uint32_t per_half) {
 /// The error estimate relies on this law: two halves with separate scrambles are independent
 /// estimates, so half their difference has the variance of their mean. This holds even where points
 /// are spread so evenly that the variance of single samples says nothing.
-TEST(Points, HalfTheDifferenceOfTheHalvesHasTheVarianceOfTheirMean) {
+TEST(Points, HalfDifferenceHasTheVarianceOfTheMean) {
   for (const std::uint32_t n : {1u, 3u, 8u, 32u, 50u}) {
     const Halves halves = integrate(n);
     const double limit = test::critical_z(test::sidak(kAlpha, 10));
@@ -208,7 +208,7 @@ TEST(Points, HalfTheDifferenceOfTheHalvesHasTheVarianceOfTheirMean) {
   }
 }
 
-TEST(Points, IntegrateASmoothFunctionMuchBetterThanIndependentOnes) {
+TEST(Points, ConvergeFasterThanIndependentPoints) {
   // A nested scrambling of a (0,2)-net converges as n^-1.5 for a smooth function. Independent
   // points have a variance of about 0.19 / n.
   const double few = std::sqrt(integrate(4).square.mean),
@@ -217,7 +217,7 @@ TEST(Points, IntegrateASmoothFunctionMuchBetterThanIndependentOnes) {
   EXPECT_LT(many, 0.1 * std::sqrt(0.19 / 128));
 }
 
-TEST(Points, BeyondTwoToThe33SamplesTheyAreNewOnes) {
+TEST(Points, DoNotRepeatAfterTwoToThe33Samples) {
   const std::uint64_t far = std::uint64_t{1} << 33;
   const Random::Pair near_pair = Points(1, 2, 0).pair(Points::kPixel);
   const Random::Pair far_pair = Points(1, 2, far).pair(Points::kPixel);

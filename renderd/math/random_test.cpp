@@ -18,7 +18,7 @@ double exact_exponential(std::uint32_t bits) {
   return v > 0.5 ? -std::log1p(-((~bits) + 0.5) * 0x1p-32) : -std::log(v);
 }
 
-TEST(Exponential, IsMinusLogWithRelativePrecisionAtBothEnds) {
+TEST(Exponential, IsMinusLogWithRelativePrecision) {
   const auto check = [](std::uint32_t bits) {
     const double exact = exact_exponential(bits);
     EXPECT_NEAR(to_exponential(bits), exact, 5e-7 * exact) << bits;
@@ -53,7 +53,7 @@ TEST(Random, IsUniformAcrossStreams) {
   }
 }
 
-TEST(Random, PairsFillTheSquareEvenly) {
+TEST(Random, PairsAreUniformOverTheSquare) {
   constexpr int kSide = 32, kNumbers = 2'000'000;
   std::array<std::uint64_t, kSide * kSide> counts{};
   Random random(11, 22, 33);
@@ -90,7 +90,7 @@ TEST(Random, NeighbouringStreamsShareNoNumbers) {
   }
 }
 
-TEST(Random, IsAPureFunctionOfItsKey) {
+TEST(Random, DependsOnlyOnItsKey) {
   Random a(1, 2, 3), b(1, 2, 3), other(1, 2, 4);
   const std::uint64_t first = a.bits();
   EXPECT_EQ(first, b.bits());

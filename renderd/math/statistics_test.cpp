@@ -36,7 +36,7 @@ int refused(const std::vector<double>& probabilities, int samples, int trials, d
 /// has a count, which alone would add 48 to the statistic. By chance 40 of 4000 samplings are
 /// rejected, with a standard deviation of 6.3. A significance of 1e-6 is 4.9 deviations, and
 /// another tenth allows for the approximation of the distribution.
-TEST(ChiSquareTest, RefusesTheTruthAsOftenAsItSaysWhereTheLastBinExpectsLittle) {
+TEST(ChiSquareTest, RejectsAtItsSignificanceWithARareLastBin) {
   constexpr double kRare = 0.02 / 600;
   std::vector<double> probabilities(16, (1 - kRare) / 16);
   probabilities.push_back(kRare);
@@ -45,7 +45,7 @@ TEST(ChiSquareTest, RefusesTheTruthAsOftenAsItSaysWhereTheLastBinExpectsLittle) 
   EXPECT_GT(n, 40 - 31 - 4);
 }
 
-TEST(ChiSquareTest, EveryBinExpectsTwentyAndNoneIsLost) {
+TEST(ChiSquareTest, MergesBinsThatExpectFewerThanTwenty) {
   const std::vector<std::uint64_t> counts{5, 30, 10, 12, 40, 3};
   const std::vector<double> probabilities{0.05, 0.30, 0.10, 0.12, 0.40, 0.03};
   const ChiSquare same = chi_square(counts, probabilities, 100);
@@ -58,7 +58,7 @@ TEST(ChiSquareTest, EveryBinExpectsTwentyAndNoneIsLost) {
   EXPECT_NEAR(chi_square(more, probabilities, 100).value, 4.0 / 35 + 4.0 / 43, 1e-9);
 }
 
-TEST(ChiSquareTest, ACountWhereNothingCanFallFitsNothing) {
+TEST(ChiSquareTest, RejectsACountInAnImpossibleBin) {
   const std::vector<std::uint64_t> counts{500, 499, 1};
   const std::vector<double> probabilities{0.5, 0.5, 0};
   EXPECT_FALSE(chi_square(counts, probabilities, 1000).fits(1e-9));

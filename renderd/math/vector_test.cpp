@@ -9,7 +9,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(Vector, ABasisIsOrthonormalAndRightHandedAroundAnyDirection) {
+TEST(Vector, BasisIsOrthonormalAndRightHanded) {
   const auto check = [](Float3 n) {
     Float3 s, t;
     basis_around(n, s, t);
@@ -37,7 +37,7 @@ TEST(Vector, ABasisIsOrthonormalAndRightHandedAroundAnyDirection) {
   }
 }
 
-TEST(Vector, IsFiniteSeesEveryComponent) {
+TEST(Vector, IsFiniteChecksEveryComponent) {
   EXPECT_TRUE(is_finite(Float3{3e38f, -3e38f, 1e-45f}));
   const float infinity = std::numeric_limits<float>::infinity();
   for (const float bad : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN()}) {
