@@ -56,7 +56,7 @@ class Command : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(Command, StopsAtTheErrorAskedFor) {
+TEST_F(Command, StopsAtTheRequestedError) {
   Options o = options();
   o.error = 0.05;
   ASSERT_EQ(run(o), 0);
@@ -65,7 +65,7 @@ TEST_F(Command, StopsAtTheErrorAskedFor) {
   EXPECT_GE(report()["samples"], 2);
 }
 
-TEST_F(Command, StopsAtTheSecondsAskedForWithOneSampleAtLeast) {
+TEST_F(Command, StopsAtTheTimeLimitAfterAtLeastOneSample) {
   Options o = options();
   o.seconds = 1e-9;
   ASSERT_EQ(run(o), 0);
@@ -74,7 +74,7 @@ TEST_F(Command, StopsAtTheSecondsAskedForWithOneSampleAtLeast) {
   EXPECT_EQ(text_of("out.ppm").size(), std::string("P6\n24 16\n255\n").size() + 24 * 16 * 3);
 }
 
-TEST_F(Command, LookingAtTheErrorChangesNoPicture) {
+TEST_F(Command, ReadingTheErrorDoesNotChangeTheImage) {
   Options o = options();
   o.samples = 40;
   ASSERT_EQ(run(o), 0);
@@ -87,7 +87,7 @@ TEST_F(Command, LookingAtTheErrorChangesNoPicture) {
   EXPECT_EQ(text_of("out.ppm"), plain);
 }
 
-TEST_F(Command, BouncesTakeThePlaceOfTheScenes) {
+TEST_F(Command, BouncesOptionOverridesTheScene) {
   Options o = options();
   o.samples = 1;
   o.bounces = 3;
@@ -96,7 +96,7 @@ TEST_F(Command, BouncesTakeThePlaceOfTheScenes) {
   EXPECT_NE(std::find(features.begin(), features.end(), "bounces"), features.end());
 }
 
-TEST_F(Command, AWrongSceneLeavesThePictureOfBefore) {
+TEST_F(Command, InvalidSceneKeepsThePreviousFile) {
   Options o = options();
   o.samples = 1;
   ASSERT_EQ(run(o), 0);

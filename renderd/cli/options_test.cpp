@@ -20,7 +20,7 @@ void expect_refused(const std::vector<const char*>& words, const std::string& be
   EXPECT_NE(farewell->text.find(because), std::string::npos) << farewell->text;
 }
 
-TEST(RenderOptions, EveryOptionReachesItsPlace) {
+TEST(RenderOptions, ParsesEveryOption) {
   const auto parsed =
       parse_words({"scan",     "--scene",  "s.json",      "--size",    "640x480", "--samples",
                    "7",        "--engine", "cuda",        "--threads", "3",       "--seed",
@@ -41,7 +41,7 @@ TEST(RenderOptions, EveryOptionReachesItsPlace) {
   EXPECT_EQ(options->method, (Method{Walk::kTracking, false, Mis::kScatter}));
 }
 
-TEST(RenderOptions, ErrorAndSecondsTakeThePlaceOfTheDefaultNumberOfSamples) {
+TEST(RenderOptions, ErrorOrTimeLimitReplacesTheDefaultSampleCount) {
   const auto rule_of = [](std::vector<const char*> words) {
     words.insert(words.begin(), {"scan", "--preset", "bone", "--out", "a.ppm"});
     const auto parsed = parse_words(words);
@@ -55,7 +55,7 @@ TEST(RenderOptions, ErrorAndSecondsTakeThePlaceOfTheDefaultNumberOfSamples) {
   EXPECT_EQ(rule_of({"--seconds", "3", "--samples", "5"}).samples, 5u);
 }
 
-TEST(RenderOptions, MistakesAreRefusedByName) {
+TEST(RenderOptions, RefusesInvalidOptionsByName) {
   expect_refused({"scan", "--preset", "bone"}, "--out");
   expect_refused({"--preset", "bone", "--out", "a.ppm"}, "INPUT");
   expect_refused({"scan", "--out", "a.ppm"}, "--scene or --preset");

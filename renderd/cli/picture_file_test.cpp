@@ -23,7 +23,7 @@ PictureRgb8 gradient(Canvas size) {
   return picture;
 }
 
-TEST(PictureFile, FormatFollowsTheNamesEnding) {
+TEST(PictureFile, FormatFollowsTheFileExtension) {
   EXPECT_EQ(picture_format("a/b.png"), PictureFormat::kPng);
   EXPECT_EQ(picture_format("a.EXR"), PictureFormat::kExr);
   EXPECT_EQ(picture_format("a.ppm"), PictureFormat::kPpm);
@@ -33,7 +33,7 @@ TEST(PictureFile, FormatFollowsTheNamesEnding) {
   EXPECT_FALSE(unwritable_picture("a.ppm"));
 }
 
-TEST(PictureFile, PpmHoldsThePixelsAsTheyAre) {
+TEST(PictureFile, PpmStoresThePixelsUnchanged) {
   const PictureRgb8 picture = gradient({5, 3});
   const std::string bytes = encode_ppm(picture);
   const std::string head = "P6\n5 3\n255\n";
@@ -43,7 +43,7 @@ TEST(PictureFile, PpmHoldsThePixelsAsTheyAre) {
                          reinterpret_cast<const std::uint8_t*>(bytes.data()) + head.size()));
 }
 
-TEST(PictureFile, PngReadsBackExactly) {
+TEST(PictureFile, PngRoundTripsExactly) {
 #ifdef DIAPHANE_HAVE_PNG
   const PictureRgb8 picture = gradient({37, 11});
   const auto bytes = encode_png(picture);
@@ -62,7 +62,7 @@ TEST(PictureFile, PngReadsBackExactly) {
 #endif
 }
 
-TEST(PictureFile, ExrReadsBackExactlyAndLinear) {
+TEST(PictureFile, ExrRoundTripsExactlyInLinearColour) {
 #ifdef DIAPHANE_HAVE_EXR
   PictureRgbF picture{{19, 33}, std::vector<float>(std::size_t{3} * 19 * 33)};
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
@@ -91,7 +91,7 @@ TEST(PictureFile, ExrReadsBackExactlyAndLinear) {
 #endif
 }
 
-TEST(PictureFile, AnOldFileStaysWhenTheNewOneCannotBeWritten) {
+TEST(PictureFile, FailedWriteKeepsTheOldFile) {
   const auto folder =
       std::filesystem::temp_directory_path() /
       ("picture_file_test-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +

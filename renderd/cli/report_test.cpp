@@ -10,7 +10,7 @@
 namespace diaphane::render::cli {
 namespace {
 
-TEST(Report, NamesEveryFeatureOnceAsCompiledInOrLeftOut) {
+TEST(Report, ListsEveryFeatureOnceAsUsedOrOmitted) {
   const Outcome outcome{.engine = {"cpu", "2 threads", 0},
                         .progress = {8, 0.5, std::numeric_limits<double>::infinity()},
                         .stopped_by = StopReason::kSeconds,
@@ -28,7 +28,7 @@ TEST(Report, NamesEveryFeatureOnceAsCompiledInOrLeftOut) {
   EXPECT_TRUE(json["estimated_error"].is_null()) << "unknown below two samples";
 }
 
-TEST(Report, SaysWhatTheKernelIs) {
+TEST(Report, DescribesTheKernel) {
   Outcome outcome;
   list_features(Features{}.with(Feature::kClip), outcome.kernel);
   auto kernel = nlohmann::json::parse(report_json(Options{}, outcome))["kernel"];

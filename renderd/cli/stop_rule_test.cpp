@@ -34,7 +34,7 @@ Course follow(const StopRule& rule, double cost) {
   }
 }
 
-TEST(StopRule, RendersExactlyTheSamplesAskedFor) {
+TEST(StopRule, RendersExactlyTheRequestedSamples) {
   for (const std::uint32_t n : {1u, 2u, 3u, 31u, 32u, 33u, 64u, 1000u}) {
     const Course r = follow({.samples = n}, 1);
     EXPECT_EQ(r.samples, n);
@@ -44,7 +44,7 @@ TEST(StopRule, RendersExactlyTheSamplesAskedFor) {
   }
 }
 
-TEST(StopRule, StopsSoonAfterTheErrorIsReachedAndLooksSeldom) {
+TEST(StopRule, ReachesTheErrorWithFewChecks) {
   for (const double error : {0.5, 0.1, 0.01, 0.001}) {
     const Course r = follow({.error = error}, 1);
     const double needed = 1 / (error * error);
@@ -55,14 +55,14 @@ TEST(StopRule, StopsSoonAfterTheErrorIsReachedAndLooksSeldom) {
   }
 }
 
-TEST(StopRule, TheFirstToBeReachedEndsIt) {
+TEST(StopRule, StopsAtWhicheverLimitComesFirst) {
   EXPECT_EQ(follow({.samples = 10, .error = 0.01, .seconds = 100}, 1).reason, StopReason::kSamples);
   EXPECT_EQ(follow({.samples = 1000, .error = 0.2, .seconds = 100}, 1).reason, StopReason::kError);
   EXPECT_EQ(follow({.samples = 1000, .error = 0.01, .seconds = 50}, 1).reason,
             StopReason::kSeconds);
 }
 
-TEST(StopRule, OneSampleIsRenderedHoweverShortTheTime) {
+TEST(StopRule, RendersAtLeastOneSample) {
   const Course r = follow({.seconds = 1e-3}, 60);
   EXPECT_EQ(r.samples, 1u);
   EXPECT_EQ(r.reason, StopReason::kSeconds);

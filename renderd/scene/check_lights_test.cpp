@@ -74,7 +74,7 @@ const Fault kFaults[] = {
      [](Light& l) { l.mutable_environment()->mutable_texture()->set_picture("\x89PNG"); }},
 };
 
-TEST(CheckLights, NamesTheFieldThatIsWrongAlsoOfADisabledLight) {
+TEST(CheckLights, NamesTheInvalidFieldEvenOfADisabledLight) {
   for (const bool disabled : {false, true}) {
     for (const Fault& fault : kFaults) {
       Scene scene = lit_scene();
@@ -89,7 +89,7 @@ TEST(CheckLights, NamesTheFieldThatIsWrongAlsoOfADisabledLight) {
   }
 }
 
-TEST(CheckLights, TakesFourThousandButNotTenThousand) {
+TEST(CheckLights, LimitsTheNumberOfLights) {
   Scene scene = lit_scene();
   while (scene.lights_size() < 4096) *scene.add_lights() = scene.lights(2);
   EXPECT_TRUE(check_scene(scene));
@@ -100,7 +100,7 @@ TEST(CheckLights, TakesFourThousandButNotTenThousand) {
   EXPECT_NE(checked.error().message.find("4096"), std::string::npos);
 }
 
-TEST(CheckLights, TakesPointsAndAnIntensityOfATrillion) {
+TEST(CheckLights, AcceptsPointLightsAndAnIntensityOfATrillion) {
   Scene scene = lit_scene();
   scene.mutable_lights(1)->mutable_disk()->set_radius(0);
   scene.mutable_lights(2)->mutable_sphere()->set_radius(0);

@@ -179,7 +179,7 @@ const Fault kFaultsOfTheView[] = {
      }},
 };
 
-TEST(CheckScene, NamesTheFieldThatIsWrong) {
+TEST(CheckScene, NamesTheInvalidField) {
   std::vector<Fault> faults(std::begin(kFaults), std::end(kFaults));
   faults.insert(faults.end(), std::begin(kFaultsOfTheView), std::end(kFaultsOfTheView));
   for (const Fault& fault : faults) {
@@ -194,7 +194,7 @@ TEST(CheckScene, NamesTheFieldThatIsWrong) {
   }
 }
 
-TEST(CheckScene, TakesExtremesThatHaveAMeaning) {
+TEST(CheckScene, AcceptsMeaningfulExtremes) {
   Scene scene = test::skull_scene();
   scene.mutable_phase()->set_g(-0.999999);
   scene.mutable_transfer_function()->set_extinction_per_mm(1e6);
@@ -205,7 +205,7 @@ TEST(CheckScene, TakesExtremesThatHaveAMeaning) {
   EXPECT_TRUE(check_scene(scene)) << "an invisible scene is valid";
 }
 
-TEST(SceneJson, ComesBackAsItWas) {
+TEST(SceneJson, RoundTrips) {
   const Scene scene = test::skull_scene();
   const auto again = scene_from_json(scene_to_json(scene));
   ASSERT_TRUE(again);
@@ -213,7 +213,7 @@ TEST(SceneJson, ComesBackAsItWas) {
 }
 
 /// Every scene file of the tests can be read, checked and prepared.
-TEST(SceneJson, EverySceneOfTheTestsIsValid) {
+TEST(SceneJson, EveryTestSceneIsValid) {
   const volume::Volume volume = test::skull_volume();
   const ValueGrid grid = make_value_grid(volume.voxels, size_of(volume.header));
   int scenes = 0;
@@ -230,7 +230,7 @@ TEST(SceneJson, EverySceneOfTheTestsIsValid) {
   EXPECT_GT(scenes, 8);
 }
 
-TEST(SceneJson, RefusesAnUnknownFieldByName) {
+TEST(SceneJson, RefusesUnknownFieldByName) {
   const auto top = scene_from_json(R"({"colour": 1})");
   ASSERT_FALSE(top);
   EXPECT_EQ(top.error().field, "colour");
@@ -239,7 +239,7 @@ TEST(SceneJson, RefusesAnUnknownFieldByName) {
   EXPECT_NE(nested.error().field.find("verticalFov"), std::string::npos) << nested.error().message;
 }
 
-TEST(SceneJson, RefusesWhatIsNoScene) {
+TEST(SceneJson, RefusesTextThatIsNotAScene) {
   for (const char* text : {"", "[]", "{", "{\"phase\": {\"g\": \"much\"}}", "\xff\xfe"}) {
     const auto parsed = scene_from_json(text);
     ASSERT_FALSE(parsed) << text;
@@ -248,7 +248,7 @@ TEST(SceneJson, RefusesWhatIsNoScene) {
   }
 }
 
-TEST(SceneJson, ANumberThatIsNoneIsLeftToTheCheck) {
+TEST(SceneJson, NanIsRefusedByTheCheckIfParsed) {
   const auto parsed = scene_from_json(R"({"phase": {"g": "NaN"}})");
   if (parsed) {
     EXPECT_FALSE(check_scene(*parsed));

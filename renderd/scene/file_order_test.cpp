@@ -30,13 +30,13 @@ struct FileOrder : testing::Test {
   std::vector<v1::Scene> keys;
 };
 
-TEST_F(FileOrder, AFirstViewBeginsANewList) {
+TEST_F(FileOrder, FirstViewStartsANewList) {
   ASSERT_TRUE(note_key_view(keys, view(0, 3)));
   ASSERT_EQ(keys.size(), 1U);
   EXPECT_EQ(keys[0].camera().eye().x(), 3);
 }
 
-TEST_F(FileOrder, ARejectedViewLeavesTheListAsItWas) {
+TEST_F(FileOrder, RejectedViewDoesNotChangeTheList) {
   for (const std::uint32_t index : {0U, 2U}) {
     v1::KeyView broken = view(index, 3);
     broken.mutable_scene()->clear_camera();

@@ -49,7 +49,7 @@ v1::Film film_of(v1::Film::Path path, std::uint32_t frames) {
   return film;
 }
 
-TEST(Turntable, GoesOnceRoundTheAxisFromFootToHeadThroughTheTarget) {
+TEST(Turntable, RotatesOnceAboutTheVerticalAxisThroughTheTarget) {
   v1::Scene scene = seen_from(30, -500, 120);
   test::set(scene.mutable_camera()->mutable_target(), 10, 20, 30);
   const v1::Film film = film_of(v1::Film::TURNTABLE, 100);
@@ -71,7 +71,7 @@ TEST(Turntable, GoesOnceRoundTheAxisFromFootToHeadThroughTheTarget) {
   expect_near(half, {-first.x, -first.y, first.z}, 1e-9);
 }
 
-TEST(Turntable, KeepsThePictureUprightAsItWas) {
+TEST(Turntable, KeepsTheUpDirection) {
   v1::Scene scene = seen_from(0, -500, 100);
   test::set(scene.mutable_camera()->mutable_up(), 0.3, 0, 1);
   const CameraAxes before(scene.camera());
@@ -80,7 +80,7 @@ TEST(Turntable, KeepsThePictureUprightAsItWas) {
   EXPECT_NEAR(after.right.z, before.right.z, 1e-12);
 }
 
-TEST(Tour, ComesByEachKeyInItsOrder) {
+TEST(Tour, VisitsEachKeyViewInOrder) {
   const std::vector<v1::Scene> keys{seen_from(0, -500, 0), seen_from(400, -100, 200),
                                     seen_from(0, 300, 50)};
   const v1::Film film = film_of(v1::Film::TOUR, 201);
@@ -91,7 +91,7 @@ TEST(Tour, ComesByEachKeyInItsOrder) {
 }
 
 // Each step of 1/1000 of a segment is a small part of the path, and the path has no sharp bend.
-TEST(Tour, IsSmoothWhateverTheViews) {
+TEST(Tour, IsSmoothForRandomViews) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> number(-1, 1);
   for (int round = 0; round < 20; ++round) {
@@ -123,7 +123,7 @@ TEST(Tour, IsSmoothWhateverTheViews) {
   }
 }
 
-TEST(Tour, BetweenTwoViewsGoesOnTheSphereAndByTheShorterWay) {
+TEST(Tour, TakesTheShorterArcBetweenTwoViews) {
   const std::vector<v1::Scene> keys{seen_from(0, -500, 0), seen_from(500, 0, 0)};
   for (double at = 0; at <= 1; at += 0.05) {
     const v1::Scene seen = on_tour(keys, at);
@@ -134,7 +134,7 @@ TEST(Tour, BetweenTwoViewsGoesOnTheSphereAndByTheShorterWay) {
   }
 }
 
-TEST(Tour, ViewsThatAreTheSameStandStill) {
+TEST(Tour, StandsStillBetweenEqualViews) {
   const v1::Scene one = seen_from(0, -500, 0);
   for (const double at : {0.25, 0.5, 1.5, 1.9}) {
     const v1::Scene seen = on_tour({one, one, one}, at);
@@ -142,7 +142,7 @@ TEST(Tour, ViewsThatAreTheSameStandStill) {
   }
 }
 
-TEST(SceneMix, NumbersGoOverWhereScenesAreEqualInKind) {
+TEST(SceneMix, InterpolatesNumbersOfScenesOfEqualStructure) {
   v1::Scene a = seen_from(0, -500, 0), b = a;
   b.mutable_transfer_function()->mutable_channels(0)->mutable_opacity(0)->set_value(200);
   b.mutable_transfer_function()->mutable_channels(0)->mutable_diffuse()->set_r(0.4);
@@ -155,7 +155,7 @@ TEST(SceneMix, NumbersGoOverWhereScenesAreEqualInKind) {
   EXPECT_TRUE(MessageDifferencer::Equals(mix_scenes(a, b, 1), b));
 }
 
-TEST(SceneMix, WhatIsNotEqualInKindChangesHalfWayAndOnlyThat) {
+TEST(SceneMix, SwitchesOnlyPartsOfUnequalStructureHalfWay) {
   v1::Scene a = seen_from(0, -500, 0), b = a;
   test::add_sky(b, 1);
   b.mutable_transfer_function()->set_extinction_per_mm(3);
@@ -165,7 +165,7 @@ TEST(SceneMix, WhatIsNotEqualInKindChangesHalfWayAndOnlyThat) {
   EXPECT_DOUBLE_EQ(mix_scenes(a, b, 0.75).transfer_function().extinction_per_mm(), 2.5);
 }
 
-TEST(SceneMix, AChannelOfAnotherNameOrAnotherPointIsOfAnotherKind) {
+TEST(SceneMix, ChannelStructureIncludesItsNameAndPoints) {
   const v1::Scene a = seen_from(0, -500, 0);
   v1::Scene named = a, longer = a, off = a, focused = a;
   named.mutable_transfer_function()->mutable_channels(0)->set_name("skin");
@@ -182,7 +182,7 @@ TEST(SceneMix, AChannelOfAnotherNameOrAnotherPointIsOfAnotherKind) {
 
 // The edges of the two lamps point in opposite directions, so half way the mixture would have no
 // area.
-TEST(SceneMix, AMixtureThatWouldBeNoSceneIsTheNearerOne) {
+TEST(SceneMix, ReplacesInvalidMixtureByTheNearerScene) {
   v1::Scene a = seen_from(0, -500, 0), b = a;
   auto& lamp = *b.mutable_lights(0)->mutable_rectangle();
   lamp.mutable_u()->set_y(-lamp.u().y());
@@ -191,7 +191,7 @@ TEST(SceneMix, AMixtureThatWouldBeNoSceneIsTheNearerOne) {
   EXPECT_TRUE(check_scene(mix_scenes(a, b, 0.4)));
 }
 
-TEST(CheckFilm, RefusesWhatIsOutOfBounds) {
+TEST(CheckFilm, RefusesValuesOutOfRange) {
   const std::vector<v1::Scene> one{seen_from(0, -500, 0)}, two{one[0], seen_from(0, 500, 0)};
   EXPECT_TRUE(check_film(film_of(v1::Film::TURNTABLE, 250), one));
   EXPECT_TRUE(check_film(film_of(v1::Film::TOUR, 1500), two));

@@ -69,7 +69,7 @@ void add_picture_sky(Scene& scene, const std::string& file, double radiance = 1)
       ->set_picture(file);
 }
 
-TEST(PrepareLights, LeavesOutWhatGivesNoLight) {
+TEST(PrepareLights, OmitsLightsThatEmitNothing) {
   Scene scene = dark_scene();
   add_ball(scene, 0, 10, 0);
   add_ball(scene, 0, 10, 1);
@@ -82,7 +82,7 @@ TEST(PrepareLights, LeavesOutWhatGivesNoLight) {
   EXPECT_EQ(features_of(*lights), Features{});
 }
 
-TEST(PrepareLights, IntensityMultipliesTheRadianceAndAbsentIsOne) {
+TEST(PrepareLights, IntensityScalesTheRadianceAndDefaultsToOne) {
   Scene scene = dark_scene();
   add_ball(scene, 0, 10, 3);
   add_ball(scene, 50, 10, 3);
@@ -98,7 +98,7 @@ TEST(PrepareLights, IntensityMultipliesTheRadianceAndAbsentIsOne) {
 
 /// A sixteenth of the probability is distributed evenly, the rest by radiance times area (a
 /// sphere's whole surface).
-TEST(PrepareLights, ChancesFollowThePower) {
+TEST(PrepareLights, ProbabilitiesFollowThePower) {
   Scene scene = dark_scene();
   add_ball(scene, 0, 10, 3);
   test::add_lamp(scene, 0, 0, 90, 20, 5);
@@ -111,7 +111,7 @@ TEST(PrepareLights, ChancesFollowThePower) {
 
 /// Thousands of lights, some 1e9 times as strong as others: each is sampled with exactly the
 /// probability by which its light is divided.
-TEST(PrepareLights, EachOfThousandsHasTheChanceThatItIsDividedBy) {
+TEST(PrepareLights, ProbabilitiesOfThousandsOfLightsAreExact) {
   Scene scene = dark_scene();
   for (int i = 0; i < 4096; ++i) {
     auto* b = scene.add_lights()->mutable_box();
@@ -135,7 +135,7 @@ TEST(PrepareLights, EachOfThousandsHasTheChanceThatItIsDividedBy) {
   EXPECT_EQ(before, 1.0f);
 }
 
-TEST(BoxLight, IsSixRectanglesThatShineOutwards) {
+TEST(BoxLight, BecomesSixRectanglesThatShineOutwards) {
   // A right-handed and a mirrored parallelepiped.
   for (const double side : {40.0, -40.0}) {
     Scene scene = dark_scene();
@@ -163,7 +163,7 @@ TEST(BoxLight, IsSixRectanglesThatShineOutwards) {
   }
 }
 
-TEST(CameraLockedLights, OfEveryShapeTurnWithTheCamera) {
+TEST(CameraLockedLights, EveryShapeTurnsWithTheCamera) {
   Scene scene = dark_scene();
   const std::string file = test::png(4, 2, [](auto i, auto) {
     return test::Rgb8{static_cast<std::uint8_t>(60 * i), 50, 50};
@@ -219,7 +219,7 @@ std::string compass() {
 }
 
 /// The patient is seen from the front, so +y is forward, +x right and +z up.
-TEST(EnvironmentMap, StandsAsThePictureDoesForWhoLooksForward) {
+TEST(EnvironmentMap, IsOrientedLikeTheImageWhenLookingForward) {
   Scene scene = dark_scene();
   add_picture_sky(scene, compass());
   const auto lights = prepare(scene);
@@ -238,7 +238,7 @@ TEST(EnvironmentMap, StandsAsThePictureDoesForWhoLooksForward) {
   EXPECT_NEAR(down.y, 0.503f, 1e-3f) << "sRGB made linear";
 }
 
-TEST(TexturedLights, OfDiskAndSphereStandAsSeenFromWhereTheyShine) {
+TEST(TexturedLights, DiskAndSphereTexturesFaceTheLitSide) {
   Scene scene = dark_scene();
   auto* d = scene.add_lights()->mutable_disk();
   test::set(d->mutable_normal(), 0, -1, 0);  // towards the viewer
@@ -269,7 +269,7 @@ TEST(TexturedLights, OfDiskAndSphereStandAsSeenFromWhereTheyShine) {
   }
 }
 
-TEST(TexturedLights, ArePickedByTheMeanOfTheirPictures) {
+TEST(TexturedLights, ProbabilityFollowsTheMeanOfTheTexture) {
   Scene scene = dark_scene();
   test::add_lamp(scene, 0, 0, 90, 20, 5);
   test::add_lamp(scene, 0, 0, 90, 20, 5);
@@ -323,7 +323,7 @@ void over_sphere(const Function& function) {
 }
 constexpr double kPatch = 4 * std::numbers::pi / kPolar / kTurn;  // steradians
 
-TEST(EnvironmentMap, DirectionsFollowTheDensity) {
+TEST(EnvironmentMap, SampledDirectionsFollowTheDensity) {
   constexpr int kSamples = 1'000'000, kBins = 101;
   const auto lights = prepare(two_skies());
   ASSERT_TRUE(lights);
@@ -361,7 +361,7 @@ TEST(EnvironmentMap, DirectionsFollowTheDensity) {
       << test::chi_square(turn_counts, turn, kSamples).value;
 }
 
-TEST(EnvironmentMap, RadianceOverDensityHasTheIntegralAsItsMeanAndLittleNoise) {
+TEST(EnvironmentMap, ImportanceSamplingIsUnbiasedWithLowVariance) {
   const auto lights = prepare(two_skies());
   ASSERT_TRUE(lights);
   const LightsView view = view_of_lights(*lights);
@@ -381,7 +381,7 @@ TEST(EnvironmentMap, RadianceOverDensityHasTheIntegralAsItsMeanAndLittleNoise) {
   EXPECT_LT(drawn.variance(), 0.5 * exact * exact);
 }
 
-TEST(PrepareTextures, AreSharedWithTheSceneBeforeAndBetweenLights) {
+TEST(PrepareTextures, SharesTexturesBetweenScenesAndLights) {
   Scene scene = two_skies();
   test::add_lamp(scene, 0, 0, 90, 20, 5);
   scene.mutable_lights(2)->mutable_rectangle()->mutable_texture()->set_picture(spotted());
@@ -403,7 +403,7 @@ TEST(PrepareTextures, AreSharedWithTheSceneBeforeAndBetweenLights) {
   EXPECT_EQ(prepare(scene, first->textures)->textures, nullptr);
 }
 
-TEST(PrepareTextures, NamesThePictureThatIsDamagedOrTooMuch) {
+TEST(PrepareTextures, NamesTheDamagedOrExcessiveTexture) {
   Scene scene = dark_scene();
   add_ball(scene, 0, 10, 1);
   auto* d = scene.add_lights()->mutable_disk();

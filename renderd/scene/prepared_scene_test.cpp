@@ -29,7 +29,7 @@ volume::Volume volume_of(const volume::Header& header) {
   return v;
 }
 
-TEST(PreparedScene, ACameraEditKeepsTheTables) {
+TEST(PreparedScene, CameraEditKeepsTheTables) {
   const volume::Volume v = test::skull_volume();
   const ValueGrid grid = make_value_grid(v.voxels, size_of(v.header));
   diaphane::v1::Scene scene = test::skull_scene();
@@ -48,7 +48,7 @@ TEST(PreparedScene, ACameraEditKeepsTheTables) {
 
 /// In the frame of a rotated volume, the camera ray through the middle of the picture meets the
 /// target. This is the world's origin, the centre of the box, for any direction matrix.
-TEST(PreparedScene, TheMiddleOfThePictureLooksAtTheTarget) {
+TEST(PreparedScene, CentreOfTheImageLooksAtTheTarget) {
   for (const double distance : {100.0, 1e6}) {
     diaphane::v1::Scene scene = test::skull_scene();
     test::set_camera(scene, 0.6 * distance, -0.7 * distance, 0.3 * distance, 2000 / distance);
@@ -62,7 +62,7 @@ TEST(PreparedScene, TheMiddleOfThePictureLooksAtTheTarget) {
   }
 }
 
-TEST(PreparedScene, RightIsRightAndUpIsUpInAnyVolume) {
+TEST(PreparedScene, OrientationIsRightForAnyVolumeDirection) {
   // Seen from the front (eye at -y in the patient's space), the patient's left (+x) is on the right
   // of the picture, with the head up.
   diaphane::v1::Scene scene = test::skull_scene();
@@ -79,7 +79,7 @@ TEST(PreparedScene, RightIsRightAndUpIsUpInAnyVolume) {
   EXPECT_NEAR(up.y, 0, 1e-5f);
 }
 
-TEST(PreparedScene, ALockedLightStaysBesideTheCamera) {
+TEST(PreparedScene, LockedLightStaysBesideTheCamera) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.clear_lights();
   test::add_lamp(scene, 50, 30, 200, 20, 10);
@@ -98,7 +98,7 @@ TEST(PreparedScene, ALockedLightStaysBesideTheCamera) {
   EXPECT_LT(length(b - a), 1e-3f);
 }
 
-TEST(PreparedScene, LeavesOutWhatTheSceneDoesNotNeed) {
+TEST(PreparedScene, OmitsUnneededFeatures) {
   diaphane::v1::Scene scene = test::skull_scene();
   const auto features = [&] {
     return test::Prepared(test::skull_volume(), scene).scene().features;
@@ -114,7 +114,7 @@ TEST(PreparedScene, LeavesOutWhatTheSceneDoesNotNeed) {
   EXPECT_EQ(features(), Features{}.with(Feature::kAnisotropicPhase));
 }
 
-TEST(PreparedScene, RefusesAPictureWithoutSize) {
+TEST(PreparedScene, RefusesInvalidCanvas) {
   const volume::Volume v = test::skull_volume();
   const ValueGrid grid = make_value_grid(v.voxels, size_of(v.header));
   for (const Canvas canvas :
@@ -126,7 +126,7 @@ TEST(PreparedScene, RefusesAPictureWithoutSize) {
   }
 }
 
-TEST(CheckVolume, NamesWhatIsWrong) {
+TEST(CheckVolume, NamesTheInvalidField) {
   const auto field = [](auto&& change) {
     volume::Volume v = test::constant_volume(4, 7);
     change(v);
@@ -142,7 +142,7 @@ TEST(CheckVolume, NamesWhatIsWrong) {
   EXPECT_EQ(field([](auto& v) { v.header.direction[1] = 0.5; }), "direction");
 }
 
-TEST(Presets, AreValidForEveryVolumeAndSeeTheWholeBox) {
+TEST(Presets, AreValidAndShowTheWholeBoxForEveryVolume) {
   volume::Volume ct = test::skull_volume();
   ct.header.modality = volume::Modality::kCt;
   const volume::Volume others[] = {ct, test::constant_volume(1, 0),
@@ -159,7 +159,7 @@ TEST(Presets, AreValidForEveryVolumeAndSeeTheWholeBox) {
   EXPECT_FALSE(preset_for(ct.header, "spectacles"));
 }
 
-TEST(Presets, AirwaysAreWallsOfAirThatLightGoesThrough) {
+TEST(Presets, AirwaysPresetShowsTranslucentAirWalls) {
   volume::Volume ct = test::skull_volume();
   ct.header.modality = volume::Modality::kCt;
   const auto preset = preset_for(ct.header, "airways");

@@ -61,14 +61,14 @@ TEST(ScenesPage, NamesEveryFieldOfTheContract) {
   for (const std::string& field : fields) EXPECT_TRUE(names(text, field)) << field;
 }
 
-TEST(ScenesPage, ListsEverySceneOfTheTests) {
+TEST(ScenesPage, ListsEveryTestScene) {
   const std::string text = page();
   for (const auto& entry : std::filesystem::directory_iterator(DIAPHANE_SCENES)) {
     EXPECT_TRUE(names(text, entry.path().filename().string())) << entry.path().filename();
   }
 }
 
-TEST(ScenesPage, EveryExampleIsAPartOfAValidScene) {
+TEST(ScenesPage, EveryExampleIsPartOfAValidScene) {
   const std::string text = page();
   const std::string fence = "```json\n";
   int examples = 0;

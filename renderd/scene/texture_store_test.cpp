@@ -48,14 +48,14 @@ TEST_F(TextureStore, BoundsTexturesOfAllScenesAndNamesTheExceedingField) {
   EXPECT_EQ(texture_memory(), 0U);
 }
 
-TEST_F(TextureStore, BoundsWhatOneOwnerTakes) {
+TEST_F(TextureStore, LimitsTheTexturesOfOneOwner) {
   const auto first = prepare(picture(1), "ann"), second = prepare(picture(2), "ann");
   ASSERT_TRUE(first && second);
   EXPECT_FALSE(prepare(picture(3), "ann"));
   EXPECT_TRUE(prepare(picture(3), "bob"));
 }
 
-TEST_F(TextureStore, TheSameFilesAreDecodedOnce) {
+TEST_F(TextureStore, DecodesEqualFilesOnce) {
   const auto one = prepare(picture(1), "ann");
   const auto other = prepare(picture(1), "bob");
   ASSERT_TRUE(one && other);
@@ -63,14 +63,14 @@ TEST_F(TextureStore, TheSameFilesAreDecodedOnce) {
   EXPECT_LT(texture_memory(), 2 * kBytes);
 }
 
-TEST_F(TextureStore, AnUnreadableFileKeepsNoMemory) {
+TEST_F(TextureStore, UnreadableFileUsesNoMemory) {
   std::string file = picture(1);
   file.resize(file.size() / 2);
   EXPECT_FALSE(prepare(file));
   EXPECT_EQ(texture_memory(), 0U);
 }
 
-TEST_F(TextureStore, AVisitorsSceneHasASixteenthOfThePixels) {
+TEST_F(TextureStore, LimitsTheTexturePixelsOfVisitors) {
   const std::string allowed = picture(1, 1024), large = picture(1, 1025);
   EXPECT_TRUE(check_visitors_textures({{&allowed, "a"}}));
   const auto refused = check_visitors_textures({{&large, "lights[0].environment.texture"}});

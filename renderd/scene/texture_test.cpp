@@ -14,7 +14,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(Texture, IsRefusedForWhatIsNoPicture) {
+TEST(Texture, RefusesFilesThatAreNotImages) {
   const std::string files[] = {"",
                                "P6 2 2 255 abcdefghijkl",
                                std::string(1000, '\0'),
@@ -28,13 +28,13 @@ TEST(Texture, IsRefusedForWhatIsNoPicture) {
   }
 }
 
-TEST(Texture, IsRefusedForAFileThatIsTooLarge) {
+TEST(Texture, RefusesFileThatIsTooLarge) {
   const auto size = texture_size(std::string(kMostTextureBytes + 1, '\0'));
   ASSERT_FALSE(size);
   EXPECT_NE(size.error().message.find("8 MB"), std::string::npos);
 }
 
-TEST(Texture, LinearIsTheStandardCurve) {
+TEST(Texture, LinearizesWithTheSrgbCurve) {
   EXPECT_EQ(linear_of(0), 0.0f);
   EXPECT_EQ(linear_of(255), 1.0f);
   EXPECT_NEAR(linear_of(10), 10 / 255.0 / 12.92, 1e-8);
@@ -49,7 +49,7 @@ std::string picture() {
   });
 }
 
-TEST(PngTexture, ComesAsItWasWritten) {
+TEST(PngTexture, RoundTrips) {
   const auto decoded = decode_texture(picture());
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(decoded->size.width, 7u);
@@ -64,7 +64,7 @@ TEST(PngTexture, ComesAsItWasWritten) {
 }
 
 /// The header is checked before memory of the size that it declares is allocated.
-TEST(PngTexture, TooManyPixelsAreRefusedByTheHead) {
+TEST(PngTexture, RefusesTooManyPixelsByTheHeader) {
   for (const auto& [width, height] : {std::pair{4097u, 1u}, std::pair{1u, 4097u}}) {
     const auto size = texture_size(test::png(width, height, [](auto, auto) {
       return test::Rgb8{1, 2, 3};
@@ -74,7 +74,7 @@ TEST(PngTexture, TooManyPixelsAreRefusedByTheHead) {
   }
 }
 
-TEST(PngTexture, EveryDamageIsAnErrorOrAPictureOfItsSize) {
+TEST(PngTexture, DamagedFileIsAnErrorOrAnImageOfItsSize) {
   const std::string whole = picture();
   for (std::size_t cut = 0; cut < whole.size(); ++cut) {
     const auto decoded = decode_texture(whole.substr(0, cut));
@@ -110,7 +110,7 @@ std::string jpeg(int width, int height) {
   return file;
 }
 
-TEST(JpegTexture, ComesNearlyAsItWasWritten) {
+TEST(JpegTexture, RoundTripsApproximately) {
   const auto decoded = decode_texture(jpeg(40, 30));
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(decoded->size.width, 40u);
@@ -122,7 +122,7 @@ TEST(JpegTexture, ComesNearlyAsItWasWritten) {
   }
 }
 
-TEST(JpegTexture, HalfOfOneAndOneTooWideAreRefused) {
+TEST(JpegTexture, RefusesTruncatedAndTooWideFiles) {
   const std::string whole = jpeg(200, 200);
   const auto half = decode_texture(whole.substr(0, whole.size() / 2));
   ASSERT_FALSE(half);

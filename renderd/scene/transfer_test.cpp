@@ -13,7 +13,7 @@ namespace {
 
 using test::add_channel;
 
-TEST(Material, ColourIsTheWeightedMeanAndOpacityTheMaximum) {
+TEST(Material, AveragesColourAndTakesTheMaximumOpacity) {
   diaphane::v1::TransferFunction f;
   add_channel(f, {{0, 0}, {100, 1}}, 1, 0, 0);
   add_channel(f, {{50, 0.2}, {150, 0.2}}, 0, 1, 0);
@@ -28,7 +28,7 @@ TEST(Material, ColourIsTheWeightedMeanAndOpacityTheMaximum) {
   EXPECT_DOUBLE_EQ(material_at(f, -1).weight, 0);
 }
 
-TEST(Tables, AreExactAtWholeValuesOfACt) {
+TEST(Tables, AreExactAtIntegerCtValues) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.clear_transfer_function();
   auto& f = *scene.mutable_transfer_function();
@@ -49,7 +49,7 @@ TEST(Tables, AreExactAtWholeValuesOfACt) {
   }
 }
 
-TEST(Tables, KeepPointsThatAreCloserThanAUnit) {
+TEST(Tables, KeepPointsCloserThanOneUnit) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.clear_transfer_function();
   auto& f = *scene.mutable_transfer_function();
@@ -81,7 +81,7 @@ diaphane::v1::TransferFunction falling() {
   return f;
 }
 
-TEST(Majorants, BoundTheExtinctionEverywhereOnSpikesAndFallingFunctions) {
+TEST(Majorants, BoundTheExtinctionOfSpikesAndFallingFunctions) {
   for (const auto& function : {spikes(), falling()}) {
     for (const double range : {40.0, 3000.0, 65535.0}) {
       diaphane::v1::Scene scene = test::skull_scene();
@@ -120,7 +120,7 @@ TEST(Majorants, BoundTheExtinctionEverywhereOnSpikesAndFallingFunctions) {
 
 /// Noise hides a bound that omits a neighbour, because other voxels of the cell are as large. A
 /// single bright or dark voxel does not.
-TEST(Majorants, BoundLoneVoxelsAlsoFromTheNeighbouringCell) {
+TEST(Majorants, BoundSingleVoxelsOfNeighbouringCells) {
   const Int3 size{20, 18, 19};
   diaphane::v1::Scene scene = test::skull_scene();
   for (const double lone : {30000.0, 0.0}) {
@@ -163,7 +163,7 @@ TEST(Majorants, BoundLoneVoxelsAlsoFromTheNeighbouringCell) {
   }
 }
 
-TEST(Majorants, AreTightWhereTheValuesAre) {
+TEST(Majorants, AreTightForConstantValues) {
   diaphane::v1::Scene scene = test::skull_scene();
   const test::Prepared p(test::constant_volume(9, 15000), scene);
   for (const CellBounds& b : p.scene().transfer->bounds) {
@@ -172,7 +172,7 @@ TEST(Majorants, AreTightWhereTheValuesAre) {
   }
 }
 
-TEST(ValueGrid, HoldsTheRangeOfEveryDilatedCell) {
+TEST(ValueGrid, StoresTheRangeOfEveryDilatedCell) {
   Random noise(1, 2, 3);
   const volume::Volume v = test::make_volume(
       {19, 9, 17}, {1, 1, 1}, [&](double, double, double) { return noise.one() * 60000 - 30000; });
