@@ -16,7 +16,7 @@ Setting small() {
   return setting;
 }
 
-TEST(FleetModel, WithoutTroubleNobodyIsRefusedOrMovedAndAllDevicesServe) {
+TEST(FleetModel, NeitherRefusesNorMovesSessionsWithoutFaults) {
   Setting setting = small();
   setting.crashes_per_second = setting.nodes_lost_per_second = setting.cordons_per_second = 0;
   for (const Way way : {Way::kLoad, Way::kRoundRobin, Way::kLeastCount}) {
@@ -31,7 +31,7 @@ TEST(FleetModel, WithoutTroubleNobodyIsRefusedOrMovedAndAllDevicesServe) {
   }
 }
 
-TEST(FleetModel, WithTroubleNoNodeIsOverCommitted) {
+TEST(FleetModel, OvercommitsNoNodeDuringFaults) {
   Setting setting = small();
   setting.nodes_lost_per_second = setting.cordons_per_second = 0.05;
   FleetModel model(setting, Way::kLoad);
@@ -40,7 +40,7 @@ TEST(FleetModel, WithTroubleNoNodeIsOverCommitted) {
   EXPECT_EQ(figures.over_committed, 0);
 }
 
-TEST(FleetModel, WhatIsExpectedOfSessionsPlacesThemMoreEvenlyThanTheirNumber) {
+TEST(FleetModel, PlacesByExpectedLoadMoreEvenlyThanByCount) {
   // Ten pairs of runs with the same faults. If the policies were equal, the mean difference would
   // exceed 4.3 times its own standard deviation once in a thousand (Student, 9 degrees of freedom).
   constexpr int kPairs = 10;
@@ -61,7 +61,7 @@ TEST(FleetModel, WhatIsExpectedOfSessionsPlacesThemMoreEvenlyThanTheirNumber) {
   EXPECT_GT(mean, 4.3 * std::sqrt(variance)) << mean;
 }
 
-TEST(FleetModel, OneSessionADeviceLosesNothing) {
+TEST(FleetModel, LosesNothingWithOneSessionPerDevice) {
   Setting setting = small();
   setting.sessions = 60;
   setting.slots = 1;

@@ -21,7 +21,7 @@ double sum(const LendingModel& model, std::size_t count) {
   return all;
 }
 
-TEST(LendingModel, WhatIsLackingComesASecondLaterForItsPrice) {
+TEST(LendingModel, HelperAddsCapacityAfterOneSecondAtItsCost) {
   const LendingCosts costs;
   LendingModel model({}, costs, 1);
   const Devices devices = asked({1.3, 0.2});
@@ -32,7 +32,7 @@ TEST(LendingModel, WhatIsLackingComesASecondLaterForItsPrice) {
   EXPECT_NEAR(model.load(1), 0.2 + 0.3 / (1 - costs.handing - costs.merging), 1e-6);
 }
 
-TEST(LendingModel, NobodyGivesMoreThanItHasLeft) {
+TEST(LendingModel, HelpersLendOnlySpareCapacity) {
   LendingModel model({}, {}, 1);
   const Devices devices = asked({3, 2.5, 0.5, 0.6, 1.8});
   for (int second = 0; second < 10; ++second) {
@@ -44,7 +44,7 @@ TEST(LendingModel, NobodyGivesMoreThanItHasLeft) {
   EXPECT_NEAR(model.lent(), 0.9, 0.01) << "all that is left";
 }
 
-TEST(LendingModel, NothingIsLentWhereEachHasEnough) {
+TEST(LendingModel, LendsNothingWithoutOverload) {
   LendingModel model({}, {}, 1);
   const Devices devices = asked({1, 0.9, 0, 0.5});
   for (int second = 0; second < 5; ++second) model.step(devices);
@@ -54,7 +54,7 @@ TEST(LendingModel, NothingIsLentWhereEachHasEnough) {
   }
 }
 
-TEST(LendingModel, AHelperThatGoesIsNotCountedOn) {
+TEST(LendingModel, DropsHelperThatLeaves) {
   LendingModel model({}, {}, 1);
   Devices devices = asked({1.5, 0.1});
   for (int second = 0; second < 3; ++second) model.step(devices);
@@ -65,7 +65,7 @@ TEST(LendingModel, AHelperThatGoesIsNotCountedOn) {
   EXPECT_EQ(model.lent(), 0);
 }
 
-TEST(LendingModel, AFleetThatLendsLosesLessThanHalfAndPlacesAlike) {
+TEST(LendingModel, LendingHalvesTheLossesWithoutChangingPlacement) {
   Setting setting;
   setting.sessions = 1600;
   setting.devices = 128;

@@ -22,7 +22,7 @@ Reference grey_reference(double level, double own_error) {
   return r;
 }
 
-TEST(PictureError, IsTheDistanceOnTheScreen) {
+TEST(PictureError, MeasuresTheDifferenceOfDisplayedValues) {
   const Reference reference = grey_reference(0.2, 0);
   PictureRgbF picture{reference.canvas, std::vector<float>(30'000, 0.3f)};
   const PictureError error = error_against(reference, picture);
@@ -30,7 +30,7 @@ TEST(PictureError, IsTheDistanceOnTheScreen) {
   EXPECT_EQ(error.pixels, 10'000u);
 }
 
-TEST(PictureError, CountsOnlyPixelsWithContentsAndFiniteNumbers) {
+TEST(PictureError, IgnoresBackgroundAndNonFinitePixels) {
   Reference reference = grey_reference(0.2, 0);
   for (std::size_t i = 5000; i < 10'000; ++i) reference.contents[i] = 0;
   PictureRgbF picture{reference.canvas, std::vector<float>(30'000, 0.2f)};
@@ -42,7 +42,7 @@ TEST(PictureError, CountsOnlyPixelsWithContentsAndFiniteNumbers) {
   EXPECT_EQ(error.non_finite, 2u);
 }
 
-TEST(PictureError, WhiteIsThe99thPercentileOfWhatCounts) {
+TEST(PictureError, WhiteIsThe99thPercentileOfContentPixels) {
   std::vector<double> mean(30'000);
   std::vector<std::uint8_t> contents(10'000, 1);
   for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = static_cast<double>(i) / 30'000;
@@ -52,7 +52,7 @@ TEST(PictureError, WhiteIsThe99thPercentileOfWhatCounts) {
   EXPECT_EQ(white_of(std::vector<double>(30'000, 0.0), contents), 1);
 }
 
-TEST(PictureError, TheReferencesOwnNoiseIsTakenOff) {
+TEST(PictureError, SubtractsTheNoiseOfTheReference) {
   EXPECT_NEAR(without_noise_of(grey_reference(0, 0.03), 0.05), 0.04, 1e-12);
   EXPECT_EQ(without_noise_of(grey_reference(0, 0.03), 0.02), 0);
 }
@@ -70,7 +70,7 @@ Curve straight(double error, double exponent, double milliseconds) {
   return curve;
 }
 
-TEST(Curve, SlopeAndCrossingOfAStraightLineAreExact) {
+TEST(Curve, SlopeAndCrossingOfAPowerLawAreExact) {
   const Curve curve = straight(0.4, -0.5, 3);
   EXPECT_NEAR(*slope(curve, &CurvePoint::rmse, 1), -0.5, 1e-12);
   EXPECT_NEAR(*slope(curve, &CurvePoint::estimate, 1), -0.5, 1e-12) << "infinity left out";
@@ -82,7 +82,7 @@ TEST(Curve, SlopeAndCrossingOfAStraightLineAreExact) {
   EXPECT_NEAR(odd.samples, std::pow(0.4 / 0.07, 2), 1e-9);
 }
 
-TEST(Curve, WhatWasNotMeasuredIsSaid) {
+TEST(Curve, ReportsExtrapolatedAndMissingCrossings) {
   EXPECT_EQ(crossing(straight(0.04, -0.5, 3), 0.05)->how, Crossing::How::kFirst);
   EXPECT_EQ(crossing(straight(0.04, -0.5, 3), 0.05)->milliseconds, 3);
   const Crossing far = *crossing(straight(3.2, -0.5, 3), 0.05);
@@ -92,7 +92,7 @@ TEST(Curve, WhatWasNotMeasuredIsSaid) {
   EXPECT_FALSE(crossing(straight(0.4, 0.0, 3), 0.05)) << "never";
 }
 
-TEST(MadeVolume, HasContentsAndEmptySpaceAndTheCraniumsExtent) {
+TEST(MadeVolume, HasContentsEmptySpaceAndTheExtentOfTheCranium) {
   const volume::Volume v = made_volume(32);
   EXPECT_EQ(v.header.size[2], 13u);
   EXPECT_NEAR(v.header.size[2] * v.header.spacing[2], 162, 0.1);

@@ -36,7 +36,7 @@ const Convergence& measured() {
 /// square of half differences has a spread of 1 / sqrt(2 * 400 * 8) = 1.3%. The true error has the
 /// same spread, and the reference less. 0.1 is five times the combined spread, which gives a
 /// significance of 1e-5 for all six comparisons.
-TEST(Estimate, IsWithinATenthOfTheTruthPast64SamplesForBothKindsOfPoints) {
+TEST(Estimate, IsWithinTenPercentFrom64SamplesForBothPointSets) {
   for (const Curve& curve : measured().curves) {
     for (const CurvePoint& point : curve.points) {
       EXPECT_EQ(point.non_finite + point.dropped, 0u);
@@ -76,7 +76,7 @@ TEST(Estimate, TrueErrorConvergesAtMonteCarloRate) {
   EXPECT_LT(*slope(curves[1], &CurvePoint::rmse, 16), -0.47);
 }
 
-TEST(Estimate, LowDiscrepancyPointsAreNoWorseAtAnyNumberOfSamples) {
+TEST(Estimate, LowDiscrepancyPointsAreNeverWorse) {
   const auto& curves = measured().curves;
   for (std::size_t i = 0; i < curves[0].points.size(); ++i) {
     EXPECT_LT(curves[1].points[i].rmse, 1.05 * curves[0].points[i].rmse)
@@ -84,7 +84,7 @@ TEST(Estimate, LowDiscrepancyPointsAreNoWorseAtAnyNumberOfSamples) {
   }
 }
 
-TEST(Estimate, TheReferenceIsFarBelowWhatItJudges) {
+TEST(Estimate, ReferenceErrorIsFarBelowTheMeasuredErrors) {
   const Convergence& result = measured();
   EXPECT_LT(result.reference.error, 0.25 * result.curves[1].points.back().rmse);
   EXPECT_GT(result.reference.samples, 16 * 256);

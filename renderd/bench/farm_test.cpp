@@ -26,7 +26,7 @@ PictureRgbF picture_by(Engine& engine, std::uint64_t seed, std::uint64_t first,
 }
 
 /// The pictures of three devices, each with its own range of samples, weighted by count.
-TEST(Farm, ItsPictureIsTheMeanOfItsDevicesWeightedByCount) {
+TEST(Farm, AveragesItsDevicesWeightedBySampleCount) {
   const auto farm = make_farm(EngineChoice::kCpu, 3, 1).value();
   Progress progress;
   const PictureRgbF merged = picture_by(*farm, 7, 5, 20, &progress);
@@ -49,14 +49,14 @@ TEST(Farm, ItsPictureIsTheMeanOfItsDevicesWeightedByCount) {
   EXPECT_NEAR(progress.error, std::sqrt(squared), 1e-12);
 }
 
-TEST(Farm, FewerSamplesThanDevicesAreNoTrouble) {
+TEST(Farm, SupportsFewerSamplesThanDevices) {
   const auto farm = make_farm(EngineChoice::kCpu, 4, 1).value();
   const auto engine = make_cpu_engine(1);
   const PictureRgbF one = picture_by(*farm, 7, 0, 1), alone = picture_by(*engine, 7, 0, 1);
   EXPECT_EQ(one.pixels, alone.pixels);
 }
 
-TEST(Farm, WhatADeviceRefusesIsSaid) {
+TEST(Farm, ReportsErrorsOfItsDevices) {
   const auto farm = make_farm(EngineChoice::kCpu, 2, 1).value();
   volume::Volume wrong = test::skull_volume();
   wrong.header.spacing[0] = -1;

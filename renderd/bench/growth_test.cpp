@@ -26,7 +26,7 @@ GrowthWish small_wish() {
   return wish;
 }
 
-TEST(MadeVolume, IsTheSameObjectInACube) {
+TEST(MadeVolume, CubeContainsTheSameObject) {
   const volume::Volume flat = made_volume(64), tall = made_cube(64);
   EXPECT_EQ(tall.header.size, (std::array<std::uint32_t, 3>{64, 64, 64}));
   for (std::size_t i = 0; i < 3; ++i) {
@@ -43,7 +43,7 @@ TEST(MadeVolume, IsTheSameObjectInACube) {
   EXPECT_NEAR(filled(tall), filled(flat), 0.02);
 }
 
-TEST(Growth, HasARowForEveryVolumeCanvasAndWalkAndAllItsFigures) {
+TEST(Growth, ReportsARowPerVolumeCanvasAndWalk) {
   const auto engine = make_cpu_engine(1);
   std::vector<std::string> seen;
   GrowthWish wish = small_wish();
@@ -77,7 +77,7 @@ TEST(Growth, HasARowForEveryVolumeCanvasAndWalkAndAllItsFigures) {
   EXPECT_EQ(json["rows"].size(), 6u);
 }
 
-TEST(Growth, TheWayToTheTargetEndsWhereItIsReached) {
+TEST(Growth, StopsMeasuringWhenTheTargetErrorIsReached) {
   const auto engine = make_cpu_engine(1);
   GrowthWish wish = small_wish();
   wish.walks = {Walk::kTracking};
@@ -101,7 +101,7 @@ TEST(Growth, TheWayToTheTargetEndsWhereItIsReached) {
   EXPECT_LT(between.to_target->samples, 16);
 }
 
-TEST(Growth, ARefusedSceneIsSaidByItsField) {
+TEST(Growth, RefusesInvalidSceneAndNamesTheField) {
   const auto engine = make_cpu_engine(1);
   GrowthWish wish = small_wish();
   wish.scene.mutable_transfer_function()->clear_channels();

@@ -19,7 +19,7 @@ std::uint64_t hash(const std::string& text) {
   return h;
 }
 
-TEST(Traces, AreTheSameEverywhereAndReadBackAsWritten) {
+TEST(Traces, AreReproducibleAndRoundTrip) {
   const Trace trace = make_trace("mixed", 16, 30, 1);
   const std::string text = trace_json(trace);
   // Rounded to microseconds, because the last bits of a logarithm depend on the library.
@@ -39,7 +39,7 @@ TEST(Traces, AreTheSameEverywhereAndReadBackAsWritten) {
   EXPECT_FALSE(trace_of_json("[1"));
 }
 
-TEST(Traces, EventsAreInOrderAndEachGestureEndsWithItsLastInput) {
+TEST(Traces, AreOrderedAndEndEachGestureWithItsLastInput) {
   const Trace trace = make_trace("interactive", 4, 20, 3);
   double now = 0;
   std::size_t last = 0, gestures = 0;
@@ -53,7 +53,7 @@ TEST(Traces, EventsAreInOrderAndEachGestureEndsWithItsLastInput) {
   EXPECT_GT(gestures, 10U);
 }
 
-TEST(Scores, TimeToAGoodPictureCountsFromTheLastInput) {
+TEST(Scores, TimeToGoodImageCountsFromTheLastInput) {
   SessionScore score(0.1);
   score.input(1.0, false);
   score.began(1.01);
@@ -72,7 +72,7 @@ TEST(Scores, TimeToAGoodPictureCountsFromTheLastInput) {
   EXPECT_NEAR(*score.speed(), 0.5, 1e-12);
 }
 
-TEST(Scores, AGoodPictureOfOlderInputIsNone) {
+TEST(Scores, IgnoreGoodImageOfAnOlderInput) {
   SessionScore score(0.1);
   score.input(1.0, false);
   score.began(1.01);
@@ -84,7 +84,7 @@ TEST(Scores, AGoodPictureOfOlderInputIsNone) {
   EXPECT_NEAR(score.to_good()[0].seconds, 0.9, 1e-12);
 }
 
-TEST(Scores, CoalescedInputsAreAnsweredTogetherTheOldestCounts) {
+TEST(Scores, CoalescedInputsCountFromTheOldest) {
   SessionScore score(0.1);
   score.input(1.0, false);
   score.input(1.016, false);
@@ -94,7 +94,7 @@ TEST(Scores, CoalescedInputsAreAnsweredTogetherTheOldestCounts) {
   EXPECT_NEAR(score.to_first_frame()[0], 0.03, 1e-12);
 }
 
-TEST(Scores, JainsIndexIsOneForEqualSharesAndOneOverNForOneThatHasAll) {
+TEST(Scores, JainIndexIsOneIfEqualAndOneOverNIfOneHasAll) {
   EXPECT_NEAR(jain({0.3, 0.3, 0.3}), 1, 1e-12);
   EXPECT_NEAR(jain({1, 0, 0, 0}), 0.25, 1e-12);
 }
@@ -102,7 +102,7 @@ TEST(Scores, JainsIndexIsOneForEqualSharesAndOneOverNForOneThatHasAll) {
 DeviceModel model() { return *device_model("h200"); }
 const LedgerRules kRules{};
 
-TEST(Simulator, OneSessionAloneIsAsFastAsItsCosts) {
+TEST(Simulator, SingleSessionTakesItsModelledTime) {
   Trace trace{"one", 1, 5, {{}}};
   trace.sessions[0].arrives = 0.5;
   trace.sessions[0].leaves = 5;
@@ -116,7 +116,7 @@ TEST(Simulator, OneSessionAloneIsAsFastAsItsCosts) {
   EXPECT_GT(run.scores.idle, 0.9);
 }
 
-TEST(Simulator, TimeAddsUp) {
+TEST(Simulator, DeviceTimesAddUp) {
   for (const PolicyKind kind : kPolicyKinds) {
     const Trace trace = make_trace("mixed", 8, 10, 2);
     const TraceRun run = simulate(trace, model(), make_policy(kind), kRules);
@@ -126,7 +126,7 @@ TEST(Simulator, TimeAddsUp) {
   }
 }
 
-TEST(Simulator, TheSameSeedGivesTheSameFigures) {
+TEST(Simulator, SameSeedGivesTheSameFigures) {
   const Trace trace = make_trace("mixed", 8, 5, 2);
   const auto run = [&] {
     return simulate(trace, model(), make_policy(PolicyKind::kErrorProportional, {}, 3), kRules)
@@ -137,7 +137,7 @@ TEST(Simulator, TheSameSeedGivesTheSameFigures) {
 
 /// Sixteen mixed sessions hardly load this device, because one alone takes half of their time to
 /// 5%. Therefore, the test requires twice the speed of round-robin with sixty-four sessions.
-TEST(Simulator, MarginalGainIsTwiceAsFastAsTurnsAndFasterThanTheThesis) {
+TEST(Simulator, MarginalGainIsTwiceAsFastAsRoundRobin) {
   double gain = 0, turns = 0, thesis = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Trace trace = make_trace("mixed", 64, 10, seed);
@@ -153,14 +153,14 @@ TEST(Simulator, MarginalGainIsTwiceAsFastAsTurnsAndFasterThanTheThesis) {
 }
 
 /// With 64 sessions, 95% of inputs wait at most 33 ms until their first frame begins.
-TEST(Simulator, SixtyFourAreAnsweredInTime) {
+TEST(Simulator, AnswersSixtyFourSessionsWithin33Milliseconds) {
   const Trace trace = make_trace("mixed", 64, 15, 1);
   const auto run = simulate(trace, model(), make_policy(PolicyKind::kMarginalGain), kRules);
   EXPECT_LE(run.scores.queueing_p95, 0.033);
   EXPECT_GT(run.scores.inputs, 100U);
 }
 
-TEST(Simulator, AFleetPlacesEverybodyAndLeastErrorIsNoWorseThanTurns) {
+TEST(Simulator, FleetByLeastErrorIsNoWorseThanRoundRobin) {
   const Trace trace = make_trace("mixed", 200, 8, 1);
   const auto run = [&](Placement placement) {
     return simulate_fleet(trace, 20, model(), PolicyKind::kMarginalGain, placement, kRules);
@@ -171,7 +171,7 @@ TEST(Simulator, AFleetPlacesEverybodyAndLeastErrorIsNoWorseThanTurns) {
   EXPECT_LE(error.scores.to_good_mean, 1.2 * turns.scores.to_good_mean);
 }
 
-TEST(Figure9, WhoInteractedHasThePriorityAndInTheLastSituationAllAreEqual) {
+TEST(Figure9, InteractingUsersGetPriority) {
   const auto situations = figure9(1);
   ASSERT_EQ(situations.size(), 7U);
   for (const Situation& s : situations) {
@@ -191,7 +191,7 @@ TEST(Decisions, AreMeasured) {
 }
 
 /// Runs the real runner on the CPU for a second, to cover this path and to fill every figure.
-TEST(RealRun, AShortTraceIsShownAndMeasured) {
+TEST(RealRun, MeasuresAShortTrace) {
   const auto engine = make_cpu_engine(2);
   const auto volume = engine->load(test::skull_volume());
   ASSERT_TRUE(volume);
