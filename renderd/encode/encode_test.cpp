@@ -37,7 +37,7 @@ Decoded decode(const std::string& jpeg) {
   return out;
 }
 
-TEST(JpegEncoder, APictureComesBackWithinAFewSteps) {
+TEST(JpegEncoder, RoundTripsWithSmallError) {
   auto encoder = make_encoder(v1::JPEG);
   ASSERT_TRUE(encoder);
   for (const Canvas size : {Canvas{64, 48}, Canvas{17, 33}, Canvas{320, 200}, Canvas{16, 16}}) {
@@ -60,7 +60,7 @@ TEST(JpegEncoder, APictureComesBackWithinAFewSteps) {
   }
 }
 
-TEST(JpegEncoder, APictureThatLiesAboutItsSizeIsRefused) {
+TEST(JpegEncoder, RefusesImageWithWrongSize) {
   auto encoder = make_encoder(v1::JPEG);
   PictureRgb8 picture = smooth_picture(32, 32);
   picture.size.height = 33;
@@ -101,7 +101,7 @@ RenderedPicture of_epoch(std::uint64_t epoch) {
   return rendered;
 }
 
-TEST(EncodePool, AnUrgentJobDoesNotWaitForALongOne) {
+TEST(EncodePool, UrgentJobDoesNotWaitForALongJob) {
   EncodePool pool(1);
   std::latch long_one_begun(1), urgent_one_ended(1), all(1);
   pool.post(EncodePool::Urgency::kLater, [&] {
@@ -114,7 +114,7 @@ TEST(EncodePool, AnUrgentJobDoesNotWaitForALongOne) {
   all.wait();
 }
 
-TEST(EncodePool, JobsOfOneUrgencyStartInTheirOrder) {
+TEST(EncodePool, JobsOfEqualUrgencyStartInOrder) {
   for (const auto urgency :
        {EncodePool::Urgency::kNow, EncodePool::Urgency::kNowLarge, EncodePool::Urgency::kLater}) {
     std::vector<int> order;
@@ -127,7 +127,7 @@ TEST(EncodePool, JobsOfOneUrgencyStartInTheirOrder) {
   }
 }
 
-TEST(EncodePool, WhatIsQueuedAndWhatThatPostsRunsBeforeItEnds) {
+TEST(EncodePool, DestructorRunsQueuedAndNewlyPostedJobs) {
   std::atomic<int> done{0};
   auto pool = std::make_unique<EncodePool>(2);
   EncodePool& there = *pool;  // valid until its destructor ends
@@ -147,7 +147,7 @@ TEST(EncodePool, WhatIsQueuedAndWhatThatPostsRunsBeforeItEnds) {
   EXPECT_EQ(done, 102);
 }
 
-TEST(EncodePool, WorkThatCanWaitRunsAtALowerPriority) {
+TEST(EncodePool, DeferredWorkRunsAtALowerPriority) {
   int now = -1, later = -1;
   {
     EncodePool pool(1);
@@ -166,7 +166,7 @@ struct LaneTest : testing::Test {
   void settle() { pool = nullptr; }
 };
 
-TEST_F(LaneTest, ASmallPictureDoesNotWaitForALargeOne) {
+TEST_F(LaneTest, SmallImageDoesNotWaitForALargeOne) {
   // The sink blocks the large picture until the small one of another session is encoded.
   struct Blocking final : FrameSink {
     Admitted admit(const FrameInfo&) override {
@@ -196,7 +196,7 @@ TEST_F(LaneTest, ASmallPictureDoesNotWaitForALargeOne) {
   EXPECT_EQ(sink->sent.size(), 1U);
 }
 
-TEST_F(LaneTest, WhatWaitsIsReplacedByTheLatest) {
+TEST_F(LaneTest, LatestImageReplacesTheWaitingOne) {
   sink->answer = Admission::kWait;
   for (std::uint64_t epoch = 1; epoch <= 50; ++epoch) lane->submit(of_epoch(epoch));
   EXPECT_FALSE(lane->slot_free());
@@ -211,7 +211,7 @@ TEST_F(LaneTest, WhatWaitsIsReplacedByTheLatest) {
   EXPECT_TRUE(lane->slot_free());
 }
 
-TEST_F(LaneTest, WhatIsOutOfDateIsNeverEncoded) {
+TEST_F(LaneTest, NeverEncodesOutdatedImage) {
   sink->answer = Admission::kDrop;
   lane->submit(of_epoch(1));
   settle();
@@ -220,7 +220,7 @@ TEST_F(LaneTest, WhatIsOutOfDateIsNeverEncoded) {
   EXPECT_TRUE(lane->slot_free());
 }
 
-TEST_F(LaneTest, FramesOfOneSessionKeepTheirOrderOnManyThreads) {
+TEST_F(LaneTest, KeepsTheFrameOrderOnManyThreads) {
   for (std::uint64_t epoch = 1; epoch <= 300; ++epoch) lane->submit(of_epoch(epoch));
   settle();
   EXPECT_TRUE(std::is_sorted(sink->sent.begin(), sink->sent.end()));
@@ -229,7 +229,7 @@ TEST_F(LaneTest, FramesOfOneSessionKeepTheirOrderOnManyThreads) {
   EXPECT_EQ(sink->sent.size() + lane->skipped(), 300U);
 }
 
-TEST_F(LaneTest, APictureThatComesWhileOneIsEncodedIsNotForgotten) {
+TEST_F(LaneTest, EncodesImageSubmittedDuringEncoding) {
   sink->after = [this, once = true]() mutable {
     if (std::exchange(once, false)) lane->submit(of_epoch(2));
   };
@@ -238,7 +238,7 @@ TEST_F(LaneTest, APictureThatComesWhileOneIsEncodedIsNotForgotten) {
   EXPECT_EQ(sink->sent, (std::vector<std::uint64_t>{1, 2}));
 }
 
-TEST_F(LaneTest, ASessionWithoutRoomHoldsNoThread) {
+TEST_F(LaneTest, BlockedSessionHoldsNoThread) {
   sink->answer = Admission::kWait;
   lane->submit(of_epoch(1));
   auto other_sink = std::make_shared<Sink>();

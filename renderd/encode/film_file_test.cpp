@@ -108,7 +108,7 @@ std::string film_of(const FilmFormat& format, const std::function<PictureRgb8(in
   return bytes ? *bytes : std::string();
 }
 
-TEST(FilmFile, HoldsEachFrameOnceInItsOrder) {
+TEST(FilmFile, ContainsEachFrameOnceInOrder) {
   constexpr Canvas kSize{64, 48};
   const Seen seen =
       seen_in(film_of(format_of(kSize, 40, 20), [&](int i) { return grey(kSize, 10 + 6 * i); }));
@@ -124,7 +124,7 @@ TEST(FilmFile, HoldsEachFrameOnceInItsOrder) {
   }
 }
 
-TEST(FilmFile, WhatAPlayerNeedsFirstStandsFirst) {
+TEST(FilmFile, StoresTheIndexBeforeTheFrames) {
   constexpr Canvas kSize{64, 48};
   const std::string bytes =
       film_of(format_of(kSize, 30), [&](int i) { return smooth_picture(64, 48, i); });
@@ -135,7 +135,7 @@ TEST(FilmFile, WhatAPlayerNeedsFirstStandsFirst) {
 }
 
 // Noise compresses least.
-TEST(FilmFile, IsBoundedWhateverItShows) {
+TEST(FilmFile, LimitsItsSizeEvenForNoise) {
   constexpr Canvas kSize{320, 240};
   std::mt19937 random(1);
   const std::string bytes = film_of(format_of(kSize, 60, 10), [&](int) {
@@ -147,14 +147,14 @@ TEST(FilmFile, IsBoundedWhateverItShows) {
   EXPECT_LT(bytes.size(), 24'000'000u / 8 * 6 * 11 / 10);
 }
 
-TEST(FilmFile, RefusesAFrameOfAnotherSize) {
+TEST(FilmFile, RefusesFrameOfAnotherSize) {
   auto file = make_film_file(format_of({64, 48}, 3));
   ASSERT_TRUE(file);
   EXPECT_FALSE((*file)->add(smooth_picture(48, 64)));
 }
 
 // The sanitizers detect leaks.
-TEST(FilmFile, MayBeGivenUpHalfWay) {
+TEST(FilmFile, CanBeAbandonedBeforeTheEnd) {
   auto file = make_film_file(format_of({64, 48}, 30));
   ASSERT_TRUE(file);
   ASSERT_TRUE((*file)->add(smooth_picture(64, 48)));

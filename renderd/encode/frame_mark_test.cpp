@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint64_t kNumbers[] = {0, 1, 0x800000, 0xabcdef, 0xffffff, 0x5000123};
 
-TEST(FrameMark, IsReadBackFromEverySizeThatHoldsIt) {
+TEST(FrameMark, RoundTripsThroughImagesOfAnySize) {
   for (const Canvas size : {Canvas{40, 16}, Canvas{97, 33}, Canvas{512, 512}, Canvas{1281, 719}}) {
     for (const std::uint64_t number : kNumbers) {
       PictureRgb8 picture = smooth_picture(size.width, size.height);
@@ -20,7 +20,7 @@ TEST(FrameMark, IsReadBackFromEverySizeThatHoldsIt) {
   }
 }
 
-TEST(FrameMark, CellsAreSquareAndLieWhereTheReaderLooks) {
+TEST(FrameMark, DrawsSquareCellsAtTheExpectedPositions) {
   PictureRgb8 picture = smooth_picture(80, 60);
   const PictureRgb8 before = picture;
   draw_frame_mark(picture, 0x800001);
@@ -39,7 +39,7 @@ TEST(FrameMark, CellsAreSquareAndLieWhereTheReaderLooks) {
       << "only the cells are drawn";
 }
 
-TEST(FrameMark, ASmallPictureStaysAsItIs) {
+TEST(FrameMark, LeavesSmallImageUnchanged) {
   PictureRgb8 picture = smooth_picture(39, 30);
   const PictureRgb8 before = picture;
   draw_frame_mark(picture, 7);
@@ -47,7 +47,7 @@ TEST(FrameMark, ASmallPictureStaysAsItIs) {
   EXPECT_EQ(read_frame_mark(picture), std::nullopt);
 }
 
-TEST(FrameMark, OneWrongCellIsSeen) {
+TEST(FrameMark, DetectsAWrongCell) {
   PictureRgb8 picture = smooth_picture(400, 300);
   draw_frame_mark(picture, 0x123456);
   for (std::size_t cell = 0; cell < 40; ++cell) {

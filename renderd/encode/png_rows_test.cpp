@@ -22,7 +22,7 @@ PictureRgb8 read(const std::string& file) {
   return picture;
 }
 
-TEST(PngRows, BandsOfAnyHeightMakeTheSameFileAsTheWhole) {
+TEST(PngRows, FileDoesNotDependOnTheBandHeight) {
   const PictureRgb8 whole = smooth_picture(300, 97);
   std::string first;
   for (const std::uint32_t rows : {97u, 1u, 16u, 40u}) {
@@ -47,7 +47,7 @@ TEST(PngRows, BandsOfAnyHeightMakeTheSameFileAsTheWhole) {
   }
 }
 
-TEST(PngRows, RefusesRowsThatAreNotItsOwn) {
+TEST(PngRows, RefusesIncompleteSurplusOrMissingRows) {
   auto png = make_png_rows({10, 4}, 1);
   ASSERT_TRUE(png);
   const std::vector<std::uint8_t> pixels(30 * 5);

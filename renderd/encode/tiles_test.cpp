@@ -61,7 +61,7 @@ TEST(Tiles, CoverEveryPixelOnceAndAreAtMost256Wide) {
   EXPECT_EQ(plan_tiles({1280, 720}).size(), 15U);
 }
 
-TEST(Tiles, EveryPixelComesBackAndTheHashIsOfThem) {
+TEST(Tiles, RoundTripEveryPixelAndHashThem) {
   const PictureRgb8 picture = noisy({300, 270});
   for (const v1::StillFormat format : {v1::PNG, v1::WEBP}) {
     PictureRgb8 back = plain_picture(picture.size, 0, 0, 0);
@@ -86,7 +86,7 @@ TEST(Tiles, EveryPixelComesBackAndTheHashIsOfThem) {
   }
 }
 
-TEST(Tiles, OneThatIsNotWithinThePictureIsRefused) {
+TEST(Tiles, RefuseTileOutsideTheImage) {
   const PictureRgb8 picture = noisy({40, 30});
   for (const Tile& wrong :
        {Tile{0, 0, 41, 30}, Tile{1, 0, 40, 30}, Tile{0, 0, 0, 10}, Tile{0, 25, 10, 10}}) {

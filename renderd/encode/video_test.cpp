@@ -118,7 +118,7 @@ class Video : public testing::TestWithParam<VideoCase> {
 // Rounding to 8 bits and the finest quantiser leave luma and chroma of a plain picture at most one
 // step off. Blue is luma + 2 (1 - Kb) Cb: 255/219 + 255/224 * 1.8556 = 3.3 steps of 8 bits, half of
 // one more for rounding; red and green have smaller sums. A wrong matrix or range is 10 and more.
-TEST_P(Video, ColoursComeBack) {
+TEST_P(Video, RoundTripsColours) {
   struct Colour {
     std::uint8_t red, green, blue;
   };
@@ -137,7 +137,7 @@ TEST_P(Video, ColoursComeBack) {
   }
 }
 
-TEST_P(Video, EachFrameIsShownBeforeTheNextComes) {
+TEST_P(Video, DecodesEachFrameWithoutDelay) {
   const auto coder = encoder();
   Viewer viewer(GetParam().decoder);
   for (int i = 0; i < 20; ++i) {
@@ -151,7 +151,7 @@ TEST_P(Video, EachFrameIsShownBeforeTheNextComes) {
   }
 }
 
-TEST_P(Video, AnySizeComesBackWholeAndNewSizesBeginWithAKeyFrame) {
+TEST_P(Video, SupportsAnySizeAndStartsNewSizesWithAKeyFrame) {
   const auto coder = encoder();
   Viewer viewer(GetParam().decoder);
   for (const Canvas size :
@@ -170,7 +170,7 @@ TEST_P(Video, AnySizeComesBackWholeAndNewSizesBeginWithAKeyFrame) {
   }
 }
 
-TEST_P(Video, ARequestedKeyFrameIsDecodedByANewViewer) {
+TEST_P(Video, NewViewerDecodesARequestedKeyFrame) {
   const auto coder = encoder();
   for (int i = 0; i < 12; ++i) {
     const bool ask = i == 5 || i == 9;
@@ -188,7 +188,7 @@ TEST_P(Video, ARequestedKeyFrameIsDecodedByANewViewer) {
 
 // The limit is a buffer of one frame: the size of a noisy picture stays within a half of it, and
 // follows it up and down without a key frame.
-TEST_P(Video, ABoundOfBytesHoldsFromFrameToFrameWithoutAKeyFrame) {
+TEST_P(Video, AppliesNewSizeLimitWithoutAKeyFrame) {
   const auto coder = encoder();
   unsigned seed = 0;
   ASSERT_TRUE(coder->encode(noise({640, 360}, seed), {Quality::kMoving, true, 40000}));
@@ -205,7 +205,7 @@ TEST_P(Video, ABoundOfBytesHoldsFromFrameToFrameWithoutAKeyFrame) {
   }
 }
 
-TEST_P(Video, APictureThatLiesAboutItsSizeIsRefused) {
+TEST_P(Video, RefusesImageWithWrongSize) {
   PictureRgb8 picture = smooth_picture(32, 32);
   picture.size.height = 33;
   EXPECT_FALSE(encoder()->encode(picture, {}).has_value());
@@ -218,7 +218,7 @@ INSTANTIATE_TEST_SUITE_P(Codecs, Video,
                                                    kBt601}),
                          [](const auto& info) { return std::string(info.param.name); });
 
-TEST(H264, SaysItsColoursAndNamesItsDecoder) {
+TEST(H264, SignalsItsColourSpaceAndDecoder) {
   const auto coded = h264()->encode(smooth_picture(128, 128), {Quality::kMoving, true, 0});
   ASSERT_TRUE(coded);
   EXPECT_EQ(coded->decoder.rfind("avc1.64", 0), 0U) << coded->decoder;  // High
@@ -232,7 +232,7 @@ TEST(H264, SaysItsColoursAndNamesItsDecoder) {
   EXPECT_EQ(frame->color_range, AVCOL_RANGE_MPEG);
 }
 
-TEST(H264, EveryKeyFrameBringsItsParameterSets) {
+TEST(H264, EveryKeyFrameCarriesItsParameterSets) {
   const auto coder = h264();
   for (int i = 0; i < 6; ++i) {
     const auto coded = coder->encode(smooth_picture(128, 128, i), {Quality::kMoving, i == 3, 0});
@@ -242,7 +242,7 @@ TEST(H264, EveryKeyFrameBringsItsParameterSets) {
   }
 }
 
-TEST(H264, TheDecodersNameIsReadFromTheFirstParameterSetOnly) {
+TEST(H264, ReadsTheDecoderNameFromTheFirstParameterSet) {
   const std::string delimiter("\0\0\0\1\x09\xf0", 6);
   const std::string sps("\0\0\0\1\x67\x42\xc0\x1f\xaa", 9);
   const std::string second("\0\0\1\x67\x64\0\x28\xaa", 8);
@@ -253,14 +253,14 @@ TEST(H264, TheDecodersNameIsReadFromTheFirstParameterSetOnly) {
   EXPECT_EQ(h264_decoder_name({}), std::nullopt);
 }
 
-TEST(H264Device, NvencIsTakenOnlyWhereASessionReallyOpened) {
+TEST(H264Device, ChoosesNvencOnlyIfASessionOpened) {
   EXPECT_EQ(choose_h264({true, true, ""}), H264Device::kNvenc);
   EXPECT_EQ(choose_h264({false, true, ""}), H264Device::kNvenc);
   EXPECT_EQ(choose_h264({true, false, "no device"}), H264Device::kX264);
   EXPECT_EQ(choose_h264({false, false, "no device"}), std::nullopt);
 }
 
-TEST(H264Device, TheProbeOfThisMachineSaysWhatItFound) {
+TEST(H264Device, ProbeReportsItsFindings) {
   const H264Probe& probe = h264_probe();
   EXPECT_TRUE(probe.x264);
   EXPECT_EQ(probe.nvenc, probe.nvenc_why_not.empty());
@@ -269,7 +269,7 @@ TEST(H264Device, TheProbeOfThisMachineSaysWhatItFound) {
   EXPECT_FALSE(can_encode(v1::CODEC_UNSPECIFIED));
 }
 
-TEST(Mpeg1, APictureLargerThanItCanSayIsScaledDownAndSaysSo) {
+TEST(Mpeg1, ScalesDownImagesBeyondItsSizeLimit) {
   const auto coder = make_mpeg1_encoder();
   ASSERT_TRUE(coder);
   const Canvas whole{5001, 96}, shown{4094, 79};  // a factor of 0.8186
@@ -293,7 +293,7 @@ TEST(Mpeg1, APictureLargerThanItCanSayIsScaledDownAndSaysSo) {
   EXPECT_EQ(small->size, (Canvas{64, 48}));
 }
 
-TEST(NextQuantiser, FollowsTheBytesAndStaysInItsRange) {
+TEST(NextQuantiser, FollowsTheFrameSizeWithinItsRange) {
   EXPECT_EQ(next_quantiser(10, 9000, 0, 4), 4) << "unbounded";
   EXPECT_EQ(next_quantiser(10, 0, 9000, 4), 4) << "nothing known";
   EXPECT_GT(next_quantiser(10, 9000, 9000, 4), 10) << "at the bound something is left for motion";
