@@ -105,7 +105,7 @@ class Composite : public ::testing::Test {
   std::vector<std::shared_ptr<Script>> scripts_;
 };
 
-TEST_F(Composite, AveragesAndTilesOfKDevicesAreThePictureOfOne) {
+TEST_F(Composite, AveragesAndTilesReproduceTheSingleDeviceImage) {
   for (const std::size_t devices : {2u, 3u, 4u}) {
     for (const Division division : {Division::kAverage, Division::kTiles}) {
       scripts_.clear();
@@ -124,7 +124,7 @@ TEST_F(Composite, AveragesAndTilesOfKDevicesAreThePictureOfOne) {
 
 /// The time that assistants worked counts as render time of the picture, even for parts that come
 /// too late.
-TEST_F(Composite, ABatchSaysHowLongOthersWorkedForIt) {
+TEST_F(Composite, BatchReportsTheTimeOfAssistants) {
   const auto many = composite(3, {.division = Division::kAverage});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   const auto first = many->render(4, nullptr);
@@ -144,7 +144,7 @@ TEST_F(Composite, ABatchSaysHowLongOthersWorkedForIt) {
 }
 
 /// Thesis 5.1.2: without the epoch, samples of the previous picture would appear in the new one.
-TEST_F(Composite, PartsOfOlderEpochsAreDroppedOrThereWouldBeGhosts) {
+TEST_F(Composite, DropsPartsOfOlderEpochs) {
   auto turned = test::skull_scene();
   turned.mutable_camera()->mutable_eye()->set_x(turned.camera().eye().x() + 300);
   for (const bool drop : {true, false}) {
@@ -175,7 +175,7 @@ TEST_F(Composite, PartsOfOlderEpochsAreDroppedOrThereWouldBeGhosts) {
   }
 }
 
-TEST_F(Composite, AnAssistantLostInMidPictureCostsOnlyItsShare) {
+TEST_F(Composite, LostAssistantCostsOnlyItsShare) {
   const auto many = composite(2, {.division = Division::kAverage});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   ASSERT_TRUE(many->render(4, nullptr));
@@ -192,7 +192,7 @@ TEST_F(Composite, AnAssistantLostInMidPictureCostsOnlyItsShare) {
   EXPECT_NE(scripts_[0]->task.share.sequence, scripts_[1]->task.share.sequence);
 }
 
-TEST_F(Composite, TheRowsOfALostAssistantAreTheOthers) {
+TEST_F(Composite, OthersTakeOverTheRowsOfALostAssistant) {
   const auto many = composite(2, {.division = Division::kTiles});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   ASSERT_TRUE(many->render(4, nullptr));
@@ -214,7 +214,7 @@ TEST_F(Composite, TheRowsOfALostAssistantAreTheOthers) {
   EXPECT_LT(std::sqrt(squared / static_cast<double>(counted)), 0.1);
 }
 
-TEST_F(Composite, ABandThatNeverComesIsRenderedByWhoAnswers) {
+TEST_F(Composite, RespondingDevicesRenderAMissingBand) {
   const auto many =
       composite(2, {.division = Division::kTiles, .patience = std::chrono::milliseconds(20)});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
@@ -226,7 +226,7 @@ TEST_F(Composite, ABandThatNeverComesIsRenderedByWhoAnswers) {
   ASSERT_TRUE(many->render(2, [] { return true; }));
 }
 
-TEST_F(Composite, NonsenseFromAnAssistantHarmsNothing) {
+TEST_F(Composite, IgnoresInvalidPartsFromAnAssistant) {
   const auto many = composite(1, {.division = Division::kAverage});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   AssistPart bad;
@@ -238,7 +238,7 @@ TEST_F(Composite, NonsenseFromAnAssistantHarmsNothing) {
   EXPECT_EQ(many->progress().samples, 2u);
 }
 
-TEST_F(Composite, TheWayOfDividingIsChosenOnceSpeedsAreKnown) {
+TEST_F(Composite, ChoosesTheDivisionOnceSpeedsAreKnown) {
   const auto many = composite(2, {});
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   EXPECT_EQ(many->composite().division, Division::kAverage) << "nothing is known yet";
@@ -251,7 +251,7 @@ TEST_F(Composite, TheWayOfDividingIsChosenOnceSpeedsAreKnown) {
 }
 
 /// Devices of one process, as in a renderd with several GPUs.
-TEST(CompositeEngine, DevicesOfOneProcessRenderOnePictureAndComeToRestWithIt) {
+TEST(CompositeEngine, LocalDevicesRenderOneImageAndStopWithIt) {
   for (const Division division : {Division::kAverage, Division::kTiles}) {
     std::vector<std::unique_ptr<Engine>> devices;
     for (int i = 0; i < 3; ++i) devices.push_back(make_cpu_engine(1));
@@ -313,7 +313,7 @@ class CountingRenderer final : public FrameRenderer {
   std::uint64_t held_ = 0;
 };
 
-TEST(DeviceThread, RestsWhenNobodyTakesItsPartsAndGoesOnWhenSomebodyDoes) {
+TEST(DeviceThread, PausesWhileItsPartsAreNotTaken) {
   auto samples = std::make_shared<std::atomic<int>>(0);
   DeviceThread thread;
   const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples));

@@ -82,7 +82,7 @@ TEST(SharesPlan, TilesAreSizedBySpeed) {
 
 /// The middle rows cost ten times as much. After a few pictures whose bands were measured, bands
 /// take equally long within a fifth.
-TEST(SharesPlan, TilesLearnWhatRowsCost) {
+TEST(SharesPlan, TilesAdaptToTheCostOfRows) {
   const Canvas canvas{64, 1024};
   const auto seconds_of = [](std::uint32_t first, std::uint32_t last) {
     double sum = 0;
@@ -110,7 +110,7 @@ DivisionQuestion four_devices(Canvas canvas, double samples) {
   return question;
 }
 
-TEST(DivisionChoice, TilesMoveAsMuchLessAsThereAreDevices) {
+TEST(DivisionChoice, TilesTransferFewerBytesThanAveraging) {
   const auto question = four_devices({3840, 2160}, 64);
   const auto average = predict(Division::kAverage, question);
   const auto tiles = predict(Division::kTiles, question);
@@ -164,7 +164,7 @@ DivisionQuestion question_of(const Measured& row) {
 /// within one turn: 5 ms, or a pass if that is longer. Four devices with tiles at 1280 x 720 take
 /// 1.1 turns longer to 1% than predicted, because parts that are awaited are also shown a turn
 /// later. This case does not matter, since an average is much faster there.
-TEST(DivisionChoice, PredictsWhatTwoAndFourDevicesWereMeasuredToTake) {
+TEST(DivisionChoice, PredictionsMatchMeasurementsOfTwoAndFourDevices) {
   for (const Measured& row : kMeasured) {
     const DivisionQuestion question = question_of(row);
     const auto average = predict(Division::kAverage, question);
@@ -186,7 +186,7 @@ TEST(DivisionChoice, PredictsWhatTwoAndFourDevicesWereMeasuredToTake) {
 
 /// The choice is slower by at most the tenth for which an average is preferred, plus the scatter of
 /// the measurements.
-TEST(DivisionChoice, IsTheFasterOneOfThoseMeasured) {
+TEST(DivisionChoice, ChoosesTheFasterMeasuredDivision) {
   constexpr double kScatterMs = 0.3;
   for (const Measured& row : kMeasured) {
     const Division chosen = choose_division(question_of(row));
@@ -196,7 +196,7 @@ TEST(DivisionChoice, IsTheFasterOneOfThoseMeasured) {
   }
 }
 
-TEST(DivisionChoice, StaysWithTilesUntilAnAverageIsFaster) {
+TEST(DivisionChoice, HasHysteresis) {
   int changes = 0;
   std::optional<Division> before;
   // The speed varies by a twentieth around the value at which tiles are exactly a tenth faster.
@@ -225,7 +225,7 @@ TEST(Parts, AreDeliveredEarlyThenPeriodicallyWithinAnEighthOfTheTime) {
       part_due({.held = 26, .delivered = 100, .seconds_since = 0.05, .seconds_cost = 0.01}));
 }
 
-TEST(Parts, NobodyRendersOnForWhoDoesNotTakeThem) {
+TEST(Parts, RenderingStopsIfPartsAreNotTaken) {
   std::uint64_t held = 0;
   PartQuestion question{.held = 0, .delivered = 64, .seconds_since = 1, .room = false};
   while (may_render(question)) question.held = held += 2;

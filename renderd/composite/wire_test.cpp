@@ -21,7 +21,7 @@ std::vector<PackedPixel> made(std::mt19937_64& random, std::size_t count) {
   return pixels;
 }
 
-TEST(PartsOnTheWire, ComeBackAsTheyWere) {
+TEST(PartsOnTheWire, RoundTrip) {
   std::mt19937_64 random(1);
   for (const std::size_t count : {0u, 1u, 2u, 3u, 100u, 5000u}) {
     const auto pixels = made(random, count);
@@ -36,7 +36,7 @@ TEST(PartsOnTheWire, ComeBackAsTheyWere) {
 }
 
 /// Arbitrary bytes give an error or pixels, but never more pixels than requested.
-TEST(PartsOnTheWire, NonsenseIsRefused) {
+TEST(PartsOnTheWire, RefuseMalformedBytes) {
   std::mt19937_64 random(2);
   const auto pixels = made(random, 200);
   const std::string whole = pixels_to_wire(pixels.data(), pixels.size());
@@ -55,7 +55,7 @@ TEST(PartsOnTheWire, NonsenseIsRefused) {
   }
 }
 
-TEST(PartsOnTheWire, BandsAreThePart) {
+TEST(PartsOnTheWire, BandsJoinToTheWholePart) {
   std::mt19937_64 random(3);
   FilmPart part{
       .width = 30, .first_row = 32, .rows = 77, .samples = 4, .pixels = made(random, 30 * 77)};
