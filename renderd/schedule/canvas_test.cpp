@@ -17,16 +17,16 @@ CanvasQuestion question(Canvas viewport, double seconds_for_full, bool moving = 
   return q;
 }
 
-TEST(MovingCanvas, AtRestItIsTheViewportHoweverSlow) {
+TEST(MovingCanvas, EqualsTheViewportAtRest) {
   EXPECT_EQ(plan_canvas(question({1280, 720}, 10.0, false)), (Canvas{1280, 720}));
 }
 
-TEST(MovingCanvas, AFastDeviceNeverLosesAPixel) {
+TEST(MovingCanvas, KeepsFullSizeOnAFastDevice) {
   EXPECT_EQ(plan_canvas(question({1280, 720}, 0.079)), (Canvas{1280, 720}));
   EXPECT_EQ(plan_canvas(question({4096, 4096}, 0.001)), (Canvas{4096, 4096}));
 }
 
-TEST(MovingCanvas, WhereManyMoveOnePictureOfEachTakesNoLongerThanOneAlone) {
+TEST(MovingCanvas, SharedDeviceRendersSmallerImages) {
   for (const double full : {0.0005, 0.003, 0.01, 0.03, 0.2}) {
     for (const std::size_t sharing : {2, 4, 8, 16, 64}) {
       CanvasQuestion q = question({1280, 720}, full);
@@ -47,7 +47,7 @@ TEST(MovingCanvas, WhereManyMoveOnePictureOfEachTakesNoLongerThanOneAlone) {
   }
 }
 
-TEST(MovingCanvas, ASlowDeviceStaysNearItsTimeWithTheShapeKept) {
+TEST(MovingCanvas, MeetsTheTimeBudgetAndKeepsTheAspectRatio) {
   for (const Canvas viewport :
        {Canvas{512, 512}, Canvas{1280, 720}, Canvas{393, 852}, Canvas{1919, 1079}}) {
     for (const double full : {0.09, 0.15, 0.2, 0.5, 1.0, 3.0}) {
@@ -62,14 +62,14 @@ TEST(MovingCanvas, ASlowDeviceStaysNearItsTimeWithTheShapeKept) {
   }
 }
 
-TEST(MovingCanvas, ItIsNeverSmallerThanSixteenPixels) {
+TEST(MovingCanvas, IsAtLeastSixteenPixelsWide) {
   const Canvas planned = plan_canvas(question({4096, 16}, 1000));
   EXPECT_GE(planned.width, 16U);
   EXPECT_EQ(planned.height, 16U);
   EXPECT_EQ(plan_canvas(question({16, 16}, 1000)), (Canvas{16, 16}));
 }
 
-TEST(MovingCanvas, AnUnknownSpeedIsProbedWithASmallPicture) {
+TEST(MovingCanvas, ProbesUnknownSpeedWithASmallImage) {
   CanvasQuestion q;
   q.viewport = {1920, 1080};
   q.moving = true;
@@ -78,7 +78,7 @@ TEST(MovingCanvas, AnUnknownSpeedIsProbedWithASmallPicture) {
   EXPECT_EQ(plan_canvas(q), q.viewport);
 }
 
-TEST(MovingCanvas, ASizeOnTheScreenIsKeptWhileTheCostIsNearABorder) {
+TEST(MovingCanvas, KeepsTheSizeWhileTheCostFluctuates) {
   CanvasQuestion q = question({512, 512}, 0.3);
   q.current = plan_canvas(q);
   const Canvas first = q.current;
@@ -89,7 +89,7 @@ TEST(MovingCanvas, ASizeOnTheScreenIsKeptWhileTheCostIsNearABorder) {
   }
 }
 
-TEST(MovingCanvas, ASlowConnectionBoundsTheMovingSizeAndNoOther) {
+TEST(MovingCanvas, SlowConnectionLimitsOnlyTheMovingSize) {
   CanvasQuestion question{.viewport = {1280, 720}, .seconds_per_pixel = 1e-9, .moving = true};
   EXPECT_EQ(plan_canvas(question), question.viewport);
   question.largest_moving = 0.5;

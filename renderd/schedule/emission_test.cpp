@@ -13,14 +13,14 @@ EmissionQuestion shown(std::uint64_t samples, std::uint64_t shown, double second
   return q;
 }
 
-TEST(Emission, TheFirstSampleIsShownAtOnceEvenWithoutRoom) {
+TEST(Emission, ShowsTheFirstSampleImmediatelyEvenWithoutRoom) {
   EmissionQuestion q = shown(1, 0);
   q.room = false;
   EXPECT_TRUE(should_emit(q));
   EXPECT_FALSE(should_emit(shown(0, 0)));
 }
 
-TEST(Emission, AtRestAPictureIsShownAtEachDoublingOnly) {
+TEST(Emission, ShowsOneImagePerDoublingAtRest) {
   int pictures = 0;
   std::uint64_t last = 0;
   for (std::uint64_t samples = 1; samples <= 1024; ++samples) {
@@ -31,13 +31,13 @@ TEST(Emission, AtRestAPictureIsShownAtEachDoublingOnly) {
   EXPECT_EQ(pictures, 11);  // 1, 2, 4 ... 1024
 }
 
-TEST(Emission, RefinementsAreNotShownFasterThanAnybodySees) {
+TEST(Emission, LimitsTheRateOfRefinements) {
   EXPECT_FALSE(should_emit(shown(64, 1, 0.01)));
   EXPECT_TRUE(should_emit(shown(64, 1, 0.04)));
   EXPECT_TRUE(should_emit(shown(1, 0, 0.0))) << "a new epoch's first picture never waits";
 }
 
-TEST(Emission, WhileMovingNoPictureIsOlderThanAFewHundredMilliseconds) {
+TEST(Emission, ShowsAnImageEveryFewHundredMillisecondsWhileMoving) {
   EmissionQuestion q = shown(101, 100, 0.2);
   EXPECT_FALSE(should_emit(q));
   q.moving = true;
@@ -46,7 +46,7 @@ TEST(Emission, WhileMovingNoPictureIsOlderThanAFewHundredMilliseconds) {
   EXPECT_FALSE(should_emit(q));
 }
 
-TEST(Emission, ComingToRestShowsTheSamePictureOnceInFullQuality) {
+TEST(Emission, ShowsTheImageOnceInFullQualityAtRest) {
   EmissionQuestion q = shown(40, 40);
   q.shown_moving = true;
   EXPECT_TRUE(should_emit(q));
@@ -57,7 +57,7 @@ TEST(Emission, ComingToRestShowsTheSamePictureOnceInFullQuality) {
   EXPECT_FALSE(should_emit(q));
 }
 
-TEST(Emission, TheConvergedPictureIsNeverLeftOut) {
+TEST(Emission, AlwaysShowsTheConvergedImage) {
   EmissionQuestion q = shown(130, 128);
   q.room = false;
   EXPECT_FALSE(should_emit(q));
@@ -67,14 +67,14 @@ TEST(Emission, TheConvergedPictureIsNeverLeftOut) {
   EXPECT_FALSE(should_emit(q));
 }
 
-TEST(Emission, AViewerWithoutRoomGetsNoRefinements) {
+TEST(Emission, SendsNoRefinementsWithoutRoom) {
   EmissionQuestion q = shown(64, 16, 10);
   EXPECT_TRUE(should_emit(q));
   q.room = false;
   EXPECT_FALSE(should_emit(q));
 }
 
-TEST(Emission, LongDoublingsAreFilledWithAPictureASecond) {
+TEST(Emission, ShowsOneImagePerSecondDuringLongDoublings) {
   EXPECT_FALSE(should_emit(shown(1500, 1024, 0.9)));
   EXPECT_TRUE(should_emit(shown(1500, 1024, 1.1)));
   EXPECT_FALSE(should_emit(shown(1100, 1024, 1.1)));
@@ -82,7 +82,7 @@ TEST(Emission, LongDoublingsAreFilledWithAPictureASecond) {
 
 /// After the last input the viewer waits for the first picture whose error is known, and then sees
 /// refinements sooner than during a drag.
-TEST(Emission, InSilenceTheSecondPictureDoesNotWait) {
+TEST(Emission, ShowsTheSecondImageEarlierWithoutInput) {
   EmissionQuestion q = shown(2, 1, 0.001);
   EXPECT_FALSE(should_emit(q)) << "inputs come: the next picture is near";
   q.seconds_since_input = 0.03;

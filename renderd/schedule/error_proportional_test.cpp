@@ -19,7 +19,7 @@ SessionView view(std::uint64_t handle, std::uint64_t samples) {
 }
 
 /// Pearson's chi-squared over 200,000 draws; 16.27 is its 99.9% quantile at 3 degrees of freedom.
-TEST(ErrorProportional, TheChanceOfATurnIsAsOneOverTheRootOfTheIterations) {
+TEST(ErrorProportional, ProbabilityIsInverseToTheRootOfIterations) {
   ErrorProportional policy({}, 7);
   const std::vector<SessionView> sessions{view(3, 1), view(11, 4), view(12, 100), view(40, 2500)};
   std::map<std::uint64_t, double> turns;
@@ -34,7 +34,7 @@ TEST(ErrorProportional, TheChanceOfATurnIsAsOneOverTheRootOfTheIterations) {
   EXPECT_LT(chi, 16.27);
 }
 
-TEST(ErrorProportional, ANewPictureCountsAsOneWithItsFirstIteration) {
+TEST(ErrorProportional, NewImageCountsAsOneIteration) {
   ErrorProportional policy;
   const std::vector<SessionView> sessions{view(1, 0), view(2, 1)};
   int first = 0;
@@ -42,7 +42,7 @@ TEST(ErrorProportional, ANewPictureCountsAsOneWithItsFirstIteration) {
   EXPECT_NEAR(first, 5000, 200);  // four standard deviations
 }
 
-TEST(ErrorProportional, AnotherSeedDrawsOthers) {
+TEST(ErrorProportional, OtherSeedDrawsDifferently) {
   ErrorProportional one({}, 1);
   ErrorProportional two({}, 2);
   const std::vector<SessionView> sessions{view(1, 1), view(2, 1), view(3, 1)};

@@ -8,7 +8,7 @@ namespace {
 using std::chrono::milliseconds;
 const InFlight::Time kStart = InFlight::Time(std::chrono::hours(1));
 
-TEST(InFlight, AFullDeviceHasOneMoreWaitingBehindAndAnEmptyOneTakesMany) {
+TEST(InFlight, FullDeviceAcceptsOneMoreAndEmptyDeviceMany) {
   InFlight device;
   EXPECT_TRUE(room_for_another(device, true));
   device.begin(1, kStart);
@@ -23,7 +23,7 @@ TEST(InFlight, AFullDeviceHasOneMoreWaitingBehindAndAnEmptyOneTakesMany) {
   EXPECT_EQ(taken, 4) << "the fourth fills it";
 }
 
-TEST(InFlight, ADeviceWithoutAQueueIsFilledAndNoMore) {
+TEST(InFlight, FillsADeviceWithoutAQueueButNoMore) {
   InFlight device;
   device.begin(0.6, kStart);
   EXPECT_TRUE(room_for_another(device, false));
@@ -33,7 +33,7 @@ TEST(InFlight, ADeviceWithoutAQueueIsFilledAndNoMore) {
   EXPECT_TRUE(room_for_another(device, false));
 }
 
-TEST(InFlight, TimeIsBusyWhileAnythingIsUnderWay) {
+TEST(InFlight, CountsBusyTimeWhileAnyQuantumRuns) {
   InFlight device;
   device.begin(1, kStart);
   device.begin(0.5, kStart + milliseconds(10));
@@ -45,7 +45,7 @@ TEST(InFlight, TimeIsBusyWhileAnythingIsUnderWay) {
   EXPECT_EQ(device.filled(), 0);
 }
 
-TEST(InFlight, WhatEachHadOfTheDeviceIsTogetherAsLongAsItWasBusy) {
+TEST(InFlight, ChargesAddUpToTheBusyTime) {
   InFlight device;
   const auto at = [](int ms) { return kStart + milliseconds(ms); };
   device.begin(1, at(0));
@@ -63,7 +63,7 @@ TEST(InFlight, WhatEachHadOfTheDeviceIsTogetherAsLongAsItWasBusy) {
   EXPECT_EQ(device.own_seconds(at(200)), after) << "nobody has what is idle";
 }
 
-TEST(InFlight, WhilePausedAQuantumIsChargedNothing) {
+TEST(InFlight, PausedQuantumIsNotCharged) {
   InFlight device;
   const auto at = [](int ms) { return kStart + milliseconds(ms); };
   device.begin(1, at(0));

@@ -8,7 +8,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(Lanes, WhatWasGivenIsDoneOnceBeforeTheyEnd) {
+TEST(Lanes, DestructorRunsEveryJobOnce) {
   for (const std::size_t most : {0, 1, 3, 8}) {
     std::atomic<int> calls{0};
     {
@@ -19,7 +19,7 @@ TEST(Lanes, WhatWasGivenIsDoneOnceBeforeTheyEnd) {
   }
 }
 
-TEST(Lanes, SeveralWorkAtOnce) {
+TEST(Lanes, RunJobsConcurrently) {
   std::latch all(3);  // passed only once all three are here
   Lanes lanes(3);
   for (int i = 0; i < 3; ++i) lanes.start([&] { all.arrive_and_wait(); });

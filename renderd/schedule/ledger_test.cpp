@@ -41,7 +41,7 @@ struct LedgerTest : testing::Test {
   }
 };
 
-TEST_F(LedgerTest, ANewSessionWaitsForItsFirstFrame) {
+TEST_F(LedgerTest, NewSessionWaitsForItsFirstFrame) {
   now += 3ms;
   look();
   EXPECT_EQ(view().samples, 0U);
@@ -50,7 +50,7 @@ TEST_F(LedgerTest, ANewSessionWaitsForItsFirstFrame) {
   EXPECT_NEAR(view().seconds_waiting, 0.003, 1e-9);
 }
 
-TEST_F(LedgerTest, CostsAreMeasuredAndANewSessionStartsFromTheDevices) {
+TEST_F(LedgerTest, NewSessionStartsFromTheMeasuredDeviceCosts) {
   render(10, 0.1);
   EXPECT_NEAR(view().seconds_per_sample, 0.001, 1e-12);
   ledger.shown(0.003, device, now);
@@ -62,7 +62,7 @@ TEST_F(LedgerTest, CostsAreMeasuredAndANewSessionStartsFromTheDevices) {
   EXPECT_NEAR(other.view(2, device, rules, now).seconds_first, 0.005, 1e-12);
 }
 
-TEST_F(LedgerTest, AnInputIsAnsweredByItsOwnPictureNotByTheOneBefore) {
+TEST_F(LedgerTest, OnlyItsOwnImageAnswersAnInput) {
   render(1, 0.5);
   input();
   now += 5ms;
@@ -75,7 +75,7 @@ TEST_F(LedgerTest, AnInputIsAnsweredByItsOwnPictureNotByTheOneBefore) {
   EXPECT_EQ(view().seconds_unanswered, 0);
 }
 
-TEST_F(LedgerTest, TheOldestInputCounts) {
+TEST_F(LedgerTest, UnansweredTimeCountsFromTheOldestInput) {
   render(1, 0.5);
   ledger.shown(0, device, now);
   input();
@@ -87,7 +87,7 @@ TEST_F(LedgerTest, TheOldestInputCounts) {
   EXPECT_NEAR(view().seconds_unanswered, 0.02, 1e-9);
 }
 
-TEST_F(LedgerTest, AnErrorOfFewSamplesEndsNothing) {
+TEST_F(LedgerTest, DoesNotConvergeWithFewSamples) {
   render(15, 0.001);
   EXPECT_FALSE(ledger.converged(rules));
   EXPECT_TRUE(gains(view()));
@@ -96,7 +96,7 @@ TEST_F(LedgerTest, AnErrorOfFewSamplesEndsNothing) {
   EXPECT_FALSE(gains(view()));
 }
 
-TEST_F(LedgerTest, AViewerMayBeContentSoonerButNotLater) {
+TEST_F(LedgerTest, ViewerMayStopEarlierButNotLater) {
   render(20, 0.1);
   look();
   EXPECT_FALSE(ledger.converged(rules));
@@ -118,7 +118,7 @@ TEST_F(LedgerTest, AViewerMayBeContentSoonerButNotLater) {
   EXPECT_TRUE(ledger.converged(rules)) << "as the worker has it";
 }
 
-TEST_F(LedgerTest, WhileItMovesAPictureIsNoLargerThanItsViewerWants) {
+TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
   const auto moving = [&](double wish, double connection) {
     wanted.effort.moving_scale = wish;
     wanted.moving_scale = connection;
@@ -134,7 +134,7 @@ TEST_F(LedgerTest, WhileItMovesAPictureIsNoLargerThanItsViewerWants) {
   EXPECT_EQ(ledger.planned(), (Canvas{100, 100})) << "at rest it is whole";
 }
 
-TEST_F(LedgerTest, WhoDoesNotGainDoesNotWait) {
+TEST_F(LedgerTest, SessionWithoutGainDoesNotWait) {
   render(20, 0.001);
   now += 5s;
   look();
@@ -148,7 +148,7 @@ TEST_F(LedgerTest, WhoDoesNotGainDoesNotWait) {
   EXPECT_EQ(view().seconds_waiting, 0);
 }
 
-TEST_F(LedgerTest, ARefusedSceneIsNotTriedAgain) {
+TEST_F(LedgerTest, DoesNotRetryARefusedScene) {
   render(1, 0.5);
   input();
   look();
@@ -162,7 +162,7 @@ TEST_F(LedgerTest, ARefusedSceneIsNotTriedAgain) {
   EXPECT_TRUE(ledger.stale());
 }
 
-TEST_F(LedgerTest, EpochsRiseWithEachScene) {
+TEST_F(LedgerTest, EpochIncreasesWithEachScene) {
   render(1, 0.5);
   EXPECT_EQ(ledger.epoch(), 8U);
   input();
@@ -172,7 +172,7 @@ TEST_F(LedgerTest, EpochsRiseWithEachScene) {
 }
 
 /// When the pointer is lifted, the full size is rendered at once, without waiting for silence.
-TEST_F(LedgerTest, TheEndOfAGestureIsRestAtOnce) {
+TEST_F(LedgerTest, EndOfAGestureCountsAsRestImmediately) {
   input();
   look();
   EXPECT_TRUE(ledger.moving());
@@ -187,7 +187,7 @@ TEST_F(LedgerTest, TheEndOfAGestureIsRestAtOnce) {
   EXPECT_FALSE(ledger.emission(rules, now)->moving);
 }
 
-TEST_F(LedgerTest, TheNoiseOfASampleIsThatOfTheLastKnownError) {
+TEST_F(LedgerTest, SampleNoiseFollowsTheLastKnownError) {
   EXPECT_EQ(view().noise, 0);
   render(4, 0.1);
   EXPECT_NEAR(view().noise, 0.2, 1e-12);

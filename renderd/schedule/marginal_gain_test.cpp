@@ -37,24 +37,24 @@ std::uint64_t chosen(const std::vector<SessionView>& sessions) {
   return MarginalGain().next(sessions).at(0).session;
 }
 
-TEST(MarginalGain, TheNoisierPictureComesFirst) {
+TEST(MarginalGain, PrefersTheNoisierImage) {
   EXPECT_EQ(chosen({resting(1, 400), resting(2, 300)}), 2U);
   EXPECT_EQ(chosen({resting(1, 300, 0.2), resting(2, 300, 0.4)}), 2U);
 }
 
-TEST(MarginalGain, OfEqualPicturesTheCheaperComesFirst) {
+TEST(MarginalGain, PrefersTheCheaperOfEqualImages) {
   EXPECT_EQ(chosen({resting(1, 400, 0.5, 0.001), resting(2, 400, 0.5, 0.0004)}), 2U);
 }
 
-TEST(MarginalGain, OfFreshPicturesTheOneNearestToUseIsFinishedFirst) {
+TEST(MarginalGain, PrefersTheNewImageNearestToUsable) {
   EXPECT_EQ(chosen({resting(1, 90), resting(2, 60)}), 1U) << "5% takes 100 samples";
 }
 
-TEST(MarginalGain, InputIsAnsweredFirstTheOldestBeforeOthers) {
+TEST(MarginalGain, AnswersInputFirstAndTheOldestBeforeOthers) {
   EXPECT_EQ(chosen({resting(1, 2), asking(2, 0.004), asking(3, 0.007)}), 3U);
 }
 
-TEST(MarginalGain, WhoWaitedTooLongComesBeforeNewInput) {
+TEST(MarginalGain, ServesLongWaitingSessionBeforeNewInput) {
   SessionView waiting = resting(1, 1000);
   waiting.seconds_waiting = 1.99;
   EXPECT_EQ(chosen({waiting, asking(2, 0.004)}), 2U);
@@ -62,7 +62,7 @@ TEST(MarginalGain, WhoWaitedTooLongComesBeforeNewInput) {
   EXPECT_EQ(chosen({waiting, asking(2, 0.004)}), 1U);
 }
 
-TEST(MarginalGain, ADragLeavesTheDeviceToOthersBetweenItsFrames) {
+TEST(MarginalGain, DragYieldsTheDeviceBetweenItsFrames) {
   SessionView dragging = asking(1, 0.002);
   dragging.seconds_per_sample = 0.008;
   dragging.seconds_since_begun = 0.01;  // 70% of the device allows one frame per 11.4 ms
@@ -100,7 +100,7 @@ TEST(MarginalGain, ExpensiveDragsDoNotDelayCheapOnes) {
   EXPECT_EQ(chosen(sessions), 4U);
 }
 
-TEST(MarginalGain, PatienceGrowsWhereQuantaForItsSakeWouldTakeTheDevice) {
+TEST(MarginalGain, PatienceGrowsUnderOverload) {
   std::vector<SessionView> sessions;
   for (std::uint64_t handle = 1; handle <= 200; ++handle) {
     sessions.push_back(resting(handle, handle));
@@ -118,13 +118,13 @@ TEST(MarginalGain, PatienceGrowsWhereQuantaForItsSakeWouldTakeTheDevice) {
   EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "at most 1 ms";
 }
 
-TEST(MarginalGain, AViewerThatTakesNoFrameHasNoDeadline) {
+TEST(MarginalGain, ViewerThatTakesNoFrameHasNoDeadline) {
   SessionView slow = asking(1, 0.02);
   slow.wants_frame = false;
   EXPECT_EQ(chosen({slow, asking(2, 0.001)}), 2U);
 }
 
-TEST(MarginalGain, WhatIsUnderWayIsNotChosenAgainButCountsForTheLoad) {
+TEST(MarginalGain, RunningSessionIsNotChosenAgainButCountsAsLoad) {
   std::vector<SessionView> sessions{asking(1, 0.02), asking(2, 0.001)};
   sessions[0].under_way = true;
   EXPECT_EQ(chosen(sessions), 2U);
@@ -133,7 +133,7 @@ TEST(MarginalGain, WhatIsUnderWayIsNotChosenAgainButCountsForTheLoad) {
   EXPECT_TRUE(MarginalGain().next(sessions).empty());
 }
 
-TEST(MarginalGain, OnlyTheFirstPictureOfADragOvertakesAndOnlyWhenItIsDue) {
+TEST(MarginalGain, OnlyTheDueFirstImageOfADragOvertakes) {
   MarginalGain policy;
   const auto overtaking = [&](SessionView session) {
     return !policy.overtaking(std::vector{resting(1, 10), std::move(session)}, 0).empty();
@@ -165,7 +165,7 @@ TEST(MarginalGain, CheapFirstImageOvertakesExpensiveOne) {
   EXPECT_TRUE(policy.overtaking(std::vector{small}, first_picture_precedence(small)).empty());
 }
 
-TEST(MarginalGain, PrecedenceGrowsByOneWhereAPictureTakesAQuarterOfTheTime) {
+TEST(MarginalGain, PriorityGrowsByOnePerQuarterOfTheCost) {
   const auto precedence = [](double first, double sample) {
     return first_picture_precedence({.seconds_per_sample = sample, .seconds_first = first});
   };
@@ -177,14 +177,14 @@ TEST(MarginalGain, PrecedenceGrowsByOneWhereAPictureTakesAQuarterOfTheTime) {
   EXPECT_EQ(precedence(0, 1e-9), kHighestPrecedence);
 }
 
-TEST(MarginalGain, FirstPicturesOfManyDragsAreShort) {
+TEST(MarginalGain, ShortensTheFirstImagesOfManyDrags) {
   std::vector<SessionView> sessions{asking(1, 0.001)};
   EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 4U);
   for (std::uint64_t handle = 2; handle <= 4; ++handle) sessions.push_back(asking(handle, 0.001));
   EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 1U);
 }
 
-TEST(MarginalGain, APictureThatWillStayHasItsWholeFirstQuantumWhoeverDrags) {
+TEST(MarginalGain, RestingImageGetsItsWholeFirstQuantumDuringDrags) {
   SessionView lifted = asking(1, 0.01);
   lifted.seconds_since_input = 1;
   EXPECT_EQ(
@@ -192,7 +192,7 @@ TEST(MarginalGain, APictureThatWillStayHasItsWholeFirstQuantumWhoeverDrags) {
       4U);
 }
 
-TEST(MarginalGain, AnErrorThatIsNotKnownYetIsThatOfThePictureBefore) {
+TEST(MarginalGain, UnknownErrorFollowsThePreviousImage) {
   SessionView clean = asking(1, 0), noisy = asking(2, 0);
   for (SessionView* each : {&clean, &noisy}) {
     each->seconds_unanswered = 0;

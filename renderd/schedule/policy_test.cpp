@@ -7,7 +7,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(Policies, EachIsFoundByItsName) {
+TEST(Policies, AreFoundByName) {
   for (const PolicyKind kind : kPolicyKinds) {
     EXPECT_EQ(policy_kind(policy_name(kind)), kind);
     EXPECT_NE(make_policy(kind), nullptr);
@@ -16,7 +16,7 @@ TEST(Policies, EachIsFoundByItsName) {
   EXPECT_FALSE(policy_kind(""));
 }
 
-TEST(Policies, AnUnknownErrorIsNotConverged) {
+TEST(Policies, UnknownErrorIsNotConverged) {
   SessionView session;
   session.target_error = 0.01;
   session.error = std::numeric_limits<double>::infinity();
@@ -27,7 +27,7 @@ TEST(Policies, AnUnknownErrorIsNotConverged) {
   EXPECT_FALSE(gains(session));
 }
 
-TEST(Quanta, AreLongerWhereNobodyHasMovedForAMoment) {
+TEST(Quanta, AreLongerWithoutRecentInput) {
   SessionView still, moving;
   still.seconds_since_input = 10;
   moving.seconds_since_input = 0.1;
@@ -38,7 +38,7 @@ TEST(Quanta, AreLongerWhereNobodyHasMovedForAMoment) {
   EXPECT_GT(limits_for(std::vector{still, moving}, limits).quantum_seconds, limits.quantum_seconds);
 }
 
-TEST(Quanta, FitTheirTimeAndDoubleTheSamplesAtMostUnlessTheyWouldBeTiny) {
+TEST(Quanta, FitTheTimeLimitAndAtMostDoubleTheSamples) {
   const QuantumLimits limits;
   for (const std::uint64_t samples : {0, 1, 2, 3, 10, 1000, 1 << 20}) {
     for (const double cost : {0.0, 1e-6, 1e-4, 0.0007, 0.002, 0.009, 0.011, 3.0}) {

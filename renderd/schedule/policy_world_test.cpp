@@ -156,7 +156,7 @@ class Worlds : public testing::TestWithParam<PolicyKind> {
   }
 };
 
-TEST_P(Worlds, WhoIsConvergedOrHiddenCostsNothingAndElseSomebodyIsServed) {
+TEST_P(Worlds, ServesExactlyWhileAVisibleSessionGains) {
   each([](World&, const std::vector<SessionView>& views, const std::vector<Quantum>& round) {
     std::set<std::uint64_t> gaining;
     for (const SessionView& view : views) {
@@ -170,7 +170,7 @@ TEST_P(Worlds, WhoIsConvergedOrHiddenCostsNothingAndElseSomebodyIsServed) {
   });
 }
 
-TEST_P(Worlds, AQuantumIsShortUnlessOneSampleIsLong) {
+TEST_P(Worlds, QuantumIsShortUnlessOneSampleIsLong) {
   each([](World& world, const std::vector<SessionView>& views, const std::vector<Quantum>& round) {
     const QuantumLimits limits = limits_for(views, {});
     for (const Quantum& quantum : round) {
@@ -181,7 +181,7 @@ TEST_P(Worlds, AQuantumIsShortUnlessOneSampleIsLong) {
   });
 }
 
-TEST_P(Worlds, TheOrderInWhichSessionsAreListedChangesNothing) {
+TEST_P(Worlds, ResultDoesNotDependOnTheSessionOrder) {
   const auto other = make_policy(GetParam(), {}, 1);
   World world(5, 24, 5);
   const auto policy = make_policy(GetParam(), {}, 1);
@@ -195,7 +195,7 @@ TEST_P(Worlds, TheOrderInWhichSessionsAreListedChangesNothing) {
   }
 }
 
-TEST_P(Worlds, TheSameSeedTakesTheSameTurns) {
+TEST_P(Worlds, SameSeedGivesTheSameSchedule) {
   World world(6, 24, 5);
   World twin(6, 24, 5);
   const auto policy = make_policy(GetParam(), {}, 9);
@@ -216,7 +216,7 @@ INSTANTIATE_TEST_SUITE_P(All, Worlds, testing::ValuesIn(kPolicyKinds), [](const 
 
 /// Every session that gains gets a quantum within the patience plus the time for sessions whose
 /// patience ended earlier: one quantum of each of them, and the one in flight.
-TEST(MarginalGainWorlds, NobodyStarvesWhateverTheLoad) {
+TEST(MarginalGainWorlds, NoSessionStarvesUnderAnyLoad) {
   double longest_wait = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     World world(seed, 40, 60);  // all sessions drag, which far exceeds the device's capacity
@@ -241,7 +241,7 @@ TEST(MarginalGainWorlds, NobodyStarvesWhateverTheLoad) {
 
 /// Several sessions get input at once after a rest, while others converge. If their first samples
 /// and the quantum in flight fit the deadline, all of them get their first frame in time.
-TEST(MarginalGainWorlds, AFirstFrameIsInTimeWhereThatCanBe) {
+TEST(MarginalGainWorlds, FirstFrameMeetsTheDeadlineIfFeasible) {
   constexpr double kDeadline = 1.0 / 30;
   int tried = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {

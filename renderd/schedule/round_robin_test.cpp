@@ -28,7 +28,7 @@ Quantum next(RoundRobin& policy, const std::vector<SessionView>& sessions) {
   return round.at(0);
 }
 
-TEST(RoundRobin, EverySessionHasOneTurnInEveryRound) {
+TEST(RoundRobin, EverySessionRunsOncePerRound) {
   RoundRobin policy;
   std::vector<SessionView> sessions{view(5), view(2), view(9), view(7)};
   std::map<std::uint64_t, int> turns;
@@ -37,7 +37,7 @@ TEST(RoundRobin, EverySessionHasOneTurnInEveryRound) {
   for (const auto& [handle, count] : turns) EXPECT_EQ(count, 10) << handle;
 }
 
-TEST(RoundRobin, TheOrderInWhichSessionsAreListedChangesNothing) {
+TEST(RoundRobin, ResultDoesNotDependOnTheSessionOrder) {
   RoundRobin ordered;
   RoundRobin shuffled;
   std::vector<SessionView> sessions{view(1), view(2), view(3), view(4), view(5)};
@@ -49,7 +49,7 @@ TEST(RoundRobin, TheOrderInWhichSessionsAreListedChangesNothing) {
   }
 }
 
-TEST(RoundRobin, ConvergedAndHiddenSessionsGetNothing) {
+TEST(RoundRobin, SkipsConvergedAndHiddenSessions) {
   RoundRobin policy;
   std::vector<SessionView> sessions{view(1), view(2), view(3)};
   sessions[0].error = 0.01;
@@ -60,7 +60,7 @@ TEST(RoundRobin, ConvergedAndHiddenSessionsGetNothing) {
   EXPECT_TRUE(policy.next({}).empty());
 }
 
-TEST(RoundRobin, AnUnknownErrorIsNotConverged) {
+TEST(RoundRobin, UnknownErrorIsNotConverged) {
   RoundRobin policy;
   std::vector<SessionView> sessions{view(1)};
   sessions[0].error = std::numeric_limits<double>::infinity();
@@ -69,7 +69,7 @@ TEST(RoundRobin, AnUnknownErrorIsNotConverged) {
   EXPECT_EQ(policy.next(sessions).size(), 1U);
 }
 
-TEST(RoundRobin, ANewSessionWaitsAtMostOneRound) {
+TEST(RoundRobin, NewSessionWaitsAtMostOneRound) {
   RoundRobin policy;
   std::vector<SessionView> sessions;
   for (std::uint64_t handle = 1; handle <= 20; ++handle) sessions.push_back(view(handle));

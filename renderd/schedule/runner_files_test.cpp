@@ -43,7 +43,7 @@ struct RunnerFilesTest : testing::Test {
                 Runner::Options{.rules = {0.01, 4, 1 << 20}}};
 };
 
-TEST_F(RunnerFilesTest, AFileRendersNothingWhileSomebodyMovesAndGoesOnAtRest) {
+TEST_F(RunnerFilesTest, FilePausesWhileASessionMoves) {
   files->seconds_per_megapixel = 250;  // 1 s per sample unless interrupted
   sessions->seconds_per_megapixel = 0.1;
   std::promise<double> done;
@@ -69,7 +69,7 @@ TEST_F(RunnerFilesTest, AFileRendersNothingWhileSomebodyMovesAndGoesOnAtRest) {
   EXPECT_GT(charged, 0.03) << "ten samples of 4 ms, to whom asked for them";
 }
 
-TEST_F(RunnerFilesTest, AFileGoesBehindStillsThatCameLater) {
+TEST_F(RunnerFilesTest, LaterStillsOvertakeAFile) {
   files->seconds_per_megapixel = 1;
   std::promise<double> file, background, awaited;
   auto ended_file = file.get_future(), ended_background = background.get_future(),
@@ -86,7 +86,7 @@ TEST_F(RunnerFilesTest, AFileGoesBehindStillsThatCameLater) {
   EXPECT_EQ(ended_file.wait_for(10s), std::future_status::ready);
 }
 
-TEST_F(RunnerFilesTest, WhileOneIsFinishedTheSessionsGoOn) {
+TEST_F(RunnerFilesTest, SessionsContinueWhileAFileIsFinished) {
   const auto one = person();
   ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
   files->holds_pictures = true;
@@ -110,7 +110,7 @@ TEST_F(RunnerFilesTest, WhileOneIsFinishedTheSessionsGoOn) {
   EXPECT_GT(finished.get(), 0);
 }
 
-TEST_F(RunnerFilesTest, WhoLeavesWhileHisIsFinishedGetsNothingAndTheNextIsRendered) {
+TEST_F(RunnerFilesTest, CancelledFileIsDroppedAndTheNextIsRendered) {
   files->holds_pictures = true;
   std::promise<double> left, stays;
   auto to_who_left = left.get_future(), to_who_stays = stays.get_future();
@@ -129,7 +129,7 @@ TEST_F(RunnerFilesTest, WhoLeavesWhileHisIsFinishedGetsNothingAndTheNextIsRender
   EXPECT_EQ(to_who_left.wait_for(0s), std::future_status::timeout);
 }
 
-TEST_F(RunnerFilesTest, AnEndWhileOneIsFinishedWaitsForItAndGivesIt) {
+TEST_F(RunnerFilesTest, StopWaitsForTheFileBeingFinished) {
   files->holds_pictures = true;
   std::promise<double> done;
   auto finished = done.get_future();
@@ -143,7 +143,7 @@ TEST_F(RunnerFilesTest, AnEndWhileOneIsFinishedWaitsForItAndGivesIt) {
   EXPECT_GT(finished.get(), 0);
 }
 
-TEST_F(RunnerFilesTest, ACancelledOneIsCutShortAndLetGo) {
+TEST_F(RunnerFilesTest, CancelledFileIsInterruptedAndReleased) {
   files->seconds_per_megapixel = 250'000;
   std::promise<double> done;
   std::atomic<bool> cancelled{false};

@@ -33,7 +33,7 @@ struct RunnerTest : testing::Test {
   std::uint64_t handle = 0;
 };
 
-TEST_F(RunnerTest, APictureConvergesAndCostsNothingAfterwards) {
+TEST_F(RunnerTest, ConvergedImageUsesNoMoreTime) {
   device->seconds_per_megapixel = 0.1;  // 1 ms per sample
   const auto one = viewer();
   ASSERT_TRUE(eventually([&] {
@@ -55,7 +55,7 @@ TEST_F(RunnerTest, APictureConvergesAndCostsNothingAfterwards) {
   EXPECT_EQ(device->samples, samples);
 }
 
-TEST_F(RunnerTest, AHiddenSessionCostsNothing) {
+TEST_F(RunnerTest, HiddenSessionUsesNoTime) {
   const auto one = viewer();
   one->show(false);
   runner.wake();
@@ -71,7 +71,7 @@ TEST_F(RunnerTest, AHiddenSessionCostsNothing) {
   EXPECT_TRUE(eventually([&] { return device->last_eye_x == 2; }));
 }
 
-TEST_F(RunnerTest, EpochsRiseAndAPictureCarriesTheInputThatItShows) {
+TEST_F(RunnerTest, ImagesCarryTheirInputAndRisingEpochs) {
   const auto one = viewer();
   ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
   for (int turn = 2; turn <= 20; ++turn) {
@@ -93,7 +93,7 @@ TEST_F(RunnerTest, EpochsRiseAndAPictureCarriesTheInputThatItShows) {
   EXPECT_GT(epoch, 1000U);
 }
 
-TEST_F(RunnerTest, InputCutsARefinementShort) {
+TEST_F(RunnerTest, InputInterruptsRefinement) {
   device->seconds_per_megapixel = 1;
   const auto one = viewer({200, 200});  // 40 ms per sample at rest
   ASSERT_TRUE(eventually([&] { return one->samples > 12; }));
@@ -112,7 +112,7 @@ TEST_F(RunnerTest, InputCutsARefinementShort) {
   EXPECT_LT(steady_clock::now() - asked, 1s);
 }
 
-TEST_F(RunnerTest, AnotherSessionsFirstPictureOvertakesALongSample) {
+TEST_F(RunnerTest, FirstImageOvertakesALongSample) {
   Runner overtaking(std::make_unique<MarginalGain>(), clock,
                     Runner::Options{.rules = {1e-6, 4, 1 << 20}});
   device->seconds_per_megapixel = 0.01;
@@ -140,7 +140,7 @@ TEST_F(RunnerTest, AnotherSessionsFirstPictureOvertakesALongSample) {
   overtaking.remove(slow_handle);
 }
 
-TEST_F(RunnerTest, ADragFasterThanTheDeviceShowsPicturesAllTheTime) {
+TEST_F(RunnerTest, ShowsImagesDuringADragFasterThanTheDevice) {
   device->seconds_per_megapixel = 2;
   const auto one = viewer({200, 200});  // 80 ms per sample, an input every 10 ms
   const auto end = steady_clock::now() + 1s;
@@ -155,7 +155,7 @@ TEST_F(RunnerTest, ADragFasterThanTheDeviceShowsPicturesAllTheTime) {
   for (const RenderedPicture& picture : pictures) EXPECT_TRUE(picture.info.moving);
 }
 
-TEST_F(RunnerTest, OnASlowDeviceAMovingPictureIsSmallerAndTheRestingOneWhole) {
+TEST_F(RunnerTest, ReducesOnlyTheMovingImageOnASlowDevice) {
   device->seconds_per_megapixel = 8;  // 320 ms for the whole viewport
   const auto one = viewer({200, 200});
   ASSERT_TRUE(eventually([&] { return one->samples >= 1; }));
@@ -182,7 +182,7 @@ TEST_F(RunnerTest, SessionsShareTheDeviceEvenly) {
   for (const auto& each : {one, two, three}) EXPECT_NEAR(double(each->samples), mean, 0.7 * mean);
 }
 
-TEST_F(RunnerTest, ARefusedSceneKeepsThePictureAndTheNextOneIsTaken) {
+TEST_F(RunnerTest, RefusedSceneKeepsTheImageUntilTheNextScene) {
   const auto one = viewer();
   ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
   device->refuse_scenes = true;
@@ -217,7 +217,7 @@ TEST_F(RunnerTest, FallsBackToSmallerSizeOnOutOfMemory) {
   EXPECT_EQ(one->failure_count(), 0U);
 }
 
-TEST_F(RunnerTest, AViewerThatComesBackGetsThePictureThatIsThere) {
+TEST_F(RunnerTest, ReturningViewerGetsTheCurrentImage) {
   const auto one = viewer();
   ASSERT_TRUE(eventually([&] {
     const auto pictures = one->pictures();
@@ -260,16 +260,14 @@ struct TogetherTest : testing::Test {
   }
 };
 
-TEST_F(TogetherTest, QuantaThatDoNotFillTheDeviceGoToItTogether) {
-  EXPECT_EQ(at_once(1e6, false), 4);
-}
+TEST_F(TogetherTest, SmallQuantaRunConcurrently) { EXPECT_EQ(at_once(1e6, false), 4); }
 
-TEST_F(TogetherTest, BehindOneThatFillsTheDeviceWaitsOneMore) { EXPECT_EQ(at_once(1e3, true), 2); }
+TEST_F(TogetherTest, QueuesOneMoreBehindAFullDevice) { EXPECT_EQ(at_once(1e3, true), 2); }
 
-TEST_F(TogetherTest, AFullDeviceWithoutAQueueHasNoSecond) { EXPECT_EQ(at_once(1e3, false), 1); }
+TEST_F(TogetherTest, FullDeviceWithoutAQueueRunsOne) { EXPECT_EQ(at_once(1e3, false), 1); }
 
 /// Two sessions share a full device all the time. Each must be charged only its own cost.
-TEST_F(TogetherTest, NoSessionIsChargedForWhatItWaitedForAnother) {
+TEST_F(TogetherTest, SessionsAreNotChargedForWaiting) {
   device->seconds_per_megapixel = 0.5;
   device->one_at_a_time = true;
   Runner::Options options;
@@ -307,7 +305,7 @@ StillJob still_job(const std::shared_ptr<FakeDevice>& device, std::promise<doubl
   return job;
 }
 
-TEST_F(RunnerTest, AStillIsRenderedBesideAPersonWhoDrags) {
+TEST_F(RunnerTest, RendersAStillDuringADrag) {
   device->seconds_per_megapixel = 0.1;
   const auto one = viewer();
   std::promise<double> done;
@@ -320,7 +318,7 @@ TEST_F(RunnerTest, AStillIsRenderedBesideAPersonWhoDrags) {
   EXPECT_NEAR(finished.get(), 0.5 / std::sqrt(10.0), 1e-9);
 }
 
-TEST_F(RunnerTest, AStillIsGivenAsItIsWhenItsTimeIsOver) {
+TEST_F(RunnerTest, StillIsDeliveredAtItsDeadline) {
   std::promise<double> done;
   auto finished = done.get_future();
   StillJob job = still_job(device, done);
@@ -331,7 +329,7 @@ TEST_F(RunnerTest, AStillIsGivenAsItIsWhenItsTimeIsOver) {
   EXPECT_GT(finished.get(), 0.5 / std::sqrt(double(1u << 30)));
 }
 
-TEST_F(RunnerTest, AStillIsGivenOnceItIsGoodEnough) {
+TEST_F(RunnerTest, StillIsDeliveredAtItsTargetError) {
   std::promise<double> done;
   auto finished = done.get_future();
   StillJob job = still_job(device, done);
@@ -342,7 +340,7 @@ TEST_F(RunnerTest, AStillIsGivenOnceItIsGoodEnough) {
   EXPECT_LE(finished.get(), 0.1);
 }
 
-TEST_F(RunnerTest, AStillInTheBackgroundGoesBehindThoseThatCameLater) {
+TEST_F(RunnerTest, LaterStillsOvertakeABackgroundStill) {
   device->seconds_per_megapixel = 1;  // 4 ms per sample of 64 x 64 pixels
   std::promise<double> later, sooner;
   auto ended_later = later.get_future(), ended_sooner = sooner.get_future();
@@ -359,7 +357,7 @@ TEST_F(RunnerTest, AStillInTheBackgroundGoesBehindThoseThatCameLater) {
   EXPECT_NEAR(ended_later.get(), 0.5 / std::sqrt(1000.0), 1e-9);
 }
 
-TEST_F(RunnerTest, AStillThatNobodyWaitsForIsDropped) {
+TEST_F(RunnerTest, DropsACancelledStill) {
   std::promise<double> done;
   StillJob job = still_job(device, done);
   std::atomic<bool> asked{false};
@@ -372,7 +370,7 @@ TEST_F(RunnerTest, AStillThatNobodyWaitsForIsDropped) {
   EXPECT_EQ(done.get_future().wait_for(50ms), std::future_status::timeout);
 }
 
-TEST_F(RunnerTest, ARemovedSessionEndsInTheMiddleOfAQuantum) {
+TEST_F(RunnerTest, RemovingASessionInterruptsItsQuantum) {
   const auto one = viewer({200, 200});
   ASSERT_TRUE(eventually([&] { return one->samples > 0; }));
   device->seconds_per_megapixel = 1000;
@@ -387,7 +385,7 @@ TEST_F(RunnerTest, ARemovedSessionEndsInTheMiddleOfAQuantum) {
   ASSERT_TRUE(eventually([&] { return one.use_count() == 1; })) << "the runner still holds it";
 }
 
-TEST_F(RunnerTest, ALostDeviceIsTold) {
+TEST_F(RunnerTest, ReportsALostDevice) {
   const auto one = viewer();
   device->lost = true;
   one->turn(3);
@@ -397,7 +395,7 @@ TEST_F(RunnerTest, ALostDeviceIsTold) {
 }
 
 /// The labels of pictures are correct: the first ones are denoised and say so, the last never is.
-TEST_F(RunnerTest, TheFirstPicturesAreLabelledAsSmoothedAndTheLastIsRaw) {
+TEST_F(RunnerTest, LabelsDenoisedImagesAndEndsWithARawOne) {
   auto viewing = viewer();
   ASSERT_TRUE(eventually([&] {
     const auto pictures = viewing->pictures();

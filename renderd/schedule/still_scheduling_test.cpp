@@ -5,7 +5,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(StillScheduling, AFileTakesNothingOfADeviceOnWhichSomebodyMoves) {
+TEST(StillScheduling, FileDoesNotRunWhileASessionMoves) {
   EXPECT_EQ(still_share(StillRank::kFile, 1), 0);
   EXPECT_FALSE(still_may_run(StillRank::kFile, 1));
   EXPECT_TRUE(still_may_run(StillRank::kFile, 0));
@@ -15,7 +15,7 @@ TEST(StillScheduling, AFileTakesNothingOfADeviceOnWhichSomebodyMoves) {
   }
 }
 
-TEST(StillScheduling, ShareFallsWithRankAndWithHandsThatMove) {
+TEST(StillScheduling, ShareFallsWithRankAndMovingSessions) {
   EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kBackground, 0));
   EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kAwaited, 1));
   EXPECT_GE(still_share(StillRank::kBackground, 0), still_share(StillRank::kFile, 0));
@@ -24,7 +24,7 @@ TEST(StillScheduling, ShareFallsWithRankAndWithHandsThatMove) {
 
 // While sessions render without a pause, a file gets a sixteenth of the time in the long run,
 // however long its samples take.
-TEST(StillScheduling, AFileGivesBackWhatALongSampleTook) {
+TEST(StillScheduling, FilePaysBackTheTimeOfALongSample) {
   for (const double sample : {0.01, 0.1, 0.9}) {
     double due = 0, busy = 0, files = 0;
     while (busy < 1000) {

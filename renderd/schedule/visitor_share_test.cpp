@@ -43,7 +43,7 @@ TEST(VisitorShare, LimitsManyVisitorsToTheirShare) {
   }
 }
 
-TEST(VisitorShare, VisitorsHaveTheWholeDeviceWhileNoAccountHolderGains) {
+TEST(VisitorShare, VisitorsGetTheWholeDeviceWithoutAccountHolders) {
   VisitorShare policy = policy_of(PolicyKind::kRoundRobin, 0.25);
   SessionView done = gaining(1, false);
   done.error = 0;
@@ -62,7 +62,7 @@ TEST(VisitorShare, VisitorsAreNotStarvedWithinTheirShare) {
   EXPECT_NEAR(spent.at(1), spent.at(2), 0.2 * spent.at(2)) << "one of nine is below the share";
 }
 
-TEST(VisitorShare, ALongSampleOfAVisitorIsPaidBackBeforeTheNext) {
+TEST(VisitorShare, VisitorPaysBackALongSampleBeforeTheNext) {
   VisitorShare policy = policy_of(PolicyKind::kRoundRobin, 0.25);
   SessionView slow = gaining(1, true);
   slow.seconds_per_sample = 0.3;
@@ -82,7 +82,7 @@ TEST(VisitorShare, ALongSampleOfAVisitorIsPaidBackBeforeTheNext) {
   EXPECT_GT(paid, 2);
 }
 
-TEST(VisitorShare, OvertakingIsPaidFromTheSameShare) {
+TEST(VisitorShare, OvertakingCountsTowardsTheSameShare) {
   VisitorShare policy = policy_of(PolicyKind::kMarginalGain, 0.25);
   const auto dragging = [](std::uint64_t session, bool visitor) {
     SessionView view = gaining(session, visitor);
@@ -102,7 +102,7 @@ TEST(VisitorShare, OvertakingIsPaidFromTheSameShare) {
   EXPECT_EQ(policy.overtaking(std::vector{holder, dragging(3, false)}, 0).size(), 1U);
 }
 
-TEST(VisitorShare, NobodyWithoutAnAccountGainsWithAShareOfNothingWhileOthersDo) {
+TEST(VisitorShare, ZeroShareStopsVisitorsWhileOthersGain) {
   VisitorShare policy = policy_of(PolicyKind::kMarginalGain, 0);
   const auto spent = spend(policy, {gaining(1, false), gaining(2, true)});
   EXPECT_LE(spent.contains(2) ? spent.at(2) : 0, 0.02) << "one quantum at most, before any is owed";
