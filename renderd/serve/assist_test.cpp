@@ -110,7 +110,7 @@ class Assist : public testing::Test {
   std::unique_ptr<FrameRenderer> renderer_;
 };
 
-TEST_F(Assist, AWorkerKilledOrJoiningInMidPictureCostsOrBringsItsShare) {
+TEST_F(Assist, LeavingOrJoiningWorkerCostsOrAddsOnlyItsShare) {
   for (const Division division : {Division::kAverage, Division::kTiles}) {
     start(2, {.division = division});
     const auto parts = [&](std::uint64_t more) {
@@ -146,7 +146,7 @@ TEST_F(Assist, AWorkerKilledOrJoiningInMidPictureCostsOrBringsItsShare) {
   }
 }
 
-TEST_F(Assist, AnAssistantRestsWithThePicture) {
+TEST_F(Assist, AssistantStopsWhenTheImageIsNotWatched) {
   start(1, {.division = Division::kAverage});
   ASSERT_TRUE(until([&] { return report().parts >= 3; }));
   // Without a viewer, the helper renders at most what it has delivered.
@@ -201,7 +201,7 @@ TEST_F(Assist, BorrowedHelperJoinsDuringRenderingAndLeavesWhenReturned) {
   }
 }
 
-TEST_F(Assist, AHelperThatRefusesOrIsNotThereIsSaidSoAndAskedNoMore) {
+TEST_F(Assist, ReportsAndStopsAskingUnavailableHelpers) {
   start(0, {.division = Division::kAverage}, 2);
   TestStore empty;
   Helper without(empty.path), with(store_.path);
@@ -217,7 +217,7 @@ TEST_F(Assist, AHelperThatRefusesOrIsNotThereIsSaidSoAndAskedNoMore) {
   }
 }
 
-TEST_F(Assist, AHelperWithoutRoomForAllHelpsWithAsManyAsItCan) {
+TEST_F(Assist, HelperAssistsAsManyImagesAsFit) {
   start(0, {.division = Division::kAverage}, 1);
   Helper helper(store_.path);  // for at most two pictures
   source_->borrow({helper.address()});
@@ -247,7 +247,7 @@ TEST_F(Assist, AHelperWithoutRoomForAllHelpsWithAsManyAsItCan) {
 }
 
 /// Messages that any client may send, and how the call ends.
-TEST_F(Assist, NonsenseEndsTheCallAndHarmsNobody) {
+TEST_F(Assist, InvalidMessageEndsOnlyItsCall) {
   start(1, {.division = Division::kAverage});
   const auto stub = v1::RenderWorker::NewStub(
       grpc::CreateChannel(helpers_[0]->address(), grpc::InsecureChannelCredentials()));

@@ -18,7 +18,7 @@ const SlotHolder kOlderVisitor{.id = "older visitor", .visitor = true, .age = 50
 const SlotHolder kCamera{.id = "camera", .visitor = true, .own_camera = true, .age = 1s};
 const SlotHolder kGoneVisitor{.id = "gone", .visitor = true, .abandoned_for = 1s, .age = 9s};
 
-TEST(Evict, VisitorsGoFirstAndAmongThemWhoLosesLeast) {
+TEST(Evict, EvictsVisitorsFirstInOrderOfLeastLoss) {
   std::vector<SlotHolder> holders{kHolder, kReloading,   kVisitor,
                                   kCamera, kGoneVisitor, kOlderVisitor};
   for (const char* next : {"gone", "camera", "older visitor", "visitor", "reloading"}) {
@@ -29,12 +29,12 @@ TEST(Evict, VisitorsGoFirstAndAmongThemWhoLosesLeast) {
   EXPECT_FALSE(to_evict(holders, false)) << "an account holder who looks stays";
 }
 
-TEST(Evict, AVisitorTakesNobodysPlaceButThatOfAVisitorWhoLeft) {
+TEST(Evict, VisitorEvictsOnlyVisitorsWhoLeft) {
   EXPECT_FALSE(to_evict(std::vector{kHolder, kReloading, kVisitor, kCamera}, true));
   EXPECT_EQ(to_evict(std::vector{kReloading, kVisitor, kGoneVisitor}, true), "gone");
 }
 
-TEST(Evict, TheVisitorsShareLeavesAccountHoldersTheLastSlots) {
+TEST(Evict, VisitorShareReservesTheLastSlotsForAccounts) {
   EXPECT_EQ(visitor_slots(0, 25), 0U);
   EXPECT_EQ(visitor_slots(1, 25), 0U);
   EXPECT_EQ(visitor_slots(2, 25), 1U);

@@ -24,21 +24,21 @@ double after_seconds(ExpectedLoad& load, int seconds, double busy, std::vector<S
 double settled(double of_anybody, double rate) { return (30 * of_anybody + 600 * rate) / 630; }
 constexpr double kStep = 0.001;
 
-TEST(ExpectedLoad, AnEmptyWorkerTakesNothing) { EXPECT_EQ(ExpectedLoad().after(1, 0, {}, 4), 0); }
+TEST(ExpectedLoad, IsZeroForAnEmptyWorker) { EXPECT_EQ(ExpectedLoad().after(1, 0, {}, 4), 0); }
 
-TEST(ExpectedLoad, OfWhomNothingIsKnownASlotIsExpected) {
+TEST(ExpectedLoad, AssumesASlotShareForUnknownSessions) {
   ExpectedLoad load;
   EXPECT_NEAR(load.after(0, 0, std::vector<Seen>{{"a"}, {"b"}}, 8), 2.0 / 8, 1e-12);
 }
 
-TEST(ExpectedLoad, WhoWasWatchedIsExpectedToGoOnAsBefore) {
+TEST(ExpectedLoad, FollowsTheObservedLoad) {
   ExpectedLoad load;
   // The posterior after n seconds at a rate r is (30 p + n r) / (30 + n), with slight forgetting.
   EXPECT_NEAR(after_seconds(load, 60, 0.5, {{"a"}}, {0.5}), (30 * 0.1 + 60 * 0.5) / 90, 0.01);
   EXPECT_NEAR(after_seconds(load, 9000, 0.5, {{"a", 30}}, {0.5}), settled(0.1, 0.5), kStep);
 }
 
-TEST(ExpectedLoad, WhoRestsCountsLessAndLessButNeverNothing) {
+TEST(ExpectedLoad, IdleSessionsDecayButStayAboveZero) {
   ExpectedLoad load;
   const double soon = after_seconds(load, 60, 0, {{"a"}}, {0});
   const double late = after_seconds(load, 6000, 0, {{"a"}}, {0});
@@ -47,13 +47,13 @@ TEST(ExpectedLoad, WhoRestsCountsLessAndLessButNeverNothing) {
   EXPECT_GT(late, 0.1 * 30 / 700) << "it may come back";
 }
 
-TEST(ExpectedLoad, WhatWasLongAgoIsForgotten) {
+TEST(ExpectedLoad, ForgetsOldObservations) {
   ExpectedLoad load;
   after_seconds(load, 600, 1, {{"a"}}, {1});
   EXPECT_LT(after_seconds(load, 3000, 0, {{"a", 600}}, {0}), 0.05);
 }
 
-TEST(ExpectedLoad, WhoLeftTakesItsLoadAlong) {
+TEST(ExpectedLoad, SubtractsSessionsThatLeft) {
   ExpectedLoad load;
   after_seconds(load, 300, 1, {{"a"}, {"b"}}, {0.9, 0.1});
   const double both = load.after(0, 0, std::vector<Seen>{{"a", 270}, {"b", 30}}, 10);
@@ -61,20 +61,20 @@ TEST(ExpectedLoad, WhoLeftTakesItsLoadAlong) {
   EXPECT_NEAR(both - one, (30 * 0.1 + 300 * 0.9) / 330, 0.03);
 }
 
-TEST(ExpectedLoad, WhatGoesOnTogetherTakesTheDeviceOnce) {
+TEST(ExpectedLoad, ConcurrentWorkCountsOnce) {
   ExpectedLoad load;
   EXPECT_NEAR(after_seconds(load, 9000, 1, {{"a"}, {"b"}}, {1, 1}), 2 * settled(0.1, 0.5), kStep);
   EXPECT_NEAR(load.after(0, 0, std::vector<Seen>{{"b", 9000}}, 10), settled(0.1, 0.5), kStep);
 }
 
-TEST(ExpectedLoad, FilmsAndPicturesForOthersCountToo) {
+TEST(ExpectedLoad, IncludesFilmsAndImagesForOtherWorkers) {
   ExpectedLoad load;
   EXPECT_NEAR(after_seconds(load, 9000, 0.8, {{"a"}}, {0.2}), settled(0.1, 0.2) + settled(0, 0.6),
               kStep);
   EXPECT_NEAR(after_seconds(load, 9000, 0.8, {}, {}), settled(0, 0.8), kStep);
 }
 
-TEST(ExpectedLoad, AClockThatStandsOrGoesBackDoesNoHarm) {
+TEST(ExpectedLoad, IgnoresClockThatStopsOrGoesBack) {
   ExpectedLoad load;
   load.after(1, 0.5, std::vector<Seen>{{"a", 0.5}}, 4);
   const double before = load.after(0, 0, std::vector<Seen>{{"a", 0.5}}, 4);

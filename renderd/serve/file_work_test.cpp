@@ -106,7 +106,7 @@ struct FileWorkTest : testing::Test {
   EncodePool pool{1};
 };
 
-TEST_F(FileWorkTest, AFileComesWholeAndInOrder) {
+TEST_F(FileWorkTest, DeliversWholeFileInOrder) {
   const auto file = work(std::make_unique<FakeMaker>(10, 1000, 2500));
   file->start();
   ASSERT_TRUE(sink->wait([&] { return sink->last; }));
@@ -115,7 +115,7 @@ TEST_F(FileWorkTest, AFileComesWholeAndInOrder) {
   EXPECT_EQ(charged, 10);
 }
 
-TEST_F(FileWorkTest, NoMorePartsAreOnTheirWayThanTheirBound) {
+TEST_F(FileWorkTest, LimitsPartsInFlight) {
   const auto file = work(std::make_unique<FakeMaker>(1, 0, 20 * kFilePartBytes + 5));
   file->start();
   ASSERT_TRUE(sink->wait([&] { return sink->parts == kFilePartsInFlight; }));
@@ -132,7 +132,7 @@ TEST_F(FileWorkTest, NoMorePartsAreOnTheirWayThanTheirBound) {
 }
 
 // If a viewer takes nothing, no more is made than the limit.
-TEST_F(FileWorkTest, RenderingWaitsForWhoTakesTheParts) {
+TEST_F(FileWorkTest, RenderingWaitsForASlowViewer) {
   constexpr std::size_t kBytes = std::size_t{3} << 20;
   const auto file = work(std::make_unique<FakeMaker>(20, kBytes, 0));
   file->start();
@@ -144,7 +144,7 @@ TEST_F(FileWorkTest, RenderingWaitsForWhoTakesTheParts) {
   EXPECT_EQ(sink->file.size(), 20 * kBytes);
 }
 
-TEST_F(FileWorkTest, StoppedNothingIsRenderedOrSaidAnyMore) {
+TEST_F(FileWorkTest, StopEndsRenderingAndMessages) {
   device->seconds_per_megapixel = 40;  // 10 ms per picture
   auto file = work(std::make_unique<FakeMaker>(1000, 100, 0));
   file->start();
@@ -161,7 +161,7 @@ TEST_F(FileWorkTest, StoppedNothingIsRenderedOrSaidAnyMore) {
   EXPECT_EQ(sink->why, "");
 }
 
-TEST_F(FileWorkTest, ThatCannotBeRenderedOrCodedSaysWhy) {
+TEST_F(FileWorkTest, ReportsWhyRenderingOrEncodingFailed) {
   device->refuse_scenes = true;
   work(std::make_unique<FakeMaker>(3, 10, 0))->start();
   ASSERT_TRUE(sink->wait([&] { return !sink->why.empty(); }));

@@ -102,7 +102,7 @@ struct GrpcTest : testing::Test {
   std::unique_ptr<v1::RenderWorker::Stub> stub;
 };
 
-TEST_F(GrpcTest, AViewerSeesARealPictureConvergeAndFollowItsInput) {
+TEST_F(GrpcTest, StreamsRealImagesThatConvergeAndFollowInput) {
   Client viewer(*stub, open());
   viewer.say(hello_message(96));
   const auto config = viewer.inbox.next_of(v1::ServerMessage::kConfig);
@@ -135,7 +135,7 @@ TEST_F(GrpcTest, AViewerSeesARealPictureConvergeAndFollowItsInput) {
   }
 }
 
-TEST_F(GrpcTest, ASecondAttachTakesTheSessionOver) {
+TEST_F(GrpcTest, SecondAttachTakesOverTheSession) {
   const v1::Open same = open();
   Client first(*stub, same);
   first.say(hello_message());
@@ -147,7 +147,7 @@ TEST_F(GrpcTest, ASecondAttachTakesTheSessionOver) {
   EXPECT_TRUE(second.inbox.next_of(v1::ServerMessage::kFrame));
 }
 
-TEST_F(GrpcTest, RefusalsHaveTheirStatus) {
+TEST_F(GrpcTest, MapsRefusalsToStatusCodes) {
   Client one(*stub, open());
   Client two(*stub, open());
   one.say(hello_message());
@@ -165,7 +165,7 @@ TEST_F(GrpcTest, RefusalsHaveTheirStatus) {
   EXPECT_EQ(Client(*stub, unknown).status(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(GrpcTest, AMessageOverTheLimitEndsThatCallAlone) {
+TEST_F(GrpcTest, OversizedMessageEndsOnlyItsCall) {
   Client one(*stub, open());
   one.say(hello_message());
   ASSERT_TRUE(one.inbox.next_of(v1::ServerMessage::kFrame));
@@ -178,7 +178,7 @@ TEST_F(GrpcTest, AMessageOverTheLimitEndsThatCallAlone) {
   EXPECT_TRUE(one.inbox.next_of(v1::ServerMessage::kFrame));
 }
 
-TEST_F(GrpcTest, AViewerThatVanishesLeavesItsFilmForTheNext) {
+TEST_F(GrpcTest, ReconnectingViewerContinuesWithTheSameFilm) {
   const v1::Open same = open();
   std::uint64_t samples = 0;
   {
@@ -196,7 +196,7 @@ TEST_F(GrpcTest, AViewerThatVanishesLeavesItsFilmForTheNext) {
   EXPECT_GE(frame->frame().iteration(), samples);
 }
 
-TEST_F(GrpcTest, AStillIsAPictureOfItsSize) {
+TEST_F(GrpcTest, RendersStillWithErrorAndLimits) {
   v1::StillRequest request;
   request.set_volume_id(volume);
   request.set_preset("bone");
@@ -238,7 +238,7 @@ TEST_F(GrpcTest, AStillIsAPictureOfItsSize) {
             grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(GrpcTest, MoreStillsThanAreBoundedAreRefusedAndTheOthersCome) {
+TEST_F(GrpcTest, LimitsPendingStills) {
   v1::StillRequest request;
   request.set_volume_id(volume);
   request.set_preset("bone");
@@ -263,7 +263,7 @@ TEST_F(GrpcTest, MoreStillsThanAreBoundedAreRefusedAndTheOthersCome) {
   EXPECT_GT(refused, 0);
 }
 
-TEST_F(GrpcTest, ADrainEndsEverythingWithinItsTime) {
+TEST_F(GrpcTest, DrainEndsEverythingInTime) {
   Client viewer(*stub, open());
   viewer.say(hello_message());
   ASSERT_TRUE(viewer.inbox.next_of(v1::ServerMessage::kFrame));
@@ -293,7 +293,7 @@ TEST_F(GrpcTest, ADrainEndsEverythingWithinItsTime) {
   still.join();
 }
 
-TEST_F(GrpcTest, APortThatIsTakenIsAnErrorNotACrash) {
+TEST_F(GrpcTest, PortInUseIsAnError) {
   GrpcServer::Options options;
   options.port = server->port();
   const auto second = GrpcServer::start(options, worker->host(), worker->stills(), metrics);

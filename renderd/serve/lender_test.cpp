@@ -86,7 +86,7 @@ TEST_F(LenderTest, BorrowsWhileSeveralSessionsWaitAndReturnsAfterwards) {
   EXPECT_TRUE(comes([&] { return borrowed().empty(); }, beat));
 }
 
-TEST_F(LenderTest, AHelperThatIsBusyDrainsOrDiesIsGivenBack) {
+TEST_F(LenderTest, ReturnsHelperThatIsBusyDrainingOrDead) {
   waiting = 2;
   const auto lender = start(&helpers);
   const std::vector<std::vector<std::string>> changes{
@@ -103,7 +103,7 @@ TEST_F(LenderTest, AHelperThatIsBusyDrainsOrDiesIsGivenBack) {
   EXPECT_TRUE(eventually([&] { return borrowed().empty(); }));
 }
 
-TEST_F(LenderTest, WhatAHelperDoesForUsIsNoReasonToGiveItBack) {
+TEST_F(LenderTest, KeepsHelperThatIsBusyOnlyWithOurWork) {
   waiting = 2;
   const auto lender = start(&helpers);
   const auto helps = [&] { neighbour("a", {"load", "1", "asked", "0.05", "lent", "0.95"}); };
@@ -116,7 +116,7 @@ TEST_F(LenderTest, WhatAHelperDoesForUsIsNoReasonToGiveItBack) {
   }
 }
 
-TEST_F(LenderTest, OnlyTheSameFleetIsAskedAndNeverOneself) {
+TEST_F(LenderTest, BorrowsOnlyOtherWorkersOfTheSameFleet) {
   waiting = 5;
   const auto beat = [&] {
     neighbour("us", {"owner", "ours/uid/1"});
@@ -133,7 +133,7 @@ TEST_F(LenderTest, OnlyTheSameFleetIsAskedAndNeverOneself) {
   EXPECT_EQ(borrowed(), std::set{address("ours")});
 }
 
-TEST_F(LenderTest, WhatIsLentIsToldAndTakenBack) {
+TEST_F(LenderTest, ReportsAndClearsLentCapacity) {
   neighbour("us", {"incarnation", "now"});
   lent = true;
   const auto lender = start(nullptr);
@@ -151,7 +151,7 @@ TEST_F(LenderTest, WhatIsLentIsToldAndTakenBack) {
       beat));
 }
 
-TEST_F(LenderTest, AnotherOfOurNameIsNotSpokenFor) {
+TEST_F(LenderTest, DoesNotReportForAnotherWorkerOfTheSameName) {
   const auto beat = [&] { neighbour("us", {"incarnation", "another"}); };
   beat();
   lent = true;
@@ -160,7 +160,7 @@ TEST_F(LenderTest, AnotherOfOurNameIsNotSpokenFor) {
   EXPECT_EQ(redis.number({"HEXISTS", "diaphane:worker:us", "lent"}), 0);
 }
 
-TEST_F(LenderTest, ARedisThatIsAwayGivesAllBackAndItsReturnBorrowsAgain) {
+TEST_F(LenderTest, ReturnsHelpersWithoutRedisAndBorrowsAgainLater) {
   waiting = 2;
   const auto lender = start(&helpers);
   const auto beat = [&] { neighbour("a"); };
@@ -171,7 +171,7 @@ TEST_F(LenderTest, ARedisThatIsAwayGivesAllBackAndItsReturnBorrowsAgain) {
   EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
 }
 
-TEST_F(LenderTest, ADeviceThatIsEnoughAndLendsNothingSaysNothingToRedis) {
+TEST_F(LenderTest, SendsNothingToRedisWithoutNeed) {
   waiting = 1;
   const auto lender = start(&helpers);
   look_twice();

@@ -51,7 +51,7 @@ bool is_lossless(const v1::ServerMessage& message) {
   return message.has_state() && message.state().lossless();
 }
 
-TEST_F(LiveStream, TheFirstCodecOfTheViewersListIsTakenAndBeginsWithAKeyFrame) {
+TEST_F(LiveStream, UsesTheFirstSupportedCodecAndStartsWithAKeyFrame) {
   greet(v1::H264, 64, v1::STILL_FORMAT_UNSPECIFIED);
   EXPECT_EQ(config.codec(), v1::H264);
   const auto all =
@@ -70,7 +70,7 @@ TEST_F(LiveStream, TheFirstCodecOfTheViewersListIsTakenAndBeginsWithAKeyFrame) {
   EXPECT_FALSE(link->inbox.count(Kind::kStill)) << "it shows none";
 }
 
-TEST_F(LiveStream, AKeyFrameComesWhenItIsAskedFor) {
+TEST_F(LiveStream, SendsKeyFrameOnRequest) {
   greet(v1::MPEG1, 64, v1::STILL_FORMAT_UNSPECIFIED);
   until([](const auto& message) { return message.has_state(); });
   std::this_thread::sleep_for(kKeyEvery);
@@ -80,7 +80,7 @@ TEST_F(LiveStream, AKeyFrameComesWhenItIsAskedFor) {
   until([](const auto& message) { return message.has_frame() && message.frame().key(); });
 }
 
-TEST_F(LiveStream, ConvergenceEndsInTilesThatCoverThePictureAndTheMark) {
+TEST_F(LiveStream, ConvergenceSendsTilesOfTheWholeImageAndTheMark) {
   greet(v1::JPEG, 600, v1::WEBP);
   const auto all = until(is_lossless);
   std::uint64_t seq = 0;
@@ -109,7 +109,7 @@ TEST_F(LiveStream, ConvergenceEndsInTilesThatCoverThePictureAndTheMark) {
   EXPECT_EQ(all.back().state().epoch(), epoch);
 }
 
-TEST_F(LiveStream, NewInputEndsTheTilesAndItsOwnEndFollows) {
+TEST_F(LiveStream, NewInputReplacesTheTilesByItsOwn) {
   greet(v1::H264, 600, v1::PNG);
   until([](const auto& message) { return message.has_still(); });
   say(scene_message(1, turned(config.scene(), 40)));
@@ -133,7 +133,7 @@ TEST_F(LiveStream, NewInputEndsTheTilesAndItsOwnEndFollows) {
   EXPECT_EQ(tiles, 9U);
 }
 
-TEST_F(LiveStream, TellsHowFarAwayThatIsWhichIsSeenAtAPlace) {
+TEST_F(LiveStream, AnswersDepthQuery) {
   greet(v1::JPEG, 64, v1::STILL_FORMAT_UNSPECIFIED);
   until([](const auto& message) { return message.has_frame(); });
   v1::ClientMessage query;

@@ -58,7 +58,7 @@ struct MemoryFullTest : testing::Test {
   v1::Scene scene;
 };
 
-TEST_F(MemoryFullTest, TheNextSessionIsRefusedWithAReasonAndTheOthersGoOn) {
+TEST_F(MemoryFullTest, RefusesNextSessionAndKeepsTheOthers) {
   auto first = enter();
   const auto config = first->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(config);
@@ -84,7 +84,7 @@ TEST_F(MemoryFullTest, TheNextSessionIsRefusedWithAReasonAndTheOthersGoOn) {
   EXPECT_TRUE(shows(*first, 0, 2, 2)) << "the session that was there continues";
 }
 
-TEST_F(MemoryFullTest, AFirstPictureForWhichThereIsNoMemoryCountsToo) {
+TEST_F(MemoryFullTest, OutOfMemoryOfTheFirstImageRefusesTheSession) {
   auto first = enter();
   const auto config = first->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(config);
@@ -100,7 +100,7 @@ TEST_F(MemoryFullTest, AFirstPictureForWhichThereIsNoMemoryCountsToo) {
   EXPECT_TRUE(shows(*first, 0, 2, 2));
 }
 
-TEST_F(MemoryFullTest, ThereIsRoomAgainWhenSomebodyLeavesOrAfterAWhile) {
+TEST_F(MemoryFullTest, RestoresSlotsWhenASessionEndsOrAfterATimeout) {
   auto first = enter();
   ASSERT_TRUE(first->inbox.next_of(Kind::kConfig));
   device->refuse_renderers = true;
@@ -115,7 +115,7 @@ TEST_F(MemoryFullTest, ThereIsRoomAgainWhenSomebodyLeavesOrAfterAWhile) {
   EXPECT_EQ(worker->host().slots(), 8U);
 }
 
-TEST_F(MemoryFullTest, WhoLeftGoesBeforeOneWhoLooksIsRefused) {
+TEST_F(MemoryFullTest, EvictsAbandonedSessionBeforeRefusing) {
   auto first = enter();
   ASSERT_TRUE(first->inbox.next_of(Kind::kConfig));
   attachments[0]->closed();

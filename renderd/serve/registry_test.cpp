@@ -66,7 +66,7 @@ struct RegistryTest : testing::Test {
   std::unique_ptr<RenderWorker> worker;
 };
 
-TEST_F(RegistryTest, AWorkerAnnouncesItselfAndLeavesInOrder) {
+TEST_F(RegistryTest, RegistersAndDeregisters) {
   auto registry = announce();
   ASSERT_TRUE(
       eventually([&] { return redis.field("diaphane:worker:w1", "address") == "127.0.0.1:8085"; }));
@@ -85,7 +85,7 @@ TEST_F(RegistryTest, AWorkerAnnouncesItselfAndLeavesInOrder) {
   EXPECT_TRUE(redis.ask({"SMEMBERS", "diaphane:workers"}).empty());
 }
 
-TEST_F(RegistryTest, WhatItsSessionsAreExpectedToTakeIsTold) {
+TEST_F(RegistryTest, ReportsTheExpectedLoadOfItsSessions) {
   auto registry = announce();
   const auto expected = [&] { return redis.field("diaphane:worker:w1", "expected"); };
   ASSERT_TRUE(eventually([&] { return expected() == "0.0000"; }));
@@ -96,7 +96,7 @@ TEST_F(RegistryTest, WhatItsSessionsAreExpectedToTakeIsTold) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "sessions"), "1");
 }
 
-TEST_F(RegistryTest, WhatIsLentToOthersIsNothingThatASessionIsPlacedBy) {
+TEST_F(RegistryTest, ExpectedLoadExcludesLentCapacity) {
   const auto begin = std::chrono::steady_clock::now();
   const auto all = [begin] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -111,7 +111,7 @@ TEST_F(RegistryTest, WhatIsLentToOthersIsNothingThatASessionIsPlacedBy) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "expected"), "0.0000");
 }
 
-TEST_F(RegistryTest, TheHeartbeatGoesOn) {
+TEST_F(RegistryTest, KeepsItsRegistrationAlive) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return registry->connected(); }));
   for (int i = 0; i < 8; ++i) {
@@ -120,7 +120,7 @@ TEST_F(RegistryTest, TheHeartbeatGoesOn) {
   }
 }
 
-TEST_F(RegistryTest, LiveSessionsAreCountedAndEndedOnesFreeTheirSlot) {
+TEST_F(RegistryTest, CountsLiveSessionsAndFreesSlotsOfEndedOnes) {
   const std::string id = new_id();
   const std::string reserved = new_id();
   place(id, "w1", 1);
@@ -136,7 +136,7 @@ TEST_F(RegistryTest, LiveSessionsAreCountedAndEndedOnesFreeTheirSlot) {
       << "a reservation whose viewer is on the way stays";
 }
 
-TEST_F(RegistryTest, TheProcessBeforeLeavesNoSessionsBehind) {
+TEST_F(RegistryTest, ClearsSessionsOfThePreviousProcess) {
   redis.ask({"HSET", "diaphane:worker:w1", "incarnation", "dead"});
   redis.ask({"ZADD", "diaphane:worker:w1:sessions", "9999999999999", new_id()});
   auto registry = announce("second");
@@ -145,7 +145,7 @@ TEST_F(RegistryTest, TheProcessBeforeLeavesNoSessionsBehind) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "used"), "0");
 }
 
-TEST_F(RegistryTest, ARestartAtTheSameAddressTakesOverAtOnce) {
+TEST_F(RegistryTest, RestartAtTheSameAddressTakesOverImmediately) {
   redis.ask({"HSET", "diaphane:worker:w1", "incarnation", "killed", "address", "127.0.0.1:8085"});
   const auto begin = std::chrono::steady_clock::now();
   auto registry = announce("second");
@@ -184,7 +184,7 @@ TEST_F(RegistryTest, RefusesSecondWorkerWithTheSameNameWhileTheFirstLives) {
   EXPECT_EQ(refused, 1);
 }
 
-TEST_F(RegistryTest, WhatPicturesTookIsToldOnceForEachPerson) {
+TEST_F(RegistryTest, ReportsRenderTimeOncePerUser) {
   worker->host().spent().add("a", 1.5);
   worker->host().spent().add("b", 0.0204);
   redis.ask({"HSET", "diaphane:render_time", "a", "100"});
@@ -196,7 +196,7 @@ TEST_F(RegistryTest, WhatPicturesTookIsToldOnceForEachPerson) {
   EXPECT_EQ(redis.field("diaphane:render_time", "a"), "1600");
 }
 
-TEST_F(RegistryTest, TheLastSceneIsKeptAndOnlyByTheWorkerThatHasTheSession) {
+TEST_F(RegistryTest, OnlyTheOwningWorkerStoresTheLastScene) {
   const std::string id = new_id();
   place(id, "w1", 4);
   auto [attachment, link] = attach(id, 4);
@@ -218,7 +218,7 @@ TEST_F(RegistryTest, TheLastSceneIsKeptAndOnlyByTheWorkerThatHasTheSession) {
   EXPECT_EQ(redis.field(key, "input_seq"), "8");
 }
 
-TEST_F(RegistryTest, ASessionThatWasPlacedElsewhereEndsHere) {
+TEST_F(RegistryTest, EndsSessionThatWasPlacedElsewhere) {
   const std::string id = new_id();
   place(id, "w1", 1);
   auto [attachment, link] = attach(id);
@@ -229,7 +229,7 @@ TEST_F(RegistryTest, ASessionThatWasPlacedElsewhereEndsHere) {
   EXPECT_EQ(link->inbox.ended()->code, ErrorCode::kConflict);
 }
 
-TEST_F(RegistryTest, WithRedisAwaySessionsGoOnAndWhatWasNotToldIsToldLater) {
+TEST_F(RegistryTest, SessionsContinueWithoutRedisAndReportLater) {
   const std::string id = new_id();
   place(id, "w1", 1);
   auto [attachment, link] = attach(id);
@@ -250,7 +250,7 @@ TEST_F(RegistryTest, WithRedisAwaySessionsGoOnAndWhatWasNotToldIsToldLater) {
       eventually([&] { return redis.field("diaphane:session:" + id, "input_seq") == "4"; }));
 }
 
-TEST_F(RegistryTest, AnEmptyRedisIsFilledAgainByTheWorkersThatHaveTheSessions) {
+TEST_F(RegistryTest, RestoresItsSessionsInAnEmptyRedis) {
   const std::string id = new_id(), user = new_id(), link = std::string(64, 'a');
   v1::Open open;
   open.set_viewer(v1::VIEWER_OWNER);
@@ -300,7 +300,7 @@ TEST_F(RegistryTest, AnEmptyRedisIsFilledAgainByTheWorkersThatHaveTheSessions) {
   EXPECT_EQ(redis.field(key, "user"), "");
 }
 
-TEST_F(RegistryTest, ADrainIsToldAtOnce) {
+TEST_F(RegistryTest, ReportsADrainImmediately) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return registry->connected(); }));
   const auto start = std::chrono::steady_clock::now();
@@ -309,7 +309,7 @@ TEST_F(RegistryTest, ADrainIsToldAtOnce) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "draining"), "1");
 }
 
-TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
+TEST_F(RegistryTest, DrainMovesSessionsOnlyIfThereIsRoomElsewhere) {
   Registry::Options told;
   told.worker_id = "w1";
   told.incarnation = "first";

@@ -85,7 +85,7 @@ struct SessionFilesTest : WorkerTest {
   const std::string user = new_id();
 };
 
-TEST_F(SessionFilesTest, AFilmIsMadeAndChargedToItsOwner) {
+TEST_F(SessionFilesTest, RendersFilmAndChargesTheOwner) {
   device->seconds_per_megapixel = 1;  // 4 ms per sample
   Viewer one = attach(new_id());
   ASSERT_TRUE(is_quiet());
@@ -101,7 +101,7 @@ TEST_F(SessionFilesTest, AFilmIsMadeAndChargedToItsOwner) {
   EXPECT_GE(spent.at(user), 20u * 4 * 4) << "4 samples at least each of 20 frames";
 }
 
-TEST_F(SessionFilesTest, ALargePictureIsMadeOfBands) {
+TEST_F(SessionFilesTest, RendersLargeImageInBands) {
   Viewer one = attach(new_id());
   ASSERT_TRUE(is_quiet()) << "its own picture was begun";
   one.key(0, one.scene);
@@ -113,7 +113,7 @@ TEST_F(SessionFilesTest, ALargePictureIsMadeOfBands) {
   EXPECT_EQ(device->scenes - scenes, 1 + 3) << "a trial, then bands of 256, 256 and 8 rows";
 }
 
-TEST_F(SessionFilesTest, GivenUpNothingIsRenderedAndItsPlaceIsFree) {
+TEST_F(SessionFilesTest, CancelledFileStopsRenderingAndFreesItsPlace) {
   device->seconds_per_megapixel = 1;
   const std::string session = new_id();
   for (int way = 0; way < 3; ++way) {
@@ -136,7 +136,7 @@ TEST_F(SessionFilesTest, GivenUpNothingIsRenderedAndItsPlaceIsFree) {
   }
 }
 
-TEST_F(SessionFilesTest, OneAtATimeAndTwoOnAWorker) {
+TEST_F(SessionFilesTest, LimitsFilesPerSessionAndPerWorker) {
   device->seconds_per_megapixel = 1;
   Viewer one = attach(new_id()), two = attach(new_id()), three = attach(new_id());
   for (Viewer* viewer : {&one, &two, &three}) viewer->key(0, viewer->scene);
@@ -163,7 +163,7 @@ TEST_F(SessionFilesTest, OneAtATimeAndTwoOnAWorker) {
   FAIL() << "the place was never free again";
 }
 
-TEST_F(SessionFilesTest, ItsPlaceIsFreeOnceItWasSentThoughTheViewerStays) {
+TEST_F(SessionFilesTest, SentFileFreesItsPlace) {
   Viewer one = attach(new_id()), two = attach(new_id()), three = attach(new_id());
   for (Viewer* viewer : {&one, &two, &three, &one}) {
     viewer->key(0, viewer->scene);
@@ -172,7 +172,7 @@ TEST_F(SessionFilesTest, ItsPlaceIsFreeOnceItWasSentThoughTheViewerStays) {
   }
 }
 
-TEST_F(SessionFilesTest, WhoComesAgainBeforeTheOldConnectionIsSeenDeadGetsTheFile) {
+TEST_F(SessionFilesTest, NewConnectionReplacesTheFileOfTheOldOne) {
   device->seconds_per_megapixel = 1;
   const std::string session = new_id();
   Viewer before = attach(session);
@@ -186,7 +186,7 @@ TEST_F(SessionFilesTest, WhoComesAgainBeforeTheOldConnectionIsSeenDeadGetsTheFil
   EXPECT_GT(now.file().size(), 100u);
 }
 
-TEST_F(SessionFilesTest, WhatMakesNoSenseIsRefusedAndTheSessionGoesOn) {
+TEST_F(SessionFilesTest, RefusesInvalidRequestsAndContinuesTheSession) {
   Viewer one = attach(new_id());
   const auto refused = [&](const char* why) {
     const auto problem = one.problem();
@@ -225,7 +225,7 @@ TEST_F(SessionFilesTest, WhatMakesNoSenseIsRefusedAndTheSessionGoesOn) {
   EXPECT_GT(one.file().size(), 100u);
 }
 
-TEST_F(SessionFilesTest, AGuestTakesNone) {
+TEST_F(SessionFilesTest, RefusesGuests) {
   const std::string session = new_id();
   Viewer owner = attach(session), guest = attach(session, new_id());
   guest.key(0, guest.scene);
@@ -234,7 +234,7 @@ TEST_F(SessionFilesTest, AGuestTakesNone) {
   EXPECT_EQ(problem->code(), to_string(ErrorCode::kForbidden));
 }
 
-TEST_F(SessionFilesTest, WhatRendersThePictureIsToldToWhoAsks) {
+TEST_F(SessionFilesTest, AnswersKernelQuery) {
   Viewer one = attach(new_id());
   v1::ClientMessage seen, query;
   seen.mutable_visibility()->set_visible(true);

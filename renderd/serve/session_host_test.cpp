@@ -97,7 +97,7 @@ struct HostTest : testing::Test {
 
 /// Render time is charged to the user who opened the session, including the work of other workers
 /// and guests' own cameras. Visitors' sessions and stills are not charged.
-TEST_F(HostTest, TheAccountIsChargedForItsPicturesAndNobodyForThumbnails) {
+TEST_F(HostTest, ChargesTheOwnerForImagesButNobodyForStills) {
   const std::string user = new_id();
   device->helped_seconds = 3;
   Viewer one;
@@ -131,7 +131,7 @@ TEST_F(HostTest, TheAccountIsChargedForItsPicturesAndNobodyForThumbnails) {
   EXPECT_TRUE(worker->host().spent().take_milliseconds().empty());
 }
 
-TEST_F(HostTest, AViewerIsGreetedAndSeesItsPictureConverge) {
+TEST_F(HostTest, SendsConfigurationAndConvergingFrames) {
   Viewer one = attach(new_id());
   const auto config = one.link->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(config);
@@ -155,7 +155,7 @@ TEST_F(HostTest, AViewerIsGreetedAndSeesItsPictureConverge) {
   EXPECT_EQ(state->state().epoch(), last->epoch());
 }
 
-TEST_F(HostTest, WithoutAcknowledgementsTwoFramesAreSentAndNoMore) {
+TEST_F(HostTest, SendsTwoFramesWithoutAcknowledgement) {
   Viewer one = attach(new_id());
   ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
   ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
@@ -166,7 +166,7 @@ TEST_F(HostTest, WithoutAcknowledgementsTwoFramesAreSentAndNoMore) {
   EXPECT_GT(third->frame().iteration(), 2U) << "the latest, not what was waiting longest";
 }
 
-TEST_F(HostTest, AViewerThatStopsReadingSlowsNobody) {
+TEST_F(HostTest, StalledViewerDoesNotSlowOthers) {
   Viewer stuck = attach(new_id());
   ASSERT_TRUE(stuck.link->inbox.next_of(Kind::kFrame));
   Viewer one = attach(new_id());
@@ -182,7 +182,7 @@ TEST_F(HostTest, AViewerThatStopsReadingSlowsNobody) {
   EXPECT_LE(stuck.link->inbox.count(Kind::kFrame), 2U);
 }
 
-TEST_F(HostTest, AVolumeIsLoadedOnceForAllWhoLookAtIt) {
+TEST_F(HostTest, LoadsVolumeOnceForAllSessions) {
   Viewer one = attach(new_id());
   Viewer two = attach(new_id());
   ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
@@ -191,7 +191,7 @@ TEST_F(HostTest, AVolumeIsLoadedOnceForAllWhoLookAtIt) {
   EXPECT_EQ(worker->volumes().loaded(), std::vector<std::string>{volume});
 }
 
-TEST_F(HostTest, ASceneThatIsNotFiniteIsRefusedAndThePictureStays) {
+TEST_F(HostTest, RefusesNonFiniteSceneAndKeepsTheImage) {
   Viewer one = attach(new_id());
   const auto config = one.link->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(config);
@@ -212,7 +212,7 @@ TEST_F(HostTest, ASceneThatIsNotFiniteIsRefusedAndThePictureStays) {
   EXPECT_LE(device->scenes, scenes + 1) << "at most the step from moving to rest";
 }
 
-TEST_F(HostTest, WhatIsNoMessageEndsTheConnectionButNotTheSession) {
+TEST_F(HostTest, MalformedMessageEndsOnlyTheConnection) {
   const std::string id = new_id();
   Viewer one = attach(id);
   ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
@@ -224,7 +224,7 @@ TEST_F(HostTest, WhatIsNoMessageEndsTheConnectionButNotTheSession) {
   EXPECT_EQ(worker->host().used(), 1U);
 }
 
-TEST_F(HostTest, ASecondConnectionTakesOverFilmAndScene) {
+TEST_F(HostTest, SecondConnectionTakesOverFilmAndScene) {
   const std::string id = new_id();
   Viewer one = attach(id);
   const auto config = one.link->inbox.next_of(Kind::kConfig);
@@ -257,7 +257,7 @@ TEST_F(HostTest, ASecondConnectionTakesOverFilmAndScene) {
   EXPECT_FALSE(two.link->inbox.ended(50ms));
 }
 
-TEST_F(HostTest, AnOlderPlacementIsRefused) {
+TEST_F(HostTest, RefusesOlderPlacement) {
   const std::string id = new_id();
   Viewer one = attach(id, 5);
   EXPECT_EQ(try_open(id, 4).error().code, ErrorCode::kConflict);
@@ -265,7 +265,7 @@ TEST_F(HostTest, AnOlderPlacementIsRefused) {
   EXPECT_TRUE(try_open(id, 5));
 }
 
-TEST_F(HostTest, OverItsSlotsASessionIsRefusedUnlessOneIsAbandoned) {
+TEST_F(HostTest, RefusesSessionsOverTheSlotsUnlessOneIsAbandoned) {
   Viewer one = attach(new_id());
   Viewer two = attach(new_id());
   Viewer three = attach(new_id());
@@ -278,7 +278,7 @@ TEST_F(HostTest, OverItsSlotsASessionIsRefusedUnlessOneIsAbandoned) {
   EXPECT_EQ(worker->host().used(), 3U);
 }
 
-TEST_F(HostTest, IdsThatAreNoneNeverReachThePath) {
+TEST_F(HostTest, RefusesInvalidVolumeIds) {
   v1::Open open;
   open.set_session_id(new_id());
   for (const char* id : {"", "..", "../../etc", "A", "/etc/passwd"}) {
@@ -288,7 +288,7 @@ TEST_F(HostTest, IdsThatAreNoneNeverReachThePath) {
   }
 }
 
-TEST_F(HostTest, AVolumeThatIsNotThereEndsTheSessionWithAReason) {
+TEST_F(HostTest, MissingVolumeEndsTheSessionWithAReason) {
   volume = new_id();
   Viewer one = attach(new_id());
   const auto problem = one.link->inbox.next_of(Kind::kProblem);
@@ -300,7 +300,7 @@ TEST_F(HostTest, AVolumeThatIsNotThereEndsTheSessionWithAReason) {
   EXPECT_EQ(worker->host().used(), 0U);
 }
 
-TEST_F(HostTest, TheSceneIsHandedOverForRedisOncePerChange) {
+TEST_F(HostTest, HandsOverTheSceneOncePerChange) {
   const std::string id = new_id();
   Viewer one = attach(id, 7);
   const auto config = one.link->inbox.next_of(Kind::kConfig);
@@ -321,7 +321,7 @@ TEST_F(HostTest, TheSceneIsHandedOverForRedisOncePerChange) {
   EXPECT_EQ(worker->host().take_unsaved().size(), 1U);
 }
 
-TEST_F(HostTest, APlacedAnewSessionGoesOnWithItsScene) {
+TEST_F(HostTest, MovedSessionContinuesWithItsScene) {
   Viewer first = attach(new_id());
   const auto config = first.link->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(config);
@@ -343,7 +343,7 @@ TEST_F(HostTest, APlacedAnewSessionGoesOnWithItsScene) {
   EXPECT_GT(frame->epoch(), std::uint64_t{3} << 24) << "above every epoch of the placement before";
 }
 
-TEST_F(HostTest, OneRenderAndOneCodingServeAllWhoLook) {
+TEST_F(HostTest, RendersAndEncodesOnceForAllViewers) {
   const std::string id = new_id();
   Viewer owner = attach(id);
   Viewer ann = join(id);
@@ -374,7 +374,7 @@ TEST_F(HostTest, OneRenderAndOneCodingServeAllWhoLook) {
   EXPECT_FALSE(owner.link->inbox.ended(20ms));
 }
 
-TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
+TEST_F(HostTest, FreeCameraFollowsSettingsButNotTheCamera) {
   const std::string id = new_id();
   Viewer owner = attach(id);
   Viewer ann = join(id);
@@ -456,7 +456,7 @@ TEST_F(HostTest, LimitsGuestCamerasToAQuarterOfTheSlotsAndDisplacesThem) {
       << "account holders do not displace each other";
 }
 
-TEST_F(HostTest, AVisitorGivesUpTheSlotToAnAccountHolderAndIsToldWhy) {
+TEST_F(HostTest, AccountHolderDisplacesVisitorWithAReason) {
   options.host.slots = 4;
   restart();
   const auto visit = [&](const std::string& session, Viewer& viewer) {
@@ -531,7 +531,7 @@ TEST_F(HostTest, BoundsTextureMemoryOfAllSessionsAndKeepsTheImageOnRefusal) {
   limit_texture_memory(kTextureMemory, kOwnersTextureMemory);
 }
 
-TEST_F(HostTest, AVisitorsTextureHasFewPixels) {
+TEST_F(HostTest, LimitsTheTexturePixelsOfVisitors) {
   if (test::png(1, 1, [](auto, auto) { return test::Rgb8{}; }).empty()) GTEST_SKIP();
   options.host.slots = 4;
   restart();
@@ -554,7 +554,7 @@ TEST_F(HostTest, AVisitorsTextureHasFewPixels) {
   ASSERT_TRUE(visitor.follow([](const v1::Frame& frame) { return frame.input_seq() == 3; }));
 }
 
-TEST_F(HostTest, ADrainTellsEverybodyToComeBackElsewhere) {
+TEST_F(HostTest, DrainDisconnectsEveryViewerAsUnavailable) {
   Viewer one = attach(new_id());
   ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
   worker->host().refuse_new();
@@ -567,7 +567,7 @@ TEST_F(HostTest, ADrainTellsEverybodyToComeBackElsewhere) {
   EXPECT_EQ(one.link->inbox.ended()->code, ErrorCode::kUnavailable);
 }
 
-TEST_F(HostTest, ManyThousandScenesASecondAreCoalesced) {
+TEST_F(HostTest, CoalescesThousandsOfScenesPerSecond) {
   Viewer one = attach(new_id());
   Viewer other = attach(new_id());
   const auto config = one.link->inbox.next_of(Kind::kConfig);
@@ -583,7 +583,7 @@ TEST_F(HostTest, ManyThousandScenesASecondAreCoalesced) {
   EXPECT_TRUE(other.link->inbox.next_of(Kind::kFrame));
 }
 
-TEST_F(HostTest, AConnectionThatSaysNothingIsEnded) {
+TEST_F(HostTest, EndsConnectionWithoutGreeting) {
   worker.reset();
   worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
                                           manual);
@@ -598,7 +598,7 @@ TEST_F(HostTest, AConnectionThatSaysNothingIsEnded) {
   EXPECT_FALSE(one.link->inbox.ended(20ms));
 }
 
-TEST_F(HostTest, AnAbandonedSessionIsKeptHalfAMinuteWithItsFilm) {
+TEST_F(HostTest, KeepsAbandonedSessionForThirtySeconds) {
   worker.reset();
   worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
                                           manual);

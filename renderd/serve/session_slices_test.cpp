@@ -84,7 +84,7 @@ struct SessionSlicesTest : WorkerTest {
   google::protobuf::RepeatedPtrField<v1::SliceStack> stacks;
 };
 
-TEST_F(SessionSlicesTest, HaveTheStoredVolumesVoxels) {
+TEST_F(SessionSlicesTest, ContainTheStoredVoxels) {
   Viewer one = attach(new_id());
   ASSERT_EQ(stacks.size(), 3);
   EXPECT_EQ(stacks[0].columns(), 5U);
@@ -111,7 +111,7 @@ TEST_F(SessionSlicesTest, HaveTheStoredVolumesVoxels) {
   }
 }
 
-TEST_F(SessionSlicesTest, FollowersSeeTheirOwnAndTheOthersNone) {
+TEST_F(SessionSlicesTest, EachViewerGetsOnlyItsOwnSlices) {
   const std::string session = new_id();
   Viewer owner = attach(session);
   Viewer guest = attach(session, new_id());
@@ -126,7 +126,7 @@ TEST_F(SessionSlicesTest, FollowersSeeTheirOwnAndTheOthersNone) {
   EXPECT_EQ(guest.link->inbox.count(Kind::kSlice), 1U);
 }
 
-TEST_F(SessionSlicesTest, AGuestGetsNoneUntilTheyAreAllowedAndNoneOnceTheyAreNot) {
+TEST_F(SessionSlicesTest, GuestsGetSlicesOnlyWhileAllowed) {
   const std::string session = new_id();
   Viewer owner = attach(session);
   Viewer guest = attach(session, new_id());
@@ -148,7 +148,7 @@ TEST_F(SessionSlicesTest, AGuestGetsNoneUntilTheyAreAllowedAndNoneOnceTheyAreNot
   EXPECT_EQ(guest.link->inbox.count(Kind::kSlice), 1U);
 }
 
-TEST_F(SessionSlicesTest, OfAGuestAreBlankOutsideOfTheClipAndStaleOnceItChanges) {
+TEST_F(SessionSlicesTest, GuestSlicesAreClippedAndBecomeStaleOnChange) {
   const std::string session = new_id();
   Viewer owner;
   const v1::Config config = enter(owner, open_message(session, id));
@@ -180,7 +180,7 @@ TEST_F(SessionSlicesTest, OfAGuestAreBlankOutsideOfTheClipAndStaleOnceItChanges)
   EXPECT_EQ(owner.link->inbox.count(Kind::kSlicesStale), 0U);
 }
 
-TEST_F(SessionSlicesTest, WhoIsNotGreetedGetsNone) {
+TEST_F(SessionSlicesTest, RefuseViewersWithoutGreeting) {
   Viewer silent;
   silent.attachment.emplace(*worker->host().open(open_message(new_id(), id), silent.link));
   silent.want({{v1::AXIAL, 1}});
@@ -188,7 +188,7 @@ TEST_F(SessionSlicesTest, WhoIsNotGreetedGetsNone) {
   EXPECT_EQ(silent.link->inbox.count(Kind::kSlice), 0U);
 }
 
-TEST_F(SessionSlicesTest, AGuestIsToldNothingOfTheScanThatIsNotShown) {
+TEST_F(SessionSlicesTest, GuestsDoNotGetStatisticsOfTheWholeVolume) {
   const std::string session = new_id();
   Viewer owner, guest;
   const v1::Config whole = enter(owner, open_message(session, id));
@@ -199,7 +199,7 @@ TEST_F(SessionSlicesTest, AGuestIsToldNothingOfTheScanThatIsNotShown) {
   EXPECT_FALSE(told.has_histogram());
 }
 
-TEST_F(SessionSlicesTest, ABadWishIsAnsweredAndThePictureGoesOn) {
+TEST_F(SessionSlicesTest, InvalidRequestIsRefusedAndTheSessionContinues) {
   Viewer one = attach(new_id());
   one.want({{v1::AXIAL, 4}});
   const auto problem = one.problem();
@@ -216,7 +216,7 @@ TEST_F(SessionSlicesTest, ABadWishIsAnsweredAndThePictureGoesOn) {
 }
 
 /// A viewer who takes none has three in transit, and the others continue.
-TEST_F(SessionSlicesTest, WhoTakesNoneHoldsThreeAndNobodyUp) {
+TEST_F(SessionSlicesTest, StalledViewerHasThreeInFlightAndDelaysNobody) {
   const std::string session = new_id();
   Viewer silent = attach(session);
   Viewer other = attach(session, new_id());
@@ -237,7 +237,7 @@ TEST_F(SessionSlicesTest, WhoTakesNoneHoldsThreeAndNobodyUp) {
   EXPECT_LE(silent.link->inbox.count(Kind::kSlice), 3U);
 }
 
-TEST_F(SessionSlicesTest, OfAVolumeThatWasExchangedMeanwhileAreNotShown) {
+TEST_F(SessionSlicesTest, RefuseSlicesOfAReplacedVolume) {
   Viewer one = attach(new_id());
   volume::Volume cut = stored;
   std::fill(cut.voxels.begin(), cut.voxels.end(), std::int16_t{-1000});

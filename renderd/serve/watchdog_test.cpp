@@ -27,7 +27,7 @@ struct Told {
   }
 };
 
-TEST(Watchdog, SilenceIsToldOnceByNameAndSuspectedBefore) {
+TEST(Watchdog, ReportsSilenceOnceByNameAndSuspectsItBefore) {
   Told told;
   std::atomic<std::uint64_t> lively{1};
   Watchdog watchdog({{"lively", [&] { return ++lively; }}, {"silent", [] { return 7; }}},
@@ -40,7 +40,7 @@ TEST(Watchdog, SilenceIsToldOnceByNameAndSuspectedBefore) {
   EXPECT_EQ(told.times, 1);
 }
 
-TEST(Watchdog, WhoHasNothingToDoAndWhoGoesOnAreLeftAlone) {
+TEST(Watchdog, IgnoresIdleAndProgressingWork) {
   Told told;
   std::atomic<std::uint64_t> pulse{1};
   std::atomic<bool> idle{false};
@@ -56,7 +56,7 @@ TEST(Watchdog, WhoHasNothingToDoAndWhoGoesOnAreLeftAlone) {
   EXPECT_FALSE(watchdog.suspects());
 }
 
-TEST(ProgressMonitor, EachPieceOfWorkHasItsOwnPlaceUntilItEnds) {
+TEST(ProgressMonitor, TracksEachPieceOfWorkUntilItEnds) {
   ProgressMonitor monitor;
   ProgressMonitor::Work one(monitor);
   const std::uint64_t first = monitor.at(0);
@@ -89,7 +89,7 @@ struct Looker final : RenderClient {
   std::atomic<int> batches{0};
 };
 
-TEST(Watchdog, ADeviceThatHangsInAQuantumIsNoticedAndALongQuantumIsNot) {
+TEST(Watchdog, ReportsHungDeviceButNotALongQuantum) {
   auto device = std::make_shared<FakeDevice>();
   device->seconds_per_megapixel = 240;  // a sample of 64 x 64 takes a second
   FakeEngine engine(device);

@@ -158,7 +158,7 @@ def test_the_fleet_is_what_redis_says(api, admin):  # noqa: F811
     remove_worker(api, "fleet-test")
 
 
-# Render time. A worker adds to `diaphane:render_time` with its heartbeat (RegistryTest.WhatPicturesTookIsToldOnceForEachPerson in
+# Render time. A worker adds to `diaphane:render_time` with its heartbeat (RegistryTest.ReportsRenderTimeOncePerUser in
 # renderd/serve). Here, the test does.
 
 def spend(stack, one: Person, ms: int) -> None:
