@@ -76,7 +76,7 @@ struct AudienceTest : testing::Test {
   TimePoint now = TimePoint{} + std::chrono::hours(1);
 };
 
-TEST_F(AudienceTest, OnePictureGoesToAllWhoAreHereEachUnderItsOwnNumber) {
+TEST_F(AudienceTest, SendsOneImageToAllWithIndividualSequenceNumbers) {
   const auto owner = join(std::string(kOwner));
   auto got = show();
   acknowledge(got, owner);
@@ -86,7 +86,7 @@ TEST_F(AudienceTest, OnePictureGoesToAllWhoAreHereEachUnderItsOwnNumber) {
   EXPECT_EQ(got, (std::map<std::uint64_t, std::uint64_t>{{owner, 2}, {ann, 1}, {bob, 1}}));
 }
 
-TEST_F(AudienceTest, AFollowerWhoTakesNothingSlowsNeitherPresenterNorFollowers) {
+TEST_F(AudienceTest, StalledFollowerSlowsNobody) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   const auto stuck = join(kBob);
@@ -104,7 +104,7 @@ TEST_F(AudienceTest, AFollowerWhoTakesNothingSlowsNeitherPresenterNorFollowers) 
   EXPECT_EQ(to_stuck, 2);
 }
 
-TEST_F(AudienceTest, WhoMissedAPictureGetsOneWhenItHasRoomAndTheOthersNotAgain) {
+TEST_F(AudienceTest, SendsMissedImageOnlyToTheViewerThatMissedIt) {
   const auto owner = join(std::string(kOwner));
   const auto slow = join(kAnn);
   for (int i = 0; i < 3; ++i) acknowledge(show(), owner);
@@ -119,7 +119,7 @@ TEST_F(AudienceTest, WhoMissedAPictureGetsOneWhenItHasRoomAndTheOthersNotAgain) 
   EXPECT_EQ(last.frames[0].connection, slow);
 }
 
-TEST_F(AudienceTest, ThePresenterSetsThePaceUntilHeStalls) {
+TEST_F(AudienceTest, PresenterSetsThePaceUntilTheyStall) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   for (int i = 0; i < 2; ++i) acknowledge(show(), ann);
@@ -134,7 +134,7 @@ TEST_F(AudienceTest, ThePresenterSetsThePaceUntilHeStalls) {
 }
 
 // In inter-coded streams, no viewer gets a frame without its predecessor.
-TEST_F(AudienceTest, AnInterCodedStreamIsTakenUpFromAKeyFrameAlone) {
+TEST_F(AudienceTest, ViewersJoinInterCodedStreamAtKeyFrames) {
   const auto owner = join(std::string(kOwner), v1::H264);
   auto got = show(v1::H264);
   EXPECT_TRUE(last_key);
@@ -166,7 +166,7 @@ TEST_F(AudienceTest, AnInterCodedStreamIsTakenUpFromAKeyFrameAlone) {
   EXPECT_LE(keys, 400 * 16 / 500 + 2);
 }
 
-TEST_F(AudienceTest, EachCodecHasAStreamOfItsOwn) {
+TEST_F(AudienceTest, EachCodecHasItsOwnStream) {
   const auto owner = join(std::string(kOwner), v1::H264);
   const auto ann = join(kAnn, v1::JPEG);
   EXPECT_EQ(show(v1::H264).count(ann), 0U);
@@ -175,7 +175,7 @@ TEST_F(AudienceTest, EachCodecHasAStreamOfItsOwn) {
   EXPECT_EQ(show(v1::JPEG).count(ann), 1U) << "but the other stream is not his";
 }
 
-TEST_F(AudienceTest, AFollowersSceneIsRefusedAndHisCanvasChangesNothing) {
+TEST_F(AudienceTest, IgnoresSceneAndCanvasOfFollowers) {
   join(std::string(kOwner));
   const auto ann = join(kAnn);
   const Wanted before = state.wanted;
@@ -190,7 +190,7 @@ TEST_F(AudienceTest, AFollowersSceneIsRefusedAndHisCanvasChangesNothing) {
   EXPECT_EQ(state.wanted.scene, before.scene);
 }
 
-TEST_F(AudienceTest, ThePresenterGivesHisRoleAndTheOtherTakesUpSceneAndSize) {
+TEST_F(AudienceTest, HandoverTransfersSceneControlAndCanvasSize) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   say(ann, resized(1, 300, 200));
@@ -206,7 +206,7 @@ TEST_F(AudienceTest, ThePresenterGivesHisRoleAndTheOtherTakesUpSceneAndSize) {
   EXPECT_EQ(say(owner, turned(1)).problem->code(), "forbidden");
 }
 
-TEST_F(AudienceTest, TheOwnerTakesTheRoleOnlyFromAPresenterWhoHasGone) {
+TEST_F(AudienceTest, OwnerReclaimsTheRoleOnlyFromAnAbsentPresenter) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   const auto bob = join(kBob);
@@ -234,7 +234,7 @@ TEST_F(AudienceTest, SecondConnectionOfAParticipantReplacesOnlyTheFirst) {
   EXPECT_FALSE(say(ann, turned(1)).problem) << "what the old one still says is not heard";
 }
 
-TEST_F(AudienceTest, WhoComesBackFromHisOwnCameraIsSentEverythingAnew) {
+TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   began(state, 1, state.wanted);
@@ -258,7 +258,7 @@ TEST_F(AudienceTest, WhoComesBackFromHisOwnCameraIsSentEverythingAnew) {
   EXPECT_EQ(got.at(ann), 1U) << "counted again, with all the room that a new viewer has";
 }
 
-TEST_F(AudienceTest, AFollowerIsToldTheSceneWithThePictureOfIt) {
+TEST_F(AudienceTest, SendsTheSceneWithItsFirstImageToFollowers) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   state.audience.find(ann)->look_version = state.wanted.version;
@@ -272,7 +272,7 @@ TEST_F(AudienceTest, AFollowerIsToldTheSceneWithThePictureOfIt) {
   for (const Departure& one : last.frames) EXPECT_EQ(one.look, one.connection == ann);
 }
 
-TEST_F(AudienceTest, MoreThanCanBeAreRefused) {
+TEST_F(AudienceTest, LimitsTheNumberOfViewers) {
   for (std::size_t i = 0; i < kMostReceivers; ++i) arrive("guest " + std::to_string(i));
   const auto refused = attach(state, {"one more", {}, {}}, now);
   ASSERT_FALSE(refused);
@@ -280,7 +280,7 @@ TEST_F(AudienceTest, MoreThanCanBeAreRefused) {
   EXPECT_TRUE(attach(state, {"guest 3", {}, {}}, now)) << "one who comes back takes no new place";
 }
 
-TEST_F(AudienceTest, WhoIsHereIsToldWithNamesAndNothingElse) {
+TEST_F(AudienceTest, ParticipantListContainsOnlyNamesAndRoles) {
   const auto owner = join(std::string(kOwner));
   const auto ann = arrive(kAnn,
                           "  Dr.\t\xE2\x80\xAE"
@@ -302,7 +302,7 @@ TEST_F(AudienceTest, WhoIsHereIsToldWithNamesAndNothingElse) {
   (void)owner;
 }
 
-TEST(CleanName, IsShortVisibleText) {
+TEST(CleanName, ReturnsShortVisibleText) {
   EXPECT_EQ(clean_name("Ann"), "Ann");
   EXPECT_EQ(clean_name(" \n\tA  B "), "A B");
   EXPECT_EQ(clean_name("J\xC3\xB6rg \xE6\x9D\x8E"), "J\xC3\xB6rg \xE6\x9D\x8E");

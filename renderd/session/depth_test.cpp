@@ -39,7 +39,7 @@ TEST(Depth, IsThatOfTheSurfaceUnderThePoint) {
   EXPECT_NEAR(seen->place.y, -50 + 30, 1);
 }
 
-TEST(Depth, IsAlongTheViewAxisAlsoBesideTheMiddleOfThePicture) {
+TEST(Depth, IsMeasuredAlongTheViewAxisOffCentre) {
   const auto volume = layers(100, opaque_from_30);
   // 30 degrees at 480 mm are 257 mm high, so a tenth of the height is 25.7 mm.
   const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5 + 0.1 * 300 / 400, 0.4);
@@ -49,7 +49,7 @@ TEST(Depth, IsAlongTheViewAxisAlsoBesideTheMiddleOfThePicture) {
   EXPECT_NEAR(seen->place.z, 25.7, 0.3);
 }
 
-TEST(Depth, IsKeptWhereTheVolumeIsLookedAtCoarsely) {
+TEST(Depth, IsAccurateForDownsampledVolumes) {
   const auto volume = layers(250, opaque_from_30);
   EXPECT_LE(volume->volume.voxels.size(), 1'000'000U);
   const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
@@ -57,7 +57,7 @@ TEST(Depth, IsKeptWhereTheVolumeIsLookedAtCoarsely) {
   EXPECT_NEAR(seen->distance, kEye - 20, 1);
 }
 
-TEST(Depth, IsThatOfAThinSkinOrOfTheBoneBehindItAndNeverBetween) {
+TEST(Depth, IsThatOfSkinOrBoneButNeverBetween) {
   // The skin is 4 mm thick and 10 mm from the front, and the bone starts at 60 mm.
   const auto volume = layers(100, [](double y) {
     return y > 60 ? 1000 : y > 10 && y < 14 ? 150 : 0;  // half as opaque
@@ -70,13 +70,13 @@ TEST(Depth, IsThatOfAThinSkinOrOfTheBoneBehindItAndNeverBetween) {
   EXPECT_GE(thin->distance, kEye - 50 + 59);
 }
 
-TEST(Depth, IsNothingWhereOnlyBackgroundIsSeen) {
+TEST(Depth, IsEmptyForBackground) {
   const auto volume = layers(50, opaque_from_30);
   EXPECT_FALSE(seen_at(*volume, from_the_front(), kCanvas, 0.01, 0.5)) << "beside the volume";
   EXPECT_FALSE(seen_at(*layers(50, [](double) { return 0; }), from_the_front(), kCanvas, 0.5, 0.5));
 }
 
-TEST(Depth, GoesThroughWhatIsCutAway) {
+TEST(Depth, IgnoresClippedRegions) {
   const auto volume = layers(100, opaque_from_30);
   diaphane::v1::Scene scene = from_the_front();
   set(scene.mutable_clip()->mutable_box_low(), -50, 10, -50);
@@ -86,7 +86,7 @@ TEST(Depth, GoesThroughWhatIsCutAway) {
   EXPECT_NEAR(seen->distance, kEye + 10, 1);
 }
 
-TEST(Depth, IsThatOfASliceAlsoWhereThereIsNoMatter) {
+TEST(Depth, IncludesSlicesInEmptySpace) {
   const auto volume = layers(100, opaque_from_30);
   diaphane::v1::Scene scene = from_the_front();
   scene.mutable_slices()->mutable_coronal()->set_shown(true);
@@ -100,7 +100,7 @@ TEST(Depth, IsThatOfASliceAlsoWhereThereIsNoMatter) {
   }
 }
 
-TEST(Depth, CountsFromTheEyeAlsoWithParallelRaysAndAnOpenLens) {
+TEST(Depth, IsMeasuredFromTheEyeForParallelRaysAndOpenLens) {
   const auto volume = layers(100, opaque_from_30);
   diaphane::v1::Scene scene = from_the_front();
   scene.mutable_camera()->set_orthographic_height(200);

@@ -7,7 +7,7 @@
 namespace diaphane::render {
 namespace {
 
-TEST(FlightWindow, NeverMoreThanTwoFramesAreUnderWay) {
+TEST(FlightWindow, LimitsFramesInFlightToTwo) {
   FlightWindow window;
   std::mt19937 random(7);
   std::uint64_t reserved = 0;
@@ -40,7 +40,7 @@ TEST(FlightWindow, NeverMoreThanTwoFramesAreUnderWay) {
   }
 }
 
-TEST(FlightWindow, AnAcknowledgementOfWhatNeverLeftMakesNoRoom) {
+TEST(FlightWindow, IgnoresAcknowledgementOfUnsentFrames) {
   FlightWindow window;
   ASSERT_TRUE(window.reserve());
   EXPECT_EQ(window.depart(), 1U);

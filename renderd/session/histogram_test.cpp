@@ -20,7 +20,7 @@ std::vector<std::uint32_t> counts_of(const volume::Volume& volume) {
   return {histogram.counts().begin(), histogram.counts().end()};
 }
 
-TEST(Histogram, EveryVoxelIsInTheBinOfItsValue) {
+TEST(Histogram, CountsEveryVoxelInItsBin) {
   std::vector<std::int16_t> voxels;
   for (int value = -1024; value <= 3071; ++value) {
     voxels.push_back(static_cast<std::int16_t>(value));
@@ -31,20 +31,20 @@ TEST(Histogram, EveryVoxelIsInTheBinOfItsValue) {
   EXPECT_EQ(counts_of(volume), std::vector<std::uint32_t>(256, 16));
 }
 
-TEST(Histogram, FewValuesHaveABinEach) {
+TEST(Histogram, UsesOneBinPerValueForFewValues) {
   const volume::Volume volume = with_values({5, 5, 5, 7, 9});
   EXPECT_EQ(histogram_of(volume).width(), 1);
   EXPECT_EQ(counts_of(volume), (std::vector<std::uint32_t>{3, 0, 1, 0, 1}));
   EXPECT_EQ(counts_of(with_values({4, 4})), std::vector<std::uint32_t>{2});
 }
 
-TEST(Histogram, WhatLiesOutsideOfTheMeasuredRangeIsLeftOut) {
+TEST(Histogram, IgnoresValuesOutsideTheMeasuredRange) {
   volume::Volume volume = with_values({0, 1, 2, 3});
   volume.voxels.insert(volume.voxels.end(), {INT16_MIN, INT16_MIN, INT16_MAX});
   EXPECT_EQ(counts_of(volume), std::vector<std::uint32_t>(4, 1));
 }
 
-TEST(Histogram, ALargeVolumeIsLookedAtInPartAndInProportion) {
+TEST(Histogram, SamplesLargeVolumesProportionally) {
   // Each column of a row of 512 has its own value.
   std::vector<std::int16_t> voxels(std::size_t{512} * 512 * 64);
   for (std::size_t i = 0; i < voxels.size(); ++i) {

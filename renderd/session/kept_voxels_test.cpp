@@ -96,12 +96,12 @@ struct KeptVoxelsTest : testing::Test {
   v1::Clip clip;
 };
 
-TEST_F(KeptVoxelsTest, WithoutAClipAreAll) {
+TEST_F(KeptVoxelsTest, KeepsAllWithoutAClip) {
   EXPECT_EQ(check(), 12 * 10 * 8);
   check_slices();
 }
 
-TEST_F(KeptVoxelsTest, OfABoxAreThoseWhoseCentresLieInItItsBorderIncluded) {
+TEST_F(KeptVoxelsTest, BoxKeepsVoxelsWithCentresInsideOrOnItsBorder) {
   set(*clip.mutable_box_low(), -2.5, -3, -1.5);  // exactly at centres
   set(*clip.mutable_box_high(), 2.5, 3, 1.5);
   EXPECT_EQ(check(), 6 * 4 * 2);
@@ -112,7 +112,7 @@ TEST_F(KeptVoxelsTest, OfABoxAreThoseWhoseCentresLieInItItsBorderIncluded) {
   check_slices();
 }
 
-TEST_F(KeptVoxelsTest, OfPlanesAreThoseBehindAllOfThemHoweverTheyAreTurned) {
+TEST_F(KeptVoxelsTest, PlanesKeepVoxelsBehindAllOfThem) {
   for (int degrees = 0; degrees < 360; degrees += 17) {
     clip.Clear();
     const double a = degrees * std::numbers::pi / 180;
@@ -129,7 +129,7 @@ TEST_F(KeptVoxelsTest, OfPlanesAreThoseBehindAllOfThemHoweverTheyAreTurned) {
   }
 }
 
-TEST_F(KeptVoxelsTest, AreTheSameOnesOfAVolumeThatLiesAskew) {
+TEST_F(KeptVoxelsTest, SupportsRotatedVolumes) {
   const double c = std::cos(0.5), s = std::sin(0.5);
   volume.header.direction = {c, -s, 0, s, c, 0, 0, 0, 1};
   set(*clip.mutable_box_low(), -4, -3, -6);
@@ -155,7 +155,7 @@ TEST_F(KeptVoxelsTest, AreTheSameOnesOfAVolumeThatLiesAskew) {
   }
 }
 
-TEST_F(KeptVoxelsTest, AreNoneWhereAPlaneIsNone) {
+TEST_F(KeptVoxelsTest, KeepsNoneForAPlaneWithoutNormal) {
   set(*clip.add_planes()->mutable_point(), 0, 0, 0);  // without a normal, which check_scene refuses
   const volume::KeptVoxels kept = kept_by(volume.header, clip);
   EXPECT_FALSE(kept.keeps(5, 5, 5));

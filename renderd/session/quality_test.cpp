@@ -132,7 +132,7 @@ struct LinkCase {
 class Links : public testing::TestWithParam<LinkCase> {};
 
 // Age: the round trip, a window's slack and the time of one frame, with a margin for the estimate.
-TEST_P(Links, AFrameIsNeverOlderThanTheRoundTripAndAFewFramesAndTheLinkIsUsed) {
+TEST_P(Links, BoundsTheFrameAgeAndUsesTheBandwidth) {
   const auto [rate, round_trip, jitter] = GetParam();
   const Drag run = drag(constant(rate, round_trip, jitter), 30);
   EXPECT_LT(run.oldest(3, 30), 1.1 * round_trip + jitter + 0.15);
@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(
              std::to_string(int(1000 * link.jitter)) + "jitter";
     });
 
-TEST(Quality, ATenfoldDropAndItsEndAreFollowed) {
+TEST(Quality, FollowsATenfoldBandwidthDropAndItsEnd) {
   Pipe pipe = constant(0, 0.02);
   pipe.rate = [](double now) { return (now > 10 && now < 20 ? 2 : 20) * kMbit; };
   const Drag run = drag(pipe, 30);
@@ -168,7 +168,7 @@ TEST(Quality, ATenfoldDropAndItsEndAreFollowed) {
   EXPECT_EQ(run.last_scale(), 1);
 }
 
-TEST(Quality, ASlowLinkHasSmallerPicturesAndAFastOneFullSize) {
+TEST(Quality, ReducesResolutionOnlyOnASlowLink) {
   EXPECT_LT(drag(constant(2 * kMbit, 0.1), 10).last_scale(), 1);
   EXPECT_GE(drag(constant(2 * kMbit, 0.1), 10).last_scale(), 0.5);
   EXPECT_LE(drag(constant(2 * kMbit, 0.1), 10, v1::JPEG).last_scale(), 0.375);
@@ -177,7 +177,7 @@ TEST(Quality, ASlowLinkHasSmallerPicturesAndAFastOneFullSize) {
 }
 
 // A viewer who acknowledges nothing gets no more than the window, however fast they were.
-TEST(Quality, AStalledLinkIsNoticedBeforeAnyAcknowledgement) {
+TEST(Quality, DetectsStalledLinkWithoutAcknowledgements) {
   LinkEstimate link;
   double now = 0;
   for (std::uint64_t seq = 1; seq <= 50; ++seq, now += 0.03) {
@@ -191,7 +191,7 @@ TEST(Quality, AStalledLinkIsNoticedBeforeAnyAcknowledgement) {
   EXPECT_LT(link.bytes_per_second(at(now + 1)), 60000);
 }
 
-TEST(Quality, AcknowledgementsOfWhatNeverLeftAndClocksThatJumpDoNoHarm) {
+TEST(Quality, IgnoresUnsentFramesAndClockJumps) {
   LinkEstimate link;
   link.acknowledged(5, at(0));
   EXPECT_FALSE(link.known());
@@ -215,7 +215,7 @@ TEST(Quality, AcknowledgementsOfWhatNeverLeftAndClocksThatJumpDoNoHarm) {
   EXPECT_TRUE(std::isfinite(link.bytes_per_second(at(now))));
 }
 
-TEST(Quality, AViewerWhoAcknowledgesAtOnceHasABoundedWindow) {
+TEST(Quality, LimitsTheWindowOfAnInstantAcknowledger) {
   LinkEstimate link;
   QualitySteps steps;
   for (std::uint64_t seq = 1; seq < 1000; ++seq) {

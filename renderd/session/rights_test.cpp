@@ -43,7 +43,7 @@ bool expected(const Standing& who, std::string_view request) {
   return true;
 }
 
-TEST(RightsTest, EveryViewerMaySayWhatTheTableSaysAndNothingElse) {
+TEST(RightsTest, RequestsFollowTheAccessTable) {
   for (const ViewerKind viewer : kViewers) {
     for (const RequestKind request : kRequests) {
       for (int bits = 0; bits < 8; ++bits) {
@@ -56,7 +56,7 @@ TEST(RightsTest, EveryViewerMaySayWhatTheTableSaysAndNothingElse) {
   }
 }
 
-TEST(RightsTest, EveryMessageOfTheProtocolHasARow) {
+TEST(RightsTest, TableCoversEveryMessageOfTheProtocol) {
   const auto* const body = v1::ClientMessage::descriptor()->oneof_decl(0);
   for (int i = 0; i < body->field_count(); ++i) {
     v1::ClientMessage message;
@@ -70,14 +70,14 @@ TEST(RightsTest, EveryMessageOfTheProtocolHasARow) {
   EXPECT_EQ(request_of(resize), RequestKind::kResize);
 }
 
-TEST(RightsTest, WhoIsNotKnownIsAGuest) {
+TEST(RightsTest, UnknownViewerIsAGuest) {
   EXPECT_EQ(viewer_of(v1::VIEWER_UNSPECIFIED), ViewerKind::kGuest);
   EXPECT_EQ(viewer_of(static_cast<v1::Viewer>(99)), ViewerKind::kGuest);
   EXPECT_EQ(viewer_of(v1::VIEWER_LIVE_GUEST), ViewerKind::kGuest);
   EXPECT_EQ(viewer_of(v1::VIEWER_OWNER), ViewerKind::kOwner);
 }
 
-TEST(RightsTest, PeopleWithoutAnAccountGetTheClippedSlicesOnly) {
+TEST(RightsTest, ViewersWithoutAccountGetOnlyClippedSlices) {
   for (const ViewerKind viewer : kViewers) {
     const bool account = viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared ||
                          viewer == ViewerKind::kPublic;
@@ -101,7 +101,7 @@ struct AllowedScene : testing::Test {
   v1::Scene shown = plain_scene(), wanted = plain_scene();
 };
 
-TEST_F(AllowedScene, OfAGuestKeepsTheClipWhateverTheGuestSends) {
+TEST_F(AllowedScene, GuestCannotChangeTheClip) {
   for (const bool slices : {false, true}) {
     const auto scene =
         allowed_scene(standing(ViewerKind::kGuest, true, false, slices), &shown, wanted);
@@ -113,7 +113,7 @@ TEST_F(AllowedScene, OfAGuestKeepsTheClipWhateverTheGuestSends) {
   EXPECT_FALSE(allowed_scene(standing(ViewerKind::kGuest, true, false, true), nullptr, wanted));
 }
 
-TEST_F(AllowedScene, WithoutSlicesHasThoseInThePictureThatWereThere) {
+TEST_F(AllowedScene, KeepsTheShownSlicesWithoutSliceAccess) {
   const Standing visitor = standing(ViewerKind::kLinkVisitor, true, false, false);
   const auto scene = allowed_scene(visitor, &shown, wanted);
   ASSERT_TRUE(scene);
@@ -124,7 +124,7 @@ TEST_F(AllowedScene, WithoutSlicesHasThoseInThePictureThatWereThere) {
   EXPECT_FALSE(first->has_slices());
 }
 
-TEST_F(AllowedScene, OfAnOwnerIsTheOwners) {
+TEST_F(AllowedScene, DoesNotRestrictTheOwner) {
   const auto scene = allowed_scene(standing(ViewerKind::kOwner, true, false, true), &shown, wanted);
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->SerializeAsString(), wanted.SerializeAsString());

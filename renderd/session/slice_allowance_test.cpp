@@ -18,7 +18,7 @@ struct SliceAllowancesTest : testing::Test {
   SliceAllowance::TimePoint now{1h};
 };
 
-TEST_F(SliceAllowancesTest, AreABoundedNumberASecondForEachViewer) {
+TEST_F(SliceAllowancesTest, LimitSlicesPerSecondPerViewer) {
   EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond);
   EXPECT_EQ(take_all("b"), SliceAllowance::kMostASecond);
   now += 500ms;
@@ -27,14 +27,14 @@ TEST_F(SliceAllowancesTest, AreABoundedNumberASecondForEachViewer) {
   EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond) << "rest is not saved up";
 }
 
-TEST_F(SliceAllowancesTest, BecomeFewAfterALongRun) {
+TEST_F(SliceAllowancesTest, ReduceTheRateAfterALongRun) {
   double count = 0;
   for (int second = 0; second < 1000; ++second, now += 1s) count += take_all("a");
   EXPECT_NEAR(count, SliceAllowance::kInARow + 1000 * SliceAllowance::kMostASecondThen, 150);
   EXPECT_LE(take_all("a"), SliceAllowance::kMostASecondThen);
 }
 
-TEST_F(SliceAllowancesTest, AreSharedByAllGuestsTogether) {
+TEST_F(SliceAllowancesTest, AreSharedByAllGuests) {
   int count = 0;
   for (int i = 0; i < 100; ++i) count += take_all("guest " + std::to_string(i), true);
   EXPECT_EQ(count, SliceAllowance::kGuestsTogether * SliceAllowance::kMostASecond);

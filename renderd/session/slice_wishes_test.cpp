@@ -40,7 +40,7 @@ struct SliceWishesTest : testing::Test {
 using Leaves = std::pair<std::size_t, std::uint32_t>;
 constexpr Leaves kNone{9, 9};
 
-TEST_F(SliceWishesTest, AreSentPlanesInTurn) {
+TEST_F(SliceWishesTest, SendsPlanesInTurn) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::SAGITTAL, 3}, {v1::AXIAL, 5}, {v1::CORONAL, 4}}), stacks));
   EXPECT_EQ(sent(), Leaves(0, 5));
   ASSERT_TRUE(
@@ -51,7 +51,7 @@ TEST_F(SliceWishesTest, AreSentPlanesInTurn) {
   EXPECT_EQ(sent(), kNone);
 }
 
-TEST_F(SliceWishesTest, OfTheSamePlaneTheNewestReplacesTheOthers) {
+TEST_F(SliceWishesTest, NewestRequestOfAPlaneReplacesTheOthers) {
   for (std::uint32_t index = 0; index < 10; ++index) {
     ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, index}}), stacks));
   }
@@ -62,7 +62,7 @@ TEST_F(SliceWishesTest, OfTheSamePlaneTheNewestReplacesTheOthers) {
   EXPECT_EQ(sent(), kNone);
 }
 
-TEST_F(SliceWishesTest, WhatIsOnItsWayIsNotSentAgainAndWhatWasLostIs) {
+TEST_F(SliceWishesTest, DoesNotResendSlicesInFlight) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));
   const auto due = wishes.take();
   ASSERT_TRUE(due);
@@ -76,7 +76,7 @@ TEST_F(SliceWishesTest, WhatIsOnItsWayIsNotSentAgainAndWhatWasLostIs) {
   EXPECT_EQ(sent(), Leaves(0, 5));
 }
 
-TEST_F(SliceWishesTest, OneIsMadeAtATimeAndThreeAreOnTheirWayAtMost) {
+TEST_F(SliceWishesTest, LimitsSlicesInPreparationAndInFlight) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 1}, {v1::CORONAL, 1}, {v1::SAGITTAL, 1}}), stacks));
   ASSERT_TRUE(wishes.take());
   EXPECT_FALSE(wishes.take());
@@ -92,7 +92,7 @@ TEST_F(SliceWishesTest, OneIsMadeAtATimeAndThreeAreOnTheirWayAtMost) {
   EXPECT_EQ(sent(), Leaves(1, 2));
 }
 
-TEST_F(SliceWishesTest, WhatIsPutBackIsWantedAgainUnlessSomethingNewerIs) {
+TEST_F(SliceWishesTest, RequeuesReturnedSliceUnlessANewerIsRequested) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));
   ASSERT_TRUE(wishes.take());
   wishes.put_back();
@@ -105,14 +105,14 @@ TEST_F(SliceWishesTest, WhatIsPutBackIsWantedAgainUnlessSomethingNewerIs) {
   EXPECT_EQ(sent(), kNone);
 }
 
-TEST_F(SliceWishesTest, WhatIsForgottenIsNotSent) {
+TEST_F(SliceWishesTest, DoesNotSendForgottenRequests) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}, {v1::CORONAL, 1}}), stacks));
   wishes.forget();
   EXPECT_FALSE(wishes.waiting());
   EXPECT_EQ(sent(), kNone);
 }
 
-TEST_F(SliceWishesTest, WhatIsNotThereIsRefusedByItsFieldAndChangesNothing) {
+TEST_F(SliceWishesTest, RefusesInvalidRequestAndNamesTheField) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 9}}), stacks));
   const auto refused = [&](const v1::SlicesWanted& message) {
     const auto taken = wishes.wish(message, stacks);

@@ -38,7 +38,7 @@ struct StateTest : testing::Test {
   TimePoint now = TimePoint{} + std::chrono::hours(1);
 };
 
-TEST_F(StateTest, NothingIsHeardBeforeAGreeting) {
+TEST_F(StateTest, RefusesMessagesBeforeTheGreeting) {
   for (const v1::ClientMessage& message : {turned(1), ack(1), v1::ClientMessage{}}) {
     const Outcome outcome = say(message);
     ASSERT_TRUE(outcome.problem);
@@ -49,7 +49,7 @@ TEST_F(StateTest, NothingIsHeardBeforeAGreeting) {
   EXPECT_EQ(state.wanted.viewport, (Canvas{640, 480}));
 }
 
-TEST_F(StateTest, AGreetingOfAnotherProtocolOrWithoutAKnownCodecIsFatal) {
+TEST_F(StateTest, GreetingWithUnknownProtocolOrCodecIsFatal) {
   v1::ClientMessage newer = hello();
   newer.mutable_hello()->set_protocol(2);
   EXPECT_TRUE(say(newer).problem->fatal());
@@ -59,7 +59,7 @@ TEST_F(StateTest, AGreetingOfAnotherProtocolOrWithoutAKnownCodecIsFatal) {
   EXPECT_FALSE(viewer().greeted);
 }
 
-TEST_F(StateTest, TheNewestSceneWinsAndASecondCopyOfAnOldOneIsIgnored) {
+TEST_F(StateTest, NewestSceneWinsAndDuplicatesAreIgnored) {
   say(hello());
   for (const std::uint64_t seq : {1, 2, 3, 7}) EXPECT_TRUE(say(turned(seq)).wake);
   const std::uint64_t version = state.wanted.version;
@@ -70,7 +70,7 @@ TEST_F(StateTest, TheNewestSceneWinsAndASecondCopyOfAnOldOneIsIgnored) {
   EXPECT_EQ(state.wanted.input_seq, 7U);
 }
 
-TEST_F(StateTest, AReloadedPageMayCountFromOneAgain) {
+TEST_F(StateTest, ReloadedPageMayRestartItsSequenceNumbers) {
   say(hello());
   say(turned(100));
   connect();
@@ -79,7 +79,7 @@ TEST_F(StateTest, AReloadedPageMayCountFromOneAgain) {
   EXPECT_EQ(state.wanted.scene->camera().eye().x(), 1);
 }
 
-TEST_F(StateTest, AnInputThatChangesNothingAsksForAFrameButNotForANewPicture) {
+TEST_F(StateTest, UnchangedSceneResendsTheImageWithoutRendering) {
   say(hello());
   say(turned(1));
   const std::uint64_t version = state.wanted.version;
@@ -92,7 +92,7 @@ TEST_F(StateTest, AnInputThatChangesNothingAsksForAFrameButNotForANewPicture) {
   EXPECT_EQ(state.wanted.input_seq, 2U);
 }
 
-TEST_F(StateTest, ASceneThatIsRefusedNamesItsFieldAndThePictureStays) {
+TEST_F(StateTest, RefusesInvalidSceneAndNamesTheField) {
   say(hello());
   say(turned(1));
   const Wanted before = state.wanted;
@@ -115,7 +115,7 @@ TEST_F(StateTest, ASceneThatIsRefusedNamesItsFieldAndThePictureStays) {
   EXPECT_TRUE(say(turned(50)).wake);
 }
 
-TEST(VisitorCanvas, HasTheViewportsShapeAndABoundedSize) {
+TEST(VisitorCanvas, KeepsTheAspectRatioWithinTheSizeLimit) {
   EXPECT_EQ(visitor_canvas({1920, 1080}), (Canvas{1920, 1080}));
   EXPECT_EQ(visitor_canvas({2560, 1440}), (Canvas{2560, 1440}));
   EXPECT_EQ(visitor_canvas({4096, 4096}), (Canvas{1920, 1920}));
@@ -124,7 +124,7 @@ TEST(VisitorCanvas, HasTheViewportsShapeAndABoundedSize) {
   EXPECT_NEAR(double(wide.width) / wide.height, 4, 0.01);
 }
 
-TEST_F(StateTest, AViewportOutOfBoundsIsRefusedWhole) {
+TEST_F(StateTest, RefusesViewportOutOfRangeCompletely) {
   say(hello());
   const Canvas before = state.wanted.viewport;
   struct Case {
@@ -149,7 +149,7 @@ TEST_F(StateTest, AViewportOutOfBoundsIsRefusedWhole) {
   }
 }
 
-TEST_F(StateTest, WhatTheRendererRefusesGoesBackToWhatIsShown) {
+TEST_F(StateTest, RevertsToTheShownSceneOnRefusal) {
   say(hello());
   say(turned(1));
   began(state, 1, state.wanted);
@@ -167,7 +167,7 @@ TEST_F(StateTest, WhatTheRendererRefusesGoesBackToWhatIsShown) {
   EXPECT_EQ(state.wanted.scene->camera().eye().x(), 4);
 }
 
-TEST_F(StateTest, TwoFramesAreInFlightAndTheThirdWaitsForAnAcknowledgement) {
+TEST_F(StateTest, LimitsFramesInFlightToTwo) {
   say(hello());
   began(state, 1, state.wanted);
   ASSERT_EQ(admit(frame(1)), Admission::kGo);
@@ -182,7 +182,7 @@ TEST_F(StateTest, TwoFramesAreInFlightAndTheThirdWaitsForAnAcknowledgement) {
 }
 
 // No ghosting: a property over random orders of all events.
-TEST_F(StateTest, AnOlderEpochIsNeverSentAfterANewerNorARefinementOfThePast) {
+TEST_F(StateTest, NeverSendsOutdatedFrames) {
   say(hello());
   std::mt19937 random(3);
   std::uint64_t epoch = 0;
@@ -221,7 +221,7 @@ TEST_F(StateTest, AnOlderEpochIsNeverSentAfterANewerNorARefinementOfThePast) {
   EXPECT_GT(sent, 1000);
 }
 
-TEST_F(StateTest, ADragFasterThanTheDeviceStillShowsPictures) {
+TEST_F(StateTest, SendsFramesDuringADragFasterThanTheDevice) {
   say(hello());
   int sent = 0;
   for (std::uint64_t epoch = 1; epoch <= 50; ++epoch) {
@@ -237,7 +237,7 @@ TEST_F(StateTest, ADragFasterThanTheDeviceStillShowsPictures) {
   EXPECT_EQ(sent, 50);
 }
 
-TEST_F(StateTest, ConvergenceIsToldOnceAndTakenBackWithTheNextEpoch) {
+TEST_F(StateTest, ReportsConvergenceOncePerEpoch) {
   say(hello());
   began(state, 1, state.wanted);
   FrameInfo last = frame(1);
@@ -257,7 +257,7 @@ TEST_F(StateTest, ConvergenceIsToldOnceAndTakenBackWithTheNextEpoch) {
   EXPECT_EQ(again.state->epoch(), 2U);
 }
 
-TEST_F(StateTest, LatencyIsMeasuredFromTheOldestInputThatNoFrameHasShown) {
+TEST_F(StateTest, MeasuresLatencyFromTheOldestUnansweredInput) {
   say(hello());
   say(turned(1));
   now += milliseconds(10);
@@ -273,7 +273,7 @@ TEST_F(StateTest, LatencyIsMeasuredFromTheOldestInputThatNoFrameHasShown) {
   EXPECT_FALSE(departures.input_to_frame);
 }
 
-TEST_F(StateTest, NobodyWatchesWhatIsHiddenDetachedOrNotAcknowledged) {
+TEST_F(StateTest, HiddenDetachedAndStalledViewersDoNotWatch) {
   EXPECT_FALSE(watched(state, now)) << "not greeted";
   say(hello());
   EXPECT_TRUE(watched(state, now));
@@ -299,7 +299,7 @@ TEST_F(StateTest, NobodyWatchesWhatIsHiddenDetachedOrNotAcknowledged) {
   EXPECT_EQ(admit(frame(1)), Admission::kDrop);
 }
 
-TEST_F(StateTest, AnAttachedViewerStartsWithAFrameOfWhatThereIs) {
+TEST_F(StateTest, AttachedViewerGetsTheCurrentFrame) {
   say(hello());
   began(state, 5, state.wanted);
   admit(frame(5));
@@ -314,7 +314,7 @@ TEST_F(StateTest, AnAttachedViewerStartsWithAFrameOfWhatThereIs) {
   EXPECT_EQ(depart(frame(5, false))->seq, 1U);
 }
 
-TEST_F(StateTest, AGestureIsOverWhenItsLastInputSaysSoAndNotBefore) {
+TEST_F(StateTest, GestureEndsOnlyWithItsLastInput) {
   say(hello());
   say(turned(1));
   EXPECT_FALSE(state.wanted.rest);
@@ -349,7 +349,7 @@ TEST_F(StateTest, AnswersDepthQueriesAtALimitedRate) {
   EXPECT_TRUE(say(query).depth);
 }
 
-TEST_F(StateTest, WhatRendersThePictureIsToldWithTheNextOneAndNotTooOften) {
+TEST_F(StateTest, AnswersKernelQueriesAtALimitedRate) {
   say(hello());
   v1::ClientMessage query;
   query.mutable_kernel();
@@ -367,7 +367,7 @@ TEST_F(StateTest, WhatRendersThePictureIsToldWithTheNextOneAndNotTooOften) {
 }
 
 /// Switching the denoiser off changes the picture, so it is a new version of the request.
-TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
+TEST(SessionState, RequestsRawImagesOnlyOnDemand) {
   SessionState state;
   const TimePoint now{};
   const std::uint64_t me = attach(state, owner(), now)->connection;
@@ -383,7 +383,7 @@ TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   EXPECT_EQ(state.wanted.version, version + 1);
 }
 
-TEST(SessionState, LessEffortIsTakenOverAndNonsenseRefused) {
+TEST(SessionState, AppliesLowerEffortAndRefusesInvalidValues) {
   SessionState state;
   const TimePoint now{};
   const std::uint64_t me = attach(state, owner(), now)->connection;

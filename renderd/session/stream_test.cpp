@@ -72,7 +72,7 @@ struct StreamTest : testing::Test {
   }();
 };
 
-TEST_F(StreamTest, AllTilesFollowTheConvergedFrameInOrderThenTheMark) {
+TEST_F(StreamTest, SendsTilesInOrderThenTheMarkAfterConvergence) {
   send(frame(1));
   hear(owner);
   EXPECT_TRUE(due().empty()) << "the converged frame comes first";
@@ -96,7 +96,7 @@ TEST_F(StreamTest, AllTilesFollowTheConvergedFrameInOrderThenTheMark) {
   EXPECT_TRUE(due().empty());
 }
 
-TEST_F(StreamTest, TilesWaitForRoomAsFramesDo) {
+TEST_F(StreamTest, TilesWaitForRoomLikeFrames) {
   send(last);
   send_tile(due().at(0));
   EXPECT_TRUE(due().empty()) << "a frame and a tile are on their way";
@@ -104,7 +104,7 @@ TEST_F(StreamTest, TilesWaitForRoomAsFramesDo) {
   EXPECT_EQ(due().size(), 1U);
 }
 
-TEST_F(StreamTest, ANewEpochDropsWhatIsLeftAndItsFrameGoesAtOnce) {
+TEST_F(StreamTest, NewEpochDropsRemainingTiles) {
   send(last);
   hear(owner);
   send_tile(due().at(0));
@@ -114,7 +114,7 @@ TEST_F(StreamTest, ANewEpochDropsWhatIsLeftAndItsFrameGoesAtOnce) {
   EXPECT_TRUE(told && !told->converged()) << "the mark is taken back";
 }
 
-TEST_F(StreamTest, AFrameThatIsSentAgainIsFollowedByAllTilesAndTheMarkAgain) {
+TEST_F(StreamTest, ResentFrameIsFollowedByAllTilesAndTheMark) {
   send(last);
   hear(owner);
   for (std::uint32_t tile = 0; tile < kTiles; ++tile) {
@@ -128,7 +128,7 @@ TEST_F(StreamTest, AFrameThatIsSentAgainIsFollowedByAllTilesAndTheMarkAgain) {
   EXPECT_EQ(due()[0].tile, 0U);
 }
 
-TEST_F(StreamTest, EachViewerGetsTilesAtItsOwnPaceAndWhoCannotShowThemNone) {
+TEST_F(StreamTest, SendsTilesAtThePaceOfEachCapableViewer) {
   const std::uint64_t other = join("guest-a", {v1::PNG});
   join("guest-b", {});
   send(last);
@@ -163,7 +163,7 @@ TEST_F(StreamTest, OnlyThePresentersConnectionReducesResolutionWhileMoving) {
   EXPECT_LT(state.wanted.moving_scale, 1);
 }
 
-TEST_F(StreamTest, AFrameForManyIsAsLargeAsThePresentersConnectionAllows) {
+TEST_F(StreamTest, SizesFramesForThePresentersConnection) {
   const std::uint64_t other = join("guest-a", {});
   EXPECT_EQ(send(frame(1)).moving_bytes, 0U) << "nothing is known";
   hear(owner);
@@ -199,7 +199,7 @@ TEST_F(StreamTest, LongRoundTripAllowsMoreFramesInFlightWithBoundedBytes) {
 
 // No message of the stream has more than a dozen levels. Unknown groups nest without a schema, and
 // messages are parsed recursively, so only this limit protects the stack.
-TEST(StreamMessage, NestedMoreThanAHundredLevelsDeepIsNoMessage) {
+TEST(StreamMessage, RefusesNestingBeyondAHundredLevels) {
   const auto nested = [](std::size_t levels) {
     constexpr char kBegin = 15 << 3 | 3, kEnd = 15 << 3 | 4;  // of the unknown group 15
     return std::string(levels, kBegin) + std::string(levels, kEnd);

@@ -37,7 +37,7 @@ Result<Handle> hundred_bytes(const std::string&) {
   return Handle(std::make_shared<FakeVolume>(100));
 }
 
-TEST(VolumeCache, AVolumeIsLoadedOnceForAllWhoAskTogether) {
+TEST(VolumeCache, LoadsVolumeOnceForConcurrentRequests) {
   std::atomic<int> loads{0};
   std::latch asked(1);
   VolumeCache cache(
@@ -61,7 +61,7 @@ TEST(VolumeCache, AVolumeIsLoadedOnceForAllWhoAskTogether) {
   EXPECT_EQ(cache.bytes(), 100U);
 }
 
-TEST(VolumeCache, TheLeastRecentlyUsedThatNobodyHoldsGoesFirst) {
+TEST(VolumeCache, EvictsTheLeastRecentlyUsedUnreferencedVolume) {
   VolumeCache cache(hundred_bytes, 300);
   wait_for(cache, "a");
   wait_for(cache, "b");
@@ -76,7 +76,7 @@ TEST(VolumeCache, TheLeastRecentlyUsedThatNobodyHoldsGoesFirst) {
   EXPECT_EQ(cache.bytes(), 300U);
 }
 
-TEST(VolumeCache, WhatDoesNotFitBesideHeldVolumesIsRefusedAndHarmsNobody) {
+TEST(VolumeCache, RefusesVolumeThatDoesNotFitBesideReferencedOnes) {
   VolumeCache cache(hundred_bytes, 250);
   auto a = wait_for(cache, "a");
   auto b = wait_for(cache, "b");
@@ -89,7 +89,7 @@ TEST(VolumeCache, WhatDoesNotFitBesideHeldVolumesIsRefusedAndHarmsNobody) {
   EXPECT_EQ(cache.loaded(), (std::vector<std::string>{"b", "c"}));
 }
 
-TEST(VolumeCache, AFailureIsToldToAllAndNotRemembered) {
+TEST(VolumeCache, ReportsFailureAndRetriesTheNextTime) {
   std::atomic<bool> broken{true};
   VolumeCache cache(
       [&](const std::string& id) -> Result<Handle> {
@@ -102,12 +102,12 @@ TEST(VolumeCache, AFailureIsToldToAllAndNotRemembered) {
   EXPECT_TRUE(wait_for(cache, "a"));
 }
 
-TEST(VolumeCache, RunningOutOfMemoryIsAnError) {
+TEST(VolumeCache, OutOfMemoryIsAnError) {
   VolumeCache cache([](const std::string&) -> Result<Handle> { throw std::bad_alloc(); }, 1000);
   EXPECT_EQ(wait_for(cache, "a").error().code, ErrorCode::kOutOfMemory);
 }
 
-TEST(VolumeCache, WhoeverWaitsWhenItEndsIsTold) {
+TEST(VolumeCache, DestructorAnswersWaitingRequests) {
   std::promise<void> release;
   std::atomic<int> answered{0};
   {
@@ -142,7 +142,7 @@ struct FakeStore {
   bool silent = false;
 };
 
-TEST(VolumeCache, WhatWasReplacedInTheStoreIsNeverGivenOut) {
+TEST(VolumeCache, NeverReturnsAReplacedVolume) {
   FakeStore store;
   VolumeCache cache(store.load, 1000, 1, store.stored);
   EXPECT_EQ((*wait_for(cache, "a"))->header().content_hash, "old");
@@ -153,7 +153,7 @@ TEST(VolumeCache, WhatWasReplacedInTheStoreIsNeverGivenOut) {
   EXPECT_EQ(cache.bytes(), 100U);
 }
 
-TEST(VolumeCache, CopiesOfWhatTheStoreHasNoMoreAreForgotten) {
+TEST(VolumeCache, ForgetsVolumesThatWereDeletedFromTheStore) {
   FakeStore store;
   VolumeCache cache(store.load, 1000, 1, store.stored);
   std::weak_ptr<const DeviceVolume> copy;
@@ -177,7 +177,7 @@ TEST(VolumeCache, CopiesOfWhatTheStoreHasNoMoreAreForgotten) {
   EXPECT_EQ(cache.bytes(), 0U);
 }
 
-TEST(VolumeCache, WhatNobodyHoldsIsForgottenOnRequest) {
+TEST(VolumeCache, ForgetsUnreferencedVolumesOnRequest) {
   FakeStore store;
   VolumeCache cache(store.load, 1000, 1, store.stored);
   {

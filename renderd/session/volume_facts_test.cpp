@@ -16,7 +16,7 @@ class NoVolume final : public DeviceVolume {
   volume::Header header_;
 };
 
-TEST(KeptFacts, AreKeptForAVolumeAndNoLongerThanIt) {
+TEST(KeptFacts, LiveAsLongAsTheirVolume) {
   KeptFacts kept;
   auto first = std::make_shared<NoVolume>();
   const auto second = std::make_shared<NoVolume>();
@@ -35,7 +35,7 @@ TEST(KeptFacts, AreKeptForAVolumeAndNoLongerThanIt) {
   EXPECT_EQ(facts.coarse.use_count(), 1);
 }
 
-TEST(KeptFacts, AreDroppedWithoutAnotherVolumeComing) {
+TEST(KeptFacts, AreDroppedOnRequest) {
   KeptFacts kept;
   auto gone = std::make_shared<NoVolume>();
   const auto held = std::make_shared<NoVolume>();
