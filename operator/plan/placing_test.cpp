@@ -52,7 +52,7 @@ void occupy(ClusterState& world, const std::string& node, double busy, double me
   sample.error = error;
 }
 
-TEST(Placing, EachOfTheFourLoadsCounts) {
+TEST(Placing, CountsEachOfTheFourLoads) {
   const struct {
     double busy, memory;
     int sessions;

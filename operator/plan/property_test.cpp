@@ -248,7 +248,7 @@ int room_of(const ClusterState& world) {
   return room;
 }
 
-TEST_P(Worlds, ReserveNoMoreThanThereIsMoveNobodyAndSettle) {
+TEST_P(Worlds, NeverOvercommitNorMoveReservationsAndConverge) {
   Chaos chaos(GetParam());
   chaos.run(150, true);
   chaos.mend();
@@ -258,7 +258,7 @@ TEST_P(Worlds, ReserveNoMoreThanThereIsMoveNobodyAndSettle) {
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }
 
-TEST_P(Worlds, EveryReservationIsReleasedWhenTheFleetGoes) {
+TEST_P(Worlds, DeletedFleetReleasesEveryReservation) {
   Chaos chaos(GetParam());
   chaos.run(100, true);
   chaos.mend();
@@ -274,7 +274,7 @@ TEST_P(Worlds, EveryReservationIsReleasedWhenTheFleetGoes) {
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }
 
-TEST_P(Worlds, APlanIsTheSameTwiceAndInAnyOrderAndDoneTwiceIsDoneOnce) {
+TEST_P(Worlds, PlansAreDeterministicAndIdempotent) {
   Chaos chaos(GetParam());
   std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
   for (int i = 0; i < 100; ++i) {
@@ -305,7 +305,7 @@ TEST_P(Worlds, APlanIsTheSameTwiceAndInAnyOrderAndDoneTwiceIsDoneOnce) {
   }
 }
 
-TEST_P(Worlds, AnOperatorPausedBeyondItsLeaseDoesNoHarm) {
+TEST_P(Worlds, OperatorPausedBeyondItsLeaseKeepsReservations) {
   Chaos chaos(GetParam());
   chaos.run(60, false);
   for (int i = 0; i < 6; ++i) {

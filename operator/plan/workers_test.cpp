@@ -47,7 +47,7 @@ ConditionStatus says(const ClusterState& world, const char* type) {
   return is ? is->status : ConditionStatus::kUnknown;
 }
 
-TEST(Workers, FirstTheReservationThenThePodThenNothing) {
+TEST(Workers, CreatesReservationThenPodThenNothing) {
   ClusterState world = test_world(1);
   world.fleets[0].spec.replicas = 1;
   Plan next = plan(world, 1);
