@@ -11,19 +11,19 @@ namespace {
 constexpr const char* kConfirmation = "this cannot be undone";
 
 nlohmann::ordered_json to_json(const Anonymise::View& view) {
-  nlohmann::ordered_json json;
-  json["state"] = to_string(view.data_set.state);
-  json["volume_hash"] = nullptr;
-  if (!view.volume_hash.empty()) json["volume_hash"] = view.volume_hash;
-  json["anonymised_at"] = nullptr;
-  if (view.data_set.anonymised_at) json["anonymised_at"] = rfc3339(*view.data_set.anonymised_at);
-  json["problem"] = nullptr;
-  if (!view.facts.problem.empty()) json["problem"] = view.facts.problem;
-  json["head"] = nullptr;
+  nlohmann::ordered_json body;
+  body["state"] = to_string(view.data_set.state);
+  body["volume_hash"] = nullptr;
+  if (!view.volume_hash.empty()) body["volume_hash"] = view.volume_hash;
+  body["anonymised_at"] = nullptr;
+  if (view.data_set.anonymised_at) body["anonymised_at"] = rfc3339(*view.data_set.anonymised_at);
+  body["problem"] = nullptr;
+  if (!view.facts.problem.empty()) body["problem"] = view.facts.problem;
+  body["head"] = nullptr;
   if (!view.facts.head.empty()) {
-    json["head"] = nlohmann::ordered_json::parse(view.facts.head, nullptr, false);
+    body["head"] = nlohmann::ordered_json::parse(view.facts.head, nullptr, false);
   }
-  return json;
+  return body;
 }
 
 Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Principal& who) {
