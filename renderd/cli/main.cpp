@@ -8,9 +8,9 @@ int main(int argc, char** argv) {
   namespace cli = diaphane::render::cli;
   try {
     const auto parsed = cli::parse(argc, argv);
-    if (const auto* farewell = std::get_if<cli::Farewell>(&parsed)) {
-      (farewell->exit_code == 0 ? std::cout : std::cerr) << farewell->text;
-      return farewell->exit_code;
+    if (const auto* early_exit = std::get_if<cli::EarlyExit>(&parsed)) {
+      (early_exit->exit_code == 0 ? std::cout : std::cerr) << early_exit->text;
+      return early_exit->exit_code;
     }
     return cli::run(std::get<cli::Options>(parsed));
   } catch (const std::bad_alloc&) {

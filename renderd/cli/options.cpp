@@ -145,7 +145,7 @@ std::string check_folder_of(const std::string& path) {
 
 }  // namespace
 
-std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
+std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   Options options;
   ::CLI::App app(kAbout, "diaphane-render");
   app.footer(kFooter);
@@ -225,8 +225,8 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
     if (!*scene && !*preset) throw ::CLI::RequiredError("--scene or --preset");
   } catch (const ::CLI::ParseError& error) {
     std::ostringstream out, err;
-    if (app.exit(error, out, err) == 0) return Farewell{0, out.str()};
-    return Farewell{kExitUsage, "diaphane-render: " + err.str()};
+    if (app.exit(error, out, err) == 0) return EarlyExit{0, out.str()};
+    return EarlyExit{kExitUsage, "diaphane-render: " + err.str()};
   }
   return options;
 }

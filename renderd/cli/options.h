@@ -43,12 +43,12 @@ struct Options {
 };
 
 /// Text and exit code for a run that ends without rendering.
-struct Farewell {
+struct EarlyExit {
   int exit_code = 0;
   std::string text;  ///< for standard output if the code is 0, else for standard error
 };
 
-std::variant<Options, Farewell> parse(int argc, const char* const* argv);
+std::variant<Options, EarlyExit> parse(int argc, const char* const* argv);
 
 /// Returns the exit code for an error during rendering.
 int exit_code_of(ErrorCode code);

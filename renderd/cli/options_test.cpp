@@ -7,17 +7,17 @@
 namespace diaphane::render::cli {
 namespace {
 
-std::variant<Options, Farewell> parse_words(std::vector<const char*> words) {
+std::variant<Options, EarlyExit> parse_words(std::vector<const char*> words) {
   words.insert(words.begin(), "diaphane-render");
   return parse(static_cast<int>(words.size()), words.data());
 }
 
 void expect_refused(const std::vector<const char*>& words, const std::string& because) {
   const auto parsed = parse_words(words);
-  const auto* farewell = std::get_if<Farewell>(&parsed);
-  ASSERT_NE(farewell, nullptr) << "not refused: " << because;
-  EXPECT_EQ(farewell->exit_code, kExitUsage);
-  EXPECT_NE(farewell->text.find(because), std::string::npos) << farewell->text;
+  const auto* early_exit = std::get_if<EarlyExit>(&parsed);
+  ASSERT_NE(early_exit, nullptr) << "not refused: " << because;
+  EXPECT_EQ(early_exit->exit_code, kExitUsage);
+  EXPECT_NE(early_exit->text.find(because), std::string::npos) << early_exit->text;
 }
 
 TEST(RenderOptions, ParsesEveryOption) {
@@ -27,7 +27,7 @@ TEST(RenderOptions, ParsesEveryOption) {
                    "9",        "--out",    "a.ppm",       "--json",    "-",       "--estimator",
                    "tracking", "--points", "independent", "--mis",     "scatter"});
   const auto* options = std::get_if<Options>(&parsed);
-  ASSERT_NE(options, nullptr) << std::get<Farewell>(parsed).text;
+  ASSERT_NE(options, nullptr) << std::get<EarlyExit>(parsed).text;
   EXPECT_EQ(options->input, "scan");
   EXPECT_EQ(options->scene_file, "s.json");
   EXPECT_EQ(options->canvas.width, 640u);
@@ -85,14 +85,14 @@ TEST(RenderOptions, RefusesInvalidOptionsByName) {
 
 TEST(RenderOptions, HelpNamesEveryOptionAndExitCode) {
   const auto parsed = parse_words({"--help"});
-  const auto* farewell = std::get_if<Farewell>(&parsed);
-  ASSERT_NE(farewell, nullptr);
-  EXPECT_EQ(farewell->exit_code, 0);
+  const auto* early_exit = std::get_if<EarlyExit>(&parsed);
+  ASSERT_NE(early_exit, nullptr);
+  EXPECT_EQ(early_exit->exit_code, 0);
   for (const char* word :
        {"--scene",  "--preset",  "--size",    "--samples",   "--error",  "--seconds", "--bounces",
         "--engine", "--threads", "--seed",    "--estimator", "--points", "--mis",     "--out",
         "--json",   "--quiet",   "--denoise", ".nrrd",       "64",       "73"}) {
-    EXPECT_NE(farewell->text.find(word), std::string::npos) << word;
+    EXPECT_NE(early_exit->text.find(word), std::string::npos) << word;
   }
 }
 
