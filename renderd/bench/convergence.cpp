@@ -56,10 +56,11 @@ Result<std::unique_ptr<FrameRenderer>> renderer_of(const Subject& subject, std::
 }
 
 /// Returns the smallest error that a method will reach, by its own estimate.
-Result<double> smallest_error(const Subject& subject, const ConvergenceWish& wish, Method method) {
+Result<double> smallest_error(const Subject& subject, const ConvergenceOptions& options,
+                              Method method) {
   auto renderer = renderer_of(subject, 0, method);
   DIAPHANE_TRY(renderer);
-  auto batch = (*renderer)->render(std::max(wish.most, 2u), [] { return false; });
+  auto batch = (*renderer)->render(std::max(options.most, 2u), [] { return false; });
   DIAPHANE_TRY(batch);
   return (*renderer)->progress().error;
 }
@@ -104,16 +105,16 @@ CurvePoint summarise(std::uint32_t samples, const std::vector<Shot>& shots,
 
 /// Measures a curve repetition by repetition, so that disturbances on the machine affect all
 /// numbers of samples equally.
-Result<void> measure(const Subject& subject, const ConvergenceWish& wish,
+Result<void> measure(const Subject& subject, const ConvergenceOptions& options,
                      const Reference& reference, Curve& curve) {
   std::vector<std::vector<Shot>> shots;
-  for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
+  for (std::uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
     auto renderer = renderer_of(subject, 1 + repeat, curve.method);
     DIAPHANE_TRY(renderer);
-    if (auto warm = warm_up(**renderer, subject, repeat == 0 ? wish.warm_up : 0); !warm)
+    if (auto warm = warm_up(**renderer, subject, repeat == 0 ? options.warm_up : 0); !warm)
       return warm;
     std::size_t power = 0;
-    for (std::uint32_t n = 1; n <= wish.most; n *= 2, ++power) {
+    for (std::uint32_t n = 1; n <= options.most; n *= 2, ++power) {
       auto shot = shoot(**renderer, subject, n, reference);
       DIAPHANE_TRY(shot);
       if (repeat == 0) shots.emplace_back();
@@ -138,16 +139,16 @@ bool usable(double error) { return std::isfinite(error) && error > 0; }
 
 }  // namespace
 
-Result<Convergence> measure_convergence(const Subject& subject, const ConvergenceWish& wish) {
+Result<Convergence> measure_convergence(const Subject& subject, const ConvergenceOptions& options) {
   const auto say = [&](const std::string& words) {
-    if (wish.say) wish.say(words);
+    if (options.say) options.say(words);
   };
   Convergence result;
   // The required quality of the reference follows from the smallest error that it must judge.
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Method& method : wish.methods) {
+  for (const Method& method : options.methods) {
     Curve curve{method, {}, {}, {}, {}};
-    const auto error = smallest_error(subject, wish, method);
+    const auto error = smallest_error(subject, options, method);
     if (error) {
       if (usable(*error)) smallest = std::min(smallest, *error);
     } else if (error.error().code == ErrorCode::kUnsupported) {
@@ -158,17 +159,18 @@ Result<Convergence> measure_convergence(const Subject& subject, const Convergenc
     result.curves.push_back(std::move(curve));
   }
   // Infinity if there is nothing to judge, so that the first piece suffices.
-  const double wanted = wish.reference_share * smallest;
+  const double wanted = options.reference_share * smallest;
   say(in_words("smallest estimated error %.3g: reference to %.3g", smallest, wanted));
   auto reference = reference_of(
-      subject, {wanted, wish.reference_seconds, wish.cache, wish.fresh, [&](const Reference& r) {
-                  say(in_words("reference: %.0f samples, its own error %.3g", r.samples, r.error));
-                }});
+      subject,
+      {wanted, options.reference_seconds, options.cache, options.fresh, [&](const Reference& r) {
+         say(in_words("reference: %.0f samples, its own error %.3g", r.samples, r.error));
+       }});
   DIAPHANE_TRY(reference);
   result.reference = *std::move(reference);
   for (Curve& curve : result.curves) {
     if (curve.left_out) continue;
-    DIAPHANE_TRY(measure(subject, wish, result.reference, curve));
+    DIAPHANE_TRY(measure(subject, options, result.reference, curve));
   }
   return result;
 }

@@ -49,7 +49,7 @@ struct Convergence {
   std::vector<Curve> curves;
 };
 
-struct ConvergenceWish {
+struct ConvergenceOptions {
   std::vector<Method> methods;
   std::uint32_t most = 256;  ///< maximum samples
   std::uint32_t repeats = 5;
@@ -62,7 +62,7 @@ struct ConvergenceWish {
   std::function<void(const std::string&)> say;  ///< reports progress
 };
 
-Result<Convergence> measure_convergence(const Subject& subject, const ConvergenceWish& wish);
+Result<Convergence> measure_convergence(const Subject& subject, const ConvergenceOptions& options);
 
 /// Returns the least-squares slope of log(error) over log(samples) for points with at least `from`
 /// samples and a finite positive error. Returns nullopt with fewer than three points.

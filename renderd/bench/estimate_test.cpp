@@ -10,24 +10,25 @@
 namespace diaphane::render::bench {
 namespace {
 
-Convergence measure(const v1::Scene& scene, ConvergenceWish wish) {
+Convergence measure(const v1::Scene& scene, ConvergenceOptions options) {
   const auto engine = make_cpu_engine(0);
   const volume::Volume volume = test::skull_volume();
-  wish.warm_up = 0;
-  wish.reference_share = 0.2;
-  wish.reference_seconds = 1e9;
-  return measure_convergence({engine.get(), engine->load(volume).value(), 0, scene, {32, 32}}, wish)
+  options.warm_up = 0;
+  options.reference_share = 0.2;
+  options.reference_seconds = 1e9;
+  return measure_convergence({engine.get(), engine->load(volume).value(), 0, scene, {32, 32}},
+                             options)
       .value();
 }
 
 /// Both kinds of points on the skull, by tracking.
 const Convergence& measured() {
   static const Convergence result = [] {
-    ConvergenceWish wish;
-    wish.methods = {{Walk::kTracking, false}, {Walk::kTracking, true}};
-    wish.most = 256;
-    wish.repeats = 8;
-    return measure(test::skull_scene(), wish);
+    ConvergenceOptions options;
+    options.methods = {{Walk::kTracking, false}, {Walk::kTracking, true}};
+    options.most = 256;
+    options.repeats = 8;
+    return measure(test::skull_scene(), options);
   }();
   return result;
 }
@@ -57,11 +58,11 @@ TEST(Estimate, IsWithinTenPercentOfTheTrueErrorDespiteClipping) {
   v1::Scene scene = test::skull_scene();
   scene.mutable_phase()->set_g(0.8);
   scene.set_bounces(32);
-  ConvergenceWish wish;
-  wish.methods = {{Walk::kTracking, false}};
-  wish.most = 128;
-  wish.repeats = 32;
-  const Convergence result = measure(scene, wish);
+  ConvergenceOptions options;
+  options.methods = {{Walk::kTracking, false}};
+  options.most = 128;
+  options.repeats = 32;
+  const Convergence result = measure(scene, options);
   for (const CurvePoint& point : result.curves[0].points) {
     if (point.samples < 64) continue;
     EXPECT_NEAR(point.estimate / point.rmse, 1, 0.1) << point.samples;

@@ -246,11 +246,11 @@ class Farm final : public Engine {
                                                        std::uint64_t seed,
                                                        std::uint64_t first_sample,
                                                        Method method) override {
-    std::vector<std::string> wishes;
+    std::vector<std::string> options;
     for (unsigned k = 0; k < devices_; ++k) {
-      wishes.push_back(packed(RendererWish{seed, first_sample + k * kRangeOfADevice, method}));
+      options.push_back(packed(RendererOptions{seed, first_sample + k * kRangeOfADevice, method}));
     }
-    auto made = workers_->ask(FarmWord::kRenderer, wishes);
+    auto made = workers_->ask(FarmWord::kRenderer, options);
     DIAPHANE_TRY(made);
     return std::make_unique<FarmRenderer>(workers_);
   }

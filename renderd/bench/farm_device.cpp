@@ -29,7 +29,7 @@ class FarmDevice {
       const EngineInfo info = engine_->info();
       return info.engine + "\n" + info.device;
     }
-    if (word == FarmWord::kRenderer) return make(unpacked<RendererWish>(payload));
+    if (word == FarmWord::kRenderer) return make(unpacked<RendererOptions>(payload));
     if (!renderer_) return fail(ErrorCode::kInternal, "there is no renderer yet");
     switch (word) {
       case FarmWord::kScene:
@@ -50,9 +50,9 @@ class FarmDevice {
   }
 
  private:
-  Result<std::string> make(const RendererWish& wish) {
+  Result<std::string> make(const RendererOptions& options) {
     renderer_.reset();
-    auto renderer = engine_->renderer(volume_, wish.seed, wish.first_sample, wish.method);
+    auto renderer = engine_->renderer(volume_, options.seed, options.first_sample, options.method);
     DIAPHANE_TRY(renderer);
     renderer_ = *std::move(renderer);
     return std::string();

@@ -5,7 +5,7 @@
 
 namespace diaphane::render::bench {
 
-struct RendererWish {
+struct RendererOptions {
   std::uint64_t seed, first_sample;
   Method method;
 };

@@ -48,7 +48,7 @@ struct GrowthRow {
   std::uint64_t volume_bytes = 0, acceleration_bytes = 0, film_bytes = 0;
 };
 
-struct GrowthWish {
+struct GrowthOptions {
   diaphane::v1::Scene scene;
   std::vector<Walk> walks{Walk::kExact, Walk::kTracking};
   std::uint32_t repeats = 5;
@@ -62,12 +62,12 @@ struct GrowthWish {
 
 Result<std::vector<GrowthRow>> measure_growth(Engine& engine,
                                               const std::vector<GrowthSubject>& subjects,
-                                              const GrowthWish& wish);
+                                              const GrowthOptions& options);
 
 std::string growth_heading();
 std::string growth_text(const GrowthRow& row);
 std::string growth_csv(const std::vector<GrowthRow>& rows, const std::string& engine);
 std::string growth_json(const std::vector<GrowthRow>& rows, const EngineInfo& info,
-                        const GrowthWish& wish);
+                        const GrowthOptions& options);
 
 }  // namespace diaphane::render::bench

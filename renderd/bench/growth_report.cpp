@@ -113,9 +113,9 @@ std::string growth_csv(const std::vector<GrowthRow>& rows, const std::string& en
 }
 
 std::string growth_json(const std::vector<GrowthRow>& rows, const EngineInfo& info,
-                        const GrowthWish& wish) {
-  Json json{{"bench", "growth"},       {"engine", info.engine}, {"device", info.device},
-            {"repeats", wish.repeats}, {"target", wish.target}, {"rows", Json::array()}};
+                        const GrowthOptions& options) {
+  Json json{{"bench", "growth"},          {"engine", info.engine},    {"device", info.device},
+            {"repeats", options.repeats}, {"target", options.target}, {"rows", Json::array()}};
   for (const GrowthRow& row : rows) json["rows"].push_back(json_of(row));
   return json.dump(1) + "\n";
 }

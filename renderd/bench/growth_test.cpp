@@ -17,13 +17,13 @@ GrowthSubject cube(std::uint32_t n, std::vector<Canvas> canvases) {
   return {std::to_string(n) + "^3", [n] { return made_cube(n); }, std::move(canvases)};
 }
 
-GrowthWish small_wish() {
-  GrowthWish wish;
-  wish.scene = test::skull_scene();
-  wish.repeats = 2;
-  wish.most = 8;
-  wish.seconds = 2;
-  return wish;
+GrowthOptions small_options() {
+  GrowthOptions options;
+  options.scene = test::skull_scene();
+  options.repeats = 2;
+  options.most = 8;
+  options.seconds = 2;
+  return options;
 }
 
 TEST(MadeVolume, CubeContainsTheSameObject) {
@@ -46,10 +46,10 @@ TEST(MadeVolume, CubeContainsTheSameObject) {
 TEST(Growth, ReportsARowPerVolumeCanvasAndWalk) {
   const auto engine = make_cpu_engine(1);
   std::vector<std::string> seen;
-  GrowthWish wish = small_wish();
-  wish.each = [&](const GrowthRow& row) { seen.push_back(growth_text(row)); };
+  GrowthOptions options = small_options();
+  options.each = [&](const GrowthRow& row) { seen.push_back(growth_text(row)); };
   const auto rows =
-      measure_growth(*engine, {cube(16, {{16, 16}}), cube(32, {{16, 16}, {32, 24}})}, wish);
+      measure_growth(*engine, {cube(16, {{16, 16}}), cube(32, {{16, 16}, {32, 24}})}, options);
   ASSERT_TRUE(rows) << rows.error().message;
   ASSERT_EQ(rows->size(), 6u);
   EXPECT_EQ(seen.size(), 6u);
@@ -73,19 +73,19 @@ TEST(Growth, ReportsARowPerVolumeCanvasAndWalk) {
   }
   const std::string csv = growth_csv(*rows, "cpu");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
-  const auto json = nlohmann::json::parse(growth_json(*rows, engine->info(), wish));
+  const auto json = nlohmann::json::parse(growth_json(*rows, engine->info(), options));
   EXPECT_EQ(json["rows"].size(), 6u);
 }
 
 TEST(Growth, StopsMeasuringWhenTheTargetErrorIsReached) {
   const auto engine = make_cpu_engine(1);
-  GrowthWish wish = small_wish();
-  wish.walks = {Walk::kTracking};
-  wish.most = 64;
-  wish.seconds = 1e9;
+  GrowthOptions options = small_options();
+  options.walks = {Walk::kTracking};
+  options.most = 64;
+  options.seconds = 1e9;
   const auto at = [&](double target) {
-    wish.target = target;
-    return measure_growth(*engine, {cube(16, {{16, 16}})}, wish).value().at(0);
+    options.target = target;
+    return measure_growth(*engine, {cube(16, {{16, 16}})}, options).value().at(0);
   };
   const GrowthRow at_once = at(100);
   EXPECT_EQ(at_once.points.size(), 1u);
@@ -103,9 +103,9 @@ TEST(Growth, StopsMeasuringWhenTheTargetErrorIsReached) {
 
 TEST(Growth, RefusesInvalidSceneAndNamesTheField) {
   const auto engine = make_cpu_engine(1);
-  GrowthWish wish = small_wish();
-  wish.scene.mutable_transfer_function()->clear_channels();
-  const auto rows = measure_growth(*engine, {cube(16, {{16, 16}})}, wish);
+  GrowthOptions options = small_options();
+  options.scene.mutable_transfer_function()->clear_channels();
+  const auto rows = measure_growth(*engine, {cube(16, {{16, 16}})}, options);
   ASSERT_FALSE(rows);
   EXPECT_EQ(rows.error().code, ErrorCode::kInvalid);
   EXPECT_FALSE(rows.error().field.empty());

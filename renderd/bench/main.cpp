@@ -36,10 +36,10 @@ struct Options {
   std::vector<std::string> mis{"both"}, roulette{"on"};
   std::string json, csv;
   bool quiet = false;
-  bench::ConvergenceWish wish;
+  bench::ConvergenceOptions convergence;
   bench::ReportHead head;
-  bench::StabilityWish stability;
-  bench::GrowthWish growth;
+  bench::StabilityOptions stability;
+  bench::GrowthOptions growth;
   std::vector<std::uint32_t> cubes{256, 512, 1024};
   std::uint32_t canvas_cube = 512;
   std::vector<std::string> canvases{"640x360", "1280x720", "1920x1080", "3840x2160"}, others;
@@ -119,12 +119,12 @@ Result<bench::Convergence> converge(Options& options) {
   options.head.volume = short_name(options.volume);
   options.head.scene = short_name(options.scene);
   options.head.devices = options.devices;
-  options.head.repeats = options.wish.repeats;
-  options.wish.methods = methods_of(options);
+  options.head.repeats = options.convergence.repeats;
+  options.convergence.methods = methods_of(options);
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
-  if (show) options.wish.say = [](const std::string& words) { std::cerr << words << '\n'; };
+  if (show) options.convergence.say = [](const std::string& words) { std::cerr << words << '\n'; };
   return bench::measure_convergence(
-      {engine->get(), *loaded, bench::hash_of(*volume), *scene, *canvas}, options.wish);
+      {engine->get(), *loaded, bench::hash_of(*volume), *scene, *canvas}, options.convergence);
 }
 
 int run(Options& options) {
@@ -195,19 +195,19 @@ int run_growth(Options& options) {
   auto subjects = subjects_of(options);
   if (!subjects) return complain(subjects.error());
   const render::EngineInfo info = (*engine)->info();
-  bench::GrowthWish& wish = options.growth;
-  wish.scene = *scene;
-  wish.walks.clear();
-  for (const std::string& walk : options.growth_walks) wish.walks.push_back(walk_of(walk));
-  wish.each = [](const bench::GrowthRow& row) {
+  bench::GrowthOptions& growth = options.growth;
+  growth.scene = *scene;
+  growth.walks.clear();
+  for (const std::string& walk : options.growth_walks) growth.walks.push_back(walk_of(walk));
+  growth.each = [](const bench::GrowthRow& row) {
     std::cout << bench::growth_text(row) << std::flush;
   };
   std::cout << short_name(options.scene) << " on " << info.device << "; times in ms, target "
-            << wish.target << " by the estimate; medians of " << wish.repeats << '\n'
+            << growth.target << " by the estimate; medians of " << growth.repeats << '\n'
             << bench::growth_heading() << std::flush;
-  const auto rows = bench::measure_growth(**engine, *subjects, wish);
+  const auto rows = bench::measure_growth(**engine, *subjects, growth);
   if (!rows) return complain(rows.error());
-  const bool all = bench::written(options.json, bench::growth_json(*rows, info, wish)) &&
+  const bool all = bench::written(options.json, bench::growth_json(*rows, info, growth)) &&
                    bench::written(options.csv, bench::growth_csv(*rows, info.engine));
   return all ? 0 : kFailed;
 }
@@ -267,9 +267,9 @@ CLI::App* add_convergence(CLI::App& app, Options& o) {
   c->add_option("--devices", o.devices, "number of devices, each in its own process")
       ->check(CLI::Range(1, 64));
   c->add_option("--size", o.size, "picture size in pixels, WxH");
-  c->add_option("--most", o.wish.most, "samples of the last measured point, a power of two")
+  c->add_option("--most", o.convergence.most, "samples of the last measured point, a power of two")
       ->check(CLI::Range(1, 1 << 20));
-  c->add_option("--repeats", o.wish.repeats, "repetitions, each with its own seed")
+  c->add_option("--repeats", o.convergence.repeats, "repetitions, each with its own seed")
       ->check(CLI::Range(1, 1000));
   c->add_option("--walk", o.walks, "auto, exact or tracking; comma-separated for several")
       ->delimiter(',')
@@ -286,13 +286,13 @@ CLI::App* add_convergence(CLI::App& app, Options& o) {
   c->add_option("--target", o.head.target, "error up to which the time is measured");
   c->add_option("--slope-from", o.head.slope_from,
                 "number of samples from which the slope is fitted");
-  c->add_option("--warm-up", o.wish.warm_up, "seconds to render before measuring");
-  c->add_option("--reference-share", o.wish.reference_share,
+  c->add_option("--warm-up", o.convergence.warm_up, "seconds to render before measuring");
+  c->add_option("--reference-share", o.convergence.reference_share,
                 "error of the reference, as a share of the smallest measured error");
-  c->add_option("--reference-seconds", o.wish.reference_seconds,
+  c->add_option("--reference-seconds", o.convergence.reference_seconds,
                 "approximate time limit in seconds for the reference");
-  c->add_option("--cache", o.wish.cache, "directory in which references are cached");
-  c->add_flag("--fresh", o.wish.fresh, "do not use cached references");
+  c->add_option("--cache", o.convergence.cache, "directory in which references are cached");
+  c->add_flag("--fresh", o.convergence.fresh, "do not use cached references");
   c->add_flag("--quiet", o.quiet, "show no progress on standard error");
   return c;
 }

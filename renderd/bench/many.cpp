@@ -86,25 +86,26 @@ Result<ManyDevices> open_devices(EngineChoice choice, unsigned count, unsigned t
 }
 
 Result<std::vector<ErrorRow>> measure_errors(const ManyDevices& devices, const Subject& subject,
-                                             const Reference& reference, const ErrorWish& wish) {
+                                             const Reference& reference,
+                                             const ErrorOptions& options) {
   std::vector<ErrorRow> rows;
   for (const bool low_discrepancy : {false, true}) {
-    for (const std::uint32_t passes : wish.passes) {
+    for (const std::uint32_t passes : options.passes) {
       double one = 0;
-      for (const unsigned count : wish.devices) {
+      for (const unsigned count : options.devices) {
         ErrorRow row{passes, count, low_discrepancy, 0, 0, 0};
         double squared = 0, estimated = 0;
-        for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
+        for (std::uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
           auto many = composited(devices, subject, count, passes, 1 + repeat,
-                                 {.walk = wish.walk, .low_discrepancy = low_discrepancy});
+                                 {.walk = options.walk, .low_discrepancy = low_discrepancy});
           DIAPHANE_TRY(many);
           PictureRgbF picture;
           DIAPHANE_TRY((*many)->radiance(picture));
           squared += std::pow(error_against(reference, picture).rmse, 2);
           estimated += std::pow((*many)->progress().error, 2);
         }
-        row.rmse = without_noise_of(reference, std::sqrt(squared / wish.repeats));
-        row.estimate = std::sqrt(estimated / wish.repeats);
+        row.rmse = without_noise_of(reference, std::sqrt(squared / options.repeats));
+        row.estimate = std::sqrt(estimated / options.repeats);
         if (count == 1) one = row.rmse;
         row.off = one > 0 ? row.rmse / one * std::sqrt(double(count)) - 1 : 0;
         rows.push_back(row);

@@ -32,7 +32,7 @@ struct ErrorRow {
   double off = 0;       ///< relative deviation of the error ratio from 1 / sqrt(devices)
   double estimate = 0;  ///< as estimated by the compositor
 };
-struct ErrorWish {
+struct ErrorOptions {
   std::vector<unsigned> devices;      ///< ascending, starting with 1
   std::vector<std::uint32_t> passes;  ///< even numbers
   std::uint32_t repeats = 6;
@@ -40,7 +40,8 @@ struct ErrorWish {
 };
 /// Renders with the compositor, with the given number of passes per device.
 Result<std::vector<ErrorRow>> measure_errors(const ManyDevices& devices, const Subject& subject,
-                                             const Reference& reference, const ErrorWish& wish);
+                                             const Reference& reference,
+                                             const ErrorOptions& options);
 
 /// Returns pairs of pictures of one device (left) and `devices` (right), one pair per number of
 /// passes from top to bottom.
@@ -58,7 +59,7 @@ struct TimeRow {
   double megabytes = 0;  ///< median data moved between devices
   std::string took;      ///< division of the last picture: what "chosen" chose
 };
-struct TimeWish {
+struct TimeOptions {
   std::vector<Canvas> canvases;
   std::vector<double> targets;
   std::uint32_t repeats = 7;
@@ -68,6 +69,7 @@ struct TimeWish {
 };
 /// Measures one device and all of `devices`, whose copies of the volume are released first.
 Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Volume& volume,
-                                           const diaphane::v1::Scene& scene, const TimeWish& wish);
+                                           const diaphane::v1::Scene& scene,
+                                           const TimeOptions& options);
 
 }  // namespace diaphane::render::bench

@@ -76,8 +76,8 @@ struct ManyCommand::Options {
   double reference_seconds = 60;
   bool no_errors = false, no_times = false;
   std::string cache;
-  ErrorWish errors;
-  TimeWish times;
+  ErrorOptions errors;
+  TimeOptions times;
 };
 
 ManyCommand::ManyCommand(CLI::App& app) : options_(std::make_unique<Options>()) {

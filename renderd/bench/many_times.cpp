@@ -85,15 +85,16 @@ TimeRow summarise(const std::vector<Shot>& shots) {
 }  // namespace
 
 Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Volume& volume,
-                                           const diaphane::v1::Scene& scene, const TimeWish& wish) {
+                                           const diaphane::v1::Scene& scene,
+                                           const TimeOptions& options) {
   const auto all = static_cast<unsigned>(devices.engines.size());
   devices.volumes.clear();
   const Way ways[] = {{"one", 1, Division::kAverage},
                       {"averaging", all, Division::kAverage},
                       {"tiles", all, Division::kTiles},
                       {"chosen", all, std::nullopt}};
-  if (wish.targets.empty()) return std::vector<TimeRow>{};
-  const double furthest = std::ranges::min(wish.targets);
+  if (options.targets.empty()) return std::vector<TimeRow>{};
+  const double furthest = std::ranges::min(options.targets);
   std::vector<TimeRow> rows;
   for (const Way& way : ways) {
     std::vector<std::unique_ptr<Engine>> borrowed;
@@ -104,8 +105,8 @@ Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Vo
         make_composite_engine(std::move(borrowed), nullptr, {.division = way.division});
     const auto loaded = engine->load(volume);
     DIAPHANE_TRY(loaded);
-    for (const Canvas canvas : wish.canvases) {
-      for (const double target : wish.targets) {
+    for (const Canvas canvas : options.canvases) {
+      for (const double target : options.targets) {
         // The renderer learns speeds and the cost of rows from earlier pictures, as in a session.
         // If a picture ended with its first pair of samples, no part would ever arrive.
         const auto renderer = engine->renderer(*loaded, 1, 0, kLiveMethod);
@@ -113,12 +114,12 @@ Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Vo
         const auto begin = Clock::now();
         int shown = 0;
         do {
-          const auto warm = shoot(**renderer, scene, canvas, furthest, wish.longest);
+          const auto warm = shoot(**renderer, scene, canvas, furthest, options.longest);
           DIAPHANE_TRY(warm);
-        } while (++shown < 3 || seconds_since(begin) < wish.warm_up);
+        } while (++shown < 3 || seconds_since(begin) < options.warm_up);
         std::vector<Shot> shots;
-        for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
-          const auto shot = shoot(**renderer, scene, canvas, target, wish.longest);
+        for (std::uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
+          const auto shot = shoot(**renderer, scene, canvas, target, options.longest);
           DIAPHANE_TRY(shot);
           shots.push_back(*shot);
         }
@@ -129,7 +130,7 @@ Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Vo
         if (const auto* many = dynamic_cast<const CompositeRenderer*>(renderer->get())) {
           row.took = many->composite().division == Division::kTiles ? "tiles" : "averaging";
         }
-        if (wish.each) wish.each(row);
+        if (options.each) options.each(row);
         rows.push_back(std::move(row));
       }
     }

@@ -119,13 +119,13 @@ std::uint64_t hash_of(const volume::Volume& v) {
   return hash(h, v.header.direction.data(), sizeof v.header.direction);
 }
 
-Result<Reference> reference_of(const Subject& subject, const ReferenceWish& wish) {
+Result<Reference> reference_of(const Subject& subject, const ReferenceOptions& options) {
   Reference reference;
   reference.canvas = subject.canvas;
-  const bool cached = !wish.cache.empty();
-  const std::filesystem::path path = cached ? file_of(subject, wish.cache) : "";
-  const bool found = cached && !wish.fresh && read_cached(path, reference);
-  if (!found || reference.error > wish.error) {
+  const bool cached = !options.cache.empty();
+  const std::filesystem::path path = cached ? file_of(subject, options.cache) : "";
+  const bool found = cached && !options.fresh && read_cached(path, reference);
+  if (!found || reference.error > options.error) {
     auto renderer = subject.engine->renderer(
         subject.volume, kSeed, static_cast<std::uint64_t>(reference.samples), kPlainest);
     DIAPHANE_TRY(renderer);
@@ -138,13 +138,14 @@ Result<Reference> reference_of(const Subject& subject, const ReferenceWish& wish
       DIAPHANE_TRY(batch);
       piece = std::min(piece * 2, 4096u);
       progress = (*renderer)->progress();
-      if (wish.progress) {
+      if (options.progress) {
         Reference so_far;
         so_far.samples = reference.samples + static_cast<double>(progress.samples);
         so_far.error = merged_error(reference, progress);
-        wish.progress(so_far);
+        options.progress(so_far);
       }
-    } while (merged_error(reference, progress) > wish.error && progress.seconds < wish.seconds);
+    } while (merged_error(reference, progress) > options.error &&
+             progress.seconds < options.seconds);
     PictureRgbF picture;
     std::vector<std::uint8_t> contents;
     DIAPHANE_TRY((*renderer)->radiance(picture));

@@ -19,7 +19,7 @@ struct Subject {
 
 std::uint64_t hash_of(const volume::Volume& volume);
 
-struct ReferenceWish {
+struct ReferenceOptions {
   double error;                                    ///< target error of the reference
   double seconds;                                  ///< approximate limit on the time
   std::string cache;                               ///< folder of cached references; empty: none
@@ -30,6 +30,6 @@ struct ReferenceWish {
 /// Renders by tracking with independent points and its own seed, which is the simplest estimator. A
 /// cached reference is refined with samples from a disjoint range until it is good enough. It may
 /// come from any engine.
-Result<Reference> reference_of(const Subject& subject, const ReferenceWish& wish);
+Result<Reference> reference_of(const Subject& subject, const ReferenceOptions& options);
 
 }  // namespace diaphane::render::bench

@@ -8,18 +8,18 @@
 
 namespace diaphane::render::bench {
 
-std::vector<StabilityRow> measure_stability(Engine& engine, const StabilityWish& wish) {
+std::vector<StabilityRow> measure_stability(Engine& engine, const StabilityOptions& options) {
   std::vector<StabilityRow> rows;
   for (const auto& cases :
        {medium_cases(), ray_cases(), light_cases(), run_cases(), input_cases()}) {
     for (const StabilityCase& one : cases) {
-      if (one.about.find(wish.only) == std::string::npos) continue;
+      if (one.about.find(options.only) == std::string::npos) continue;
       StabilityRow row;
       row.about = one.about;
       row.passed = true;
-      one.measure(engine, wish, row);
+      one.measure(engine, options, row);
       if (row.non_finite > 0) row.passed = false;
-      if (wish.each) wish.each(row);
+      if (options.each) options.each(row);
       rows.push_back(std::move(row));
     }
   }

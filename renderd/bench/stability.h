@@ -25,13 +25,13 @@ struct StabilityRow {
   std::string note;
 };
 
-struct StabilityWish {
+struct StabilityOptions {
   bool quick = false;                             ///< a tenth of the samples
   std::string only;                               ///< runs only cases whose name contains this
   std::function<void(const StabilityRow&)> each;  ///< called for each row as it is finished
 };
 
-std::vector<StabilityRow> measure_stability(Engine& engine, const StabilityWish& wish);
+std::vector<StabilityRow> measure_stability(Engine& engine, const StabilityOptions& options);
 
 std::string stability_text(const StabilityRow& row, const std::string& engine);
 std::string stability_json(const std::vector<StabilityRow>& rows, const EngineInfo& engine);

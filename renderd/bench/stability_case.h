@@ -16,7 +16,7 @@ namespace diaphane::render::bench {
 /// A case of the table, which fills a row.
 struct StabilityCase {
   std::string about;
-  std::function<void(Engine&, const StabilityWish&, StabilityRow&)> measure;
+  std::function<void(Engine&, const StabilityOptions&, StabilityRow&)> measure;
 };
 
 std::vector<StabilityCase> medium_cases();

@@ -157,7 +157,7 @@ void offer(FrameRenderer& renderer, diaphane::v1::Scene scene, Tally& tally, Sta
   }
 }
 
-void refuses(Engine& engine, const StabilityWish&, StabilityRow& row) {
+void refuses(Engine& engine, const StabilityOptions&, StabilityRow& row) {
   auto loaded = engine.load(test::skull_volume());
   if (!loaded) {
     row.passed = false;

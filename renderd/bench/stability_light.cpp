@@ -10,13 +10,13 @@
 namespace diaphane::render::bench {
 namespace {
 
-std::uint32_t samples_of(const StabilityWish& wish, std::uint32_t full) {
-  return std::max(wish.quick ? full / 10 : full, 2u);
+std::uint32_t samples_of(const StabilityOptions& options, std::uint32_t full) {
+  return std::max(options.quick ? full / 10 : full, 2u);
 }
 
 /// Matter without absorption in a sky of 1: every pixel is 1, whatever the scattering.
-void furnace(Engine& engine, const StabilityWish& wish, const volume::Volume& volume, double g,
-             diaphane::v1::Shading::Mode mode, StabilityRow& row) {
+void furnace(Engine& engine, const StabilityOptions& options, const volume::Volume& volume,
+             double g, diaphane::v1::Shading::Mode mode, StabilityRow& row) {
   diaphane::v1::Scene scene;
   test::set_camera(scene, 45, 80, 28, 30);
   scene.mutable_transfer_function()->set_extinction_per_mm(0.3);
@@ -26,7 +26,7 @@ void furnace(Engine& engine, const StabilityWish& wish, const volume::Volume& vo
   scene.mutable_phase()->set_g(g);
   scene.mutable_shading()->set_mode(mode);
   scene.set_bounces(1024);
-  compare(look(engine, volume, scene, {24, 24}, samples_of(wish, 100), row), 1, row);
+  compare(look(engine, volume, scene, {24, 24}, samples_of(options, 100), row), 1, row);
 }
 
 /// A cube of 16 mm with one value, albedo 0.8 and extinction 0.1 per mm. A beam runs along -y
@@ -59,21 +59,21 @@ struct LitBox {
   }
 };
 
-void tiny_lamp(Engine& engine, const StabilityWish& wish, double side, StabilityRow& row) {
+void tiny_lamp(Engine& engine, const StabilityOptions& options, double side, StabilityRow& row) {
   LitBox box;
   box.lamp(20, side, 1 / (side * side));
-  compare(look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), row),
+  compare(look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row),
           LitBox::from_point(20), row);
 }
 
 /// With the same random numbers, the pictures differ only by the factor if nothing is clamped.
-void brighter(Engine& engine, const StabilityWish& wish, bool near, StabilityRow& row) {
+void brighter(Engine& engine, const StabilityOptions& options, bool near, StabilityRow& row) {
   Look seen[2];
   for (int i = 0; i < 2; ++i) {
     LitBox box;
     box.lamp(near ? 0.5 : 20, near ? 0.1 : 5, i == 0 ? 1 : 1e12);
     StabilityRow own;
-    seen[i] = look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), own);
+    seen[i] = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), own);
     row.samples += own.samples;
     row.non_finite += own.non_finite;
   }
@@ -89,7 +89,7 @@ void brighter(Engine& engine, const StabilityWish& wish, bool near, StabilityRow
 
 /// Lights at the camera that are invisible to it: the picture is the same as from 20 mm further
 /// away.
-void camera_in_light(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void camera_in_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   Look seen[2];
   for (int i = 0; i < 2; ++i) {
     LitBox box;
@@ -99,49 +99,49 @@ void camera_in_light(Engine& engine, const StabilityWish& wish, StabilityRow& ro
     test::set(light->mutable_v(), 0, 0, 10);
     test::set(light->mutable_radiance(), 3, 3, 3);
     test::set(box.scene.mutable_camera()->mutable_eye(), 0, i == 0 ? 40 : 60, 0);
-    seen[i] = look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), row);
+    seen[i] = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   }
   compare(seen[0], seen[1], row);
   if (seen[0].mean <= 0) row.passed = false;
 }
 
-void camera_in_sphere(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void camera_in_sphere(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   LitBox box;
   auto* sphere = box.scene.add_lights()->mutable_sphere();
   test::set(sphere->mutable_centre(), 0, 40, 0);
   sphere->set_radius(2);
   test::set(sphere->mutable_radiance(), 3, 3, 3);
-  const Look inside = look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), row);
+  const Look inside = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   if (!inside.refused.empty()) return;
   test::set(box.scene.mutable_camera()->mutable_eye(), 0, 60, 0);
-  const Look outside = look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), row);
+  const Look outside = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   compare(inside, outside, row);
 }
 
-void black_light(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void black_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   LitBox box;
   box.lamp(20, 5, 0);
-  const Look seen = look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), row);
+  const Look seen = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   note_deviation(std::max(seen.largest, -seen.smallest), 0, "absolute", row);
 }
 
 /// A black light beside a bright one changes nothing.
-void black_beside_bright(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void black_beside_bright(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   LitBox box;
   box.lamp(20, 1e-3, 0);
   box.lamp(20, 1e-3, 1e6);
-  compare(look(engine, box.volume, box.scene, {64, 64}, samples_of(wish, 60), row),
+  compare(look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row),
           LitBox::from_point(20), row);
 }
 
 /// Lamps that touch the matter or lie in it, where 1 / distance^2 is unbounded. The picture must be
 /// finite and positive.
-void lamp_inside(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void lamp_inside(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   for (const double z : {8.0, 7.999, 1e-3, 0.0}) {
     for (const double side : {1e-5, 1.0, 100.0}) {
       LitBox box;
       box.lamp(z, side, 1e6);
-      const Look seen = look(engine, box.volume, box.scene, {16, 16}, samples_of(wish, 60), row);
+      const Look seen = look(engine, box.volume, box.scene, {16, 16}, samples_of(options, 60), row);
       if (!(seen.smallest >= 0)) row.passed = false;
     }
   }
@@ -149,7 +149,7 @@ void lamp_inside(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
 }
 
 /// The sampler at the limits of its range.
-void unit_ends(Engine&, const StabilityWish&, StabilityRow& row) {
+void unit_ends(Engine&, const StabilityOptions&, StabilityRow& row) {
   std::uint64_t bad = 0;
   const float ends[] = {0.0f, 0x1p-33f, 0.5f, 0x1.fffffep-1f, 1.0f};
   const auto check = [&](Float3 d) {
@@ -187,36 +187,36 @@ std::vector<StabilityCase> light_cases() {
   for (const double g : {0.0, 0.9, 0.9999, 1 - 1e-7, -0.9999, -(1 - 1e-7)}) {
     char text[64];
     std::snprintf(text, sizeof text, "furnace, g = %.8g", g);
-    cases.push_back({text, [g](Engine& e, const StabilityWish& w, StabilityRow& row) {
+    cases.push_back({text, [g](Engine& e, const StabilityOptions& w, StabilityRow& row) {
                        furnace(e, w, test::skull_volume(), g, Shading::PHASE, row);
                      }});
   }
   for (const auto& [about, mode] :
        {std::pair{"surfaces", Shading::SURFACE}, std::pair{"hybrid shading", Shading::HYBRID}}) {
     cases.push_back({std::string("zero gradient everywhere: furnace, ") + about,
-                     [mode = mode](Engine& e, const StabilityWish& w, StabilityRow& row) {
+                     [mode = mode](Engine& e, const StabilityOptions& w, StabilityRow& row) {
                        furnace(e, w, test::constant_volume(32, 100), 0, mode, row);
                      }});
     cases.push_back({std::string("furnace, ") + about,
-                     [mode = mode](Engine& e, const StabilityWish& w, StabilityRow& row) {
+                     [mode = mode](Engine& e, const StabilityOptions& w, StabilityRow& row) {
                        furnace(e, w, test::skull_volume(), 0, mode, row);
                      }});
   }
   for (const double side : {1e-1, 1e-3, 1e-5}) {
     char text[64];
     std::snprintf(text, sizeof text, "lamp of %g mm, against quadrature", side);
-    cases.push_back({text, [side](Engine& e, const StabilityWish& w, StabilityRow& row) {
+    cases.push_back({text, [side](Engine& e, const StabilityOptions& w, StabilityRow& row) {
                        tiny_lamp(e, w, side, row);
                      }});
   }
   cases.push_back({"black light", black_light});
   cases.push_back({"black light beside a bright one", black_beside_bright});
-  cases.push_back({"intensity 1e12", [](Engine& e, const StabilityWish& w, StabilityRow& row) {
+  cases.push_back({"intensity 1e12", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
                      brighter(e, w, false, row);
                    }});
   cases.push_back(
       {"fireflies are not clamped",
-       [](Engine& e, const StabilityWish& w, StabilityRow& row) { brighter(e, w, true, row); }});
+       [](Engine& e, const StabilityOptions& w, StabilityRow& row) { brighter(e, w, true, row); }});
   cases.push_back({"camera in the plane of a lamp", camera_in_light});
   cases.push_back({"camera inside a spherical light", camera_in_sphere});
   cases.push_back({"lamps at and in the matter", lamp_inside});

@@ -9,13 +9,13 @@ namespace {
 
 constexpr Canvas kCanvas{64, 64};
 
-std::uint32_t samples_of(const StabilityWish& wish, std::uint32_t full) {
-  return std::max(wish.quick ? full / 10 : full, 2u);
+std::uint32_t samples_of(const StabilityOptions& options, std::uint32_t full) {
+  return std::max(options.quick ? full / 10 : full, 2u);
 }
 
 /// A box of one value that a beam crosses off its centre, in a direction that is parallel to no
 /// axis.
-void through_a_box(Engine& engine, const StabilityWish& wish, double extinction, double depth,
+void through_a_box(Engine& engine, const StabilityOptions& options, double extinction, double depth,
                    std::uint32_t samples, StabilityRow& row) {
   constexpr double kSmallestVoxel = 1e-6;  // mm, the smallest that the renderer accepts
   const double edge = std::max(depth / extinction, kSmallestVoxel);
@@ -25,12 +25,12 @@ void through_a_box(Engine& engine, const StabilityWish& wish, double extinction,
   diaphane::v1::Scene scene = beam(from, {0.02 * edge, 0, 0}, 1e-4 * edge);
   set_medium(scene, {{0, 1}, {200, 1}}, extinction);
   const double length = length_inside(v.header, from, {0.02 * edge, 0, 0});
-  compare(look(engine, v, scene, kCanvas, samples_of(wish, samples), row),
+  compare(look(engine, v, scene, kCanvas, samples_of(options, samples), row),
           std::exp(-extinction * length), row);
 }
 
 /// Columns of the densest matter in matter of a millionth of its density, seen between the columns.
-void between_spikes(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void between_spikes(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   const volume::Volume v =
       test::make_volume({48, 48, 48}, {1, 1, 1}, [](double x, double y, double) {
         return std::fmod(x, 4) < 1 && std::fmod(y, 4) < 1 ? 30000 : 0;
@@ -39,7 +39,7 @@ void between_spikes(Engine& engine, const StabilityWish& wish, StabilityRow& row
   const Double3 from{2.5 - 24 + 20, 2.5 - 24 + 20, 60};
   diaphane::v1::Scene scene = beam(from, {from.x, from.y, 0}, 0.2);
   set_medium(scene, {{0, 1e-6}, {30000, 1}}, 1e4);
-  compare(look(engine, v, scene, kCanvas, samples_of(wish, 40), row), std::exp(-1e-2 * 48), row);
+  compare(look(engine, v, scene, kCanvas, samples_of(options, 40), row), std::exp(-1e-2 * 48), row);
 }
 
 /// Interpolates in double precision, by the definition of the model.
@@ -72,7 +72,7 @@ double value_at(const volume::Volume& v, Double3 p) {
 
 /// Thin spikes in the transfer function and in the volume, with the optical depth by the midpoint
 /// rule in double precision.
-void through_random_spikes(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void through_random_spikes(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   Random random(77, 1, 2);
   const volume::Volume v =
       test::make_volume({40, 36, 28}, {1, 1, 1.3}, [&](double, double, double) {
@@ -105,7 +105,7 @@ void through_random_spikes(Engine& engine, const StabilityWish& wish, StabilityR
       }
       depth += 20 * opacity(value_at(v, index)) * 120 / kSteps;
     }
-    const Look seen = look(engine, v, scene, {32, 32}, samples_of(wish, 200), row);
+    const Look seen = look(engine, v, scene, {32, 32}, samples_of(options, 200), row);
     // The renderer's table has nodes of finite width, so a bend of the function is off by about
     // 1e-3.
     const double expected = std::exp(-depth);
@@ -114,7 +114,7 @@ void through_random_spikes(Engine& engine, const StabilityWish& wish, StabilityR
   }
 }
 
-void of_spacing(Engine& engine, const StabilityWish& wish, std::array<double, 3> spacing,
+void of_spacing(Engine& engine, const StabilityOptions& options, std::array<double, 3> spacing,
                 bool oblique, double far, StabilityRow& row) {
   volume::Volume v = test::constant_volume(16, 100);
   v.header.spacing = spacing;
@@ -138,11 +138,11 @@ void of_spacing(Engine& engine, const StabilityWish& wish, std::array<double, 3>
     const double length = length_inside(v.header, from, to);
     diaphane::v1::Scene scene = beam(from, to, 1e-4 * thin);
     set_medium(scene, {{0, 1}, {200, 1}}, 1 / length);
-    compare(look(engine, v, scene, kCanvas, samples_of(wish, 60), row), std::exp(-1.0), row);
+    compare(look(engine, v, scene, kCanvas, samples_of(options, 60), row), std::exp(-1.0), row);
   }
 }
 
-void of_shape(Engine& engine, const StabilityWish& wish, std::array<std::uint32_t, 3> size,
+void of_shape(Engine& engine, const StabilityOptions& options, std::array<std::uint32_t, 3> size,
               double value, StabilityRow& row) {
   const volume::Volume v =
       test::make_volume(size, {1, 1, 1}, [value](double, double, double) { return value; });
@@ -150,7 +150,7 @@ void of_shape(Engine& engine, const StabilityWish& wish, std::array<std::uint32_
   diaphane::v1::Scene scene = beam(from, to, 1e-4);
   const double length = length_inside(v.header, from, to);
   set_medium(scene, {{-32768, 1}, {32767, 1}}, 0.8 / length);
-  compare(look(engine, v, scene, kCanvas, samples_of(wish, 60), row), std::exp(-0.8), row);
+  compare(look(engine, v, scene, kCanvas, samples_of(options, 60), row), std::exp(-0.8), row);
 }
 
 std::string number(double x) {
@@ -168,13 +168,13 @@ std::vector<StabilityCase> medium_cases() {
   };
   for (const double extinction : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
     add("density " + number(extinction) + " per mm",
-        [extinction](Engine& e, const StabilityWish& w, StabilityRow& row) {
+        [extinction](Engine& e, const StabilityOptions& w, StabilityRow& row) {
           through_a_box(e, w, extinction, 0.7, 100, row);
         });
   }
   for (const double depth : {1e-6, 1e-4, 1e-2, 1.0, 8.0, 1e4, 1e7}) {
     add("optical depth " + number(depth),
-        [depth](Engine& e, const StabilityWish& w, StabilityRow& row) {
+        [depth](Engine& e, const StabilityOptions& w, StabilityRow& row) {
           through_a_box(e, w, depth > 1e4 ? 1e3 : 1, depth, depth < 1e-5 ? 5000 : 250, row);
         });
   }
@@ -185,34 +185,34 @@ std::vector<StabilityCase> medium_cases() {
     for (const bool oblique : {false, true}) {
       add("spacing " + number(s[0]) + ":" + number(s[1]) + ":" + number(s[2]) +
               (oblique ? ", oblique axes" : ""),
-          [=](Engine& e, const StabilityWish& w, StabilityRow& row) {
+          [=](Engine& e, const StabilityOptions& w, StabilityRow& row) {
             of_spacing(e, w, s, oblique, 0, row);
           });
     }
   }
-  add("camera 1e6 mm away", [](Engine& e, const StabilityWish& w, StabilityRow& row) {
+  add("camera 1e6 mm away", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     of_spacing(e, w, {1, 1, 1}, false, 1e6, row);
   });
   add("camera 1e6 mm away, spacing 1:20, oblique axes",
-      [](Engine& e, const StabilityWish& w, StabilityRow& row) {
+      [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
         of_spacing(e, w, {1, 1, 20}, true, 1e6, row);
       });
   const std::array<std::uint32_t, 3> sizes[] = {{1, 1, 1},   {1, 16, 16}, {16, 1, 16},
                                                 {16, 16, 1}, {8, 8, 8},   {9, 17, 16}};
   for (const double value : {-32768.0, 0.0, 32767.0}) {
     add("constant " + number(value) + ", 1x1x1 to 9x17x16 voxels",
-        [=](Engine& e, const StabilityWish& w, StabilityRow& row) {
+        [=](Engine& e, const StabilityOptions& w, StabilityRow& row) {
           for (const auto& size : sizes) of_shape(e, w, size, value, row);
         });
   }
-  add("empty function", [](Engine& e, const StabilityWish& w, StabilityRow& row) {
+  add("empty function", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     diaphane::v1::Scene scene = beam({30, 20, 10}, {0, 0, 0}, 40);
     set_medium(scene, {{-32768, 0}, {32767, 0}}, 1e7);
     const Look seen = look(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
     note_deviation(std::max(std::abs(seen.smallest - 1), std::abs(seen.largest - 1)), 0, "absolute",
                    row);
   });
-  add("all-opaque function", [](Engine& e, const StabilityWish& w, StabilityRow& row) {
+  add("all-opaque function", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     diaphane::v1::Scene scene = beam({30, 20, 10}, {0, 0, 0}, 10);
     set_medium(scene, {{-32768, 1}, {32767, 1}}, 1e7);
     const Look seen = look(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
@@ -224,7 +224,7 @@ std::vector<StabilityCase> medium_cases() {
 std::vector<StabilityCase> ray_cases() {
   using Rays = std::vector<std::pair<Double3, Double3>>;
   const auto rays_through = [](const Rays& rays, double width) {
-    return [=](Engine& e, const StabilityWish& w, StabilityRow& row) {
+    return [=](Engine& e, const StabilityOptions& w, StabilityRow& row) {
       const volume::Volume v = test::constant_volume(16, 100);
       for (const auto& [from, to] : rays) {
         const double length = length_inside(v.header, from, to);
@@ -257,7 +257,7 @@ std::vector<StabilityCase> ray_cases() {
       {"rays from inside", rays_through(inside, 1e-4)},
       {"rays through corners and edges", rays_through(corners, 1e-4)},
       {"coordinates of -0", rays_through(negative_zero, 1e-4)},
-      {"rays in the faces of the box", [](Engine& e, const StabilityWish& w, StabilityRow& row) {
+      {"rays in the faces of the box", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
          // Cases of measure zero, in which any finite transmittance is valid.
          const volume::Volume v = test::constant_volume(16, 100);
          for (const Double3 p : {Double3{8, 0, 30}, Double3{8, 8, 30}, Double3{-8, 8, 30}}) {

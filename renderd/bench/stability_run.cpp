@@ -11,12 +11,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// A sparse signal: one sample in a thousand is 1. An fp32 running mean would be 2.4% off.
-void many_samples(Engine& engine, const StabilityWish& wish, StabilityRow& row) {
+void many_samples(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   const volume::Volume v = test::constant_volume(8, 100);
   diaphane::v1::Scene scene = beam({20, 15, 10}, {0, 0, 0}, 1e-3);
   const double length = length_inside(v.header, {20, 15, 10}, {0, 0, 0});
   set_medium(scene, {{0, 1}, {200, 1}}, std::log(1000.0) / length);
-  const std::uint32_t samples = wish.quick ? 1'000'000 : 12'000'000;
+  const std::uint32_t samples = options.quick ? 1'000'000 : 12'000'000;
   const Look seen = look(engine, v, scene, {2, 2}, samples, row);
   if (!seen.refused.empty()) return;
   // Four pixels are too few to measure their own spread, but that of a binary value is known. An
@@ -53,7 +53,7 @@ double stop_takes(ProgressiveRenderer& renderer, double after_seconds, std::uint
 
 /// Paths of a thousand collisions in dense matter on a large canvas would take minutes per sample
 /// in a single launch. The limit is generous, because the machine may be busy.
-void stopped(Engine& engine, const StabilityWish&, StabilityRow& row) {
+void stopped(Engine& engine, const StabilityOptions&, StabilityRow& row) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(1e4);
   test::set(scene.mutable_transfer_function()->mutable_channels(0)->mutable_diffuse(), 1, 1, 1);
