@@ -4,7 +4,7 @@
 
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
-#include "renderd/bench/made_volume.h"
+#include "renderd/bench/synthetic_volume.h"
 #include "renderd/engine/cpu/engine.h"
 #include "renderd/math/random.h"
 #include "renderd/scene/test_scenes.h"
@@ -92,8 +92,8 @@ TEST(Curve, ReportsExtrapolatedAndMissingCrossings) {
   EXPECT_FALSE(crossing(straight(0.4, 0.0, 3), 0.05)) << "never";
 }
 
-TEST(MadeVolume, HasContentsEmptySpaceAndTheExtentOfTheCranium) {
-  const volume::Volume v = made_volume(32);
+TEST(SyntheticVolume, HasContentsEmptySpaceAndTheExtentOfTheCranium) {
+  const volume::Volume v = synthetic_volume(32);
   EXPECT_EQ(v.header.size[2], 13u);
   EXPECT_NEAR(v.header.size[2] * v.header.spacing[2], 162, 0.1);
   EXPECT_EQ(v.header.minimum, 0);
@@ -102,8 +102,8 @@ TEST(MadeVolume, HasContentsEmptySpaceAndTheExtentOfTheCranium) {
   for (const std::int16_t voxel : v.voxels) empty += voxel == 0;
   EXPECT_GT(empty, v.voxels.size() / 4);
   EXPECT_LT(empty, v.voxels.size() * 9 / 10);
-  EXPECT_EQ(hash_of(v), hash_of(made_volume(32)));
-  EXPECT_NE(hash_of(v), hash_of(made_volume(33)));
+  EXPECT_EQ(hash_of(v), hash_of(synthetic_volume(32)));
+  EXPECT_NE(hash_of(v), hash_of(synthetic_volume(33)));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <ctime>
 
 #include "common/try.h"
-#include "renderd/bench/made_volume.h"
+#include "renderd/bench/synthetic_volume.h"
 #include "renderd/bench/timing.h"
 
 namespace diaphane::render::bench {
@@ -49,7 +49,7 @@ diaphane::v1::Scene edited(diaphane::v1::Scene scene, std::uint32_t i) {
 /// Compiles kernels and wakes threads and the device with a small volume, so that nothing of the
 /// measured volumes is prepared early.
 Result<void> wake(Engine& engine, const GrowthOptions& options) {
-  const auto volume = engine.load(made_volume(64));
+  const auto volume = engine.load(synthetic_volume(64));
   DIAPHANE_TRY(volume);
   for (const Walk walk : options.walks) {
     const auto renderer = engine.renderer(*volume, 1, 0, {.walk = walk});

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "renderd/bench/made_volume.h"
+#include "renderd/bench/synthetic_volume.h"
 #include "renderd/engine/cpu/engine.h"
 #include "renderd/scene/test_scenes.h"
 
@@ -14,7 +14,7 @@ namespace diaphane::render::bench {
 namespace {
 
 GrowthSubject cube(std::uint32_t n, std::vector<Canvas> canvases) {
-  return {std::to_string(n) + "^3", [n] { return made_cube(n); }, std::move(canvases)};
+  return {std::to_string(n) + "^3", [n] { return synthetic_cube(n); }, std::move(canvases)};
 }
 
 GrowthOptions small_options() {
@@ -26,8 +26,8 @@ GrowthOptions small_options() {
   return options;
 }
 
-TEST(MadeVolume, CubeContainsTheSameObject) {
-  const volume::Volume flat = made_volume(64), tall = made_cube(64);
+TEST(SyntheticVolume, CubeContainsTheSameObject) {
+  const volume::Volume flat = synthetic_volume(64), tall = synthetic_cube(64);
   EXPECT_EQ(tall.header.size, (std::array<std::uint32_t, 3>{64, 64, 64}));
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(tall.header.size[i] * tall.header.spacing[i],

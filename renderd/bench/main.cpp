@@ -11,12 +11,12 @@
 #include "common/try.h"
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
-#include "renderd/bench/farm.h"
 #include "renderd/bench/growth.h"
-#include "renderd/bench/made_volume.h"
-#include "renderd/bench/many_command.h"
+#include "renderd/bench/multi_device_command.h"
+#include "renderd/bench/multi_process_engine.h"
 #include "renderd/bench/schedule/schedule_command.h"
 #include "renderd/bench/stability.h"
+#include "renderd/bench/synthetic_volume.h"
 #include "renderd/bench/text.h"
 #include "renderd/scene/presets.h"
 
@@ -100,7 +100,8 @@ std::string short_name(std::string path) {
 Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
   const auto choice =
       options.engine == "cuda" ? render::EngineChoice::kCuda : render::EngineChoice::kCpu;
-  if (options.devices > 1) return bench::make_farm(choice, options.devices, options.threads);
+  if (options.devices > 1)
+    return bench::make_multi_process_engine(choice, options.devices, options.threads);
   return render::make_engine(choice, options.threads);
 }
 
@@ -174,7 +175,8 @@ Result<std::vector<bench::GrowthSubject>> subjects_of(const Options& options) {
   std::sort(cubes.begin(), cubes.end());
   cubes.erase(std::unique(cubes.begin(), cubes.end()), cubes.end());
   for (const std::uint32_t n : cubes) {
-    bench::GrowthSubject subject{std::to_string(n) + "^3", [n] { return bench::made_cube(n); }, {}};
+    bench::GrowthSubject subject{
+        std::to_string(n) + "^3", [n] { return bench::synthetic_cube(n); }, {}};
     if (std::count(options.cubes.begin(), options.cubes.end(), n) > 0) subject.canvases = {*one};
     if (n == options.canvas_cube) {
       subject.canvases.insert(subject.canvases.end(), all.begin(), all.end());
@@ -309,7 +311,7 @@ int main(int argc, char** argv) {
     const auto* stability = add_stability(app, options);
     const auto* growth = add_growth(app, options);
     bench::ScheduleCommand schedule(app);
-    bench::ManyCommand many(app);
+    bench::MultiDeviceCommand many(app);
     CLI11_PARSE(app, argc, argv);
     if (schedule.chosen()) return schedule.run();
     if (many.chosen()) return many.run();

@@ -7,10 +7,10 @@
 #include <iostream>
 
 #include "common/try.h"
-#include "renderd/bench/made_volume.h"
 #include "renderd/bench/schedule/figure9.h"
 #include "renderd/bench/schedule/real_run.h"
 #include "renderd/bench/schedule/schedule_results.h"
+#include "renderd/bench/synthetic_volume.h"
 #include "renderd/bench/text.h"
 #include "renderd/scene/presets.h"
 

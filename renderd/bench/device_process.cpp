@@ -1,4 +1,4 @@
-#include "renderd/bench/farm_device.h"
+#include "renderd/bench/device_process.h"
 
 #include "common/try.h"
 
@@ -6,9 +6,9 @@ namespace diaphane::render::bench {
 namespace {
 
 /// The device of one process and its renderer.
-class FarmDevice {
+class DeviceProcess {
  public:
-  FarmDevice(EngineChoice choice, unsigned threads, const volume::Volume& volume) {
+  DeviceProcess(EngineChoice choice, unsigned threads, const volume::Volume& volume) {
     auto engine = make_engine(choice, threads);
     if (!engine) {
       trouble_ = engine.error();
@@ -23,26 +23,26 @@ class FarmDevice {
     volume_ = *std::move(loaded);
   }
 
-  Result<std::string> answer(FarmWord word, std::string_view payload) {
+  Result<std::string> answer(ProcessMessageKind word, std::string_view payload) {
     if (!volume_) return tl::unexpected(trouble_);
-    if (word == FarmWord::kInfo) {
+    if (word == ProcessMessageKind::kInfo) {
       const EngineInfo info = engine_->info();
       return info.engine + "\n" + info.device;
     }
-    if (word == FarmWord::kRenderer) return make(unpacked<RendererOptions>(payload));
+    if (word == ProcessMessageKind::kRenderer) return make(unpacked<RendererOptions>(payload));
     if (!renderer_) return fail(ErrorCode::kInternal, "there is no renderer yet");
     switch (word) {
-      case FarmWord::kScene:
+      case ProcessMessageKind::kScene:
         return set_scene(payload);
-      case FarmWord::kRender:
+      case ProcessMessageKind::kRender:
         return render(unpacked<std::uint32_t>(payload));
-      case FarmWord::kProgress:
+      case ProcessMessageKind::kProgress:
         return packed(renderer_->progress());
-      case FarmWord::kRadiance:
+      case ProcessMessageKind::kRadiance:
         return radiance();
-      case FarmWord::kContents:
+      case ProcessMessageKind::kContents:
         return contents();
-      case FarmWord::kFeatures:
+      case ProcessMessageKind::kFeatures:
         return features();
       default:
         return fail(ErrorCode::kInternal, "a word that no device knows");
@@ -96,14 +96,14 @@ class FarmDevice {
 
 }  // namespace
 
-void serve_farm_device(const FarmWire& wire, EngineChoice choice, unsigned threads,
-                       const volume::Volume& volume) {
-  FarmDevice device(choice, threads, volume);
+void serve_device_process(const ProcessWire& wire, EngineChoice choice, unsigned threads,
+                          const volume::Volume& volume) {
+  DeviceProcess device(choice, threads, volume);
   while (auto question = wire.receive()) {
     const auto answer = device.answer(question->word, question->payload);
-    const bool sent =
-        answer ? wire.send(FarmWord::kDone, *answer)
-               : wire.send(FarmWord::kFailed, packed(answer.error().code) + answer.error().message);
+    const bool sent = answer ? wire.send(ProcessMessageKind::kDone, *answer)
+                             : wire.send(ProcessMessageKind::kFailed,
+                                         packed(answer.error().code) + answer.error().message);
     if (!sent) return;
   }
 }

@@ -1,11 +1,11 @@
-#include "renderd/bench/many_command.h"
+#include "renderd/bench/multi_device_command.h"
 
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/try.h"
-#include "renderd/bench/made_volume.h"
+#include "renderd/bench/synthetic_volume.h"
 #include "renderd/bench/text.h"
 #include "renderd/scene/presets.h"
 
@@ -66,7 +66,7 @@ nlohmann::json json_of(const TimeRow& row) {
 
 }  // namespace
 
-struct ManyCommand::Options {
+struct MultiDeviceCommand::Options {
   std::string volume = "made", scene, engine = "cpu", size = "128x128", json, figure12,
               walk = "auto";
   unsigned devices = 2, threads = 0;
@@ -80,7 +80,7 @@ struct ManyCommand::Options {
   TimeOptions times;
 };
 
-ManyCommand::ManyCommand(CLI::App& app) : options_(std::make_unique<Options>()) {
+MultiDeviceCommand::MultiDeviceCommand(CLI::App& app) : options_(std::make_unique<Options>()) {
   Options& o = *options_;
   o.times.targets = {0.05, 0.01};
   command_ = app.add_subcommand("many", "Measure several devices that render one picture together");
@@ -122,10 +122,10 @@ ManyCommand::ManyCommand(CLI::App& app) : options_(std::make_unique<Options>()) 
   c.add_flag("--no-times", o.no_times, "measure errors only");
 }
 
-ManyCommand::~ManyCommand() = default;
-bool ManyCommand::chosen() const { return command_->parsed(); }
+MultiDeviceCommand::~MultiDeviceCommand() = default;
+bool MultiDeviceCommand::chosen() const { return command_->parsed(); }
 
-int ManyCommand::run() {
+int MultiDeviceCommand::run() {
   const auto done = measure();
   if (done) return 0;
   std::cerr << "diaphane-renderd-bench: "
@@ -134,7 +134,7 @@ int ManyCommand::run() {
   return done.error().code == ErrorCode::kUnavailable ? kNoDevice : kFailed;
 }
 
-Result<void> ManyCommand::measure() {
+Result<void> MultiDeviceCommand::measure() {
   Options& o = *options_;
   for (const auto* list : {&o.passes, &o.snapshots}) {
     for (const std::uint32_t passes : *list) {

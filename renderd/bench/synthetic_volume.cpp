@@ -1,4 +1,4 @@
-#include "renderd/bench/made_volume.h"
+#include "renderd/bench/synthetic_volume.h"
 
 #include <algorithm>
 #include <array>
@@ -64,9 +64,9 @@ volume::Volume made(std::array<std::uint32_t, 3> size) {
 
 }  // namespace
 
-volume::Volume made_volume(std::uint32_t n) { return made({n, n, std::max(1u, n * 27 / 64)}); }
+volume::Volume synthetic_volume(std::uint32_t n) { return made({n, n, std::max(1u, n * 27 / 64)}); }
 
-volume::Volume made_cube(std::uint32_t n) { return made({n, n, n}); }
+volume::Volume synthetic_cube(std::uint32_t n) { return made({n, n, n}); }
 
 Result<volume::Volume> named_volume(const std::string& name) {
   if (name != "made" && !name.starts_with("made:")) return volume::read(name, false);
@@ -74,7 +74,7 @@ Result<volume::Volume> named_volume(const std::string& name) {
   if (n < 16 || n > 2048) {
     return fail(ErrorCode::kInvalid, "made:N has N from 16 to 2048", "--volume");
   }
-  return made_volume(static_cast<std::uint32_t>(n));
+  return synthetic_volume(static_cast<std::uint32_t>(n));
 }
 
 }  // namespace diaphane::render::bench

@@ -14,14 +14,14 @@
 namespace diaphane::render::bench {
 
 /// The devices of this process, each with a copy of the volume.
-struct ManyDevices {
+struct DeviceSet {
   std::vector<std::unique_ptr<Engine>> engines;
   std::vector<std::shared_ptr<const DeviceVolume>> volumes;
 };
 
 /// Opens `count` CUDA devices, or as many CPU engines that share `threads` (0: all cores).
-Result<ManyDevices> open_devices(EngineChoice choice, unsigned count, unsigned threads,
-                                 const volume::Volume& volume);
+Result<DeviceSet> open_devices(EngineChoice choice, unsigned count, unsigned threads,
+                               const volume::Volume& volume);
 
 /// The error of pictures to which each device contributed `passes`.
 struct ErrorRow {
@@ -39,13 +39,13 @@ struct ErrorOptions {
   Walk walk = Walk::kAuto;
 };
 /// Renders with the compositor, with the given number of passes per device.
-Result<std::vector<ErrorRow>> measure_errors(const ManyDevices& devices, const Subject& subject,
+Result<std::vector<ErrorRow>> measure_errors(const DeviceSet& devices, const Subject& subject,
                                              const Reference& reference,
                                              const ErrorOptions& options);
 
 /// Returns pairs of pictures of one device (left) and `devices` (right), one pair per number of
 /// passes from top to bottom.
-Result<PictureRgb8> side_by_side(const ManyDevices& devices, const Subject& subject, unsigned count,
+Result<PictureRgb8> side_by_side(const DeviceSet& devices, const Subject& subject, unsigned count,
                                  const std::vector<std::uint32_t>& passes);
 
 /// The time from a new scene until the estimated error is at most `target`.
@@ -68,7 +68,7 @@ struct TimeOptions {
   std::function<void(const TimeRow&)> each;
 };
 /// Measures one device and all of `devices`, whose copies of the volume are released first.
-Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Volume& volume,
+Result<std::vector<TimeRow>> measure_times(DeviceSet devices, const volume::Volume& volume,
                                            const diaphane::v1::Scene& scene,
                                            const TimeOptions& options);
 

@@ -7,11 +7,12 @@
 #include <string_view>
 #include <type_traits>
 
-// Messages between the processes of a farm, over a socket pair on one machine.
+// Messages between a MultiProcessEngine and its device processes, over a socket pair on one
+// machine.
 
 namespace diaphane::render::bench {
 
-enum class FarmWord : std::uint32_t {
+enum class ProcessMessageKind : std::uint32_t {
   kDone,
   kFailed,  ///< code and message of an error
   kInfo,
@@ -24,22 +25,24 @@ enum class FarmWord : std::uint32_t {
   kFeatures
 };
 
-struct FarmMessage {
-  FarmWord word = FarmWord::kDone;
+struct ProcessMessage {
+  ProcessMessageKind word = ProcessMessageKind::kDone;
   std::string payload;
 };
 
 /// One end of a connection, which owns its descriptor.
-class FarmWire {
+class ProcessWire {
  public:
-  explicit FarmWire(int descriptor) : descriptor_(descriptor) {}
-  ~FarmWire();
-  FarmWire(FarmWire&& other) noexcept : descriptor_(other.descriptor_) { other.descriptor_ = -1; }
-  FarmWire& operator=(FarmWire&&) = delete;
+  explicit ProcessWire(int descriptor) : descriptor_(descriptor) {}
+  ~ProcessWire();
+  ProcessWire(ProcessWire&& other) noexcept : descriptor_(other.descriptor_) {
+    other.descriptor_ = -1;
+  }
+  ProcessWire& operator=(ProcessWire&&) = delete;
 
-  bool send(FarmWord word, std::string_view payload) const;
+  bool send(ProcessMessageKind word, std::string_view payload) const;
   /// Returns nullopt when the other end has closed the connection.
-  std::optional<FarmMessage> receive() const;
+  std::optional<ProcessMessage> receive() const;
 
  private:
   int descriptor_;

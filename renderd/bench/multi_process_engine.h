@@ -12,6 +12,7 @@ namespace diaphane::render::bench {
 /// are merged with weights by count. Supports one volume and one renderer at a time.
 ///
 /// Must be called before this process creates threads or uses CUDA.
-Result<std::unique_ptr<Engine>> make_farm(EngineChoice choice, unsigned devices, unsigned threads);
+Result<std::unique_ptr<Engine>> make_multi_process_engine(EngineChoice choice, unsigned devices,
+                                                          unsigned threads);
 
 }  // namespace diaphane::render::bench

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "common/try.h"
-#include "renderd/bench/many.h"
+#include "renderd/bench/multi_device_bench.h"
 #include "renderd/bench/timing.h"
 #include "renderd/composite/composite_engine.h"
 
@@ -84,7 +84,7 @@ TimeRow summarise(const std::vector<Shot>& shots) {
 
 }  // namespace
 
-Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Volume& volume,
+Result<std::vector<TimeRow>> measure_times(DeviceSet devices, const volume::Volume& volume,
                                            const diaphane::v1::Scene& scene,
                                            const TimeOptions& options) {
   const auto all = static_cast<unsigned>(devices.engines.size());

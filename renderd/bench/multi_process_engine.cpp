@@ -1,4 +1,4 @@
-#include "renderd/bench/farm.h"
+#include "renderd/bench/multi_process_engine.h"
 
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "common/try.h"
-#include "renderd/bench/farm_device.h"
+#include "renderd/bench/device_process.h"
 
 namespace diaphane::render::bench {
 namespace {
@@ -33,11 +33,11 @@ void see_only_device(unsigned k) {
 }
 
 struct Worker {
-  FarmWire wire;
+  ProcessWire wire;
   pid_t process;
 };
 
-/// The processes of a farm, which end with this object.
+/// The device processes, which end with this object.
 class Workers {
  public:
   Workers() = default;
@@ -63,11 +63,11 @@ class Workers {
         workers_.clear();
         ::close(ends[0]);
         see_only_device(k);
-        serve_farm_device(FarmWire(ends[1]), choice, threads, volume);
+        serve_device_process(ProcessWire(ends[1]), choice, threads, volume);
         ::_exit(0);
       }
       ::close(ends[1]);
-      workers_.push_back({FarmWire(ends[0]), process});
+      workers_.push_back({ProcessWire(ends[0]), process});
     }
     return {};
   }
@@ -75,7 +75,8 @@ class Workers {
   std::size_t count() const { return workers_.size(); }
 
   /// Sends all requests at once, each with its own payload, and waits for every answer.
-  Result<std::vector<std::string>> ask(FarmWord word, const std::vector<std::string>& payloads) {
+  Result<std::vector<std::string>> ask(ProcessMessageKind word,
+                                       const std::vector<std::string>& payloads) {
     for (std::size_t k = 0; k < workers_.size(); ++k) {
       if (!workers_[k].wire.send(word, payloads[k])) return gone();
     }
@@ -84,7 +85,7 @@ class Workers {
     for (const Worker& worker : workers_) {
       auto answer = worker.wire.receive();
       if (!answer) return gone();
-      if (answer->word == FarmWord::kFailed) {
+      if (answer->word == ProcessMessageKind::kFailed) {
         std::string_view rest = answer->payload;
         const auto code = unpacked<ErrorCode>(rest);
         trouble = fail(code, std::string(rest));
@@ -94,7 +95,7 @@ class Workers {
     if (!trouble) return trouble;
     return answers;
   }
-  Result<std::vector<std::string>> ask(FarmWord word, const std::string& payload = {}) {
+  Result<std::vector<std::string>> ask(ProcessMessageKind word, const std::string& payload = {}) {
     return ask(word, std::vector<std::string>(workers_.size(), payload));
   }
 
@@ -108,9 +109,9 @@ class Workers {
   std::vector<Worker> workers_;
 };
 
-class FarmVolume final : public DeviceVolume {
+class MultiProcessVolume final : public DeviceVolume {
  public:
-  explicit FarmVolume(volume::Header header) : header_(std::move(header)) {}
+  explicit MultiProcessVolume(volume::Header header) : header_(std::move(header)) {}
   const volume::Header& header() const override { return header_; }
   std::uint64_t device_bytes() const override { return 0; }
 
@@ -118,12 +119,13 @@ class FarmVolume final : public DeviceVolume {
   volume::Header header_;
 };
 
-class FarmRenderer final : public FrameRenderer {
+class MultiProcessRenderer final : public FrameRenderer {
  public:
-  explicit FarmRenderer(std::shared_ptr<Workers> workers) : workers_(std::move(workers)) {}
+  explicit MultiProcessRenderer(std::shared_ptr<Workers> workers) : workers_(std::move(workers)) {}
 
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
-    auto done = workers_->ask(FarmWord::kScene, packed(canvas) + scene.SerializeAsString());
+    auto done =
+        workers_->ask(ProcessMessageKind::kScene, packed(canvas) + scene.SerializeAsString());
     DIAPHANE_TRY(done);
     canvas_ = canvas;
     seconds_ = 0;
@@ -137,7 +139,7 @@ class FarmRenderer final : public FrameRenderer {
     for (std::uint32_t k = 0; k < devices; ++k) {
       shares.push_back(packed(samples / devices + (k < samples % devices ? 1 : 0)));
     }
-    auto answers = workers_->ask(FarmWord::kRender, shares);
+    auto answers = workers_->ask(ProcessMessageKind::kRender, shares);
     DIAPHANE_TRY(answers);
     Batch batch;
     batch.samples = samples;
@@ -163,12 +165,12 @@ class FarmRenderer final : public FrameRenderer {
   }
 
   Result<void> display(PictureRgb8&) override {
-    return fail(ErrorCode::kUnsupported, "a farm has no display");
+    return fail(ErrorCode::kUnsupported, "a multi-process engine has no display");
   }
 
   Result<void> radiance(PictureRgbF& out) override {
     const std::vector<Progress> counts = all_progress();
-    auto answers = workers_->ask(FarmWord::kRadiance);
+    auto answers = workers_->ask(ProcessMessageKind::kRadiance);
     DIAPHANE_TRY(answers);
     const std::size_t numbers = std::size_t{3} * canvas_.width * canvas_.height;
     std::vector<double> sum(numbers, 0.0);
@@ -188,7 +190,7 @@ class FarmRenderer final : public FrameRenderer {
   }
 
   Result<void> contents(std::vector<std::uint8_t>& out) override {
-    auto answers = workers_->ask(FarmWord::kContents);
+    auto answers = workers_->ask(ProcessMessageKind::kContents);
     DIAPHANE_TRY(answers);
     out.assign(std::size_t{canvas_.width} * canvas_.height, 0);
     for (const std::string& met : *answers) {
@@ -199,7 +201,7 @@ class FarmRenderer final : public FrameRenderer {
 
   std::vector<std::string> features() const override {
     std::vector<std::string> names;
-    auto answers = workers_->ask(FarmWord::kFeatures);
+    auto answers = workers_->ask(ProcessMessageKind::kFeatures);
     if (!answers) return names;
     std::stringstream lines(answers->front());
     for (std::string line; std::getline(lines, line);) names.push_back(line);
@@ -209,7 +211,7 @@ class FarmRenderer final : public FrameRenderer {
  private:
   std::vector<Progress> all_progress() const {
     std::vector<Progress> all;
-    auto answers = workers_->ask(FarmWord::kProgress);
+    auto answers = workers_->ask(ProcessMessageKind::kProgress);
     if (!answers) return all;
     for (std::string_view answer : *answers) all.push_back(unpacked<Progress>(answer));
     return all;
@@ -220,14 +222,14 @@ class FarmRenderer final : public FrameRenderer {
   double seconds_ = 0;
 };
 
-class Farm final : public Engine {
+class MultiProcessEngine final : public Engine {
  public:
-  Farm(EngineChoice choice, unsigned devices, unsigned threads)
+  MultiProcessEngine(EngineChoice choice, unsigned devices, unsigned threads)
       : choice_(choice), devices_(devices), threads_(threads) {}
 
   EngineInfo info() const override {
     EngineInfo info{choice_ == EngineChoice::kCuda ? "cuda" : "cpu", "", 0};
-    if (auto answers = workers_->ask(FarmWord::kInfo)) {
+    if (auto answers = workers_->ask(ProcessMessageKind::kInfo)) {
       info.device = std::to_string(devices_) + " x " +
                     answers->front().substr(answers->front().find('\n') + 1);
     }
@@ -237,8 +239,8 @@ class Farm final : public Engine {
   Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
     workers_ = std::make_shared<Workers>();
     DIAPHANE_TRY(workers_->start(choice_, devices_, threads_, volume));
-    DIAPHANE_TRY(workers_->ask(FarmWord::kInfo));
-    return std::make_shared<FarmVolume>(volume.header);
+    DIAPHANE_TRY(workers_->ask(ProcessMessageKind::kInfo));
+    return std::make_shared<MultiProcessVolume>(volume.header);
   }
 
  private:
@@ -250,9 +252,9 @@ class Farm final : public Engine {
     for (unsigned k = 0; k < devices_; ++k) {
       options.push_back(packed(RendererOptions{seed, first_sample + k * kRangeOfADevice, method}));
     }
-    auto made = workers_->ask(FarmWord::kRenderer, options);
+    auto made = workers_->ask(ProcessMessageKind::kRenderer, options);
     DIAPHANE_TRY(made);
-    return std::make_unique<FarmRenderer>(workers_);
+    return std::make_unique<MultiProcessRenderer>(workers_);
   }
 
   EngineChoice choice_;
@@ -262,11 +264,12 @@ class Farm final : public Engine {
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> make_farm(EngineChoice choice, unsigned devices, unsigned threads) {
+Result<std::unique_ptr<Engine>> make_multi_process_engine(EngineChoice choice, unsigned devices,
+                                                          unsigned threads) {
   if (choice == EngineChoice::kCpu && threads == 0) {
     threads = std::max(1u, std::thread::hardware_concurrency() / devices);
   }
-  return std::make_unique<Farm>(choice, devices, threads);
+  return std::make_unique<MultiProcessEngine>(choice, devices, threads);
 }
 
 }  // namespace diaphane::render::bench

@@ -1,4 +1,4 @@
-#include "renderd/bench/farm_wire.h"
+#include "renderd/bench/process_wire.h"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@ namespace diaphane::render::bench {
 namespace {
 
 struct Head {
-  FarmWord word;
+  ProcessMessageKind word;
   std::uint64_t bytes;
 };
 
@@ -29,20 +29,20 @@ bool send_all(int descriptor, const char* data, std::size_t bytes) {
 
 }  // namespace
 
-FarmWire::~FarmWire() {
+ProcessWire::~ProcessWire() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-bool FarmWire::send(FarmWord word, std::string_view payload) const {
+bool ProcessWire::send(ProcessMessageKind word, std::string_view payload) const {
   const std::string head = packed(Head{word, payload.size()});
   return send_all(descriptor_, head.data(), head.size()) &&
          send_all(descriptor_, payload.data(), payload.size());
 }
 
-std::optional<FarmMessage> FarmWire::receive() const {
+std::optional<ProcessMessage> ProcessWire::receive() const {
   Head head{};
   if (!read_all(descriptor_, reinterpret_cast<char*>(&head), sizeof head)) return std::nullopt;
-  FarmMessage message{head.word, std::string(head.bytes, '\0')};
+  ProcessMessage message{head.word, std::string(head.bytes, '\0')};
   if (!read_all(descriptor_, message.payload.data(), head.bytes)) return std::nullopt;
   return message;
 }

@@ -3,15 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "renderd/bench/many.h"
+#include "renderd/bench/multi_device_bench.h"
 
 namespace diaphane::render::bench {
 
 /// The subcommand `many` of diaphane-renderd-bench.
-class ManyCommand {
+class MultiDeviceCommand {
  public:
-  explicit ManyCommand(CLI::App& app);
-  ~ManyCommand();
+  explicit MultiDeviceCommand(CLI::App& app);
+  ~MultiDeviceCommand();
   bool chosen() const;
   /// Returns the exit code.
   int run();

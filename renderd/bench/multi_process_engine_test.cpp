@@ -1,4 +1,4 @@
-#include "renderd/bench/farm.h"
+#include "renderd/bench/multi_process_engine.h"
 
 #include <gtest/gtest.h>
 
@@ -26,10 +26,10 @@ PictureRgbF picture_by(Engine& engine, std::uint64_t seed, std::uint64_t first,
 }
 
 /// The pictures of three devices, each with its own range of samples, weighted by count.
-TEST(Farm, AveragesItsDevicesWeightedBySampleCount) {
-  const auto farm = make_farm(EngineChoice::kCpu, 3, 1).value();
+TEST(MultiProcessEngine, AveragesItsDevicesWeightedBySampleCount) {
+  const auto multi = make_multi_process_engine(EngineChoice::kCpu, 3, 1).value();
   Progress progress;
-  const PictureRgbF merged = picture_by(*farm, 7, 5, 20, &progress);
+  const PictureRgbF merged = picture_by(*multi, 7, 5, 20, &progress);
   EXPECT_EQ(progress.samples, 20u);
   const auto engine = make_cpu_engine(1);
   std::vector<double> expected(merged.pixels.size());
@@ -49,22 +49,22 @@ TEST(Farm, AveragesItsDevicesWeightedBySampleCount) {
   EXPECT_NEAR(progress.error, std::sqrt(squared), 1e-12);
 }
 
-TEST(Farm, SupportsFewerSamplesThanDevices) {
-  const auto farm = make_farm(EngineChoice::kCpu, 4, 1).value();
+TEST(MultiProcessEngine, SupportsFewerSamplesThanDevices) {
+  const auto multi = make_multi_process_engine(EngineChoice::kCpu, 4, 1).value();
   const auto engine = make_cpu_engine(1);
-  const PictureRgbF one = picture_by(*farm, 7, 0, 1), alone = picture_by(*engine, 7, 0, 1);
+  const PictureRgbF one = picture_by(*multi, 7, 0, 1), alone = picture_by(*engine, 7, 0, 1);
   EXPECT_EQ(one.pixels, alone.pixels);
 }
 
-TEST(Farm, ReportsErrorsOfItsDevices) {
-  const auto farm = make_farm(EngineChoice::kCpu, 2, 1).value();
+TEST(MultiProcessEngine, ReportsErrorsOfItsDevices) {
+  const auto multi = make_multi_process_engine(EngineChoice::kCpu, 2, 1).value();
   volume::Volume wrong = test::skull_volume();
   wrong.header.spacing[0] = -1;
-  const auto loaded = farm->load(wrong);
+  const auto loaded = multi->load(wrong);
   ASSERT_FALSE(loaded);
   EXPECT_EQ(loaded.error().code, ErrorCode::kInvalid);
-  const auto volume = farm->load(test::skull_volume()).value();
-  const auto renderer = farm->renderer(volume, 1, 0).value();
+  const auto volume = multi->load(test::skull_volume()).value();
+  const auto renderer = multi->renderer(volume, 1, 0).value();
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(std::nan(""));
   EXPECT_FALSE(renderer->set_scene(scene, kCanvas));

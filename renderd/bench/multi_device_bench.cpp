@@ -1,4 +1,4 @@
-#include "renderd/bench/many.h"
+#include "renderd/bench/multi_device_bench.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ class PassesAssistant final : public Assistant {
 };
 
 /// Returns the picture of `count` devices that each rendered `passes`.
-Result<std::unique_ptr<CompositeRenderer>> composited(const ManyDevices& devices,
+Result<std::unique_ptr<CompositeRenderer>> composited(const DeviceSet& devices,
                                                       const Subject& subject, unsigned count,
                                                       std::uint32_t passes, std::uint64_t seed,
                                                       Method method) {
@@ -67,12 +67,12 @@ Result<std::unique_ptr<CompositeRenderer>> composited(const ManyDevices& devices
 
 }  // namespace
 
-Result<ManyDevices> open_devices(EngineChoice choice, unsigned count, unsigned threads,
-                                 const volume::Volume& volume) {
+Result<DeviceSet> open_devices(EngineChoice choice, unsigned count, unsigned threads,
+                               const volume::Volume& volume) {
   auto options = engine_options_from_environment();
   DIAPHANE_TRY(options);
   if (threads == 0) threads = std::thread::hardware_concurrency();
-  ManyDevices devices;
+  DeviceSet devices;
   for (unsigned d = 0; d < count; ++d) {
     options->device = static_cast<int>(d);
     auto engine = make_engine(choice, std::max(1U, threads / count), *options);
@@ -85,7 +85,7 @@ Result<ManyDevices> open_devices(EngineChoice choice, unsigned count, unsigned t
   return devices;
 }
 
-Result<std::vector<ErrorRow>> measure_errors(const ManyDevices& devices, const Subject& subject,
+Result<std::vector<ErrorRow>> measure_errors(const DeviceSet& devices, const Subject& subject,
                                              const Reference& reference,
                                              const ErrorOptions& options) {
   std::vector<ErrorRow> rows;
@@ -115,7 +115,7 @@ Result<std::vector<ErrorRow>> measure_errors(const ManyDevices& devices, const S
   return rows;
 }
 
-Result<PictureRgb8> side_by_side(const ManyDevices& devices, const Subject& subject, unsigned count,
+Result<PictureRgb8> side_by_side(const DeviceSet& devices, const Subject& subject, unsigned count,
                                  const std::vector<std::uint32_t>& passes) {
   const Canvas one = subject.canvas;
   PictureRgb8 all;
