@@ -185,7 +185,7 @@ void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) 
   if (!volume_) return;
   const std::shared_ptr<const v1::Scene> scene = state_.shown.scene;
   const Canvas canvas = state_.shown.viewport;
-  const auto coarse = parts_.facts.of(*volume_).coarse;
+  const auto coarse = parts_.stats.of(*volume_).coarse;
   lock.unlock();
   v1::ServerMessage message;
   v1::Depth& depth = *message.mutable_depth();
@@ -360,7 +360,7 @@ void LiveSession::refused(const Wanted& wanted, const Error& why) {
 
 void LiveSession::rendered(const Batch& batch) {
   parts_.metrics.rendered(batch.samples, batch.seconds, batch.dropped_samples);
-  parts_.spent.add(charged_to_, batch.seconds + batch.helped_seconds);
+  parts_.gpu_time.add(charged_to_, batch.seconds + batch.helped_seconds);
   const std::lock_guard lock(mutex_);
   device_seconds_ += batch.seconds;
   samples_since_ += batch.samples;
@@ -392,7 +392,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   *config.mutable_volume() =
       header_for(receiver->viewer, volume_->header(),
                  state_.wanted.scene ? *state_.wanted.scene : v1::Scene::default_instance());
-  if (auto histogram = parts_.facts.of(*volume_).histogram;
+  if (auto histogram = parts_.stats.of(*volume_).histogram;
       histogram.counts_size() > 0 && receiver->viewer != ViewerKind::kGuest) {
     *config.mutable_histogram() = std::move(histogram);
   }

@@ -16,13 +16,13 @@
 #include "renderd/scene/light_textures.h"
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/file_work.h"
+#include "renderd/serve/gpu_time_meter.h"
 #include "renderd/serve/metrics.h"
-#include "renderd/serve/spent_time.h"
 #include "renderd/session/host_volume.h"
 #include "renderd/session/pictures.h"
 #include "renderd/session/slice_wishes.h"
 #include "renderd/session/volume_cache.h"
-#include "renderd/session/volume_facts.h"
+#include "renderd/session/volume_stats.h"
 
 namespace diaphane::render {
 
@@ -66,8 +66,8 @@ struct SessionParts {
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group, const Branch&)>
       branch;
   bool mark_frames = false;  ///< for benches: draws input_seq into the pixels (encode/frame_mark.h)
-  SpentTime& spent;
-  const KeptFacts& facts;
+  GpuTimeMeter& gpu_time;
+  const VolumeStatsCache& stats;
   SliceParts slices;
   std::atomic<int>& files;  ///< number of files that this worker is making
   /// Decodes textures, one at a time, in parallel to everything else, because it takes up to a

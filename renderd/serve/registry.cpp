@@ -158,10 +158,10 @@ bool Registry::heartbeat() {
 }
 
 void Registry::note_render_time() {
-  const SpentTime::Account spent = host_.spent().take_milliseconds();
+  const GpuTimeMeter::Account spent = host_.gpu_time().take_milliseconds();
   if (spent.empty()) return;
   // A failed report is sent again with the next heartbeat.
-  if (!directory_.add_render_time(spent)) host_.spent().give_back(spent);
+  if (!directory_.add_render_time(spent)) host_.gpu_time().give_back(spent);
 }
 
 void Registry::report_to_fleet() {

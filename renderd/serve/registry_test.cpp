@@ -185,13 +185,13 @@ TEST_F(RegistryTest, RefusesSecondWorkerWithTheSameNameWhileTheFirstLives) {
 }
 
 TEST_F(RegistryTest, ReportsRenderTimeOncePerUser) {
-  worker->host().spent().add("a", 1.5);
-  worker->host().spent().add("b", 0.0204);
+  worker->host().gpu_time().add("a", 1.5);
+  worker->host().gpu_time().add("b", 0.0204);
   redis.ask({"HSET", "diaphane:render_time", "a", "100"});
   auto registry = announce();
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "a") == "1600"; }));
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "b") == "20"; }));
-  worker->host().spent().add("b", 0.0008);  // plus the remaining 0.4 ms
+  worker->host().gpu_time().add("b", 0.0008);  // plus the remaining 0.4 ms
   EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "b") == "21"; }));
   EXPECT_EQ(redis.field("diaphane:render_time", "a"), "1600");
 }

@@ -29,13 +29,13 @@ struct Source {
   }
 };
 
-Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const Source& source,
-                                        const std::string& id) {
+Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
+                                        const Source& source, const std::string& id) {
   const auto start = std::chrono::steady_clock::now();
   auto volume = source.read(id);
   DIAPHANE_TRY(volume);
   auto loaded = engine.load(*volume);
-  if (loaded) facts.add(*loaded, facts_of(*volume));
+  if (loaded) stats.add(*loaded, stats_of(*volume));
   const auto seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
@@ -73,7 +73,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(
           [this, source = Source{options.volume_dir, options.copies}](const std::string& id) {
-            return load_volume(*engine_, facts_, source, id);
+            return load_volume(*engine_, stats_, source, id);
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) {
@@ -90,7 +90,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
             return volume::stored_hash(store + "/" + id);
           })),
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
-                                          facts_, SliceParts{*voxels_, *slicers_}, *textures_,
+                                          stats_, SliceParts{*voxels_, *slicers_}, *textures_,
                                           metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
                                              clock)),
@@ -119,7 +119,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
       host_->volume_gone(id);
     }
     voxels_->forget_unused();
-    facts_.forget_expired();
+    stats_.forget_expired();
     // Part of it comes from the heap, which does not return freed memory to the system by itself.
     if (take_freed_texture_memory() >= kWorthTrimming) malloc_trim(0);
     if (copies_) metrics_.volume_copies(copies_->counts());

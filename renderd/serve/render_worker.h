@@ -52,7 +52,7 @@ class RenderWorker {
   const std::shared_ptr<volume::NodeCache> copies_;
   // Each may call those before it. The destructor defines the order of destruction.
   std::unique_ptr<Engine> engine_;
-  KeptFacts facts_;
+  VolumeStatsCache stats_;
   std::unique_ptr<Runner> runner_;
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;

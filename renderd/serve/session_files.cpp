@@ -104,8 +104,8 @@ Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connecti
   DIAPHANE_TRY(renderer);
   auto link = std::make_shared<FileLink>(weak_from_this(), connection);
   // The work owns the reservation, also while a lane still holds the work.
-  auto took = [&spent = parts_.spent, user = charged_to_,
-               place = std::move(place)](double seconds) { spent.add(user, seconds); };
+  auto took = [&meter = parts_.gpu_time, user = charged_to_,
+               place = std::move(place)](double seconds) { meter.add(user, seconds); };
   auto work = std::make_shared<FileWork>(parts_.runner, parts_.encoders, std::move(*renderer),
                                          std::move(*maker), link, std::move(took));
   file_ = File{connection, std::move(link), work};

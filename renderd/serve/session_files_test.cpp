@@ -89,14 +89,14 @@ TEST_F(SessionFilesTest, RendersFilmAndChargesTheOwner) {
   device->seconds_per_megapixel = 1;  // 4 ms per sample
   Viewer one = attach(new_id());
   ASSERT_TRUE(is_quiet());
-  worker->host().spent().take_milliseconds();
+  worker->host().gpu_time().take_milliseconds();
   one.key(0, one.scene);
   one.film(20);
   const std::string film = one.file();
   ASSERT_GT(film.size(), 500u);
   EXPECT_EQ(film.substr(4, 4), "ftyp");
   EXPECT_EQ(one.link->inbox.count(Kind::kFileProgress), 20u);
-  const auto spent = worker->host().spent().take_milliseconds();
+  const auto spent = worker->host().gpu_time().take_milliseconds();
   ASSERT_TRUE(spent.contains(user));
   EXPECT_GE(spent.at(user), 20u * 4 * 4) << "4 samples at least each of 20 frames";
 }

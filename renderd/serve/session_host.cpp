@@ -72,14 +72,14 @@ bool is_displaced(const Error& why) {
 }
 
 SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-                         VolumeCache& volumes, const KeptFacts& facts, SliceParts slices,
+                         VolumeCache& volumes, const VolumeStatsCache& stats, SliceParts slices,
                          EncodePool& textures, Metrics& metrics, const Clock& clock)
     : options_(options),
       engine_(engine),
       runner_(runner),
       encoders_(encoders),
       volumes_(volumes),
-      facts_(facts),
+      stats_(stats),
       slices_(slices),
       textures_(textures),
       metrics_(metrics),
@@ -151,8 +151,8 @@ SessionParts SessionHost::parts() {
           [this] { return used(); },
           [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
           options_.mark_frames,
-          spent_,
-          facts_,
+          gpu_time_,
+          stats_,
           slices_,
           files_,
           textures_};

@@ -60,8 +60,8 @@ class SessionHost {
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-              VolumeCache& volumes, const KeptFacts& facts, SliceParts slices, EncodePool& textures,
-              Metrics& metrics, const Clock& clock);
+              VolumeCache& volumes, const VolumeStatsCache& stats, SliceParts slices,
+              EncodePool& textures, Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
   /// Opens a session or joins an existing one. kTooMany: no slot is free, or the session is full.
@@ -89,7 +89,7 @@ class SessionHost {
   void mark_unsaved(const std::string& id);
   std::optional<LiveSession::Lost> lost(const std::string& id) const;
   /// Time of users with sessions on this worker.
-  SpentTime& spent() { return spent_; }
+  GpuTimeMeter& gpu_time() { return gpu_time_; }
   std::size_t used() const;
   /// Returns the number of usable slots. While the device's memory is full, these are the occupied
   /// ones.
@@ -122,13 +122,13 @@ class SessionHost {
   Runner& runner_;
   EncodePool& encoders_;
   VolumeCache& volumes_;
-  const KeptFacts& facts_;
+  const VolumeStatsCache& stats_;
   const SliceParts slices_;
   EncodePool& textures_;
   Metrics& metrics_;
   const Clock& clock_;
 
-  SpentTime spent_;
+  GpuTimeMeter gpu_time_;
   std::atomic<int> files_{0};
   mutable std::mutex mutex_;
   std::map<std::string, Session> sessions_;

@@ -109,7 +109,7 @@ TEST_F(HostTest, ChargesTheOwnerForImagesButNobodyForStills) {
   one.attachment.emplace(*worker->host().open(open, one.link));
   one.say(hello_message());
   ASSERT_TRUE(one.follow([](const v1::Frame& frame) { return frame.error() <= 0.05; }));
-  const auto charged = worker->host().spent().take_milliseconds();
+  const auto charged = worker->host().gpu_time().take_milliseconds();
   ASSERT_EQ(charged.size(), 1U);
   const std::uint64_t ms = charged.at(user);
   // 100 samples of a millisecond in at most as many batches, each with three helpers.
@@ -128,7 +128,7 @@ TEST_F(HostTest, ChargesTheOwnerForImagesButNobodyForStills) {
   worker->stills().render(still, std::make_shared<const std::atomic<bool>>(false),
                           [&](Result<v1::StillReply> reply) { done.set_value(reply.has_value()); });
   EXPECT_TRUE(done.get_future().get());
-  EXPECT_TRUE(worker->host().spent().take_milliseconds().empty());
+  EXPECT_TRUE(worker->host().gpu_time().take_milliseconds().empty());
 }
 
 TEST_F(HostTest, SendsConfigurationAndConvergingFrames) {

@@ -11,26 +11,26 @@
 namespace diaphane::render {
 
 /// Data computed from a volume when it is loaded.
-struct VolumeFacts {
+struct VolumeStats {
   diaphane::v1::Histogram histogram;
   std::shared_ptr<const CoarseVolume> coarse;
 };
-VolumeFacts facts_of(const volume::Volume& volume);
+VolumeStats stats_of(const volume::Volume& volume);
 
-/// The facts of a device's volumes, each kept as long as its volume is in use. Thread-safe.
-class KeptFacts {
+/// The statistics of a device's volumes, each kept as long as its volume is in use. Thread-safe.
+class VolumeStatsCache {
  public:
-  void add(const std::shared_ptr<const DeviceVolume>& volume, VolumeFacts facts);
-  /// Drops the facts of volumes that are no longer in use, because the coarse copy of a small
+  void add(const std::shared_ptr<const DeviceVolume>& volume, VolumeStats stats);
+  /// Drops the statistics of volumes that are no longer in use, because the coarse copy of a small
   /// volume contains every voxel. To be called periodically.
   void forget_expired();
-  /// Returns empty facts if they are unknown.
-  VolumeFacts of(const DeviceVolume& volume) const;
+  /// Returns empty statistics if they are unknown.
+  VolumeStats of(const DeviceVolume& volume) const;
 
  private:
   struct Entry {
     std::weak_ptr<const DeviceVolume> volume;
-    VolumeFacts facts;
+    VolumeStats stats;
   };
   mutable std::mutex mutex_;
   std::map<const DeviceVolume*, Entry> entries_;

@@ -9,7 +9,7 @@ namespace diaphane::render {
 
 /// Per-user GPU time not yet reported to Redis, which counts accounts' render time
 /// (docs/contracts.md, "Render time"). Thread-safe.
-class SpentTime {
+class GpuTimeMeter {
  public:
   /// Microseconds by user.
   using Account = std::map<std::string, std::uint64_t>;
