@@ -79,17 +79,17 @@ TEST(RedisClient, ReadOnlyReplicaIsUnavailableAndCausesReconnect) {
   auto client = Client::create({.address = server.address(), .connections = 1});
   const auto connection = [&] { return (*client)->command({"CLIENT", "ID"})->integer; };
   const auto first = connection();
-  ASSERT_TRUE((*client)->run(kNoteRenderTime, {"somebody", "1"}));
+  ASSERT_TRUE((*client)->run(kAddRenderTime, {"somebody", "1"}));
   ASSERT_TRUE((*client)->command({"REPLICAOF", "127.0.0.1", "1"}));
   EXPECT_EQ(connection(), first) << "reading from a replica is allowed";
   EXPECT_EQ((*client)->command({"SET", "key", "1"}).error().code, ErrorCode::kUnavailable);
   const auto second = connection();
   EXPECT_NE(second, first);
-  EXPECT_EQ((*client)->run(kNoteRenderTime, {"somebody", "1"}).error().code,
+  EXPECT_EQ((*client)->run(kAddRenderTime, {"somebody", "1"}).error().code,
             ErrorCode::kUnavailable);
   EXPECT_NE(connection(), second);
   ASSERT_TRUE((*client)->command({"REPLICAOF", "NO", "ONE"}));
-  EXPECT_TRUE((*client)->run(kNoteRenderTime, {"somebody", "1"}));
+  EXPECT_TRUE((*client)->run(kAddRenderTime, {"somebody", "1"}));
 }
 
 TEST(RedisClient, RefusedCommandIsInternalErrorAndKeepsTheConnection) {
@@ -97,10 +97,10 @@ TEST(RedisClient, RefusedCommandIsInternalErrorAndKeepsTheConnection) {
   auto client = Client::create({.address = server.address(), .connections = 1});
   const auto before = (*client)->command({"CLIENT", "ID"})->integer;
   EXPECT_EQ((*client)->command({"NONSENSE"}).error().code, ErrorCode::kInternal);
-  const Result<Reply> refused = (*client)->run(kNoteRenderTime, {"somebody", "much"});
+  const Result<Reply> refused = (*client)->run(kAddRenderTime, {"somebody", "much"});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInternal);
-  EXPECT_TRUE(refused.error().message.starts_with("Redis refused note_render_time.lua: "));
+  EXPECT_TRUE(refused.error().message.starts_with("Redis refused add_render_time.lua: "));
   EXPECT_EQ((*client)->command({"CLIENT", "ID"})->integer, before);
 }
 

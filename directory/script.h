@@ -12,24 +12,24 @@ struct Script {
 };
 
 // Defined in the generated scripts.cpp (embed_scripts.cmake).
+extern const Script kAddRenderTime;
 extern const Script kConsumeTicket;
+extern const Script kDeregister;
 extern const Script kEndLinks;
 extern const Script kEndSessions;
 extern const Script kEndedLinks;
 extern const Script kFleets;
-extern const Script kGoodbye;
 extern const Script kHeartbeat;
 extern const Script kLend;
 extern const Script kListSessions;
 extern const Script kListWorkers;
 extern const Script kMakeLink;
-extern const Script kNoteRenderTime;
 extern const Script kPlace;
 extern const Script kRebuildSession;
-extern const Script kReportToFleet;
 extern const Script kSaveScene;
 extern const Script kSessionRefused;
 extern const Script kTakeRenderTime;
+extern const Script kUpdateTelemetry;
 extern const Script kWorkerLost;
 
 }  // namespace diaphane::directory

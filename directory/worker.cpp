@@ -63,7 +63,7 @@ Result<HeartbeatReply> WorkerDirectory::beat(const Heartbeat& heartbeat) {
 }
 
 Result<void> WorkerDirectory::leave() {
-  const Result<Reply> reply = client_.run(kGoodbye, {id_, incarnation_});
+  const Result<Reply> reply = client_.run(kDeregister, {id_, incarnation_});
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }
@@ -72,7 +72,7 @@ Result<std::optional<std::size_t>> WorkerDirectory::report(const FleetReport& re
   const std::string memory = decimal("%.3f", report.memory);
   const std::string error = decimal("%.4g", report.error);
   const Result<Reply> reply =
-      client_.run(kReportToFleet, {id_, incarnation_, report.owner, memory, error});
+      client_.run(kUpdateTelemetry, {id_, incarnation_, report.owner, memory, error});
   if (!reply) return tl::unexpected(reply.error());
   if (reply->integer < 0) return std::nullopt;
   return static_cast<std::size_t>(reply->integer);
@@ -84,7 +84,7 @@ Result<void> WorkerDirectory::add_render_time(const std::map<std::string, std::u
     words.push_back(user);
     words.push_back(std::to_string(ms));
   }
-  const Result<Reply> reply = client_.run(kNoteRenderTime, views(words));
+  const Result<Reply> reply = client_.run(kAddRenderTime, views(words));
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }

@@ -147,8 +147,8 @@ bool Registry::heartbeat() {
     return false;
   }
   refused_since_.reset();
-  note_render_time();
-  if (!options_.owner.empty()) report_to_fleet();
+  report_render_time();
+  if (!options_.owner.empty()) report_telemetry();
   for (const std::string& id : reply->ended) {
     log::info("session_moved_away", {{"session", id}});
     host_.moved_away(id);
@@ -157,14 +157,14 @@ bool Registry::heartbeat() {
   return true;
 }
 
-void Registry::note_render_time() {
+void Registry::report_render_time() {
   const GpuTimeMeter::Account spent = host_.gpu_time().take_milliseconds();
   if (spent.empty()) return;
   // A failed report is sent again with the next heartbeat.
   if (!directory_.add_render_time(spent)) host_.gpu_time().give_back(spent);
 }
 
-void Registry::report_to_fleet() {
+void Registry::report_telemetry() {
   const auto room = directory_.report(
       {.owner = options_.owner, .memory = options_.memory(), .error = options_.error()});
   if (!room || !*room) return;

@@ -65,8 +65,8 @@ class Registry {
   void run();
   bool heartbeat();
   bool save_scenes();
-  void note_render_time();
-  void report_to_fleet();
+  void report_render_time();
+  void report_telemetry();
   void write_again(const std::string& session);
   void refused_name(const std::string& holder);
   Loads loads(const std::vector<SessionHost::Live>& live);

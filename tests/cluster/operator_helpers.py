@@ -79,7 +79,7 @@ class Beats:
         self.told: dict[str, float] = {}
         self.stopping = threading.Event()
         self.heartbeat = cluster.redis.client.register_script((_SCRIPTS / "heartbeat.lua").read_text(encoding="utf-8"))
-        self.report = cluster.redis.client.register_script((_SCRIPTS / "report_to_fleet.lua").read_text(encoding="utf-8"))
+        self.report = cluster.redis.client.register_script((_SCRIPTS / "update_telemetry.lua").read_text(encoding="utf-8"))
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 

@@ -31,7 +31,7 @@ from house.benches.soak import held
 _SCRIPTS = BUILD / "directory" / "scripts"
 PLACE = _SCRIPTS / "place.lua"
 HEARTBEAT = _SCRIPTS / "heartbeat.lua"
-REPORT = _SCRIPTS / "report_to_fleet.lua"
+REPORT = _SCRIPTS / "update_telemetry.lua"
 FLEETS = _SCRIPTS / "fleets.lua"
 #: Overrides defaults for small clusters: 50 bindings per second, a node lease every 10 s.
 _FLAGS = {

@@ -1,4 +1,4 @@
--- A worker that ends in order takes itself off the list, so that nobody waits for its heartbeat to expire.
+-- Removes a worker that shuts down in order, so that nobody waits for its heartbeat to expire.
 -- ARGV: 1 worker id, 2 incarnation
 if redis.call('HGET', keys.worker(ARGV[1]), 'incarnation') ~= ARGV[2] then return 0 end
 redis.call('DEL', keys.worker(ARGV[1]), keys.worker_sessions(ARGV[1]))

@@ -1,7 +1,7 @@
--- Beside the heartbeat of a worker that an operator made: what is asked of it, and what the operator wants to know
+-- Runs after each heartbeat of a worker that the operator created: stores its telemetry and returns the operator's orders
 -- (docs/contracts.md, Redis).
 -- ARGV: 1 worker id, 2 incarnation, 3 owner, 4 memory (of the device, 0..1), 5 error (of all its pictures, summed)
--- Returns -1: it goes on. 0 or more: it drains, and so many sessions find a place elsewhere now.
+-- Returns -1: the worker continues. 0 or more: it drains, and this many sessions fit on other workers now.
 local worker_key = keys.worker(ARGV[1])
 local before = redis.call('HMGET', worker_key, 'incarnation', 'used', 'idle_since', 'live')
 if before[1] ~= ARGV[2] then return -1 end
