@@ -130,10 +130,10 @@ std::uint32_t band_rows(Canvas picture) {
   return std::clamp(fitting, kShareRows, std::max(picture.height, kShareRows));
 }
 
-Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileWanted& wanted,
+Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileRequest& request,
                                                    std::vector<v1::Scene> keys) {
-  if (wanted.has_film()) return film_maker(wanted.film(), std::move(keys));
-  if (wanted.has_picture()) return picture_maker(wanted.picture(), std::move(keys));
+  if (request.has_film()) return film_maker(request.film(), std::move(keys));
+  if (request.has_picture()) return picture_maker(request.picture(), std::move(keys));
   return fail(ErrorCode::kInvalid, "This file type is not supported.", "kind");
 }
 

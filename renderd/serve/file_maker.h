@@ -42,8 +42,8 @@ std::uint32_t band_rows(Canvas picture);
 
 inline constexpr std::uint64_t kBandPixels = std::uint64_t{1} << 20;
 
-/// kInvalid names the invalid field of the order (FileWanted) or of its key views.
-Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileWanted& wanted,
+/// kInvalid names the invalid field of the order (FileRequest) or of its key views.
+Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileRequest& request,
                                                    std::vector<diaphane::v1::Scene> keys);
 
 }  // namespace diaphane::render

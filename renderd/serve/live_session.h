@@ -20,7 +20,7 @@
 #include "renderd/serve/metrics.h"
 #include "renderd/session/host_volume.h"
 #include "renderd/session/pictures.h"
-#include "renderd/session/slice_wishes.h"
+#include "renderd/session/slice_request_queue.h"
 #include "renderd/session/volume_cache.h"
 #include "renderd/session/volume_stats.h"
 
@@ -190,7 +190,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void keep_if_last(RenderedPicture& picture);
 
   // Exact slices: the first request loads the voxels, and slices are encoded one by one.
-  void receive_slices(std::uint64_t connection, const diaphane::v1::SlicesWanted& wanted);
+  void receive_slices(std::uint64_t connection, const diaphane::v1::SliceRequest& request);
   void voxels_ready(Result<VolumeCache::Handle> loaded);
   void send_slices(std::uint64_t connection);
   /// A slice that is being made, and the clip in effect. nullopt: the whole slice.
@@ -206,7 +206,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   class FileLink;
   void receive_file(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
   Result<std::shared_ptr<FileWork>> begin_file(std::uint64_t connection,
-                                               const diaphane::v1::FileWanted& wanted);
+                                               const diaphane::v1::FileRequest& request);
   void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message, bool last);
   // Require the lock.
   void give_up_file();

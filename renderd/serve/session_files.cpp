@@ -76,7 +76,7 @@ void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage
       if (auto noted = note_key_view(key_views_, message.key_view()); !noted) refuse(noted.error());
     } else if (message.has_file_taken()) {
       if (file_ && file_->connection == connection) taken = file_->work;
-    } else if (message.file().kind_case() == v1::FileWanted::KIND_NOT_SET) {
+    } else if (message.file().kind_case() == v1::FileRequest::KIND_NOT_SET) {
       give_up_file();
     } else if (auto file = begin_file(connection, message.file())) {
       begun = std::move(*file);
@@ -89,7 +89,7 @@ void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage
 }
 
 Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connection,
-                                                          const v1::FileWanted& wanted) {
+                                                          const v1::FileRequest& request) {
   if (!volume_ || ended_) return fail(ErrorCode::kUnavailable, "The scan is not loaded yet.");
   if (file_) return fail(ErrorCode::kConflict, "A file is already being created.");
   auto place = place_among(parts_.files);
@@ -97,7 +97,7 @@ Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connecti
     return fail(ErrorCode::kTooMany,
                 "Too many files are being created right now. Try again later.");
   }
-  auto maker = make_file_maker(wanted, std::move(key_views_));
+  auto maker = make_file_maker(request, std::move(key_views_));
   key_views_.clear();
   DIAPHANE_TRY(maker);
   auto renderer = parts_.engine.renderer(volume_, kFileSeed, 0, kLiveMethod);

@@ -27,12 +27,12 @@ Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
 
 }  // namespace
 
-void LiveSession::receive_slices(std::uint64_t connection, const v1::SlicesWanted& wanted) {
+void LiveSession::receive_slices(std::uint64_t connection, const v1::SliceRequest& request) {
   {
     const std::lock_guard lock(mutex_);
     Receiver* const receiver = state_.audience.find(connection);
     if (!receiver || !stacks_) return;  // pages do not ask before they are told of slices
-    if (const auto noted = receiver->slices.wish(wanted, *stacks_); !noted) {
+    if (const auto noted = receiver->slices.replace(request, *stacks_); !noted) {
       return send_problem(connection, noted.error());
     }
     if (!voxels_ && receiver->slices.waiting()) return load_voxels();

@@ -32,13 +32,13 @@ struct Viewer : TestViewer {
 
   void want(std::initializer_list<std::pair<v1::AnatomicalPlane, std::uint32_t>> slices) {
     v1::ClientMessage message;
-    v1::SlicesWanted& wanted = *message.mutable_slices();
+    v1::SliceRequest& request = *message.mutable_slices();
     for (const auto& [plane, index] : slices) {
-      v1::SlicesWanted::At& at = *wanted.add_slices();
+      v1::SliceRequest::At& at = *request.add_slices();
       at.set_plane(plane);
       at.set_index(index);
     }
-    wanted.set_taken(taken);
+    request.set_taken(taken);
     say(message);
   }
   void let_guests_see_slices(bool on) {
@@ -223,7 +223,7 @@ TEST_F(SessionSlicesTest, StalledViewerHasThreeInFlightAndDelaysNobody) {
   silent.let_guests_see_slices(true);
   for (std::uint32_t i = 0; i < 200; ++i) {
     v1::ClientMessage message;
-    v1::SlicesWanted::At& at = *message.mutable_slices()->add_slices();
+    v1::SliceRequest::At& at = *message.mutable_slices()->add_slices();
     at.set_plane(v1::AXIAL);
     at.set_index(i % 4);
     silent.say(message);

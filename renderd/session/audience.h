@@ -15,7 +15,7 @@
 #include "renderd/session/quality.h"
 #include "renderd/session/rights.h"
 #include "renderd/session/slice_allowance.h"
-#include "renderd/session/slice_wishes.h"
+#include "renderd/session/slice_request_queue.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
@@ -61,7 +61,7 @@ struct Receiver {
   /// Time of attachment, of the last acknowledgement, or of a frame sent with none outstanding.
   TimePoint heard_at{};
 
-  SliceWishes slices;                     ///< with a window separate from the pictures'
+  SliceRequestQueue slices;               ///< with a window separate from the pictures'
   std::optional<TimePoint> depth_asked;   ///< time of the last query
   std::optional<TimePoint> kernel_asked;  ///< time of the last request
   bool kernel_wanted = false;             ///< requested, but not answered yet

@@ -75,20 +75,20 @@ class Browser {
     MUST(std::isfinite(seen->place.x + seen->place.y + seen->place.z));
   }
 
-  void slices(const v1::SlicesWanted& wanted) {
+  void slices(const v1::SliceRequest& request) {
     static const SliceStacks stacks = stacks_of(ball().header);
-    if (const auto noted = wishes_.wish(wanted, stacks); !noted) {
+    if (const auto noted = queue_.replace(request, stacks); !noted) {
       MUST(!noted.error().field.empty());
       return;
     }
     for (std::size_t sent = 0;; ++sent) {
-      const auto due = wishes_.take();
+      const auto due = queue_.take();
       if (!due) return;
       MUST(sent < stacks.size());
       const volume::SliceStack& stack = stacks.at(due->plane);
       const auto values = volume::slice_of(ball(), stack, due->index);
       MUST(values && values->size() == std::size_t{stack.columns} * stack.rows);
-      wishes_.depart();
+      queue_.depart();
     }
   }
 
@@ -118,7 +118,7 @@ class Browser {
   }
 
   SessionState state_;
-  SliceWishes wishes_;
+  SliceRequestQueue queue_;
   std::vector<v1::Scene> keys_;
   TimePoint now_{std::chrono::seconds(1)};
   std::uint64_t connection_ = 0, epoch_ = 0;

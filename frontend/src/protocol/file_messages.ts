@@ -2,10 +2,10 @@ import { create, toBinary } from "@bufbuild/protobuf";
 import {
   ClientMessageSchema,
   Film_Path as FilmPath,
+  FileRequestSchema,
   FileTakenSchema,
-  FileWantedSchema,
   FilmSchema,
-  KernelWantedSchema,
+  KernelQuerySchema,
   KeyViewSchema,
   LargePictureSchema,
   type ClientMessage,
@@ -49,10 +49,10 @@ export function encodeFile(order: FileOrder): Bytes[] {
             framesPerSecond: order.framesPerSecond,
           }),
         } as const);
-  return [...keys, encoded({ case: "file", value: create(FileWantedSchema, { kind }) })];
+  return [...keys, encoded({ case: "file", value: create(FileRequestSchema, { kind }) })];
 }
 
 export const encodeFileTaken = (seq: bigint): Bytes =>
   encoded({ case: "fileTaken", value: create(FileTakenSchema, { seq }) });
 
-export const encodeKernelWanted = (): Bytes => encoded({ case: "kernel", value: create(KernelWantedSchema) });
+export const encodeKernelQuery = (): Bytes => encoded({ case: "kernel", value: create(KernelQuerySchema) });

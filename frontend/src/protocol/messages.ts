@@ -19,7 +19,7 @@ import {
   SceneUpdateSchema,
   ServerMessageSchema,
   SliceAccess,
-  SlicesWantedSchema,
+  SliceRequestSchema,
   StillFormat,
   ViewportSchema,
   VisibilitySchema,
@@ -172,7 +172,7 @@ const planeOf = (number: AnatomicalPlane): Plane | null =>
   (Object.entries(planeNumbers) as [Plane, AnatomicalPlane][]).find(([, one]) => one === number)?.[0] ?? null;
 
 export function encodeSlices(lacking: readonly SliceId[], taken: bigint): Bytes {
-  const value = create(SlicesWantedSchema, {
+  const value = create(SliceRequestSchema, {
     taken,
     slices: lacking.map(({ plane, index }) => ({ plane: planeNumbers[plane], index })),
   });

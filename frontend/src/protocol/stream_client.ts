@@ -37,7 +37,7 @@ import {
 import {
   encodeFile,
   encodeFileTaken,
-  encodeKernelWanted,
+  encodeKernelQuery,
   type FileOrder,
   type FilePart,
   type KernelReport,
@@ -247,7 +247,7 @@ export class StreamClient {
   }
 
   askForKernel(): void {
-    this.say(encodeKernelWanted());
+    this.say(encodeKernelQuery());
   }
 
   needKey(): void {

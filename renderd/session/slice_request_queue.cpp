@@ -1,4 +1,4 @@
-#include "renderd/session/slice_wishes.h"
+#include "renderd/session/slice_request_queue.h"
 
 #include <algorithm>
 #include <string>
@@ -21,59 +21,63 @@ void set(v1::Vec3& out, const std::array<double, 3>& vector) {
 
 }  // namespace
 
-Result<void> SliceWishes::wish(const v1::SlicesWanted& wanted, const SliceStacks& stacks) {
-  std::array<std::optional<std::uint32_t>, 3> wishes;
-  for (int i = 0; i < wanted.slices_size(); ++i) {
+Result<void> SliceRequestQueue::replace(const v1::SliceRequest& request,
+                                        const SliceStacks& stacks) {
+  std::array<std::optional<std::uint32_t>, 3> requested;
+  for (int i = 0; i < request.slices_size(); ++i) {
     const std::string field = "slices[" + std::to_string(i) + "].";
-    const v1::SlicesWanted::At& at = wanted.slices(i);
+    const v1::SliceRequest::At& at = request.slices(i);
     const auto plane = number_of(at.plane());
-    if (!plane || wishes[*plane]) {
+    if (!plane || requested[*plane]) {
       return fail(ErrorCode::kInvalid, "Request at most one slice per plane.", field + "plane");
     }
     if (at.index() >= stacks[*plane].slices) {
       return fail(ErrorCode::kInvalid, "This slice does not exist.", field + "index");
     }
-    wishes[*plane] = at.index();
+    requested[*plane] = at.index();
   }
   // Ignores numbers that were never sent.
-  if (wanted.taken() <= seq_) taken_ = std::max(taken_, wanted.taken());
-  for (std::size_t plane = 0; plane < wishes.size(); ++plane) {
-    const bool being_made = making_ && making_->plane == plane && wishes[plane] == making_->index;
+  if (request.taken() <= seq_) taken_ = std::max(taken_, request.taken());
+  for (std::size_t plane = 0; plane < requested.size(); ++plane) {
+    const bool in_preparation =
+        preparing_ && preparing_->plane == plane && requested[plane] == preparing_->index;
     const Sent& sent = sent_[plane];
-    const bool on_its_way = sent.seq > taken_ && wishes[plane] == sent.index;
-    if (being_made || on_its_way) wishes[plane].reset();
+    const bool in_flight = sent.seq > taken_ && requested[plane] == sent.index;
+    if (in_preparation || in_flight) requested[plane].reset();
   }
-  wanted_ = wishes;
+  requested_ = requested;
   return {};
 }
 
-std::optional<SliceDue> SliceWishes::take() {
+std::optional<SliceDue> SliceRequestQueue::take() {
   if (!ready()) return std::nullopt;
-  while (!wanted_[turn_]) turn_ = (turn_ + 1) % wanted_.size();
-  making_ = SliceDue{turn_, *wanted_[turn_]};
-  wanted_[turn_].reset();
-  turn_ = (turn_ + 1) % wanted_.size();
-  return making_;
+  while (!requested_[turn_]) turn_ = (turn_ + 1) % requested_.size();
+  preparing_ = SliceDue{turn_, *requested_[turn_]};
+  requested_[turn_].reset();
+  turn_ = (turn_ + 1) % requested_.size();
+  return preparing_;
 }
 
-std::uint64_t SliceWishes::depart() {
+std::uint64_t SliceRequestQueue::depart() {
   ++seq_;
-  if (making_) sent_[making_->plane] = {seq_, making_->index};
-  making_.reset();
+  if (preparing_) sent_[preparing_->plane] = {seq_, preparing_->index};
+  preparing_.reset();
   return seq_;
 }
 
-void SliceWishes::give_up() { making_.reset(); }
+void SliceRequestQueue::give_up() { preparing_.reset(); }
 
-void SliceWishes::put_back() {
-  if (making_ && !wanted_[making_->plane]) wanted_[making_->plane] = making_->index;
-  making_.reset();
+void SliceRequestQueue::put_back() {
+  if (preparing_ && !requested_[preparing_->plane]) {
+    requested_[preparing_->plane] = preparing_->index;
+  }
+  preparing_.reset();
 }
 
-void SliceWishes::forget() { wanted_ = {}; }
+void SliceRequestQueue::forget() { requested_ = {}; }
 
-bool SliceWishes::waiting() const {
-  return std::any_of(wanted_.begin(), wanted_.end(), [](const auto& one) { return one; });
+bool SliceRequestQueue::waiting() const {
+  return std::any_of(requested_.begin(), requested_.end(), [](const auto& one) { return one; });
 }
 
 SliceStacks stacks_of(const volume::Header& header) {

@@ -20,15 +20,15 @@ struct SliceDue {
 
 /// The slice requests of one viewer: at most the newest of each plane, so that a slow connection
 /// never has a queue of them. Plain data and arithmetic.
-class SliceWishes {
+class SliceRequestQueue {
  public:
   static constexpr std::uint64_t kUnderWay = 3;  ///< sent, but not yet acknowledged
 
   /// Takes a viewer's requests. kInvalid, naming the field, if they do not fit the stacks, and then
   /// nothing changes.
-  Result<void> wish(const diaphane::v1::SlicesWanted& wanted, const SliceStacks& stacks);
+  Result<void> replace(const diaphane::v1::SliceRequest& request, const SliceStacks& stacks);
   /// Whether a slice can be taken now.
-  bool ready() const { return !making_ && waiting() && seq_ - taken_ < kUnderWay; }
+  bool ready() const { return !preparing_ && waiting() && seq_ - taken_ < kUnderWay; }
   /// Returns the next slice to read and encode, in turn by plane. The next one can be taken after
   /// this one was sent or given up.
   std::optional<SliceDue> take();
@@ -48,9 +48,9 @@ class SliceWishes {
     std::uint64_t seq = 0;
     std::uint32_t index = 0;
   };
-  std::array<std::optional<std::uint32_t>, 3> wanted_;
+  std::array<std::optional<std::uint32_t>, 3> requested_;
   std::array<Sent, 3> sent_;  // the newest of each plane
-  std::optional<SliceDue> making_;
+  std::optional<SliceDue> preparing_;
   std::size_t turn_ = 0;
   std::uint64_t seq_ = 0;
   std::uint64_t taken_ = 0;

@@ -1,0 +1,133 @@
+#include "renderd/session/slice_request_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <utility>
+
+namespace diaphane::render {
+namespace {
+
+struct SliceRequestQueueTest : testing::Test {
+  SliceRequestQueueTest() {
+    volume::Header header;
+    header.size = {30, 20, 10};
+    stacks = stacks_of(header);
+  }
+  static v1::SliceRequest request_of(
+      std::initializer_list<std::pair<v1::AnatomicalPlane, std::uint32_t>> at,
+      std::uint64_t taken = 0) {
+    v1::SliceRequest message;
+    for (const auto& [plane, index] : at) {
+      message.add_slices()->set_plane(plane);
+      message.mutable_slices()->rbegin()->set_index(index);
+    }
+    message.set_taken(taken);
+    return message;
+  }
+  // Returns plane and index of the slice sent now, or (9, 9) for none.
+  std::pair<std::size_t, std::uint32_t> sent() {
+    const auto due = queue.take();
+    if (!due) return {9, 9};
+    queue.depart();
+    return {due->plane, due->index};
+  }
+
+  SliceStacks stacks;
+  SliceRequestQueue queue;
+};
+
+using Leaves = std::pair<std::size_t, std::uint32_t>;
+constexpr Leaves kNone{9, 9};
+
+TEST_F(SliceRequestQueueTest, SendsPlanesInTurn) {
+  ASSERT_TRUE(
+      queue.replace(request_of({{v1::SAGITTAL, 3}, {v1::AXIAL, 5}, {v1::CORONAL, 4}}), stacks));
+  EXPECT_EQ(sent(), Leaves(0, 5));
+  ASSERT_TRUE(
+      queue.replace(request_of({{v1::AXIAL, 6}, {v1::CORONAL, 4}, {v1::SAGITTAL, 3}}, 1), stacks));
+  EXPECT_EQ(sent(), Leaves(1, 4));
+  EXPECT_EQ(sent(), Leaves(2, 3));
+  EXPECT_EQ(sent(), Leaves(0, 6));
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceRequestQueueTest, NewestRequestOfAPlaneReplacesTheOthers) {
+  for (std::uint32_t index = 0; index < 10; ++index) {
+    ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, index}}), stacks));
+  }
+  EXPECT_EQ(sent(), Leaves(0, 9));
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 1}}, 1), stacks));
+  ASSERT_TRUE(queue.replace(request_of({}, 1), stacks));  // the viewer looked away meanwhile
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceRequestQueueTest, DoesNotResendSlicesInFlight) {
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}}), stacks));
+  const auto due = queue.take();
+  ASSERT_TRUE(due);
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}}), stacks));  // while it is made
+  EXPECT_FALSE(queue.waiting());
+  queue.depart();
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}}), stacks));  // while it is in transit
+  EXPECT_EQ(sent(), kNone);
+  // It arrived, and is requested again.
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}}, 1), stacks));
+  EXPECT_EQ(sent(), Leaves(0, 5));
+}
+
+TEST_F(SliceRequestQueueTest, LimitsSlicesInPreparationAndInFlight) {
+  ASSERT_TRUE(
+      queue.replace(request_of({{v1::AXIAL, 1}, {v1::CORONAL, 1}, {v1::SAGITTAL, 1}}), stacks));
+  ASSERT_TRUE(queue.take());
+  EXPECT_FALSE(queue.take());
+  queue.give_up();
+  EXPECT_EQ(sent(), Leaves(1, 1));
+  EXPECT_EQ(sent(), Leaves(2, 1));
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 2}, {v1::CORONAL, 2}}), stacks));
+  EXPECT_EQ(sent(), Leaves(0, 2));
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(
+      queue.replace(request_of({{v1::CORONAL, 2}}, 9), stacks));  // a number that was never sent
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(queue.replace(request_of({{v1::CORONAL, 2}}, 3), stacks));
+  EXPECT_EQ(sent(), Leaves(1, 2));
+}
+
+TEST_F(SliceRequestQueueTest, RequeuesReturnedSliceUnlessANewerIsRequested) {
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}}), stacks));
+  ASSERT_TRUE(queue.take());
+  queue.put_back();
+  EXPECT_EQ(sent(), Leaves(0, 5));
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 6}}, 1), stacks));
+  ASSERT_TRUE(queue.take());
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 7}}, 1), stacks));
+  queue.put_back();
+  EXPECT_EQ(sent(), Leaves(0, 7));
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceRequestQueueTest, DoesNotSendForgottenRequests) {
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}, {v1::CORONAL, 1}}), stacks));
+  queue.forget();
+  EXPECT_FALSE(queue.waiting());
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceRequestQueueTest, RefusesInvalidRequestAndNamesTheField) {
+  ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 9}}), stacks));
+  const auto refused = [&](const v1::SliceRequest& message) {
+    const auto taken = queue.replace(message, stacks);
+    return taken ? std::string("taken") : taken.error().field;
+  };
+  EXPECT_EQ(refused(request_of({{v1::CORONAL, 0}, {v1::AXIAL, 10}})), "slices[1].index");
+  EXPECT_EQ(refused(request_of({{v1::SAGITTAL, 0xffffffff}})), "slices[0].index");
+  EXPECT_EQ(refused(request_of({{v1::ANATOMICAL_PLANE_UNSPECIFIED, 0}})), "slices[0].plane");
+  EXPECT_EQ(refused(request_of({{static_cast<v1::AnatomicalPlane>(77), 0}})), "slices[0].plane");
+  EXPECT_EQ(refused(request_of({{v1::AXIAL, 1}, {v1::AXIAL, 2}})), "slices[1].plane");
+  EXPECT_EQ(sent(), Leaves(0, 9));
+}
+
+}  // namespace
+}  // namespace diaphane::render
