@@ -32,7 +32,8 @@ double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 
 
 bool may_interrupt(bool began_moving, bool shown) { return shown || !began_moving; }
 
-void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules& rules, Time now) {
+void Ledger::refresh(ViewRequest wanted, const DeviceCosts& device, const LedgerRules& rules,
+                     Time now) {
   wanted_ = std::move(wanted);
   moving_ = !wanted_.rest && seconds_between(wanted_.last_input, now) < kRestSeconds;
   if (applied_version_ != wanted_.version) refused_size_.reset();

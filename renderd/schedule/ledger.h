@@ -4,7 +4,7 @@
 
 #include "renderd/schedule/emission.h"
 #include "renderd/schedule/policy.h"
-#include "renderd/session/wanted.h"
+#include "renderd/session/view_request.h"
 
 namespace diaphane::render {
 
@@ -34,7 +34,7 @@ class Ledger {
   explicit Ledger(std::uint64_t first_epoch) : epoch_(first_epoch) {}
 
   /// Takes the newest request and plans the size of the next picture.
-  void refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules& rules, Time now);
+  void refresh(ViewRequest wanted, const DeviceCosts& device, const LedgerRules& rules, Time now);
   SessionView view(std::uint64_t handle, const DeviceCosts& device, const LedgerRules& rules,
                    Time now) const;
   /// Returns the input of should_emit(), or nullopt if there is no picture to show.
@@ -59,7 +59,7 @@ class Ledger {
   /// Whether newer input may interrupt the quantum in flight.
   bool interruptible() const;
 
-  const Wanted& wanted() const { return wanted_; }
+  const ViewRequest& wanted() const { return wanted_; }
   Canvas canvas() const { return canvas_; }    ///< size of the film
   Canvas planned() const { return planned_; }  ///< size of the next picture
   const Progress& progress() const { return progress_; }
@@ -75,7 +75,7 @@ class Ledger {
   double seconds_per_pixel(const DeviceCosts& device) const;
   double silence(Time now) const;
 
-  Wanted wanted_;
+  ViewRequest wanted_;
   bool moving_ = false;
   Canvas planned_;
   Time refreshed_at_{};

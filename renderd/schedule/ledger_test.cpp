@@ -17,7 +17,7 @@ struct LedgerTest : testing::Test {
   LedgerRules rules{.target_error = 0.01, .fewest_samples = 16, .device_parallel = 40'000};
   DeviceCosts device;
   Ledger ledger{7};
-  Wanted wanted;
+  ViewRequest wanted;
 
   LedgerTest() {
     wanted.version = 1;
@@ -119,8 +119,8 @@ TEST_F(LedgerTest, ViewerMayStopEarlierButNotLater) {
 }
 
 TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
-  const auto moving = [&](double wish, double connection) {
-    wanted.effort.moving_scale = wish;
+  const auto moving = [&](double viewers, double connection) {
+    wanted.effort.moving_scale = viewers;
     wanted.moving_scale = connection;
     input();
     look();

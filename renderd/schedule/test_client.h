@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/clock.h"
-#include "renderd/session/wanted.h"
+#include "renderd/session/view_request.h"
 
 namespace diaphane::render {
 
@@ -41,15 +41,15 @@ class TestClient final : public RenderClient {
     wanted_.picture_again = true;
   }
 
-  Wanted wanted() override {
+  ViewRequest wanted() override {
     const std::lock_guard lock(mutex_);
-    Wanted wanted = wanted_;
+    ViewRequest wanted = wanted_;
     wanted_.picture_again = false;
     return wanted;
   }
   std::uint64_t version() const noexcept override { return version_; }
-  void began(std::uint64_t epoch, const Wanted&) override { began_epoch = epoch; }
-  void refused(const Wanted&, const Error& why) override {
+  void began(std::uint64_t epoch, const ViewRequest&) override { began_epoch = epoch; }
+  void refused(const ViewRequest&, const Error& why) override {
     const std::lock_guard lock(mutex_);
     refusals.push_back(why);
   }
@@ -92,7 +92,7 @@ class TestClient final : public RenderClient {
  private:
   const Clock& clock_;
   std::mutex mutex_;
-  Wanted wanted_;
+  ViewRequest wanted_;
   std::atomic<std::uint64_t> version_{0};
   std::vector<RenderedPicture> pictures_;
   double charged_ = 0;  // seconds

@@ -158,8 +158,8 @@ void AssistHost::Session::end(const Error& why) {
   if (link) link->finish(why);
 }
 
-Wanted AssistHost::Session::wanted() {
-  Wanted wanted;
+ViewRequest AssistHost::Session::wanted() {
+  ViewRequest wanted;
   const AssistDesk::Order order = desk_->newest();
   if (!order.task) return wanted;
   wanted.version = order.version;

@@ -67,10 +67,10 @@ class AssistHost::Session final : public RenderClient,
 
   // RenderClient
   bool of_another_worker() const override { return true; }
-  Wanted wanted() override;
+  ViewRequest wanted() override;
   std::uint64_t version() const noexcept override { return version_; }
-  void began(std::uint64_t, const Wanted&) override {}
-  void refused(const Wanted&, const Error&) override {}
+  void began(std::uint64_t, const ViewRequest&) override {}
+  void refused(const ViewRequest&, const Error&) override {}
   void rendered(const Batch& batch) override {
     host_.lent_seconds_ += batch.seconds;
     send_part();

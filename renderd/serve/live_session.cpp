@@ -323,12 +323,12 @@ void LiveSession::mark_unsaved() {
   state_.unsaved = true;
 }
 
-Wanted LiveSession::wanted() {
+ViewRequest LiveSession::wanted() {
   const std::lock_guard lock(mutex_);
   const TimePoint now = parts_.clock.now();
   if (textures_ready()) ready_ = state_.wanted;
   version_.store(ready_.version, std::memory_order_relaxed);
-  Wanted wanted = ready_;
+  ViewRequest wanted = ready_;
   if (visitor_) wanted.viewport = visitor_canvas(wanted.viewport);
   wanted.picture_again = state_.wanted.picture_again;
   wanted.kernel_report = state_.wanted.kernel_report;
@@ -345,13 +345,13 @@ std::uint64_t LiveSession::version() const noexcept {
   return version_.load(std::memory_order_relaxed);
 }
 
-void LiveSession::began(std::uint64_t epoch, const Wanted& wanted) {
+void LiveSession::began(std::uint64_t epoch, const ViewRequest& wanted) {
   const std::lock_guard lock(mutex_);
   render::began(state_, epoch, wanted);
   last_.reset();
 }
 
-void LiveSession::refused(const Wanted& wanted, const Error& why) {
+void LiveSession::refused(const ViewRequest& wanted, const Error& why) {
   std::unique_lock lock(mutex_);
   const Outcome outcome = render::refused(state_, wanted, why);
   const Receiver* presenter = state_.audience.of(state_.audience.presenter);
@@ -409,7 +409,7 @@ void LiveSession::send_look(std::uint64_t connection) {
   // The presenter receives the requested scene, followers the one that is shown.
   const Receiver* const receiver = state_.audience.find(connection);
   if (!receiver) return;
-  const Wanted& of = state_.audience.presents(*receiver) ? state_.wanted : state_.shown;
+  const ViewRequest& of = state_.audience.presents(*receiver) ? state_.wanted : state_.shown;
   if (!of.scene) return;
   v1::ServerMessage message;
   *message.mutable_look()->mutable_scene() = *of.scene;

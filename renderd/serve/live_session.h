@@ -166,10 +166,10 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   // RenderClient
   bool of_visitor() const override { return visitor_; }
-  Wanted wanted() override;
+  ViewRequest wanted() override;
   std::uint64_t version() const noexcept override;
-  void began(std::uint64_t epoch, const Wanted& wanted) override;
-  void refused(const Wanted& wanted, const Error& why) override;
+  void began(std::uint64_t epoch, const ViewRequest& wanted) override;
+  void refused(const ViewRequest& wanted, const Error& why) override;
   void rendered(const Batch& batch) override;
   void picture(RenderedPicture picture) override;
   void kernel(const KernelReport& report) override;
@@ -299,7 +299,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::vector<diaphane::v1::Preset> presets_;
   std::optional<diaphane::v1::Clip> fallback_clip_;  // clip of a scene that could not be shown
   /// The request whose textures are all decoded, which the runner sees.
-  Wanted ready_;
+  ViewRequest ready_;
   std::shared_ptr<const PreparedTextures> textures_;  // for `ready_`
   bool decoding_ = false;
   std::uint64_t runner_handle_ = 0;

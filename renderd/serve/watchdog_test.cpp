@@ -74,18 +74,18 @@ TEST(ProgressMonitor, TracksEachPieceOfWorkUntilItEnds) {
 // A client that always requests more.
 struct Looker final : RenderClient {
   Looker() {
-    wish.scene = std::make_shared<const v1::Scene>();
-    wish.viewport = {64, 64};
-    wish.version = 1;
+    request.scene = std::make_shared<const v1::Scene>();
+    request.viewport = {64, 64};
+    request.version = 1;
   }
-  Wanted wanted() override { return wish; }
+  ViewRequest wanted() override { return request; }
   std::uint64_t version() const noexcept override { return 1; }
-  void began(std::uint64_t, const Wanted&) override {}
-  void refused(const Wanted&, const Error&) override {}
+  void began(std::uint64_t, const ViewRequest&) override {}
+  void refused(const ViewRequest&, const Error&) override {}
   void rendered(const Batch&) override { ++batches; }
   void picture(RenderedPicture) override {}
   void failed(const Error&) override {}
-  Wanted wish;
+  ViewRequest request;
   std::atomic<int> batches{0};
 };
 

@@ -16,7 +16,7 @@
 #include "renderd/session/rights.h"
 #include "renderd/session/slice_allowance.h"
 #include "renderd/session/slice_request_queue.h"
-#include "renderd/session/wanted.h"
+#include "renderd/session/view_request.h"
 
 namespace diaphane::render {
 
@@ -75,7 +75,7 @@ struct Receiver {
   std::uint32_t tiles_sent = 0;    ///< lossless tiles of `shown`
   std::uint64_t sent_epoch = 0;    ///< of the newest frame sent
   std::optional<FrameInfo> shown;  ///< the newest frame sent
-  std::uint64_t look_version = 0;  ///< Wanted::version of the newest scene sent (Look, Config)
+  std::uint64_t look_version = 0;  ///< ViewRequest::version of the newest scene sent (Look, Config)
   bool converged_told = false;
   bool lossless_told = false;
   bool behind = false;      ///< it missed a picture for lack of room or of a key frame

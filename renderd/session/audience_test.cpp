@@ -178,7 +178,7 @@ TEST_F(AudienceTest, EachCodecHasItsOwnStream) {
 TEST_F(AudienceTest, IgnoresSceneAndCanvasOfFollowers) {
   join(std::string(kOwner));
   const auto ann = join(kAnn);
-  const Wanted before = state.wanted;
+  const ViewRequest before = state.wanted;
   const Outcome refused = say(ann, turned(1));
   ASSERT_TRUE(refused.problem);
   EXPECT_EQ(refused.problem->code(), "forbidden");

@@ -462,12 +462,12 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
   return {};
 }
 
-void began(SessionState& state, std::uint64_t epoch, const Wanted& wanted) {
+void began(SessionState& state, std::uint64_t epoch, const ViewRequest& wanted) {
   state.epoch = epoch;
   state.shown = wanted;
 }
 
-Outcome refused(SessionState& state, const Wanted& wanted, const Error& why) {
+Outcome refused(SessionState& state, const ViewRequest& wanted, const Error& why) {
   Outcome outcome;
   outcome.problem = problem_of(why, wanted.input_seq, false);
   // If something newer arrived meanwhile, it is tried on its own.

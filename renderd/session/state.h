@@ -10,7 +10,7 @@
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
 #include "renderd/session/audience.h"
-#include "renderd/session/wanted.h"
+#include "renderd/session/view_request.h"
 
 namespace diaphane::render {
 
@@ -22,9 +22,9 @@ struct SessionState {
   std::uint64_t placement = 0;
   std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that this worker can encode
 
-  Wanted wanted;  ///< the newest accepted request
+  ViewRequest wanted;  ///< the newest accepted request
   /// The newest request that the renderer accepted, which is restored after a refusal.
-  Wanted shown;
+  ViewRequest shown;
   std::uint64_t epoch = 0;  ///< of the current picture
 
   Audience audience;
@@ -103,8 +103,8 @@ Outcome receive(SessionState& state, std::uint64_t connection,
                 const diaphane::v1::ClientMessage& message, TimePoint now);
 
 /// The renderer accepted or refused the requested scene. The Problem is sent to the presenter.
-void began(SessionState& state, std::uint64_t epoch, const Wanted& wanted);
-Outcome refused(SessionState& state, const Wanted& wanted, const Error& why);
+void began(SessionState& state, std::uint64_t epoch, const ViewRequest& wanted);
+Outcome refused(SessionState& state, const ViewRequest& wanted, const Error& why);
 
 /// Returns connections that have not sent a greeting in time.
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now);

@@ -95,7 +95,7 @@ TEST_F(StateTest, UnchangedSceneResendsTheImageWithoutRendering) {
 TEST_F(StateTest, RefusesInvalidSceneAndNamesTheField) {
   say(hello());
   say(turned(1));
-  const Wanted before = state.wanted;
+  const ViewRequest before = state.wanted;
   for (const double wrong :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     v1::Scene scene = plain_scene();
@@ -154,14 +154,14 @@ TEST_F(StateTest, RevertsToTheShownSceneOnRefusal) {
   say(turned(1));
   began(state, 1, state.wanted);
   say(turned(2));
-  const Wanted refused_one = state.wanted;
+  const ViewRequest refused_one = state.wanted;
   const Outcome outcome = refused(state, refused_one, {ErrorCode::kOutOfMemory, "No memory.", ""});
   EXPECT_EQ(outcome.problem->input_seq(), 2U);
   EXPECT_FALSE(outcome.problem->fatal());
   EXPECT_EQ(state.wanted.scene->camera().eye().x(), 1);
   // But not if something newer was requested meanwhile.
   say(turned(3));
-  const Wanted old = state.wanted;
+  const ViewRequest old = state.wanted;
   say(turned(4));
   refused(state, old, {ErrorCode::kOutOfMemory, "No memory.", ""});
   EXPECT_EQ(state.wanted.scene->camera().eye().x(), 4);

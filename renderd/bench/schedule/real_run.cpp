@@ -46,19 +46,19 @@ class Viewer final : public RenderClient {
     left_ = true;
   }
 
-  Wanted wanted() override {
+  ViewRequest wanted() override {
     const std::lock_guard lock(mutex_);
-    Wanted wanted = wanted_;
+    ViewRequest wanted = wanted_;
     if (wanted_.visible) wanted_.picture_again = false;
     return wanted;
   }
   std::uint64_t version() const noexcept override { return version_; }
-  void began(std::uint64_t, const Wanted& wanted) override {
+  void began(std::uint64_t, const ViewRequest& wanted) override {
     const std::lock_guard lock(mutex_);
     // Rendering of an older input does not end the wait of the newest one.
     if (!left_ && wanted.version == wanted_.version) score_.began(now());
   }
-  void refused(const Wanted&, const Error& why) override { fail_with(why); }
+  void refused(const ViewRequest&, const Error& why) override { fail_with(why); }
   void rendered(const Batch&) override {}
   void picture(RenderedPicture picture) override {
     const std::lock_guard lock(mutex_);
@@ -82,7 +82,7 @@ class Viewer final : public RenderClient {
   SessionScore& score_;
   const SteadyClock::time_point start_;
   mutable std::mutex mutex_;
-  Wanted wanted_;
+  ViewRequest wanted_;
   bool left_ = false;
   std::atomic<std::uint64_t> version_{0};
   std::optional<Error> failure_;

@@ -24,10 +24,10 @@ class Resting final : public RenderClient {
     wanted_.input_seq = 1;
     wanted_.last_input = Clock::now() - std::chrono::seconds(10);
   }
-  Wanted wanted() override { return wanted_; }
+  ViewRequest wanted() override { return wanted_; }
   std::uint64_t version() const noexcept override { return 1; }
-  void began(std::uint64_t, const Wanted&) override {}
-  void refused(const Wanted&, const Error&) override { failed_ = true; }
+  void began(std::uint64_t, const ViewRequest&) override {}
+  void refused(const ViewRequest&, const Error&) override { failed_ = true; }
   void rendered(const Batch& batch) override { samples_ += batch.samples; }
   void picture(RenderedPicture) override {}
   void failed(const Error&) override { failed_ = true; }
@@ -36,7 +36,7 @@ class Resting final : public RenderClient {
   bool has_failed() const { return failed_; }
 
  private:
-  Wanted wanted_;
+  ViewRequest wanted_;
   std::atomic<std::uint64_t> samples_{0};
   std::atomic<bool> failed_{false};
 };

@@ -26,7 +26,7 @@ struct SimulatedDevice::Session {
   SessionScore* score;
   bool left = false;
   bool under_way = false;
-  Wanted wanted;
+  ViewRequest wanted;
   Ledger ledger{0};
   SessionView seen;
 };

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+
+#include "renderd/engine/frame_renderer.h"
+
+namespace diaphane::render {
+
+/// A viewer's limits on the work for their picture.
+struct Effort {
+  double stop_error = 0;           ///< relative; 0: the worker's default
+  std::uint64_t stop_samples = 0;  ///< per pixel; 0: the worker's default
+  double moving_scale = 1;         ///< largest share of the viewport's sides while moving
+};
+
+/// What a viewer currently requests. Absolute, so that the newest replaces all earlier ones.
+struct ViewRequest {
+  std::uint64_t version = 0;  ///< rises exactly when another picture is requested
+  std::shared_ptr<const diaphane::v1::Scene> scene;
+  Canvas viewport;
+  std::uint64_t input_seq = 0;  ///< the newest input that it contains
+  std::chrono::steady_clock::time_point last_input{};
+  bool rest = false;  ///< that input is the last of its gesture
+  bool visible = true;
+  bool room = true;  ///< the encoder's slot is free and the viewer keeps up
+  bool raw = false;  ///< without denoiser
+  Effort effort;
+  /// Largest share of the viewport's sides while moving that the connection permits.
+  double moving_scale = 1;
+  bool picture_again = false;  ///< a picture is due although nothing changed
+  bool kernel_report = false;  ///< RenderClient::kernel is due with the next picture
+};
+
+/// Describes a picture.
+struct FrameInfo {
+  std::uint64_t epoch = 0;
+  std::uint64_t input_seq = 0;
+  std::uint64_t samples = 0;  ///< per pixel
+  double error = 0;           ///< infinite if unknown
+  /// Time spent on it since the epoch began: preparing the scene, samples, and this picture.
+  std::uint64_t render_us = 0;
+  bool first_of_epoch = false;
+  bool moving = false;     ///< encode it for speed, not for quality
+  bool converged = false;  ///< the last picture of its epoch
+  bool denoised = false;
+};
+
+struct RenderedPicture {
+  FrameInfo info;
+  PictureRgb8 picture;
+};
+
+/// A viewer as the runner sees it. Called by one of the runner's threads at a time. Must not block
+/// for long.
+class RenderClient {
+ public:
+  virtual ~RenderClient() = default;
+  /// Whether the picture is rendered for another worker.
+  virtual bool of_another_worker() const { return false; }
+  /// Whether it belongs to a user without an account. Such clients together get a limited share of
+  /// the device.
+  virtual bool of_visitor() const { return false; }
+  /// Also marks `picture_again` as read, because the runner acts on it at once.
+  virtual ViewRequest wanted() = 0;
+  /// Returns ViewRequest::version without a lock. Polled while rendering.
+  virtual std::uint64_t version() const noexcept = 0;
+  /// The renderer accepted `wanted`. Its pictures carry `epoch`.
+  virtual void began(std::uint64_t epoch, const ViewRequest& wanted) = 0;
+  /// The renderer refused `wanted`. The previous picture stays.
+  virtual void refused(const ViewRequest& wanted, const Error& why) = 0;
+  /// The batch's seconds are the session's own, at most its part of a shared device.
+  virtual void rendered(const Batch& batch) = 0;
+  virtual void picture(RenderedPicture picture) = 0;
+  /// Reports how it is rendered, after a picture for which this was requested.
+  virtual void kernel(const KernelReport&) {}
+  /// The session cannot continue. The runner has dropped it.
+  virtual void failed(const Error& why) = 0;
+};
+
+}  // namespace diaphane::render
