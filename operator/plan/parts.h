@@ -36,7 +36,7 @@ struct PlanBuilder {
 
 /// The outcome of scaling, for the fleet's conditions.
 struct Scaling {
-  int wanted = 0;
+  int desired = 0;
   int missing = 0;       ///< required workers for which no node has room
   int outdated = 0;      ///< workers with an earlier template that do not drain
   bool waiting = false;  ///< an outdated worker has sessions that cannot go elsewhere

@@ -220,16 +220,16 @@ void expect_settled(const ClusterState& world, int room) {
     for (const Demand& one : world.demand) {
       if (one.fleet == fleet.name) demand = &one;
     }
-    const Wanted wanted = wanted_workers(fleet.spec, demand, ready, world.now);
+    const DesiredReplicas desired = desired_replicas(fleet.spec, demand, ready, world.now);
     const bool limited = std::any_of(
         fleet.status.conditions.begin(), fleet.status.conditions.end(), [](const Condition& c) {
           return c.type == "CapacityLimited" && c.status == ConditionStatus::kTrue;
         });
     // A worker with a session stays, even if it is not needed.
-    EXPECT_TRUE(ready <= wanted.most || !idle) << fleet.name;
-    if (ready < wanted.least) {
+    EXPECT_TRUE(ready <= desired.most || !idle) << fleet.name;
+    if (ready < desired.least) {
       EXPECT_TRUE(limited && (room == 0 || !fleet.spec.node_selector.empty()))
-          << fleet.name << " has " << ready << " of " << wanted.least << ", room " << room;
+          << fleet.name << " has " << ready << " of " << desired.least << ", room " << room;
     } else {
       EXPECT_FALSE(limited) << fleet.name;
     }

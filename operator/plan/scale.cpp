@@ -10,7 +10,7 @@ namespace diaphane::fleet {
 namespace {
 
 /// How many outdated workers of a fleet may be replaced at the same time.
-int surge_of(int wanted) { return std::max(1, wanted / 10); }
+int surge_of(int desired) { return std::max(1, desired / 10); }
 
 /// Whether a worker's slots count, because it accepts sessions or soon will.
 bool counts(const WorkerView& view) {
@@ -103,7 +103,7 @@ void take(WorkerCounts& tally, std::size_t i, DrainReason reason, const FleetSpe
 }
 
 /// Drains outdated workers once others replace them, so that their sessions have somewhere to go.
-void upgrade(const FleetView& fleet, int wanted, bool room, WorkerCounts& tally, Scaling& scaling,
+void upgrade(const FleetView& fleet, int desired, bool room, WorkerCounts& tally, Scaling& scaling,
              PlanBuilder& builder) {
   const FleetSpec& spec = fleet.fleet->spec;
   int taken = fleet.demand ? fleet.demand->used + fleet.demand->reserved : 0, seen = 0;
@@ -117,12 +117,12 @@ void upgrade(const FleetView& fleet, int wanted, bool room, WorkerCounts& tally,
     }
     const bool started = view.health == Health::kReady;
     const bool never = view.health == Health::kComing;
-    const bool replaced = tally.ready - started >= wanted;
+    const bool replaced = tally.ready - started >= desired;
     // If no node has room for a surge, replaces one worker at a time, provided that the others have
     // enough slots.
     const bool alone = !room && tally.upgrading == 0 && fleet.metrics_fresh &&
                        (tally.ready - started) * spec.sessions_per_worker >= taken;
-    if (tally.upgrading < surge_of(wanted) && (replaced || alone || never)) {
+    if (tally.upgrading < surge_of(desired) && (replaced || alone || never)) {
       take(tally, i, DrainReason::kUpgrade, spec, builder);
       continue;
     }
@@ -182,7 +182,8 @@ void scale_up(const FleetView& fleet, const View& world, Placing& placing, int c
 
 }  // namespace
 
-Wanted wanted_workers(const FleetSpec& spec, const Demand* demand, int usable, Seconds now) {
+DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, int usable,
+                                 Seconds now) {
   const auto bounded = [&](double count) {
     return static_cast<int>(std::clamp<double>(count, spec.min_replicas, spec.max_replicas));
   };
@@ -228,26 +229,26 @@ Scaling plan_scale(const FleetView& fleet, const View& world, std::vector<NodeVi
   Scaling scaling;
   if (fleet.fleet->deleted) return scaling;
   WorkerCounts have = tally(fleet, builder);
-  const Wanted wanted = wanted_workers(spec, fleet.demand, have.usable, builder.now);
-  scaling.wanted = wanted.least;
+  const DesiredReplicas desired = desired_replicas(spec, fleet.demand, have.usable, builder.now);
+  scaling.desired = desired.least;
   sort_to_drain(have.active, spec, nodes);
 
   const std::vector<NodeBackoff> refusals = refusals_of(fleet, builder.now);
   Placing placing(*fleet.fleet, refusals, nodes, builder.now);
-  const int surge = std::min(surge_of(wanted.least), have.outdated);
-  upgrade(fleet, wanted.least, placing.room(), have, scaling, builder);
+  const int surge = std::min(surge_of(desired.least), have.outdated);
+  upgrade(fleet, desired.least, placing.room(), have, scaling, builder);
   scaling.outdated = have.outdated;
-  if (have.outdated == 0 || wanted.most == 0) scale_down(fleet, wanted.most, have, builder);
+  if (have.outdated == 0 || desired.most == 0) scale_down(fleet, desired.most, have, builder);
   if (fleet.demand && spec.scale_to_zero_after && !spec.replicas && fleet.demand->used == 0) {
     const Seconds due = fleet.demand->last_used + *spec.scale_to_zero_after;
     if (due > builder.now) builder.wake(due);
   }
   // Lost workers may return, so they count until they are known to be gone.
   const int beside = spec.max_replicas + surge - static_cast<int>(have.active.size());
-  const int short_of = std::min(wanted.least + surge - have.usable, beside);
+  const int short_of = std::min(desired.least + surge - have.usable, beside);
   if (short_of > 0) scale_up(fleet, world, placing, short_of, random, scaling, builder);
   // If there is no room for a surge, an upgrade replaces workers one by one.
-  scaling.missing = std::min(scaling.missing, std::max(0, wanted.least - have.usable));
+  scaling.missing = std::min(scaling.missing, std::max(0, desired.least - have.usable));
   return scaling;
 }
 

@@ -9,13 +9,14 @@
 namespace diaphane::fleet {
 
 /// Below `least`, workers are added. Above `most`, workers are removed.
-struct Wanted {
+struct DesiredReplicas {
   int least = 0;
   int most = 0;
 };
 
 /// `usable`: workers that accept sessions or soon will. Without fresh demand, their number stays.
-Wanted wanted_workers(const FleetSpec& spec, const Demand* demand, int usable, Seconds now);
+DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, int usable,
+                                 Seconds now);
 
 /// A token bucket with a capacity of one second, at least one token. Its state follows from the
 /// creation times of the workers, so there is nothing to store, and every leader computes the same.

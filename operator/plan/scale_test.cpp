@@ -23,7 +23,7 @@ TEST(Scale, FollowsDemandWithinBounds) {
   Demand demand;
   demand.sampled = kNow;
   demand.last_used = kNow;
-  const auto least = [&] { return wanted_workers(spec, &demand, 3, kNow).least; };
+  const auto least = [&] { return desired_replicas(spec, &demand, 3, kNow).least; };
   EXPECT_EQ(least(), 1);  // one, without any demand
   demand.used = 3;
   EXPECT_EQ(least(), 1);
@@ -47,9 +47,9 @@ TEST(Scale, FollowsDemandWithinBounds) {
   spec.replicas.reset();
   demand.sampled = kNow - 11;  // old: neither up nor down
   EXPECT_EQ(least(), 3);
-  EXPECT_EQ(wanted_workers(spec, nullptr, 3, kNow).most, 3);
+  EXPECT_EQ(desired_replicas(spec, nullptr, 3, kNow).most, 3);
   spec.min_replicas = 4;
-  EXPECT_EQ(wanted_workers(spec, nullptr, 0, kNow).least, 4);
+  EXPECT_EQ(desired_replicas(spec, nullptr, 0, kNow).least, 4);
 }
 
 TEST(Scale, ScalesToZeroOnlyIfConfiguredAndAfterTheDelay) {
@@ -58,13 +58,13 @@ TEST(Scale, ScalesToZeroOnlyIfConfiguredAndAfterTheDelay) {
   Demand demand;
   demand.sampled = kNow;
   demand.last_used = kNow - 299;
-  EXPECT_EQ(wanted_workers(spec, &demand, 1, kNow).least, 1);
+  EXPECT_EQ(desired_replicas(spec, &demand, 1, kNow).least, 1);
   spec.scale_to_zero_after = 300;
-  EXPECT_EQ(wanted_workers(spec, &demand, 1, kNow).most, 1);
+  EXPECT_EQ(desired_replicas(spec, &demand, 1, kNow).most, 1);
   demand.last_used -= 1;
-  EXPECT_EQ(wanted_workers(spec, &demand, 1, kNow).most, 0);
+  EXPECT_EQ(desired_replicas(spec, &demand, 1, kNow).most, 0);
   demand.refused = 1;  // a user is refused
-  EXPECT_EQ(wanted_workers(spec, &demand, 0, kNow).least, 1);
+  EXPECT_EQ(desired_replicas(spec, &demand, 0, kNow).least, 1);
 }
 
 TEST(Scale, RebuildsTokenBucketFromCreationTimes) {

@@ -59,8 +59,8 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
     all.push_back(
         condition(before, type, status_of(holds), std::move(reason), std::move(message), now));
   };
-  const std::string of = std::to_string(counts.ready) + " of " + std::to_string(scaling.wanted);
-  const bool available = counts.ready > 0 || scaling.wanted == 0;
+  const std::string of = std::to_string(counts.ready) + " of " + std::to_string(scaling.desired);
+  const bool available = counts.ready > 0 || scaling.desired == 0;
   add("Available", available, available ? "WorkersReady" : "NoWorkersReady",
       of + " workers are ready");
   std::string progress = "Settled";
@@ -70,7 +70,7 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
     progress = scaling.waiting ? "WaitingForCapacity" : "Upgrading";
   } else if (counts.leaving > 0) {
     progress = "Draining";
-  } else if (counts.coming > 0 || scaling.missing > 0 || counts.ready < scaling.wanted) {
+  } else if (counts.coming > 0 || scaling.missing > 0 || counts.ready < scaling.desired) {
     progress = "Scaling";
   }
   add("Progressing", progress != "Settled", progress, "");
