@@ -240,7 +240,7 @@ HOST_DEVICE bool takes_part(const ConstFilmView& film, std::uint64_t pixel, std:
                             const Guides& guides) {
   const std::uint32_t state = film.state[pixel];
   if ((state & kShowsSlice) != 0) return false;
-  if ((state & kMetMatter) == 0 && !(guides.opacity > 0.0f)) return false;
+  if ((state & kHitMedium) == 0 && !(guides.opacity > 0.0f)) return false;
   const std::uint32_t dropped = (state & kDroppedMask) + (state >> 15 & kDroppedMask);
   return dropped < samples;
 }

@@ -53,7 +53,7 @@ double total_error(const std::vector<TileError>& tiles, std::uint64_t samples) {
 void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t last,
                  std::uint64_t samples, WhiteHistogram& histogram) {
   for (std::uint64_t pixel = first; pixel < last; ++pixel) {
-    if ((film.state[pixel] & kMetMatter) == 0) continue;
+    if ((film.state[pixel] & kHitMedium) == 0) continue;
     const WhiteEntries entries = white_entries(estimate_of(film, pixel, samples), pixel);
     for (const std::uint32_t i : entries.of) ++histogram.counts[i];
   }
@@ -67,7 +67,7 @@ TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_
   for (std::uint32_t y = tile_y * kTileSize; y < end_y; ++y) {
     for (std::uint32_t x = tile_x * kTileSize; x < end_x; ++x) {
       const std::uint64_t pixel = x + std::uint64_t{size.width} * y;
-      if ((film.state[pixel] & kMetMatter) == 0) continue;
+      if ((film.state[pixel] & kHitMedium) == 0) continue;
       tile.squared += squared_error(estimate_of(film, pixel, samples), 1.0f / white);
       ++tile.pixels;
     }

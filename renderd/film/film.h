@@ -16,14 +16,14 @@ struct PixelBatch {
   Float3 even{}, odd{};            ///< sums over the even and over the odd samples
   std::uint32_t dropped_even = 0;  ///< samples that were not finite and are not in the sums
   std::uint32_t dropped_odd = 0;
-  bool met_matter = false;
-  bool met_slice = false;
+  bool hit_medium = false;
+  bool hit_slice = false;
 
   /// `sample` is the number of the sample since the film was cleared, and not its number in the
   /// random stream. `slice` says that the sample shows a slice.
   HOST_DEVICE void add(Float3 radiance, bool met, std::uint64_t sample, bool slice = false) {
-    met_matter |= met;
-    met_slice |= slice;
+    hit_medium |= met;
+    hit_slice |= slice;
     const bool is_odd = (sample & 1) != 0;
     if (!is_finite(radiance)) {
       (is_odd ? dropped_odd : dropped_even) += 1;
@@ -46,7 +46,7 @@ struct ConstFilmView {
   const float* difference;
   const std::uint32_t* state;
 };
-inline constexpr std::uint32_t kMetMatter = 1u << 31;
+inline constexpr std::uint32_t kHitMedium = 1u << 31;
 /// Any sample of the pixel shows a slice, so the pixel is never smoothed.
 inline constexpr std::uint32_t kShowsSlice = 1u << 30;
 inline constexpr std::uint32_t kDroppedMask = 0x7fff;
@@ -61,14 +61,14 @@ HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatc
   difference[0] += d.x;
   difference[1] += d.y;
   difference[2] += d.z;
-  if (batch.met_matter || batch.met_slice || batch.dropped_even != 0 || batch.dropped_odd != 0) {
+  if (batch.hit_medium || batch.hit_slice || batch.dropped_even != 0 || batch.dropped_odd != 0) {
     std::uint32_t state = film.state[pixel];
     const std::uint32_t even = smaller((state & kDroppedMask) + batch.dropped_even, kDroppedMask);
     const std::uint32_t odd =
         smaller((state >> 15 & kDroppedMask) + batch.dropped_odd, kDroppedMask);
-    film.state[pixel] = (state & (kMetMatter | kShowsSlice)) |
-                        (batch.met_matter ? kMetMatter : 0u) |
-                        (batch.met_slice ? kShowsSlice : 0u) | even | odd << 15;
+    film.state[pixel] = (state & (kHitMedium | kShowsSlice)) |
+                        (batch.hit_medium ? kHitMedium : 0u) |
+                        (batch.hit_slice ? kShowsSlice : 0u) | even | odd << 15;
   }
 }
 
@@ -77,7 +77,7 @@ HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatc
 struct PixelEstimate {
   Float3 mean;
   Float3 deviation;
-  bool met_matter;
+  bool hit_medium;
 };
 
 HOST_DEVICE float scaled_difference(double sum, float difference, double to_even, double to_odd) {
@@ -93,7 +93,7 @@ HOST_DEVICE PixelEstimate estimate_of(const ConstFilmView& film, std::uint64_t p
   const double even = static_cast<double>(even_drawn - (state & kDroppedMask));
   const double odd = static_cast<double>(odd_drawn - (state >> 15 & kDroppedMask));
   const double count = even + odd;
-  PixelEstimate e{{0, 0, 0}, {0, 0, 0}, (state & kMetMatter) != 0};
+  PixelEstimate e{{0, 0, 0}, {0, 0, 0}, (state & kHitMedium) != 0};
   if (!(count > 0)) return e;
   const double* s = film.sum + 3 * pixel;
   const float* d = film.difference + 3 * pixel;

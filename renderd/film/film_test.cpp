@@ -48,7 +48,7 @@ TEST(Film, MeanDoesNotDependOnBatching) {
   EXPECT_NEAR(b.mean.x, exact / kSamples, 1e-5);
   EXPECT_NEAR(a.mean.z, 3 * a.mean.x, 1e-6);
   EXPECT_NEAR(a.deviation.x, b.deviation.x, 1e-5);
-  EXPECT_TRUE(a.met_matter);
+  EXPECT_TRUE(a.hit_medium);
 }
 
 TEST(Film, SparseSignalKeepsItsMeanOverTenMillionSamples) {

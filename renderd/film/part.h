@@ -136,7 +136,7 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
   const std::uint32_t state = film.state[pixel];
   const std::uint32_t lost_even = state & kDroppedMask, lost_odd = state >> 15 & kDroppedMask;
   PackedPixel p{};
-  p.state = static_cast<std::uint8_t>(((state & kMetMatter) != 0 ? 0x80u : 0u) |
+  p.state = static_cast<std::uint8_t>(((state & kHitMedium) != 0 ? 0x80u : 0u) |
                                       ((state & kShowsSlice) != 0 ? 0x40u : 0u) |
                                       smaller(lost_even, 7u) | smaller(lost_odd, 7u) << 3);
   const std::uint64_t pairs = samples / 2;
@@ -176,8 +176,8 @@ HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const Pa
   const std::uint32_t state = film.state[pixel];
   const std::uint32_t even = smaller((state & kDroppedMask) + lost_even, kDroppedMask);
   const std::uint32_t odd = smaller((state >> 15 & kDroppedMask) + lost_odd, kDroppedMask);
-  film.state[pixel] = (state & (kMetMatter | kShowsSlice)) |
-                      ((p.state & 0x80u) != 0 ? kMetMatter : 0u) |
+  film.state[pixel] = (state & (kHitMedium | kShowsSlice)) |
+                      ((p.state & 0x80u) != 0 ? kHitMedium : 0u) |
                       ((p.state & 0x40u) != 0 ? kShowsSlice : 0u) | even | odd << 15;
 }
 

@@ -19,7 +19,7 @@ namespace diaphane::render {
 struct Sample {
   Float3 radiance;
   /// Whether the camera ray met matter or a slice. The error counts only such pixels.
-  bool met_matter;
+  bool hit_medium;
   bool shows_slice = false;  ///< exact, so never denoised
 };
 /// A sample of a kernel with Feature::kGuides.
@@ -63,8 +63,8 @@ inline constexpr std::uint32_t kFirstRoulette = 3;
 /// that sample directions of the scattering need no rays of their own, because the path itself
 /// continues in such a direction.
 template <Features F, typename Volume>
-HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
-                                Random& random) {
+HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
+                                  Random& random) {
   Float3 radiance{0.0f, 0.0f, 0.0f};
   Float3 weight{1.0f, 1.0f, 1.0f};
   if (scene.bounces < 2) return radiance;
@@ -141,18 +141,18 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
   if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
   const CameraRay camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
                                          static_cast<float>(scene.first_row + y) + jitter.b, lens);
-  const Sight sight = sight_along<F>(scene, camera);
-  const Span span = sight.span;
+  const PrimaryHit primary = primary_hit<F>(scene, camera);
+  const Span span = primary.span;
   SampleOf<F> result{};
-  result.radiance = sight.behind;
-  result.met_matter = result.shows_slice = sight.slice;
+  result.radiance = primary.background;
+  result.hit_medium = result.shows_slice = primary.slice;
   if constexpr (F.has(Feature::kGuides)) {
     if (sample < kGuidedSamples) result.guides = guides_along(scene, camera.ray, span);
   }
   if (!(span.begin < span.end)) return result;
   const Collision hit = track<F.has(Feature::kSteepExtinction)>(
       camera.ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
-  result.met_matter |= hit.met_matter;
+  result.hit_medium |= hit.hit_medium;
   if (!hit.found) return result;
   result.shows_slice = false;
   const Float3 place = camera.ray.at(hit.distance);
@@ -175,7 +175,7 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
     }
   }
   if constexpr (F.has(Feature::kBounces)) {
-    result.radiance += path_onwards<F>(scene, place, scatter, random);
+    result.radiance += indirect_light<F>(scene, place, scatter, random);
   }
   return result;
 }

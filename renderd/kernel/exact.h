@@ -71,7 +71,7 @@ class DepthWalk {
           return false;
         }
       }
-      depth_ += depth_in(piece, volume.corners(c.cell, c.brick), c.way);
+      depth_ += depth_in(piece, volume.corners(c.cell, c.brick), c.segment);
     }
     walk_.pass(c, volume, exact);
     return !gap;
@@ -81,7 +81,7 @@ class DepthWalk {
     if constexpr (kCurved) {
       CellCrossing<Volume> c;
       walk_.look(c);
-      parts_.walk = PartsWalk(volume.corners(c.cell, c.brick), c.way, exact);
+      parts_.walk = PartsWalk(volume.corners(c.cell, c.brick), c.segment, exact);
       parts_.state = Parts::kUnderWay;
     }
   }
@@ -90,7 +90,7 @@ class DepthWalk {
     if constexpr (kCurved) {
       walk_.look(c);
       const PartsWalk::Part part = parts_.walk.next(exact);
-      depth_ += parts_.walk.depth_of(part, c.way.t1 - c.way.t0);
+      depth_ += parts_.walk.depth_of(part, c.segment.t1 - c.segment.t0);
       if (!parts_.walk.ended()) return false;
       parts_.state = Parts::kNone;
       walk_.pass(c, volume, exact);
@@ -175,7 +175,7 @@ inline constexpr float kNoTarget = 3.4e38f;
 /// Results of the walk of a camera ray other than its collisions.
 struct FirstWalk {
   float transmittance;  ///< of the whole span, unbiased
-  bool met_matter;
+  bool hit_medium;
 };
 
 /// The kinds of hit (ExactView::strata) that a kernel with these features looks for.
@@ -191,7 +191,7 @@ HOST_DEVICE constexpr KindList hit_kinds() {
     list.of[list.count++] = static_cast<int>(kLight.of[i]);
   // Glowing matter is visible without any light.
   if (list.count == 0) list.of[list.count++] = static_cast<int>(Strategy::kEnvironment);
-  if (F.has(Feature::kBounces)) list.of[list.count++] = kOnwards;
+  if (F.has(Feature::kBounces)) list.of[list.count++] = kIndirect;
   return list;
 }
 

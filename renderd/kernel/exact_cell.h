@@ -48,23 +48,23 @@ HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
 inline constexpr float kGaussNode = 0.21132486540518713f;
 
 /// Returns the optical depth from ta to tb. Exact if all values between lie in the piece.
-HOST_DEVICE float depth_between(const Corners& corners, const Crossing& way,
+HOST_DEVICE float depth_between(const Corners& corners, const Crossing& segment,
                                 const ExtinctionPiece& piece, float ta, float tb) {
   const float length = tb - ta;
-  const float a = extinction_in(piece, corners.at(way.at(ta + kGaussNode * length)));
-  const float b = extinction_in(piece, corners.at(way.at(tb - kGaussNode * length)));
+  const float a = extinction_in(piece, corners.at(segment.at(ta + kGaussNode * length)));
+  const float b = extinction_in(piece, corners.at(segment.at(tb - kGaussNode * length)));
   return 0.5f * length * (a + b);
 }
 
 /// Returns the distance in [ta, tb] at which the optical depth from ta reaches `target` <=
 /// depth_between(...). Inverts a quartic by Newton steps within a bracket.
-HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
+HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
                                const ExtinctionPiece& piece, float ta, float tb, float target) {
   const float length = tb - ta;
-  const float e0 = extinction_in(piece, corners.at(way.at(ta)));
-  const float e1 = extinction_in(piece, corners.at(way.at(ta + length * (1.0f / 3))));
-  const float e2 = extinction_in(piece, corners.at(way.at(tb - length * (1.0f / 3))));
-  const float e3 = extinction_in(piece, corners.at(way.at(tb)));
+  const float e0 = extinction_in(piece, corners.at(segment.at(ta)));
+  const float e1 = extinction_in(piece, corners.at(segment.at(ta + length * (1.0f / 3))));
+  const float e2 = extinction_in(piece, corners.at(segment.at(tb - length * (1.0f / 3))));
+  const float e3 = extinction_in(piece, corners.at(segment.at(tb)));
   // The cubic through the four values, in powers of s in [0, 1].
   const float c1 = -5.5f * e0 + 9.0f * e1 - 4.5f * e2 + e3;
   const float c2 = 9.0f * e0 - 22.5f * e1 + 18.0f * e2 - 4.5f * e3;
@@ -98,9 +98,9 @@ struct ValueCubic {
   float c0, c1, c2, c3;
 
   ValueCubic() = default;  ///< to be assigned to
-  HOST_DEVICE ValueCubic(const Corners& c, const Crossing& way) {
-    const float length = way.t1 - way.t0;
-    const Float3 p = way.at(way.t0), d = way.direction * length;
+  HOST_DEVICE ValueCubic(const Corners& c, const Crossing& segment) {
+    const float length = segment.t1 - segment.t0;
+    const Float3 p = segment.at(segment.t0), d = segment.direction * length;
     const float* v = c.v;
     const float bx = v[1] - v[0], by = v[2] - v[0], bz = v[4] - v[0];
     const float cxy = v[3] - v[1] - by, czx = v[5] - v[4] - bx, cyz = v[6] - v[2] - bz;
@@ -186,8 +186,8 @@ class PartsWalk {
   };
 
   PartsWalk() = default;  ///< to be assigned to
-  HOST_DEVICE PartsWalk(const Corners& corners, const Crossing& way, const ExactView& exact)
-      : cubic_(corners, way) {
+  HOST_DEVICE PartsWalk(const Corners& corners, const Crossing& segment, const ExactView& exact)
+      : cubic_(corners, segment) {
     const ValueCubic::Hull hull = cubic_.hull();
     if (!hull.monotone()) cubic_.turns(leg_end_, next_turn_);
     piece_ = exact.piece_at(cubic_.c0);
@@ -245,30 +245,30 @@ HOST_DEVICE bool one_piece(const ExactView& exact, CornerRange range, Extinction
 
 /// Returns the optical depth of a crossing of a cell whose values all lie in one piece.
 HOST_DEVICE float depth_in(const ExtinctionPiece& piece, const Corners& corners,
-                           const Crossing& way) {
-  return depth_between(corners, way, piece, way.t0, way.t1);
+                           const Crossing& segment) {
+  return depth_between(corners, segment, piece, segment.t0, segment.t1);
 }
 
-/// Returns the distance at which the optical depth from way.t0 reaches `target`, which is at most
-/// that of the cell.
+/// Returns the distance at which the optical depth from segment.t0 reaches `target`, which is at
+/// most that of the cell.
 template <bool Curves>
-HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, const ExactView& exact,
-                                float target) {
+HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& segment,
+                                const ExactView& exact, float target) {
   if constexpr (!Curves) {
-    return invert_depth(corners, way, exact.only, way.t0, way.t1, target);
+    return invert_depth(corners, segment, exact.only, segment.t0, segment.t1, target);
   } else {
-    const float length = way.t1 - way.t0;
-    PartsWalk parts(corners, way, exact);
+    const float length = segment.t1 - segment.t0;
+    PartsWalk parts(corners, segment, exact);
     while (!parts.ended()) {
       const PartsWalk::Part part = parts.next(exact);
       const float depth = parts.depth_of(part, length);
       if (depth >= target) {
-        return invert_depth(corners, way, part.piece, way.t0 + part.begin * length,
-                            way.t0 + part.end * length, target);
+        return invert_depth(corners, segment, part.piece, segment.t0 + part.begin * length,
+                            segment.t0 + part.end * length, target);
       }
       target -= depth;
     }
-    return way.t1;
+    return segment.t1;
   }
 }
 

@@ -8,7 +8,7 @@ namespace diaphane::render {
 template <Features F, typename Volume>
 struct CameraSample {
   CameraRay camera;
-  Sight sight;
+  PrimaryHit primary;
   Points points;
   Random random;
 
@@ -24,7 +24,7 @@ struct CameraSample {
     if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
     camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
                            static_cast<float>(scene.first_row + y) + jitter.b, lens);
-    sight = sight_along<F>(scene, camera);
+    primary = primary_hit<F>(scene, camera);
   }
 };
 
@@ -58,15 +58,15 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   };
   HitTask task{};
   if constexpr (F.has(Feature::kBounces)) {
-    if (kind == kOnwards) {
-      task.radiance = path_onwards<F>(scene, place, scatter, own) * share;
+    if (kind == kIndirect) {
+      task.radiance = indirect_light<F>(scene, place, scatter, own) * share;
       return task;
     }
   }
   if constexpr (F.has(Feature::kEmission)) {
-    // The emission is the mean over all kinds but kOnwards, weighted by their numbers of strata.
+    // The emission is the mean over all kinds but kIndirect, weighted by their numbers of strata.
     std::int32_t hits = 0;
-    for (int k = 0; k < kOnwards; ++k) hits += scene.exact.strata[k];
+    for (int k = 0; k < kIndirect; ++k) hits += scene.exact.strata[k];
     task.radiance = emission_at(scene.transfer, hit.value) *
                     (share * static_cast<float>(count) / static_cast<float>(hits));
   }
@@ -100,9 +100,9 @@ template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
                                       const CameraSample<F, Volume>& sample, Target&& target,
                                       float ending, Mark&& mark) {
-  const Float3 b = sample.sight.behind;
+  const Float3 b = sample.primary.background;
   const bool behind = b.x > 0.0f || b.y > 0.0f || b.z > 0.0f;
-  return find_hits<F>(sample.camera.ray, sample.sight.span, scene.volume, scene.exact, target,
+  return find_hits<F>(sample.camera.ray, sample.primary.span, scene.volume, scene.exact, target,
                       ending, behind, mark);
 }
 
@@ -113,14 +113,14 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
                                        std::uint32_t y, std::uint64_t number) {
   const CameraSample<F, Volume> sample(scene, x, y, number);
   SampleOf<F> result{};
-  result.radiance = sample.sight.behind;
-  result.met_matter = result.shows_slice = sample.sight.slice;
+  result.radiance = sample.primary.background;
+  result.hit_medium = result.shows_slice = sample.primary.slice;
   if constexpr (F.has(Feature::kGuides)) {
     if (number < kGuidedSamples) {
-      result.guides = guides_along(scene, sample.camera.ray, sample.sight.span);
+      result.guides = guides_along(scene, sample.camera.ray, sample.primary.span);
     }
   }
-  if (!(sample.sight.span.begin < sample.sight.span.end)) return result;
+  if (!(sample.primary.span.begin < sample.primary.span.end)) return result;
   Float3 radiance{0.0f, 0.0f, 0.0f};
   Random own = sample.random.fork(kCameraStream);
   float offsets[kHitKinds] = {};
@@ -137,8 +137,8 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
       [&](const HitNumber& which, const CellCrossing<Volume>& cell, float depth) {
         const Corners corners = scene.volume.corners(cell.cell, cell.brick);
         const float t =
-            place_in_cell<F.has(Feature::kCurves)>(corners, cell.way, scene.exact, depth);
-        const Hit hit{t, corners.at(cell.way.at(t))};
+            place_in_cell<F.has(Feature::kCurves)>(corners, cell.segment, scene.exact, depth);
+        const Hit hit{t, corners.at(cell.segment.at(t))};
         const HitTask task = task_of<F>(scene, sample.camera, sample.points, sample.random,
                                         which.kind, which.stratum, hit);
         radiance += task.radiance;
@@ -149,10 +149,10 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
         while (!walk.ended()) walk.step(scene.volume, scene.exact, passed);
         radiance += task.weight * walk.transmittance();
       });
-  result.met_matter |= first.met_matter;
+  result.hit_medium |= first.hit_medium;
   // A slice that contributes less than half a level of the display is invisible.
   result.shows_slice &= first.transmittance > 0.5f / 255.0f;
-  result.radiance = radiance + sample.sight.behind * first.transmittance;
+  result.radiance = radiance + sample.primary.background * first.transmittance;
   return result;
 }
 

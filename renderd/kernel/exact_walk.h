@@ -9,7 +9,7 @@ namespace diaphane::render {
 /// A cell that a ray crosses.
 template <typename Volume>
 struct CellCrossing {
-  Crossing way;
+  Crossing segment;
   Int3 cell;
   typename Volume::Brick brick;
   Float3 planes;  ///< distance at which the ray leaves it along each axis, mm
@@ -56,7 +56,8 @@ class ExactWalk {
     // A single rounding each if the processor has a fused multiply-add.
     out.planes = as_numbers(far) * inverse_ + bias_;
     const float leaves = lower_of(out.planes.x, lower_of(out.planes.y, out.planes.z));
-    out.way = {origin_ - as_numbers(cell_), direction_, t_, lower_of(last_, higher_of(t_, leaves))};
+    out.segment = {origin_ - as_numbers(cell_), direction_, t_,
+                   lower_of(last_, higher_of(t_, leaves))};
     out.cell = cell_;
     out.brick = brick_;
   }
@@ -65,7 +66,7 @@ class ExactWalk {
   HOST_DEVICE void pass(const CellCrossing<Volume>& at, const Volume& volume,
                         const ExactView& exact) {
     // Nothing beyond last_ is visited.
-    t_ = at.way.t1;
+    t_ = at.segment.t1;
     const Int3 far = far_cell();
     const Float3 p = origin_ + direction_ * t_;
     const Float3 plane = at.planes;

@@ -12,27 +12,27 @@ namespace diaphane::render {
 
 /// The segment of a camera ray that an estimator has to handle; clip and slices are already
 /// applied.
-struct Sight {
-  Span span;      ///< part of the ray that may contain matter; empty: none
-  Float3 behind;  ///< radiance of the ray if it does not collide
-  bool slice;     ///< `behind` is a slice
+struct PrimaryHit {
+  Span span;          ///< part of the ray that may contain matter; empty: none
+  Float3 background;  ///< radiance of the ray if it does not collide
+  bool slice;         ///< `background` is a slice
 };
 
 template <Features F, typename Volume>
-HOST_DEVICE Sight sight_along(const SceneView<Volume>& scene, const CameraRay& camera) {
+HOST_DEVICE PrimaryHit primary_hit(const SceneView<Volume>& scene, const CameraRay& camera) {
   const Ray& ray = camera.ray;
-  Sight sight{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}),
-              escape_radiance<F>(scene, camera.direction), false};
-  sight.span = clip_span<F>(scene, ray, sight.span, RayKind::kCamera);
+  PrimaryHit primary{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}),
+                     escape_radiance<F>(scene, camera.direction), false};
+  primary.span = clip_span<F>(scene, ray, primary.span, RayKind::kCamera);
   if constexpr (F.has(Feature::kSlices)) {
     const SliceHit hit = nearest_slice<F>(scene, ray);
     if (hit.found) {
-      sight.span.end = smaller(sight.span.end, hit.distance);
-      sight.behind = slice_radiance(scene, scene.volume.at(hit.place));
-      sight.slice = true;
+      primary.span.end = smaller(primary.span.end, hit.distance);
+      primary.background = slice_radiance(scene, scene.volume.at(hit.place));
+      primary.slice = true;
     }
   }
-  return sight;
+  return primary;
 }
 
 }  // namespace diaphane::render

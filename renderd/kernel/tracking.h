@@ -35,7 +35,7 @@ struct Collision {
   float distance;  ///< mm along the ray
   float value;     ///< voxel value there
   bool found;
-  bool met_matter;  ///< the extinction was not 0 at a tentative collision, so the ray meets matter
+  bool hit_medium;  ///< the extinction was not 0 at a tentative collision, so the ray meets matter
 };
 
 /// Delta tracking from `begin` to `end` under `majorant` > 0. On entry and exit, `pending` is the
@@ -53,7 +53,7 @@ HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
     const float value = medium.volume.at(ray.at(t));
     const float extinction = medium.extinction(value);
     const Random::Pair u = random.unit_and_exponential();
-    hit.met_matter |= extinction > 0.0f;
+    hit.hit_medium |= extinction > 0.0f;
     if (u.a * majorant < extinction) {
       hit.distance = t;
       hit.value = value;

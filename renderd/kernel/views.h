@@ -92,7 +92,7 @@ struct alignas(16) ExtinctionPiece {
 
 /// The kinds of hits of the exact walk: a ray to a light by one of the strategies of direct.h, or a
 /// path that continues.
-inline constexpr int kOnwards = 4;
+inline constexpr int kIndirect = 4;
 inline constexpr int kHitKinds = 5;
 
 /// Edge of a brick in cells between voxel centres, a power of two.

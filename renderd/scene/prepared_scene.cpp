@@ -85,7 +85,7 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   // Paths of very many collisions cost more than everything else together. One such path has the
   // least error in a given time and keeps a launch short.
   constexpr std::uint32_t kLongPaths = 128;
-  if (scene.features.has(Feature::kBounces)) strata[kOnwards] = scene.bounces > kLongPaths ? 1 : 4;
+  if (scene.features.has(Feature::kBounces)) strata[kIndirect] = scene.bounces > kLongPaths ? 1 : 4;
   return strata;
 }
 

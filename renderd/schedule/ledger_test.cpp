@@ -119,8 +119,8 @@ TEST_F(LedgerTest, ViewerMayStopEarlierButNotLater) {
 }
 
 TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
-  const auto moving = [&](double viewers, double connection) {
-    wanted.effort.moving_scale = viewers;
+  const auto moving = [&](double viewer, double connection) {
+    wanted.effort.moving_scale = viewer;
     wanted.moving_scale = connection;
     input();
     look();

@@ -268,9 +268,9 @@ TEST(Clip, PlaneClipsTheTransmittanceOfTheRay) {
       int through = 0;
       for (int i = 0; i < kSamples; ++i) {
         Random random(5, x + 8 * y, static_cast<std::uint64_t>(i));
-        const Sight sight = sight_along<kClip>(view, r);
-        through += !(sight.span.begin < sight.span.end) ||
-                           !track(r.ray, sight.span, view.grid,
+        const PrimaryHit primary = primary_hit<kClip>(view, r);
+        through += !(primary.span.begin < primary.span.end) ||
+                           !track(r.ray, primary.span, view.grid,
                                   Medium<LinearVolume>{view.volume, view.transfer}, random)
                                 .found
                        ? 1

@@ -36,11 +36,12 @@ volume::Volume one_cell(Random& random) {
 }
 
 /// Returns the number of turning points of the value along a crossing.
-int turns_of(const Corners& corners, const Crossing& way) {
+int turns_of(const Corners& corners, const Crossing& segment) {
   int turns = 0;
   double before = 0;
   const auto value = [&](int i) {
-    return double{corners.at(way.at(way.t0 + (way.t1 - way.t0) * static_cast<float>(i) / 200))};
+    return double{corners.at(
+        segment.at(segment.t0 + (segment.t1 - segment.t0) * static_cast<float>(i) / 200))};
   };
   for (int i = 0; i < 200; ++i) {
     const double rise = value(i + 1) - value(i);
@@ -53,24 +54,24 @@ int turns_of(const Corners& corners, const Crossing& way) {
 
 /// Integrates numerically; 0.1 mm has 2000 steps. At each of about ten kinks the error of the
 /// midpoint rule is less than a step's change of the extinction, 1e-4 in total.
-double stepped_depth(const TransferView& function, const Corners& corners, const Crossing& way,
+double stepped_depth(const TransferView& function, const Corners& corners, const Crossing& segment,
                      float end) {
   constexpr int kSteps = 20'000;
   double depth = 0;
-  const double length = double{end} - way.t0;
+  const double length = double{end} - segment.t0;
   for (int i = 0; i < kSteps; ++i) {
-    const auto t = static_cast<float>(way.t0 + length * (i + 0.5) / kSteps);
-    depth += extinction_at(function, corners.at(way.at(t)));
+    const auto t = static_cast<float>(segment.t0 + length * (i + 0.5) / kSteps);
+    depth += extinction_at(function, corners.at(segment.at(t)));
   }
   return depth * length / kSteps;
 }
 
 /// Returns the depth of a ray through the one cell, whose lower corner is the centre of the first
 /// voxel.
-float walked_depth(const SceneView<LinearVolume>& view, const Crossing& way) {
+float walked_depth(const SceneView<LinearVolume>& view, const Crossing& segment) {
   DepthWalk<Features{}.with(Feature::kCurves), LinearVolume> walk(
-      Ray{way.origin + Float3{0.5f, 0.5f, 0.5f}, way.direction}, Span{way.t0, way.t1}, view.volume,
-      view.exact);
+      Ray{segment.origin + Float3{0.5f, 0.5f, 0.5f}, segment.direction},
+      Span{segment.t0, segment.t1}, view.volume, view.exact);
   CellCrossing<LinearVolume> c;
   while (!walk.ended()) walk.step(view.volume, view.exact, c);
   return walk.depth();
@@ -87,15 +88,15 @@ TEST(ExactCell, MatchesRayMarchingForNonMonotonicValues) {
     const Random::Pair a = random.two(), b = random.two();
     const Float3 from{a.a, a.b, 0.0f}, to{b.a, b.b, 1.0f};
     const float length = sqrtf(dot(to - from, to - from));
-    const Crossing way{from, (to - from) * (1 / length), 0.0f, length};
-    const int turns = turns_of(corners, way);
+    const Crossing segment{from, (to - from) * (1 / length), 0.0f, length};
+    const int turns = turns_of(corners, segment);
     if (turns < 2 && i % 20 != 0) continue;
     ++by_turns[std::min(turns, 3)];
-    const float depth = walked_depth(view, way);
-    ASSERT_NEAR(depth, stepped_depth(view.transfer, corners, way, way.t1), 5e-4) << turns;
+    const float depth = walked_depth(view, segment);
+    ASSERT_NEAR(depth, stepped_depth(view.transfer, corners, segment, segment.t1), 5e-4) << turns;
     for (const float share : {0.2f, 0.7f, 0.95f}) {
-      const float place = place_in_cell<true>(corners, way, view.exact, share * depth);
-      ASSERT_NEAR(stepped_depth(view.transfer, corners, way, place), share * depth, 5e-4);
+      const float place = place_in_cell<true>(corners, segment, view.exact, share * depth);
+      ASSERT_NEAR(stepped_depth(view.transfer, corners, segment, place), share * depth, 5e-4);
     }
   }
   EXPECT_GE(by_turns[2], 60) << "twice";
@@ -114,7 +115,7 @@ struct Thick {
                        }()};
 
   /// Returns a ray along x through `length` voxels of 1 mm.
-  static std::pair<Ray, Span> way(float length) {
+  static std::pair<Ray, Span> segment(float length) {
     return {Ray{{0.0f, 4.3f, 5.6f}, {1.0f, 0.0f, 0.0f}}, Span{0.0f, length}};
   }
 };
@@ -146,7 +147,7 @@ TEST(TransmittanceWalk, MeanFollowsBeerLambertBeyondRussianRoulette) {
   const Thick thick;
   const auto view = thick.scene.view();
   expect_beer_and_lambert(kCertainDepth, [&](float length, Random& random) {
-    const auto [ray, span] = Thick::way(length);
+    const auto [ray, span] = Thick::segment(length);
     CellCrossing<LinearVolume> passed;
     TransmittanceWalk<kCurved, LinearVolume> walk(ray, span, view.volume, view.exact,
                                                   random.exponential());
@@ -162,7 +163,7 @@ TEST(FindHits, RemainingTransmittanceFollowsBeerLambert) {
   view.exact.strata[2] = 4;
   const float furthest = target_depth(3, 4, 0.9f);
   expect_beer_and_lambert(furthest, [&](float length, Random& random) {
-    const auto [ray, span] = Thick::way(length);
+    const auto [ray, span] = Thick::segment(length);
     const FirstWalk first = find_hits<kCurved>(
         ray, span, view.volume, view.exact,
         [](const HitNumber& hit) { return target_depth(hit.stratum, 4, 0.9f); },

@@ -25,15 +25,15 @@ diaphane::v1::Scene curves_scene() {
   return scene;
 }
 
-struct Way {
+struct RaySegment {
   Ray ray;
   Span span;
 };
 
 /// Returns rays through the volume in all directions, some of them along axes and planes.
-std::vector<Way> ways(const SceneView<LinearVolume>& view, int count) {
+std::vector<RaySegment> segments(const SceneView<LinearVolume>& view, int count) {
   Random random(7, 0, 0);
-  std::vector<Way> out;
+  std::vector<RaySegment> out;
   const Box box{{0, 0, 0},
                 {static_cast<float>(view.volume.size.x), static_cast<float>(view.volume.size.y),
                  static_cast<float>(view.volume.size.z)}};
@@ -52,9 +52,10 @@ std::vector<Way> ways(const SceneView<LinearVolume>& view, int count) {
   return out;
 }
 
-double walked_depth(const SceneView<LinearVolume>& view, const Way& way, int* cells = nullptr) {
-  DepthWalk<Features{}.with(Feature::kCurves), LinearVolume> walk(way.ray, way.span, view.volume,
-                                                                  view.exact);
+double walked_depth(const SceneView<LinearVolume>& view, const RaySegment& segment,
+                    int* cells = nullptr) {
+  DepthWalk<Features{}.with(Feature::kCurves), LinearVolume> walk(segment.ray, segment.span,
+                                                                  view.volume, view.exact);
   CellCrossing<LinearVolume> c;
   double depth = 0;
   float before = 0;
@@ -68,13 +69,13 @@ double walked_depth(const SceneView<LinearVolume>& view, const Way& way, int* ce
   return depth;
 }
 
-double stepped_depth(const SceneView<LinearVolume>& view, const Way& way) {
+double stepped_depth(const SceneView<LinearVolume>& view, const RaySegment& segment) {
   const int steps = 40000;
-  const double length = double{way.span.end} - way.span.begin;
+  const double length = double{segment.span.end} - segment.span.begin;
   double depth = 0;
   for (int i = 0; i < steps; ++i) {
-    const auto t = static_cast<float>(way.span.begin + length * (i + 0.5) / steps);
-    depth += extinction_at(view.transfer, view.volume.at(way.ray.at(t)));
+    const auto t = static_cast<float>(segment.span.begin + length * (i + 0.5) / steps);
+    depth += extinction_at(view.transfer, view.volume.at(segment.ray.at(t)));
   }
   return depth * length / steps;
 }
@@ -84,9 +85,9 @@ TEST(ExactWalk, OpticalDepthMatchesRayMarching) {
     const test::Prepared p(test::skull_volume(), scene);
     const auto view = p.view();
     double most = 0;
-    for (const Way& way : ways(view, 96)) {
-      if (!(way.span.begin < way.span.end)) continue;
-      const double walked = walked_depth(view, way), stepped = stepped_depth(view, way);
+    for (const RaySegment& segment : segments(view, 96)) {
+      if (!(segment.span.begin < segment.span.end)) continue;
+      const double walked = walked_depth(view, segment), stepped = stepped_depth(view, segment);
       // 40,000 steps over at most 110 mm are 3 um each. At each kink and border the error of the
       // midpoint rule is at most a step's change of the extinction, 0.002 in total for these
       // functions.
@@ -106,10 +107,10 @@ TEST(ExactWalk, VisitsEveryNonEmptyCell) {
   for (auto& skip : none) skip = skip == kOutside ? kOutside : 0;
   full.exact.skips = none.data() + BrickArray(p.grid().bricks).first;
   int cells = 0, all = 0;
-  for (const Way& way : ways(view, 400)) {
-    if (!(way.span.begin < way.span.end)) continue;
-    const double skipping = walked_depth(view, way, &cells),
-                 walking = walked_depth(full, way, &all);
+  for (const RaySegment& segment : segments(view, 400)) {
+    if (!(segment.span.begin < segment.span.end)) continue;
+    const double skipping = walked_depth(view, segment, &cells),
+                 walking = walked_depth(full, segment, &all);
     // In fp32, coordinates near 200 mm place the borders of each cell with an error of 1e-5 of a
     // cell.
     ASSERT_NEAR(skipping, walking, 1e-4 + 1e-4 * walking);
@@ -204,8 +205,8 @@ TEST(FindHits, HitsLieWhereTheOpacityReachesTheirStrata) {
   const test::Prepared p(test::skull_volume(), curves_scene());
   auto view = p.view();
   int found = 0;
-  for (const Way& way : ways(view, 60)) {
-    if (!(way.span.begin < way.span.end)) continue;
+  for (const RaySegment& segment : segments(view, 60)) {
+    if (!(segment.span.begin < segment.span.end)) continue;
     for (auto& strata : view.exact.strata) strata = 0;
     view.exact.strata[0] = 3;
     view.exact.strata[2] = 4;
@@ -213,21 +214,22 @@ TEST(FindHits, HitsLieWhereTheOpacityReachesTheirStrata) {
     constexpr Features kF =
         Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
     find_hits<kF>(
-        way.ray, way.span, view.volume, view.exact,
+        segment.ray, segment.span, view.volume, view.exact,
         [&](const HitNumber& hit) {
           return target_depth(hit.stratum, view.exact.strata[hit.kind], u(hit.kind));
         },
         1.0f, true,
         [&](const HitNumber& number, const CellCrossing<LinearVolume>& c, float to) {
           const Corners corners = view.volume.corners(c.cell, c.brick);
-          const float t = place_in_cell<true>(corners, c.way, view.exact, to);
-          const Hit hit{t, corners.at(c.way.at(t))};
+          const float t = place_in_cell<true>(corners, c.segment, view.exact, to);
+          const Hit hit{t, corners.at(c.segment.at(t))};
           const OpacityStratum stratum(number.stratum, view.exact.strata[number.kind]);
           const float share = number.stratum % 2 == 0 ? u(number.kind) : 1 - u(number.kind);
           const double opacity = stratum.begin + share * stratum.width;
-          const double depth = walked_depth(view, {way.ray, {way.span.begin, hit.distance}});
+          const double depth =
+              walked_depth(view, {segment.ray, {segment.span.begin, hit.distance}});
           EXPECT_NEAR(-std::expm1(-depth), opacity, 2e-4);
-          EXPECT_NEAR(hit.value, view.volume.at(way.ray.at(hit.distance)), 2.0f);
+          EXPECT_NEAR(hit.value, view.volume.at(segment.ray.at(hit.distance)), 2.0f);
           ++found;
         });
   }

@@ -122,7 +122,7 @@ std::uint64_t CpuFilm::fold() {
     for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
       PixelBatch batch;
       const Sample& sample = samples_[pixel];
-      batch.add(sample.radiance, sample.met_matter, drawn_, sample.shows_slice);
+      batch.add(sample.radiance, sample.hit_medium, drawn_, sample.shows_slice);
       dropped_here += batch.dropped_even + batch.dropped_odd;
       render::fold(film, pixel, batch);
     }
@@ -247,7 +247,7 @@ void CpuFilm::radiance(PictureRgbF& out) const {
 void CpuFilm::contents(std::vector<std::uint8_t>& out) const {
   out.resize(pixels_of(size_));
   for (std::size_t pixel = 0; pixel < out.size(); ++pixel) {
-    out[pixel] = (state_[pixel] & kMetMatter) != 0 ? 1 : 0;
+    out[pixel] = (state_[pixel] & kHitMedium) != 0 ? 1 : 0;
   }
 }
 

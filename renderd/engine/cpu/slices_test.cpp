@@ -107,19 +107,19 @@ void expect_exact(const volume::Volume& v, const int* axis, const double* sign) 
       const Expected e = expected_slice(v, scene, axis, sign, static_cast<double>(x),
                                         static_cast<double>(y), canvas);
       if (e.margin < 1e-3) continue;
-      const Sight sight = sight_along<kSlices>(view, camera_ray<kSlices>(view, x, y));
-      ASSERT_EQ(sight.slice, e.found) << x << " " << y;
-      EXPECT_FALSE(sight.span.begin < sight.span.end) << "no matter is traced";
+      const PrimaryHit primary = primary_hit<kSlices>(view, camera_ray<kSlices>(view, x, y));
+      ASSERT_EQ(primary.slice, e.found) << x << " " << y;
+      EXPECT_FALSE(primary.span.begin < primary.span.end) << "no matter is traced";
       if (!e.found) {
         ++background;
-        EXPECT_EQ(sight.behind.x, 0.25f);
+        EXPECT_EQ(primary.background.x, 0.25f);
         continue;
       }
       ++shown;
       const double value = test::value_at(v, e.index);
       const double grey = std::clamp((value - (150 - 950)) / 1900, 0.0, 1.0);
       const double displayed =
-          static_cast<double>(tone(sight.behind.x * static_cast<float>(std::exp2(exposure))));
+          static_cast<double>(tone(primary.background.x * static_cast<float>(std::exp2(exposure))));
       ASSERT_NEAR(displayed, grey, 0.1 / 255) << "value " << value;
     }
     EXPECT_GT(shown, 500);
@@ -220,10 +220,10 @@ TEST(Slices, OccludeAndAreOccludedByOpaqueMedium) {
     for (std::uint32_t y = 0; y < 16; ++y) {
       const Sample hidden = estimate<kLitSlices>(behind.view(), y, y, i);
       EXPECT_EQ(hidden.radiance.x, 0) << "black matter";
-      EXPECT_TRUE(hidden.met_matter);
+      EXPECT_TRUE(hidden.hit_medium);
       const Sample seen = estimate<kLitSlices>(before.view(), y, y, i);
       EXPECT_NEAR(static_cast<double>(seen.radiance.x), kGreyRadiance, 1e-5);
-      EXPECT_TRUE(seen.met_matter) << "the error counts such pixels";
+      EXPECT_TRUE(seen.hit_medium) << "the error counts such pixels";
     }
   }
 }
@@ -278,7 +278,7 @@ TEST(Slices, AreClippedAndVisibleInTheClipFaces) {
     int count = 0;
     for (std::uint32_t y = 0; y < 32; ++y) {
       for (std::uint32_t x = 0; x < 32; ++x) {
-        count += estimate<kSlices.with(Feature::kClip)>(p.view(), x, y, 0).met_matter ? 1 : 0;
+        count += estimate<kSlices.with(Feature::kClip)>(p.view(), x, y, 0).hit_medium ? 1 : 0;
       }
     }
     return count;
@@ -294,7 +294,7 @@ TEST(Slices, AreClippedAndVisibleInTheClipFaces) {
     const test::Prepared p(smooth_volume(), scene, {32, 32});
     std::vector<bool> met;
     for (std::uint32_t i = 0; i < 32 * 32; ++i) {
-      met.push_back(estimate<kSlices.with(Feature::kClip)>(p.view(), i % 32, i / 32, 0).met_matter);
+      met.push_back(estimate<kSlices.with(Feature::kClip)>(p.view(), i % 32, i / 32, 0).hit_medium);
     }
     return met;
   };
@@ -316,7 +316,7 @@ TEST(Slices, AreCompiledOutOutsideTheVolume) {
   EXPECT_EQ(length(occupied.high - occupied.low), 0);
   for (std::uint32_t i = 0; i < 32 * 32; ++i) {
     const Sample s = estimate<kAllFeatures>(p.view(), i % 32, i / 32, 0);
-    EXPECT_TRUE(s.met_matter || s.radiance.x == 0.5f) << "a slice or the sky";
+    EXPECT_TRUE(s.hit_medium || s.radiance.x == 0.5f) << "a slice or the sky";
   }
 }
 

@@ -10,12 +10,12 @@ namespace diaphane::render::cuda {
 
 /// The kernels of the exact walk (exact_camera.cuh, exact_light.cuh), compiled into the program for
 /// each of kVariants. Feature::kGuides does not affect them.
-extern const KernelTemplate kExactCamera, kExactLight, kExactOnwards;
+extern const KernelTemplate kExactCamera, kExactLight, kExactIndirect;
 
 /// The kernel instances for one scene.
 struct ExactKernels {
   std::shared_ptr<const Variant> camera, light;
-  std::shared_ptr<const Variant> onwards;  ///< null without Feature::kBounces
+  std::shared_ptr<const Variant> indirect;  ///< null without Feature::kBounces
 };
 
 /// The number of blocks of the light kernel that run at once. Each launch has this size, however

@@ -90,10 +90,10 @@ __global__ void __launch_bounds__(kCameraBlock, DIAPHANE_CAMERA_BLOCKS)
     const CameraSample<kF, TextureVolume> camera(scene, place.x, place.y, place.sample);
     item.origin = camera.camera.ray.origin;
     item.direction = camera.camera.ray.direction;
-    item.span = camera.sight.span;
+    item.span = camera.primary.span;
     float transmittance = 1.0f;
-    bool met = camera.sight.slice;
-    if (camera.sight.span.begin < camera.sight.span.end) {
+    bool met = camera.primary.slice;
+    if (camera.primary.span.begin < camera.primary.span.end) {
       // All targets are drawn at once, before the rays of the warp diverge.
       Random own = camera.random.fork(kCameraStream);
       constexpr KindList kKinds = hit_kinds<kF>();
@@ -110,40 +110,40 @@ __global__ void __launch_bounds__(kCameraBlock, DIAPHANE_CAMERA_BLOCKS)
           scene, camera, [&](const HitNumber& hit) { return staged.at(2, hit.of_all); },
           own.exponential(),
           [&](const HitNumber& hit, const CellCrossing<TextureVolume>& cell, float depth) {
-            staged.at(0, hit.of_all) = cell.way.t0;
-            staged.at(1, hit.of_all) = cell.way.t1;
+            staged.at(0, hit.of_all) = cell.segment.t0;
+            staged.at(1, hit.of_all) = cell.segment.t1;
             staged.at(2, hit.of_all) = depth;
             item.hits += 1u << 6 * hit.kind;
           });
       transmittance = first.transmittance;
-      met |= first.met_matter;
+      met |= first.hit_medium;
     }
-    item.radiance = camera.sight.behind * transmittance;
+    item.radiance = camera.primary.background * transmittance;
     if (met) item.hits |= kItemMet;
     // A slice that is dimmed to less than half a display level is invisible.
-    if (camera.sight.slice && transmittance > 0.5f / 255.0f) item.hits |= kItemShowsSlice;
+    if (camera.primary.slice && transmittance > 0.5f / 255.0f) item.hits |= kItemShowsSlice;
   }
   const std::uint32_t number = tile * kTilePixels + lane;
   scratch.items[number] = item;
 
   TileHits base{};
-  const std::uint32_t light = hits_in_tile(item, 0, kOnwards),
-                      onwards = hits_in_tile(item, kOnwards, kHitKinds);
+  const std::uint32_t light = hits_in_tile(item, 0, kIndirect),
+                      indirect = hits_in_tile(item, kIndirect, kHitKinds);
   if (lane == 0) {
     if (light > 0) base.light = atomicAdd(scratch.counters + kLightHits, light);
-    if (onwards > 0) {
-      base.onwards = scratch.onwards + atomicAdd(scratch.counters + kOnwardsHits, onwards);
+    if (indirect > 0) {
+      base.indirect = scratch.indirect + atomicAdd(scratch.counters + kIndirectHits, indirect);
     }
     scratch.tiles[tile] = base;
   }
   const std::uint32_t slot = number * kMostHits;
   if (light > 0) {
     const std::uint32_t first = __shfl_sync(~0u, base.light, 0);
-    copy_hits(scene.exact, staged, item, 0, kOnwards, slot, scratch.hits + first);
+    copy_hits(scene.exact, staged, item, 0, kIndirect, slot, scratch.hits + first);
   }
-  if (onwards > 0) {
-    const std::uint32_t first = __shfl_sync(~0u, base.onwards, 0);
-    copy_hits(scene.exact, staged, item, kOnwards, kHitKinds, slot, scratch.hits + first);
+  if (indirect > 0) {
+    const std::uint32_t first = __shfl_sync(~0u, base.indirect, 0);
+    copy_hits(scene.exact, staged, item, kIndirect, kHitKinds, slot, scratch.hits + first);
   }
 }
 

@@ -19,7 +19,7 @@ __device__ Float3 light_of(const ExactView& exact, const ExactItem& item, const 
   Float3 sum = item.radiance;
   std::uint32_t next = tile.light;
   for (int kind = 0; kind < kHitKinds; ++kind) {
-    if (kind == kOnwards) next = tile.onwards;
+    if (kind == kIndirect) next = tile.indirect;
     const std::int32_t mine = item.hits_of(kind);
     for (std::int32_t s = 0; s < exact.strata[kind]; ++s) {
       const std::uint32_t which = __ballot_sync(~0u, s < mine);
@@ -28,7 +28,7 @@ __device__ Float3 light_of(const ExactView& exact, const ExactItem& item, const 
         const std::uint32_t index = next + __popc(which & ((1u << lane) - 1u));
         const HitRecord& hit = scratch.hits[index];
         sum += Float3{hit.a, hit.b, hit.c};
-        if (scratch.glow != nullptr && kind != kOnwards) {
+        if (scratch.glow != nullptr && kind != kIndirect) {
           const Float4 own = scratch.glow[index];
           sum += Float3{own.x, own.y, own.z};
         }
@@ -86,10 +86,10 @@ struct Light {
     return reinterpret_cast<const void*>(&light_kernel<Bits>);
   }
 };
-struct Onwards {
+struct Indirect {
   template <std::uint32_t Bits>
   static const void* entry() {
-    return reinterpret_cast<const void*>(&onwards_kernel<Bits>);
+    return reinterpret_cast<const void*>(&indirect_kernel<Bits>);
   }
 };
 
@@ -122,10 +122,10 @@ const KernelTemplate kExactLight{.name = "exact walk, rays to lights",
                                  .header = "renderd/engine/cuda/exact_light.cuh",
                                  .expression = "diaphane::render::cuda::light_kernel",
                                  .ahead_of_time = &ahead_of_time<Light>};
-const KernelTemplate kExactOnwards{.name = "exact walk, paths onwards",
-                                   .header = "renderd/engine/cuda/exact_light.cuh",
-                                   .expression = "diaphane::render::cuda::onwards_kernel",
-                                   .ahead_of_time = &ahead_of_time<Onwards>};
+const KernelTemplate kExactIndirect{.name = "exact walk, indirect paths",
+                                    .header = "renderd/engine/cuda/exact_light.cuh",
+                                    .expression = "diaphane::render::cuda::indirect_kernel",
+                                    .ahead_of_time = &ahead_of_time<Indirect>};
 
 cudaError_t trace_exact(const ExactKernels& kernels, const SceneView<TextureVolume>& scene,
                         const Stripe& stripe, const ExactScratch& scratch,
@@ -149,8 +149,8 @@ cudaError_t trace_exact(const ExactKernels& kernels, const SceneView<TextureVolu
   status = cudaLaunchKernel(kernels.light->entry, dim3(light_blocks), dim3(kLightBlock), arguments,
                             0, stream);
   if (status != cudaSuccess) return status;
-  if (kernels.onwards != nullptr) {
-    status = cudaLaunchKernel(kernels.onwards->entry, dim3(8 * light_blocks), dim3(kLightBlock),
+  if (kernels.indirect != nullptr) {
+    status = cudaLaunchKernel(kernels.indirect->entry, dim3(8 * light_blocks), dim3(kLightBlock),
                               arguments, 0, stream);
     if (status != cudaSuccess) return status;
   }

@@ -28,7 +28,7 @@ namespace diaphane::render::cuda {
 #define DIAPHANE_LIGHT_BLOCKS(F) ((F).has(Feature::kCurves) ? 6 : 8)
 #endif
 inline constexpr int kLightBlock = 128;  ///< threads
-inline constexpr int kOnwardsBlocks = 8;
+inline constexpr int kIndirectBlocks = 8;
 
 /// Rays that wait for a lane. A warp aims the next hits when there are fewer rays than free lanes.
 struct RayStack {
@@ -40,10 +40,10 @@ struct RayStack {
 };
 
 /// Returns the corner values of the cell that a ray crosses between two distances, and the crossing
-/// in `way`.
+/// in `segment`.
 __device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& scene,
                                                 const Ray& ray, float from, float to,
-                                                Crossing& way) {
+                                                Crossing& segment) {
   const Float3 origin = ray.origin + Float3{0.5f, 0.5f, 0.5f};
   const Float3 middle = origin + ray.direction * (0.5f * (from + to));
   const ExactView& e = scene.exact;
@@ -53,9 +53,9 @@ __device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& 
   const Int3 cell{cell_of(middle.x, e.size.x), cell_of(middle.y, e.size.y),
                   cell_of(middle.z, e.size.z)};
   const Int3 b{cell.x >> kBrickShift, cell.y >> kBrickShift, cell.z >> kBrickShift};
-  way = {origin - Float3{static_cast<float>(cell.x), static_cast<float>(cell.y),
-                         static_cast<float>(cell.z)},
-         ray.direction, from, to};
+  segment = {origin - Float3{static_cast<float>(cell.x), static_cast<float>(cell.y),
+                             static_cast<float>(cell.z)},
+             ray.direction, from, to};
   return scene.volume.corners(cell,
                               scene.volume.brick(b.x + e.brick_row * b.y + e.brick_slice * b.z));
 }
@@ -64,7 +64,7 @@ __device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& 
 template <Features F>
 __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>& scene,
                                                   const Stripe& stripe, const ExactItem* items,
-                                                  const HitRecord& record, bool onwards) {
+                                                  const HitRecord& record, bool indirect) {
   const std::uint32_t number = record.slot / kMostHits;
   auto stratum = static_cast<std::int32_t>(record.slot % kMostHits);
   const ItemPlace at = place_of(tiles_of(scene.width, scene.height, stripe), stripe,
@@ -73,18 +73,19 @@ __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>
   while (stratum >= scene.exact.strata[kind]) stratum -= scene.exact.strata[kind++];
   // The argument is a constant for the compiler, which removes the code for continued paths from
   // the other kernel.
-  if (onwards) kind = kOnwards;
+  if (indirect) kind = kIndirect;
   CameraRay camera;
   camera.ray = {items[number].origin, items[number].direction};
   camera.direction = camera.ray.direction * scene.spacing;
-  Crossing way;
-  const Corners corners = cell_between(scene, camera.ray, record.a, record.b, way);
-  const float t = place_in_cell<F.has(Feature::kCurves)>(corners, way, scene.exact, record.c);
+  Crossing segment;
+  const Corners corners = cell_between(scene, camera.ray, record.a, record.b, segment);
+  const float t = place_in_cell<F.has(Feature::kCurves)>(corners, segment, scene.exact, record.c);
   const std::uint32_t pixel = scene.pixel(at.x, at.y);
   const std::uint64_t sample = scene.numbers.of(at.sample);
   const Points points(scene.stream, pixel, sample);
   const Random random(scene.seed, pixel, scene.first_sample + sample);
-  return task_of<F>(scene, camera, points, random, kind, stratum, Hit{t, corners.at(way.at(t))});
+  return task_of<F>(scene, camera, points, random, kind, stratum,
+                    Hit{t, corners.at(segment.at(t))});
 }
 
 /// Aims the hit `index` and pushes its ray onto the stack if it must be walked. Takes and returns
@@ -213,14 +214,14 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
 
 /// Continues the paths of Feature::kBounces from their first collision, with one thread per hit.
 template <std::uint32_t Bits>
-__global__ void __launch_bounds__(kLightBlock, kOnwardsBlocks)
-    onwards_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
-                   const __grid_constant__ Stripe stripe,
-                   const __grid_constant__ ExactScratch scratch) {
+__global__ void __launch_bounds__(kLightBlock, kIndirectBlocks)
+    indirect_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
+                    const __grid_constant__ Stripe stripe,
+                    const __grid_constant__ ExactScratch scratch) {
   const std::uint32_t i = blockIdx.x * kLightBlock + threadIdx.x;
   const std::uint32_t step = gridDim.x * kLightBlock;
-  for (std::uint32_t n = i; n < scratch.counters[kOnwardsHits]; n += step) {
-    HitRecord& record = scratch.hits[scratch.onwards + n];
+  for (std::uint32_t n = i; n < scratch.counters[kIndirectHits]; n += step) {
+    HitRecord& record = scratch.hits[scratch.indirect + n];
     const Float3 light = task_of_record<Features{Bits}.with(Feature::kBounces)>(
                              scene, stripe, scratch.items, record, true)
                              .radiance;

@@ -13,10 +13,10 @@ constexpr std::uint64_t kMostSamples = 32;
 ExactNeeds needs_of(const PreparedScene& scene) {
   ExactNeeds needs;
   const auto strata = strata_for(scene);
-  for (int kind = 0; kind < kOnwards; ++kind) {
+  for (int kind = 0; kind < kIndirect; ++kind) {
     needs.light_strata += static_cast<std::uint32_t>(strata[static_cast<std::size_t>(kind)]);
   }
-  needs.onwards_strata = static_cast<std::uint32_t>(strata[kOnwards]);
+  needs.indirect_strata = static_cast<std::uint32_t>(strata[kIndirect]);
   needs.glow = scene.features.has(Feature::kEmission);
   return needs;
 }
@@ -46,9 +46,9 @@ Result<void> ExactPath::choose_kernels(VariantStore& variants, Features needed) 
   const Features walked = needed.without(Feature::kGuides).without(Feature::kSteepExtinction);
   kernels_.camera = variants.get(kExactCamera, walked);
   kernels_.light = variants.get(kExactLight, walked.without(Feature::kBounces));
-  kernels_.onwards = needs_.onwards_strata > 0
-                         ? variants.get(kExactOnwards, needed.without(Feature::kGuides))
-                         : nullptr;
+  kernels_.indirect = needs_.indirect_strata > 0
+                          ? variants.get(kExactIndirect, needed.without(Feature::kGuides))
+                          : nullptr;
   const auto blocks = light_blocks(*kernels_.light);
   DIAPHANE_TRY(blocks);
   light_blocks_ = *blocks;

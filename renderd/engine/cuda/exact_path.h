@@ -25,7 +25,7 @@ class ExactPath {
   std::uint64_t shared_bytes() const { return workspace_->device_bytes(); }
 
   /// Returns the maximum number of paths that continue from the collisions of a sample.
-  std::uint32_t paths() const { return needs_.onwards_strata; }
+  std::uint32_t paths() const { return needs_.indirect_strata; }
 
   /// Returns the maximum number of samples per pixel in one launch.
   std::uint32_t samples() const { return samples_; }

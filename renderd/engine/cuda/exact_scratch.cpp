@@ -59,7 +59,7 @@ ExactScratch ExactMemory::scratch(const ExactNeeds& needs, std::uint64_t items) 
           .hits = hits_.data(),
           .glow = needs.glow ? glow_.data() : nullptr,
           .counters = counters_.data(),
-          .onwards = static_cast<std::uint32_t>(items * needs.light_strata)};
+          .indirect = static_cast<std::uint32_t>(items * needs.light_strata)};
 }
 
 std::uint64_t ExactMemory::bytes() const {

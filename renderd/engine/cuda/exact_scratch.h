@@ -14,10 +14,10 @@ namespace diaphane::render::cuda {
 
 /// The memory needs of an item.
 struct ExactNeeds {
-  std::uint32_t light_strata = 0, onwards_strata = 0;  ///< maximum number of hits
-  bool glow = false;                                   ///< Feature::kEmission
+  std::uint32_t light_strata = 0, indirect_strata = 0;  ///< maximum number of hits
+  bool glow = false;                                    ///< Feature::kEmission
 
-  std::uint32_t strata() const { return light_strata + onwards_strata; }
+  std::uint32_t strata() const { return light_strata + indirect_strata; }
   std::uint64_t bytes() const {
     return sizeof(ExactItem) + sizeof(TileHits) + strata() * sizeof(HitRecord) +
            (glow ? light_strata * sizeof(Float4) : 0);

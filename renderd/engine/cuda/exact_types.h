@@ -64,13 +64,13 @@ struct alignas(16) HitRecord {
 /// The index of the first hit of a tile, for hits that look for light and for hits from which paths
 /// continue.
 struct TileHits {
-  std::uint32_t light, onwards;
+  std::uint32_t light, indirect;
 };
 
 enum ExactCounter : int {
-  kLightHits,    ///< number of hits that look for light
-  kOnwardsHits,  ///< number of continued hits, stored from `onwards` on
-  kLightTaken,   ///< hits that warps of kernel 2 have taken
+  kLightHits,     ///< number of hits that look for light
+  kIndirectHits,  ///< number of continued hits, stored from `indirect` on
+  kLightTaken,    ///< hits that warps of kernel 2 have taken
   kExactCounters = 4
 };
 
@@ -78,12 +78,12 @@ enum ExactCounter : int {
 struct ExactScratch {
   ExactItem* items;
   TileHits* tiles;
-  HitRecord* hits;  ///< hits that look for light first, continued hits from `onwards` on
+  HitRecord* hits;  ///< hits that look for light first, continued hits from `indirect` on
   /// The light that each of the `hits` emits itself. Null if the scene has no emission, even if the
   /// kernel supports it.
   Float4* glow;
   std::uint32_t* counters;  ///< kExactCounters
-  std::uint32_t onwards;
+  std::uint32_t indirect;
 };
 
 }  // namespace diaphane::render::cuda

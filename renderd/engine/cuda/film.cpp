@@ -306,7 +306,7 @@ Result<void> CudaFilm::radiance_denoised(CudaDenoiser& denoiser, float voxel, fl
 Result<void> CudaFilm::contents(std::uint8_t* met, cudaStream_t stream) const {
   std::vector<std::uint32_t> state(pixels());
   DIAPHANE_TRY(download(state.data(), state_, state.size(), stream));
-  for (std::uint64_t i = 0; i < state.size(); ++i) met[i] = (state[i] & kMetMatter) != 0 ? 1 : 0;
+  for (std::uint64_t i = 0; i < state.size(); ++i) met[i] = (state[i] & kHitMedium) != 0 ? 1 : 0;
   return {};
 }
 

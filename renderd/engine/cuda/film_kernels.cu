@@ -30,7 +30,7 @@ __global__ void histogram_kernel(FilmPicture p, std::uint64_t* counts) {
   const std::uint64_t stride = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t pixel = thread_index(); pixel < pixels; pixel += stride) {
     const PixelEstimate e = estimate_at(p, pixel);
-    if (!e.met_matter) continue;
+    if (!e.hit_medium) continue;
     const WhiteEntries entries = white_entries(e, pixel);
 #pragma unroll
     for (int i = 0; i < 6; ++i) atomicAdd(&mine[entries.of[i]], 1u);
@@ -54,7 +54,7 @@ __global__ void tile_kernel(FilmPicture p, float inverse_white, TileError* tiles
   counted[t] = 0;
   if (x < p.width && y < p.height) {
     const PixelEstimate e = estimate_at(p, x + std::uint64_t{p.width} * y);
-    if (e.met_matter) {
+    if (e.hit_medium) {
       squared[t] = squared_error(e, inverse_white);
       counted[t] = 1;
     }

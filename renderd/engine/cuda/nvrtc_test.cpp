@@ -15,7 +15,7 @@ namespace {
 
 /// All kernels that an engine may launch. Add new kernels here.
 const KernelTemplate* const kKernels[] = {&kTraceKernel, &kExactCamera, &kExactLight,
-                                          &kExactOnwards};
+                                          &kExactIndirect};
 
 class NvrtcTest : public ::testing::Test {
  protected:

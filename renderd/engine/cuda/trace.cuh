@@ -28,8 +28,8 @@ __device__ __forceinline__ void join_lanes(PixelBatch& batch, std::uint32_t lane
     batch.odd += Float3{other(batch.odd.x), other(batch.odd.y), other(batch.odd.z)};
     batch.dropped_even += other(batch.dropped_even);
     batch.dropped_odd += other(batch.dropped_odd);
-    batch.met_matter |= other(static_cast<std::uint32_t>(batch.met_matter)) != 0;
-    batch.met_slice |= other(static_cast<std::uint32_t>(batch.met_slice)) != 0;
+    batch.hit_medium |= other(static_cast<std::uint32_t>(batch.hit_medium)) != 0;
+    batch.hit_slice |= other(static_cast<std::uint32_t>(batch.hit_slice)) != 0;
   }
 }
 
@@ -87,7 +87,7 @@ __global__ void __launch_bounds__(kTraceBlock, kTraceBlocks)
     for (std::uint32_t s = lane; s < stripe.samples; s += lanes) {
       const auto sample = estimate<Features{Bits}>(scene, x, y, stripe.film_sample + s);
       if constexpr (kGuided) guides += sample.guides;
-      batch.add(sample.radiance, sample.met_matter, stripe.film_sample + s, sample.shows_slice);
+      batch.add(sample.radiance, sample.hit_medium, stripe.film_sample + s, sample.shows_slice);
     }
   }
   // Whole warps take part, including threads outside the picture.
