@@ -57,7 +57,7 @@ HOST_DEVICE float luminance(Float3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0
 inline constexpr float kBrightest = 16.0f;
 
 HOST_DEVICE float bounded(float x, float low, float high) {
-  return larger(smaller(x, high), low);  // NaN becomes `high`, but callers test for it before
+  return max(min(x, high), low);  // NaN becomes `high`, but callers test for it before
 }
 
 HOST_DEVICE Smoothed to_be_smoothed(const PixelEstimate& e, float inverse_white) {
@@ -107,7 +107,7 @@ HOST_DEVICE Steering unpack(const PackedSteering& p) {
 
 /// An approximation of exp(-x) for x >= 0, which is 0 for x >= 8.
 HOST_DEVICE float falloff(float x) {
-  const float t = larger(1.0f - 0.125f * x, 0.0f);
+  const float t = max(1.0f - 0.125f * x, 0.0f);
   const float t2 = t * t, t4 = t2 * t2;
   return t4 * t4;
 }
@@ -126,7 +126,7 @@ struct DenoiseTuning {
 /// mm, that does not count as an edge.
 HOST_DEVICE float unlikeness(const Steering& p, const Steering& q, float depth_step,
                              const DenoiseTuning& tuning) {
-  const float both = smaller(p.opacity, q.opacity);
+  const float both = min(p.opacity, q.opacity);
   return tuning.opacity * squared(p.opacity - q.opacity) +
          tuning.albedo * squared(p.albedo - q.albedo) +
          tuning.normal * squared(p.normal - q.normal) +
@@ -159,7 +159,7 @@ HOST_DEVICE float tap_weight(const Smoothed& p, float variance, float trust, con
 /// Returns the smaller of the steps in depth to the two sides of a pixel, which is the slope of its
 /// surface.
 HOST_DEVICE float slope_of(float before, float here, float after) {
-  return smaller(fabsf(here - before), fabsf(after - here));
+  return min(fabsf(here - before), fabsf(after - here));
 }
 
 /// The contribution of one pixel to the two means that decide the blend. It uses luminance,
@@ -197,7 +197,7 @@ HOST_DEVICE Gain gain_around(const GainsView& gains, std::uint32_t x, std::uint3
   const float v = bounded((static_cast<float>(y) + 0.5f) / kGainTile - 0.5f, 0.0f,
                           static_cast<float>(gains.down - 1));
   const auto x0 = static_cast<std::uint32_t>(u), y0 = static_cast<std::uint32_t>(v);
-  const std::uint32_t x1 = smaller(x0 + 1, gains.across - 1), y1 = smaller(y0 + 1, gains.down - 1);
+  const std::uint32_t x1 = min(x0 + 1, gains.across - 1), y1 = min(y0 + 1, gains.down - 1);
   const float wx = u - static_cast<float>(x0), wy = v - static_cast<float>(y0);
   Gain sum{0.0f, 0.0f};
   const auto add = [&](std::uint32_t i, std::uint32_t j, float weight) {

@@ -43,7 +43,7 @@ HOST_DEVICE std::uint32_t white_bin(float radiance) {
   union Bits {
     float f;
     std::uint32_t u;
-  } const b{smaller(larger(radiance, 0x1p-32f), 0x1.fp31f)};
+  } const b{min(max(radiance, 0x1p-32f), 0x1.fp31f)};
   return (b.u >> 19) - ((127u - 32u) << 4);
 }
 

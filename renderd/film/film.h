@@ -63,9 +63,8 @@ HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatc
   difference[2] += d.z;
   if (batch.hit_medium || batch.hit_slice || batch.dropped_even != 0 || batch.dropped_odd != 0) {
     std::uint32_t state = film.state[pixel];
-    const std::uint32_t even = smaller((state & kDroppedMask) + batch.dropped_even, kDroppedMask);
-    const std::uint32_t odd =
-        smaller((state >> 15 & kDroppedMask) + batch.dropped_odd, kDroppedMask);
+    const std::uint32_t even = min((state & kDroppedMask) + batch.dropped_even, kDroppedMask);
+    const std::uint32_t odd = min((state >> 15 & kDroppedMask) + batch.dropped_odd, kDroppedMask);
     film.state[pixel] = (state & (kHitMedium | kShowsSlice)) |
                         (batch.hit_medium ? kHitMedium : 0u) |
                         (batch.hit_slice ? kShowsSlice : 0u) | even | odd << 15;

@@ -34,13 +34,13 @@ struct PackedGuides {
 
 /// Rounds `x` in [0, 1] to the nearest step.
 HOST_DEVICE std::uint32_t in_steps(float x, float steps) {
-  return static_cast<std::uint32_t>(smaller(larger(x, 0.0f), 1.0f) * steps + 0.5f);
+  return static_cast<std::uint32_t>(min(max(x, 0.0f), 1.0f) * steps + 0.5f);
 }
 
 HOST_DEVICE PackedGuides pack(const Guides& g) {
   // Rounding must not make visible matter invisible.
-  const std::uint32_t opacity = g.opacity > 0.0f ? larger(in_steps(g.opacity, 31.0f), 1u) : 0u;
-  const float depth = g.opacity > 0.0f ? larger(g.depth / g.opacity, 0.0f) : 0.0f;
+  const std::uint32_t opacity = g.opacity > 0.0f ? max(in_steps(g.opacity, 31.0f), 1u) : 0u;
+  const float depth = g.opacity > 0.0f ? max(g.depth / g.opacity, 0.0f) : 0.0f;
   const auto side = [](float x) { return in_steps(0.5f + 0.5f * x, 14.0f); };
   const std::uint32_t albedo = in_steps(g.albedo.x, 31.0f) | in_steps(g.albedo.y, 63.0f) << 5 |
                                in_steps(g.albedo.z, 31.0f) << 11;

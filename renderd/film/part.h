@@ -89,7 +89,7 @@ HOST_DEVICE std::uint16_t pack_mean(float x) {
   if (!(x >= 0x1p-40f)) return 0;
   const std::uint32_t rounded = b.u + 0xfffu + (b.u >> 13 & 1u);
   const std::uint32_t steps = ((rounded - kBase) >> 13) + 1;  // 0 is reserved for zero
-  return static_cast<std::uint16_t>(smaller(steps, 0xffffu));
+  return static_cast<std::uint16_t>(min(steps, 0xffffu));
 }
 HOST_DEVICE float unpack_mean(std::uint16_t packed) {
   if (packed == 0) return 0.0f;
@@ -112,7 +112,7 @@ HOST_DEVICE std::uint8_t pack_half(float x) {
   if (!(b.f >= 0x1p-31f)) return 0;
   const std::uint32_t rounded = b.u + 0xfffffu + (b.u >> 21 & 1u);
   const std::uint32_t steps = ((rounded - kBase) >> 21) + 1;
-  return static_cast<std::uint8_t>(sign | smaller(steps, 0x7fu));
+  return static_cast<std::uint8_t>(sign | min(steps, 0x7fu));
 }
 HOST_DEVICE float unpack_half(std::uint8_t packed) {
   const std::uint32_t steps = packed & 0x7fu;
@@ -127,7 +127,7 @@ HOST_DEVICE float unpack_half(std::uint8_t packed) {
 HOST_DEVICE std::uint8_t pack_relative_half(double even, double odd, float mean) {
   if (!(mean > 0.0f)) return 0;
   const float r = static_cast<float>((even - odd) / (4.0 * static_cast<double>(mean)));
-  return pack_half(smaller(larger(r, -1.0f), 1.0f));
+  return pack_half(min(max(r, -1.0f), 1.0f));
 }
 
 /// Packs a pixel of `samples` samples, an even number.
@@ -138,7 +138,7 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
   PackedPixel p{};
   p.state = static_cast<std::uint8_t>(((state & kHitMedium) != 0 ? 0x80u : 0u) |
                                       ((state & kShowsSlice) != 0 ? 0x40u : 0u) |
-                                      smaller(lost_even, 7u) | smaller(lost_odd, 7u) << 3);
+                                      min(lost_even, 7u) | min(lost_odd, 7u) << 3);
   const std::uint64_t pairs = samples / 2;
   const double a = static_cast<double>(pairs) - lost_even;
   const double b = static_cast<double>(pairs) - lost_odd;
@@ -174,8 +174,8 @@ HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const Pa
     d[c] += static_cast<float>((a - b) * mean + (a + b > 0 ? 2.0 * a * b / (a + b) * apart : 0.0));
   }
   const std::uint32_t state = film.state[pixel];
-  const std::uint32_t even = smaller((state & kDroppedMask) + lost_even, kDroppedMask);
-  const std::uint32_t odd = smaller((state >> 15 & kDroppedMask) + lost_odd, kDroppedMask);
+  const std::uint32_t even = min((state & kDroppedMask) + lost_even, kDroppedMask);
+  const std::uint32_t odd = min((state >> 15 & kDroppedMask) + lost_odd, kDroppedMask);
   film.state[pixel] = (state & (kHitMedium | kShowsSlice)) |
                       ((p.state & 0x80u) != 0 ? kHitMedium : 0u) |
                       ((p.state & 0x40u) != 0 ? kShowsSlice : 0u) | even | odd << 15;

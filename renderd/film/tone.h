@@ -13,7 +13,7 @@ HOST_DEVICE float gamma_encode(float x) {
   union Bits {
     float f;
     std::int32_t i;
-  } b{larger(x, 0x1p-60f)};
+  } b{max(x, 0x1p-60f)};
   // x = m 2^e, m in [0.75, 1.5); log(m) = 2 atanh((m - 1) / (m + 1)).
   const std::int32_t e = (b.i - 0x3f400000) >> 23;
   b.i -= e * (1 << 23);
@@ -35,7 +35,7 @@ HOST_DEVICE float gamma_encode(float x) {
 }
 
 /// The display curve: clip(x, 0, 1)^(1/2.2).
-HOST_DEVICE float tone(float x) { return gamma_encode(smaller(larger(x, 0.0f), 1.0f)); }
+HOST_DEVICE float tone(float x) { return gamma_encode(min(max(x, 0.0f), 1.0f)); }
 
 /// Converts `radiance` times `scale`, for example 2^exposure, to 8 bits by the tone curve.
 HOST_DEVICE std::uint8_t to_display(float radiance, float scale) {

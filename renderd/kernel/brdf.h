@@ -28,10 +28,10 @@ struct Brdf {
 inline constexpr float kLeastRoughness = 1e-3f;
 
 HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
-  const float m = larger(1.0f - cosine, 0.0f);
+  const float m = max(1.0f - cosine, 0.0f);
   const float m2 = m * m;
   const float k = m2 * m2 * m;
-  const auto one = [k](float f) { return f + (smaller(1.0f, 50.0f * f) - f) * k; };
+  const auto one = [k](float f) { return f + (min(1.0f, 50.0f * f) - f) * k; };
   return {one(at_normal.x), one(at_normal.y), one(at_normal.z)};
 }
 
@@ -39,7 +39,7 @@ HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
 /// Otherwise a lobe of roughness 0.1 would bring the sum to 1.0018 at 50 degrees.
 HOST_DEVICE Float3 shared(Float3 at_normal) {
   const auto one = [](float f) {
-    const float grazing = smaller(1.0f, 50.0f * f);
+    const float grazing = min(1.0f, 50.0f * f);
     const float mean = f + (grazing - f) * (1.0f / 21.0f);
     return mean < 1.0f ? (1.0f - 0.002f * grazing) / (1.0f - mean) : 0.0f;
   };
@@ -65,8 +65,8 @@ HOST_DEVICE float ggx_masking(float roughness, float cosine) {
 /// The fraction of samples that the lobe gets.
 HOST_DEVICE float lobe_share(const Brdf& b, float cosine) {
   const Float3 f = fresnel(b.specular, cosine);
-  const float lobe = largest(f);
-  const float rest = largest(b.diffuse * (Float3{1.0f, 1.0f, 1.0f} - f));
+  const float lobe = max_component(f);
+  const float rest = max_component(b.diffuse * (Float3{1.0f, 1.0f, 1.0f} - f));
   return lobe > 0.0f ? lobe / (lobe + rest) : 0.0f;
 }
 
@@ -76,12 +76,12 @@ HOST_DEVICE Float3 sample_visible_normal(const Brdf& b, float u, float v) {
   basis_around(b.normal, s, t);
   const float a = b.roughness;
   const Float3 view = normalize(
-      Float3{a * dot(b.viewer, s), a * dot(b.viewer, t), larger(dot(b.viewer, b.normal), 0.0f)});
+      Float3{a * dot(b.viewer, s), a * dot(b.viewer, t), max(dot(b.viewer, b.normal), 0.0f)});
   const float z = (1.0f - v) * (1.0f + view.z) - view.z;
-  const float sine = sqrtf(larger(1.0f - z * z, 0.0f));
+  const float sine = sqrtf(max(1.0f - z * z, 0.0f));
   const float angle = 2.0f * kPi * u;
   const Float3 h{sine * cosf(angle) + view.x, sine * sinf(angle) + view.y, z + view.z};
-  return normalize(s * (a * h.x) + t * (a * h.y) + b.normal * larger(h.z, 1e-7f));
+  return normalize(s * (a * h.x) + t * (a * h.y) + b.normal * max(h.z, 1e-7f));
 }
 
 /// The BRDF times the cosine, per steradian. `Lobe`: there may be a specular lobe.
@@ -93,8 +93,8 @@ HOST_DEVICE Float3 evaluate_brdf(const Brdf& b, Float3 light) {
   if constexpr (!Lobe) {
     return lambert;
   } else {
-    if (!(largest(b.specular) > 0.0f)) return lambert;
-    const float in = larger(dot(b.normal, b.viewer), 1e-6f);
+    if (!(max_component(b.specular) > 0.0f)) return lambert;
+    const float in = max(dot(b.normal, b.viewer), 1e-6f);
     const Float3 one{1.0f, 1.0f, 1.0f};
     const Float3 below = lambert * (one - fresnel(b.specular, in)) *
                          (one - fresnel(b.specular, out)) * shared(b.specular);
@@ -115,8 +115,8 @@ HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
   if constexpr (!Lobe) {
     return lambert;
   } else {
-    if (!(largest(b.specular) > 0.0f)) return lambert;
-    const float in = larger(dot(b.normal, b.viewer), 1e-6f);
+    if (!(max_component(b.specular) > 0.0f)) return lambert;
+    const float in = max(dot(b.normal, b.viewer), 1e-6f);
     const float share = lobe_share(b, in);
     const Float3 facet = normalize(b.viewer + light);
     const float lobe =
@@ -130,8 +130,8 @@ HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
 template <bool Lobe>
 HOST_DEVICE Float3 sample_brdf(const Brdf& b, float u, float v) {
   if constexpr (Lobe) {
-    if (largest(b.specular) > 0.0f) {
-      const float share = lobe_share(b, larger(dot(b.normal, b.viewer), 1e-6f));
+    if (max_component(b.specular) > 0.0f) {
+      const float share = lobe_share(b, max(dot(b.normal, b.viewer), 1e-6f));
       if (u < share) {
         const Float3 facet = sample_visible_normal(b, u / share, v);
         return normalize(facet * (2.0f * dot(b.viewer, facet)) - b.viewer);
@@ -139,7 +139,7 @@ HOST_DEVICE Float3 sample_brdf(const Brdf& b, float u, float v) {
       u = (u - share) / (1.0f - share);
     }
   }
-  u = smaller(larger(u, 0.0f), 0x1.fffffep-1f);
+  u = min(max(u, 0.0f), 0x1.fffffep-1f);
   Float3 s, t;
   basis_around(b.normal, s, t);
   const float r = sqrtf(u), angle = 2.0f * kPi * v;

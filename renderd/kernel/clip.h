@@ -29,9 +29,9 @@ HOST_DEVICE Span clip_span([[maybe_unused]] const SceneView<Volume>& scene,
       if (approach == 0.0f) {  // parallel to the plane; avoids a division by 0
         if (left < 0.0f) span.end = span.begin;
       } else if (approach > 0.0f) {
-        span.end = smaller(span.end, left / approach);
+        span.end = min(span.end, left / approach);
       } else {
-        span.begin = larger(span.begin, left / approach);
+        span.begin = max(span.begin, left / approach);
       }
     }
   }

@@ -72,7 +72,7 @@ HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, 
     const Random::Pair u = random.two();
     const ScatterSample next = scatter.sample(u.a, u.b);
     weight = weight * next.weight;
-    float left = largest(weight);
+    float left = max_component(weight);
     if (!(left > 0.0f)) return radiance;
     if (scene.roulette && collisions >= kFirstRoulette && left < 1.0f) {
       if (random.one() >= left) return radiance;

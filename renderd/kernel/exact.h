@@ -125,7 +125,7 @@ class TransmittanceWalk : public DepthWalk<F, Volume> {
   HOST_DEVICE bool ended() const { return DepthWalk<F, Volume>::ended() || this->depth() >= dark_; }
   /// Requires that the walk has ended.
   HOST_DEVICE float transmittance() const {
-    return this->depth() >= dark_ ? 0.0f : expf(-smaller(this->depth(), kCertainDepth));
+    return this->depth() >= dark_ ? 0.0f : expf(-min(this->depth(), kCertainDepth));
   }
 
  private:
@@ -168,7 +168,7 @@ HOST_DEVICE float target_depth(std::int32_t number, std::int32_t count, float of
   const OpacityStratum stratum(number, count);
   const float share = (number & 1) != 0 ? 1.0f - offset : offset;
   // -log(1 - u)
-  return -log1pf(-smaller(stratum.begin + share * stratum.width, 0x1.fffffep-1f));
+  return -log1pf(-min(stratum.begin + share * stratum.width, 0x1.fffffep-1f));
 }
 inline constexpr float kNoTarget = 3.4e38f;
 
@@ -232,9 +232,9 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
     for (int other = 0; other < kind; ++other) first[k] += exact.strata[other];
     stratum[k] = 0;
     next[k] = count > 0 ? target(HitNumber{kind, 0, first[k]}) : kNoTarget;
-    nearest = smaller(nearest, next[k]);
+    nearest = min(nearest, next[k]);
     if (count > 0) {
-      furthest = larger(furthest, target(HitNumber{kind, count - 1, first[k] + count - 1}));
+      furthest = max(furthest, target(HitNumber{kind, count - 1, first[k] + count - 1}));
     }
   }
   const float dark = furthest + (needs_transmittance ? ending : 0.0f);
@@ -267,14 +267,14 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
       for (int k = 0; k < kKinds.count; ++k) {
         stratum[k] = mine[k] ? here.stratum : stratum[k];
         next[k] = mine[k] ? after : next[k];
-        nearest = smaller(nearest, next[k]);
+        nearest = min(nearest, next[k]);
       }
     }
     before = walk.depth();
     if (before >= dark) break;
   }
   const float depth = walk.depth();
-  return {depth >= dark ? 0.0f : expf(-smaller(depth, furthest)), depth > 0.0f};
+  return {depth >= dark ? 0.0f : expf(-min(depth, furthest)), depth > 0.0f};
 }
 
 }  // namespace diaphane::render

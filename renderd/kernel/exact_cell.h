@@ -41,7 +41,7 @@ struct Crossing {
 
 /// Returns the extinction at a value within a linear piece.
 HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
-  return higher_of(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
+  return fast_max(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
 }
 
 /// First node of the two-point Gauss quadrature on [0, 1]; the second one is its mirror image.
@@ -71,7 +71,7 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
   const float c3 = -4.5f * e0 + 13.5f * e1 - 13.5f * e2 + 4.5f * e3;
   const float whole = length * (e0 + c1 * 0.5f + c2 * (1.0f / 3) + c3 * 0.25f);
   float low = 0.0f, high = 1.0f;
-  float s = whole > 0.0f ? smaller(quotient_near(target, whole), 1.0f) : 1.0f;
+  float s = whole > 0.0f ? min(quotient_near(target, whole), 1.0f) : 1.0f;
   DEVICE_NO_UNROLL
   for (int i = 0; i < 8; ++i) {
     const float depth =
@@ -123,8 +123,7 @@ struct ValueCubic {
     float first, second, third, last;
 
     HOST_DEVICE ValueSpan range() const {
-      return {smaller(smaller(first, second), smaller(third, last)),
-              larger(larger(first, second), larger(third, last))};
+      return {min(min(first, second), min(third, last)), max(max(first, second), max(third, last))};
     }
     HOST_DEVICE bool monotone() const {
       return (first <= second && second <= third && third <= last) ||
@@ -147,8 +146,8 @@ struct ValueCubic {
     float r = q / a, s = c / q;
     if (!(r > 0.0f && r < 1.0f)) r = 1.0f;
     if (!(s > 0.0f && s < 1.0f)) s = 1.0f;
-    first = smaller(r, s);
-    second = larger(r, s);
+    first = min(r, s);
+    second = max(r, s);
   }
 
   /// Returns where it reaches `value` between a and b. It must be monotone there, with the values
@@ -202,7 +201,7 @@ class PartsWalk {
   HOST_DEVICE bool ended() const { return !(at_ < 1.0f); }
   HOST_DEVICE Part next(const ExactView& exact) {
     const Part part = part_up_to_border(exact);
-    at_ = larger(at_, part.end);
+    at_ = max(at_, part.end);
     return part;
   }
   /// Returns the optical depth of a part of a crossing that is `length` mm long. Exact, since a

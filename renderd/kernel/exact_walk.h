@@ -55,9 +55,9 @@ class ExactWalk {
     const Int3 far = far_cell();
     // A single rounding each if the processor has a fused multiply-add.
     out.planes = as_numbers(far) * inverse_ + bias_;
-    const float leaves = lower_of(out.planes.x, lower_of(out.planes.y, out.planes.z));
+    const float leaves = fast_min(out.planes.x, fast_min(out.planes.y, out.planes.z));
     out.segment = {origin_ - as_numbers(cell_), direction_, t_,
-                   lower_of(last_, higher_of(t_, leaves))};
+                   fast_min(last_, fast_max(t_, leaves))};
     out.cell = cell_;
     out.brick = brick_;
   }
@@ -87,7 +87,7 @@ class ExactWalk {
   HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
   /// The comparison maps positions below the grid and NaN to 0.
   HOST_DEVICE static std::int32_t cell_at(float p, std::int32_t size) {
-    return p > 0.0f ? static_cast<std::int32_t>(smaller(p, static_cast<float>(size))) : 0;
+    return p > 0.0f ? static_cast<std::int32_t>(min(p, static_cast<float>(size))) : 0;
   }
   HOST_DEVICE static Float3 as_numbers(Int3 i) {
     return {static_cast<float>(i.x), static_cast<float>(i.y), static_cast<float>(i.z)};
@@ -108,7 +108,7 @@ class ExactWalk {
   /// corner would not end.
   HOST_DEVICE std::int32_t beside(float direction, std::int32_t cell, float p) const {
     const auto there = static_cast<std::int32_t>(floorf(p));
-    const std::int32_t on = direction > 0.0f ? larger(cell, there) : smaller(cell, there);
+    const std::int32_t on = direction > 0.0f ? max(cell, there) : min(cell, there);
     return in_gap() ? on : cell;
   }
 

@@ -22,14 +22,14 @@ HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, 
   if (!(span.begin < span.end)) return sum;
   const Float3 d = ray.direction;
   const float per_step =
-      larger(larger(fabsf(d.x), fabsf(d.y)), fabsf(d.z));  // voxels per mm along the fastest axis
+      max(max(fabsf(d.x), fabsf(d.y)), fabsf(d.z));  // voxels per mm along the fastest axis
   float clear = 1.0f, most = 0.0f, most_at = span.begin, most_value = 0.0f;
   CellWalk walk(ray, span, scene.grid);
   do {
     if (!(scene.grid.cells[walk.cell()].majorant > 0.0f)) continue;
     const float length = walk.end() - walk.begin();
     const std::int32_t steps =
-        1 + static_cast<std::int32_t>(smaller(length * per_step, 4.0f * kCellSize));
+        1 + static_cast<std::int32_t>(min(length * per_step, 4.0f * kCellSize));
     const float step = length / static_cast<float>(steps);
     for (std::int32_t i = 0; i < steps && clear > kGuidesEnd; ++i) {
       const float t = walk.begin() + (static_cast<float>(i) + 0.5f) * step;

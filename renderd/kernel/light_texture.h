@@ -33,9 +33,9 @@ HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& textu
   const auto column = [&](std::int32_t i) {
     const std::int32_t last = texture.width - 1;
     if constexpr (Edge == TextureEdge::kWrapAcross) return i < 0 ? last : (i > last ? 0 : i);
-    return smaller(larger(i, 0), last);
+    return min(max(i, 0), last);
   };
-  const auto row = [&](std::int32_t j) { return smaller(larger(j, 0), texture.height - 1); };
+  const auto row = [&](std::int32_t j) { return min(max(j, 0), texture.height - 1); };
   const std::int32_t i0 = column(static_cast<std::int32_t>(x));
   const std::int32_t i1 = column(static_cast<std::int32_t>(x) + 1);
   const std::int32_t j0 = row(static_cast<std::int32_t>(y));
@@ -69,7 +69,7 @@ HOST_DEVICE std::uint32_t first_above(std::uint32_t count, float u, const Cumula
 /// Rescales `u` from [cumulative - probability, cumulative) to [0, 1), so that it can be used
 /// again.
 HOST_DEVICE float stretched(float u, float probability, float cumulative) {
-  return smaller(larger((u - (cumulative - probability)) / probability, 0.0f), 0x1.fffffep-1f);
+  return min(max((u - (cumulative - probability)) / probability, 0.0f), 0x1.fffffep-1f);
 }
 
 /// sin^2 and cos^2 of half the polar angle at the upper edge of row `j` of `height`. They range
@@ -120,7 +120,7 @@ HOST_DEVICE Float3 sample_map(const LightsView& lights, const LightTexture& text
 HOST_DEVICE float map_density(const LightsView& lights, const LightTexture& texture,
                               TexturePoint p) {
   const auto cell = [](float x, std::int32_t n) {
-    return smaller(larger(static_cast<std::int32_t>(x * static_cast<float>(n)), 0), n - 1);
+    return min(max(static_cast<std::int32_t>(x * static_cast<float>(n)), 0), n - 1);
   };
   const std::int32_t i = cell(p.across, texture.width), j = cell(p.down, texture.height);
   const float* rows = lights.rows + texture.first_row;

@@ -106,7 +106,7 @@ HOST_DEVICE LightSample sample_sphere_light(const LightsView& lights, const Area
   basis_around(cone.axis, x, y);
   const float turn = 2.0f * kPi * v, sine = sqrtf(sine2);
   s.direction = x * (sine * cosf(turn)) + y * (sine * sinf(turn)) + cone.axis * (1.0f - c);
-  const float half_chord = sqrtf(larger(cone.rr - cone.distance2 * sine2, 0.0f));
+  const float half_chord = sqrtf(max(cone.rr - cone.distance2 * sine2, 0.0f));
   s.distance = sqrtf(cone.distance2) * (1.0f - c) - half_chord;
   const Float3 radius = place + s.direction * s.distance - light.corner;
   s.irradiance =
@@ -164,7 +164,7 @@ HOST_DEVICE LightHit meet_sphere_light(const LightsView& lights, const AreaLight
   const Float3 across = to - direction * along;
   const float off2 = dot(across, across);
   if (!(along > 0.0f) || !(off2 < cone.rr)) return hit;
-  hit.distance = larger(along - sqrtf(cone.rr - off2), 0.0f);
+  hit.distance = max(along - sqrtf(cone.rr - off2), 0.0f);
   const Float3 radius = direction * hit.distance - to;
   hit.radiance = sphere_radiance<F>(lights, light, radius, cone.rr);
   hit.density = 1.0f / cone.solid_angle;

@@ -9,9 +9,9 @@ namespace diaphane::render {
 HOST_DEVICE float LinearVolume::at(Float3 p) const {
   // The lower corner of the cell between voxel centres, clamped so that a border voxel extends to
   // the edge of the box.
-  const float fx = smaller(larger(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
-  const float fy = smaller(larger(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
-  const float fz = smaller(larger(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
+  const float fx = min(max(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
+  const float fy = min(max(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
+  const float fz = min(max(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
   const std::int32_t ix = static_cast<std::int32_t>(fx);
   const std::int32_t iy = static_cast<std::int32_t>(fy);
   const std::int32_t iz = static_cast<std::int32_t>(fz);
@@ -31,16 +31,16 @@ HOST_DEVICE float LinearVolume::at(Float3 p) const {
 }
 
 HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
-  const std::int32_t x0 = larger(cell.x - 1, 0), x1 = smaller(cell.x, size.x - 1);
-  const std::int32_t y0 = larger(cell.y - 1, 0), y1 = smaller(cell.y, size.y - 1);
-  const std::int32_t z0 = larger(cell.z - 1, 0), z1 = smaller(cell.z, size.z - 1);
+  const std::int32_t x0 = max(cell.x - 1, 0), x1 = min(cell.x, size.x - 1);
+  const std::int32_t y0 = max(cell.y - 1, 0), y1 = min(cell.y, size.y - 1);
+  const std::int32_t z0 = max(cell.z - 1, 0), z1 = min(cell.z, size.z - 1);
   const std::int64_t rows[4] = {y0 + std::int64_t{size.y} * z0, y1 + std::int64_t{size.y} * z0,
                                 y0 + std::int64_t{size.y} * z1, y1 + std::int64_t{size.y} * z1};
   std::int16_t low = voxels[size.x * rows[0] + x0], high = low;
   for (const std::int64_t row : rows) {
     const std::int16_t a = voxels[size.x * row + x0], b = voxels[size.x * row + x1];
-    low = smaller(low, smaller(a, b));
-    high = larger(high, larger(a, b));
+    low = min(low, min(a, b));
+    high = max(high, max(a, b));
   }
   return {static_cast<float>(low), static_cast<float>(high)};
 }
@@ -50,7 +50,7 @@ struct CellEnds {
   std::int32_t low, high;
 
   HOST_DEVICE CellEnds(std::int32_t cell, std::int32_t size)
-      : low(smaller(larger(cell - 1, 0), size - 1)), high(smaller(cell, size - 1)) {}
+      : low(min(max(cell - 1, 0), size - 1)), high(min(cell, size - 1)) {}
 };
 
 HOST_DEVICE Corners LinearVolume::corners(Int3 cell, Brick /*brick*/) const {
@@ -69,8 +69,8 @@ HOST_DEVICE CornerRange LinearVolume::corner_values(Int3 cell, Brick brick) cons
   const Corners c = corners(cell, brick);
   float low = c.v[0], high = c.v[0];
   for (int i = 1; i < 8; ++i) {
-    low = smaller(low, c.v[i]);
-    high = larger(high, c.v[i]);
+    low = min(low, c.v[i]);
+    high = max(high, c.v[i]);
   }
   return {static_cast<std::int32_t>(low), static_cast<std::int32_t>(high)};
 }
@@ -82,9 +82,8 @@ struct TableSpot {
 };
 
 HOST_DEVICE TableSpot table_spot(const TransferView& t, float value) {
-  const float x =
-      smaller(larger(value * t.scale + t.offset, 0.0f), static_cast<float>(t.count - 1));
-  const std::int32_t node = smaller(static_cast<std::int32_t>(x), t.count - 2);
+  const float x = min(max(value * t.scale + t.offset, 0.0f), static_cast<float>(t.count - 1));
+  const std::int32_t node = min(static_cast<std::int32_t>(x), t.count - 2);
   return {node, x - static_cast<float>(node)};
 }
 
@@ -101,9 +100,9 @@ HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   const float end = static_cast<float>(t.count - 1);
   const float low = values.low * t.scale + t.offset - t.margin;
   const float high = values.high * t.scale + t.offset + t.margin;
-  const std::int32_t first = static_cast<std::int32_t>(smaller(larger(low, 0.0f), end));
+  const std::int32_t first = static_cast<std::int32_t>(min(max(low, 0.0f), end));
   const std::int32_t last =
-      smaller(static_cast<std::int32_t>(smaller(larger(high, 0.0f), end)) + 1, t.count - 1);
+      min(static_cast<std::int32_t>(min(max(high, 0.0f), end)) + 1, t.count - 1);
   std::int32_t row = 0, run = 1;
   while (2 * run <= last - first + 1) {
     run *= 2;
@@ -111,7 +110,7 @@ HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   }
   const float* maxima = t.extinction + std::int64_t{t.count} * row;
   constexpr float kRounding = 1 + 1e-6f;
-  return larger(maxima[first], maxima[last + 1 - run]) * kRounding;
+  return max(maxima[first], maxima[last + 1 - run]) * kRounding;
 }
 
 /// Returns the mean colour at a place of a table of sums, xyz over w (TransferView::colour). Black

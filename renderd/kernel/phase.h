@@ -47,8 +47,8 @@ HOST_DEVICE CirclePoint on_circle(float turn) {
 
 /// Samples a unit direction from Henyey-Greenstein around the unit direction `in`; g in (-1, 1).
 HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v) {
-  const float c = smaller(sample_one_minus_cos(fabsf(g), u), 2.0f);
-  const float sine = sqrtf(larger(c * (2.0f - c), 0.0f));
+  const float c = min(sample_one_minus_cos(fabsf(g), u), 2.0f);
+  const float sine = sqrtf(max(c * (2.0f - c), 0.0f));
   const float cosine = g < 0.0f ? c - 1.0f : 1.0f - c;
   Float3 s, t;
   basis_around(in, s, t);
@@ -59,7 +59,7 @@ HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v
 /// Samples a unit direction uniformly over the sphere.
 HOST_DEVICE Float3 sample_sphere(float u, float v) {
   const float z = 1.0f - 2.0f * u;
-  const float r = 2.0f * sqrtf(larger(u * (1.0f - u), 0.0f));
+  const float r = 2.0f * sqrtf(max(u * (1.0f - u), 0.0f));
   const CirclePoint p = on_circle(v);
   return {r * p.cosine, r * p.sine, z};
 }

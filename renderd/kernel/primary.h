@@ -27,7 +27,7 @@ HOST_DEVICE PrimaryHit primary_hit(const SceneView<Volume>& scene, const CameraR
   if constexpr (F.has(Feature::kSlices)) {
     const SliceHit hit = nearest_slice<F>(scene, ray);
     if (hit.found) {
-      primary.span.end = smaller(primary.span.end, hit.distance);
+      primary.span.end = min(primary.span.end, hit.distance);
       primary.background = slice_radiance(scene, scene.volume.at(hit.place));
       primary.slice = true;
     }

@@ -101,7 +101,7 @@ HOST_DEVICE Gradient gradient_at(const SceneView<Volume>& scene, Float3 place, f
                         scene.inverse_spacing * 0.5f;
   const float steepness = length(values);
   if (!(steepness > 0.0f)) return {};
-  const float step = smaller(scene.spacing.x, smaller(scene.spacing.y, scene.spacing.z));
+  const float step = min(scene.spacing.x, min(scene.spacing.y, scene.spacing.z));
   const float change = extinction_at(scene.transfer, value + step * steepness) -
                        extinction_at(scene.transfer, value - step * steepness);
   return {values * (1.0f / steepness), fabsf(change) / (2.0f * step)};
@@ -131,7 +131,7 @@ HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, 
     if constexpr (F.has(Feature::kGloss)) {
       const Gloss gloss = gloss_at(scene.transfer, value);
       s.specular = gloss.specular;
-      s.roughness = larger((1.0f - gloss.gloss) * (1.0f - gloss.gloss), kLeastRoughness);
+      s.roughness = max((1.0f - gloss.gloss) * (1.0f - gloss.gloss), kLeastRoughness);
     }
   } else {
     (void)place;

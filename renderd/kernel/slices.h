@@ -52,7 +52,7 @@ HOST_DEVICE Float3 slice_radiance(const SceneView<Volume>& scene, float value) {
     const float opacity = extinction_at(scene.transfer, value) * s.per_extinction;
     return albedo_at(scene.transfer, value) * (opacity * s.white);
   }
-  const float grey = smaller(larger((value - s.black_value) * s.per_value, 0.0f), 1.0f);
+  const float grey = min(max((value - s.black_value) * s.per_value, 0.0f), 1.0f);
   const float radiance = powf(grey, 2.2f) * s.white;
   return {radiance, radiance, radiance};
 }

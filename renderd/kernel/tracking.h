@@ -111,7 +111,7 @@ HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
       const float t = piece.begin + depth * inverse;
       const float extinction = medium.extinction(medium.volume.at(ray.at(t)));
       const Random::Pair u = random.unit_and_exponential();
-      ratio *= larger((bounds.majorant - extinction) * inverse, 0.0f);
+      ratio *= max((bounds.majorant - extinction) * inverse, 0.0f);
       if (ratio < kRouletteRatio) {
         if (u.a * kRouletteRatio >= ratio) {
           ratio = 0.0f;

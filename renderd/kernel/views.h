@@ -140,7 +140,7 @@ struct ExactView {
   /// Returns the index of the piece that contains `value`.
   HOST_DEVICE std::int32_t piece_at(float value) const {
     const float v =
-        smaller(larger(value, static_cast<float>(first_value)), static_cast<float>(last_value));
+        min(max(value, static_cast<float>(first_value)), static_cast<float>(last_value));
     std::int32_t piece = piece_of[static_cast<std::int32_t>(floorf(v)) - first_value];
     while (piece + 1 < piece_count && pieces[piece + 1].begin <= v)
       ++piece;  // there may be several pieces between two integers

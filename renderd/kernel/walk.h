@@ -25,8 +25,8 @@ HOST_DEVICE void clip_axis(Span& span, float origin, float direction, float low,
   }
   const float inverse = 1.0f / direction;
   const float a = (low - origin) * inverse, b = (high - origin) * inverse;
-  span.begin = larger(span.begin, smaller(a, b));
-  span.end = smaller(span.end, larger(a, b));
+  span.begin = max(span.begin, min(a, b));
+  span.end = min(span.end, max(a, b));
 }
 
 /// Returns the part of `span` inside `box`.
@@ -88,8 +88,8 @@ class GridWalk {
                                  std::int32_t size, std::int32_t stride) {
     const float scaled = position * (1.0f / Edge);
     // The comparison maps positions below the grid and NaN to 0.
-    std::int32_t i = scaled > 0.0f ? static_cast<std::int32_t>(smaller(scaled, 1e9f)) : 0;
-    i = smaller(i, size - 1);
+    std::int32_t i = scaled > 0.0f ? static_cast<std::int32_t>(min(scaled, 1e9f)) : 0;
+    i = min(i, size - 1);
     if constexpr (Coordinates) stride = 1;
     if (direction == 0.0f) {
       next_[axis] = delta_[axis] = 3.4e38f;
@@ -111,7 +111,7 @@ class GridWalk {
     return --left_[axis] > 0;
   }
   HOST_DEVICE void find_end() {
-    end_ = larger(begin_, smaller(last_, smaller(next_[0], smaller(next_[1], next_[2]))));
+    end_ = max(begin_, min(last_, min(next_[0], min(next_[1], next_[2]))));
   }
 
   float begin_, end_, last_;

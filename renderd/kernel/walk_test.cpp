@@ -55,7 +55,7 @@ int walk_and_check(const Setting& s, const Ray& ray) {
     }
   } while (walk.advance());
   // The grid may end before the span by a rounding error, but never by a thousandth of a voxel.
-  const float slack = 1e-3f / larger(length(ray.direction), 1e-6f);
+  const float slack = 1e-3f / max(length(ray.direction), 1e-6f);
   EXPECT_NEAR(reached, span.end, slack);
   return pieces;
 }

@@ -77,23 +77,23 @@ HOST_DEVICE constexpr Double3 to_double(Float3 a) { return {a.x, a.y, a.z}; }
 /// These replace std::min and std::max, which device code cannot call. If the first argument is
 /// NaN, the result is the second.
 template <typename T>
-HOST_DEVICE constexpr T smaller(T a, T b) {
+HOST_DEVICE constexpr T min(T a, T b) {
   return a < b ? a : b;
 }
 template <typename T>
-HOST_DEVICE constexpr T larger(T a, T b) {
+HOST_DEVICE constexpr T max(T a, T b) {
   return a > b ? a : b;
 }
 
-/// Works like smaller(), but neither number may be NaN. This takes one instruction on a GPU.
-HOST_DEVICE float lower_of(float a, float b) {
+/// Works like min(), but neither number may be NaN. This takes one instruction on a GPU.
+HOST_DEVICE float fast_min(float a, float b) {
 #if defined(__CUDA_ARCH__)
   return fminf(a, b);
 #else
   return a < b ? a : b;
 #endif
 }
-HOST_DEVICE float higher_of(float a, float b) {
+HOST_DEVICE float fast_max(float a, float b) {
 #if defined(__CUDA_ARCH__)
   return fmaxf(a, b);
 #else
@@ -110,7 +110,7 @@ HOST_DEVICE float quotient_near(float a, float b) {
 #endif
 }
 
-HOST_DEVICE float largest(Float3 a) { return larger(a.x, larger(a.y, a.z)); }
+HOST_DEVICE float max_component(Float3 a) { return max(a.x, max(a.y, a.z)); }
 
 /// Returns two unit vectors that make a right-handed orthonormal basis with the unit vector `n`. It
 /// has no branch (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").

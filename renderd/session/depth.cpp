@@ -27,7 +27,7 @@ std::optional<float> half_way(const View& scene, const Ray& ray) {
   Span span = clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f});
   span = clip_span<kAllFeatures>(scene, ray, span, RayKind::kCamera);
   const SliceHit slice = nearest_slice<kAllFeatures>(scene, ray);
-  if (slice.found) span.end = smaller(span.end, slice.distance);
+  if (slice.found) span.end = min(span.end, slice.distance);
   struct Step {
     float at, clear;  // transmittance from the eye to this place
   };
@@ -35,7 +35,7 @@ std::optional<float> half_way(const View& scene, const Ray& ray) {
   float clear = 1.0f;
   if (span.begin < span.end) {
     const Float3 d = ray.direction;
-    const float per_mm = larger(larger(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
+    const float per_mm = max(max(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
     const float count = std::ceil(2.0f * (span.end - span.begin) * per_mm) + 1.0f;
     const float step = (span.end - span.begin) / count;
     for (float i = 0.5f; i < count && clear > kEnd; i += 1.0f) {

@@ -331,7 +331,7 @@ TEST(Grid, DoesNotChangeTheEstimate) {
   const SceneView<LinearVolume> with = prepared.view();
   float majorant = 0;
   for (const CellBounds& b : prepared.scene().transfer->bounds) {
-    majorant = larger(majorant, b.majorant);
+    majorant = max(majorant, b.majorant);
   }
   const std::vector<CellBounds> same(prepared.scene().transfer->bounds.size(),
                                      CellBounds{0, majorant});

@@ -62,7 +62,7 @@ Box Acceleration::occupied() const {
   if (found_.occupied == 0) return {{0, 0, 0}, {0, 0, 0}};
   const auto begin = [this](int axis) { return static_cast<float>(found_.low[axis] * kCellSize); };
   const auto end = [this](int axis) {
-    return static_cast<float>(smaller((found_.high[axis] + 1) * kCellSize, size_[axis]));
+    return static_cast<float>(min((found_.high[axis] + 1) * kCellSize, size_[axis]));
   };
   return {{begin(0), begin(1), begin(2)}, {end(0), end(1), end(2)}};
 }

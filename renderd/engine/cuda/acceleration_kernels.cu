@@ -24,9 +24,9 @@ __global__ void range_kernel(TextureVolume volume, Int3 cells, std::int32_t coun
   const std::int32_t cell = static_cast<std::int32_t>(thread_index() / kWarp);
   if (cell >= count) return;
   const Int3 c = coordinates(cell, cells);
-  const auto first = [](std::int32_t i) { return larger(i * kCellSize - 1, 0); };
+  const auto first = [](std::int32_t i) { return max(i * kCellSize - 1, 0); };
   const auto end = [](std::int32_t i, std::int32_t n) {
-    return smaller(i * kCellSize + kCellSize, n - 1) + 1;
+    return min(i * kCellSize + kCellSize, n - 1) + 1;
   };
   const Int3 from{first(c.x), first(c.y), first(c.z)};
   const Int3 size{end(c.x, volume.size.x) - from.x, end(c.y, volume.size.y) - from.y,
@@ -37,8 +37,8 @@ __global__ void range_kernel(TextureVolume volume, Int3 cells, std::int32_t coun
     const std::int32_t value =
         tex3D<short>(volume.texture, static_cast<float>(from.x + at.x),
                      static_cast<float>(from.y + at.y), static_cast<float>(from.z + at.z));
-    low = smaller(low, value);
-    high = larger(high, value);
+    low = min(low, value);
+    high = max(high, value);
   }
   low = __reduce_min_sync(~0u, low);
   high = __reduce_max_sync(~0u, high);
@@ -55,17 +55,17 @@ __global__ void row_kernel(TableRows table, std::int32_t row) {
   const std::int32_t i = static_cast<std::int32_t>(thread_index());
   if (i >= table.count) return;
   const std::int32_t half = 1 << (row - 1);
-  const std::int32_t j = smaller(i, table.count - 2 * half);
+  const std::int32_t j = min(i, table.count - 2 * half);
   const float* above = table.maxima + std::int64_t{table.count} * (row - 1);
   // There is no row 0 of minima, because it would equal the table.
   const float* below =
       row == 1 ? table.maxima : table.minima + std::int64_t{table.count} * (row - 2);
-  table.maxima[std::int64_t{table.count} * row + i] = larger(above[j], above[j + half]);
-  table.minima[std::int64_t{table.count} * (row - 1) + i] = smaller(below[j], below[j + half]);
+  table.maxima[std::int64_t{table.count} * row + i] = max(above[j], above[j + half]);
+  table.minima[std::int64_t{table.count} * (row - 1) + i] = min(below[j], below[j + half]);
 }
 
 __device__ float table_at(const TableRows& table, double x) {
-  const std::int32_t node = smaller(static_cast<std::int32_t>(x), table.count - 2);
+  const std::int32_t node = min(static_cast<std::int32_t>(x), table.count - 2);
   const float w = static_cast<float>(x - static_cast<double>(node));
   const float a = table.maxima[node];
   // Two roundings, like on the host, so that the results are equal.
@@ -74,10 +74,10 @@ __device__ float table_at(const TableRows& table, double x) {
 
 __device__ CellBounds bounds_over(const TableRows& table, double low, double high) {
   const double last = static_cast<double>(table.count - 1);
-  low = smaller(larger(low, 0.0), last);
-  high = smaller(larger(high, 0.0), last);
+  low = min(max(low, 0.0), last);
+  high = min(max(high, 0.0), last);
   const float a = table_at(table, low), b = table_at(table, high);
-  CellBounds bounds{smaller(a, b), larger(a, b)};
+  CellBounds bounds{min(a, b), max(a, b)};
   const std::int32_t first_node = static_cast<std::int32_t>(ceil(low));
   const std::int32_t last_node = static_cast<std::int32_t>(floor(high));
   if (first_node > last_node) return bounds;
@@ -86,8 +86,8 @@ __device__ CellBounds bounds_over(const TableRows& table, double low, double hig
   const float* maxima = table.maxima + std::int64_t{table.count} * row;
   const float* minima =
       row == 0 ? table.maxima : table.minima + std::int64_t{table.count} * (row - 1);
-  bounds.majorant = larger(bounds.majorant, larger(maxima[first_node], maxima[second]));
-  bounds.minorant = smaller(bounds.minorant, smaller(minima[first_node], minima[second]));
+  bounds.majorant = max(bounds.majorant, max(maxima[first_node], maxima[second]));
+  bounds.minorant = min(bounds.minorant, min(minima[first_node], minima[second]));
   return bounds;
 }
 

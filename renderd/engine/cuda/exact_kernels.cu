@@ -31,8 +31,8 @@ __global__ void range_kernel(TextureVolume volume, Int3 bricks, std::int32_t cou
         tex3D<short>(volume.texture, static_cast<float>(b.x * kBrickSize - 1 + i % 5),
                      static_cast<float>(b.y * kBrickSize - 1 + i / 5 % 5),
                      static_cast<float>(b.z * kBrickSize - 1 + i / 25));
-    low = smaller(low, value);
-    high = larger(high, value);
+    low = min(low, value);
+    high = max(high, value);
   }
   low = __reduce_min_sync(~0u, low);
   high = __reduce_max_sync(~0u, high);
@@ -149,7 +149,7 @@ __global__ void node_kernel(TextureVolume volume, Int3 bricks, NodePool pool) {
 }
 
 __global__ void taken_kernel(NodePool pool) {
-  pool.counters[0] = smaller(pool.counters[0] + pool.counters[1], pool.capacity);
+  pool.counters[0] = min(pool.counters[0] + pool.counters[1], pool.capacity);
   pool.counters[1] = 0;
 }
 

@@ -48,7 +48,7 @@ __device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& 
   const Float3 middle = origin + ray.direction * (0.5f * (from + to));
   const ExactView& e = scene.exact;
   const auto cell_of = [](float p, std::int32_t size) {
-    return smaller(larger(static_cast<std::int32_t>(floorf(p)), 0), size);
+    return min(max(static_cast<std::int32_t>(floorf(p)), 0), size);
   };
   const Int3 cell{cell_of(middle.x, e.size.x), cell_of(middle.y, e.size.y),
                   cell_of(middle.z, e.size.z)};
@@ -180,7 +180,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
         hit = stack.hit[from];
         go_on();
       }
-      stacked = larger(stacked - free, 0);
+      stacked = max(stacked - free, 0);
       __syncwarp();
     }
     // The work that most lanes wait for is done next.

@@ -20,7 +20,7 @@ struct TileGrid {
   HOST_DEVICE std::uint32_t per_sample() const { return across * down; }
 };
 HOST_DEVICE TileGrid tiles_of(std::uint32_t width, std::uint32_t height, const Stripe& stripe) {
-  const std::uint32_t rows = smaller(stripe.rows, height - stripe.first_row);
+  const std::uint32_t rows = min(stripe.rows, height - stripe.first_row);
   return {(width + kTileWidth - 1) / kTileWidth, (rows + kTileHeight - 1) / kTileHeight};
 }
 

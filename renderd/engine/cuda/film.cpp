@@ -100,7 +100,7 @@ std::uint64_t CudaFilm::samples() const {
   if (merged_.empty() && rows_.rows() == canvas_.height) return rows_.least() - taken_;
   std::uint64_t least = samples_of(0);
   for (std::uint32_t row = 0; row < canvas_.height; row += kStripeRows) {
-    least = smaller(least, samples_of(row));
+    least = min(least, samples_of(row));
   }
   return least;
 }
@@ -114,7 +114,7 @@ void CudaFilm::count_as_merged(std::uint32_t first_row, std::uint32_t last_row,
 }
 
 Result<void> CudaFilm::set_share(const Share& share) {
-  const std::uint32_t last = smaller(share.last_row, canvas_.height);
+  const std::uint32_t last = min(share.last_row, canvas_.height);
   if (!is_band(share.first_row, last, canvas_.height)) {
     return fail(ErrorCode::kInvalid, "a share begins and ends between units of rows", "share");
   }
@@ -269,12 +269,12 @@ Result<void> CudaFilm::display(float scale, std::uint8_t* rgb, cudaStream_t stre
 }
 
 Result<void> CudaFilm::radiance(float* rgb, cudaStream_t stream) const {
-  auto part = DeviceBuffer<float>::of(3 * smaller(pixels(), kRadiancePixels));
+  auto part = DeviceBuffer<float>::of(3 * min(pixels(), kRadiancePixels));
   DIAPHANE_TRY(part);
   const auto film = picture(stream);
   DIAPHANE_TRY(film);
   for (std::uint64_t first = 0; first < pixels(); first += kRadiancePixels) {
-    const std::uint64_t count = smaller(pixels() - first, kRadiancePixels);
+    const std::uint64_t count = min(pixels() - first, kRadiancePixels);
     DIAPHANE_CUDA_TRY(mean_of_film(*film, first, count, part->data(), stream));
     DIAPHANE_TRY(download(rgb + 3 * first, *part, 3 * count, stream));
   }

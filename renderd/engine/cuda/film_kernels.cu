@@ -113,7 +113,7 @@ std::uint64_t pixels_of(const FilmPicture& p) { return std::uint64_t{p.width} * 
 cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts,
                             cudaStream_t stream) {
   // Each thread takes several pixels, so that building the blocks' histograms is worthwhile.
-  const std::uint32_t blocks = smaller(blocks_for((pixels_of(picture) + 7) / 8), 1024u);
+  const std::uint32_t blocks = min(blocks_for((pixels_of(picture) + 7) / 8), 1024u);
   histogram_kernel<<<blocks, kBlock, 0, stream>>>(picture, counts);
   return cudaGetLastError();
 }

@@ -288,9 +288,9 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
   while (film_->drawn() < target) {
     if (stop()) return false;
     const RowCounts::Piece piece = film_->next(target, exact_ ? exact_->samples() : kMostSamples);
-    std::uint32_t rows = smaller(launch_size_.rows(canvas.width, piece.samples, kStripeRows),
-                                 piece.last_row - piece.first_row);
-    if (exact_) rows = smaller(rows, exact_->rows(piece.samples));
+    std::uint32_t rows = min(launch_size_.rows(canvas.width, piece.samples, kStripeRows),
+                             piece.last_row - piece.first_row);
+    if (exact_) rows = min(rows, exact_->rows(piece.samples));
     const Stripe stripe{.first_row = film_->first_row() + piece.first_row,
                         .rows = rows,
                         .film_sample = piece.film_sample,
@@ -401,8 +401,8 @@ Result<bool> CudaRenderer::display_denoised(PictureRgb8& out) {
   out.size = film_->canvas();
   out.pixels.resize(3 * film_->pixels());
   const auto done =
-      film_->display_denoised(*denoiser_, larger(s.x, larger(s.y, s.z)), f,
-                              prepared_.exposure_scale, out.pixels.data(), stream_.get());
+      film_->display_denoised(*denoiser_, max(s.x, max(s.y, s.z)), f, prepared_.exposure_scale,
+                              out.pixels.data(), stream_.get());
   if (done) return true;
   if (done.error().code != ErrorCode::kOutOfMemory) return tl::unexpected(done.error());
   return display(out).map([] { return false; });
@@ -416,8 +416,8 @@ Result<bool> CudaRenderer::radiance_denoised(PictureRgbF& out) {
   const Float3 s = prepared_.spacing;
   out.size = film_->canvas();
   out.pixels.resize(3 * film_->pixels());
-  DIAPHANE_TRY(film_->radiance_denoised(*denoiser_, larger(s.x, larger(s.y, s.z)), f,
-                                        out.pixels.data(), stream_.get()));
+  DIAPHANE_TRY(film_->radiance_denoised(*denoiser_, max(s.x, max(s.y, s.z)), f, out.pixels.data(),
+                                        stream_.get()));
   return true;
 }
 

@@ -9,9 +9,9 @@ namespace diaphane::render::cuda {
 
 __device__ __forceinline__ float TextureVolume::at(Float3 p) const {
   // Works like LinearVolume::at; the texture clamps the upper neighbour.
-  const float fx = smaller(larger(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
-  const float fy = smaller(larger(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
-  const float fz = smaller(larger(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
+  const float fx = min(max(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
+  const float fy = min(max(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
+  const float fz = min(max(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
   const float x = floorf(fx), y = floorf(fy), z = floorf(fz);
   const float wx = fx - x, wy = fy - y, wz = fz - z;
   const auto fetch = [this](float i, float j, float k) {
@@ -35,8 +35,8 @@ __device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) cons
         static_cast<float>(tex3D<short>(texture, static_cast<float>(cell.x - (corner & 1)),
                                         static_cast<float>(cell.y - (corner >> 1 & 1)),
                                         static_cast<float>(cell.z - (corner >> 2))));
-    range.low = smaller(range.low, v);
-    range.high = larger(range.high, v);
+    range.low = min(range.low, v);
+    range.high = max(range.high, v);
   }
   return range;
 }
@@ -82,8 +82,8 @@ __device__ __forceinline__ CornerRange TextureVolume::corner_values(Int3 cell, B
              z = static_cast<unsigned>(four.z), w = static_cast<unsigned>(four.w);
   const unsigned low = __vminu2(__vminu2(x, y), __vminu2(z, w));
   const unsigned high = __vmaxu2(__vmaxu2(x, y), __vmaxu2(z, w));
-  return {static_cast<std::int32_t>(smaller(low & 0xffffu, low >> 16)) - 32768,
-          static_cast<std::int32_t>(larger(high & 0xffffu, high >> 16)) - 32768};
+  return {static_cast<std::int32_t>(min(low & 0xffffu, low >> 16)) - 32768,
+          static_cast<std::int32_t>(max(high & 0xffffu, high >> 16)) - 32768};
 }
 
 }  // namespace diaphane::render::cuda

@@ -49,8 +49,7 @@ __device__ __forceinline__ void add_guides(const TraceTarget& target, std::uint6
   if (target.guides == nullptr || stripe.film_sample >= kGuidedSamples) return;
   const auto before = static_cast<std::uint32_t>(stripe.film_sample);
   const std::uint32_t left = static_cast<std::uint32_t>(kGuidedSamples) - before;
-  target.guides[pixel] =
-      with_samples(target.guides[pixel], before, sum, smaller(left, stripe.samples));
+  target.guides[pixel] = with_samples(target.guides[pixel], before, sum, min(left, stripe.samples));
 }
 
 /// Adds a pixel's batch to the film. One thread per pixel calls it.

@@ -29,7 +29,7 @@ const KernelTemplate kTraceKernel{.name = "tracking",
 cudaError_t trace(const Variant& variant, const SceneView<TextureVolume>& scene,
                   const Stripe& stripe, const TraceTarget& target, cudaStream_t stream) {
   const BlockTile tile = block_tile(stripe.lane_shift);
-  const std::uint32_t rows = smaller(stripe.rows, scene.height - stripe.first_row);
+  const std::uint32_t rows = min(stripe.rows, scene.height - stripe.first_row);
   const dim3 grid((scene.width + tile.width - 1) / tile.width,
                   (rows + tile.height - 1) / tile.height);
   // cudaLaunchKernel has one signature for all kernels, which takes pointers to non-const
