@@ -20,27 +20,27 @@ bool there(const Neighbour& one, const LendingRules& rules) {
 
 }  // namespace
 
-Lending lend(Lending before, const LendingQuestion& question, const LendingRules& rules,
+Lending lend(Lending before, const LendingInput& input, const LendingRules& rules,
              std::uint64_t seed) {
   Lending now = std::move(before);
-  now.calm = question.asked < rules.enough ? now.calm + question.seconds : 0;
+  now.calm = input.asked < rules.enough ? now.calm + input.seconds : 0;
   if (now.calm >= rules.rest) now.helpers.clear();
 
   std::erase_if(now.helpers, [&](const Helper& helper) {
-    const auto known = std::find_if(question.neighbours.begin(), question.neighbours.end(),
+    const auto known = std::find_if(input.neighbours.begin(), input.neighbours.end(),
                                     [&](const Neighbour& one) { return one.id == helper.id; });
-    return known == question.neighbours.end() || !there(*known, rules) || known->load >= rules.busy;
+    return known == input.neighbours.end() || !there(*known, rules) || known->load >= rules.busy;
   });
-  double lacking = question.asked - 1 - question.helped;
+  double lacking = input.asked - 1 - input.helped;
   for (Helper& helper : now.helpers) {
-    helper.since += question.seconds;
+    helper.since += input.seconds;
     if (helper.since < rules.settles) lacking -= helper.expected;
   }
   if (now.helpers.size() > rules.most) now.helpers.resize(rules.most);
-  if (question.asked < rules.borrows) return now;
+  if (input.asked < rules.borrows) return now;
 
   std::vector<const Neighbour*> idle;
-  for (const Neighbour& one : question.neighbours) {
+  for (const Neighbour& one : input.neighbours) {
     const bool helps = std::any_of(now.helpers.begin(), now.helpers.end(),
                                    [&](const Helper& helper) { return helper.id == one.id; });
     if (!helps && there(one, rules) && one.load + one.lent <= rules.idle) idle.push_back(&one);

@@ -48,7 +48,7 @@ struct LendingRules {
   double settles = 3;
 };
 
-struct LendingQuestion {
+struct LendingInput {
   double seconds = 1;  ///< seconds since the last call
   double asked = 0;    ///< current demand of its own sessions, in devices
   double helped = 0;   ///< work of the helpers in the last second, in devices
@@ -59,7 +59,7 @@ struct LendingQuestion {
 /// Returns the new set of helpers: the previous ones without those that are busy, draining or gone,
 /// plus new ones if the demand exceeds the supply. Each new helper is the better of two random
 /// peers, so that many workers do not ask the same one.
-Lending lend(Lending before, const LendingQuestion& question, const LendingRules& rules,
+Lending lend(Lending before, const LendingInput& input, const LendingRules& rules,
              std::uint64_t seed);
 
 }  // namespace diaphane::directory

@@ -22,11 +22,11 @@ Neighbour neighbour(const std::string& id, double load, double lent = 0) {
   return one;
 }
 
-LendingQuestion asked(double load, std::vector<Neighbour> neighbours) {
-  LendingQuestion question;
-  question.asked = load;
-  question.neighbours = std::move(neighbours);
-  return question;
+LendingInput asked(double load, std::vector<Neighbour> neighbours) {
+  LendingInput input;
+  input.asked = load;
+  input.neighbours = std::move(neighbours);
+  return input;
 }
 
 std::vector<std::string> ids(const Lending& lending) {
@@ -53,7 +53,7 @@ TEST(Lending, BorrowsOnlyAsManyHelpersAsTheShortageNeeds) {
   EXPECT_EQ(lend({}, asked(1.3, idle), kRules, 1).helpers.size(), 1u);
   EXPECT_EQ(lend({}, asked(1.9, idle), kRules, 1).helpers.size(), 2u);
   EXPECT_EQ(lend({}, asked(9, idle), kRules, 1).helpers.size(), kRules.most);
-  LendingQuestion half = asked(2, idle);
+  LendingInput half = asked(2, idle);
   half.helped = 0.99;
   EXPECT_TRUE(lend({}, half, kRules, 1).helpers.empty()) << "what comes already";
 }
@@ -140,8 +140,8 @@ TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
   for (int world = 0; world < 300; ++world) {
     Lending lending;
     for (int second = 0; second < 30; ++second) {
-      LendingQuestion question = asked(3 * unit(), {});
-      question.helped = unit();
+      LendingInput input = asked(3 * unit(), {});
+      input.helped = unit();
       for (int i = 0; i < 12; ++i) {
         if (unit() < 0.2) continue;
         Neighbour one = neighbour(std::to_string(i), unit(), unit());
@@ -149,23 +149,23 @@ TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
         one.draining = unit() < 0.1;
         one.has_volume = unit() < 0.5;
         one.same_node = unit() < 0.5;
-        question.neighbours.push_back(one);
+        input.neighbours.push_back(one);
       }
       const std::vector<std::string> before = ids(lending);
-      lending = lend(std::move(lending), question, kRules, random());
+      lending = lend(std::move(lending), input, kRules, random());
       const std::vector<std::string> after = ids(lending);
       ASSERT_LE(after.size(), kRules.most);
       ASSERT_EQ(std::set<std::string>(after.begin(), after.end()).size(), after.size());
       for (const std::string& id : after) {
-        const auto known = std::find_if(question.neighbours.begin(), question.neighbours.end(),
+        const auto known = std::find_if(input.neighbours.begin(), input.neighbours.end(),
                                         [&](const Neighbour& one) { return one.id == id; });
-        ASSERT_NE(known, question.neighbours.end());
+        ASSERT_NE(known, input.neighbours.end());
         ASSERT_FALSE(known->draining);
         ASSERT_LE(known->age, kRules.oldest);
         ASSERT_LT(known->load, kRules.busy);
         if (std::count(before.begin(), before.end(), id) > 0) continue;
         ASSERT_LE(known->load + known->lent, kRules.idle);
-        ASSERT_GE(question.asked, kRules.borrows);
+        ASSERT_GE(input.asked, kRules.borrows);
       }
     }
   }

@@ -108,14 +108,14 @@ Result<bool> WorkerDirectory::restore(const LostSession& session) {
   return reply->integer == 1;
 }
 
-Result<std::vector<Peer>> WorkerDirectory::peers(const PeerQuestion& question) {
+Result<std::vector<Peer>> WorkerDirectory::peers(const PeerQuery& query) {
   std::vector<std::string> words{id_,
                                  incarnation_,
-                                 decimal("%.3f", question.asked),
-                                 question.lent ? decimal("%.3f", *question.lent) : "",
-                                 question.fleet,
-                                 std::to_string(question.random)};
-  words.insert(words.end(), question.helpers.begin(), question.helpers.end());
+                                 decimal("%.3f", query.asked),
+                                 query.lent ? decimal("%.3f", *query.lent) : "",
+                                 query.fleet,
+                                 std::to_string(query.random)};
+  words.insert(words.end(), query.helpers.begin(), query.helpers.end());
   const Result<Reply> reply = client_.run(kLend, views(words));
   if (!reply) return tl::unexpected(reply.error());
   std::vector<Peer> found;

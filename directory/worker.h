@@ -73,7 +73,7 @@ struct Peer {
   std::vector<std::string> volumes;
 };
 
-struct PeerQuestion {
+struct PeerQuery {
   double asked = 0;            ///< what its own sessions need, in devices
   std::optional<double> lent;  ///< share used for other workers' sessions; none: it lends nothing
   std::string fleet;           ///< only peers of this fleet are returned; empty: peers without one
@@ -101,7 +101,7 @@ class WorkerDirectory {
   /// Returns false if the session is known, or was ended on purpose.
   Result<bool> restore(const LostSession& session);
   /// Reports the capacity that this worker lends, and returns live peers.
-  Result<std::vector<Peer>> peers(const PeerQuestion& question);
+  Result<std::vector<Peer>> peers(const PeerQuery& query);
 
  private:
   Client& client_;

@@ -33,7 +33,7 @@ Response list_response(const std::vector<Item>& items) {
 }
 
 Outcome<Response> gallery(Sharing& sharing, const Request& request, const Principal& who) {
-  GalleryQuestion question;
+  GalleryQuery query;
   const auto limit = integer_in_query(request, "limit", 24, 1, 100);
   DIAPHANE_TRY(limit);
   auto words = text_in_query(request, "q", 100);
@@ -44,12 +44,12 @@ Outcome<Response> gallery(Sharing& sharing, const Request& request, const Princi
   DIAPHANE_TRY(modality);
   auto after = cursor_in_query(request);
   DIAPHANE_TRY(after);
-  question.after = *std::move(after);
-  question.limit = *limit;
-  question.words = *std::move(words);
-  question.body_part = *std::move(body_part);
-  question.modality = *std::move(modality);
-  const auto page = sharing.gallery(who, std::move(question));
+  query.after = *std::move(after);
+  query.limit = *limit;
+  query.words = *std::move(words);
+  query.body_part = *std::move(body_part);
+  query.modality = *std::move(modality);
+  const auto page = sharing.gallery(who, std::move(query));
   DIAPHANE_TRY(page);
   nlohmann::ordered_json body;
   body["items"] = nlohmann::ordered_json::array();

@@ -194,9 +194,9 @@ Result<void> SharingRepository::make_private(const std::string& data_set_id, Tim
 }
 
 Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
-                                                        const GalleryQuestion& question) {
+                                                        const GalleryQuery& query) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
-    const auto& after = question.after;
+    const auto& after = query.after;
     // Each word is a prefix. Spaces and punctuation separate words, so none can be an operator.
     const pqxx::result rows = transaction.exec_params(
         std::string(kSelectDataSet) + R"sql(
@@ -207,10 +207,10 @@ Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
            AND ($6 = '' OR d.body_part = $6) AND ($7 = '' OR d.modality = $7)
            AND ($8::bool OR (d.published_at, d.id) < (to_timestamp($9::bigint / 1e6), $10::uuid))
          ORDER BY d.published_at DESC, d.id DESC LIMIT $11)sql",
-        viewer_or_null(viewer), viewer.sample_operator, viewer.administrator, question.samples_only,
-        question.words, question.body_part, question.modality, !after.has_value(),
+        viewer_or_null(viewer), viewer.sample_operator, viewer.administrator, query.samples_only,
+        query.words, query.body_part, query.modality, !after.has_value(),
         after ? after->created_us : std::int64_t{0}, after ? after->id.c_str() : nullptr,
-        question.limit);
+        query.limit);
     std::vector<DataSet> found;
     for (const pqxx::row& row : rows) found.push_back(read_data_set(row));
     return found;

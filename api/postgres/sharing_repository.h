@@ -22,8 +22,7 @@ class SharingRepository final : public SharingStore {
   Result<Followed> follow(const std::string& token_hash, Time now) override;
   Result<bool> publish(const std::string& data_set_id, bool slices, Time now) override;
   Result<void> make_private(const std::string& data_set_id, Time now) override;
-  Result<std::vector<DataSet>> gallery(const Viewer& viewer,
-                                       const GalleryQuestion& question) override;
+  Result<std::vector<DataSet>> gallery(const Viewer& viewer, const GalleryQuery& query) override;
   Result<std::string> public_name(const std::string& user_id) override;
   Result<void> set_public_name(const std::string& user_id, const std::string& name) override;
   Result<Visit> note_visit(const Visit& visit, const VisitLimits& limits, Time now) override;

@@ -26,7 +26,7 @@ class FakeSharingStore final : public SharingStore, public Fake {
   std::map<std::string, std::pair<std::string, std::string>> keys;  ///< key to request hash and ID
   std::map<std::string, Visit> visits;                              ///< by session
   std::vector<DataSet> shown;                                       ///< what `gallery` returns
-  GalleryQuestion question;  ///< of the last call of `gallery`
+  GalleryQuery query;        ///< of the last call of `gallery`
   VisitLimits visit_limits;  ///< of the last call of `note_visit`
   int most_people = 0, most_links = 0;
   bool anonymised = true;
@@ -111,9 +111,9 @@ class FakeSharingStore final : public SharingStore, public Fake {
     published_slices.reset();
     return {};
   }
-  Result<std::vector<DataSet>> gallery(const Viewer&, const GalleryQuestion& asked) override {
+  Result<std::vector<DataSet>> gallery(const Viewer&, const GalleryQuery& asked) override {
     DIAPHANE_TRY(enter("gallery"));
-    question = asked;
+    query = asked;
     auto page = shown;
     if (static_cast<int>(page.size()) > asked.limit) page.resize(std::size_t(asked.limit));
     return page;

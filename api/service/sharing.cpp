@@ -157,12 +157,11 @@ Outcome<DataSet> Sharing::make_private(const Principal& who, const std::string& 
   return parts_.data_sets.find(who, id);
 }
 
-Outcome<Sharing::Page> Sharing::gallery(const Principal& who, GalleryQuestion question) {
-  const int limit = question.limit++;
-  question.samples_only = !may(Role::kOther, Action::kFind, Exposure::kPublic) ||
-                          (who.user_id.empty() && !who.sample_operator);
-  auto found =
-      parts_.store.gallery({who.user_id, who.sample_operator, who.administrator}, question);
+Outcome<Sharing::Page> Sharing::gallery(const Principal& who, GalleryQuery query) {
+  const int limit = query.limit++;
+  query.samples_only = !may(Role::kOther, Action::kFind, Exposure::kPublic) ||
+                       (who.user_id.empty() && !who.sample_operator);
+  auto found = parts_.store.gallery({who.user_id, who.sample_operator, who.administrator}, query);
   if (!found) return refuse(found.error());
   Page page{*std::move(found), std::nullopt};
   if (static_cast<int>(page.items.size()) > limit) {

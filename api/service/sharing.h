@@ -64,7 +64,7 @@ class Sharing {
   Outcome<DataSet> publish(const Principal& who, const std::string& id, bool slices);
   Outcome<DataSet> make_private(const Principal& who, const std::string& id);
   /// Lists public data sets, newest first. Without an account, only samples.
-  Outcome<Page> gallery(const Principal& who, GalleryQuestion question);
+  Outcome<Page> gallery(const Principal& who, GalleryQuery query);
 
   Outcome<std::string> public_name(const Principal& who);
   Outcome<void> set_public_name(const Principal& who, const std::string& name);

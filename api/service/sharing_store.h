@@ -26,7 +26,7 @@ struct DataSetLink {
   bool slices = false;  ///< visitors can get exact slices
 };
 
-struct GalleryQuestion {
+struct GalleryQuery {
   std::string words;      ///< prefixes of words in title and description; empty matches all
   std::string body_part;  ///< one of kBodyParts, or empty
   std::string modality;   ///< one of kModalities, or empty
@@ -83,8 +83,7 @@ class SharingStore {
   /// exact slices. Returns false if the data set is not anonymised, not ready, or taken down.
   virtual Result<bool> publish(const std::string& data_set_id, bool slices, Time now) = 0;
   virtual Result<void> make_private(const std::string& data_set_id, Time now) = 0;
-  virtual Result<std::vector<DataSet>> gallery(const Viewer& viewer,
-                                               const GalleryQuestion& question) = 0;
+  virtual Result<std::vector<DataSet>> gallery(const Viewer& viewer, const GalleryQuery& query) = 0;
 
   virtual Result<std::string> public_name(const std::string& user_id) = 0;
   virtual Result<void> set_public_name(const std::string& user_id, const std::string& name) = 0;

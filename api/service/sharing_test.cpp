@@ -262,8 +262,8 @@ TEST_F(SharingTest, WithoutAnAccountTheGalleryHasOnlySamples) {
   for (const auto& [who, samples_only] : {std::pair(Principal{}, true), std::pair(stranger, false),
                                           std::pair(sample_operator, false)}) {
     ASSERT_TRUE(sharing.gallery(who, {.words = "head", .limit = 5}));
-    EXPECT_EQ(store.question.samples_only, samples_only) << who.user_id;
-    EXPECT_EQ(store.question.words, "head");
+    EXPECT_EQ(store.query.samples_only, samples_only) << who.user_id;
+    EXPECT_EQ(store.query.words, "head");
   }
 }
 

@@ -25,7 +25,7 @@ Neighbour LendingModel::seen(const Device& device, std::size_t number) const {
 
 void LendingModel::decide(const std::vector<Device>& devices) {
   helpers_ = begun_ = 0;
-  LendingQuestion question;
+  LendingInput input;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     if (!devices[i].there) {
       lendings_[i] = {};
@@ -33,9 +33,9 @@ void LendingModel::decide(const std::vector<Device>& devices) {
     }
     // A device that is sufficient and has no helpers asks none.
     if (devices[i].wants < rules_.borrows && lendings_[i].helpers.empty()) continue;
-    question.asked = devices[i].wants;
-    question.helped = helped_[i];
-    question.neighbours.clear();
+    input.asked = devices[i].wants;
+    input.helped = helped_[i];
+    input.neighbours.clear();
     std::vector<std::size_t> known;
     for (std::size_t k = 0; k < kAtRandom; ++k) known.push_back(random_.below(devices.size()));
     for (const Helper& helper : lendings_[i].helpers) known.push_back(number(helper.id));
@@ -43,10 +43,10 @@ void LendingModel::decide(const std::vector<Device>& devices) {
     known.erase(std::unique(known.begin(), known.end()), known.end());
     for (const std::size_t other : known) {
       if (other != i && devices[other].there) {
-        question.neighbours.push_back(seen(devices[other], other));
+        input.neighbours.push_back(seen(devices[other], other));
       }
     }
-    lendings_[i] = lend(std::move(lendings_[i]), question, rules_, random_.bits());
+    lendings_[i] = lend(std::move(lendings_[i]), input, rules_, random_.bits());
     helpers_ += lendings_[i].helpers.size();
     for (const Helper& helper : lendings_[i].helpers) begun_ += helper.since == 0;
   }

@@ -9,7 +9,7 @@ namespace diaphane::fleet::bench {
 
 using directory::Helper;
 using directory::Lending;
-using directory::LendingQuestion;
+using directory::LendingInput;
 using directory::LendingRules;
 using directory::Neighbour;
 

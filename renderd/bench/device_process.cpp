@@ -99,8 +99,8 @@ class DeviceProcess {
 void serve_device_process(const ProcessWire& wire, EngineChoice choice, unsigned threads,
                           const volume::Volume& volume) {
   DeviceProcess device(choice, threads, volume);
-  while (auto question = wire.receive()) {
-    const auto answer = device.answer(question->word, question->payload);
+  while (auto request = wire.receive()) {
+    const auto answer = device.answer(request->word, request->payload);
     const bool sent = answer ? wire.send(ProcessMessageKind::kDone, *answer)
                              : wire.send(ProcessMessageKind::kFailed,
                                          packed(answer.error().code) + answer.error().message);

@@ -57,21 +57,21 @@ Division CompositeRenderer::choose() const {
   if (options_.division) return *options_.division;
   // Denoising the first pictures needs the guides of all rows.
   if (guided_) return Division::kAverage;
-  DivisionQuestion question;
-  question.canvas = task_.canvas;
-  question.samples = samples_needed_;
-  question.speeds.push_back(own_speed_);
+  DivisionInput input;
+  input.canvas = task_.canvas;
+  input.samples = samples_needed_;
+  input.speeds.push_back(own_speed_);
   double slowest = 1e12;
   for (const Helper& helper : helpers_) {
     if (helper.assistant->lost()) continue;
-    question.speeds.push_back(helper.speed);
+    input.speeds.push_back(helper.speed);
     slowest = std::min(slowest, helper.assistant->bytes_per_second());
   }
-  question.bytes_per_second = slowest;
-  question.merge_seconds = std::max(merge_seconds_per_pixel_, kMergeSeconds);
-  question.turn_seconds = turn_seconds_;
-  question.before = before_;
-  return choose_division(question);
+  input.bytes_per_second = slowest;
+  input.merge_seconds = std::max(merge_seconds_per_pixel_, kMergeSeconds);
+  input.turn_seconds = turn_seconds_;
+  input.before = before_;
+  return choose_division(input);
 }
 
 Result<void> CompositeRenderer::deal(Division division) {

@@ -49,8 +49,8 @@ class DeviceThread::Job {
   /// Takes one turn. Returns false if there is nothing to do.
   bool turn(const std::atomic<bool>& stopping) {
     if (!adopt()) return false;
-    PartQuestion question = asked();
-    if (!may_render(question)) return false;
+    PartInput input = asked();
+    if (!may_render(input)) return false;
     const auto stop = [&] { return stopping || gone_ || version_ != applied_; };
     auto samples = static_cast<std::uint32_t>(
         per_sample_ > 0 ? std::clamp(kTurnSeconds / per_sample_, 1.0, kMostSamples) : 1);
@@ -65,8 +65,8 @@ class DeviceThread::Job {
       const double now = batch->seconds / batch->samples;
       per_sample_ = per_sample_ > 0 ? 0.6 * per_sample_ + 0.4 * now : now;
     }
-    question = asked();
-    return part_due(question) && !stop() ? hand_over() : true;
+    input = asked();
+    return part_due(input) && !stop() ? hand_over() : true;
   }
 
  private:
@@ -88,7 +88,7 @@ class DeviceThread::Job {
     return true;
   }
 
-  PartQuestion asked() { return {held_, delivered_, elapsed_since(since_), cost_, !waits()}; }
+  PartInput asked() { return {held_, delivered_, elapsed_since(since_), cost_, !waits()}; }
 
   bool hand_over() {
     const auto begin = Clock::now();

@@ -93,28 +93,27 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
   return shares;
 }
 
-DivisionGain predict(Division division, const DivisionQuestion& question) {
-  const double pixels = question.canvas.pixels();
-  const double speed = std::accumulate(question.speeds.begin(), question.speeds.end(), 0.0);
-  const auto others = static_cast<double>(question.speeds.size() - 1);
-  if (others == 0) return {question.samples * pixels / speed, 0};
+DivisionGain predict(Division division, const DivisionInput& input) {
+  const double pixels = input.canvas.pixels();
+  const double speed = std::accumulate(input.speeds.begin(), input.speeds.end(), 0.0);
+  const auto others = static_cast<double>(input.speeds.size() - 1);
+  if (others == 0) return {input.samples * pixels / speed, 0};
   const bool average = division == Division::kAverage;
   // Pixels merged in one turn from all parts.
-  const double merged = average ? others * pixels : pixels * (1 - question.speeds.front() / speed);
-  const double part =
-      others * question.part_seconds +
-      merged * (sizeof(PackedPixel) / question.bytes_per_second + question.merge_seconds);
+  const double merged = average ? others * pixels : pixels * (1 - input.speeds.front() / speed);
+  const double part = others * input.part_seconds +
+                      merged * (sizeof(PackedPixel) / input.bytes_per_second + input.merge_seconds);
   // With an average, each device renders pairs. With tiles, the slowest band determines the time.
-  const double each = question.samples / (average ? others + 1 : 1);
+  const double each = input.samples / (average ? others + 1 : 1);
   const double rendering = average ? kPair * std::ceil(each / kPair) * (others + 1) * pixels / speed
                                    : each * pixels / speed * (1 + kBandsUneven * others);
   double parts = parts_for(each);
-  if (question.turn_seconds > 0) {
+  if (input.turn_seconds > 0) {
     // Parts are taken at the ends of turns. More parts take longer, which makes more turns, so this
     // iterates.
     double fitting = 1;
     for (int i = 0; i < 8; ++i) {
-      fitting = std::max(1.0, std::round((rendering + fitting * part) / question.turn_seconds));
+      fitting = std::max(1.0, std::round((rendering + fitting * part) / input.turn_seconds));
     }
     parts = std::min(parts, fitting);
   }
@@ -122,34 +121,34 @@ DivisionGain predict(Division division, const DivisionQuestion& question) {
   if (average) {
     // No samples of other devices arrive during a turn of the device that shows the picture. If a
     // pair from each device exceeds the samples needed, that device alone is as fast.
-    const double alone = question.samples * pixels / question.speeds.front();
-    seconds = std::min(std::max(seconds, question.turn_seconds), alone);
+    const double alone = input.samples * pixels / input.speeds.front();
+    seconds = std::min(std::max(seconds, input.turn_seconds), alone);
   }
   return {seconds, parts * merged * sizeof(PackedPixel)};
 }
 
-Division choose_division(const DivisionQuestion& question) {
-  if (question.speeds.size() < 2) return Division::kAverage;
-  for (const double speed : question.speeds) {
+Division choose_division(const DivisionInput& input) {
+  if (input.speeds.size() < 2) return Division::kAverage;
+  for (const double speed : input.speeds) {
     if (!(speed > 0)) return Division::kAverage;
   }
   // There must be at least one unit of rows per device.
-  if (question.canvas.height < kShareRows * question.speeds.size()) return Division::kAverage;
-  const double average = predict(Division::kAverage, question).seconds;
-  const double tiles = predict(Division::kTiles, question).seconds;
-  const double faster = question.before == Division::kTiles ? 1.0 : 0.9;
+  if (input.canvas.height < kShareRows * input.speeds.size()) return Division::kAverage;
+  const double average = predict(Division::kAverage, input).seconds;
+  const double tiles = predict(Division::kTiles, input).seconds;
+  const double faster = input.before == Division::kTiles ? 1.0 : 0.9;
   return tiles < faster * average ? Division::kTiles : Division::kAverage;
 }
 
-bool part_due(const PartQuestion& question) {
-  if (!question.room || question.held < 2) return false;
-  if (question.delivered == 0) return true;
-  if (question.seconds_since < 8 * question.seconds_cost) return false;
-  return 4 * question.held >= question.delivered || question.seconds_since >= 0.1;
+bool part_due(const PartInput& input) {
+  if (!input.room || input.held < 2) return false;
+  if (input.delivered == 0) return true;
+  if (input.seconds_since < 8 * input.seconds_cost) return false;
+  return 4 * input.held >= input.delivered || input.seconds_since >= 0.1;
 }
 
-bool may_render(const PartQuestion& question) {
-  return question.room || question.held < std::max<std::uint64_t>(question.delivered, 2);
+bool may_render(const PartInput& input) {
+  return input.room || input.held < std::max<std::uint64_t>(input.delivered, 2);
 }
 
 }  // namespace diaphane::render

@@ -53,7 +53,7 @@ inline constexpr double kMergeSeconds = 0.03e-9;
 inline constexpr double kBandsUneven = 0.15;
 
 /// The input of choose_division().
-struct DivisionQuestion {
+struct DivisionInput {
   Canvas canvas;
   double samples = 16;             ///< samples per pixel that the picture needs
   std::vector<double> speeds;      ///< pixel samples per second; the first device shows the picture
@@ -68,20 +68,20 @@ struct DivisionQuestion {
 };
 
 struct DivisionGain {
-  double seconds = 0;  ///< until the picture has DivisionQuestion::samples
+  double seconds = 0;  ///< until the picture has DivisionInput::samples
   double bytes_moved = 0;
 };
 
 /// Predicts the time until the devices have drawn all samples and the last part is merged.
-DivisionGain predict(Division division, const DivisionQuestion& question);
+DivisionGain predict(Division division, const DivisionInput& input);
 /// Chooses tiles if they are a tenth faster. A lost device takes its band with it, which others
 /// must render again; with an average only its speed is lost. Once chosen, tiles stay until an
 /// average is faster, because measurements scatter and each change costs time. Chooses an average
 /// while speeds are unknown.
-Division choose_division(const DivisionQuestion& question);
+Division choose_division(const DivisionInput& input);
 
 /// The input of the decision whether a device delivers its part now.
-struct PartQuestion {
+struct PartInput {
   std::uint64_t held = 0;       ///< samples rendered since the last part
   std::uint64_t delivered = 0;  ///< samples of this task delivered before
   double seconds_since = 0;     ///< since the last part or the start of the task
@@ -91,9 +91,9 @@ struct PartQuestion {
 /// Whether a part is due. The first pair of samples is due at once, and later parts whenever the
 /// samples held are a quarter of those delivered. Deliveries take at most an eighth of the time. A
 /// part is due at the latest after 100 ms.
-bool part_due(const PartQuestion& question);
+bool part_due(const PartInput& input);
 /// Whether a device may continue while its part has not been taken. It stops after as many samples
 /// again, because no one waits for more.
-bool may_render(const PartQuestion& question);
+bool may_render(const PartInput& input);
 
 }  // namespace diaphane::render

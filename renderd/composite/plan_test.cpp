@@ -102,18 +102,18 @@ TEST(SharesPlan, TilesAdaptToTheCostOfRows) {
   EXPECT_LT(*std::max_element(took.begin(), took.end()), 1.2 * whole / 4);
 }
 
-DivisionQuestion four_devices(Canvas canvas, double samples) {
-  DivisionQuestion question;
-  question.canvas = canvas;
-  question.samples = samples;
-  question.speeds = {1e8, 1e8, 1e8, 1e8};
-  return question;
+DivisionInput four_devices(Canvas canvas, double samples) {
+  DivisionInput input;
+  input.canvas = canvas;
+  input.samples = samples;
+  input.speeds = {1e8, 1e8, 1e8, 1e8};
+  return input;
 }
 
 TEST(DivisionChoice, TilesTransferFewerBytesThanAveraging) {
-  const auto question = four_devices({3840, 2160}, 64);
-  const auto average = predict(Division::kAverage, question);
-  const auto tiles = predict(Division::kTiles, question);
+  const auto input = four_devices({3840, 2160}, 64);
+  const auto average = predict(Division::kAverage, input);
+  const auto tiles = predict(Division::kTiles, input);
   EXPECT_GT(average.bytes_moved, 2 * tiles.bytes_moved);
   EXPECT_LT(average.seconds, tiles.seconds) << "the slowest of four bands is waited for";
 }
@@ -150,14 +150,14 @@ constexpr Measured kMeasured[] = {
 };
 constexpr double kTurnMs = 5;  // in that benchmark
 
-DivisionQuestion question_of(const Measured& row) {
-  DivisionQuestion question;
-  question.canvas = row.canvas;
-  question.samples = row.one_ms / row.pass_ms;
+DivisionInput input_of(const Measured& row) {
+  DivisionInput input;
+  input.canvas = row.canvas;
+  input.samples = row.one_ms / row.pass_ms;
   const double pixels = double(row.canvas.width) * row.canvas.height;
-  question.speeds.assign(row.devices, pixels / (row.pass_ms * 1e-3));
-  question.turn_seconds = std::max(kTurnMs, row.pass_ms) * 1e-3;
-  return question;
+  input.speeds.assign(row.devices, pixels / (row.pass_ms * 1e-3));
+  input.turn_seconds = std::max(kTurnMs, row.pass_ms) * 1e-3;
+  return input;
 }
 
 /// The end of a picture is observed at the end of a turn, so prediction and measurement agree
@@ -166,10 +166,10 @@ DivisionQuestion question_of(const Measured& row) {
 /// later. This case does not matter, since an average is much faster there.
 TEST(DivisionChoice, PredictionsMatchMeasurementsOfTwoAndFourDevices) {
   for (const Measured& row : kMeasured) {
-    const DivisionQuestion question = question_of(row);
-    const auto average = predict(Division::kAverage, question);
-    const auto tiles = predict(Division::kTiles, question);
-    const double turn = question.turn_seconds * 1e3;
+    const DivisionInput input = input_of(row);
+    const auto average = predict(Division::kAverage, input);
+    const auto tiles = predict(Division::kTiles, input);
+    const double turn = input.turn_seconds * 1e3;
     const double pixels = double(row.canvas.width) * row.canvas.height * sizeof(PackedPixel);
     const auto others = static_cast<double>(row.devices - 1);
     EXPECT_NEAR(average.seconds * 1e3, row.average_ms, turn) << row.devices << ' ' << row.one_ms;
@@ -189,7 +189,7 @@ TEST(DivisionChoice, PredictionsMatchMeasurementsOfTwoAndFourDevices) {
 TEST(DivisionChoice, ChoosesTheFasterMeasuredDivision) {
   constexpr double kScatterMs = 0.3;
   for (const Measured& row : kMeasured) {
-    const Division chosen = choose_division(question_of(row));
+    const Division chosen = choose_division(input_of(row));
     const double took = chosen == Division::kTiles ? row.tiles_ms : row.average_ms;
     EXPECT_LE(took, std::min(row.tiles_ms, row.average_ms) / 0.9 + kScatterMs)
         << row.devices << ' ' << row.one_ms;
@@ -203,11 +203,11 @@ TEST(DivisionChoice, HasHysteresis) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> off(0.95, 1.05);
   for (int picture = 0; picture < 200; ++picture) {
-    DivisionQuestion question = question_of(kMeasured[1]);
-    question.samples = 8;
-    for (double& speed : question.speeds) speed *= off(random);
-    question.before = before;
-    const Division now = choose_division(question);
+    DivisionInput input = input_of(kMeasured[1]);
+    input.samples = 8;
+    for (double& speed : input.speeds) speed *= off(random);
+    input.before = before;
+    const Division now = choose_division(input);
     changes += before && now != *before;
     before = now;
   }
@@ -227,8 +227,8 @@ TEST(Parts, AreDeliveredEarlyThenPeriodicallyWithinAnEighthOfTheTime) {
 
 TEST(Parts, RenderingStopsIfPartsAreNotTaken) {
   std::uint64_t held = 0;
-  PartQuestion question{.held = 0, .delivered = 64, .seconds_since = 1, .room = false};
-  while (may_render(question)) question.held = held += 2;
+  PartInput input{.held = 0, .delivered = 64, .seconds_since = 1, .room = false};
+  while (may_render(input)) input.held = held += 2;
   EXPECT_EQ(held, 64u);
 }
 

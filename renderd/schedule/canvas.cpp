@@ -23,16 +23,16 @@ Canvas scaled(Canvas canvas, double scale) {
 
 }  // namespace
 
-Canvas plan_canvas(const CanvasQuestion& question) {
-  if (!question.moving) return question.viewport;
-  const double cost = question.seconds_per_pixel;
+Canvas plan_canvas(const CanvasInput& input) {
+  if (!input.moving) return input.viewport;
+  const double cost = input.seconds_per_pixel;
   const double alone = cost > 0 ? kMovingSampleSeconds / cost : kProbePixels;
   // Returns the largest scale with at most `budget` pixels. The current size may exceed the budget
   // by a quarter, which avoids flicker.
   const auto largest = [&](double budget, double smallest) {
     for (const double scale : kScales) {
-      const Canvas candidate = scaled(question.viewport, scale);
-      const bool is_current = candidate == question.current;
+      const Canvas candidate = scaled(input.viewport, scale);
+      const bool is_current = candidate == input.current;
       if (scale <= smallest || candidate.pixels() <= (is_current ? 1.25 * budget : budget)) {
         return scale;
       }
@@ -40,15 +40,15 @@ Canvas plan_canvas(const CanvasQuestion& question) {
     return kScales.back();
   };
   const double scale =
-      std::min(largest(alone, kScales.back()), std::max(question.largest_moving, kScales.back()));
-  if (question.sharing <= 1 || !(cost > 0)) return scaled(question.viewport, scale);
+      std::min(largest(alone, kScales.back()), std::max(input.largest_moving, kScales.back()));
+  if (input.sharing <= 1 || !(cost > 0)) return scaled(input.viewport, scale);
   const auto seconds = [&](double at) {
-    return question.seconds_first + cost * scaled(question.viewport, at).pixels();
+    return input.seconds_first + cost * scaled(input.viewport, at).pixels();
   };
   const double share =
-      std::max(kSharedSeconds, seconds(scale)) / static_cast<double>(question.sharing);
-  const double shared = largest((share - question.seconds_first) / cost, kSmallestShare * scale);
-  return scaled(question.viewport, std::min(scale, shared));
+      std::max(kSharedSeconds, seconds(scale)) / static_cast<double>(input.sharing);
+  const double shared = largest((share - input.seconds_first) / cost, kSmallestShare * scale);
+  return scaled(input.viewport, std::min(scale, shared));
 }
 
 }  // namespace diaphane::render

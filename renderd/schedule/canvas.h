@@ -5,7 +5,7 @@
 namespace diaphane::render {
 
 /// Input of plan_canvas(). Costs are those of this session on this device.
-struct CanvasQuestion {
+struct CanvasInput {
   Canvas viewport;               ///< size that the browser requested, pixels
   Canvas current;                ///< size rendered now; 0 x 0 before the first picture
   double seconds_per_pixel = 0;  ///< measured cost of one sample of one pixel; 0: unknown
@@ -35,6 +35,6 @@ inline constexpr double kProbePixels = 256.0 * 256.0;
 /// about the same shape while the picture moves and the device is slow or shared or the connection
 /// is slow. No side is reduced below 16 pixels. Pure. The current size is kept while it still fits,
 /// so that the picture does not flicker between sizes when the cost is near a threshold.
-Canvas plan_canvas(const CanvasQuestion& question);
+Canvas plan_canvas(const CanvasInput& input);
 
 }  // namespace diaphane::render

@@ -9,8 +9,8 @@ namespace {
 
 double pixels(Canvas canvas) { return double(canvas.width) * canvas.height; }
 
-CanvasQuestion question(Canvas viewport, double seconds_for_full, bool moving = true) {
-  CanvasQuestion q;
+CanvasInput input(Canvas viewport, double seconds_for_full, bool moving = true) {
+  CanvasInput q;
   q.viewport = viewport;
   q.seconds_per_pixel = seconds_for_full / pixels(viewport);
   q.moving = moving;
@@ -18,18 +18,18 @@ CanvasQuestion question(Canvas viewport, double seconds_for_full, bool moving = 
 }
 
 TEST(MovingCanvas, EqualsTheViewportAtRest) {
-  EXPECT_EQ(plan_canvas(question({1280, 720}, 10.0, false)), (Canvas{1280, 720}));
+  EXPECT_EQ(plan_canvas(input({1280, 720}, 10.0, false)), (Canvas{1280, 720}));
 }
 
 TEST(MovingCanvas, KeepsFullSizeOnAFastDevice) {
-  EXPECT_EQ(plan_canvas(question({1280, 720}, 0.079)), (Canvas{1280, 720}));
-  EXPECT_EQ(plan_canvas(question({4096, 4096}, 0.001)), (Canvas{4096, 4096}));
+  EXPECT_EQ(plan_canvas(input({1280, 720}, 0.079)), (Canvas{1280, 720}));
+  EXPECT_EQ(plan_canvas(input({4096, 4096}, 0.001)), (Canvas{4096, 4096}));
 }
 
 TEST(MovingCanvas, SharedDeviceRendersSmallerImages) {
   for (const double full : {0.0005, 0.003, 0.01, 0.03, 0.2}) {
     for (const std::size_t sharing : {2, 4, 8, 16, 64}) {
-      CanvasQuestion q = question({1280, 720}, full);
+      CanvasInput q = input({1280, 720}, full);
       q.seconds_first = 0.1 * full;
       const Canvas alone = plan_canvas(q);
       q.sharing = sharing;
@@ -51,7 +51,7 @@ TEST(MovingCanvas, MeetsTheTimeBudgetAndKeepsTheAspectRatio) {
   for (const Canvas viewport :
        {Canvas{512, 512}, Canvas{1280, 720}, Canvas{393, 852}, Canvas{1919, 1079}}) {
     for (const double full : {0.09, 0.15, 0.2, 0.5, 1.0, 3.0}) {
-      const Canvas planned = plan_canvas(question(viewport, full));
+      const Canvas planned = plan_canvas(input(viewport, full));
       EXPECT_LT(pixels(planned), pixels(viewport));
       EXPECT_LE(full * pixels(planned) / pixels(viewport), kMovingSampleSeconds * 1.05) << full;
       EXPECT_EQ(planned.width % 2, 0U);
@@ -63,14 +63,14 @@ TEST(MovingCanvas, MeetsTheTimeBudgetAndKeepsTheAspectRatio) {
 }
 
 TEST(MovingCanvas, IsAtLeastSixteenPixelsWide) {
-  const Canvas planned = plan_canvas(question({4096, 16}, 1000));
+  const Canvas planned = plan_canvas(input({4096, 16}, 1000));
   EXPECT_GE(planned.width, 16U);
   EXPECT_EQ(planned.height, 16U);
-  EXPECT_EQ(plan_canvas(question({16, 16}, 1000)), (Canvas{16, 16}));
+  EXPECT_EQ(plan_canvas(input({16, 16}, 1000)), (Canvas{16, 16}));
 }
 
 TEST(MovingCanvas, ProbesUnknownSpeedWithASmallImage) {
-  CanvasQuestion q;
+  CanvasInput q;
   q.viewport = {1920, 1080};
   q.moving = true;
   EXPECT_LE(pixels(plan_canvas(q)), kProbePixels);
@@ -79,7 +79,7 @@ TEST(MovingCanvas, ProbesUnknownSpeedWithASmallImage) {
 }
 
 TEST(MovingCanvas, KeepsTheSizeWhileTheCostFluctuates) {
-  CanvasQuestion q = question({512, 512}, 0.3);
+  CanvasInput q = input({512, 512}, 0.3);
   q.current = plan_canvas(q);
   const Canvas first = q.current;
   for (const double noise : {1.1, 0.95, 1.15, 1.0, 1.2}) {
@@ -90,14 +90,14 @@ TEST(MovingCanvas, KeepsTheSizeWhileTheCostFluctuates) {
 }
 
 TEST(MovingCanvas, SlowConnectionLimitsOnlyTheMovingSize) {
-  CanvasQuestion question{.viewport = {1280, 720}, .seconds_per_pixel = 1e-9, .moving = true};
-  EXPECT_EQ(plan_canvas(question), question.viewport);
-  question.largest_moving = 0.5;
-  EXPECT_EQ(plan_canvas(question), (Canvas{640, 360}));
-  question.seconds_per_pixel = 1e-5;  // an even slower device
-  EXPECT_LT(plan_canvas(question).width, 640U);
-  question.moving = false;
-  EXPECT_EQ(plan_canvas(question), question.viewport);
+  CanvasInput input{.viewport = {1280, 720}, .seconds_per_pixel = 1e-9, .moving = true};
+  EXPECT_EQ(plan_canvas(input), input.viewport);
+  input.largest_moving = 0.5;
+  EXPECT_EQ(plan_canvas(input), (Canvas{640, 360}));
+  input.seconds_per_pixel = 1e-5;  // an even slower device
+  EXPECT_LT(plan_canvas(input).width, 640U);
+  input.moving = false;
+  EXPECT_EQ(plan_canvas(input), input.viewport);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace diaphane::render {
 
 /// Input of should_emit().
-struct EmissionQuestion {
+struct EmissionInput {
   std::uint64_t samples = 0;        ///< per pixel, accumulated so far
   std::uint64_t samples_shown = 0;  ///< in the last picture of this epoch; 0: none yet
   double seconds_since_frame = 0;   ///< since the last picture of any epoch
@@ -16,6 +16,8 @@ struct EmissionQuestion {
   bool wanted_again = false;  ///< a viewer returned, or their input changed nothing
   bool room = true;           ///< the encoder slot is free and the connection keeps up
 };
+/// The old name, which the runner still uses.
+using EmissionQuestion = EmissionInput;
 
 /// Decides whether the accumulated picture is shown. Pure. It is shown in these cases:
 /// - The epoch has a first sample.
@@ -30,6 +32,6 @@ struct EmissionQuestion {
 ///
 /// Without room only the first picture of an epoch, the converged one and one wanted again are
 /// shown; they replace the picture that waits.
-bool should_emit(const EmissionQuestion& question);
+bool should_emit(const EmissionInput& input);
 
 }  // namespace diaphane::render

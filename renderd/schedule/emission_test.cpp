@@ -5,8 +5,8 @@
 namespace diaphane::render {
 namespace {
 
-EmissionQuestion shown(std::uint64_t samples, std::uint64_t shown, double seconds = 0.05) {
-  EmissionQuestion q;
+EmissionInput shown(std::uint64_t samples, std::uint64_t shown, double seconds = 0.05) {
+  EmissionInput q;
   q.samples = samples;
   q.samples_shown = shown;
   q.seconds_since_frame = seconds;
@@ -14,7 +14,7 @@ EmissionQuestion shown(std::uint64_t samples, std::uint64_t shown, double second
 }
 
 TEST(Emission, ShowsTheFirstSampleImmediatelyEvenWithoutRoom) {
-  EmissionQuestion q = shown(1, 0);
+  EmissionInput q = shown(1, 0);
   q.room = false;
   EXPECT_TRUE(should_emit(q));
   EXPECT_FALSE(should_emit(shown(0, 0)));
@@ -38,7 +38,7 @@ TEST(Emission, LimitsTheRateOfRefinements) {
 }
 
 TEST(Emission, ShowsAnImageEveryFewHundredMillisecondsWhileMoving) {
-  EmissionQuestion q = shown(101, 100, 0.2);
+  EmissionInput q = shown(101, 100, 0.2);
   EXPECT_FALSE(should_emit(q));
   q.moving = true;
   EXPECT_TRUE(should_emit(q));
@@ -47,7 +47,7 @@ TEST(Emission, ShowsAnImageEveryFewHundredMillisecondsWhileMoving) {
 }
 
 TEST(Emission, ShowsTheImageOnceInFullQualityAtRest) {
-  EmissionQuestion q = shown(40, 40);
+  EmissionInput q = shown(40, 40);
   q.shown_moving = true;
   EXPECT_TRUE(should_emit(q));
   q.moving = true;
@@ -58,7 +58,7 @@ TEST(Emission, ShowsTheImageOnceInFullQualityAtRest) {
 }
 
 TEST(Emission, AlwaysShowsTheConvergedImage) {
-  EmissionQuestion q = shown(130, 128);
+  EmissionInput q = shown(130, 128);
   q.room = false;
   EXPECT_FALSE(should_emit(q));
   q.converged = true;
@@ -68,7 +68,7 @@ TEST(Emission, AlwaysShowsTheConvergedImage) {
 }
 
 TEST(Emission, SendsNoRefinementsWithoutRoom) {
-  EmissionQuestion q = shown(64, 16, 10);
+  EmissionInput q = shown(64, 16, 10);
   EXPECT_TRUE(should_emit(q));
   q.room = false;
   EXPECT_FALSE(should_emit(q));
@@ -83,7 +83,7 @@ TEST(Emission, ShowsOneImagePerSecondDuringLongDoublings) {
 /// After the last input the viewer waits for the first picture whose error is known, and then sees
 /// refinements sooner than during a drag.
 TEST(Emission, ShowsTheSecondImageEarlierWithoutInput) {
-  EmissionQuestion q = shown(2, 1, 0.001);
+  EmissionInput q = shown(2, 1, 0.001);
   EXPECT_FALSE(should_emit(q)) << "inputs come: the next picture is near";
   q.seconds_since_input = 0.03;
   EXPECT_TRUE(should_emit(q));

@@ -119,21 +119,21 @@ SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
   return view;
 }
 
-std::optional<EmissionQuestion> Ledger::emission(const LedgerRules& rules, Time now) const {
+std::optional<EmissionInput> Ledger::emission(const LedgerRules& rules, Time now) const {
   if (!applied_version_ || !wanted_.visible) return std::nullopt;
   // A picture that is about to be replaced is shown only if none of its epoch has been shown yet.
   if (stale() && samples_shown_ > 0) return std::nullopt;
-  EmissionQuestion question;
-  question.samples = progress_.samples;
-  question.samples_shown = samples_shown_;
-  question.seconds_since_frame = seconds_between(shown_at_, now);
-  question.seconds_since_input = silence(now);
-  question.moving = moving_;
-  question.shown_moving = shown_moving_;
-  question.converged = converged(rules);
-  question.wanted_again = wanted_.picture_again && !stale();
-  question.room = wanted_.room;
-  return question;
+  EmissionInput input;
+  input.samples = progress_.samples;
+  input.samples_shown = samples_shown_;
+  input.seconds_since_frame = seconds_between(shown_at_, now);
+  input.seconds_since_input = silence(now);
+  input.moving = moving_;
+  input.shown_moving = shown_moving_;
+  input.converged = converged(rules);
+  input.wanted_again = wanted_.picture_again && !stale();
+  input.room = wanted_.room;
+  return input;
 }
 
 void Ledger::began(double seconds, Time now) {

@@ -38,7 +38,7 @@ class Ledger {
   SessionView view(std::uint64_t handle, const DeviceCosts& device, const LedgerRules& rules,
                    Time now) const;
   /// Returns the input of should_emit(), or nullopt if there is no picture to show.
-  std::optional<EmissionQuestion> emission(const LedgerRules& rules, Time now) const;
+  std::optional<EmissionInput> emission(const LedgerRules& rules, Time now) const;
 
   /// Records that the film was cleared for the requested view, which took `seconds`.
   void began(double seconds, Time now);

@@ -83,13 +83,13 @@ std::vector<directory::Neighbour> Lender::neighbours(const Use& use) {
   const bool lends = use.lent > 0;
   addresses_.clear();
   if (!wants && !lends && !lent_told_ && lending_.helpers.empty()) return {};
-  directory::PeerQuestion question;
-  question.asked = use.asked;
-  if (lends) question.lent = use.lent;
-  question.fleet = fleet_of(options_.owner);
-  question.random = wants ? kAtRandom : 0;
-  for (const Helper& helper : lending_.helpers) question.helpers.push_back(helper.id);
-  const auto peers = directory_.peers(question);
+  directory::PeerQuery query;
+  query.asked = use.asked;
+  if (lends) query.lent = use.lent;
+  query.fleet = fleet_of(options_.owner);
+  query.random = wants ? kAtRandom : 0;
+  for (const Helper& helper : lending_.helpers) query.helpers.push_back(helper.id);
+  const auto peers = directory_.peers(query);
   // Without an answer, no peer is known to have spare time.
   if (!peers) return {};
   lent_told_ = lends;

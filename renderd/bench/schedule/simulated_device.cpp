@@ -121,8 +121,8 @@ void SimulatedDevice::input(Session& session, const TraceEvent& event) {
 }
 
 bool SimulatedDevice::due(Session& session) const {
-  const auto question = session.ledger.emission(rules_, time_point(now_));
-  return question && should_emit(*question);
+  const auto input = session.ledger.emission(rules_, time_point(now_));
+  return input && should_emit(*input);
 }
 
 // As in Runner::look and Runner::step.
