@@ -8,13 +8,13 @@ namespace {
 
 constexpr double kSameNode = 0.1;
 
-double spare(const Neighbour& one) { return 1 - one.load - one.lent; }
+double spare(const PeerLoad& one) { return 1 - one.load - one.lent; }
 
-double worth(const Neighbour& one) {
+double worth(const PeerLoad& one) {
   return spare(one) + (one.has_volume ? kLoadedVolumeWorth : 0) + (one.same_node ? kSameNode : 0);
 }
 
-bool there(const Neighbour& one, const LendingRules& rules) {
+bool there(const PeerLoad& one, const LendingRules& rules) {
   return !one.draining && one.age <= rules.oldest;
 }
 
@@ -27,9 +27,9 @@ Lending lend(Lending before, const LendingInput& input, const LendingRules& rule
   if (now.calm >= rules.rest) now.helpers.clear();
 
   std::erase_if(now.helpers, [&](const Helper& helper) {
-    const auto known = std::find_if(input.neighbours.begin(), input.neighbours.end(),
-                                    [&](const Neighbour& one) { return one.id == helper.id; });
-    return known == input.neighbours.end() || !there(*known, rules) || known->load >= rules.busy;
+    const auto known = std::find_if(input.peers.begin(), input.peers.end(),
+                                    [&](const PeerLoad& one) { return one.id == helper.id; });
+    return known == input.peers.end() || !there(*known, rules) || known->load >= rules.busy;
   });
   double lacking = input.asked - 1 - input.helped;
   for (Helper& helper : now.helpers) {
@@ -39,8 +39,8 @@ Lending lend(Lending before, const LendingInput& input, const LendingRules& rule
   if (now.helpers.size() > rules.most) now.helpers.resize(rules.most);
   if (input.asked < rules.borrows) return now;
 
-  std::vector<const Neighbour*> idle;
-  for (const Neighbour& one : input.neighbours) {
+  std::vector<const PeerLoad*> idle;
+  for (const PeerLoad& one : input.peers) {
     const bool helps = std::any_of(now.helpers.begin(), now.helpers.end(),
                                    [&](const Helper& helper) { return helper.id == one.id; });
     if (!helps && there(one, rules) && one.load + one.lent <= rules.idle) idle.push_back(&one);

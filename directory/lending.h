@@ -12,7 +12,7 @@
 namespace diaphane::directory {
 
 /// Another worker, as of its last heartbeat.
-struct Neighbour {
+struct PeerLoad {
   std::string id;
   double load = 0;  ///< share of its device used by its own sessions in the last second, 0 to 1
   double lent = 0;  ///< share used for other workers' sessions
@@ -53,7 +53,7 @@ struct LendingInput {
   double asked = 0;    ///< current demand of its own sessions, in devices
   double helped = 0;   ///< work of the helpers in the last second, in devices
   /// A random sample of peers plus the current helpers. A helper that is missing here is gone.
-  std::vector<Neighbour> neighbours;
+  std::vector<PeerLoad> peers;
 };
 
 /// Returns the new set of helpers: the previous ones without those that are busy, draining or gone,

@@ -13,8 +13,8 @@ namespace {
 
 const LendingRules kRules;
 
-Neighbour neighbour(const std::string& id, double load, double lent = 0) {
-  Neighbour one;
+PeerLoad peer(const std::string& id, double load, double lent = 0) {
+  PeerLoad one;
   one.id = id;
   one.load = load;
   one.lent = lent;
@@ -22,10 +22,10 @@ Neighbour neighbour(const std::string& id, double load, double lent = 0) {
   return one;
 }
 
-LendingInput asked(double load, std::vector<Neighbour> neighbours) {
+LendingInput asked(double load, std::vector<PeerLoad> peers) {
   LendingInput input;
   input.asked = load;
-  input.neighbours = std::move(neighbours);
+  input.peers = std::move(peers);
   return input;
 }
 
@@ -42,14 +42,13 @@ Lending helped_by(const std::string& id) {
 }
 
 TEST(Lending, BorrowsNothingWithoutOverload) {
-  EXPECT_TRUE(lend({}, asked(1.0, {neighbour("a", 0)}), kRules, 1).helpers.empty());
-  EXPECT_EQ(ids(lend({}, asked(1.4, {neighbour("a", 0)}), kRules, 1)),
-            std::vector<std::string>{"a"});
+  EXPECT_TRUE(lend({}, asked(1.0, {peer("a", 0)}), kRules, 1).helpers.empty());
+  EXPECT_EQ(ids(lend({}, asked(1.4, {peer("a", 0)}), kRules, 1)), std::vector<std::string>{"a"});
 }
 
 TEST(Lending, BorrowsOnlyAsManyHelpersAsTheShortageNeeds) {
-  const std::vector<Neighbour> idle{neighbour("a", 0.5), neighbour("b", 0.5), neighbour("c", 0.5),
-                                    neighbour("d", 0.5), neighbour("e", 0.5)};
+  const std::vector<PeerLoad> idle{peer("a", 0.5), peer("b", 0.5), peer("c", 0.5), peer("d", 0.5),
+                                   peer("e", 0.5)};
   EXPECT_EQ(lend({}, asked(1.3, idle), kRules, 1).helpers.size(), 1u);
   EXPECT_EQ(lend({}, asked(1.9, idle), kRules, 1).helpers.size(), 2u);
   EXPECT_EQ(lend({}, asked(9, idle), kRules, 1).helpers.size(), kRules.most);
@@ -58,37 +57,36 @@ TEST(Lending, BorrowsOnlyAsManyHelpersAsTheShortageNeeds) {
   EXPECT_TRUE(lend({}, half, kRules, 1).helpers.empty()) << "what comes already";
 }
 
-TEST(Lending, SkipsBusyDrainingAndSilentNeighbours) {
-  Neighbour draining = neighbour("draining", 0), silent = neighbour("silent", 0);
+TEST(Lending, SkipsBusyDrainingAndSilentPeers) {
+  PeerLoad draining = peer("draining", 0), silent = peer("silent", 0);
   draining.draining = true;
   silent.age = kRules.oldest + 1;
   const auto made = lend({},
-                         asked(4, {draining, silent, neighbour("full", 0.8),
-                                   neighbour("helps others", 0.2, 0.6), neighbour("idle", 0.1)}),
+                         asked(4, {draining, silent, peer("full", 0.8),
+                                   peer("helps others", 0.2, 0.6), peer("idle", 0.1)}),
                          kRules, 1);
   EXPECT_EQ(ids(made), std::vector<std::string>{"idle"});
 }
 
 TEST(Lending, ReturnsHelperThatIsBusyGoneOrDraining) {
   for (double load : {0.0, 0.5, 0.8}) {
-    EXPECT_EQ(
-        lend(helped_by("a"), asked(1.5, {neighbour("a", load, 0.2)}), kRules, 1).helpers.size(), 1u)
+    EXPECT_EQ(lend(helped_by("a"), asked(1.5, {peer("a", load, 0.2)}), kRules, 1).helpers.size(),
+              1u)
         << load;
   }
-  EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {neighbour("a", 0.95)}), kRules, 1).helpers.empty());
+  EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {peer("a", 0.95)}), kRules, 1).helpers.empty());
   EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {}), kRules, 1).helpers.empty()) << "it has gone";
-  Neighbour draining = neighbour("a", 0);
+  PeerLoad draining = peer("a", 0);
   draining.draining = true;
   EXPECT_TRUE(lend(helped_by("a"), asked(1.5, {draining}), kRules, 1).helpers.empty());
 }
 
 TEST(Lending, KeepsHelperThatIsBusyOnlyWithBorrowedWork) {
-  EXPECT_EQ(lend(helped_by("a"), asked(1.5, {neighbour("a", 0.1, 0.9)}), kRules, 1).helpers.size(),
-            1u);
+  EXPECT_EQ(lend(helped_by("a"), asked(1.5, {peer("a", 0.1, 0.9)}), kRules, 1).helpers.size(), 1u);
 }
 
 TEST(Lending, KeepsHelpersUntilOverloadHasEndedForAWhile) {
-  const std::vector<Neighbour> there{neighbour("a", 0, 0.3)};
+  const std::vector<PeerLoad> there{peer("a", 0, 0.3)};
   Lending lending = helped_by("a");
   for (int second = 0; second < 60; ++second) {
     // The demand alternates around the limit and is sometimes far below it.
@@ -104,12 +102,12 @@ TEST(Lending, KeepsHelpersUntilOverloadHasEndedForAWhile) {
 }
 
 TEST(Lending, PrefersLoadedVolumeThenSameNode) {
-  Neighbour volume = neighbour("volume", 0.3), near = neighbour("near", 0.3);
+  PeerLoad volume = peer("volume", 0.3), near = peer("near", 0.3);
   volume.has_volume = true;
   near.same_node = true;
   std::map<std::string, int> taken;
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
-    const auto made = lend({}, asked(1.3, {volume, near, neighbour("far", 0.3)}), kRules,
+    const auto made = lend({}, asked(1.3, {volume, near, peer("far", 0.3)}), kRules,
                            seed * 0x9e3779b97f4a7c15ULL);
     ++taken[made.helpers.at(0).id];
   }
@@ -121,8 +119,8 @@ TEST(Lending, PrefersLoadedVolumeThenSameNode) {
 }
 
 TEST(Lending, SpreadsConcurrentBorrowersOverNeighbours) {
-  std::vector<Neighbour> idle;
-  for (int i = 0; i < 20; ++i) idle.push_back(neighbour(std::to_string(i), 0.01 * i));
+  std::vector<PeerLoad> idle;
+  for (int i = 0; i < 20; ++i) idle.push_back(peer(std::to_string(i), 0.01 * i));
   std::map<std::string, int> taken;
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     ++taken[lend({}, asked(1.5, idle), kRules, seed * 0x9e3779b97f4a7c15ULL).helpers.at(0).id];
@@ -144,12 +142,12 @@ TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
       input.helped = unit();
       for (int i = 0; i < 12; ++i) {
         if (unit() < 0.2) continue;
-        Neighbour one = neighbour(std::to_string(i), unit(), unit());
+        PeerLoad one = peer(std::to_string(i), unit(), unit());
         one.age = 5 * unit();
         one.draining = unit() < 0.1;
         one.has_volume = unit() < 0.5;
         one.same_node = unit() < 0.5;
-        input.neighbours.push_back(one);
+        input.peers.push_back(one);
       }
       const std::vector<std::string> before = ids(lending);
       lending = lend(std::move(lending), input, kRules, random());
@@ -157,9 +155,9 @@ TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
       ASSERT_LE(after.size(), kRules.most);
       ASSERT_EQ(std::set<std::string>(after.begin(), after.end()).size(), after.size());
       for (const std::string& id : after) {
-        const auto known = std::find_if(input.neighbours.begin(), input.neighbours.end(),
-                                        [&](const Neighbour& one) { return one.id == id; });
-        ASSERT_NE(known, input.neighbours.end());
+        const auto known = std::find_if(input.peers.begin(), input.peers.end(),
+                                        [&](const PeerLoad& one) { return one.id == id; });
+        ASSERT_NE(known, input.peers.end());
         ASSERT_FALSE(known->draining);
         ASSERT_LE(known->age, kRules.oldest);
         ASSERT_LT(known->load, kRules.busy);
@@ -174,8 +172,8 @@ TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
 TEST(Lending, BorrowsNothingWhenDisabled) {
   LendingRules none;
   none.most = 0;
-  EXPECT_TRUE(lend({}, asked(5, {neighbour("a", 0)}), none, 1).helpers.empty());
-  EXPECT_TRUE(lend(helped_by("a"), asked(5, {neighbour("a", 0)}), none, 1).helpers.empty());
+  EXPECT_TRUE(lend({}, asked(5, {peer("a", 0)}), none, 1).helpers.empty());
+  EXPECT_TRUE(lend(helped_by("a"), asked(5, {peer("a", 0)}), none, 1).helpers.empty());
 }
 
 }  // namespace

@@ -26,9 +26,9 @@
 #include "directory/client.h"
 #include "renderd/composite/composite_engine.h"
 #include "renderd/scene/texture_store.h"
+#include "renderd/serve/capacity_broker.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
-#include "renderd/serve/lender.h"
 #include "renderd/serve/registry.h"
 #include "renderd/serve/render_worker.h"
 #include "renderd/serve/watchdog.h"
@@ -284,7 +284,8 @@ int run(int argc, char** argv) {
   log::start("renderd");
   service::StopSignal stop;
 
-  // One connection for the registry and one for the lender, so that neither waits for the other.
+  // One connection for the registry and one for the capacity broker, so that neither waits for the
+  // other.
   auto redis = directory::Client::create({.address = settings.redis,
                                           .connections = 2,
                                           .connect_timeout = milliseconds(1000),
@@ -400,7 +401,7 @@ int run(int argc, char** argv) {
          [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
          [&] { return worker.assists().lent_seconds(); }},
         **redis, worker.host(), metrics);
-    Lender::Options lending;
+    CapacityBroker::Options lending;
     lending.worker_id = settings.worker_id;
     lending.incarnation = incarnation;
     lending.address = settings.advertise;
@@ -410,11 +411,11 @@ int run(int argc, char** argv) {
     lending.lent_seconds = [&] { return worker.assists().lent_seconds(); };
     lending.waiting = [&] { return worker.runner().waiting(); };
     lending.volumes = [&] { return worker.volumes().loaded(); };
-    lending.told = [&](std::size_t borrowed) {
+    lending.updated = [&](std::size_t borrowed) {
       metrics.lending(borrowed, worker.assists().used());
     };
-    std::optional<Lender> lender(std::in_place, std::move(lending), **redis,
-                                 settings.lend > 0 ? assistants.get() : nullptr);
+    std::optional<CapacityBroker> broker(std::in_place, std::move(lending), **redis,
+                                         settings.lend > 0 ? assistants.get() : nullptr);
     std::optional<Watchdog> watchdog;
     if (settings.silence.count() > 0) {
       std::vector<Watchdog::Watched> all = watched(worker.runner().progress());
@@ -441,7 +442,7 @@ int run(int argc, char** argv) {
     watchdog_now = nullptr;
     watchdog.reset();  // the drain has its own limit
     end_within(milliseconds(3500));
-    lender.reset();
+    broker.reset();
     (*admin)->set_draining();
     (*server)->set_not_serving();
     worker.host().refuse_new();

@@ -6,15 +6,15 @@
 namespace diaphane::fleet::bench {
 namespace {
 
-constexpr std::size_t kAtRandom = 16;  // as in lender.cpp
+constexpr std::size_t kAtRandom = 16;  // as in capacity_broker.cpp
 constexpr int kRounds = 6;             // of distribution; one more moves less than a thousandth
 
 std::size_t number(const std::string& id) { return static_cast<std::size_t>(std::stoul(id)); }
 
 }  // namespace
 
-Neighbour LendingModel::seen(const Device& device, std::size_t number) const {
-  Neighbour one;
+PeerLoad LendingModel::observed(const Device& device, std::size_t number) const {
+  PeerLoad one;
   one.id = std::to_string(number);
   one.load = said_[number].load;
   one.lent = said_[number].lent;
@@ -35,7 +35,7 @@ void LendingModel::decide(const std::vector<Device>& devices) {
     if (devices[i].wants < rules_.borrows && lendings_[i].helpers.empty()) continue;
     input.asked = devices[i].wants;
     input.helped = helped_[i];
-    input.neighbours.clear();
+    input.peers.clear();
     std::vector<std::size_t> known;
     for (std::size_t k = 0; k < kAtRandom; ++k) known.push_back(random_.below(devices.size()));
     for (const Helper& helper : lendings_[i].helpers) known.push_back(number(helper.id));
@@ -43,7 +43,7 @@ void LendingModel::decide(const std::vector<Device>& devices) {
     known.erase(std::unique(known.begin(), known.end()), known.end());
     for (const std::size_t other : known) {
       if (other != i && devices[other].there) {
-        input.neighbours.push_back(seen(devices[other], other));
+        input.peers.push_back(observed(devices[other], other));
       }
     }
     lendings_[i] = lend(std::move(lendings_[i]), input, rules_, random_.bits());

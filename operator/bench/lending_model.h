@@ -11,7 +11,7 @@ using directory::Helper;
 using directory::Lending;
 using directory::LendingInput;
 using directory::LendingRules;
-using directory::Neighbour;
+using directory::PeerLoad;
 
 struct LendingCosts {
   /// Share of a helper's work spent on transferring results: the maximum that `part_due` allows.
@@ -52,7 +52,7 @@ class LendingModel {
 
   void decide(const std::vector<Device>& devices);
   void share_out(const std::vector<Device>& devices);
-  Neighbour seen(const Device& device, std::size_t number) const;
+  PeerLoad observed(const Device& device, std::size_t number) const;
 
   const LendingRules rules_;
   const LendingCosts costs_;

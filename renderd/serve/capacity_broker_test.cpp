@@ -1,5 +1,5 @@
 // Which peers are asked to help, from what a real Redis knows about them.
-#include "renderd/serve/lender.h"
+#include "renderd/serve/capacity_broker.h"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct LenderTest : testing::Test {
+struct CapacityBrokerTest : testing::Test {
   /// A peer as its heartbeat leaves it, until the test ends it.
-  void neighbour(const std::string& id, const std::vector<std::string>& fields = {}) {
+  void peer(const std::string& id, const std::vector<std::string>& fields = {}) {
     const std::string key = "diaphane:worker:" + id;
     std::vector<std::string> words{"HSET", key,        "address", address(id), "load",
                                    "0.1",  "draining", "0",       "epoch",     "1"};
@@ -25,8 +25,8 @@ struct LenderTest : testing::Test {
     redis.ask({"SADD", "diaphane:workers", id});
   }
   static std::string address(const std::string& id) { return id + ".test:1"; }
-  std::unique_ptr<Lender> start(GrpcAssistants* asked, const std::string& owner = "") {
-    Lender::Options options;
+  std::unique_ptr<CapacityBroker> start(GrpcAssistants* asked, const std::string& owner = "") {
+    CapacityBroker::Options options;
     options.worker_id = "us";
     options.incarnation = "now";
     options.address = "us.test:1";
@@ -39,8 +39,8 @@ struct LenderTest : testing::Test {
     options.lent_seconds = [this] { return lent ? seconds() : 0.0; };
     options.waiting = [this] { return waiting.load(); };
     options.volumes = [] { return std::vector<std::string>{"seen-here"}; };
-    options.told = [this](std::size_t) { ++looks; };
-    return std::make_unique<Lender>(std::move(options), redis.client(), asked);
+    options.updated = [this](std::size_t) { ++updates; };
+    return std::make_unique<CapacityBroker>(std::move(options), redis.client(), asked);
   }
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -57,27 +57,27 @@ struct LenderTest : testing::Test {
     });
   }
   /// Waits for two more updates, whose decisions are then visible.
-  void look_twice() {
-    const int before = looks;
-    ASSERT_TRUE(eventually([&] { return looks >= before + 2; }));
+  void wait_for_two_updates() {
+    const int before = updates;
+    ASSERT_TRUE(eventually([&] { return updates >= before + 2; }));
   }
 
   TestRedis redis;
   const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
   std::atomic<bool> busy{true}, lent{false};
   std::atomic<std::size_t> waiting{0};
-  std::atomic<int> looks{0};
+  std::atomic<int> updates{0};
   double rest = 3600;  ///< so that a slow machine does not look like an idle device
   GrpcAssistants helpers{{}, {}, 2};
 };
 
-TEST_F(LenderTest, BorrowsWhileSeveralSessionsWaitAndReturnsAfterwards) {
-  const auto beat = [&] { neighbour("a"); };
+TEST_F(CapacityBrokerTest, BorrowsWhileSeveralSessionsWaitAndReturnsAfterwards) {
+  const auto beat = [&] { peer("a"); };
   beat();
   rest = 0.1;
   waiting = 1;
-  const auto lender = start(&helpers);
-  look_twice();
+  const auto broker = start(&helpers);
+  wait_for_two_updates();
   EXPECT_TRUE(borrowed().empty()) << "one session alone has the device";
   waiting = 3;
   EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
@@ -86,63 +86,62 @@ TEST_F(LenderTest, BorrowsWhileSeveralSessionsWaitAndReturnsAfterwards) {
   EXPECT_TRUE(comes([&] { return borrowed().empty(); }, beat));
 }
 
-TEST_F(LenderTest, ReturnsHelperThatIsBusyDrainingOrDead) {
+TEST_F(CapacityBrokerTest, ReturnsHelperThatIsBusyDrainingOrDead) {
   waiting = 2;
-  const auto lender = start(&helpers);
+  const auto broker = start(&helpers);
   const std::vector<std::vector<std::string>> changes{
       {"load", "0.97"}, {"draining", "1"}, {"asked", "0.95", "lent", "0.05"}};
   for (const auto& change : changes) {
-    ASSERT_TRUE(
-        comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
-    EXPECT_TRUE(comes([&] { return borrowed().empty(); }, [&] { neighbour("a", change); }))
+    ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { peer("a"); }));
+    EXPECT_TRUE(comes([&] { return borrowed().empty(); }, [&] { peer("a", change); }))
         << change.front();
     redis.ask({"HDEL", "diaphane:worker:a", "asked", "lent"});
   }
-  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
+  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { peer("a"); }));
   redis.ask({"DEL", "diaphane:worker:a"});
   EXPECT_TRUE(eventually([&] { return borrowed().empty(); }));
 }
 
-TEST_F(LenderTest, KeepsHelperThatIsBusyOnlyWithOurWork) {
+TEST_F(CapacityBrokerTest, KeepsHelperThatIsBusyOnlyWithOurWork) {
   waiting = 2;
-  const auto lender = start(&helpers);
-  const auto helps = [&] { neighbour("a", {"load", "1", "asked", "0.05", "lent", "0.95"}); };
-  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
+  const auto broker = start(&helpers);
+  const auto helps = [&] { peer("a", {"load", "1", "asked", "0.05", "lent", "0.95"}); };
+  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { peer("a"); }));
   helps();
   for (int i = 0; i < 5; ++i) {
     helps();
-    look_twice();
+    wait_for_two_updates();
     ASSERT_EQ(borrowed(), std::set{address("a")});
   }
 }
 
-TEST_F(LenderTest, BorrowsOnlyOtherWorkersOfTheSameFleet) {
+TEST_F(CapacityBrokerTest, BorrowsOnlyOtherWorkersOfTheSameFleet) {
   waiting = 5;
   const auto beat = [&] {
-    neighbour("us", {"owner", "ours/uid/1"});
-    neighbour("ours", {"owner", "ours/other/1"});
-    neighbour("others", {"owner", "others/uid/1"});
-    neighbour("nobodys");
-    neighbour("older", {"owner", "ours/old/1", "epoch", "0"});
+    peer("us", {"owner", "ours/uid/1"});
+    peer("ours", {"owner", "ours/other/1"});
+    peer("others", {"owner", "others/uid/1"});
+    peer("nobodys");
+    peer("older", {"owner", "ours/old/1", "epoch", "0"});
   };
   beat();
-  const auto lender = start(&helpers, "ours/uid/1");
+  const auto broker = start(&helpers, "ours/uid/1");
   EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("ours")}; }, beat));
   beat();
-  look_twice();
+  wait_for_two_updates();
   EXPECT_EQ(borrowed(), std::set{address("ours")});
 }
 
-TEST_F(LenderTest, ReportsAndClearsLentCapacity) {
-  neighbour("us", {"incarnation", "now"});
+TEST_F(CapacityBrokerTest, ReportsAndClearsLentCapacity) {
+  peer("us", {"incarnation", "now"});
   lent = true;
-  const auto lender = start(nullptr);
-  const auto beat = [&] { neighbour("us", {"incarnation", "now"}); };
+  const auto broker = start(nullptr);
+  const auto beat = [&] { peer("us", {"incarnation", "now"}); };
   EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "lent") == "1.000"; }, beat));
   EXPECT_EQ(redis.field("diaphane:worker:us", "asked"), "0.000");
   waiting = 1;
   EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "asked") == "1.000"; }, beat))
-      << "somebody looks here";
+      << "the broker runs";
   lent = false;
   EXPECT_TRUE(comes(
       [&] {
@@ -151,19 +150,19 @@ TEST_F(LenderTest, ReportsAndClearsLentCapacity) {
       beat));
 }
 
-TEST_F(LenderTest, DoesNotReportForAnotherWorkerOfTheSameName) {
-  const auto beat = [&] { neighbour("us", {"incarnation", "another"}); };
+TEST_F(CapacityBrokerTest, DoesNotReportForAnotherWorkerOfTheSameName) {
+  const auto beat = [&] { peer("us", {"incarnation", "another"}); };
   beat();
   lent = true;
-  const auto lender = start(nullptr);
-  look_twice();
+  const auto broker = start(nullptr);
+  wait_for_two_updates();
   EXPECT_EQ(redis.number({"HEXISTS", "diaphane:worker:us", "lent"}), 0);
 }
 
-TEST_F(LenderTest, ReturnsHelpersWithoutRedisAndBorrowsAgainLater) {
+TEST_F(CapacityBrokerTest, ReturnsHelpersWithoutRedisAndBorrowsAgainLater) {
   waiting = 2;
-  const auto lender = start(&helpers);
-  const auto beat = [&] { neighbour("a"); };
+  const auto broker = start(&helpers);
+  const auto beat = [&] { peer("a"); };
   ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
   redis.stop();
   EXPECT_TRUE(eventually([&] { return borrowed().empty(); }));
@@ -171,10 +170,10 @@ TEST_F(LenderTest, ReturnsHelpersWithoutRedisAndBorrowsAgainLater) {
   EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
 }
 
-TEST_F(LenderTest, SendsNothingToRedisWithoutNeed) {
+TEST_F(CapacityBrokerTest, SendsNothingToRedisWithoutNeed) {
   waiting = 1;
-  const auto lender = start(&helpers);
-  look_twice();
+  const auto broker = start(&helpers);
+  wait_for_two_updates();
   const std::string before = redis.ask({"INFO", "commandstats"}).front();
   EXPECT_EQ(before.find("cmdstat_evalsha"), std::string::npos) << before;
   waiting = 2;

@@ -1,4 +1,4 @@
-#include "renderd/serve/lender.h"
+#include "renderd/serve/capacity_broker.h"
 
 #include <algorithm>
 #include <utility>
@@ -29,7 +29,7 @@ bool has_any(const std::vector<std::string>& listed, const std::vector<std::stri
 
 }  // namespace
 
-Lender::Lender(Options options, directory::Client& redis, GrpcAssistants* helpers)
+CapacityBroker::CapacityBroker(Options options, directory::Client& redis, GrpcAssistants* helpers)
     : options_(std::move(options)),
       helpers_(helpers),
       directory_(redis, options_.worker_id, options_.incarnation),
@@ -37,7 +37,7 @@ Lender::Lender(Options options, directory::Client& redis, GrpcAssistants* helper
   thread_ = std::thread([this] { run(); });
 }
 
-Lender::~Lender() {
+CapacityBroker::~CapacityBroker() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -47,19 +47,19 @@ Lender::~Lender() {
   if (helpers_ != nullptr) helpers_->borrow({});
 }
 
-void Lender::run() {
+void CapacityBroker::run() {
   std::unique_lock lock(mutex_);
   while (
       !changed_.wait_for(lock, std::min(kSample, options_.period), [this] { return stopping_; })) {
     lock.unlock();
     waited_ += static_cast<double>(options_.waiting());
-    ++looks_;
-    if (Clock::now() - since_ >= options_.period) look();
+    ++ticks_;
+    if (Clock::now() - since_ >= options_.period) update();
     lock.lock();
   }
 }
 
-Lender::Use Lender::use() {
+CapacityBroker::Use CapacityBroker::use() {
   const auto now = Clock::now();
   Use use;
   use.seconds = std::chrono::duration<double>(now - std::exchange(since_, now)).count();
@@ -69,20 +69,20 @@ Lender::Use Lender::use() {
   const double busy = std::min(1.0, part(options_.busy_seconds(), busy_before_));
   use.lent = std::min(busy, part(options_.lent_seconds(), lent_before_));
   if (helpers_ != nullptr) use.helped = part(helpers_->helped_seconds(), helped_before_);
-  const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, looks_));
+  const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, ticks_));
   waited_ = 0;
-  looks_ = 0;
+  ticks_ = 0;
   // Each waiting session could use the device alone. While the device is not full, sessions get
   // what they ask for.
   use.asked = busy < kFull ? busy - use.lent : std::max(busy - use.lent, waiting);
   return use;
 }
 
-std::vector<directory::Neighbour> Lender::neighbours(const Use& use) {
+std::vector<directory::PeerLoad> CapacityBroker::observed_peers(const Use& use) {
   const bool wants = helpers_ != nullptr && use.asked >= options_.rules.borrows;
   const bool lends = use.lent > 0;
   addresses_.clear();
-  if (!wants && !lends && !lent_told_ && lending_.helpers.empty()) return {};
+  if (!wants && !lends && !lent_reported_ && lending_.helpers.empty()) return {};
   directory::PeerQuery query;
   query.asked = use.asked;
   if (lends) query.lent = use.lent;
@@ -92,9 +92,9 @@ std::vector<directory::Neighbour> Lender::neighbours(const Use& use) {
   const auto peers = directory_.peers(query);
   // Without an answer, no peer is known to have spare time.
   if (!peers) return {};
-  lent_told_ = lends;
+  lent_reported_ = lends;
   const std::vector<std::string> ours = options_.volumes();
-  std::vector<Neighbour> found;
+  std::vector<PeerLoad> found;
   for (const directory::Peer& peer : *peers) {
     if (avoided_.contains(peer.id)) continue;
     found.push_back({.id = peer.id,
@@ -109,7 +109,7 @@ std::vector<directory::Neighbour> Lender::neighbours(const Use& use) {
   return found;
 }
 
-void Lender::note_refusals() {
+void CapacityBroker::note_refusals() {
   const auto now = Clock::now();
   std::erase_if(avoided_, [&](const auto& one) { return one.second <= now; });
   for (const std::string& address : helpers_->refusing()) {
@@ -119,7 +119,7 @@ void Lender::note_refusals() {
   }
 }
 
-void Lender::borrow(const Lending& before) {
+void CapacityBroker::borrow(const Lending& before) {
   const auto helps = [](const Lending& lending, const std::string& id) {
     return std::any_of(lending.helpers.begin(), lending.helpers.end(),
                        [&](const Helper& helper) { return helper.id == id; });
@@ -135,17 +135,17 @@ void Lender::borrow(const Lending& before) {
   helpers_->borrow(addresses);
 }
 
-void Lender::look() {
+void CapacityBroker::update() {
   if (helpers_ != nullptr) note_refusals();
   const Use now = use();
-  const std::vector<Neighbour> known = neighbours(now);
+  const std::vector<PeerLoad> known = observed_peers(now);
   if (helpers_ != nullptr) {
     const Lending before = lending_;
     lending_ =
         lend(lending_, {now.seconds, now.asked, now.helped, known}, options_.rules, random_());
     borrow(before);
   }
-  if (options_.told) options_.told(lending_.helpers.size());
+  if (options_.updated) options_.updated(lending_.helpers.size());
 }
 
 }  // namespace diaphane::render

@@ -19,11 +19,11 @@ namespace diaphane::render {
 /// Borrows capacity from peers while this worker's sessions need more than its device, and reports
 /// to them the capacity it lends (docs/adr/0033). directory/lending.h chooses the peers. Has its
 /// own thread, and uses Redis only while something is borrowed, lent or needed.
-class Lender {
+class CapacityBroker {
  public:
   using Helper = directory::Helper;
   using Lending = directory::Lending;
-  using Neighbour = directory::Neighbour;
+  using PeerLoad = directory::PeerLoad;
 
   struct Options {
     std::string worker_id;
@@ -36,16 +36,16 @@ class Lender {
     std::function<double()> lent_seconds;               ///< of these, for other workers' pictures
     std::function<std::size_t()> waiting;               ///< local sessions that have not converged
     std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
-    std::function<void(std::size_t borrowed)> told;     ///< called after each update
+    std::function<void(std::size_t borrowed)> updated;  ///< called after each update
   };
 
   /// If `helpers` is null, no peers are borrowed and only lent capacity is reported. `redis` and
   /// `helpers` must outlive this object.
-  Lender(Options options, directory::Client& redis, GrpcAssistants* helpers);
+  CapacityBroker(Options options, directory::Client& redis, GrpcAssistants* helpers);
   /// Releases all borrowed workers.
-  ~Lender();
-  Lender(const Lender&) = delete;
-  Lender& operator=(const Lender&) = delete;
+  ~CapacityBroker();
+  CapacityBroker(const CapacityBroker&) = delete;
+  CapacityBroker& operator=(const CapacityBroker&) = delete;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -55,9 +55,9 @@ class Lender {
   };
 
   void run();
-  void look();
+  void update();
   Use use();
-  std::vector<Neighbour> neighbours(const Use& use);
+  std::vector<PeerLoad> observed_peers(const Use& use);
   void note_refusals();
   void borrow(const Lending& before);
 
@@ -73,8 +73,8 @@ class Lender {
   Clock::time_point since_;
   double busy_before_ = 0, lent_before_ = 0, helped_before_ = 0;
   double waited_ = 0;  ///< sum of waiting sessions since the last update
-  std::size_t looks_ = 0;
-  bool lent_told_ = false;
+  std::size_t ticks_ = 0;
+  bool lent_reported_ = false;
   Lending lending_;
   std::map<std::string, std::string> addresses_;      ///< of the peers in the last answer
   std::map<std::string, Clock::time_point> avoided_;  ///< peers to avoid, by id, and until when
