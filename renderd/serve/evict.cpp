@@ -5,11 +5,11 @@
 namespace diaphane::render {
 namespace {
 
-enum class Rank { kAbandonedVisitor, kOwnCamera, kVisitor, kAbandoned, kStays };
+enum class Rank { kAbandonedVisitor, kFreeCamera, kVisitor, kAbandoned, kStays };
 
 Rank rank_of(const SlotHolder& holder) {
   if (holder.visitor && holder.abandoned_for) return Rank::kAbandonedVisitor;
-  if (holder.visitor) return holder.own_camera ? Rank::kOwnCamera : Rank::kVisitor;
+  if (holder.visitor) return holder.free_camera ? Rank::kFreeCamera : Rank::kVisitor;
   return holder.abandoned_for ? Rank::kAbandoned : Rank::kStays;
 }
 

@@ -15,7 +15,7 @@ const SlotHolder kHolder{.id = "holder", .age = 100s};
 const SlotHolder kReloading{.id = "reloading", .abandoned_for = 2s, .age = 100s};
 const SlotHolder kVisitor{.id = "visitor", .visitor = true, .age = 5s};
 const SlotHolder kOlderVisitor{.id = "older visitor", .visitor = true, .age = 50s};
-const SlotHolder kCamera{.id = "camera", .visitor = true, .own_camera = true, .age = 1s};
+const SlotHolder kCamera{.id = "camera", .visitor = true, .free_camera = true, .age = 1s};
 const SlotHolder kGoneVisitor{.id = "gone", .visitor = true, .abandoned_for = 1s, .age = 9s};
 
 TEST(Evict, EvictsVisitorsFirstInOrderOfLeastLoss) {

@@ -89,10 +89,10 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
   state_.audience.presenter_left = stats_since_;
 }
 
-Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, const Arrival& arrival,
+Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
                                           std::uint64_t placement) {
   const std::lock_guard lock(mutex_);
-  const auto attached = render::attach(state_, arrival, parts_.clock.now());
+  const auto attached = render::attach(state_, join, parts_.clock.now());
   DIAPHANE_TRY(attached);
   if (attached->replaced) {
     finish_link(*attached->replaced,
@@ -129,8 +129,8 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   for (const Receiver& receiver : state_.audience.receivers) {
     if (receiver.greeted) send_config(receiver.connection);
   }
-  lead_branches();
-  tell_audience();
+  update_free_cameras();
+  broadcast_participants();
 }
 
 std::shared_ptr<const v1::Scene> LiveSession::first_look() const {
@@ -164,18 +164,18 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
     lock.unlock();
     return receive_file(connection, message);
   }
-  if (const auto own = branches_.find(connection); own != branches_.end()) {
+  if (const auto own = free_cameras_.find(connection); own != free_cameras_.end()) {
     // Messages about the picture go to the session that this viewer sees.
     if (message.has_scene() || message.has_ack() || message.has_need_key() ||
         message.has_visibility() || message.has_depth_query() || message.has_kernel()) {
-      const OwnCamera camera = own->second;
+      const FreeCamera camera = own->second;
       lock.unlock();
       return camera.session->receive(camera.connection, bytes);
     }
   }
   const Outcome outcome = render::receive(state_, connection, message, parts_.clock.now());
   carry_out(outcome, connection, lock);
-  if (outcome.own_camera) change_camera(connection, *outcome.own_camera);
+  if (outcome.free_camera) change_camera(connection, *outcome.free_camera);
   if (outcome.depth) answer(*outcome.depth, connection);
 }
 
@@ -203,30 +203,32 @@ void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) 
 }
 
 void LiveSession::closed(std::uint64_t connection) {
-  std::shared_ptr<LiveSession> branch;
+  std::shared_ptr<LiveSession> camera;
   {
     const std::lock_guard lock(mutex_);
-    branch = take_branch(connection);
+    camera = take_free_camera(connection);
     if (links_.erase(connection) != 0) leave(connection);
   }
-  if (branch) branch->dismiss();
+  if (camera) camera->dismiss();
   parts_.runner.wake();
 }
 
 void LiveSession::end(const Error& why) {
   std::uint64_t handle = 0;
-  std::vector<std::shared_ptr<LiveSession>> branches;
+  std::vector<std::shared_ptr<LiveSession>> cameras;
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
-    while (!branches_.empty()) branches.push_back(take_branch(branches_.begin()->first));
+    while (!free_cameras_.empty()) {
+      cameras.push_back(take_free_camera(free_cameras_.begin()->first));
+    }
     while (!links_.empty()) finish_link(links_.begin()->first, why, true);
     handle = std::exchange(runner_handle_, 0);
     voxels_.reset();
     give_up_file();
   }
-  for (const auto& branch : branches) branch->dismiss();
+  for (const auto& camera : cameras) camera->dismiss();
   if (handle != 0) parts_.runner.remove(handle);
 }
 
@@ -252,8 +254,8 @@ void LiveSession::tick() {
     if (seconds >= 1) {
       std::uint64_t skipped = skipped_before_;
       for (const auto& lane : lanes_) skipped += lane->slot->skipped();
-      parts_.metrics.frames_skipped(skipped - skipped_told_);
-      skipped_told_ = skipped;
+      parts_.metrics.frames_skipped(skipped - skipped_reported_);
+      skipped_reported_ = skipped;
       if (samples_since_ > 0) {
         v1::ServerMessage message;
         v1::Stats& stats = *message.mutable_stats();
@@ -308,14 +310,14 @@ std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
   return saved();
 }
 
-std::optional<LiveSession::Lost> LiveSession::lost() const {
+std::optional<LiveSession::RecoveryRecord> LiveSession::recovery_record() const {
   const std::lock_guard lock(mutex_);
   if (ended_ || !state_.wanted.scene || user_id_.empty()) return std::nullopt;
   std::set<std::string> links;
   for (const Receiver& receiver : state_.audience.receivers) {
     if (!receiver.link.empty()) links.insert(receiver.link);
   }
-  return Lost{saved(), user_id_, volume_id_, {links.begin(), links.end()}, visitor_};
+  return RecoveryRecord{saved(), user_id_, volume_id_, {links.begin(), links.end()}, visitor_};
 }
 
 void LiveSession::mark_unsaved() {
@@ -417,7 +419,7 @@ void LiveSession::send_look(std::uint64_t connection) {
   send(connection, message);
 }
 
-void LiveSession::tell_audience() {
+void LiveSession::broadcast_participants() {
   if (!volume_) return;            // volume_ready() sends it
   if (state_.camera_only) return;  // the group sends it
   for (const Receiver& receiver : state_.audience.receivers) {
@@ -449,9 +451,9 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
       send_config(connection);
     }
   }
-  lead_branches();
-  tell_stale_slices();
-  if (outcome.audience) tell_audience();
+  update_free_cameras();
+  notify_stale_slices();
+  if (outcome.audience) broadcast_participants();
   if (outcome.presenter) {
     const Receiver* presenter = state_.audience.of(state_.audience.presenter);
     if (presenter) send_look(presenter->connection);
@@ -481,7 +483,7 @@ void LiveSession::leave(std::uint64_t connection) {
   give_up_file_of(connection);
   if (state_.audience.receivers.empty()) voxels_.reset();
   close_unused_lanes();
-  tell_audience();
+  broadcast_participants();
 }
 
 }  // namespace diaphane::render

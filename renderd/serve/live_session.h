@@ -38,8 +38,8 @@ class ClientLink {
 
 class LiveSession;
 
-/// The initial state of the session for a follower's own camera.
-struct Branch {
+/// The initial state of the session for a follower's free camera.
+struct FreeCameraStart {
   std::string participant;
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
@@ -62,9 +62,10 @@ struct SessionParts {
   Metrics& metrics;
   const Clock& clock;
   std::function<std::size_t()> session_count;
-  /// Creates a session for a follower's own camera, in a separate slot. kTooMany: no slot is free.
-  std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group, const Branch&)>
-      branch;
+  /// Creates a session for a follower's free camera, in a separate slot. kTooMany: no slot is free.
+  std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group,
+                                                     const FreeCameraStart&)>
+      open_free_camera;
   bool mark_frames = false;  ///< for benches: draws input_seq into the pixels (encode/frame_mark.h)
   GpuTimeMeter& gpu_time;
   const VolumeStatsCache& stats;
@@ -90,11 +91,11 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::string presenter;     ///< a participant; empty: the owner
     std::string user_id;       ///< owner of the session
     std::string charged_to;    ///< user whose render time is charged; empty: nobody's
-    bool camera_only = false;  ///< a follower's own camera
+    bool camera_only = false;  ///< a follower's free camera
     bool guest_slices = false;
     bool visitor = false;   ///< of a user without an account, within the visitors' share
-    std::string link = {};  ///< of a guest's own camera: the link by which they joined
-    std::weak_ptr<LiveSession> group = {};  ///< of a follower's own camera
+    std::string link = {};  ///< of a guest's free camera: the link by which they joined
+    std::weak_ptr<LiveSession> group = {};  ///< of a follower's free camera
   };
   /// State in Redis from which another worker can resume the session.
   struct Saved {
@@ -107,7 +108,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     bool guest_slices = false;
   };
   /// State with which Redis can restore the session after it lost all data.
-  struct Lost {
+  struct RecoveryRecord {
     Saved saved;
     std::string user_id;
     std::string volume_id;
@@ -120,7 +121,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   /// Adds a viewer and ends a previous connection of the same participant. Returns the number of
   /// the connection, or kTooMany.
-  Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const Arrival& arrival,
+  Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
                                std::uint64_t placement);
   /// Provides the volume. If it could not be loaded, the session ends with a fatal Problem.
   void volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume);
@@ -135,9 +136,9 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void silence();
   /// Returns a follower to the presenter's view after their own session, given by its id, gave up
   /// its slot. Returns false if no viewer uses it.
-  bool take_camera_back(const std::string& branch);
+  bool take_camera_back(const std::string& session);
   bool has_ended() const;
-  /// Applies the presenter's settings (sessions for an own camera only).
+  /// Applies the presenter's settings (sessions for a free camera only).
   void follow(const diaphane::v1::Scene& presenters);
   /// To be called at least once per second.
   void tick();
@@ -162,7 +163,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::optional<Saved> take_unsaved();
   void mark_unsaved();
   /// Empty until a scene is set and the owner is known.
-  std::optional<Lost> lost() const;
+  std::optional<RecoveryRecord> recovery_record() const;
 
   // RenderClient
   bool of_visitor() const override { return visitor_; }
@@ -217,11 +218,11 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void send_config(std::uint64_t connection);
   void send_problem(std::uint64_t connection, const Error& why);
   void load_voxels();
-  void send_tile(const TileDue& due, const CodedTile& coded, const Departure& departure);
+  void send_tile(const TileDue& due, const CodedTile& coded, const OutgoingFrame& outgoing);
   /// Sends a frame or a tile, and the messages that follow it.
-  void send_departing(const Departure& departure, const diaphane::v1::ServerMessage& message);
+  void send_outgoing(const OutgoingFrame& outgoing, const diaphane::v1::ServerMessage& message);
   void send_look(std::uint64_t connection);
-  void tell_audience();
+  void broadcast_participants();
   void finish_link(std::uint64_t connection, const Error& why, bool with_problem);
   void leave(std::uint64_t connection);
   Result<void> open_lane(diaphane::v1::Codec codec);
@@ -231,12 +232,12 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   /// Returns the volume's default look with the clip of the scene that it replaces, so that removed
   /// parts stay hidden. Precondition: the volume is loaded.
   std::shared_ptr<const diaphane::v1::Scene> first_look() const;
-  void lead_branches();
-  void tell_stale_slices();
-  std::shared_ptr<LiveSession> take_branch(std::uint64_t connection);
+  void update_free_cameras();
+  void notify_stale_slices();
+  std::shared_ptr<LiveSession> take_free_camera(std::uint64_t connection);
 
   // Must be called without the lock.
-  /// `why` is sent to the viewer whose own camera was withdrawn.
+  /// `why` is sent to the viewer whose free camera was withdrawn.
   void change_camera(std::uint64_t connection, bool own, const Error* why = nullptr);
   void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
@@ -269,12 +270,12 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::atomic<std::uint64_t> version_{0};
   std::map<std::uint64_t, std::shared_ptr<ClientLink>> links_;  // by connection
   Lanes lanes_;
-  struct OwnCamera {
+  struct FreeCamera {
     std::shared_ptr<LiveSession> session;
     std::uint64_t connection = 0;  // connection number in that session
   };
   // By connection to this session. Lock order: this session's lock, then theirs.
-  std::map<std::uint64_t, OwnCamera> branches_;
+  std::map<std::uint64_t, FreeCamera> free_cameras_;
   std::shared_ptr<const diaphane::v1::Scene> led_;     // the scene that they follow
   std::shared_ptr<const diaphane::v1::Scene> sliced_;  // the scene whose clip applies to slices
   /// The converged picture of the current epoch.
@@ -310,7 +311,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   double device_seconds_ = 0;
   std::uint64_t samples_since_ = 0;
   std::uint64_t dropped_samples_ = 0;
-  std::uint64_t skipped_told_ = 0;
+  std::uint64_t skipped_reported_ = 0;
   std::uint64_t skipped_before_ = 0;  // of lanes that are closed
 };
 

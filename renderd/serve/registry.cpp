@@ -176,14 +176,14 @@ void Registry::report_telemetry() {
 }
 
 void Registry::write_again(const std::string& session) {
-  const auto lost = host_.lost(session);
-  if (!lost) return;
+  const auto record = host_.recovery_record(session);
+  if (!record) return;
   const auto written = directory_.restore({.id = session,
-                                           .user_id = lost->user_id,
-                                           .data_set_id = lost->volume_id,
-                                           .saved = record_of(lost->saved),
-                                           .visitor = lost->visitor,
-                                           .links = lost->links});
+                                           .user_id = record->user_id,
+                                           .data_set_id = record->volume_id,
+                                           .saved = record_of(record->saved),
+                                           .visitor = record->visitor,
+                                           .links = record->links});
   if (written && *written) log::info("session_written_again", {{"session", session}});
 }
 

@@ -42,21 +42,21 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   return start;
 }
 
-Result<Arrival> arrival_of(const v1::Open& open) {
-  Arrival arrival;
+Result<JoinRequest> join_request_of(const v1::Open& open) {
+  JoinRequest join;
   if (!open.participant().empty()) {
     if (!is_id(open.participant())) {
       return fail(ErrorCode::kInvalid, "The participant ID is missing or invalid.", "participant");
     }
-    arrival.participant = open.participant();
+    join.participant = open.participant();
   }
-  arrival.name = open.name();
+  join.name = open.name();
   constexpr std::size_t kLongestLink = 64;
-  if (open.link().size() <= kLongestLink) arrival.link = open.link();
-  arrival.viewer = arrival.link.empty() ? viewer_of(open.viewer()) : ViewerKind::kGuest;
-  arrival.may_have_slices = open.slices() || arrival.viewer == ViewerKind::kOwner ||
-                            arrival.viewer == ViewerKind::kShared;
-  return arrival;
+  if (open.link().size() <= kLongestLink) join.link = open.link();
+  join.viewer = join.link.empty() ? viewer_of(open.viewer()) : ViewerKind::kGuest;
+  join.may_have_slices =
+      open.slices() || join.viewer == ViewerKind::kOwner || join.viewer == ViewerKind::kShared;
+  return join;
 }
 
 }  // namespace
@@ -90,8 +90,8 @@ SessionHost::~SessionHost() { end_all(); }
 Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<ClientLink> link) {
   auto start = start_of(open);
   DIAPHANE_TRY(start);
-  const auto arrival = arrival_of(open);
-  DIAPHANE_TRY(arrival);
+  const auto join = join_request_of(open);
+  DIAPHANE_TRY(join);
   const std::string id = start->id;
   const std::string volume_id = start->volume_id;
 
@@ -128,7 +128,7 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
       metrics_.sessions(sessions_.size());
     }
     session->set_visitor(open.visitor());
-    const auto attached = session->attach(std::move(link), *arrival, open.placement());
+    const auto attached = session->attach(std::move(link), *join, open.placement());
     DIAPHANE_TRY(attached);
     connection = *attached;
   }
@@ -149,7 +149,9 @@ SessionParts SessionHost::parts() {
           metrics_,
           clock_,
           [this] { return used(); },
-          [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
+          [this](const LiveSession& group, const FreeCameraStart& camera) {
+            return open_free_camera(group, camera);
+          },
           options_.mark_frames,
           gpu_time_,
           stats_,
@@ -160,20 +162,21 @@ SessionParts SessionHost::parts() {
 
 // No ticket leads to this session, because only this worker knows its id. The heartbeat counts its
 // slot.
-Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const Branch& wanted) {
+Result<SessionHost::Session> SessionHost::open_free_camera(const LiveSession& group,
+                                                           const FreeCameraStart& camera) {
   LiveSession::Start start;
   start.id = new_id();
   start.volume_id = group.volume_id();
   start.placement = group.placement();
   start.charged_to = group.charged_to();
-  start.scene = wanted.scene;
-  start.viewport = wanted.viewport;
-  start.presenter = wanted.participant;
+  start.scene = camera.scene;
+  start.viewport = camera.viewport;
+  start.presenter = camera.participant;
   start.camera_only = true;
-  const bool by_guest = wanted.participant != kOwner;
+  const bool by_guest = camera.participant != kOwner;
   start.visitor = by_guest || group.visitor();
-  start.link = wanted.link;
-  start.group = wanted.group;
+  start.link = camera.link;
+  start.group = camera.group;
   const std::string id = start.id;
   Session session;
   Session evicted;
@@ -182,7 +185,7 @@ Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const
     if (refusing_) return tl::unexpected(stopping());
     const std::size_t share = visitor_slots(options_.slots, options_.visitor_percent);
     const bool over = start.visitor && (visitors() >= share ||
-                                        cameras_of(wanted.link) >= visitor_slots_of_source(share));
+                                        cameras_of(camera.link) >= visitor_slots_of_source(share));
     if (over || (sessions_.size() >= options_.slots && !(evicted = evict(start.visitor)))) {
       return fail(ErrorCode::kTooMany, "No slot is free for a camera of your own. Try again later.",
                   "own_camera");
@@ -226,7 +229,7 @@ void SessionHost::end_evicted(const Session& session) {
   log::info(
       "session_evicted",
       {{"session", session->id()}, {"visitor", session->visitor()}, {"abandoned", abandoned}});
-  // A guest who loses their own camera follows the presenter again.
+  // A guest who loses their free camera follows the presenter again.
   if (const auto group = session->group()) {
     if (group->take_camera_back(session->id())) return;
     // The guest may be about to connect to it, and is notified in that case too.
@@ -386,7 +389,8 @@ void SessionHost::mark_unsaved(const std::string& id) {
     found->second->mark_unsaved();
 }
 
-std::optional<LiveSession::Lost> SessionHost::lost(const std::string& id) const {
+std::optional<LiveSession::RecoveryRecord> SessionHost::recovery_record(
+    const std::string& id) const {
   Session session;
   {
     const std::lock_guard lock(mutex_);
@@ -394,7 +398,7 @@ std::optional<LiveSession::Lost> SessionHost::lost(const std::string& id) const 
     if (found == sessions_.end()) return std::nullopt;
     session = found->second;
   }
-  return session->lost();
+  return session->recovery_record();
 }
 
 std::size_t SessionHost::slots() const {

@@ -40,7 +40,7 @@ class SessionHost {
  public:
   struct Options {
     std::size_t slots = 4;  ///< maximum number of sessions, including abandoned ones
-    /// Maximum share of the slots for visitors' sessions and guests' own cameras. They lose their
+    /// Maximum share of the slots for visitors' sessions and guests' free cameras. They lose their
     /// slots when an account holder finds none free.
     int visitor_percent = kVisitorPercent;
     /// So that a page can be reloaded without losing the session.
@@ -56,7 +56,7 @@ class SessionHost {
     std::string id;
     std::uint64_t placement = 0;
     double device_seconds = 0;  ///< since it was opened on this worker
-    bool visitor = false;       ///< of a visitor, or a guest's own camera
+    bool visitor = false;       ///< of a visitor, or a guest's free camera
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
@@ -87,7 +87,7 @@ class SessionHost {
   std::vector<Live> live() const;
   std::vector<LiveSession::Saved> take_unsaved();
   void mark_unsaved(const std::string& id);
-  std::optional<LiveSession::Lost> lost(const std::string& id) const;
+  std::optional<LiveSession::RecoveryRecord> recovery_record(const std::string& id) const;
   /// Time of users with sessions on this worker.
   GpuTimeMeter& gpu_time() { return gpu_time_; }
   std::size_t used() const;
@@ -97,7 +97,7 @@ class SessionHost {
 
  private:
   using Session = std::shared_ptr<LiveSession>;
-  Result<Session> branch(const LiveSession& group, const Branch& wanted);
+  Result<Session> open_free_camera(const LiveSession& group, const FreeCameraStart& camera);
   SessionParts parts();
   void forget(const std::string& id, const LiveSession* session);
   /// Returns the callback for a session that ends on its own.
@@ -109,7 +109,7 @@ class SessionHost {
   /// Removes the session that makes room for a visitor or an account holder (to_evict). Returns
   /// null if there is none. Requires the lock.
   Session evict(bool for_visitor);
-  /// Count the slots of visitors and guests, and of those the own cameras of one link's guests.
+  /// Count the slots of visitors and guests, and of those the free cameras of one link's guests.
   /// Require the lock.
   std::size_t visitors() const;
   std::size_t cameras_of(const std::string& link) const;

@@ -96,7 +96,7 @@ struct HostTest : testing::Test {
 };
 
 /// Render time is charged to the user who opened the session, including the work of other workers
-/// and guests' own cameras. Visitors' sessions and stills are not charged.
+/// and guests' free cameras. Visitors' sessions and stills are not charged.
 TEST_F(HostTest, ChargesTheOwnerForImagesButNobodyForStills) {
   const std::string user = new_id();
   device->helped_seconds = 3;
@@ -381,7 +381,7 @@ TEST_F(HostTest, FreeCameraFollowsSettingsButNotTheCamera) {
   const auto config = ann.link->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(config);
   v1::ClientMessage own;
-  own.mutable_own_camera()->set_on(true);
+  own.mutable_free_camera()->set_on(true);
   ann.say(own);
   const auto again = ann.link->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(again);
@@ -401,7 +401,7 @@ TEST_F(HostTest, FreeCameraFollowsSettingsButNotTheCamera) {
   for (int i = 0; i < 400 && device->scenes < before + 2; ++i) std::this_thread::sleep_for(5ms);
   EXPECT_GE(device->scenes, before + 2) << "both are rendered again";
   // Returns to the presenter's view, and the slot is free again.
-  own.mutable_own_camera()->set_on(false);
+  own.mutable_free_camera()->set_on(false);
   ann.say(own);
   const auto back = ann.link->inbox.next_of(Kind::kConfig);
   ASSERT_TRUE(back);
@@ -413,7 +413,7 @@ TEST_F(HostTest, FreeCameraFollowsSettingsButNotTheCamera) {
       << "started again; of two that no viewer received, the first is left out";
   EXPECT_EQ(worker->host().used(), 1U);
   // It also ends with its viewer.
-  own.mutable_own_camera()->set_on(true);
+  own.mutable_free_camera()->set_on(true);
   ann.say(own);
   ASSERT_TRUE(ann.link->inbox.next_of(Kind::kConfig));
   ann.attachment->closed();
@@ -428,7 +428,7 @@ TEST_F(HostTest, LimitsGuestCamerasToAQuarterOfTheSlotsAndDisplacesThem) {
   Viewer owner = attach(id);
   std::vector<Viewer> guests;
   v1::ClientMessage own;
-  own.mutable_own_camera()->set_on(true);
+  own.mutable_free_camera()->set_on(true);
   for (int i = 0; i < 2; ++i) {
     guests.push_back(join(id));
     ASSERT_TRUE(guests.back().link->inbox.next_of(Kind::kConfig));

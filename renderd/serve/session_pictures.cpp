@@ -68,7 +68,7 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     const std::lock_guard lock(mutex_);
     if (!in_use(lane)) return;
     const std::size_t bytes = data.data.size();
-    const Departures departures =
+    const OutgoingFrames outgoing_frames =
         depart(state_, lane.codec, frame, {data.key, bytes}, parts_.clock.now());
     v1::ServerMessage message;
     v1::Frame& out = *message.mutable_frame();
@@ -86,13 +86,15 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     out.set_quality(frame.moving ? v1::MOVING : v1::SETTLED);
     out.set_decoder(std::move(data.decoder));
     out.set_data(std::move(data.data));
-    for (const Departure& departure : departures.frames) {
-      if (departure.look) send_look(departure.connection);
-      out.set_seq(departure.seq);
-      send_departing(departure, message);
+    for (const OutgoingFrame& outgoing : outgoing_frames.frames) {
+      if (outgoing.look) send_look(outgoing.connection);
+      out.set_seq(outgoing.seq);
+      send_outgoing(outgoing, message);
       parts_.metrics.frame_sent(bytes);
     }
-    if (departures.input_to_frame) parts_.metrics.input_to_frame(*departures.input_to_frame);
+    if (outgoing_frames.input_to_frame) {
+      parts_.metrics.input_to_frame(*outgoing_frames.input_to_frame);
+    }
   }
   send_tiles();
   parts_.runner.wake();  // the slot is free again
@@ -138,7 +140,7 @@ void LiveSession::send_tiles() {
 }
 
 void LiveSession::send_tile(const TileDue& due, const CodedTile& coded,
-                            const Departure& departure) {
+                            const OutgoingFrame& outgoing) {
   const auto& tiles = last_->tiles->tiles();
   const Tile& tile = tiles[due.tile];
   v1::ServerMessage message;
@@ -153,18 +155,18 @@ void LiveSession::send_tile(const TileDue& due, const CodedTile& coded,
   out.set_data(coded.data);
   out.set_hash(coded.hash);
   out.set_format(coded.format);
-  out.set_seq(departure.seq);
+  out.set_seq(outgoing.seq);
   out.set_iteration(last_->info.samples);
   out.set_error(last_->info.error);
-  send_departing(departure, message);
+  send_outgoing(outgoing, message);
 }
 
-void LiveSession::send_departing(const Departure& departure, const v1::ServerMessage& message) {
-  send(departure.connection, message);
-  if (!departure.state) return;
+void LiveSession::send_outgoing(const OutgoingFrame& outgoing, const v1::ServerMessage& message) {
+  send(outgoing.connection, message);
+  if (!outgoing.state) return;
   v1::ServerMessage after;
-  *after.mutable_state() = *departure.state;
-  send(departure.connection, after);
+  *after.mutable_state() = *outgoing.state;
+  send(outgoing.connection, after);
 }
 
 void LiveSession::dropped(const Lane& lane, const Error& why) {
@@ -190,7 +192,7 @@ void LiveSession::close_unused_lanes() {
   std::erase_if(lanes_, [&](const auto& lane) {
     const auto& receivers = state_.audience.receivers;
     const bool used = std::any_of(receivers.begin(), receivers.end(), [&](const Receiver& one) {
-      return one.greeted && !one.own_camera && one.codec == lane->codec;
+      return one.greeted && !one.free_camera && one.codec == lane->codec;
     });
     if (used) return false;
     skipped_before_ += lane->slot->skipped();

@@ -159,7 +159,7 @@ void LiveSession::slice_coded(std::uint64_t connection, const SliceOrder& order,
   send_slices(connection);
 }
 
-void LiveSession::tell_stale_slices() {
+void LiveSession::notify_stale_slices() {
   if (sliced_ == state_.wanted.scene) return;
   const auto before = std::exchange(sliced_, state_.wanted.scene);
   if (before && sliced_ && same_clip(before->clip(), sliced_->clip())) return;

@@ -14,7 +14,7 @@ bool LiveSession::textures_ready() {
     return true;
   }
   if (decoding_) return false;
-  // An own camera has the presenter's textures, which are loaded already.
+  // A free camera has the presenter's textures, which are loaded already.
   const bool bounded = visitor_ && !camera_only_;
   decoding_ = true;
   parts_.textures.post(EncodePool::Urgency::kLater, [self = shared_from_this(), scene, bounded,

@@ -29,7 +29,7 @@ Standing Audience::standing(const Receiver& receiver) const {
   Standing standing;
   standing.viewer = receiver.viewer;
   standing.presents = presents(receiver);
-  standing.own_camera = receiver.own_camera;
+  standing.free_camera = receiver.free_camera;
   standing.slices = receiver.viewer == ViewerKind::kGuest ? guest_slices : receiver.may_have_slices;
   return standing;
 }
@@ -44,7 +44,7 @@ bool has_room(const Receiver& receiver) {
 }
 
 bool is_watching(const Receiver& receiver, TimePoint now) {
-  if (!receiver.greeted || !receiver.visible || receiver.own_camera) return false;
+  if (!receiver.greeted || !receiver.visible || receiver.free_camera) return false;
   return receiver.flight.unacknowledged() == 0 || now - receiver.heard_at < kStalledAfter;
 }
 
@@ -54,7 +54,7 @@ Result<void> hand_over(Audience& audience, const Receiver& from, std::string_vie
   if (!next || !next->greeted) {
     return fail(ErrorCode::kNotFound, "That person has left the session.", "to");
   }
-  if (next->own_camera) {
+  if (next->free_camera) {
     return fail(ErrorCode::kConflict, "That person is using their own camera.", "to");
   }
   const bool orphaned =
@@ -85,7 +85,7 @@ v1::Audience audience_for(const Audience& audience, const Receiver& receiver) {
     participant.set_name(one.name);
     participant.set_owner(one.participant == kOwner);
     participant.set_presenter(audience.presents(one));
-    participant.set_own_camera(one.own_camera);
+    participant.set_free_camera(one.free_camera);
   }
   return message;
 }

@@ -78,9 +78,9 @@ struct Receiver {
   std::uint64_t look_version = 0;  ///< ViewRequest::version of the newest scene sent (Look, Config)
   bool converged_told = false;
   bool lossless_told = false;
-  bool behind = false;      ///< it missed a picture for lack of room or of a key frame
-  bool needs_key = true;    ///< of an inter-coded stream: it can decode nothing until a key frame
-  bool own_camera = false;  ///< it sees a session of its own and receives nothing from this one
+  bool behind = false;       ///< it missed a picture for lack of room or of a key frame
+  bool needs_key = true;     ///< of an inter-coded stream: it can decode nothing until a key frame
+  bool free_camera = false;  ///< it sees a session of its own and receives nothing from this one
 };
 
 /// One stream of encoded pictures for all viewers that use its codec.

@@ -62,7 +62,7 @@ struct AudienceTest : testing::Test {
     std::map<std::uint64_t, std::uint64_t> got;
     if (admitted.admission != Admission::kGo) return got;
     last = depart(state, codec, info, {codec == v1::JPEG || admitted.key, 1000}, now);
-    for (const Departure& one : last.frames) got[one.connection] = one.seq;
+    for (const OutgoingFrame& one : last.frames) got[one.connection] = one.seq;
     return got;
   }
   void acknowledge(const std::map<std::uint64_t, std::uint64_t>& got, std::uint64_t connection) {
@@ -71,7 +71,7 @@ struct AudienceTest : testing::Test {
   }
 
   SessionState state;
-  Departures last;
+  OutgoingFrames last;
   bool last_key = false;
   TimePoint now = TimePoint{} + std::chrono::hours(1);
 };
@@ -242,15 +242,15 @@ TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
   show();  // two frames are in transit to Ann
   const Outcome asked = say(ann, [] {
     v1::ClientMessage message;
-    message.mutable_own_camera()->set_on(true);
+    message.mutable_free_camera()->set_on(true);
     return message;
   }());
-  EXPECT_EQ(asked.own_camera, true);
-  use_own_camera(state, *state.audience.find(ann), true, now);
+  EXPECT_EQ(asked.free_camera, true);
+  use_free_camera(state, *state.audience.find(ann), true, now);
   acknowledge(show(), owner);
   EXPECT_EQ(show().count(ann), 0U) << "nothing of this session goes to her meanwhile";
   EXPECT_EQ(say(owner, handover(kAnn)).problem->code(), "conflict");
-  use_own_camera(state, *state.audience.find(ann), false, now);
+  use_free_camera(state, *state.audience.find(ann), false, now);
   EXPECT_TRUE(state.wanted.picture_again);
   say(owner, ack(state.audience.find(owner)->flight.sent()));
   const auto got = show();
@@ -264,12 +264,12 @@ TEST_F(AudienceTest, SendsTheSceneWithItsFirstImageToFollowers) {
   state.audience.find(ann)->look_version = state.wanted.version;
   began(state, 1, state.wanted);
   auto got = show();
-  for (const Departure& one : last.frames) EXPECT_FALSE(one.look);
+  for (const OutgoingFrame& one : last.frames) EXPECT_FALSE(one.look);
   say(owner, turned(1));
   began(state, 2, state.wanted);
   show();
   ASSERT_EQ(last.frames.size(), 2U);
-  for (const Departure& one : last.frames) EXPECT_EQ(one.look, one.connection == ann);
+  for (const OutgoingFrame& one : last.frames) EXPECT_EQ(one.look, one.connection == ann);
 }
 
 TEST_F(AudienceTest, LimitsTheNumberOfViewers) {

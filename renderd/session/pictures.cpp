@@ -78,7 +78,7 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
   std::vector<Receiver*> wanting;
   std::vector<Receiver*> others;
   for (Receiver& receiver : audience.receivers) {
-    if (!receiver.greeted || receiver.codec != codec || receiver.own_camera) continue;
+    if (!receiver.greeted || receiver.codec != codec || receiver.free_camera) continue;
     const bool watching = is_watching(receiver, now);
     if (!watching) receiver.behind = true;  // until it is visible or responds again
     (watching && wants(state, receiver, frame) ? wanting : others).push_back(&receiver);
@@ -118,47 +118,48 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
   return allowance(state, coding, pace, key, now);
 }
 
-Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, CodedSize coded,
-                  TimePoint now) {
-  Departures departures;
+OutgoingFrames depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, CodedSize coded,
+                      TimePoint now) {
+  OutgoingFrames outgoing_frames;
   for (const std::uint64_t connection : std::exchange(state.audience.codings[codec].takers, {})) {
     Receiver* const receiver = state.audience.find(connection);
     if (!receiver) continue;
     const bool decodes = coded.key || !receiver->needs_key;
-    if (receiver->own_camera || !decodes || !useful(state, *receiver, frame)) {
+    if (receiver->free_camera || !decodes || !useful(state, *receiver, frame)) {
       receiver->flight.release();
       // A newer picture follows, because a newer epoch has begun, but it depends on this frame.
       if (is_inter_coded(codec)) miss(*receiver);
       continue;
     }
-    Departure departure;
-    departure.connection = connection;
+    OutgoingFrame outgoing;
+    outgoing.connection = connection;
     if (receiver->flight.unacknowledged() == 0) receiver->heard_at = now;
-    departure.seq = receiver->flight.depart();
-    receiver->path.sent(departure.seq, coded.bytes, now);
+    outgoing.seq = receiver->flight.depart();
+    receiver->path.sent(outgoing.seq, coded.bytes, now);
     receiver->tiles_sent = 0;  // the frame covers the tiles
     receiver->sent_epoch = frame.epoch;
     receiver->shown = frame;
     receiver->needs_key = false;
     if (!state.audience.presents(*receiver) && receiver->look_version != state.shown.version) {
       receiver->look_version = state.shown.version;
-      departure.look = true;
+      outgoing.look = true;
     }
     if (frame.converged != receiver->converged_told || receiver->lossless_told) {
       receiver->lossless_told = false;
-      departure.state.emplace();
-      departure.state->set_epoch(frame.epoch);
-      departure.state->set_converged(frame.converged);
+      outgoing.state.emplace();
+      outgoing.state->set_epoch(frame.epoch);
+      outgoing.state->set_converged(frame.converged);
       receiver->converged_told = frame.converged;
     }
-    departures.frames.push_back(std::move(departure));
+    outgoing_frames.frames.push_back(std::move(outgoing));
   }
-  if (!departures.frames.empty() && state.measured_since &&
+  if (!outgoing_frames.frames.empty() && state.measured_since &&
       frame.input_seq >= state.measured_input) {
-    departures.input_to_frame = std::chrono::duration<double>(now - *state.measured_since).count();
+    outgoing_frames.input_to_frame =
+        std::chrono::duration<double>(now - *state.measured_since).count();
     state.measured_since.reset();
   }
-  return departures;
+  return outgoing_frames;
 }
 
 void release(SessionState& state, v1::Codec codec) {
@@ -184,24 +185,24 @@ std::vector<TileDue> tiles_due(const SessionState& state, const FrameInfo& last,
   return due;
 }
 
-Departure depart_tile(SessionState& state, const TileDue& due, std::uint32_t tiles,
-                      std::size_t bytes, TimePoint now) {
-  Departure departure;
-  departure.connection = due.connection;
+OutgoingFrame depart_tile(SessionState& state, const TileDue& due, std::uint32_t tiles,
+                          std::size_t bytes, TimePoint now) {
+  OutgoingFrame outgoing;
+  outgoing.connection = due.connection;
   Receiver& receiver = *state.audience.find(due.connection);
   if (receiver.flight.unacknowledged() == 0) receiver.heard_at = now;
   receiver.flight.reserve();
-  departure.seq = receiver.flight.depart();
-  receiver.path.sent(departure.seq, bytes, now);
+  outgoing.seq = receiver.flight.depart();
+  receiver.path.sent(outgoing.seq, bytes, now);
   receiver.tiles_sent = due.tile + 1;
   if (receiver.tiles_sent == tiles) {
-    departure.state.emplace();
-    departure.state->set_epoch(receiver.shown->epoch);
-    departure.state->set_converged(true);
-    departure.state->set_lossless(true);
+    outgoing.state.emplace();
+    outgoing.state->set_epoch(receiver.shown->epoch);
+    outgoing.state->set_converged(true);
+    outgoing.state->set_lossless(true);
     receiver.lossless_told = true;
   }
-  return departure;
+  return outgoing;
 }
 
 bool has_room(const SessionState& state, v1::Codec codec, TimePoint now) {

@@ -33,14 +33,14 @@ Admitted admit(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& 
                TimePoint now);
 
 /// A frame that is sent to one receiver.
-struct Departure {
+struct OutgoingFrame {
   std::uint64_t connection = 0;
   std::uint64_t seq = 0;
   std::optional<diaphane::v1::State> state;  ///< to be sent after the frame
   bool look = false;  ///< whether the scene is to be sent before the frame (Look)
 };
-struct Departures {
-  std::vector<Departure> frames;
+struct OutgoingFrames {
+  std::vector<OutgoingFrame> frames;
   /// Seconds, set when this frame is the first to answer an input.
   std::optional<double> input_to_frame;
 };
@@ -50,8 +50,8 @@ struct CodedSize {
   std::size_t bytes = 0;
 };
 /// To be called after encoding. Returns the takers for whom the frame is still useful.
-Departures depart(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& frame,
-                  CodedSize coded, TimePoint now);
+OutgoingFrames depart(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& frame,
+                      CodedSize coded, TimePoint now);
 /// To be called if the frame was not encoded after all.
 void release(SessionState& state, diaphane::v1::Codec codec);
 
@@ -70,7 +70,7 @@ std::vector<TileDue> tiles_due(const SessionState& state, const FrameInfo& last,
                                std::uint32_t tiles, TimePoint now);
 /// Marks a tile as sent. `state` is set after the last tile, when the viewer has the lossless
 /// picture.
-Departure depart_tile(SessionState& state, const TileDue& due, std::uint32_t tiles,
-                      std::size_t bytes, TimePoint now);
+OutgoingFrame depart_tile(SessionState& state, const TileDue& due, std::uint32_t tiles,
+                          std::size_t bytes, TimePoint now);
 
 }  // namespace diaphane::render

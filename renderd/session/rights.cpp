@@ -36,7 +36,7 @@ constexpr std::array kTable{
     Row{RequestKind::kNeedKey,     all(kYes)},
     Row{RequestKind::kVisibility,  all(kYes)},
     Row{RequestKind::kHandover,    {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPresenting}},
-    Row{RequestKind::kOwnCamera,   all(kYes)},
+    Row{RequestKind::kFreeCamera,   all(kYes)},
     Row{RequestKind::kDepthQuery,  {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kSteering}},
     Row{RequestKind::kSlices,      {kYes,  kYes,    kSlices, kSlices,      kSlices,        kSlices}},
     Row{RequestKind::kKeyView,     {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
@@ -91,8 +91,8 @@ std::optional<RequestKind> request_of(const v1::ClientMessage& message) {
       return RequestKind::kVisibility;
     case v1::ClientMessage::kHandover:
       return RequestKind::kHandover;
-    case v1::ClientMessage::kOwnCamera:
-      return RequestKind::kOwnCamera;
+    case v1::ClientMessage::kFreeCamera:
+      return RequestKind::kFreeCamera;
     case v1::ClientMessage::kDepthQuery:
       return RequestKind::kDepthQuery;
     case v1::ClientMessage::kSlices:
@@ -121,7 +121,7 @@ bool may(const Standing& standing, RequestKind request) {
     case Rule::kPresenting:
       return standing.presents;
     case Rule::kSteering:
-      return standing.presents || standing.own_camera;
+      return standing.presents || standing.free_camera;
     case Rule::kWithSlices:
       return standing.slices;
     case Rule::kNever:

@@ -33,7 +33,7 @@ enum class RequestKind {
   kNeedKey,
   kVisibility,
   kHandover,
-  kOwnCamera,
+  kFreeCamera,
   kDepthQuery,
   kSlices,
   kKeyView,
@@ -43,11 +43,11 @@ enum class RequestKind {
   kGuestSlices,
 };
 inline constexpr std::array kRequests{
-    RequestKind::kHello,     RequestKind::kResize,    RequestKind::kScene,
-    RequestKind::kAck,       RequestKind::kNeedKey,   RequestKind::kVisibility,
-    RequestKind::kHandover,  RequestKind::kOwnCamera, RequestKind::kDepthQuery,
-    RequestKind::kSlices,    RequestKind::kKeyView,   RequestKind::kFile,
-    RequestKind::kFileTaken, RequestKind::kKernel,    RequestKind::kGuestSlices};
+    RequestKind::kHello,     RequestKind::kResize,     RequestKind::kScene,
+    RequestKind::kAck,       RequestKind::kNeedKey,    RequestKind::kVisibility,
+    RequestKind::kHandover,  RequestKind::kFreeCamera, RequestKind::kDepthQuery,
+    RequestKind::kSlices,    RequestKind::kKeyView,    RequestKind::kFile,
+    RequestKind::kFileTaken, RequestKind::kKernel,     RequestKind::kGuestSlices};
 /// Returns nullopt for a message that is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 
@@ -55,7 +55,7 @@ std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message
 struct Standing {
   ViewerKind viewer = ViewerKind::kGuest;
   bool presents = false;
-  bool own_camera = false;
+  bool free_camera = false;
   bool slices = false;  ///< the owner of the scan, or the host of the session, allows them
 };
 

@@ -12,14 +12,14 @@ namespace {
 
 std::string_view name_of(RequestKind request) {
   constexpr std::array<std::string_view, kRequests.size()> kNames{
-      "hello",      "resize",   "scene",      "ack",    "need key",
-      "visibility", "handover", "own camera", "depth",  "slices",
-      "key view",   "file",     "file taken", "kernel", "guest slices"};
+      "hello",      "resize",   "scene",       "ack",    "need key",
+      "visibility", "handover", "free camera", "depth",  "slices",
+      "key view",   "file",     "file taken",  "kernel", "guest slices"};
   return kNames.at(static_cast<std::size_t>(request));
 }
 
-Standing standing(ViewerKind viewer, bool presents, bool own_camera, bool slices) {
-  return {viewer, presents, own_camera, slices};
+Standing standing(ViewerKind viewer, bool presents, bool free_camera, bool slices) {
+  return {viewer, presents, free_camera, slices};
 }
 
 /// The rules written independently in plain terms: every viewer, every request, every situation.
@@ -27,7 +27,7 @@ bool expected(const Standing& who, std::string_view request) {
   const bool guest = who.viewer == ViewerKind::kGuest;
   const bool without_account =
       guest || who.viewer == ViewerKind::kLinkVisitor || who.viewer == ViewerKind::kSampleVisitor;
-  const bool steers = who.presents || who.own_camera;
+  const bool steers = who.presents || who.free_camera;
   if (request == "scene") return steers;
   if (request == "handover") return !guest || who.presents;
   if (request == "depth") return !guest || steers;

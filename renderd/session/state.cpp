@@ -256,14 +256,14 @@ Outcome receive_guest_slices(SessionState& state, bool on) {
   return outcome;
 }
 
-Outcome receive_own_camera(SessionState& state, Receiver& receiver, bool on) {
+Outcome receive_free_camera(SessionState& state, Receiver& receiver, bool on) {
   Outcome outcome;
-  if (receiver.own_camera == on) return outcome;
+  if (receiver.free_camera == on) return outcome;
   if (on && state.audience.presents(receiver)) {
     return refuse(ErrorCode::kConflict,
                   "The presenter's camera is shared with everyone in the session.", false);
   }
-  outcome.own_camera = on;
+  outcome.free_camera = on;
   return outcome;
 }
 
@@ -322,10 +322,10 @@ Result<Canvas> check_viewport(const v1::Viewport& viewport) {
   return Canvas{*width, *height};
 }
 
-Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint now) {
+Result<Attached> attach(SessionState& state, const JoinRequest& join, TimePoint now) {
   Audience& audience = state.audience;
   Attached attached;
-  if (const Receiver* before = audience.of(arrival.participant)) {
+  if (const Receiver* before = audience.of(join.participant)) {
     attached.replaced = before->connection;
     std::erase_if(audience.receivers,
                   [&](const auto& one) { return one.connection == *attached.replaced; });
@@ -335,11 +335,11 @@ Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint n
   }
   Receiver receiver;
   receiver.connection = attached.connection = ++audience.connections;
-  receiver.participant = arrival.participant;
-  receiver.name = clean_name(arrival.name);
-  receiver.link = arrival.link;
-  receiver.viewer = arrival.viewer;
-  receiver.may_have_slices = arrival.may_have_slices;
+  receiver.participant = join.participant;
+  receiver.name = clean_name(join.name);
+  receiver.link = join.link;
+  receiver.viewer = join.viewer;
+  receiver.may_have_slices = join.may_have_slices;
   receiver.heard_at = now;
   if (receiver.name.empty() && receiver.participant != kOwner) {
     // A guest keeps their number after reconnecting.
@@ -360,8 +360,8 @@ void detach(SessionState& state, std::uint64_t connection, TimePoint now) {
   if (audience.receivers.empty()) state.detached_since = now;
 }
 
-void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now) {
-  receiver.own_camera = on;
+void use_free_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now) {
+  receiver.free_camera = on;
   if (on) return;
   // Treated like a new connection, because Config resets the numbering of frames.
   receiver.flight = {};
@@ -442,8 +442,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_visibility(state, *receiver, message.visibility().visible());
     case v1::ClientMessage::kHandover:
       return receive_handover(state, *receiver, message.handover(), now);
-    case v1::ClientMessage::kOwnCamera:
-      return receive_own_camera(state, *receiver, message.own_camera().on());
+    case v1::ClientMessage::kFreeCamera:
+      return receive_free_camera(state, *receiver, message.free_camera().on());
     case v1::ClientMessage::kDepthQuery:
       return receive_depth_query(*receiver, message.depth_query(), now);
     case v1::ClientMessage::kKernel:

@@ -35,20 +35,20 @@ struct SessionState {
   std::uint64_t measured_input = 0;
   std::optional<TimePoint> measured_since;
 
-  /// The session of a follower's own camera: only the camera of its scenes counts, and the rest is
+  /// The session of a follower's free camera: only the camera of its scenes counts, and the rest is
   /// the presenter's.
   bool camera_only = false;
   bool unsaved = false;  ///< Redis has an older scene or presenter
 };
 
-/// The actions that an event requires. `problem`, `configure` and `own_camera` concern the
+/// The actions that an event requires. `problem`, `configure` and `free_camera` concern the
 /// connection that caused it.
 struct Outcome {
   std::optional<diaphane::v1::Problem> problem;  ///< to be sent; a fatal one closes the connection
   bool configure = false;                        ///< send Config
   bool audience = false;                         ///< send the list of participants to everyone
   bool presenter = false;                        ///< send the scene to the presenter (Look)
-  std::optional<bool> own_camera;  ///< an own camera was requested (true) or given up (false)
+  std::optional<bool> free_camera;  ///< a free camera was requested (true) or given up (false)
   std::optional<diaphane::v1::DepthQuery> depth;  ///< to be answered
   bool wake = false;                              ///< wake the runner
   bool room = false;                              ///< the encoders may take the next picture
@@ -70,7 +70,7 @@ inline constexpr double kMostVisitorPixels = 2560.0 * 1440.0;
 Canvas visitor_canvas(Canvas viewport);
 
 /// A new connection.
-struct Arrival {
+struct JoinRequest {
   std::string participant{kOwner};
   std::string name;  ///< as entered
   std::string link;
@@ -82,13 +82,13 @@ struct Attached {
   std::optional<std::uint64_t> replaced;  ///< the participant's previous connection
 };
 /// kTooMany: there are kMostReceivers already.
-Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint now);
+Result<Attached> attach(SessionState& state, const JoinRequest& join, TimePoint now);
 /// Removes a connection and its messages in transit. Ignores unknown numbers.
 void detach(SessionState& state, std::uint64_t connection, TimePoint now);
 
-/// Switches a follower to their own camera, or back to the group, in which case everything is sent
+/// Switches a follower to their free camera, or back to the group, in which case everything is sent
 /// again.
-void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now);
+void use_free_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now);
 /// Applies the presenter's new settings to a session with `camera_only`.
 void follow(SessionState& state, const diaphane::v1::Scene& presenters, TimePoint now);
 

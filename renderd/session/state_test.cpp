@@ -25,16 +25,16 @@ struct StateTest : testing::Test {
     return render::admit(state, v1::JPEG, info, now).admission;
   }
   // Returns what is sent to the only viewer, if anything.
-  std::optional<Departure> depart(const FrameInfo& info) {
-    departures = render::depart(state, v1::JPEG, info, {true, 1000}, now);
-    if (departures.frames.empty()) return std::nullopt;
-    return departures.frames.front();
+  std::optional<OutgoingFrame> depart(const FrameInfo& info) {
+    outgoing_frames = render::depart(state, v1::JPEG, info, {true, 1000}, now);
+    if (outgoing_frames.frames.empty()) return std::nullopt;
+    return outgoing_frames.frames.front();
   }
   Receiver& viewer() { return *state.audience.find(me); }
 
   SessionState state;
   std::uint64_t me = 0;
-  Departures departures;
+  OutgoingFrames outgoing_frames;
   TimePoint now = TimePoint{} + std::chrono::hours(1);
 };
 
@@ -205,12 +205,12 @@ TEST_F(StateTest, NeverSendsOutdatedFrames) {
         if (!encoding.empty()) {
           const FrameInfo info = encoding.front();
           encoding.erase(encoding.begin());
-          const auto departure = depart(info);
-          if (!departure) break;
+          const auto outgoing = depart(info);
+          if (!outgoing) break;
           ASSERT_GE(info.epoch, newest_sent);
           ASSERT_TRUE(info.epoch == state.epoch || info.first_of_epoch);
           newest_sent = info.epoch;
-          seq = departure->seq;
+          seq = outgoing->seq;
           ++sent;
         }
         break;
@@ -229,9 +229,9 @@ TEST_F(StateTest, SendsFramesDuringADragFasterThanTheDevice) {
     // The next input is handled before this epoch's picture is encoded.
     began(state, epoch + 1, state.wanted);
     if (admit(frame(epoch)) != Admission::kGo) continue;
-    const auto departure = depart(frame(epoch));
-    ASSERT_TRUE(departure);
-    say(ack(departure->seq));
+    const auto outgoing = depart(frame(epoch));
+    ASSERT_TRUE(outgoing);
+    say(ack(outgoing->seq));
     ++sent;
   }
   EXPECT_EQ(sent, 50);
@@ -245,13 +245,13 @@ TEST_F(StateTest, ReportsConvergenceOncePerEpoch) {
   EXPECT_FALSE(depart(last)->state);
   last.converged = true;
   admit(last);
-  const Departure told = *depart(last);
+  const OutgoingFrame told = *depart(last);
   ASSERT_TRUE(told.state);
   EXPECT_TRUE(told.state->converged());
   say(ack(2));
   began(state, 2, state.wanted);
   admit(frame(2));
-  const Departure again = *depart(frame(2));
+  const OutgoingFrame again = *depart(frame(2));
   ASSERT_TRUE(again.state);
   EXPECT_FALSE(again.state->converged());
   EXPECT_EQ(again.state->epoch(), 2U);
@@ -266,11 +266,11 @@ TEST_F(StateTest, MeasuresLatencyFromTheOldestUnansweredInput) {
   now += milliseconds(10);
   admit(frame(1, true, 2));
   ASSERT_TRUE(depart(frame(1, true, 2)));
-  ASSERT_TRUE(departures.input_to_frame);
-  EXPECT_NEAR(*departures.input_to_frame, 0.020, 1e-9);
+  ASSERT_TRUE(outgoing_frames.input_to_frame);
+  EXPECT_NEAR(*outgoing_frames.input_to_frame, 0.020, 1e-9);
   admit(frame(1, false, 2));
   ASSERT_TRUE(depart(frame(1, false, 2)));
-  EXPECT_FALSE(departures.input_to_frame);
+  EXPECT_FALSE(outgoing_frames.input_to_frame);
 }
 
 TEST_F(StateTest, HiddenDetachedAndStalledViewersDoNotWatch) {

@@ -32,7 +32,7 @@ struct StreamTest : testing::Test {
   Admitted send(const FrameInfo& info, std::size_t bytes = 10000, v1::Codec codec = v1::JPEG) {
     const Admitted admitted = admit(state, codec, info, now);
     if (admitted.admission == Admission::kGo) {
-      for (const Departure& one :
+      for (const OutgoingFrame& one :
            depart(state, codec, info, {admitted.key || codec == v1::JPEG, bytes}, now).frames) {
         newest[one.connection] = one.seq;
         told = one.state;
@@ -43,9 +43,9 @@ struct StreamTest : testing::Test {
   void hear(std::uint64_t connection) { receive(state, connection, ack(newest[connection]), now); }
   std::vector<TileDue> due() { return tiles_due(state, last, kTiles, now); }
   std::optional<v1::State> send_tile(const TileDue& tile, std::size_t bytes = 30000) {
-    const Departure departure = depart_tile(state, tile, kTiles, bytes, now);
-    newest[tile.connection] = departure.seq;
-    return departure.state;
+    const OutgoingFrame outgoing = depart_tile(state, tile, kTiles, bytes, now);
+    newest[tile.connection] = outgoing.seq;
+    return outgoing.state;
   }
   /// Simulates a connection that takes `seconds` for each of 40 frames of `bytes`.
   void learn(std::uint64_t connection, double seconds, std::size_t bytes) {

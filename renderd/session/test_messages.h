@@ -34,10 +34,10 @@ inline v1::Scene plain_scene() {
 }
 
 /// The owner of a scan in their own session.
-inline Arrival owner() {
-  Arrival arrival;
-  arrival.viewer = ViewerKind::kOwner;
-  return arrival;
+inline JoinRequest owner() {
+  JoinRequest join;
+  join.viewer = ViewerKind::kOwner;
+  return join;
 }
 
 inline v1::ClientMessage hello(std::uint32_t width = 640, std::uint32_t height = 480) {

@@ -1,6 +1,6 @@
 // Any bytes as messages of three people to one session: one byte chooses the person or action, two
 // give the length, and the message follows. Messages are parsed as gateway and renderd parse them,
-// and accepted ones are executed, including live links and followers' own cameras.
+// and accepted ones are executed, including live links and followers' free cameras.
 #include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
@@ -80,9 +80,9 @@ class Meeting {
 
  private:
   void come(std::size_t who) {
-    Arrival arrival = who == 0 ? owner() : Arrival{};
-    arrival.participant = kPeople[who];
-    const auto attached = attach(group_, arrival, now_);
+    JoinRequest join = who == 0 ? owner() : JoinRequest{};
+    join.participant = kPeople[who];
+    const auto attached = attach(group_, join, now_);
     MUST(attached.has_value());
     connections_[who] = attached->connection;
     (void)receive(group_, connections_[who], hello(), now_);
@@ -97,10 +97,10 @@ class Meeting {
     }
     const Outcome outcome = receive(state, connection, message, now_);
     if (outcome.problem) MUST(!outcome.problem->message().empty());
-    if (outcome.own_camera) {
+    if (outcome.free_camera) {
       Receiver* const receiver = state.audience.find(connection);
-      MUST(!(*outcome.own_camera && state.audience.presents(*receiver)));
-      use_own_camera(state, *receiver, *outcome.own_camera, now_);
+      MUST(!(*outcome.free_camera && state.audience.presents(*receiver)));
+      use_free_camera(state, *receiver, *outcome.free_camera, now_);
     }
     MUST(state.wanted.scene && check_scene(*state.wanted.scene));
     MUST(state.audience.receivers.size() <= kPeople.size());

@@ -196,13 +196,13 @@ def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(
     follower = guest.join()
     clip = owner.config.scene.clip.SerializeToString(deterministic=True)
     on = ClientMessage()
-    on.own_camera.on = True
+    on.free_camera.on = True
     follower.send(on)
     mine = follower.until("config", condition=lambda config: not config.follower)
     assert mine.volume.content_hash == "" and not mine.HasField("histogram")
     assert mine.scene.clip.SerializeToString(deterministic=True) == clip
     off = ClientMessage()
-    off.own_camera.on = False
+    off.free_camera.on = False
     follower.send(off)
     follower.config = follower.until("config", condition=lambda config: config.follower)
     # A presenting guest can change the picture, but not the clip.

@@ -126,7 +126,7 @@ def test_a_camera_of_ones_own_follows_the_settings_alone(running, one, session):
     owner.frame()
     follower = Guest(running, link_of(one, session[0])).join()
     message = ClientMessage()
-    message.own_camera.on = True
+    message.free_camera.on = True
     follower.send(message)
     follower.config = follower.until("config", condition=lambda config: not config.follower)
     follower.input_seq = follower.config.input_seq
@@ -134,7 +134,7 @@ def test_a_camera_of_ones_own_follows_the_settings_alone(running, one, session):
     mine = follower.frame(condition=lambda frame: frame.input_seq >= seq)
     theirs = owner.frame()
     assert mine.data != theirs.data
-    message.own_camera.on = False
+    message.free_camera.on = False
     follower.send(message)
     back = follower.until("config", condition=lambda config: config.follower)
     assert back.scene == owner.config.scene

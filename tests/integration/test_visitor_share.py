@@ -65,7 +65,7 @@ def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, 
     token = link_of(owner, session)
     guests, own, refused = [], 0, 0
     wish = ClientMessage()
-    wish.own_camera.on = True
+    wish.free_camera.on = True
     for _ in range(SLOTS):
         guest = Guest(stack, token).join()
         guests.append(guest)

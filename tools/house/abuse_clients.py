@@ -176,7 +176,7 @@ def guest(attack: Attack, number: int) -> None:
             if joined.status_code == 201:
                 viewer = Viewer(attack.origin, joined.json()["stream_url"], 1920, 1080, address=plan["address"])
                 own = viewer.messages["ClientMessage"]()
-                own.own_camera.on = True
+                own.free_camera.on = True
                 viewer.socket_.send(own.SerializeToString())
                 flood_of_a_stream(attack, viewer, "guest", number)
         except Exception as failed:  # noqa: BLE001 - refused in some way: that is what is wanted of the server

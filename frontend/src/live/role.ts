@@ -8,7 +8,7 @@ export interface Role {
   readonly presents: boolean;
   /** Somebody else presents. */
   readonly follows: boolean;
-  readonly ownCamera: boolean;
+  readonly freeCamera: boolean;
   /** By a link into somebody's session: what is cut away is not this viewer's to change. */
   readonly guest: boolean;
   /** Nothing while the presenter is away. */
@@ -25,7 +25,7 @@ export function roleOf(audience: Audience | null): Role {
     others: people.filter(({ id }) => id !== you).length,
     presents,
     follows: !presents,
-    ownCamera: people.find(({ id }) => id === you)?.ownCamera ?? false,
+    freeCamera: people.find(({ id }) => id === you)?.freeCamera ?? false,
     guest: people.some(({ id, owner }) => id === you && !owner),
     presenter: people.find(({ presenter }) => presenter) ?? null,
   };

@@ -11,11 +11,11 @@ import {
   Codec,
   DepthQuerySchema,
   EffortSchema,
+  FreeCameraSchema,
   GuestSlicesSchema,
   HandoverSchema,
   HelloSchema,
   NeedKeySchema,
-  OwnCameraSchema,
   SceneUpdateSchema,
   ServerMessageSchema,
   SliceAccess,
@@ -152,8 +152,10 @@ export function encodeHandover(to: string): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "handover", value: create(HandoverSchema, { to }) } }));
 }
 
-export function encodeOwnCamera(on: boolean): Bytes {
-  return encoded(create(ClientMessageSchema, { body: { case: "ownCamera", value: create(OwnCameraSchema, { on }) } }));
+export function encodeFreeCamera(on: boolean): Bytes {
+  return encoded(
+    create(ClientMessageSchema, { body: { case: "freeCamera", value: create(FreeCameraSchema, { on }) } }),
+  );
 }
 
 /** Whether guests of one's session may have slices. */

@@ -260,14 +260,14 @@ describe("the stream client", () => {
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "needKey"]);
   });
 
-  const audience = (presenter: string, ownCamera = false) =>
+  const audience = (presenter: string, freeCamera = false) =>
     world.say({
       case: "audience",
       value: create(AudienceSchema, {
         you: "me",
         presenter,
         participants: [
-          { id: "me", ownCamera },
+          { id: "me", freeCamera },
           { id: "ann", presenter: presenter === "ann" },
         ],
       }),
@@ -342,10 +342,10 @@ describe("the stream client", () => {
     expect(world.sent.at(-1)?.body).toMatchObject({ case: "handover", value: { to: "ann" } });
   });
 
-  it("comes back to its own camera over another connection", async () => {
+  it("comes back to its free camera over another connection", async () => {
     await world.live(1, 0);
     world.config(9, 3, true);
-    world.client.useOwnCamera(true);
+    world.client.useFreeCamera(true);
     world.config(9, 0, false);
     audience("ann", true);
     world.client.setScene(scene(44));
@@ -356,7 +356,7 @@ describe("the stream client", () => {
     await Promise.resolve();
     world.sockets.at(-1)?.opened();
     world.config(9, 3, true);
-    expect(world.sent.at(-1)?.body).toMatchObject({ case: "ownCamera", value: { on: true } });
+    expect(world.sent.at(-1)?.body).toMatchObject({ case: "freeCamera", value: { on: true } });
     world.config(9, 0, false);
     world.screen();
     expect(world.updates().at(-1)?.x).toBe(44);

@@ -15,7 +15,7 @@ import {
   encodeHello,
   encodeNeedKey,
   encodeGuestSlices,
-  encodeOwnCamera,
+  encodeFreeCamera,
   encodeScene,
   encodeSlices,
   encodeVisibility,
@@ -123,9 +123,9 @@ export class StreamClient {
   private holding = false;
   /** The scene is this page's to change: it presents, or has a camera of its own. */
   private leading = true;
-  private ownCamera = false;
+  private freeCamera = false;
   private readonly depths: DepthQueries;
-  /** Where the own camera was before the connection was lost. */
+  /** Where the free camera was before the connection was lost. */
   private ownPose: CameraPose | null = null;
 
   constructor(
@@ -175,10 +175,10 @@ export class StreamClient {
   }
 
   /** A camera of one's own, or the presenter's again; also over a reconnection. */
-  useOwnCamera(on: boolean): void {
-    this.ownCamera = on;
+  useFreeCamera(on: boolean): void {
+    this.freeCamera = on;
     this.ownPose = null;
-    if (this.state.phase === "live") this.socket?.send(encodeOwnCamera(on));
+    if (this.state.phase === "live") this.socket?.send(encodeFreeCamera(on));
   }
 
   setGuestSlices(on: boolean): void {
@@ -315,10 +315,10 @@ export class StreamClient {
   /** Whose the scene is from here on. */
   private takeRole(config: Config): void {
     if (config.follower) {
-      if (this.ownCamera) {
-        // It comes back over a new connection, which does not know of the own camera yet.
+      if (this.freeCamera) {
+        // It comes back over a new connection, which does not know of the free camera yet.
         if (this.leading && this.scene) this.ownPose = cameraOf(this.scene);
-        this.socket?.send(encodeOwnCamera(true));
+        this.socket?.send(encodeFreeCamera(true));
       }
       this.leading = false;
       this.scenePending = false;
@@ -337,7 +337,7 @@ export class StreamClient {
 
   private heardAudience(audience: Audience): void {
     const me = audience.participants.find(({ id }) => id === audience.you);
-    this.leading = audience.presenter === audience.you || (me?.ownCamera ?? false);
+    this.leading = audience.presenter === audience.you || (me?.freeCamera ?? false);
     if (!this.leading) this.scenePending = false;
     this.events.audience(audience);
   }
@@ -377,7 +377,7 @@ export class StreamClient {
         this.heardAudience(body.value);
         break;
       case "look":
-        if (!body.value.scene || (this.ownCamera && this.leading)) break;
+        if (!body.value.scene || (this.freeCamera && this.leading)) break;
         this.scene = body.value.scene;
         this.events.look(body.value.scene);
         break;
@@ -386,7 +386,7 @@ export class StreamClient {
         break;
       case "problem":
         // Without a slot for it, it is not asked for again by itself.
-        if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.ownCamera = false;
+        if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.freeCamera = false;
         this.events.problem(body.value);
         break;
       case "fileProgress":

@@ -165,8 +165,8 @@ export class ViewerSession {
     this.client.setGuestSlices(on);
   }
 
-  useOwnCamera(on: boolean): void {
-    this.client.useOwnCamera(on);
+  useFreeCamera(on: boolean): void {
+    this.client.useFreeCamera(on);
   }
 
   /** How far away that is which is seen at a place of the picture, from 0 to 1 from its upper left. */
@@ -251,7 +251,11 @@ export class ViewerSession {
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) =>
         (this.problem.value =
-          field === "own_camera" ? t.live.noOwnCamera : field === "own_camera_taken" ? t.live.ownCameraTaken : message),
+          field === "own_camera"
+            ? t.live.noFreeCamera
+            : field === "own_camera_taken"
+              ? t.live.freeCameraTaken
+              : message),
       fileProgress: () => undefined,
       filePart: () => undefined,
       kernel: (report) => (this.kernel.value = report),

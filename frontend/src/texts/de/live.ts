@@ -19,7 +19,7 @@ export const live: Texts["live"] = {
   you: " (Sie)",
   owner: "Besitzer",
   presenting: "führt vor",
-  withOwnCamera: "mit eigener Ansicht",
+  withFreeCamera: "mit eigener Ansicht",
   handOver: "Vorführen lassen",
   handOverHint: "Wer vorführt, kann alles am Bild ändern, außer dem, was Sie weggeschnitten haben.",
   letPresent: (name) => `${name} vorführen lassen`,
@@ -27,10 +27,10 @@ export const live: Texts["live"] = {
   takingBack: "Einen Moment …",
   presents: (name) => `${name} führt vor`,
   presenterAway: "Gerade führt niemand vor",
-  ownCamera: "Meine eigene Ansicht",
-  noOwnCamera:
+  freeCamera: "Meine eigene Ansicht",
+  noFreeCamera:
     "Eine eigene Ansicht ist gerade nicht möglich, weil der Server ausgelastet ist. Versuchen Sie es später noch einmal.",
-  ownCameraTaken:
+  freeCameraTaken:
     "Ihre eigene Ansicht wurde geschlossen, weil jemand mit Konto den Platz braucht. Sie sehen wieder das Bild, das vorgeführt wird.",
   joinTitle: "Eine Aufnahme gemeinsam ansehen",
   joinLead: "Jemand teilt das Bild einer Aufnahme mit Ihnen. Sie sehen es so, wie es gerade gedreht wird.",

@@ -18,7 +18,7 @@ export const live = {
   you: " (you)",
   owner: "Owner",
   presenting: "presenting",
-  withOwnCamera: "in their own view",
+  withFreeCamera: "in their own view",
   handOver: "Make presenter",
   handOverHint: "The presenter can change everything in the picture except what you have cut away.",
   letPresent: (name: string) => `Make ${name} presenter`,
@@ -26,9 +26,9 @@ export const live = {
   takingBack: "One moment…",
   presents: (name: string) => `${name} is presenting`,
   presenterAway: "Nobody is presenting right now",
-  ownCamera: "My own view",
-  noOwnCamera: "Your own view isn’t available right now because the server is busy. Try again later.",
-  ownCameraTaken:
+  freeCamera: "My own view",
+  noFreeCamera: "Your own view isn’t available right now because the server is busy. Try again later.",
+  freeCameraTaken:
     "Your own view was closed because someone with an account needs the capacity. You see the presenter’s picture again.",
   joinTitle: "View a scan together",
   joinLead: "Someone is sharing a picture of a scan with you. You see it as they turn it.",

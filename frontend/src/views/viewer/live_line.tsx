@@ -12,10 +12,10 @@ export function LiveLine({ session, role }: { readonly session: ViewerSession; r
       <button
         type="button"
         class="button"
-        aria-pressed={role.ownCamera}
-        onClick={() => session.useOwnCamera(!role.ownCamera)}
+        aria-pressed={role.freeCamera}
+        onClick={() => session.useFreeCamera(!role.freeCamera)}
       >
-        {t.live.ownCamera}
+        {t.live.freeCamera}
       </button>
     </div>
   );

@@ -32,11 +32,11 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
               {one.id === role.you ? <small>{t.live.you}</small> : null}
             </span>
             <small>
-              {[one.presenter ? t.live.presenting : "", one.ownCamera ? t.live.withOwnCamera : ""]
+              {[one.presenter ? t.live.presenting : "", one.freeCamera ? t.live.withFreeCamera : ""]
                 .filter(Boolean)
                 .join(", ")}
             </small>
-            {role.presents && one.id !== role.you && !one.ownCamera ? (
+            {role.presents && one.id !== role.you && !one.freeCamera ? (
               <button
                 type="button"
                 class="button"

@@ -1,4 +1,4 @@
-// A follower with their own camera gets a separate session beside the group's (docs/adr/0013).
+// A follower with a free camera gets a separate session beside the group's (docs/adr/0013).
 #include <algorithm>
 
 #include "renderd/serve/live_session.h"
@@ -28,25 +28,25 @@ void LiveSession::follow(const v1::Scene& presenters) {
 // The group's lock must not be held while the host creates a session, because the host locks itself
 // and then its sessions.
 void LiveSession::change_camera(std::uint64_t connection, bool own, const Error* why) {
-  Branch wanted;
+  FreeCameraStart start;
   {
     const std::lock_guard lock(mutex_);
     Receiver* const receiver = state_.audience.find(connection);
     if (!receiver || ended_) return;
     if (own) {
-      wanted = {receiver->participant, state_.wanted.scene,
-                receiver->viewport.width ? receiver->viewport : state_.wanted.viewport,
-                receiver->link, weak_from_this()};
+      start = {receiver->participant, state_.wanted.scene,
+               receiver->viewport.width ? receiver->viewport : state_.wanted.viewport,
+               receiver->link, weak_from_this()};
     }
   }
-  auto made = own ? parts_.branch(*this, wanted) : std::shared_ptr<LiveSession>();
+  auto made = own ? parts_.open_free_camera(*this, start) : std::shared_ptr<LiveSession>();
   std::shared_ptr<LiveSession> unused;
   {
     const std::lock_guard lock(mutex_);
     Receiver* const receiver = state_.audience.find(connection);
     const auto link = links_.find(connection);
-    unused = take_branch(connection);
-    // Otherwise a picture of the own camera could arrive after the group's configuration.
+    unused = take_free_camera(connection);
+    // Otherwise a picture of the free camera could arrive after the group's configuration.
     if (unused) unused->silence();
     if (!made) {
       v1::ServerMessage message;
@@ -65,13 +65,13 @@ void LiveSession::change_camera(std::uint64_t connection, bool own, const Error*
           {receiver->participant, receiver->name, {}, receiver->viewer, receiver->may_have_slices},
           (*made)->placement());
       if (there) {
-        branches_[connection] = {*made, *there};
-        use_own_camera(state_, *receiver, true, parts_.clock.now());
+        free_cameras_[connection] = {*made, *there};
+        use_free_camera(state_, *receiver, true, parts_.clock.now());
         v1::ClientMessage greeting;
         *greeting.mutable_hello() = *receiver->hello;
         (*made)->receive(*there, greeting.SerializeAsString());
         close_unused_lanes();
-        tell_audience();
+        broadcast_participants();
       } else {
         // The private session accepts no viewer, so this one stays with the group's picture.
         unused = *made;
@@ -82,23 +82,23 @@ void LiveSession::change_camera(std::uint64_t connection, bool own, const Error*
     } else {
       // Sent first, so that the page does not request the camera again after the configuration.
       if (why) send_problem(connection, *why);
-      use_own_camera(state_, *receiver, false, parts_.clock.now());
+      use_free_camera(state_, *receiver, false, parts_.clock.now());
       if (open_lane(receiver->codec)) send_config(connection);
-      tell_audience();
+      broadcast_participants();
     }
   }
   if (unused) unused->dismiss();
   parts_.runner.wake();
 }
 
-bool LiveSession::take_camera_back(const std::string& branch) {
+bool LiveSession::take_camera_back(const std::string& session) {
   std::uint64_t connection = 0;
   {
     const std::lock_guard lock(mutex_);
-    const auto found = std::find_if(branches_.begin(), branches_.end(), [&](const auto& one) {
-      return one.second.session->id() == branch;
-    });
-    if (found == branches_.end()) return false;
+    const auto found =
+        std::find_if(free_cameras_.begin(), free_cameras_.end(),
+                     [&](const auto& one) { return one.second.session->id() == session; });
+    if (found == free_cameras_.end()) return false;
     connection = found->first;
   }
   const Error why{ErrorCode::kTooMany,
@@ -114,18 +114,18 @@ bool LiveSession::has_ended() const {
   return ended_;
 }
 
-std::shared_ptr<LiveSession> LiveSession::take_branch(std::uint64_t connection) {
-  const auto found = branches_.find(connection);
-  if (found == branches_.end()) return nullptr;
+std::shared_ptr<LiveSession> LiveSession::take_free_camera(std::uint64_t connection) {
+  const auto found = free_cameras_.find(connection);
+  if (found == free_cameras_.end()) return nullptr;
   std::shared_ptr<LiveSession> session = std::move(found->second.session);
-  branches_.erase(found);
+  free_cameras_.erase(found);
   return session;
 }
 
-void LiveSession::lead_branches() {
+void LiveSession::update_free_cameras() {
   if (led_ == state_.wanted.scene || !state_.wanted.scene) return;
   led_ = state_.wanted.scene;
-  for (const auto& [connection, own] : branches_) own.session->follow(*led_);
+  for (const auto& [connection, own] : free_cameras_) own.session->follow(*led_);
 }
 
 }  // namespace diaphane::render
