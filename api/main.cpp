@@ -273,8 +273,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     (void)account_store.tidy(clock.wall());
     (void)recording_store.expire(clock.wall());
   });
-  Periodic count_render_time("rendering time", 2s, [&] { render_time.look(); });
-  Periodic make_exports("exports", 2s, [&] { exports.look(); });
+  Periodic count_render_time("rendering time", 2s, [&] { render_time.poll(); });
+  Periodic make_exports("exports", 2s, [&] { exports.poll(); });
   exports.on_request([&] { make_exports.wake(); });
   deletion.on_removal([&] {
     dispose.wake();

@@ -120,7 +120,7 @@ void Controller::run_plans(const std::stop_token& stop) {
     next = kTelemetry;
     if (!listed() || !leader_->leads()) continue;
     const auto begun = steady_clock::now();
-    Snapshot& seen = observer.look(wall());
+    Snapshot& seen = observer.snapshot(wall());
     seen.world.complete = true;
     telemetry_cache_.fill(seen.world);
     const Plan made =

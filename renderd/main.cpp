@@ -421,7 +421,7 @@ int run(int argc, char** argv) {
       std::vector<Watchdog::Watched> all = watched(worker.runner().progress());
       all.push_back({"main loop", [&] { return turns.load(); }});
       watchdog.emplace(std::move(all), Watchdog::Options{.limit = settings.silence,
-                                                         .look = milliseconds(250),
+                                                         .poll_interval = milliseconds(250),
                                                          .hung = leave_hung});
     }
     watchdog_now = watchdog ? &*watchdog : nullptr;

@@ -53,7 +53,7 @@ Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Princi
 std::vector<Route> anonymise_routes(Anonymise& anonymise) {
   const auto look = [&anonymise](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
-    const auto view = anonymise.look(who, request.parameter("data_set_id"));
+    const auto view = anonymise.get(who, request.parameter("data_set_id"));
     DIAPHANE_TRY(view);
     return json_response(200, to_json(*view));
   };

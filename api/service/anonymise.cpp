@@ -13,7 +13,7 @@ tl::unexpected<Problem> not_ready(DataSetState state) {
 
 }  // namespace
 
-Outcome<Anonymise::View> Anonymise::look(const Principal& who, const std::string& id) {
+Outcome<Anonymise::View> Anonymise::get(const Principal& who, const std::string& id) {
   auto found = data_sets_.authorise(who, id, Action::kAnonymise);
   DIAPHANE_TRY(found);
   auto facts = store_.facts(id);
@@ -25,7 +25,7 @@ Outcome<Anonymise::View> Anonymise::look(const Principal& who, const std::string
 
 Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string& id,
                                         const std::string& region, const std::string& volume_hash) {
-  const auto view = look(who, id);
+  const auto view = get(who, id);
   if (!view) return view;
   if (view->data_set.state != DataSetState::kReady) return not_ready(view->data_set.state);
   if (view->volume_hash != volume_hash) {
@@ -45,7 +45,7 @@ Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string&
   }
   (void)thumbnails_.remove(id);
   wake_();
-  return look(who, id);
+  return get(who, id);
 }
 
 }  // namespace diaphane::api

@@ -56,7 +56,7 @@ class Anonymise {
         clock_(clock),
         stored_hash_(std::move(stored_hash)) {}
 
-  Outcome<View> look(const Principal& who, const std::string& id);
+  Outcome<View> get(const Principal& who, const std::string& id);
   /// Blocks the data set until it is anonymised and disconnects its viewers. Returns kNotReady, or
   /// kPrecondition if `volume_hash` does not match the volume.
   Outcome<View> cut(const Principal& who, const std::string& id, const std::string& region,

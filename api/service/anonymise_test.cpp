@@ -54,7 +54,7 @@ class AnonymiseTest : public DataSetFixture {
 
 TEST_F(AnonymiseTest, OnlyTheOwnerAnonymises) {
   expect_permission(Action::kAnonymise,
-                    [&](const Principal& who) { return refusal(anonymise.look(who, id)); });
+                    [&](const Principal& who) { return refusal(anonymise.get(who, id)); });
   expect_permission(Action::kAnonymise, [&](const Principal& who) {
     return refusal(anonymise.cut(who, id, "region", "hash"));
   });
@@ -62,14 +62,14 @@ TEST_F(AnonymiseTest, OnlyTheOwnerAnonymises) {
 }
 
 TEST_F(AnonymiseTest, TheOwnerSeesTheFactsAndTheHashOfAVolumeThatIsReady) {
-  const auto view = anonymise.look(owner, id);
+  const auto view = anonymise.get(owner, id);
   ASSERT_TRUE(view);
   EXPECT_EQ(view->data_set.id, id);
   EXPECT_EQ(view->facts.head, "head");
   EXPECT_EQ(view->facts.problem, "problem");
   EXPECT_EQ(view->volume_hash, "hash");
   scan().state = DataSetState::kQueued;
-  EXPECT_EQ(anonymise.look(owner, id)->volume_hash, "") << "it is about to change";
+  EXPECT_EQ(anonymise.get(owner, id)->volume_hash, "") << "it is about to change";
 }
 
 TEST_F(AnonymiseTest, AScanThatIsNotReadyIsNotAnonymised) {
@@ -130,8 +130,8 @@ TEST_F(AnonymiseTest, TheSecondOfTwoOrdersAtATimeIsRefused) {
 
 TEST_F(AnonymiseTest, ADatabaseThatIsAwayIsReportedAsSuch) {
   expect_unavailable({
-      {data_set_store, "find", [&] { return refusal(anonymise.look(owner, id)); }},
-      {store, "facts", [&] { return refusal(anonymise.look(owner, id)); }},
+      {data_set_store, "find", [&] { return refusal(anonymise.get(owner, id)); }},
+      {store, "facts", [&] { return refusal(anonymise.get(owner, id)); }},
       {store, "facts", [&] { return cut(); }},
       {store, "order", [&] { return cut(); }},
   });

@@ -185,7 +185,7 @@ bool Exports::sweep() {
   return true;
 }
 
-void Exports::look() {
+void Exports::poll() {
   (void)store_.expire(clock_.wall());
   if (clock_.wall() >= next_sweep_ && sweep()) next_sweep_ = clock_.wall() + kSweepInterval;
   for (;;) {

@@ -107,7 +107,7 @@ class Exports {
 
   /// Creates due exports and deletes old ones. An export without enough disk space waits, and its
   /// partial file is removed.
-  void look();
+  void poll();
   void on_request(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:

@@ -132,10 +132,10 @@ class ExportsTest : public testing::Test {
     exports->on_request([this] { ++woken; });
   }
   /// Queues the export with this ID, with a number of earlier waits, and creates it.
-  void look(int waits = 0) {
+  void poll(int waits = 0) {
     store.exports["anna"].id = id;
     store.due.push_back({id, "anna", waits});
-    exports->look();
+    exports->poll();
   }
   bool is_made() const { return disk.has("exports/" + id + ".zip"); }
   /// Expects that the export waits for two seconds and left no file.
@@ -214,7 +214,7 @@ TEST_F(ExportsTest, AnExportHasTheRecordsTheVolumesAndTheImagesOfAUser) {
   disk.write("pictures/p/picture.jpg", "image");
   store.scans = {"a"};
   store.images = {{"a", "p"}};
-  look();
+  poll();
   ASSERT_TRUE(is_made());
   EXPECT_EQ(disk.read("exports/" + id + ".zip"),
             "README.txt\nrecords/users.json\naudit.json\n"
@@ -235,7 +235,7 @@ TEST_F(ExportsTest, WhatWasDeletedMeanwhileIsLeftOut) {
   disk.write("volumes/kept/volume.json", "{}");
   store.scans = {"deleted", "kept"};
   store.images = {{"kept", "deleted"}};
-  look();
+  poll();
   EXPECT_EQ(disk.read("exports/" + id + ".zip"),
             "README.txt\nrecords/users.json\naudit.json\n"
             "scans/kept/volume.json <- " +
@@ -249,7 +249,7 @@ TEST_F(ExportsTest, AllDueExportsAreCreatedAndOldOnesDeleted) {
     archives.repair("add");
     if (archives.calls("make") == 1) archives.break_function("add", ErrorCode::kInternal);
   });
-  look();
+  poll();
   EXPECT_TRUE(is_made()) << "one that fails does not hold up the next";
   EXPECT_FALSE(store.finished.contains(broken));
   EXPECT_EQ(store.calls("expire"), 1);
@@ -259,7 +259,7 @@ TEST_F(ExportsTest, WhatFailsForNowWaitsAndLeavesNoFile) {
   for (const char* step : {"sizes", "sections", "volumes", "pictures", "finish"}) {
     SCOPED_TRACE(step);
     store.break_function(step);
-    look();
+    poll();
     store.repair(step);
     expect_waiting();
   }
@@ -267,7 +267,7 @@ TEST_F(ExportsTest, WhatFailsForNowWaitsAndLeavesNoFile) {
   for (const char* step : {"make", "add", "add_file", "finish"}) {
     SCOPED_TRACE(step);
     archives.break_function(step);
-    look();
+    poll();
     archives.repair(step);
     expect_waiting();
   }
@@ -276,7 +276,7 @@ TEST_F(ExportsTest, WhatFailsForNowWaitsAndLeavesNoFile) {
 
 TEST_F(ExportsTest, AnExportThatMayBeReadyKeepsItsFile) {
   store.break_function("finish", ErrorCode::kOutcomeUnknown);
-  look();
+  poll();
   EXPECT_TRUE(is_made());
   EXPECT_EQ(store.waits[id], clock.wall() + 2s) << "the store ignores this if it is ready";
 }
@@ -289,10 +289,10 @@ TEST_F(ExportsTest, FilesWithoutAnExportAreDeleted) {
   }
   store.exports["bert"].id = kept;
   store.break_function("ids");
-  exports->look();
+  exports->poll();
   EXPECT_TRUE(disk.has("exports/" + orphan + ".zip")) << "nothing is known about it";
   store.repair("ids");
-  exports->look();
+  exports->poll();
   EXPECT_FALSE(disk.has("exports/" + orphan + ".zip"));
   EXPECT_FALSE(disk.has("exports/.tmp-" + orphan));
   EXPECT_TRUE(disk.has("exports/" + kept + ".zip"));
@@ -301,7 +301,7 @@ TEST_F(ExportsTest, FilesWithoutAnExportAreDeleted) {
 
 TEST_F(ExportsTest, WhatFailsForGoodDoesNotWait) {
   archives.break_function("add", ErrorCode::kInternal);
-  look();
+  poll();
   EXPECT_THAT(store.waits, IsEmpty()) << "the lease and the number of attempts decide";
   EXPECT_FALSE(is_made());
 }
@@ -310,18 +310,18 @@ TEST_F(ExportsTest, EachWaitIsTwiceAsLongUpToTwoMinutes) {
   store.break_function("sizes");
   for (const auto& [waits, pause] : {std::pair(0, 2s), std::pair(1, 4s), std::pair(5, 64s),
                                      std::pair(6, 120s), std::pair(1000, 120s)}) {
-    look(waits);
+    poll(waits);
     EXPECT_EQ(store.waits[id], clock.wall() + pause) << waits;
   }
 }
 
 TEST_F(ExportsTest, AnExportWaitsForRoomOnTheDisk) {
   store.size_of_all.volumes = std::int64_t{1} << 60;
-  look();
+  poll();
   expect_waiting();
   store.size_of_all.volumes = 0;
   exports = with(std::int64_t{1} << 60, 10 * kGigabyte);
-  look();
+  poll();
   expect_waiting();
   EXPECT_EQ(archives.calls("make"), 0);
 }
@@ -329,27 +329,27 @@ TEST_F(ExportsTest, AnExportWaitsForRoomOnTheDisk) {
 TEST_F(ExportsTest, AnExportWaitsForRoomAmongTheOthersButMayBeLargerOnItsOwn) {
   exports = with(-(std::int64_t{1} << 60), 10 * kGigabyte);
   store.size_of_all = {.volumes = 4 * kGigabyte, .kept = 6 * kGigabyte + 1};
-  look();
+  poll();
   expect_waiting();
   store.size_of_all.kept = 6 * kGigabyte;
-  look();
+  poll();
   EXPECT_TRUE(is_made());
   std::filesystem::remove(disk.path() + "/exports/" + id + ".zip");
   store.size_of_all = {.volumes = 11 * kGigabyte, .kept = 0};
-  look();
+  poll();
   EXPECT_TRUE(is_made());
 }
 
 TEST_F(ExportsTest, AnExportThatIsNotWantedAnyMoreLeavesNoFile) {
   store.still_wanted = false;
-  look();
+  poll();
   EXPECT_FALSE(is_made());
   EXPECT_THAT(store.waits, IsEmpty());
 }
 
 TEST_F(ExportsTest, AnExportWaitsForItsDirectory) {
   disk.write("exports", "a file where the directory belongs");
-  look();
+  poll();
   EXPECT_EQ(store.waits[id], clock.wall() + 2s);
 }
 
@@ -362,7 +362,7 @@ TEST_F(ExportsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
   });
   EXPECT_EQ(woken, 0);
   store.break_function("claim");
-  look();
+  poll();
   EXPECT_EQ(archives.calls("make"), 0);
 }
 

@@ -58,7 +58,7 @@ Outcome<void> RenderTime::may_go_on(const Principal& who) {
   return {};
 }
 
-void RenderTime::look() {
+void RenderTime::poll() {
   const auto spent = spent_.take_render_time();
   if (!spent) return;
   const Time now = clock_.wall();

@@ -56,7 +56,7 @@ class RenderTime {
   /// Does the same for an open session after the grace period.
   Outcome<void> may_go_on(const Principal& who);
   /// Charges the reported time to the accounts and ends sessions. Call it every few seconds.
-  void look();
+  void poll();
 
  private:
   RenderTimeStore& store_;

@@ -21,11 +21,11 @@ class RenderTimeTest : public testing::Test {
  protected:
   RenderTimeTest() { anna.user_id = "anna"; }
   RenderAccount& account() { return store.accounts["anna"]; }
-  /// Lets the service look every five seconds, as the API does.
+  /// Lets the service poll every five seconds, as the API does.
   void look_for(std::chrono::seconds time) {
     for (auto passed = 0s; passed < time; passed += 5s) {
       clock.advance(5s);
-      render_time.look();
+      render_time.poll();
     }
   }
 
@@ -98,7 +98,7 @@ TEST_F(RenderTimeTest, SessionsOfAnAccountWithoutTimeEndAfterTheGracePeriod) {
   EXPECT_THAT(placement.ended, IsEmpty());
   spent.reported = {{"anna", 10}};
   look_for(5s);
-  EXPECT_THAT(placement.ended, ElementsAre("by anna")) << "once per look, however it was found";
+  EXPECT_THAT(placement.ended, ElementsAre("by anna")) << "once per poll, however it was found";
 }
 
 TEST_F(RenderTimeTest, IdleSessionsEndTooAndForQuarterOfAnHourAfterTheGracePeriod) {

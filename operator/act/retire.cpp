@@ -21,7 +21,7 @@ void add_steps(std::vector<RetireStep>& steps, Kind kind, const Json& object, bo
   }
 }
 
-Result<Remains> look(kube::Api& api, const RetireOptions& options, bool in_time) {
+Result<Remains> find_remains(kube::Api& api, const RetireOptions& options, bool in_time) {
   Remains left;
   auto fleet = api.get(path_of(options.name_space, Kind::kFleet, options.fleet));
   if (fleet) {
@@ -72,7 +72,7 @@ Result<void> retire(kube::Api& api, const RetireOptions& options) {
   bool told = false;
   for (;; options.pause()) {
     const bool in_time = options.clock() - begun < options.grace;
-    const auto left = look(api, options, in_time);
+    const auto left = find_remains(api, options, in_time);
     if (!left && never(left.error())) return tl::unexpected(left.error());
     if (!left) {
       log::warning("read_failed", {{"message", left.error().message}});

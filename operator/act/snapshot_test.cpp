@@ -100,7 +100,7 @@ TEST_F(ObserverTest, IncrementalViewEqualsFullRebuild) {
         stores_.nodes.deleted(at, next());
     }
     if (random.below(3) == 0) continue;  // sometimes several changes at once
-    expect_same(kept.look(step), stores_.observer().look(step));
+    expect_same(kept.snapshot(step), stores_.observer().snapshot(step));
     ASSERT_FALSE(HasFailure()) << "step " << step;
   }
 }
@@ -108,25 +108,25 @@ TEST_F(ObserverTest, IncrementalViewEqualsFullRebuild) {
 TEST_F(ObserverTest, CopiesNothingWhileNothingChanges) {
   stores_.workers.changed(worker("w", "n"));
   Observer kept = stores_.observer();
-  const char* before = kept.look(1).world.workers[0].uid.data();
-  kept.look(1).world.workers[0].uid += "!";  // would be lost if it were copied again
+  const char* before = kept.snapshot(1).world.workers[0].uid.data();
+  kept.snapshot(1).world.workers[0].uid += "!";  // would be lost if it were copied again
   stores_.nodes.changed(node("n", 8));
-  EXPECT_EQ(kept.look(2).world.workers[0].uid, "u-w!");
-  EXPECT_EQ(kept.look(2).world.workers[0].uid.data(), before);
-  EXPECT_EQ(kept.look(2).world.nodes.size(), 1U);
-  EXPECT_EQ(kept.look(3).world.now, 3);
+  EXPECT_EQ(kept.snapshot(2).world.workers[0].uid, "u-w!");
+  EXPECT_EQ(kept.snapshot(2).world.workers[0].uid.data(), before);
+  EXPECT_EQ(kept.snapshot(2).world.nodes.size(), 1U);
+  EXPECT_EQ(kept.snapshot(3).world.now, 3);
   stores_.workers.changed(worker("w", "n"));
-  EXPECT_EQ(kept.look(4).world.workers[0].uid, "u-w");
+  EXPECT_EQ(kept.snapshot(4).world.workers[0].uid, "u-w");
 }
 
 TEST_F(ObserverTest, CountsForeignGpusOnNodesThatAppearLater) {
   Observer kept = stores_.observer();
   stores_.pods.changed(pod("x", "n", 3));
-  EXPECT_TRUE(kept.look(1).world.nodes.empty());
+  EXPECT_TRUE(kept.snapshot(1).world.nodes.empty());
   stores_.nodes.changed(node("n", 8));
-  EXPECT_EQ(kept.look(2).world.nodes[0].foreign_gpus, 3);
+  EXPECT_EQ(kept.snapshot(2).world.nodes[0].foreign_gpus, 3);
   stores_.pods.deleted("x", next());
-  EXPECT_EQ(kept.look(3).world.nodes[0].foreign_gpus, 0);
+  EXPECT_EQ(kept.snapshot(3).world.nodes[0].foreign_gpus, 0);
 }
 
 TEST_F(ObserverTest, ReportsOnlyRelevantChanges) {

@@ -69,7 +69,7 @@ void Leader::run(const std::stop_token& stop) {
       return options_.lost();
     }
     lock.unlock();
-    if (!led) look();
+    if (!led) poll();
     lock.lock();
     step = decision_.step(steady_clock::now());
     lock.unlock();
@@ -83,7 +83,7 @@ void Leader::run(const std::stop_token& stop) {
   }
 }
 
-void Leader::look() {
+void Leader::poll() {
   const auto read = api_.get(options_.path + "/" + options_.name);
   const std::lock_guard lock(mutex_);
   if (read) {
@@ -128,7 +128,7 @@ void Leader::write(bool held) {
   }
   log::warning("lease_write_failed", {{"message", written.error().message}});
   // Another process changed the lease, or the result is unknown, so it is read again.
-  if (held) look();
+  if (held) poll();
 }
 
 void Leader::give_back() {

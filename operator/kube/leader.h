@@ -35,7 +35,7 @@ class Leader {
 
  private:
   void run(const std::stop_token& stop);
-  void look();
+  void poll();
   void write(bool held);
   void give_back();
 

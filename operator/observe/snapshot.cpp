@@ -2,7 +2,7 @@
 
 namespace diaphane::fleet {
 
-Snapshot& Observer::look(Seconds now) {
+Snapshot& Observer::snapshot(Seconds now) {
   ClusterState& world = snapshot_.world;
   world.now = now;
   const bool fleets = fleets_.newer(seen_.fleets, [&](const auto& all) {

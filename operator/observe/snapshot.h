@@ -23,7 +23,7 @@ class Observer {
       : fleets_(fleets), workers_(workers), pods_(pods), nodes_(nodes) {}
 
   /// Returns the current state. Leaves the data from Redis unchanged.
-  Snapshot& look(Seconds now);
+  Snapshot& snapshot(Seconds now);
 
  private:
   void weigh_foreign();

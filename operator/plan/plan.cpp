@@ -27,7 +27,7 @@ Plan plan(const ClusterState& world, std::uint64_t seed) {
   PlanBuilder builder;
   builder.now = world.now;
   if (!world.complete) return {};
-  View view = look(world);
+  View view = build_view(world);
   Random random(seed);
   for (const WorkerView& worker : view.workers) plan_worker(worker, builder);
   for (const FleetView& fleet : view.fleets) {

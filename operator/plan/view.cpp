@@ -95,7 +95,7 @@ bool out_of_service(const Node& node) {
   });
 }
 
-View look(const ClusterState& world) {
+View build_view(const ClusterState& world) {
   View view;
   view.now = world.now;
   std::unordered_map<std::string_view, std::size_t> nodes;

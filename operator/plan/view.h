@@ -61,7 +61,7 @@ struct View {
 };
 
 /// Returns a view whose pointers refer to `world`.
-View look(const ClusterState& world);
+View build_view(const ClusterState& world);
 
 /// Returns max(busy, memory, slots taken, summed error), or nullopt for an old or implausible
 /// sample.

@@ -285,7 +285,7 @@ TEST(WhenThingsFail, UnschedulablePodMovesToTheNextNodeWithBackoff) {
   EXPECT_EQ(two.fleets[0].status.refusals, world.fleets[0].status.refusals);
   EXPECT_EQ(all<DeleteWorker>(plan(two, 1)).size(), 2u);
   two.workers[1].created = two.now + 1;  // after the pause: a second
-  EXPECT_EQ(refusals_of(look(two).fleets[0], two.now + 6)[0].count, 2);
+  EXPECT_EQ(refusals_of(build_view(two).fleets[0], two.now + 6)[0].count, 2);
   world.workers[0].deleted = world.now;
   const auto next = all<CreateWorker>(plan(world, 1));
   ASSERT_EQ(next.size(), 1u);

@@ -6,9 +6,10 @@
 
 namespace diaphane::render::bench {
 
-Look look(Engine& engine, const volume::Volume& volume, const diaphane::v1::Scene& scene,
-          Canvas canvas, std::uint32_t samples, StabilityRow& row) {
-  Look seen;
+ImageStats image_stats(Engine& engine, const volume::Volume& volume,
+                       const diaphane::v1::Scene& scene, Canvas canvas, std::uint32_t samples,
+                       StabilityRow& row) {
+  ImageStats seen;
   const auto refuse = [&](const Error& error) {
     seen.refused = error.message;
     row.passed = false;
@@ -61,7 +62,7 @@ void note_deviation(double deviation, double limit, const std::string& unit, Sta
   }
 }
 
-void compare(const Look& seen, double expected, StabilityRow& row) {
+void compare(const ImageStats& seen, double expected, StabilityRow& row) {
   if (!seen.refused.empty()) return;
   const double off = std::max(std::abs(seen.mean - expected) - kRounding * std::abs(expected), 0.0);
   // If every pixel has the same value, no difference is tolerated.
@@ -69,9 +70,9 @@ void compare(const Look& seen, double expected, StabilityRow& row) {
   note_deviation(std::isfinite(seen.mean) ? sigmas : seen.mean, kMostSigmas, "sigma", row);
 }
 
-void compare(const Look& a, const Look& b, StabilityRow& row) {
+void compare(const ImageStats& a, const ImageStats& b, StabilityRow& row) {
   if (!a.refused.empty() || !b.refused.empty()) return;
-  Look both = a;
+  ImageStats both = a;
   both.deviation = std::hypot(a.deviation, b.deviation);
   compare(both, b.mean, row);
 }

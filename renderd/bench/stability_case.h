@@ -31,7 +31,7 @@ inline constexpr double kMostSigmas = 4.5;
 inline constexpr double kRounding = 2e-5;
 
 /// Statistics of a picture whose pixels all have the same expectation.
-struct Look {
+struct ImageStats {
   double mean = 0;       ///< over pixels and colours
   double deviation = 0;  ///< standard deviation of `mean`, from the spread of the pixels
   double smallest = 0, largest = 0;
@@ -39,14 +39,15 @@ struct Look {
   std::string refused;  ///< why there is no picture
 };
 /// Renders a picture, and adds its samples and non-finite values to the row.
-Look look(Engine& engine, const volume::Volume& volume, const diaphane::v1::Scene& scene,
-          Canvas canvas, std::uint32_t samples, StabilityRow& row);
+ImageStats image_stats(Engine& engine, const volume::Volume& volume,
+                       const diaphane::v1::Scene& scene, Canvas canvas, std::uint32_t samples,
+                       StabilityRow& row);
 
 /// Compares with a known value in standard deviations and keeps the largest deviation. A difference
 /// within rounding counts as 0.
-void compare(const Look& seen, double expected, StabilityRow& row);
+void compare(const ImageStats& seen, double expected, StabilityRow& row);
 /// Compares two estimates of the same value.
-void compare(const Look& a, const Look& b, StabilityRow& row);
+void compare(const ImageStats& a, const ImageStats& b, StabilityRow& row);
 /// Compares a relative or absolute deviation with a limit.
 void note_deviation(double deviation, double limit, const std::string& unit, StabilityRow& row);
 

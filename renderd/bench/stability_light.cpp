@@ -26,7 +26,7 @@ void furnace(Engine& engine, const StabilityOptions& options, const volume::Volu
   scene.mutable_phase()->set_g(g);
   scene.mutable_shading()->set_mode(mode);
   scene.set_bounces(1024);
-  compare(look(engine, volume, scene, {24, 24}, samples_of(options, 100), row), 1, row);
+  compare(image_stats(engine, volume, scene, {24, 24}, samples_of(options, 100), row), 1, row);
 }
 
 /// A cube of 16 mm with one value, albedo 0.8 and extinction 0.1 per mm. A beam runs along -y
@@ -62,18 +62,18 @@ struct LitBox {
 void tiny_lamp(Engine& engine, const StabilityOptions& options, double side, StabilityRow& row) {
   LitBox box;
   box.lamp(20, side, 1 / (side * side));
-  compare(look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row),
+  compare(image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row),
           LitBox::from_point(20), row);
 }
 
 /// With the same random numbers, the pictures differ only by the factor if nothing is clamped.
 void brighter(Engine& engine, const StabilityOptions& options, bool near, StabilityRow& row) {
-  Look seen[2];
+  ImageStats seen[2];
   for (int i = 0; i < 2; ++i) {
     LitBox box;
     box.lamp(near ? 0.5 : 20, near ? 0.1 : 5, i == 0 ? 1 : 1e12);
     StabilityRow own;
-    seen[i] = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), own);
+    seen[i] = image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), own);
     row.samples += own.samples;
     row.non_finite += own.non_finite;
   }
@@ -90,7 +90,7 @@ void brighter(Engine& engine, const StabilityOptions& options, bool near, Stabil
 /// Lights at the camera that are invisible to it: the picture is the same as from 20 mm further
 /// away.
 void camera_in_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
-  Look seen[2];
+  ImageStats seen[2];
   for (int i = 0; i < 2; ++i) {
     LitBox box;
     auto* light = box.scene.add_lights()->mutable_rectangle();  // in the plane y = 40, faces -y
@@ -99,7 +99,7 @@ void camera_in_light(Engine& engine, const StabilityOptions& options, StabilityR
     test::set(light->mutable_v(), 0, 0, 10);
     test::set(light->mutable_radiance(), 3, 3, 3);
     test::set(box.scene.mutable_camera()->mutable_eye(), 0, i == 0 ? 40 : 60, 0);
-    seen[i] = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
+    seen[i] = image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   }
   compare(seen[0], seen[1], row);
   if (seen[0].mean <= 0) row.passed = false;
@@ -111,17 +111,20 @@ void camera_in_sphere(Engine& engine, const StabilityOptions& options, Stability
   test::set(sphere->mutable_centre(), 0, 40, 0);
   sphere->set_radius(2);
   test::set(sphere->mutable_radiance(), 3, 3, 3);
-  const Look inside = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
+  const ImageStats inside =
+      image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   if (!inside.refused.empty()) return;
   test::set(box.scene.mutable_camera()->mutable_eye(), 0, 60, 0);
-  const Look outside = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
+  const ImageStats outside =
+      image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   compare(inside, outside, row);
 }
 
 void black_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   LitBox box;
   box.lamp(20, 5, 0);
-  const Look seen = look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
+  const ImageStats seen =
+      image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   note_deviation(std::max(seen.largest, -seen.smallest), 0, "absolute", row);
 }
 
@@ -130,7 +133,7 @@ void black_beside_bright(Engine& engine, const StabilityOptions& options, Stabil
   LitBox box;
   box.lamp(20, 1e-3, 0);
   box.lamp(20, 1e-3, 1e6);
-  compare(look(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row),
+  compare(image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row),
           LitBox::from_point(20), row);
 }
 
@@ -141,7 +144,8 @@ void lamp_inside(Engine& engine, const StabilityOptions& options, StabilityRow& 
     for (const double side : {1e-5, 1.0, 100.0}) {
       LitBox box;
       box.lamp(z, side, 1e6);
-      const Look seen = look(engine, box.volume, box.scene, {16, 16}, samples_of(options, 60), row);
+      const ImageStats seen =
+          image_stats(engine, box.volume, box.scene, {16, 16}, samples_of(options, 60), row);
       if (!(seen.smallest >= 0)) row.passed = false;
     }
   }

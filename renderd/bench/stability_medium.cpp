@@ -25,7 +25,7 @@ void through_a_box(Engine& engine, const StabilityOptions& options, double extin
   diaphane::v1::Scene scene = beam(from, {0.02 * edge, 0, 0}, 1e-4 * edge);
   set_medium(scene, {{0, 1}, {200, 1}}, extinction);
   const double length = length_inside(v.header, from, {0.02 * edge, 0, 0});
-  compare(look(engine, v, scene, kCanvas, samples_of(options, samples), row),
+  compare(image_stats(engine, v, scene, kCanvas, samples_of(options, samples), row),
           std::exp(-extinction * length), row);
 }
 
@@ -39,7 +39,8 @@ void between_spikes(Engine& engine, const StabilityOptions& options, StabilityRo
   const Double3 from{2.5 - 24 + 20, 2.5 - 24 + 20, 60};
   diaphane::v1::Scene scene = beam(from, {from.x, from.y, 0}, 0.2);
   set_medium(scene, {{0, 1e-6}, {30000, 1}}, 1e4);
-  compare(look(engine, v, scene, kCanvas, samples_of(options, 40), row), std::exp(-1e-2 * 48), row);
+  compare(image_stats(engine, v, scene, kCanvas, samples_of(options, 40), row),
+          std::exp(-1e-2 * 48), row);
 }
 
 /// Interpolates in double precision, by the definition of the model.
@@ -105,7 +106,7 @@ void through_random_spikes(Engine& engine, const StabilityOptions& options, Stab
       }
       depth += 20 * opacity(value_at(v, index)) * 120 / kSteps;
     }
-    const Look seen = look(engine, v, scene, {32, 32}, samples_of(options, 200), row);
+    const ImageStats seen = image_stats(engine, v, scene, {32, 32}, samples_of(options, 200), row);
     // The renderer's table has nodes of finite width, so a bend of the function is off by about
     // 1e-3.
     const double expected = std::exp(-depth);
@@ -138,7 +139,8 @@ void of_spacing(Engine& engine, const StabilityOptions& options, std::array<doub
     const double length = length_inside(v.header, from, to);
     diaphane::v1::Scene scene = beam(from, to, 1e-4 * thin);
     set_medium(scene, {{0, 1}, {200, 1}}, 1 / length);
-    compare(look(engine, v, scene, kCanvas, samples_of(options, 60), row), std::exp(-1.0), row);
+    compare(image_stats(engine, v, scene, kCanvas, samples_of(options, 60), row), std::exp(-1.0),
+            row);
   }
 }
 
@@ -150,7 +152,8 @@ void of_shape(Engine& engine, const StabilityOptions& options, std::array<std::u
   diaphane::v1::Scene scene = beam(from, to, 1e-4);
   const double length = length_inside(v.header, from, to);
   set_medium(scene, {{-32768, 1}, {32767, 1}}, 0.8 / length);
-  compare(look(engine, v, scene, kCanvas, samples_of(options, 60), row), std::exp(-0.8), row);
+  compare(image_stats(engine, v, scene, kCanvas, samples_of(options, 60), row), std::exp(-0.8),
+          row);
 }
 
 std::string number(double x) {
@@ -208,14 +211,16 @@ std::vector<StabilityCase> medium_cases() {
   add("empty function", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     diaphane::v1::Scene scene = beam({30, 20, 10}, {0, 0, 0}, 40);
     set_medium(scene, {{-32768, 0}, {32767, 0}}, 1e7);
-    const Look seen = look(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
+    const ImageStats seen =
+        image_stats(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
     note_deviation(std::max(std::abs(seen.smallest - 1), std::abs(seen.largest - 1)), 0, "absolute",
                    row);
   });
   add("all-opaque function", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     diaphane::v1::Scene scene = beam({30, 20, 10}, {0, 0, 0}, 10);
     set_medium(scene, {{-32768, 1}, {32767, 1}}, 1e7);
-    const Look seen = look(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
+    const ImageStats seen =
+        image_stats(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
     note_deviation(seen.largest, 0, "absolute", row);
   });
   return cases;
@@ -230,7 +235,8 @@ std::vector<StabilityCase> ray_cases() {
         const double length = length_inside(v.header, from, to);
         diaphane::v1::Scene scene = beam(from, to, width);
         set_medium(scene, {{0, 1}, {200, 1}}, 0.05);
-        compare(look(e, v, scene, kCanvas, samples_of(w, 60), row), std::exp(-0.05 * length), row);
+        compare(image_stats(e, v, scene, kCanvas, samples_of(w, 60), row), std::exp(-0.05 * length),
+                row);
       }
     };
   };
@@ -263,7 +269,7 @@ std::vector<StabilityCase> ray_cases() {
          for (const Double3 p : {Double3{8, 0, 30}, Double3{8, 8, 30}, Double3{-8, 8, 30}}) {
            diaphane::v1::Scene scene = beam(p, {p.x, p.y, 0}, 1e-9);
            set_medium(scene, {{0, 1}, {200, 1}}, 0.05);
-           const Look seen = look(e, v, scene, {8, 8}, samples_of(w, 60), row);
+           const ImageStats seen = image_stats(e, v, scene, {8, 8}, samples_of(w, 60), row);
            note_deviation(std::max({seen.largest - 1, -seen.smallest, 0.0}), 0, "absolute", row);
          }
        }}};

@@ -17,7 +17,7 @@ void many_samples(Engine& engine, const StabilityOptions& options, StabilityRow&
   const double length = length_inside(v.header, {20, 15, 10}, {0, 0, 0});
   set_medium(scene, {{0, 1}, {200, 1}}, std::log(1000.0) / length);
   const std::uint32_t samples = options.quick ? 1'000'000 : 12'000'000;
-  const Look seen = look(engine, v, scene, {2, 2}, samples, row);
+  const ImageStats seen = image_stats(engine, v, scene, {2, 2}, samples, row);
   if (!seen.refused.empty()) return;
   // Four pixels are too few to measure their own spread, but that of a binary value is known. An
   // engine that computes the transmittance without random numbers is closer still.

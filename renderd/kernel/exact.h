@@ -61,7 +61,7 @@ class DepthWalk {
   /// Crosses a cell or empty bricks, or stops at a cell of several pieces.
   HOST_DEVICE bool step_cell(const Volume& volume, const ExactView& exact,
                              CellCrossing<Volume>& c) {
-    walk_.look(c);
+    walk_.compute_crossing(c);
     const bool gap = walk_.in_gap();
     if (!gap) {
       ExtinctionPiece piece = exact.only;
@@ -80,7 +80,7 @@ class DepthWalk {
   HOST_DEVICE void begin_parts(const Volume& volume, const ExactView& exact) {
     if constexpr (kCurved) {
       CellCrossing<Volume> c;
-      walk_.look(c);
+      walk_.compute_crossing(c);
       parts_.walk = PartsWalk(volume.corners(c.cell, c.brick), c.segment, exact);
       parts_.state = Parts::kUnderWay;
     }
@@ -88,7 +88,7 @@ class DepthWalk {
   HOST_DEVICE bool step_part(const Volume& volume, const ExactView& exact,
                              CellCrossing<Volume>& c) {
     if constexpr (kCurved) {
-      walk_.look(c);
+      walk_.compute_crossing(c);
       const PartsWalk::Part part = parts_.walk.next(exact);
       depth_ += parts_.walk.depth_of(part, c.segment.t1 - c.segment.t0);
       if (!parts_.walk.ended()) return false;

@@ -51,7 +51,7 @@ class ExactWalk {
   HOST_DEVICE bool in_gap() const { return skip_ != 0; }
 
   /// Computes the segment in the current cell or cube.
-  HOST_DEVICE void look(CellCrossing<Volume>& out) const {
+  HOST_DEVICE void compute_crossing(CellCrossing<Volume>& out) const {
     const Int3 far = far_cell();
     // A single rounding each if the processor has a fused multiply-add.
     out.planes = as_numbers(far) * inverse_ + bias_;
@@ -61,8 +61,8 @@ class ExactWalk {
     out.cell = cell_;
     out.brick = brick_;
   }
-  /// Moves to the next cell or cube after the one from look(). It has no branches, because the rays
-  /// of a warp leave through different sides.
+  /// Moves to the next cell or cube after the one from compute_crossing(). It has no branches,
+  /// because the rays of a warp leave through different sides.
   HOST_DEVICE void pass(const CellCrossing<Volume>& at, const Volume& volume,
                         const ExactView& exact) {
     // Nothing beyond last_ is visited.

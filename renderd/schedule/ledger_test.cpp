@@ -23,9 +23,9 @@ struct LedgerTest : testing::Test {
     wanted.version = 1;
     wanted.scene = std::make_shared<const v1::Scene>();
     wanted.viewport = {100, 100};
-    look();
+    refresh();
   }
-  void look() { ledger.refresh(wanted, device, rules, now); }
+  void refresh() { ledger.refresh(wanted, device, rules, now); }
   void input() {
     ++wanted.version;
     wanted.last_input = now;
@@ -43,7 +43,7 @@ struct LedgerTest : testing::Test {
 
 TEST_F(LedgerTest, NewSessionWaitsForItsFirstFrame) {
   now += 3ms;
-  look();
+  refresh();
   EXPECT_EQ(view().samples, 0U);
   EXPECT_TRUE(std::isinf(view().error));
   EXPECT_NEAR(view().seconds_unanswered, 0.003, 1e-9);
@@ -66,11 +66,11 @@ TEST_F(LedgerTest, OnlyItsOwnImageAnswersAnInput) {
   render(1, 0.5);
   input();
   now += 5ms;
-  look();
+  refresh();
   ledger.shown(0, device, now);  // a picture of the previous scene
   EXPECT_GT(view().seconds_unanswered, 0);
   render(1, 0.5);
-  look();
+  refresh();
   ledger.shown(0, device, now);
   EXPECT_EQ(view().seconds_unanswered, 0);
 }
@@ -80,10 +80,10 @@ TEST_F(LedgerTest, UnansweredTimeCountsFromTheOldestInput) {
   ledger.shown(0, device, now);
   input();
   now += 10ms;
-  look();
+  refresh();
   input();
   now += 10ms;
-  look();
+  refresh();
   EXPECT_NEAR(view().seconds_unanswered, 0.02, 1e-9);
 }
 
@@ -98,23 +98,23 @@ TEST_F(LedgerTest, DoesNotConvergeWithFewSamples) {
 
 TEST_F(LedgerTest, ViewerMayStopEarlierButNotLater) {
   render(20, 0.1);
-  look();
+  refresh();
   EXPECT_FALSE(ledger.converged(rules));
   wanted.effort.stop_error = 0.2;
-  look();
+  refresh();
   EXPECT_TRUE(ledger.converged(rules));
   EXPECT_EQ(view().error, 0) << "nothing more to gain";
   wanted.effort = {.stop_samples = 20};
-  look();
+  refresh();
   EXPECT_TRUE(ledger.converged(rules));
   wanted.effort = {.stop_samples = 21};
-  look();
+  refresh();
   EXPECT_FALSE(ledger.converged(rules));
   EXPECT_GT(view().error, view().target_error);
 
   render(20, 0.009);
   wanted.effort = {.stop_error = 0.001, .stop_samples = 1'000};
-  look();
+  refresh();
   EXPECT_TRUE(ledger.converged(rules)) << "as the worker has it";
 }
 
@@ -123,42 +123,42 @@ TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
     wanted.effort.moving_scale = viewer;
     wanted.moving_scale = connection;
     input();
-    look();
+    refresh();
     return ledger.planned();
   };
   EXPECT_EQ(moving(1, 1), (Canvas{100, 100}));
   EXPECT_EQ(moving(0.5, 1), (Canvas{50, 50}));
   EXPECT_EQ(moving(0.5, 0.25).width, 26U) << "the connection has its say";
   now += 1s;
-  look();
+  refresh();
   EXPECT_EQ(ledger.planned(), (Canvas{100, 100})) << "at rest it is whole";
 }
 
 TEST_F(LedgerTest, SessionWithoutGainDoesNotWait) {
   render(20, 0.001);
   now += 5s;
-  look();
+  refresh();
   EXPECT_EQ(view().seconds_waiting, 0);
   input();
   now += 1s;
-  look();
+  refresh();
   EXPECT_NEAR(view().seconds_waiting, 1, 1e-9);
   wanted.visible = false;
-  look();
+  refresh();
   EXPECT_EQ(view().seconds_waiting, 0);
 }
 
 TEST_F(LedgerTest, DoesNotRetryARefusedScene) {
   render(1, 0.5);
   input();
-  look();
+  refresh();
   ASSERT_TRUE(ledger.stale());
   ledger.refused();
-  look();
+  refresh();
   EXPECT_FALSE(ledger.stale());
   EXPECT_EQ(view().seconds_unanswered, 0);
   input();
-  look();
+  refresh();
   EXPECT_TRUE(ledger.stale());
 }
 
@@ -166,7 +166,7 @@ TEST_F(LedgerTest, EpochIncreasesWithEachScene) {
   render(1, 0.5);
   EXPECT_EQ(ledger.epoch(), 8U);
   input();
-  look();
+  refresh();
   render(1, 0.5);
   EXPECT_EQ(ledger.epoch(), 9U);
 }
@@ -174,12 +174,12 @@ TEST_F(LedgerTest, EpochIncreasesWithEachScene) {
 /// When the pointer is lifted, the full size is rendered at once, without waiting for silence.
 TEST_F(LedgerTest, EndOfAGestureCountsAsRestImmediately) {
   input();
-  look();
+  refresh();
   EXPECT_TRUE(ledger.moving());
   EXPECT_LT(view().seconds_since_input, kRestSeconds);
   wanted.rest = true;
   input();
-  look();
+  refresh();
   EXPECT_FALSE(ledger.moving());
   EXPECT_GE(view().seconds_since_input, kRestSeconds);
   render(2, 0.1);
@@ -192,7 +192,7 @@ TEST_F(LedgerTest, SampleNoiseFollowsTheLastKnownError) {
   render(4, 0.1);
   EXPECT_NEAR(view().noise, 0.2, 1e-12);
   input();
-  look();
+  refresh();
   render(1, std::numeric_limits<double>::infinity());
   EXPECT_NEAR(view().noise, 0.2, 1e-12) << "one sample says nothing of it";
 }

@@ -140,16 +140,16 @@ bool same(const std::vector<Quantum>& one, const std::vector<Quantum>& other) {
 
 class Worlds : public testing::TestWithParam<PolicyKind> {
  protected:
-  /// Calls `look` for each of 400 rounds in each of 12 worlds.
-  template <typename Look>
-  void each(Look look) {
+  /// Calls `check` for each of 400 rounds in each of 12 worlds.
+  template <typename Check>
+  void each(Check check) {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
       World world(seed, 1 + seed * seed % 37, seed % 3 == 0 ? 20 : 0.5);
       const auto policy = make_policy(GetParam(), {}, seed);
       for (int i = 0; i < 400; ++i) {
         const std::vector<SessionView> views = world.views();
         const std::vector<Quantum> round = policy->next(views);
-        ASSERT_NO_FATAL_FAILURE(look(world, views, round)) << "world " << seed << ", round " << i;
+        ASSERT_NO_FATAL_FAILURE(check(world, views, round)) << "world " << seed << ", round " << i;
         world.carry_out(round);
       }
     }

@@ -20,14 +20,14 @@ Watchdog::~Watchdog() {
 
 void Watchdog::run() {
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, options_.look, [this] { return stopping_; })) {
+  while (!changed_.wait_for(lock, options_.poll_interval, [this] { return stopping_; })) {
     lock.unlock();
-    look();
+    poll();
     lock.lock();
   }
 }
 
-void Watchdog::look() {
+void Watchdog::poll() {
   std::uint64_t most = 0;
   const std::string* longest = nullptr;
   for (std::size_t i = 0; i < watched_.size(); ++i) {
@@ -40,10 +40,10 @@ void Watchdog::look() {
       longest = &watched_[i].name;
     }
   }
-  const auto silence = most * options_.look;
+  const auto silence = most * options_.poll_interval;
   suspects_ = 2 * silence >= options_.limit;
-  if (silence < options_.limit || !longest || told_) return;
-  told_ = true;
+  if (silence < options_.limit || !longest || reported_) return;
+  reported_ = true;
   options_.hung(*longest);
 }
 

@@ -29,7 +29,7 @@ class Watchdog {
   };
   struct Options {
     std::chrono::milliseconds limit{10'000};            ///< of silence, at least two polls
-    std::chrono::milliseconds look{250};                ///< between two polls
+    std::chrono::milliseconds poll_interval{250};       ///< between two polls
     std::function<void(const std::string& name)> hung;  ///< called once, from the watchdog's thread
   };
 
@@ -43,7 +43,7 @@ class Watchdog {
 
  private:
   void run();
-  void look();
+  void poll();
 
   struct State {
     std::uint64_t pulse = 0;
@@ -53,7 +53,7 @@ class Watchdog {
   const Options options_;
   std::vector<State> states_;
   std::atomic<bool> suspects_{false};
-  bool told_ = false;
+  bool reported_ = false;
 
   std::mutex mutex_;
   std::condition_variable changed_;

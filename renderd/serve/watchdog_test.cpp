@@ -16,7 +16,7 @@ struct Told {
   std::atomic<int> times{0};
   std::string name;
   Watchdog::Options within(std::chrono::milliseconds limit) {
-    return {.limit = limit, .look = 10ms, .hung = [this](const std::string& who) {
+    return {.limit = limit, .poll_interval = 10ms, .hung = [this](const std::string& who) {
               name = who;
               ++times;
             }};
