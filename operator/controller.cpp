@@ -45,20 +45,20 @@ Controller::Controller(Options options, kube::Transport& transport, directory::C
                  }},
                 api_, events_) {
   const std::string ours = "/apis/" + std::string(kVersion) + "/namespaces/" + options_.name_space;
-  const auto tell = [this] { changed(); };
+  const auto notify = [this] { changed(); };
   fleets_ = std::make_unique<kube::Informer<FleetObject>>(
-      watched(ours + "/renderfleets", "renderfleets"), transport, read_fleet, tell);
+      watched(ours + "/renderfleets", "renderfleets"), transport, read_fleet, notify);
   workers_ = std::make_unique<kube::Informer<WorkerObject>>(
       watched(ours + "/renderworkers", "renderworkers"), transport,
-      [this](const Json& object) { return read_worker(object, templates_); }, tell);
+      [this](const Json& object) { return read_worker(object, templates_); }, notify);
   pods_ = std::make_unique<kube::Informer<PodObject>>(
       watched(options_.all_pods ? "/api/v1/pods"
                                 : "/api/v1/namespaces/" + options_.name_space + "/pods",
               "pods"),
       transport,
-      [home = options_.name_space](const Json& object) { return read_pod(object, home); }, tell);
+      [home = options_.name_space](const Json& object) { return read_pod(object, home); }, notify);
   nodes_ = std::make_unique<kube::Informer<NodeObject>>(watched("/api/v1/nodes", "nodes"),
-                                                        transport, read_node, tell);
+                                                        transport, read_node, notify);
   kube::Leader::Options leader = options_.leader;
   leader.won = [this] { changed(); };
   leader_ = std::make_unique<kube::Leader>(std::move(leader), api_);
@@ -120,15 +120,15 @@ void Controller::run_plans(const std::stop_token& stop) {
     next = kTelemetry;
     if (!listed() || !leader_->leads()) continue;
     const auto begun = steady_clock::now();
-    Snapshot& seen = observer.snapshot(wall());
-    seen.world.complete = true;
-    telemetry_cache_.fill(seen.world);
+    Snapshot& snapshot = observer.snapshot(wall());
+    snapshot.world.complete = true;
+    telemetry_cache_.fill(snapshot.world);
     const Plan made =
-        plan(seen.world, static_cast<std::uint64_t>(begun.time_since_epoch().count()));
+        plan(snapshot.world, static_cast<std::uint64_t>(begun.time_since_epoch().count()));
     const nanoseconds spent = steady_clock::now() - begun;
     metrics_.planned(std::chrono::duration<double>(spent).count());
     least = std::max<nanoseconds>(kGather, spent * (kPlanningShare - 1));
-    carry_out_all(made, seen);
+    carry_out_all(made, snapshot);
     if (made.requeue_after) {
       next = std::chrono::duration_cast<nanoseconds>(
           std::chrono::duration<double>(std::clamp(*made.requeue_after, 0.001, 60.0)));
@@ -141,7 +141,7 @@ void Controller::run_plans(const std::stop_token& stop) {
   }
 }
 
-void Controller::carry_out_all(const Plan& made, const Snapshot& seen) {
+void Controller::carry_out_all(const Plan& made, const Snapshot& snapshot) {
   {
     const std::lock_guard lock(work_mutex_);
     todo_.clear();
@@ -154,14 +154,14 @@ void Controller::carry_out_all(const Plan& made, const Snapshot& seen) {
     }
   }
   const auto until = steady_clock::now() + kBatch;
-  if (made.actions.empty()) return work(seen, until);
+  if (made.actions.empty()) return work(snapshot, until);
   const auto count = std::min<std::size_t>(kWriters, made.actions.size());
   std::vector<std::jthread> writers;
-  for (std::size_t i = 1; i < count; ++i) writers.emplace_back([&] { work(seen, until); });
-  work(seen, until);
+  for (std::size_t i = 1; i < count; ++i) writers.emplace_back([&] { work(snapshot, until); });
+  work(snapshot, until);
 }
 
-void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
+void Controller::work(const Snapshot& snapshot, steady_clock::time_point until) {
   while (steady_clock::now() < until) {
     std::string key;
     std::vector<const Action*> actions;
@@ -182,7 +182,7 @@ void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
     Result<void> done =
         fail(ErrorCode::kUnavailable, "this operator is not the leader", "NotLeading");
     // A process that was suspended learns here that another one leads.
-    if (leader_->leads()) done = executor_.carry_out(actions, seen);
+    if (leader_->leads()) done = executor_.carry_out(actions, snapshot);
     for (const Action* action : actions) metrics_.action(name_of(*action), done.has_value());
     const std::lock_guard lock(work_mutex_);
     if (done) {

@@ -45,8 +45,8 @@ class Controller {
  private:
   void changed();
   void run_plans(const std::stop_token& stop);
-  void carry_out_all(const Plan& plan, const Snapshot& seen);
-  void work(const Snapshot& seen, std::chrono::steady_clock::time_point until);
+  void carry_out_all(const Plan& plan, const Snapshot& snapshot);
+  void work(const Snapshot& snapshot, std::chrono::steady_clock::time_point until);
   void run_telemetry(const std::stop_token& stop);
   std::vector<std::string> fleet_names() const;
   std::vector<directory::DrainRequest> draining() const;

@@ -103,7 +103,7 @@ void append(std::vector<double>& to, const std::vector<double>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-void add(Seen& all, const Seen& one) {
+void add(Measurements& all, const Measurements& one) {
   append(all.input_to_frame, one.input_to_frame);
   append(all.answer_seconds, one.answer_seconds);
   append(all.render_seconds, one.render_seconds);
@@ -177,7 +177,7 @@ Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
   const TimePoint now = Clock::now();
   for (const auto& person : people) {
     person->give_up(now);
-    add(result.seen, person->seen());
+    add(result.measurements, person->measurements());
     result.problems += person->problems();
     if (person->close_code() >= 0) ++result.closed[person->close_code()];
     if (const auto opening = person->opening_seconds()) result.opening_seconds.push_back(*opening);

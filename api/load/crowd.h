@@ -31,8 +31,8 @@ struct CrowdResult {
   std::map<int, int> closed;  ///< streams that ended on their own, by close code
   std::size_t problems = 0;
   std::vector<double> opening_seconds;
-  double seconds = 0;  ///< length of the measurement
-  Seen seen;           ///< over all sessions
+  double seconds = 0;         ///< length of the measurement
+  Measurements measurements;  ///< over all sessions
 };
 
 /// Opens all sessions, lets `moving` of them drag at any moment, and measures. `measured` is called

@@ -24,13 +24,14 @@ double ratio(double over, double under) { return under > 0 ? over / under : 0; }
 // Average times in milliseconds of a frame that answers an input. renderd measures from the arrival
 // of the input to handing the frame to gRPC. The rest of the viewer's latency is transport in both
 // directions: gateway, sockets, and threads of both programs.
-Json where_the_time_goes(const Seen& seen, const Usage& before, const Usage& after) {
+Json where_the_time_goes(const Measurements& measurements, const Usage& before,
+                         const Usage& after) {
   const std::string name = "diaphane_renderd_input_to_frame_seconds";
   const double there = ratio(grown(before.worker, after.worker, name + "_sum"),
                              grown(before.worker, after.worker, name + "_count"));
-  const double all = mean(seen.answer_seconds);
-  const double render = mean(seen.render_seconds);
-  const double encode = mean(seen.encode_seconds);
+  const double all = mean(measurements.answer_seconds);
+  const double render = mean(measurements.render_seconds);
+  const double encode = mean(measurements.encode_seconds);
   return {{"from_oldest_input", 1e3 * all},
           {"render", 1e3 * render},
           {"encode", 1e3 * encode},
@@ -52,9 +53,10 @@ Json device(const Usage& before, const Usage& after, double seconds) {
 
 Json load_report(const CrowdOptions& options, CrowdResult result, const Usage& before,
                  const Usage& after) {
-  Seen& seen = result.seen;
+  Measurements& measurements = result.measurements;
   const double wall = std::chrono::duration<double>(after.at - before.at).count();
-  const std::size_t unanswered = seen.inputs - std::min(seen.inputs, seen.input_to_frame.size());
+  const std::size_t unanswered =
+      measurements.inputs - std::min(measurements.inputs, measurements.input_to_frame.size());
   Json closed = Json::object();
   for (const auto& [code, count] : result.closed) closed[std::to_string(code)] = count;
   Json report{{"sessions", options.sessions},
@@ -66,16 +68,18 @@ Json load_report(const CrowdOptions& options, CrowdResult result, const Usage& b
               {"refused", result.refused},
               {"closed", closed},
               {"problems", result.problems},
-              {"inputs", seen.inputs},
+              {"inputs", measurements.inputs},
               {"not_measured", unanswered},
-              {"input_to_frame_ms", milliseconds(seen.input_to_frame)},
+              {"input_to_frame_ms", milliseconds(measurements.input_to_frame)},
               {"opening_ms", milliseconds(result.opening_seconds)},
-              {"mean_ms", where_the_time_goes(seen, before, after)}};
-  report["moving_frames_per_second"] = ratio(double(seen.moving_frames), seen.moving_seconds);
-  report["moving_frame_bytes"] = ratio(double(seen.moving_bytes), double(seen.moving_frames));
-  report["moving_frame_pixels"] = ratio(seen.pixels, double(seen.moving_frames));
-  report["frames_per_second"] = ratio(double(seen.frames), result.seconds);
-  report["megabytes_per_second"] = ratio(double(seen.bytes) * 1e-6, result.seconds);
+              {"mean_ms", where_the_time_goes(measurements, before, after)}};
+  report["moving_frames_per_second"] =
+      ratio(double(measurements.moving_frames), measurements.moving_seconds);
+  report["moving_frame_bytes"] =
+      ratio(double(measurements.moving_bytes), double(measurements.moving_frames));
+  report["moving_frame_pixels"] = ratio(measurements.pixels, double(measurements.moving_frames));
+  report["frames_per_second"] = ratio(double(measurements.frames), result.seconds);
+  report["megabytes_per_second"] = ratio(double(measurements.bytes) * 1e-6, result.seconds);
   report["cores"] = {{"renderd", ratio(after.renderd - before.renderd, wall)},
                      {"gateway", ratio(after.gateway - before.gateway, wall)},
                      {"redis", ratio(after.redis - before.redis, wall)},

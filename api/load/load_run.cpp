@@ -40,7 +40,7 @@ void Search::tried(bool was_held) {
   next_ = failed_ - held_ > step ? (failed_ + held_) / 2 : 0;
 }
 
-Result<Json> load_run(LoadOptions options, const std::function<void(const std::string&)>& tell) {
+Result<Json> load_run(LoadOptions options, const std::function<void(const std::string&)>& print) {
   const CrowdOptions asked = options.crowd;
   options.stage.slots =
       std::max(options.stage.slots, options.find ? options.most_sessions : asked.sessions);
@@ -51,7 +51,7 @@ Result<Json> load_run(LoadOptions options, const std::function<void(const std::s
   directory::Sessions placement(**client);
 
   Json all{{"bound_ms", 1e3 * options.bound_seconds}, {"runs", Json::array()}};
-  tell(load_heading());
+  print(load_heading());
   const auto run = [&](std::size_t sessions) -> Result<Json> {
     CrowdOptions crowd = asked;
     crowd.sessions = sessions;
@@ -66,7 +66,7 @@ Result<Json> load_run(LoadOptions options, const std::function<void(const std::s
     auto report = one_run(**stage, placement, crowd);
     if (!report) return report;
     if (!(*stage)->stands()) return fail(ErrorCode::kUnavailable, "a program ended by itself");
-    tell(load_line(*report));
+    print(load_line(*report));
     all["runs"].push_back(*report);
     // The slots become free with the next heartbeat.
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
@@ -89,9 +89,9 @@ Result<Json> load_run(LoadOptions options, const std::function<void(const std::s
     search.tried(held(*report, options.bound_seconds));
   }
   all["largest_held"] = search.largest_held();
-  tell("largest number of sessions with p95 <= " +
-       std::to_string(std::lround(1e3 * options.bound_seconds)) +
-       " ms: " + std::to_string(search.largest_held()));
+  print("largest number of sessions with p95 <= " +
+        std::to_string(std::lround(1e3 * options.bound_seconds)) +
+        " ms: " + std::to_string(search.largest_held()));
   return all;
 }
 

@@ -36,8 +36,8 @@ struct LoadOptions {
   std::size_t most_sessions = 1024;
 };
 
-/// Returns the JSON of all runs, and passes a line per run to `tell` when it ends.
+/// Returns the JSON of all runs, and passes a line per run to `print` when it ends.
 Result<nlohmann::ordered_json> load_run(LoadOptions options,
-                                        const std::function<void(const std::string&)>& tell);
+                                        const std::function<void(const std::string&)>& print);
 
 }  // namespace diaphane::api::load

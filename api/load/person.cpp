@@ -107,25 +107,25 @@ void Person::on_config(const v1::Config& config) {
   viewer_->send(message);
 }
 
-void Person::on_frame(const FrameSeen& frame) {
+void Person::on_frame(const ReceivedFrame& frame) {
   ++frames_;
   if (!opening_) opening_ = seconds_between(entered_, frame.at);
   if (ready_ && frame.input_seq >= input_seq_) std::exchange(ready_, nullptr)(true);
   const OpenInputs::Shown shown = open_.shown(frame.input_seq, frame.at, from_);
-  seen_.input_to_frame.insert(seen_.input_to_frame.end(), shown.seconds.begin(),
-                              shown.seconds.end());
+  measurements_.input_to_frame.insert(measurements_.input_to_frame.end(), shown.seconds.begin(),
+                                      shown.seconds.end());
   if (!shown.seconds.empty()) {
-    seen_.answer_seconds.push_back(shown.seconds.front());
-    seen_.render_seconds.push_back(frame.render_seconds);
-    seen_.encode_seconds.push_back(frame.encode_seconds);
+    measurements_.answer_seconds.push_back(shown.seconds.front());
+    measurements_.render_seconds.push_back(frame.render_seconds);
+    measurements_.encode_seconds.push_back(frame.encode_seconds);
   }
   if (!measured(frame.at)) return;
-  ++seen_.frames;
-  seen_.bytes += frame.bytes;
+  ++measurements_.frames;
+  measurements_.bytes += frame.bytes;
   if (!moving_) return;
-  ++seen_.moving_frames;
-  seen_.moving_bytes += frame.bytes;
-  seen_.pixels += double(frame.width) * frame.height;
+  ++measurements_.moving_frames;
+  measurements_.moving_bytes += frame.bytes;
+  measurements_.pixels += double(frame.width) * frame.height;
 }
 
 void Person::on_message(const v1::ServerMessage& message) {
@@ -159,7 +159,7 @@ void Person::input() {
   *message.mutable_scene()->mutable_scene() = turned(scene_, degrees_);
   if (now < until_) {
     open_.sent(input_seq_, now);
-    seen_.inputs += measured(now);
+    measurements_.inputs += measured(now);
   }
   viewer_->send(message);
   if (now >= drag_ends_) return end_drag(now);
@@ -173,14 +173,15 @@ void Person::end_drag(TimePoint now) {
   moving_ = false;
   const TimePoint begin = std::max(drag_began_, from_);
   const TimePoint end = std::min(now, until_);
-  if (end > begin) seen_.moving_seconds += seconds_between(begin, end);
+  if (end > begin) measurements_.moving_seconds += seconds_between(begin, end);
   if (done_) std::exchange(done_, nullptr)();
 }
 
 void Person::give_up(TimePoint now) {
   if (moving_) end_drag(now);
   const OpenInputs::Shown left = open_.give_up(now, from_);
-  seen_.input_to_frame.insert(seen_.input_to_frame.end(), left.seconds.begin(), left.seconds.end());
+  measurements_.input_to_frame.insert(measurements_.input_to_frame.end(), left.seconds.begin(),
+                                      left.seconds.end());
 }
 
 }  // namespace diaphane::api::load

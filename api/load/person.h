@@ -15,7 +15,7 @@ namespace diaphane::api::load {
 diaphane::v1::Scene turned(const diaphane::v1::Scene& scene, double degrees);
 
 /// What one user saw between two moments.
-struct Seen {
+struct Measurements {
   std::vector<double> input_to_frame;  ///< seconds, for every input
   /// For frames that were the first to show an input: the time since the oldest such input, and its
   /// parts.
@@ -50,7 +50,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   void after(double seconds, std::function<void()> done);
 
   // Must be read on the viewer's strand, or after everything has stopped.
-  const Seen& seen() const { return seen_; }
+  const Measurements& measurements() const { return measurements_; }
   /// Counts inputs without a frame with their age.
   void give_up(TimePoint now);
   std::optional<double> opening_seconds() const { return opening_; }
@@ -59,7 +59,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   std::size_t frames() const { return frames_; }  ///< since the stream was opened
 
   void on_config(const diaphane::v1::Config& config) override;
-  void on_frame(const FrameSeen& frame) override;
+  void on_frame(const ReceivedFrame& frame) override;
   void on_message(const diaphane::v1::ServerMessage& message) override;
   void on_closed(int code) override;
 
@@ -89,7 +89,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   int code_ = -1;
   std::size_t problems_ = 0;
   std::size_t frames_ = 0;
-  Seen seen_;
+  Measurements measurements_;
 };
 
 }  // namespace diaphane::api::load

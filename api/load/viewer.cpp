@@ -92,9 +92,9 @@ struct Viewer::Impl : std::enable_shared_from_this<Viewer::Impl> {
   }
 
   void received() {
-    FrameSeen seen;
-    seen.at = std::chrono::steady_clock::now();
-    seen.bytes = buffer.size();
+    ReceivedFrame received;
+    received.at = std::chrono::steady_clock::now();
+    received.bytes = buffer.size();
     const bool sound =
         incoming.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size()));
     buffer.clear();
@@ -102,18 +102,18 @@ struct Viewer::Impl : std::enable_shared_from_this<Viewer::Impl> {
     if (!sound || !listener) return;
     if (incoming.has_config()) return listener->on_config(incoming.config());
     if (incoming.has_still())
-      acknowledge(incoming.still().seq(), incoming.still().epoch(), seen.at);
+      acknowledge(incoming.still().seq(), incoming.still().epoch(), received.at);
     if (!incoming.has_frame()) return listener->on_message(incoming);
     const v1::Frame& frame = incoming.frame();
-    acknowledge(frame.seq(), frame.epoch(), seen.at);
-    seen.input_seq = frame.input_seq();
-    seen.epoch = frame.epoch();
-    seen.iteration = frame.iteration();
-    seen.render_seconds = static_cast<double>(frame.render_us()) * 1e-6;
-    seen.encode_seconds = static_cast<double>(frame.encode_us()) * 1e-6;
-    seen.width = frame.width();
-    seen.height = frame.height();
-    listener->on_frame(seen);
+    acknowledge(frame.seq(), frame.epoch(), received.at);
+    received.input_seq = frame.input_seq();
+    received.epoch = frame.epoch();
+    received.iteration = frame.iteration();
+    received.render_seconds = static_cast<double>(frame.render_us()) * 1e-6;
+    received.encode_seconds = static_cast<double>(frame.encode_us()) * 1e-6;
+    received.width = frame.width();
+    received.height = frame.height();
+    listener->on_frame(received);
   }
 
   void acknowledge(std::uint64_t seq, std::uint64_t epoch, TimePoint at) {

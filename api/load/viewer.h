@@ -17,7 +17,7 @@ class io_context;
 namespace diaphane::api::load {
 
 /// A received frame without the picture's bytes.
-struct FrameSeen {
+struct ReceivedFrame {
   TimePoint at;  ///< when it was complete
   std::uint64_t input_seq = 0;
   std::uint64_t epoch = 0;
@@ -33,7 +33,7 @@ class ViewerEvents {
  public:
   virtual ~ViewerEvents() = default;
   virtual void on_config(const diaphane::v1::Config& config) = 0;
-  virtual void on_frame(const FrameSeen& frame) = 0;
+  virtual void on_frame(const ReceivedFrame& frame) = 0;
   /// Called for all other messages.
   virtual void on_message(const diaphane::v1::ServerMessage&) {}
   /// The last event. `code` is the WebSocket close code, 1006 for a lost connection, or 0 if the

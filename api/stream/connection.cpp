@@ -404,7 +404,7 @@ void Connection::worker_has_no_memory() {
   if (!taken) close(CloseCode::kTooMany, "The renderer is full. Please try again in a moment.");
 }
 
-void Connection::worker_seen(bool alive) {
+void Connection::on_worker_heartbeat(bool alive) {
   on_strand([alive](Connection& self) {
     if (!self.attachment_ || self.closing_ || self.ended_) return;
     self.misses_ = alive ? 0 : self.misses_ + 1;

@@ -34,7 +34,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   /// Closes the socket and ends the call immediately.
   void abort();
   /// Reports whether the worker of this stream is alive. Two misses in a row end the stream.
-  void worker_seen(bool alive);
+  void on_worker_heartbeat(bool alive);
   /// Worker ID and incarnation, separated by "|"; empty before attaching. Callable from any thread.
   std::string worker_key() const;
   /// The link that a guest joined with, otherwise empty. Callable from any thread.

@@ -73,7 +73,7 @@ struct Gateway::Impl {
         for (const WorkerInfo& one : *alive) keys.insert(one.id + "|" + one.incarnation);
         for (const auto& connection : shared->connections()) {
           const std::string key = connection->worker_key();
-          if (!key.empty()) connection->worker_seen(keys.contains(key));
+          if (!key.empty()) connection->on_worker_heartbeat(keys.contains(key));
         }
       });
       watch_workers();

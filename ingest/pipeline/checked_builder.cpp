@@ -22,7 +22,7 @@ Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on
   const auto found = clamd_.look_at(input, go_on);
   close(input);
   if (!found) {
-    tell_("unchecked");
+    report_("unchecked");
     log::error("malware_not_looked_for", {{"reason", found.error().message},
                                           {"effect", pass_unchecked_ ? "passed" : "waits"}});
     if (pass_unchecked_) return inner_.build(upload, go_on);
@@ -34,12 +34,12 @@ Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on
     return stopped;
   }
   if (*found == Clamd::Found::kInfected) {
-    tell_("infected");
+    report_("infected");
     return refusal("infected",
                    "The virus scanner found malicious software in this upload. Nothing of it was "
                    "kept.");
   }
-  tell_("clean");
+  report_("clean");
   return inner_.build(upload, go_on);
 }
 

@@ -16,12 +16,12 @@ class CheckedBuilder final : public Builder {
     Clamd::Options clamd;
     bool pass_unchecked = false;
   };
-  /// `tell` receives "clean", "infected" or "unchecked" for each upload.
-  CheckedBuilder(Options options, Builder& inner, std::function<void(const std::string&)> tell)
+  /// `report` receives "clean", "infected" or "unchecked" for each upload.
+  CheckedBuilder(Options options, Builder& inner, std::function<void(const std::string&)> report)
       : clamd_(std::move(options.clamd)),
         pass_unchecked_(options.pass_unchecked),
         inner_(inner),
-        tell_(std::move(tell)) {}
+        report_(std::move(report)) {}
 
   Result<Build> build(const UploadInput& upload, const GoOn& go_on) override;
   /// Not scanned again, because the upload of the volume was scanned.
@@ -33,7 +33,7 @@ class CheckedBuilder final : public Builder {
   Clamd clamd_;
   bool pass_unchecked_;
   Builder& inner_;
-  std::function<void(const std::string&)> tell_;
+  std::function<void(const std::string&)> report_;
 };
 
 }  // namespace diaphane::ingest

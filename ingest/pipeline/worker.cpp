@@ -83,8 +83,8 @@ void Worker::pause(std::chrono::milliseconds span) {
 /// Whether a stop was requested and the grace period of the current build is over.
 bool Worker::stop_is_due() {
   if (!stopping_) return false;
-  if (stop_seen_ == SteadyTime{}) stop_seen_ = Clock::now();
-  return Clock::now() - stop_seen_ > options_.drain;
+  if (stop_requested_ == SteadyTime{}) stop_requested_ = Clock::now();
+  return Clock::now() - stop_requested_ > options_.drain;
 }
 
 void Worker::run() {

@@ -92,7 +92,7 @@ class Worker {
   Builder& builder_;
   WorkerEvents events_;
   std::atomic<bool> stopping_{false};
-  SteadyTime stop_seen_{};
+  SteadyTime stop_requested_{};
   bool postgres_there_ = true;
 };
 

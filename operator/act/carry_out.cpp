@@ -58,7 +58,7 @@ const T* find(const std::vector<T>& all, const std::string& uid) {
   return found == all.end() ? nullptr : &*found;
 }
 
-tl::unexpected<Error> not_seen() {
+tl::unexpected<Error> not_in_snapshot() {
   return fail(ErrorCode::kConflict, "the object no longer exists", "NotSeen");
 }
 
@@ -68,22 +68,23 @@ std::string key_of(const Action& action) { return std::visit(KeyOf{}, action); }
 const char* name_of(const Action& action) { return std::visit(NameOf{}, action); }
 
 struct ActionExecutor::ExecutionContext {
-  const Snapshot& seen;
+  const Snapshot& snapshot;
   std::string version;  ///< after a write of this context
 
   Target target(const std::string& name, const std::string& uid, const std::string& at) const {
     return {name, uid, version.empty() ? at : version};
   }
   const Worker* worker(const std::string& uid) const {
-    const auto found = seen.index.find(uid);
-    return found == seen.index.end() ? nullptr
-                                     : &seen.world.workers[static_cast<std::size_t>(found->second)];
+    const auto found = snapshot.index.find(uid);
+    return found == snapshot.index.end()
+               ? nullptr
+               : &snapshot.world.workers[static_cast<std::size_t>(found->second)];
   }
 };
 
 Result<void> ActionExecutor::carry_out(const std::vector<const Action*>& actions,
-                                       const Snapshot& seen) {
-  ExecutionContext context{seen, {}};
+                                       const Snapshot& snapshot) {
+  ExecutionContext context{snapshot, {}};
   for (const Action* action : actions) {
     auto done = std::visit([&](const auto& what) { return execute(what, context); }, *action);
     if (!done) return done;
@@ -125,32 +126,32 @@ Result<void> ActionExecutor::gone(const Result<void>& answer) {
 }
 
 Result<void> ActionExecutor::execute(const CreateWorker& action, ExecutionContext& context) {
-  const auto pods = context.seen.pods_of.find(action.fleet_uid);
-  if (pods == context.seen.pods_of.end()) return not_seen();
+  const auto pods = context.snapshot.pods_of.find(action.fleet_uid);
+  if (pods == context.snapshot.pods_of.end()) return not_in_snapshot();
   auto done =
       created(Kind::kWorker, action.name,
               api_.create(path(Kind::kWorker), worker_object(action, *pods->second)), context);
   if (done) {
-    events_.tell({"RenderFleet", action.fleet, action.fleet_uid, "Placed",
-                  "Placed worker " + action.name + " on node " + action.node});
+    events_.record({"RenderFleet", action.fleet, action.fleet_uid, "Placed",
+                    "Placed worker " + action.name + " on node " + action.node});
   }
   return done;
 }
 
 Result<void> ActionExecutor::execute(const CreatePod& action, ExecutionContext& context) {
   const Worker* worker = context.worker(action.worker_uid);
-  const Fleet* of = worker ? find(context.seen.world.fleets, worker->fleet_uid) : nullptr;
-  if (!of) return not_seen();
+  const Fleet* of = worker ? find(context.snapshot.world.fleets, worker->fleet_uid) : nullptr;
+  if (!of) return not_in_snapshot();
   const auto template_of = [&](const std::string& uid) {
-    const auto found = context.seen.pods_of.find(uid);
-    return found == context.seen.pods_of.end() ? Template() : found->second;
+    const auto found = context.snapshot.pods_of.find(uid);
+    return found == context.snapshot.pods_of.end() ? Template() : found->second;
   };
   Template pods = template_of(action.worker_uid);
   // The template on the worker was edited by hand, but its fleet may still have the original.
   if (!pods && of->spec.template_hash == action.template_hash) pods = template_of(of->uid);
   if (!pods) {
-    events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
-                  "The pod template does not match its hash. Delete this worker", true});
+    events_.record({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
+                    "The pod template does not match its hash. Delete this worker", true});
     return fail(ErrorCode::kInvalid, "the pod template was edited after the worker was created",
                 "TemplateChanged");
   }
@@ -159,8 +160,8 @@ Result<void> ActionExecutor::execute(const CreatePod& action, ExecutionContext& 
       api_.create(path(Kind::kPod), pod_object(action, of->name, of->spec.node_selector, *pods)),
       context);
   if (!done && done.error().field != "AlreadyExists") {
-    events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
-                  done.error().message, true});
+    events_.record({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
+                    done.error().message, true});
   }
   return done;
 }
@@ -172,21 +173,21 @@ Result<void> ActionExecutor::execute(const SetDrain& action, ExecutionContext& c
       api_.apply(path(Kind::kWorker, action.worker), drain_patch(target, action.drain), "drain"),
       context);
   if (done) {
-    events_.tell({"RenderWorker", action.worker, action.uid, "Draining",
-                  "Draining, reason: " + std::string(to_string(action.drain.reason))});
+    events_.record({"RenderWorker", action.worker, action.uid, "Draining",
+                    "Draining, reason: " + std::string(to_string(action.drain.reason))});
   }
   return done;
 }
 
 Result<void> ActionExecutor::execute(const DeletePod& action, ExecutionContext& context) {
-  const Pod* pod = find(context.seen.world.pods, action.uid);
-  if (!pod || !pod->owned) return not_seen();
+  const Pod* pod = find(context.snapshot.world.pods, action.uid);
+  if (!pod || !pod->owned) return not_in_snapshot();
   return gone(api_.remove(path(Kind::kPod, action.name), {action.uid, pod->version}));
 }
 
 Result<void> ActionExecutor::execute(const DeleteWorker& action, ExecutionContext& context) {
   const Worker* worker = context.worker(action.uid);
-  if (!worker) return not_seen();
+  if (!worker) return not_in_snapshot();
   const Target target = context.target(action.name, action.uid, worker->version);
   return gone(api_.remove(path(Kind::kWorker, action.name), {target.uid, target.version}));
 }
@@ -209,20 +210,20 @@ Result<void> ActionExecutor::execute(const RemoveFinalizer& action, ExecutionCon
 
 Result<void> ActionExecutor::execute(const Restore& action, ExecutionContext& context) {
   if (action.kind == Kind::kFleet) {
-    const Fleet* fleet = find(context.seen.world.fleets, action.uid);
-    if (!fleet) return not_seen();
+    const Fleet* fleet = find(context.snapshot.world.fleets, action.uid);
+    if (!fleet) return not_in_snapshot();
     return wrote(action.kind,
                  api_.apply(path(action.kind, action.name),
                             finalizer_patch(action.kind, context.target(action.name, action.uid,
                                                                         fleet->version))),
                  context);
   }
-  events_.tell({kind_name(action.kind), action.name, action.uid, "Restored",
-                "Restored labels, owner or finalizer that had been changed", true});
+  events_.record({kind_name(action.kind), action.name, action.uid, "Restored",
+                  "Restored labels, owner or finalizer that had been changed", true});
   if (action.kind == Kind::kPod) {
-    const Pod* pod = find(context.seen.world.pods, action.uid);
+    const Pod* pod = find(context.snapshot.world.pods, action.uid);
     const Worker* worker = pod ? context.worker(pod->owner_uid) : nullptr;
-    if (!worker) return not_seen();
+    if (!worker) return not_in_snapshot();
     return wrote(action.kind,
                  api_.apply(path(action.kind, action.name),
                             pod_patch(context.target(action.name, action.uid, pod->version),
@@ -230,7 +231,7 @@ Result<void> ActionExecutor::execute(const Restore& action, ExecutionContext& co
                  context);
   }
   const Worker* worker = context.worker(action.uid);
-  if (!worker) return not_seen();
+  if (!worker) return not_in_snapshot();
   return wrote(
       action.kind,
       api_.apply(path(action.kind, action.name),
@@ -240,7 +241,7 @@ Result<void> ActionExecutor::execute(const Restore& action, ExecutionContext& co
 
 Result<void> ActionExecutor::execute(const SetWorkerStatus& action, ExecutionContext& context) {
   const Worker* worker = context.worker(action.uid);
-  if (!worker) return not_seen();
+  if (!worker) return not_in_snapshot();
   const Target target = context.target(action.name, action.uid, worker->version);
   return wrote(Kind::kWorker,
                api_.apply(path(Kind::kWorker, action.name, "/status"),
@@ -249,8 +250,8 @@ Result<void> ActionExecutor::execute(const SetWorkerStatus& action, ExecutionCon
 }
 
 Result<void> ActionExecutor::execute(const SetFleetStatus& action, ExecutionContext& context) {
-  const Fleet* fleet = find(context.seen.world.fleets, action.uid);
-  if (!fleet) return not_seen();
+  const Fleet* fleet = find(context.snapshot.world.fleets, action.uid);
+  if (!fleet) return not_in_snapshot();
   const Target target = context.target(action.name, action.uid, fleet->version);
   return wrote(Kind::kFleet,
                api_.apply(path(Kind::kFleet, action.name, "/status"),

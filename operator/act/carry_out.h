@@ -27,7 +27,7 @@ class ActionExecutor {
 
   /// Executes the actions on one object in order, up to the first failure. kConflict: the object
   /// changed or already exists, and its current state was read.
-  Result<void> carry_out(const std::vector<const Action*>& actions, const Snapshot& seen);
+  Result<void> carry_out(const std::vector<const Action*>& actions, const Snapshot& snapshot);
 
  private:
   struct ExecutionContext;  ///< state of one object, whose version advances with each write

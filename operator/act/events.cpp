@@ -25,7 +25,7 @@ Events::Events(kube::Api& api, std::string name_space)
       log_(random_hex(4)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-void Events::tell(kube::Happened what) {
+void Events::record(kube::Happened what) {
   const std::lock_guard lock(mutex_);
   const auto write = log_.note(what, std::chrono::steady_clock::now());
   if (!write || waiting_.size() >= kMostWaiting) return;

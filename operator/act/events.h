@@ -16,7 +16,7 @@ namespace diaphane::fleet {
 class Events {
  public:
   Events(kube::Api& api, std::string name_space);
-  void tell(kube::Happened what);
+  void record(kube::Happened what);
 
  private:
   struct Waiting {

@@ -69,7 +69,7 @@ std::vector<RetireStep> retire_steps(const Remains& left, bool in_time) {
 
 Result<void> retire(kube::Api& api, const RetireOptions& options) {
   const Seconds begun = options.clock();
-  bool told = false;
+  bool announced = false;
   for (;; options.pause()) {
     const bool in_time = options.clock() - begun < options.grace;
     const auto left = find_remains(api, options, in_time);
@@ -79,8 +79,8 @@ Result<void> retire(kube::Api& api, const RetireOptions& options) {
       continue;
     }
     if (!left->fleet && left->workers.empty()) return {};
-    if (!in_time && !told) {
-      told = true;
+    if (!in_time && !announced) {
+      announced = true;
       log::warning("let_go", {{"workers", static_cast<std::int64_t>(left->workers.size())}});
     }
     for (const RetireStep& step : retire_steps(*left, in_time)) {

@@ -5,21 +5,21 @@
 namespace diaphane::kube {
 
 void EventLog::forget(Time now) {
-  std::erase_if(told_, [&](const auto& one) { return now - one.second.last_seen > kForgotten; });
+  std::erase_if(written_, [&](const auto& one) { return now - one.second.last_seen > kForgotten; });
   std::erase_if(tokens_, [&](const auto& one) { return now - one.second.at > kBurst * kRefill; });
 }
 
 std::optional<EventLog::Write> EventLog::note(const Happened& what, Time now) {
   forget(now);
   const Key key{what.uid, what.reason, what.message};
-  const auto found = told_.find(key);
-  if (found != told_.end()) {
-    Told& told = found->second;
-    ++told.count;
-    told.last_seen = now;
-    if (now - told.last_written < kBetween) return std::nullopt;
-    told.last_written = now;
-    return Write{told.name, told.count};
+  const auto found = written_.find(key);
+  if (found != written_.end()) {
+    Written& written = found->second;
+    ++written.count;
+    written.last_seen = now;
+    if (now - written.last_written < kBetween) return std::nullopt;
+    written.last_written = now;
+    return Write{written.name, written.count};
   }
   const auto [at, is_new] = tokens_.try_emplace(what.uid, Tokens{kBurst, now});
   Tokens& tokens = at->second;
@@ -28,9 +28,9 @@ std::optional<EventLog::Write> EventLog::note(const Happened& what, Time now) {
   tokens.at = now;
   if (tokens.count < 1) return std::nullopt;
   tokens.count -= 1;
-  Told& told = told_[key];
-  told = {what.name + "." + run_ + "." + std::to_string(++number_), 1, now, now, now};
-  return Write{told.name, 1};
+  Written& written = written_[key];
+  written = {what.name + "." + run_ + "." + std::to_string(++number_), 1, now, now, now};
+  return Write{written.name, 1};
 }
 
 }  // namespace diaphane::kube

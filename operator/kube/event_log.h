@@ -36,11 +36,11 @@ class EventLog {
   explicit EventLog(std::string run) : run_(std::move(run)) {}
   /// Returns nullopt if the event is only counted for now.
   std::optional<Write> note(const Happened& what, Time now);
-  std::size_t remembered() const { return told_.size(); }
+  std::size_t remembered() const { return written_.size(); }
 
  private:
   using Key = std::tuple<std::string, std::string, std::string>;  // uid, reason, message
-  struct Told {
+  struct Written {
     std::string name;
     int count = 0;
     Time first, last_seen, last_written;
@@ -52,7 +52,7 @@ class EventLog {
   void forget(Time now);
 
   std::string run_;
-  std::map<Key, Told> told_;
+  std::map<Key, Written> written_;
   std::map<std::string, Tokens> tokens_;
   unsigned long number_ = 0;
 };

@@ -45,7 +45,7 @@ class InformerTest : public testing::Test {
         },
         [this] {
           const std::lock_guard lock(mutex_);
-          ++told_;
+          ++notified_;
           changed_.notify_all();
         });
   }
@@ -74,7 +74,7 @@ class InformerTest : public testing::Test {
   std::chrono::milliseconds silence_{75'000};
   std::mutex mutex_;
   std::condition_variable changed_;
-  int told_ = 0;  // number of change notifications
+  int notified_ = 0;  // number of change notifications
   std::unique_ptr<Informer<Thing>> informer_;
 };
 
@@ -96,16 +96,16 @@ TEST_F(InformerTest, ListsInPagesAndWatchesFromTheListedVersion) {
 TEST_F(InformerTest, NotifiesOfOwnWriteOnceAndIgnoresItsEcho) {
   transport_.put({200, list_of({thing("a", "3")}, "5")});
   start();
-  ASSERT_TRUE(wait_until([&] { return told_ == 1; }));
+  ASSERT_TRUE(wait_until([&] { return notified_ == 1; }));
   informer_->apply_own_write(thing("b", "6"));
-  EXPECT_EQ(told_, 2);
+  EXPECT_EQ(notified_, 2);
   transport_.put({200,
                   event("ADDED", thing("b", "6")) + event("MODIFIED", thing("a", "7")) +
                       event("DELETED", thing("b", "8")),
                   true});
   ASSERT_TRUE(wait_until([&] { return names() == "a7 "; })) << names();
-  ASSERT_TRUE(wait_until([&] { return told_ == 3; }));
-  EXPECT_EQ(told_, 3) << "b came and went; of a but the version is another";
+  ASSERT_TRUE(wait_until([&] { return notified_ == 3; }));
+  EXPECT_EQ(notified_, 3) << "b came and went; of a but the version is another";
 }
 
 TEST_F(InformerTest, ResumesBrokenWatchFromItsLastBookmark) {

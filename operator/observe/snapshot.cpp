@@ -5,7 +5,7 @@ namespace diaphane::fleet {
 Snapshot& Observer::snapshot(Seconds now) {
   ClusterState& world = snapshot_.world;
   world.now = now;
-  const bool fleets = fleets_.newer(seen_.fleets, [&](const auto& all) {
+  const bool fleets = fleets_.newer(revisions_.fleets, [&](const auto& all) {
     world.fleets.clear();
     for (const auto& [uid, pods] : of_fleets_) snapshot_.pods_of.erase(uid);
     of_fleets_.clear();
@@ -14,7 +14,7 @@ Snapshot& Observer::snapshot(Seconds now) {
       of_fleets_.emplace(one.uid, one.pods);
     }
   });
-  const bool workers = workers_.newer(seen_.workers, [&](const auto& all) {
+  const bool workers = workers_.newer(revisions_.workers, [&](const auto& all) {
     world.workers.clear();
     world.workers.reserve(all.size());
     snapshot_.index.clear();
@@ -28,12 +28,12 @@ Snapshot& Observer::snapshot(Seconds now) {
   if (fleets || workers) {
     for (const auto& [uid, pods] : of_fleets_) snapshot_.pods_of.insert_or_assign(uid, pods);
   }
-  const bool nodes = nodes_.newer(seen_.nodes, [&](const auto& all) {
+  const bool nodes = nodes_.newer(revisions_.nodes, [&](const auto& all) {
     world.nodes.clear();
     world.nodes.reserve(all.size());
     for (const auto& [name, one] : all) world.nodes.push_back(one.node);
   });
-  const bool pods = pods_.newer(seen_.pods, [&](const auto& all) {
+  const bool pods = pods_.newer(revisions_.pods, [&](const auto& all) {
     world.pods.clear();
     foreign_.clear();
     for (const auto& [name, one] : all) {

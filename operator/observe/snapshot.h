@@ -34,7 +34,7 @@ class Observer {
   const kube::Store<NodeObject>& nodes_;
   struct Seen {
     std::uint64_t fleets = 0, workers = 0, pods = 0, nodes = 0;  ///< revisions of the stores
-  } seen_;
+  } revisions_;
   std::unordered_map<std::string, Template> of_fleets_;  ///< the fleets' entries of pods_of
   /// GPUs of pods that no RenderWorker owns, by node.
   std::unordered_map<std::string, int> foreign_;

@@ -329,7 +329,7 @@ bool SimulatedCluster::takes_sessions(const Worker& one) {
   const Pod* its = find_if(
       world_.pods, [&](const Pod& p) { return p.owner_uid == one.uid && p.name == one.name; });
   return its && its->ready && its->phase == Phase::kRunning && !its->terminating &&
-         alive(its->node) && !told_.contains(one.uid) && !hangs_[one.uid];
+         alive(its->node) && !drain_orders_.contains(one.uid) && !hangs_[one.uid];
 }
 
 void SimulatedCluster::run_sessions() {
@@ -337,7 +337,7 @@ void SimulatedCluster::run_sessions() {
   for (const Fleet& of : world_.fleets) slots[of.name] = of.spec.sessions_per_worker;
   // renderd notices its drain the next time it reads its resource.
   for (const Worker& one : world_.workers) {
-    if (one.drain && chance(0.7)) told_.emplace(one.uid, world_.now);
+    if (one.drain && chance(0.7)) drain_orders_.emplace(one.uid, world_.now);
   }
   std::erase_if(sessions_, [&](const Session& s) {
     const Worker* at = worker_of(s.worker_uid);
@@ -357,7 +357,7 @@ void SimulatedCluster::run_sessions() {
   };
   // Sessions of a draining worker are placed again where there is room.
   for (Session& session : sessions_) {
-    if (!told_.contains(session.worker_uid) || !chance(0.3)) continue;
+    if (!drain_orders_.contains(session.worker_uid) || !chance(0.3)) continue;
     if (const Worker* other = place(session.fleet)) {
       --taken[session.worker_uid];
       ++taken[other->uid];
@@ -406,7 +406,7 @@ void SimulatedCluster::push_telemetry() {
     const Fleet* of = fleet(one.fleet, one.fleet_uid);
     sample->slots = of ? of->spec.sessions_per_worker : 1;
     sample->busy = std::min(1.0, 0.2 * sessions);
-    sample->draining = told_.contains(one.uid);
+    sample->draining = drain_orders_.contains(one.uid);
     sample->idle_since = idle_since_[one.uid];
   }
   world_.demand.clear();

@@ -89,9 +89,9 @@ class SimulatedCluster {
   std::vector<Session> sessions_;
   std::map<std::string, int> people_;
   std::map<std::string, bool> lost_, hangs_, refuses_;
-  std::map<std::string, Seconds> idle_since_;  // by worker uid
-  std::map<std::string, Seconds> told_;        // workers to drain, by uid
-  std::map<std::string, Seconds> last_used_;   // by fleet
+  std::map<std::string, Seconds> idle_since_;    // by worker uid
+  std::map<std::string, Seconds> drain_orders_;  // workers to drain, by uid
+  std::map<std::string, Seconds> last_used_;     // by fleet
   bool silent_ = false;
   std::vector<std::string> violations_;
 };

@@ -9,12 +9,12 @@ namespace diaphane::render::bench {
 ImageStats image_stats(Engine& engine, const volume::Volume& volume,
                        const diaphane::v1::Scene& scene, Canvas canvas, std::uint32_t samples,
                        StabilityRow& row) {
-  ImageStats seen;
+  ImageStats stats;
   const auto refuse = [&](const Error& error) {
-    seen.refused = error.message;
+    stats.refused = error.message;
     row.passed = false;
     row.note = error.message;
-    return seen;
+    return stats;
   };
   auto loaded = engine.load(volume);
   if (!loaded) return refuse(loaded.error());
@@ -31,25 +31,25 @@ ImageStats image_stats(Engine& engine, const volume::Volume& volume,
   const double pixels = double{1} * canvas.width * canvas.height;
   row.samples += pixels * batch->samples;
   row.non_finite += batch->dropped_samples;
-  seen.smallest = std::numeric_limits<double>::infinity();
-  seen.largest = -seen.smallest;
+  stats.smallest = std::numeric_limits<double>::infinity();
+  stats.largest = -stats.smallest;
   double squared = 0;
   for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
     double pixel = 0;
     for (std::size_t c = i; c < i + 3; ++c) {
       const double x = static_cast<double>(picture.pixels[c]);
       row.non_finite += std::isfinite(x) ? 0 : 1;
-      seen.smallest = std::min(seen.smallest, x);
-      seen.largest = std::max(seen.largest, x);
+      stats.smallest = std::min(stats.smallest, x);
+      stats.largest = std::max(stats.largest, x);
       pixel += x / 3;
     }
-    seen.mean += pixel / pixels;
+    stats.mean += pixel / pixels;
     squared += pixel * pixel / pixels;
   }
-  const double variance = std::max(squared - seen.mean * seen.mean, 0.0);
-  seen.deviation = pixels > 1 ? std::sqrt(variance / (pixels - 1)) : 0.0;
-  seen.pixels = std::move(picture.pixels);
-  return seen;
+  const double variance = std::max(squared - stats.mean * stats.mean, 0.0);
+  stats.deviation = pixels > 1 ? std::sqrt(variance / (pixels - 1)) : 0.0;
+  stats.pixels = std::move(picture.pixels);
+  return stats;
 }
 
 void note_deviation(double deviation, double limit, const std::string& unit, StabilityRow& row) {
@@ -62,12 +62,13 @@ void note_deviation(double deviation, double limit, const std::string& unit, Sta
   }
 }
 
-void compare(const ImageStats& seen, double expected, StabilityRow& row) {
-  if (!seen.refused.empty()) return;
-  const double off = std::max(std::abs(seen.mean - expected) - kRounding * std::abs(expected), 0.0);
+void compare(const ImageStats& stats, double expected, StabilityRow& row) {
+  if (!stats.refused.empty()) return;
+  const double off =
+      std::max(std::abs(stats.mean - expected) - kRounding * std::abs(expected), 0.0);
   // If every pixel has the same value, no difference is tolerated.
-  const double sigmas = off == 0 ? 0.0 : off / std::max(seen.deviation, 1e-30);
-  note_deviation(std::isfinite(seen.mean) ? sigmas : seen.mean, kMostSigmas, "sigma", row);
+  const double sigmas = off == 0 ? 0.0 : off / std::max(stats.deviation, 1e-30);
+  note_deviation(std::isfinite(stats.mean) ? sigmas : stats.mean, kMostSigmas, "sigma", row);
 }
 
 void compare(const ImageStats& a, const ImageStats& b, StabilityRow& row) {

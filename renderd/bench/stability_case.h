@@ -45,7 +45,7 @@ ImageStats image_stats(Engine& engine, const volume::Volume& volume,
 
 /// Compares with a known value in standard deviations and keeps the largest deviation. A difference
 /// within rounding counts as 0.
-void compare(const ImageStats& seen, double expected, StabilityRow& row);
+void compare(const ImageStats& stats, double expected, StabilityRow& row);
 /// Compares two estimates of the same value.
 void compare(const ImageStats& a, const ImageStats& b, StabilityRow& row);
 /// Compares a relative or absolute deviation with a limit.

@@ -68,29 +68,29 @@ void tiny_lamp(Engine& engine, const StabilityOptions& options, double side, Sta
 
 /// With the same random numbers, the pictures differ only by the factor if nothing is clamped.
 void brighter(Engine& engine, const StabilityOptions& options, bool near, StabilityRow& row) {
-  ImageStats seen[2];
+  ImageStats stats[2];
   for (int i = 0; i < 2; ++i) {
     LitBox box;
     box.lamp(near ? 0.5 : 20, near ? 0.1 : 5, i == 0 ? 1 : 1e12);
     StabilityRow own;
-    seen[i] = image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), own);
+    stats[i] = image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), own);
     row.samples += own.samples;
     row.non_finite += own.non_finite;
   }
   double largest = 0;
-  for (std::size_t p = 0; p < seen[0].pixels.size(); ++p) {
-    const double a = static_cast<double>(seen[0].pixels[p]) * 1e12;
-    const double b = static_cast<double>(seen[1].pixels[p]);
+  for (std::size_t p = 0; p < stats[0].pixels.size(); ++p) {
+    const double a = static_cast<double>(stats[0].pixels[p]) * 1e12;
+    const double b = static_cast<double>(stats[1].pixels[p]);
     if (a != b) largest = std::max(largest, std::abs(a - b) / std::max(a, b));
   }
   note_deviation(largest, 1e-4, "relative", row);
-  if (seen[0].mean <= 0) row.passed = false;
+  if (stats[0].mean <= 0) row.passed = false;
 }
 
 /// Lights at the camera that are invisible to it: the picture is the same as from 20 mm further
 /// away.
 void camera_in_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
-  ImageStats seen[2];
+  ImageStats stats[2];
   for (int i = 0; i < 2; ++i) {
     LitBox box;
     auto* light = box.scene.add_lights()->mutable_rectangle();  // in the plane y = 40, faces -y
@@ -99,10 +99,10 @@ void camera_in_light(Engine& engine, const StabilityOptions& options, StabilityR
     test::set(light->mutable_v(), 0, 0, 10);
     test::set(light->mutable_radiance(), 3, 3, 3);
     test::set(box.scene.mutable_camera()->mutable_eye(), 0, i == 0 ? 40 : 60, 0);
-    seen[i] = image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
+    stats[i] = image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
   }
-  compare(seen[0], seen[1], row);
-  if (seen[0].mean <= 0) row.passed = false;
+  compare(stats[0], stats[1], row);
+  if (stats[0].mean <= 0) row.passed = false;
 }
 
 void camera_in_sphere(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
@@ -123,9 +123,9 @@ void camera_in_sphere(Engine& engine, const StabilityOptions& options, Stability
 void black_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   LitBox box;
   box.lamp(20, 5, 0);
-  const ImageStats seen =
+  const ImageStats stats =
       image_stats(engine, box.volume, box.scene, {64, 64}, samples_of(options, 60), row);
-  note_deviation(std::max(seen.largest, -seen.smallest), 0, "absolute", row);
+  note_deviation(std::max(stats.largest, -stats.smallest), 0, "absolute", row);
 }
 
 /// A black light beside a bright one changes nothing.
@@ -144,9 +144,9 @@ void lamp_inside(Engine& engine, const StabilityOptions& options, StabilityRow& 
     for (const double side : {1e-5, 1.0, 100.0}) {
       LitBox box;
       box.lamp(z, side, 1e6);
-      const ImageStats seen =
+      const ImageStats stats =
           image_stats(engine, box.volume, box.scene, {16, 16}, samples_of(options, 60), row);
-      if (!(seen.smallest >= 0)) row.passed = false;
+      if (!(stats.smallest >= 0)) row.passed = false;
     }
   }
   note_deviation(static_cast<double>(row.non_finite), 0, "absolute", row);

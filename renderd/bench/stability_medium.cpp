@@ -29,7 +29,8 @@ void through_a_box(Engine& engine, const StabilityOptions& options, double extin
           std::exp(-extinction * length), row);
 }
 
-/// Columns of the densest matter in matter of a millionth of its density, seen between the columns.
+/// Columns of the densest matter in matter of a millionth of its density, seen between the
+/// columns.
 void between_spikes(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   const volume::Volume v =
       test::make_volume({48, 48, 48}, {1, 1, 1}, [](double x, double y, double) {
@@ -106,12 +107,12 @@ void through_random_spikes(Engine& engine, const StabilityOptions& options, Stab
       }
       depth += 20 * opacity(value_at(v, index)) * 120 / kSteps;
     }
-    const ImageStats seen = image_stats(engine, v, scene, {32, 32}, samples_of(options, 200), row);
+    const ImageStats stats = image_stats(engine, v, scene, {32, 32}, samples_of(options, 200), row);
     // The renderer's table has nodes of finite width, so a bend of the function is off by about
     // 1e-3.
     const double expected = std::exp(-depth);
-    const double off = std::max(std::abs(seen.mean - expected) - 2e-3 * expected, 0.0);
-    note_deviation(off / std::max(seen.deviation, 1e-9), kMostSigmas, "sigma", row);
+    const double off = std::max(std::abs(stats.mean - expected) - 2e-3 * expected, 0.0);
+    note_deviation(off / std::max(stats.deviation, 1e-9), kMostSigmas, "sigma", row);
   }
 }
 
@@ -211,17 +212,17 @@ std::vector<StabilityCase> medium_cases() {
   add("empty function", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     diaphane::v1::Scene scene = beam({30, 20, 10}, {0, 0, 0}, 40);
     set_medium(scene, {{-32768, 0}, {32767, 0}}, 1e7);
-    const ImageStats seen =
+    const ImageStats stats =
         image_stats(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
-    note_deviation(std::max(std::abs(seen.smallest - 1), std::abs(seen.largest - 1)), 0, "absolute",
-                   row);
+    note_deviation(std::max(std::abs(stats.smallest - 1), std::abs(stats.largest - 1)), 0,
+                   "absolute", row);
   });
   add("all-opaque function", [](Engine& e, const StabilityOptions& w, StabilityRow& row) {
     diaphane::v1::Scene scene = beam({30, 20, 10}, {0, 0, 0}, 10);
     set_medium(scene, {{-32768, 1}, {32767, 1}}, 1e7);
-    const ImageStats seen =
+    const ImageStats stats =
         image_stats(e, test::skull_volume(), scene, kCanvas, samples_of(w, 20), row);
-    note_deviation(seen.largest, 0, "absolute", row);
+    note_deviation(stats.largest, 0, "absolute", row);
   });
   return cases;
 }
@@ -269,8 +270,8 @@ std::vector<StabilityCase> ray_cases() {
          for (const Double3 p : {Double3{8, 0, 30}, Double3{8, 8, 30}, Double3{-8, 8, 30}}) {
            diaphane::v1::Scene scene = beam(p, {p.x, p.y, 0}, 1e-9);
            set_medium(scene, {{0, 1}, {200, 1}}, 0.05);
-           const ImageStats seen = image_stats(e, v, scene, {8, 8}, samples_of(w, 60), row);
-           note_deviation(std::max({seen.largest - 1, -seen.smallest, 0.0}), 0, "absolute", row);
+           const ImageStats stats = image_stats(e, v, scene, {8, 8}, samples_of(w, 60), row);
+           note_deviation(std::max({stats.largest - 1, -stats.smallest, 0.0}), 0, "absolute", row);
          }
        }}};
 }

@@ -17,13 +17,13 @@ void many_samples(Engine& engine, const StabilityOptions& options, StabilityRow&
   const double length = length_inside(v.header, {20, 15, 10}, {0, 0, 0});
   set_medium(scene, {{0, 1}, {200, 1}}, std::log(1000.0) / length);
   const std::uint32_t samples = options.quick ? 1'000'000 : 12'000'000;
-  const ImageStats seen = image_stats(engine, v, scene, {2, 2}, samples, row);
-  if (!seen.refused.empty()) return;
+  const ImageStats stats = image_stats(engine, v, scene, {2, 2}, samples, row);
+  if (!stats.refused.empty()) return;
   // Four pixels are too few to measure their own spread, but that of a binary value is known. An
   // engine that computes the transmittance without random numbers is closer still.
   const double expected = 1e-3;
   const double sigma = std::sqrt(expected * (1 - expected) / row.samples);
-  const double off = std::max(std::abs(seen.mean - expected) - kRounding * expected, 0.0);
+  const double off = std::max(std::abs(stats.mean - expected) - kRounding * expected, 0.0);
   note_deviation(off / sigma, kMostSigmas, "sigma", row);
 }
 

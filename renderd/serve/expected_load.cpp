@@ -5,14 +5,14 @@
 
 namespace diaphane::render {
 
-double ExpectedLoad::after(double seconds, double busy, std::span<const Seen> sessions,
+double ExpectedLoad::after(double seconds, double busy, std::span<const Usage> sessions,
                            std::size_t slots) {
   if (!(seconds > 0)) seconds = 0;
   busy = std::clamp(busy, 0.0, seconds);
   std::map<std::string, Watched> now;
   std::vector<double> took;
   double all = 0;
-  for (const Seen& one : sessions) {
+  for (const Usage& one : sessions) {
     const auto before = sessions_.find(one.id);
     Watched& watched = now[one.id];
     if (before != sessions_.end()) watched = before->second;

@@ -12,7 +12,7 @@ namespace diaphane::render {
 /// (films, but not pictures for other workers). New sessions are placed by this value.
 class ExpectedLoad {
  public:
-  struct Seen {
+  struct Usage {
     std::string id;
     /// Since the session began; the times of concurrent sessions overlap.
     double device_seconds = 0;
@@ -20,7 +20,7 @@ class ExpectedLoad {
 
   /// To be called after each heartbeat, which covers `seconds`, of which the device was busy for
   /// `busy`. Returns the expected load; 1 is the whole device.
-  double after(double seconds, double busy, std::span<const Seen> sessions, std::size_t slots);
+  double after(double seconds, double busy, std::span<const Usage> sessions, std::size_t slots);
 
  private:
   struct Watched {

@@ -7,9 +7,9 @@
 namespace diaphane::render {
 namespace {
 
-using Seen = ExpectedLoad::Seen;
+using Usage = ExpectedLoad::Usage;
 
-double after_seconds(ExpectedLoad& load, int seconds, double busy, std::vector<Seen> sessions,
+double after_seconds(ExpectedLoad& load, int seconds, double busy, std::vector<Usage> sessions,
                      const std::vector<double>& took, std::size_t slots = 10) {
   double value = 0;
   for (int i = 0; i < seconds; ++i) {
@@ -28,7 +28,7 @@ TEST(ExpectedLoad, IsZeroForAnEmptyWorker) { EXPECT_EQ(ExpectedLoad().after(1, 0
 
 TEST(ExpectedLoad, AssumesASlotShareForUnknownSessions) {
   ExpectedLoad load;
-  EXPECT_NEAR(load.after(0, 0, std::vector<Seen>{{"a"}, {"b"}}, 8), 2.0 / 8, 1e-12);
+  EXPECT_NEAR(load.after(0, 0, std::vector<Usage>{{"a"}, {"b"}}, 8), 2.0 / 8, 1e-12);
 }
 
 TEST(ExpectedLoad, FollowsTheObservedLoad) {
@@ -56,15 +56,15 @@ TEST(ExpectedLoad, ForgetsOldObservations) {
 TEST(ExpectedLoad, SubtractsSessionsThatLeft) {
   ExpectedLoad load;
   after_seconds(load, 300, 1, {{"a"}, {"b"}}, {0.9, 0.1});
-  const double both = load.after(0, 0, std::vector<Seen>{{"a", 270}, {"b", 30}}, 10);
-  const double one = load.after(0, 0, std::vector<Seen>{{"b", 30}}, 10);
+  const double both = load.after(0, 0, std::vector<Usage>{{"a", 270}, {"b", 30}}, 10);
+  const double one = load.after(0, 0, std::vector<Usage>{{"b", 30}}, 10);
   EXPECT_NEAR(both - one, (30 * 0.1 + 300 * 0.9) / 330, 0.03);
 }
 
 TEST(ExpectedLoad, ConcurrentWorkCountsOnce) {
   ExpectedLoad load;
   EXPECT_NEAR(after_seconds(load, 9000, 1, {{"a"}, {"b"}}, {1, 1}), 2 * settled(0.1, 0.5), kStep);
-  EXPECT_NEAR(load.after(0, 0, std::vector<Seen>{{"b", 9000}}, 10), settled(0.1, 0.5), kStep);
+  EXPECT_NEAR(load.after(0, 0, std::vector<Usage>{{"b", 9000}}, 10), settled(0.1, 0.5), kStep);
 }
 
 TEST(ExpectedLoad, IncludesFilmsAndImagesForOtherWorkers) {
@@ -76,9 +76,9 @@ TEST(ExpectedLoad, IncludesFilmsAndImagesForOtherWorkers) {
 
 TEST(ExpectedLoad, IgnoresClockThatStopsOrGoesBack) {
   ExpectedLoad load;
-  load.after(1, 0.5, std::vector<Seen>{{"a", 0.5}}, 4);
-  const double before = load.after(0, 0, std::vector<Seen>{{"a", 0.5}}, 4);
-  EXPECT_EQ(load.after(-3, 7, std::vector<Seen>{{"a", 0.1}}, 4), before);
+  load.after(1, 0.5, std::vector<Usage>{{"a", 0.5}}, 4);
+  const double before = load.after(0, 0, std::vector<Usage>{{"a", 0.5}}, 4);
+  EXPECT_EQ(load.after(-3, 7, std::vector<Usage>{{"a", 0.1}}, 4), before);
 }
 
 }  // namespace

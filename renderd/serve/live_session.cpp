@@ -190,13 +190,14 @@ void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) 
   v1::ServerMessage message;
   v1::Depth& depth = *message.mutable_depth();
   depth.set_id(query.id());
-  if (const auto seen =
-          scene && coarse ? seen_at(*coarse, *scene, canvas, query.x(), query.y()) : std::nullopt) {
+  if (const auto visible = scene && coarse
+                               ? visible_point_at(*coarse, *scene, canvas, query.x(), query.y())
+                               : std::nullopt) {
     depth.set_found(true);
-    depth.set_distance(seen->distance);
-    depth.mutable_place()->set_x(seen->place.x);
-    depth.mutable_place()->set_y(seen->place.y);
-    depth.mutable_place()->set_z(seen->place.z);
+    depth.set_distance(visible->distance);
+    depth.mutable_place()->set_x(visible->place.x);
+    depth.mutable_place()->set_y(visible->place.y);
+    depth.mutable_place()->set_z(visible->place.z);
   }
   lock.lock();
   send(connection, message);

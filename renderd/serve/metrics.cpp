@@ -120,17 +120,17 @@ void Metrics::input_to_frame(double seconds) { impl_->input_to_frame.Observe(sec
 void Metrics::volumes(std::uint64_t bytes) { impl_->volume_bytes.Set(static_cast<double>(bytes)); }
 void Metrics::volume_copies(const volume::NodeCache::Counts& counts) {
   impl_->copy_bytes.Set(static_cast<double>(counts.bytes));
-  const auto tell = [&](const char* what, std::uint64_t count) {
+  const auto increase_to = [&](const char* what, std::uint64_t count) {
     prometheus::Counter& counter = impl_->copies.Add({{"what", what}});
     counter.Increment(std::max(0.0, static_cast<double>(count) - counter.Value()));
   };
-  tell("hit", counts.hits);
-  tell("miss", counts.misses);
-  tell("damaged", counts.damaged);
-  tell("kept", counts.kept);
-  tell("refused", counts.refused);
-  tell("evicted", counts.evicted);
-  tell("erased", counts.erased);
+  increase_to("hit", counts.hits);
+  increase_to("miss", counts.misses);
+  increase_to("damaged", counts.damaged);
+  increase_to("kept", counts.kept);
+  increase_to("refused", counts.refused);
+  increase_to("evicted", counts.evicted);
+  increase_to("erased", counts.erased);
 }
 void Metrics::still(double seconds) { impl_->stills.Observe(seconds); }
 void Metrics::grpc_error(const std::string& status) {
@@ -138,16 +138,16 @@ void Metrics::grpc_error(const std::string& status) {
 }
 void Metrics::redis_error() { impl_->redis_errors.Increment(); }
 void Metrics::device(const RunnerTimes& times) {
-  const auto tell = [&](const char* part, double seconds) {
+  const auto increase_to = [&](const char* part, double seconds) {
     prometheus::Counter& counter = impl_->device_seconds.Add({{"part", part}});
     counter.Increment(std::max(0.0, seconds - counter.Value()));
   };
-  tell("busy", times.busy);
-  tell("rendering", times.rendering);
-  tell("scenes", times.scenes);
-  tell("pictures", times.pictures);
-  tell("deciding", times.deciding);
-  tell("idle", times.idle);
+  increase_to("busy", times.busy);
+  increase_to("rendering", times.rendering);
+  increase_to("scenes", times.scenes);
+  increase_to("pictures", times.pictures);
+  increase_to("deciding", times.deciding);
+  increase_to("idle", times.idle);
 }
 
 }  // namespace diaphane::render

@@ -56,44 +56,44 @@ void Registry::drain(milliseconds timeout) {
   std::unique_lock lock(mutex_);
   draining_ = true;
   changed_.notify_all();
-  changed_.wait_for(lock, timeout, [this] { return drain_told_; });
+  changed_.wait_for(lock, timeout, [this] { return drain_reported_; });
 }
 
 void Registry::run() {
   auto next_beat = steady_clock::now();
   milliseconds backoff{100};
-  bool drain_seen = false;
+  bool drain_observed = false;
   bool first = true;
   for (;;) {
-    bool told = true;
+    bool reached = true;
     if (steady_clock::now() >= next_beat) {
-      told = heartbeat();
+      reached = heartbeat();
       next_beat = steady_clock::now() + kBeat;
     }
-    told = told && save_scenes();
-    if (told != connected_ || first) {
-      log::write(told ? log::Level::kInfo : log::Level::kWarning,
-                 told ? "redis_connected" : "redis_lost");
+    reached = reached && save_scenes();
+    if (reached != connected_ || first) {
+      log::write(reached ? log::Level::kInfo : log::Level::kWarning,
+                 reached ? "redis_connected" : "redis_lost");
     }
-    connected_ = told;
+    connected_ = reached;
     first = false;
-    if (told) {
+    if (reached) {
       backoff = milliseconds{100};
     } else {
       metrics_.redis_error();
       next_beat = steady_clock::now() + backoff;  // restores the worker as soon as Redis is back
     }
     std::unique_lock lock(mutex_);
-    if (drain_seen && told && !drain_told_) {
-      drain_told_ = true;
+    if (drain_observed && reached && !drain_reported_) {
+      drain_reported_ = true;
       changed_.notify_all();
     }
-    changed_.wait_for(lock, told ? kSave : backoff,
-                      [&] { return stopping_ || draining_ != drain_seen; });
+    changed_.wait_for(lock, reached ? kSave : backoff,
+                      [&] { return stopping_ || draining_ != drain_observed; });
     if (stopping_) return;
-    if (!told) backoff = std::min(2 * backoff, kMostBackoff);
-    if (draining_ && !drain_seen) {
-      drain_seen = true;
+    if (!reached) backoff = std::min(2 * backoff, kMostBackoff);
+    if (draining_ && !drain_observed) {
+      drain_observed = true;
       next_beat = {};
     }
   }
@@ -109,17 +109,17 @@ Registry::Loads Registry::loads(const std::vector<SessionHost::Live>& live) {
   const double lent_until_now = options_.lent_seconds ? options_.lent_seconds() : 0;
   const double lent = std::clamp(lent_until_now - lent_before_, 0.0, std::max(0.0, busy));
   lent_before_ = lent_until_now;
-  std::vector<ExpectedLoad::Seen> seen;
-  for (const SessionHost::Live& one : live) seen.push_back({one.id, one.device_seconds});
+  std::vector<ExpectedLoad::Usage> usage;
+  for (const SessionHost::Live& one : live) usage.push_back({one.id, one.device_seconds});
   return {.busy = seconds > 0 ? std::clamp(busy / seconds, 0.0, 1.0) : 0,
-          .expected = expected_.after(seconds, busy - lent, seen, host_.slots())};
+          .expected = expected_.after(seconds, busy - lent, usage, host_.slots())};
 }
 
 bool Registry::heartbeat() {
   bool draining = false;
   {
     const std::lock_guard lock(mutex_);
-    draining = draining_ || told_to_drain_;
+    draining = draining_ || drain_ordered_;
   }
   const std::vector<SessionHost::Live> live = host_.live();
   const Loads load = loads(live);
@@ -168,11 +168,11 @@ void Registry::report_telemetry() {
   const auto room = directory_.report(
       {.owner = options_.owner, .memory = options_.memory(), .error = options_.error()});
   if (!room || !*room) return;
-  if (!told_to_drain_) log::info("told_to_drain");
-  told_to_drain_ = true;
+  if (!drain_ordered_) log::info("told_to_drain");
+  drain_ordered_ = true;
   // Another worker needs a session's scene to resume it.
   if (!save_scenes()) return;
-  options_.told_to_drain(**room);
+  options_.drain_ordered(**room);
 }
 
 void Registry::write_again(const std::string& session) {
@@ -193,8 +193,8 @@ void Registry::refused_name(const std::string& holder) {
     refused_since_ = now;
     log::warning("name_taken", {{"worker", options_.worker_id}, {"by", holder}});
   }
-  if (refusal_told_ || now - *refused_since_ < kNameMayBeTaken) return;
-  refusal_told_ = true;
+  if (refusal_reported_ || now - *refused_since_ < kNameMayBeTaken) return;
+  refusal_reported_ = true;
   if (options_.name_taken) options_.name_taken(holder);
 }
 

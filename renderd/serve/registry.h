@@ -37,7 +37,7 @@ class Registry {
     std::function<double()> error;   ///< summed over all pictures
     /// Called every second, from the registry's thread, while an operator wants this worker to
     /// drain. `room` sessions can move elsewhere.
-    std::function<void(std::size_t room)> told_to_drain;
+    std::function<void(std::size_t room)> drain_ordered;
     /// The part of `busy_seconds` spent on other workers' pictures. It does not count for
     /// placement, because it becomes free when a session is placed here. May be empty.
     std::function<double()> lent_seconds;
@@ -81,15 +81,15 @@ class Registry {
   std::condition_variable changed_;
   bool stopping_ = false;
   bool draining_ = false;
-  bool drain_told_ = false;
+  bool drain_reported_ = false;
 
   // Used only by the thread.
   double busy_before_ = 0, lent_before_ = 0;
   ExpectedLoad expected_;
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;
-  bool refusal_told_ = false;
-  bool told_to_drain_ = false;  // never reset, because it accepts no sessions again
+  bool refusal_reported_ = false;
+  bool drain_ordered_ = false;  // never reset, because it accepts no sessions again
   std::thread thread_;
 };
 

@@ -101,12 +101,12 @@ TEST_F(RegistryTest, ExpectedLoadExcludesLentCapacity) {
   const auto all = [begin] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
-  Registry::Options told{"w1", "first", "127.0.0.1:8085", "fake", "a test"};
-  told.busy_seconds = all;
-  told.volumes = [] { return std::vector<std::string>{}; };
+  Registry::Options registry_options{"w1", "first", "127.0.0.1:8085", "fake", "a test"};
+  registry_options.busy_seconds = all;
+  registry_options.volumes = [] { return std::vector<std::string>{}; };
   // Never less than the device's busy time, whatever the time between the two calls.
-  told.lent_seconds = [all] { return 2 * all(); };
-  const Registry registry(std::move(told), redis.client(), worker->host(), metrics);
+  registry_options.lent_seconds = [all] { return 2 * all(); };
+  const Registry registry(std::move(registry_options), redis.client(), worker->host(), metrics);
   ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "load") == "1.000"; }));
   EXPECT_EQ(redis.field("diaphane:worker:w1", "expected"), "0.0000");
 }
@@ -168,12 +168,12 @@ TEST_F(RegistryTest, RefusesSecondWorkerWithTheSameNameWhileTheFirstLives) {
     ++refused;
   });
   bool flapped = false;
-  const bool told = eventually([&] {
+  const bool reported = eventually([&] {
     flapped = flapped || redis.field("diaphane:worker:w1", "incarnation") != "first" ||
               redis.number({"ZCARD", "diaphane:worker:w1:sessions"}) != 1;
     return refused > 0;
   });
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
   EXPECT_EQ(holder, "127.0.0.1:8085");
   EXPECT_FALSE(flapped);
   EXPECT_FALSE(second->connected()) << "it is not ready";
@@ -310,17 +310,17 @@ TEST_F(RegistryTest, ReportsADrainImmediately) {
 }
 
 TEST_F(RegistryTest, DrainMovesSessionsOnlyIfThereIsRoomElsewhere) {
-  Registry::Options told;
-  told.worker_id = "w1";
-  told.incarnation = "first";
-  told.address = "127.0.0.1:8085";
-  told.busy_seconds = [] { return 0.0; };
-  told.volumes = [] { return std::vector<std::string>(); };
-  told.owner = "skull/uid/2";
-  told.memory = [] { return 0.25; };
-  told.error = [] { return 1.5; };
-  told.told_to_drain = [this](std::size_t room) { worker->host().move_away(room); };
-  Registry registry(told, redis.client(), worker->host(), metrics);
+  Registry::Options registry_options;
+  registry_options.worker_id = "w1";
+  registry_options.incarnation = "first";
+  registry_options.address = "127.0.0.1:8085";
+  registry_options.busy_seconds = [] { return 0.0; };
+  registry_options.volumes = [] { return std::vector<std::string>(); };
+  registry_options.owner = "skull/uid/2";
+  registry_options.memory = [] { return 0.25; };
+  registry_options.error = [] { return 1.5; };
+  registry_options.drain_ordered = [this](std::size_t room) { worker->host().move_away(room); };
+  Registry registry(registry_options, redis.client(), worker->host(), metrics);
   auto [attachment, link] = attach(new_id());
   const std::string key = "diaphane:worker:w1";
   ASSERT_TRUE(eventually([&] { return redis.field(key, "used") == "1"; }));

@@ -241,9 +241,9 @@ TEST_F(SessionFilesTest, AnswersKernelQuery) {
   one.say(seen);
   query.mutable_kernel();
   one.say(query);
-  const auto told = one.link->inbox.next_of(Kind::kKernel);
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->kernel().origin(), v1::KernelReport::AHEAD_OF_TIME);
+  const auto report = one.link->inbox.next_of(Kind::kKernel);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->kernel().origin(), v1::KernelReport::AHEAD_OF_TIME);
   EXPECT_EQ(one.link->inbox.count(Kind::kKernel), 1u);
 }
 

@@ -359,11 +359,11 @@ TEST_F(HostTest, RendersAndEncodesOnceForAllViewers) {
   EXPECT_EQ(worker->host().used(), 1U);
   EXPECT_EQ(device->volumes, 1);
   // The follower receives the scene before its picture, and may not change it.
-  bool told = false;
+  bool received_look = false;
   for (const v1::ServerMessage& message : ann.link->inbox.all()) {
-    if (message.has_look() && message.look().input_seq() == 4) told = true;
+    if (message.has_look() && message.look().input_seq() == 4) received_look = true;
     if (message.has_frame() && message.frame().input_seq() == 4) {
-      EXPECT_TRUE(told);
+      EXPECT_TRUE(received_look);
     }
   }
   ann.say(scene_message(1, config->config().scene()));

@@ -192,11 +192,11 @@ TEST_F(SessionSlicesTest, GuestsDoNotGetStatisticsOfTheWholeVolume) {
   const std::string session = new_id();
   Viewer owner, guest;
   const v1::Config whole = enter(owner, open_message(session, id));
-  const v1::Config told = enter(guest, open_message(session, id, new_id()));
+  const v1::Config guest_config = enter(guest, open_message(session, id, new_id()));
   EXPECT_FALSE(whole.volume().content_hash().empty());
-  EXPECT_TRUE(told.volume().content_hash().empty());
-  EXPECT_EQ(told.volume().percentiles_size(), 0);
-  EXPECT_FALSE(told.has_histogram());
+  EXPECT_TRUE(guest_config.volume().content_hash().empty());
+  EXPECT_EQ(guest_config.volume().percentiles_size(), 0);
+  EXPECT_FALSE(guest_config.has_histogram());
 }
 
 TEST_F(SessionSlicesTest, InvalidRequestIsRefusedAndTheSessionContinues) {

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // The watchdog's reports, from its thread.
-struct Told {
+struct HangReports {
   std::atomic<int> times{0};
   std::string name;
   Watchdog::Options within(std::chrono::milliseconds limit) {
@@ -28,31 +28,31 @@ struct Told {
 };
 
 TEST(Watchdog, ReportsSilenceOnceByNameAndSuspectsItBefore) {
-  Told told;
+  HangReports reports;
   std::atomic<std::uint64_t> lively{1};
   Watchdog watchdog({{"lively", [&] { return ++lively; }}, {"silent", [] { return 7; }}},
-                    told.within(200ms));
+                    reports.within(200ms));
   EXPECT_FALSE(watchdog.suspects());
-  ASSERT_TRUE(told.soon());
-  EXPECT_EQ(told.name, "silent");
+  ASSERT_TRUE(reports.soon());
+  EXPECT_EQ(reports.name, "silent");
   EXPECT_TRUE(watchdog.suspects());
   std::this_thread::sleep_for(100ms);
-  EXPECT_EQ(told.times, 1);
+  EXPECT_EQ(reports.times, 1);
 }
 
 TEST(Watchdog, IgnoresIdleAndProgressingWork) {
-  Told told;
+  HangReports reports;
   std::atomic<std::uint64_t> pulse{1};
   std::atomic<bool> idle{false};
   Watchdog watchdog({{"one", [&]() -> std::uint64_t { return idle ? 0 : pulse.load(); }}},
-                    told.within(300ms));
+                    reports.within(300ms));
   for (int i = 0; i < 10; ++i) {  // a heartbeat every 60 ms, for more than half a second
     std::this_thread::sleep_for(60ms);
     ++pulse;
   }
   idle = true;
   std::this_thread::sleep_for(500ms);
-  EXPECT_EQ(told.times, 0);
+  EXPECT_EQ(reports.times, 0);
   EXPECT_FALSE(watchdog.suspects());
 }
 
@@ -95,19 +95,19 @@ TEST(Watchdog, ReportsHungDeviceButNotALongQuantum) {
   FakeEngine engine(device);
   const SystemClock clock;
   Runner runner(make_policy(PolicyKind::kMarginalGain), clock, {});
-  Told told;
-  Watchdog watchdog(watched(runner.progress()), told.within(250ms));
+  HangReports reports;
+  Watchdog watchdog(watched(runner.progress()), reports.within(250ms));
 
   auto volume = std::make_shared<FakeDeviceVolume>(volume::Header{});
   auto looker = std::make_shared<Looker>();
   runner.add(looker, *engine.renderer(volume, 1, 0), 0);
   for (int i = 0; i < 500 && looker->batches == 0; ++i) std::this_thread::sleep_for(10ms);
   ASSERT_GT(looker->batches, 0);
-  EXPECT_EQ(told.times, 0) << "a quantum of one second is not a hang";
+  EXPECT_EQ(reports.times, 0) << "a quantum of one second is not a hang";
 
   device->hangs = true;
-  EXPECT_TRUE(told.soon());
-  EXPECT_EQ(told.name, "device");
+  EXPECT_TRUE(reports.soon());
+  EXPECT_EQ(reports.name, "device");
   device->hangs = false;  // otherwise the runner's thread would never end
 }
 

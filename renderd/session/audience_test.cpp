@@ -287,13 +287,13 @@ TEST_F(AudienceTest, ParticipantListContainsOnlyNamesAndRoles) {
                           "Ann  ");
   say(ann, hello());
   const auto bob = join(kBob);
-  const v1::Audience told = audience_for(state.audience, *state.audience.find(ann));
-  EXPECT_EQ(told.you(), kAnn);
-  ASSERT_EQ(told.participants_size(), 3);
-  EXPECT_TRUE(told.participants(0).owner());
-  EXPECT_TRUE(told.participants(0).presenter());
-  EXPECT_EQ(told.participants(1).name(), "Dr. Ann");
-  EXPECT_EQ(told.participants(2).name(), "Guest 1");
+  const v1::Audience audience = audience_for(state.audience, *state.audience.find(ann));
+  EXPECT_EQ(audience.you(), kAnn);
+  ASSERT_EQ(audience.participants_size(), 3);
+  EXPECT_TRUE(audience.participants(0).owner());
+  EXPECT_TRUE(audience.participants(0).presenter());
+  EXPECT_EQ(audience.participants(1).name(), "Dr. Ann");
+  EXPECT_EQ(audience.participants(2).name(), "Guest 1");
   // The same number after a reconnection.
   detach(state, bob, now);
   join("00000000-0000-4000-8000-00000000000c");

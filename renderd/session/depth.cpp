@@ -82,8 +82,9 @@ std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
   return coarse;
 }
 
-std::optional<SeenPlace> seen_at(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
-                                 Canvas canvas, double x, double y) {
+std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
+                                             const diaphane::v1::Scene& scene, Canvas canvas,
+                                             double x, double y) {
   diaphane::v1::Scene dark = scene;  // lights do not matter here, and their textures take time
   dark.clear_lights();
   dark.mutable_camera()->set_aperture_radius(0);
@@ -104,12 +105,12 @@ std::optional<SeenPlace> seen_at(const CoarseVolume& coarse, const diaphane::v1:
   const Double3 in_frame{index.x * header.spacing[0], index.y * header.spacing[1],
                          index.z * header.spacing[2]};
   const Double3 from_middle = in_frame - frame.extent * 0.5;
-  SeenPlace seen;
-  seen.place =
+  VisiblePoint visible;
+  visible.place =
       frame.axes[0] * from_middle.x + frame.axes[1] * from_middle.y + frame.axes[2] * from_middle.z;
-  seen.distance =
-      dot(seen.place - vector_of(scene.camera().eye()), CameraAxes(scene.camera()).back * -1.0);
-  return seen;
+  visible.distance =
+      dot(visible.place - vector_of(scene.camera().eye()), CameraAxes(scene.camera()).back * -1.0);
+  return visible;
 }
 
 }  // namespace diaphane::render

@@ -19,7 +19,7 @@ struct CoarseVolume {
 /// Returns a coarse copy by nearest voxels, with at most a million voxels.
 std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume);
 
-struct SeenPlace {
+struct VisiblePoint {
   Double3 place;        ///< mm in world space
   double distance = 0;  ///< mm from the eye along the view axis
 };
@@ -28,7 +28,8 @@ struct SeenPlace {
 /// half behind. For thin skin over bone, this is one of the two and never between them. `x` and `y`
 /// range from 0 to 1 from the upper left. Returns nullopt if only background is visible.
 /// Precondition: `scene` has passed check_scene.
-std::optional<SeenPlace> seen_at(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
-                                 Canvas canvas, double x, double y);
+std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
+                                             const diaphane::v1::Scene& scene, Canvas canvas,
+                                             double x, double y);
 
 }  // namespace diaphane::render

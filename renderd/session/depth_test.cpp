@@ -33,28 +33,29 @@ double opaque_from_30(double y) { return y > 30 ? 1000 : 0; }
 
 TEST(Depth, IsThatOfTheSurfaceUnderThePoint) {
   const auto volume = layers(100, opaque_from_30);
-  const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->distance, kEye - 50 + 30, 1);
-  EXPECT_NEAR(seen->place.y, -50 + 30, 1);
+  const auto visible = visible_point_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(visible);
+  EXPECT_NEAR(visible->distance, kEye - 50 + 30, 1);
+  EXPECT_NEAR(visible->place.y, -50 + 30, 1);
 }
 
 TEST(Depth, IsMeasuredAlongTheViewAxisOffCentre) {
   const auto volume = layers(100, opaque_from_30);
   // 30 degrees at 480 mm are 257 mm high, so a tenth of the height is 25.7 mm.
-  const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5 + 0.1 * 300 / 400, 0.4);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->distance, kEye - 20, 1);
-  EXPECT_NEAR(seen->place.x, 25.7, 0.3) << "the patient's left is on the right";
-  EXPECT_NEAR(seen->place.z, 25.7, 0.3);
+  const auto visible =
+      visible_point_at(*volume, from_the_front(), kCanvas, 0.5 + 0.1 * 300 / 400, 0.4);
+  ASSERT_TRUE(visible);
+  EXPECT_NEAR(visible->distance, kEye - 20, 1);
+  EXPECT_NEAR(visible->place.x, 25.7, 0.3) << "the patient's left is on the right";
+  EXPECT_NEAR(visible->place.z, 25.7, 0.3);
 }
 
 TEST(Depth, IsAccurateForDownsampledVolumes) {
   const auto volume = layers(250, opaque_from_30);
   EXPECT_LE(volume->volume.voxels.size(), 1'000'000U);
-  const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->distance, kEye - 20, 1);
+  const auto visible = visible_point_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(visible);
+  EXPECT_NEAR(visible->distance, kEye - 20, 1);
 }
 
 TEST(Depth, IsThatOfSkinOrBoneButNeverBetween) {
@@ -62,18 +63,20 @@ TEST(Depth, IsThatOfSkinOrBoneButNeverBetween) {
   const auto volume = layers(100, [](double y) {
     return y > 60 ? 1000 : y > 10 && y < 14 ? 150 : 0;  // half as opaque
   });
-  const auto thick = seen_at(*volume, from_the_front(2), kCanvas, 0.5, 0.5);
+  const auto thick = visible_point_at(*volume, from_the_front(2), kCanvas, 0.5, 0.5);
   ASSERT_TRUE(thick);
   EXPECT_NEAR(thick->distance, kEye - 50 + 11, 2);
-  const auto thin = seen_at(*volume, from_the_front(0.1), kCanvas, 0.5, 0.5);
+  const auto thin = visible_point_at(*volume, from_the_front(0.1), kCanvas, 0.5, 0.5);
   ASSERT_TRUE(thin);
   EXPECT_GE(thin->distance, kEye - 50 + 59);
 }
 
 TEST(Depth, IsEmptyForBackground) {
   const auto volume = layers(50, opaque_from_30);
-  EXPECT_FALSE(seen_at(*volume, from_the_front(), kCanvas, 0.01, 0.5)) << "beside the volume";
-  EXPECT_FALSE(seen_at(*layers(50, [](double) { return 0; }), from_the_front(), kCanvas, 0.5, 0.5));
+  EXPECT_FALSE(visible_point_at(*volume, from_the_front(), kCanvas, 0.01, 0.5))
+      << "beside the volume";
+  EXPECT_FALSE(
+      visible_point_at(*layers(50, [](double) { return 0; }), from_the_front(), kCanvas, 0.5, 0.5));
 }
 
 TEST(Depth, IgnoresClippedRegions) {
@@ -81,9 +84,9 @@ TEST(Depth, IgnoresClippedRegions) {
   diaphane::v1::Scene scene = from_the_front();
   set(scene.mutable_clip()->mutable_box_low(), -50, 10, -50);
   set(scene.mutable_clip()->mutable_box_high(), 50, 50, 50);
-  const auto seen = seen_at(*volume, scene, kCanvas, 0.5, 0.5);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->distance, kEye + 10, 1);
+  const auto visible = visible_point_at(*volume, scene, kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(visible);
+  EXPECT_NEAR(visible->distance, kEye + 10, 1);
 }
 
 TEST(Depth, IncludesSlicesInEmptySpace) {
@@ -94,9 +97,9 @@ TEST(Depth, IncludesSlicesInEmptySpace) {
   scene.mutable_slices()->set_window_width(400);
   for (const bool alone : {false, true}) {
     scene.mutable_slices()->set_alone(alone);
-    const auto seen = seen_at(*volume, scene, kCanvas, 0.5, 0.5);
-    ASSERT_TRUE(seen) << alone;
-    EXPECT_NEAR(seen->distance, kEye - 40, 1e-2) << alone;
+    const auto visible = visible_point_at(*volume, scene, kCanvas, 0.5, 0.5);
+    ASSERT_TRUE(visible) << alone;
+    EXPECT_NEAR(visible->distance, kEye - 40, 1e-2) << alone;
   }
 }
 
@@ -106,10 +109,10 @@ TEST(Depth, IsMeasuredFromTheEyeForParallelRaysAndOpenLens) {
   scene.mutable_camera()->set_orthographic_height(200);
   scene.mutable_camera()->set_aperture_radius(20);
   scene.mutable_camera()->set_focal_distance(100);
-  const auto seen = seen_at(*volume, scene, kCanvas, 0.5, 0.4);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->distance, kEye - 20, 1);
-  EXPECT_NEAR(seen->place.z, 20, 0.5);
+  const auto visible = visible_point_at(*volume, scene, kCanvas, 0.5, 0.4);
+  ASSERT_TRUE(visible);
+  EXPECT_NEAR(visible->distance, kEye - 20, 1);
+  EXPECT_NEAR(visible->place.z, 20, 0.5);
 }
 
 }  // namespace

@@ -245,9 +245,9 @@ TEST_F(StateTest, ReportsConvergenceOncePerEpoch) {
   EXPECT_FALSE(depart(last)->state);
   last.converged = true;
   admit(last);
-  const OutgoingFrame told = *depart(last);
-  ASSERT_TRUE(told.state);
-  EXPECT_TRUE(told.state->converged());
+  const OutgoingFrame converged = *depart(last);
+  ASSERT_TRUE(converged.state);
+  EXPECT_TRUE(converged.state->converged());
   say(ack(2));
   began(state, 2, state.wanted);
   admit(frame(2));

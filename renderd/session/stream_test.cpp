@@ -35,7 +35,7 @@ struct StreamTest : testing::Test {
       for (const OutgoingFrame& one :
            depart(state, codec, info, {admitted.key || codec == v1::JPEG, bytes}, now).frames) {
         newest[one.connection] = one.seq;
-        told = one.state;
+        sent_state = one.state;
       }
     }
     return admitted;
@@ -64,7 +64,7 @@ struct StreamTest : testing::Test {
   TimePoint now = TimePoint{} + std::chrono::hours(1);
   std::uint64_t owner = 0;
   std::map<std::uint64_t, std::uint64_t> newest;
-  std::optional<v1::State> told;
+  std::optional<v1::State> sent_state;
   FrameInfo last = [] {
     FrameInfo info = frame(1, false);
     info.converged = true;
@@ -77,7 +77,7 @@ TEST_F(StreamTest, SendsTilesInOrderThenTheMarkAfterConvergence) {
   hear(owner);
   EXPECT_TRUE(due().empty()) << "the converged frame comes first";
   send(last);
-  EXPECT_TRUE(told && told->converged() && !told->lossless());
+  EXPECT_TRUE(sent_state && sent_state->converged() && !sent_state->lossless());
   std::optional<v1::State> mark;
   for (std::uint32_t tile = 0; tile < kTiles; ++tile) {
     EXPECT_FALSE(mark);
@@ -111,7 +111,7 @@ TEST_F(StreamTest, NewEpochDropsRemainingTiles) {
   began(state, 2, state.wanted);
   EXPECT_TRUE(due().empty());
   EXPECT_EQ(send(frame(2)).admission, Admission::kGo);
-  EXPECT_TRUE(told && !told->converged()) << "the mark is taken back";
+  EXPECT_TRUE(sent_state && !sent_state->converged()) << "the mark is taken back";
 }
 
 TEST_F(StreamTest, ResentFrameIsFollowedByAllTilesAndTheMark) {
@@ -123,7 +123,7 @@ TEST_F(StreamTest, ResentFrameIsFollowedByAllTilesAndTheMark) {
   }
   last.input_seq = 7;  // an input without a change
   send(last);
-  EXPECT_TRUE(told && told->converged() && !told->lossless());
+  EXPECT_TRUE(sent_state && sent_state->converged() && !sent_state->lossless());
   ASSERT_EQ(due().size(), 1U);
   EXPECT_EQ(due()[0].tile, 0U);
 }

@@ -68,11 +68,11 @@ class Browser {
     MUST(query.x() >= 0 && query.x() <= 1 && query.y() >= 0 && query.y() <= 1);
     static const auto coarse = coarse_of(ball());
     if (!state_.shown.scene || !is_sound(state_.shown.viewport)) return;
-    const auto seen =
-        seen_at(*coarse, *state_.shown.scene, state_.shown.viewport, query.x(), query.y());
-    if (!seen) return;
-    MUST(std::isfinite(seen->distance) && seen->distance >= 0);
-    MUST(std::isfinite(seen->place.x + seen->place.y + seen->place.z));
+    const auto visible =
+        visible_point_at(*coarse, *state_.shown.scene, state_.shown.viewport, query.x(), query.y());
+    if (!visible) return;
+    MUST(std::isfinite(visible->distance) && visible->distance >= 0);
+    MUST(std::isfinite(visible->place.x + visible->place.y + visible->place.z));
   }
 
   void slices(const v1::SliceRequest& request) {
