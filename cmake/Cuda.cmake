@@ -1,5 +1,5 @@
 # The CUDA compiler, when there is one: sets DIAPHANE_HAVE_CUDA. docs/gpu.md says where it comes from.
-# Order: CMAKE_CUDA_COMPILER, CUDACXX, the toolkit that tools/house installs into .tools/venv, the PATH.
+# Order: CMAKE_CUDA_COMPILER, CUDACXX, the toolkit that tools/devtool installs into .tools/venv, the PATH.
 include_guard(GLOBAL)
 set(DIAPHANE_HAVE_CUDA OFF)
 if(NOT DIAPHANE_CUDA)

@@ -12,7 +12,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 # Line tables are enough for backtraces and halve the size of objects (Boost, gRPC and VTK are heavy).
 set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -DNDEBUG")
-# GCC collects garbage from 128 MB on, which costs 10% of the time. The compilers of all jobs have more (tools/house/build.py).
+# GCC collects garbage from 128 MB on, which costs 10% of the time. The compilers of all jobs have more (tools/devtool/build.py).
 add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-expand=300>
                     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)

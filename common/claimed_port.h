@@ -7,7 +7,7 @@
 namespace diaphane {
 
 /// Reserves a free loopback port for a program that is about to start. While this object exists,
-/// no other start of Diaphane on this machine gets the same port (tools/house/ports.py uses the
+/// no other start of Diaphane on this machine gets the same port (tools/devtool/ports.py uses the
 /// same mark). No outgoing connection gets it either, because it is below the kernel's range of
 /// ephemeral ports.
 class ClaimedPort {

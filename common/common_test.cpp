@@ -47,7 +47,7 @@ TEST(ClaimedPort, IsExclusiveWhileItExists) {
     EXPECT_TRUE(numbers.insert(port->number()).second);
     held.push_back(*std::move(port));
   }
-  // Claims the mark like ./diaphane up (tools/house/ports.py).
+  // Claims the mark like ./diaphane up (tools/devtool/ports.py).
   const std::string name = "diaphane-port-" + std::to_string(held.back().number());
   const auto could_be_chosen = [&] {
     const int mark = socket(AF_UNIX, SOCK_STREAM, 0);

@@ -13,37 +13,37 @@ from __future__ import annotations
 
 import pytest
 
-from harness import StackHouse, TestStack
+from harness import StackFactory, TestStack
 
 
 @pytest.fixture(scope="session")
-def stack_house():
-    house = StackHouse()
-    yield house
-    house.close()
+def all_stacks():
+    factory = StackFactory()
+    yield factory
+    factory.close()
 
 
 @pytest.fixture(scope="session")
-def stack(stack_house: StackHouse) -> TestStack:
-    return stack_house.open()
+def stack(all_stacks: StackFactory) -> TestStack:
+    return all_stacks.open()
 
 
 @pytest.fixture(scope="session")
-def stores(stack_house: StackHouse) -> TestStack:
-    return stack_house.open(only=("postgres", "redis"))
+def stores(all_stacks: StackFactory) -> TestStack:
+    return all_stacks.open(only=("postgres", "redis"))
 
 
 @pytest.fixture
-def stack_factory(stack_house: StackHouse):
+def stack_factory(all_stacks: StackFactory):
     opened = []
 
     def make(**choices) -> TestStack:
-        opened.append(stack_house.open(**choices))
+        opened.append(all_stacks.open(**choices))
         return opened[-1]
 
     yield make
     for one in opened:
-        stack_house.shut(one)
+        all_stacks.shut(one)
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def pytest_runtest_makereport(item, call):
     if report.failed:
         for name, value in getattr(item, "funcargs", {}).items():
             stacks = [value] if isinstance(value, TestStack) else []
-            if isinstance(value, StackHouse):
+            if isinstance(value, StackFactory):
                 stacks = value.opened
             for one in stacks:
                 for program, text in one.log_tails().items():

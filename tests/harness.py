@@ -17,8 +17,8 @@ from typing import Callable, Iterable, TypeVar
 REPO = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPO / "tools"))
 
-from house import datadir, layout, logfiles, ports, users  # noqa: E402
-from house.stack import Stack  # noqa: E402
+from devtool import datadir, layout, logfiles, ports, users  # noqa: E402
+from devtool.stack import Stack  # noqa: E402
 
 T = TypeVar("T")
 
@@ -43,9 +43,9 @@ class TestStack:
 
     __test__ = False  # not a test class, despite its name
 
-    def __init__(self, stack: Stack, house: StackHouse | None = None):
+    def __init__(self, stack: Stack, factory: StackFactory | None = None):
         self.stack = stack
-        self.house = house
+        self.factory = factory
         self.data_dir: Path = stack.data
         self.ports: dict[str, int] = stack.ports
         self.url: str = stack.settings.url
@@ -124,7 +124,7 @@ class TestStack:
         return {name: text for name, text in tails.items() if text}
 
 
-class StackHouse:
+class StackFactory:
     """Creates the stacks of a test run and removes them."""
 
     def __init__(self) -> None:
@@ -202,4 +202,4 @@ class StackHouse:
         shutil.rmtree(self.copies_, ignore_errors=True)
 
 
-__all__ = ["REPO", "StackHouse", "TestStack", "datadir", "mails_in", "metrics_at"]
+__all__ = ["REPO", "StackFactory", "TestStack", "datadir", "mails_in", "metrics_at"]

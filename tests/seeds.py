@@ -105,7 +105,7 @@ def _build(stack: TestStack, folder: Path) -> Scan:
     # Ready, and the upload deleted, which is the last that ingest does.
     stack.wait_until(lambda: stack.psql("SELECT 1 FROM data_sets WHERE id = %s AND state = 'ready'", made) and not upload.exists(), 120, "the seeded scan")
     _have_pictures(stack, person, made)
-    kept = stack.house.folder()
+    kept = stack.factory.folder()
     shutil.copytree(stack.data_dir / "volumes" / made, kept / "volume")
     shutil.copytree(stack.data_dir / "cache" / "thumbnails" / made, kept / "pictures")
     columns = ", ".join("head::text" if name == "head" else name for name in COLUMNS)

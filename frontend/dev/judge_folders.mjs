@@ -1,4 +1,4 @@
-// What the page's scanner makes of folders of files, for the table of cases of ingest (tools/house/ingest_cases):
+// What the page's scanner makes of folders of files, for the table of cases of ingest (tools/devtool/ingest_cases):
 // node dev/judge_folders.mjs OUT FOLDER... prints a list of {outcomes, words}, in the words of that table, and writes what the
 // page would send of the first suitable series of each folder to OUT/0.tar, OUT/1.tar, ...
 import { openAsBlob } from "node:fs";

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from house import paths
+from devtool import paths
 
 CHART = paths.REPO / "helm" / "diaphane"
 SECRET = {"postgres": "postgresql://diaphane:x@postgres:5432/diaphane", "mail": "smtp://mail:25", "factor-key": "0" * 64, "postgres-password": "x"}

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from plane import Plane
 
-from house import kubernetes, logfiles, users
+from devtool import kubernetes, logfiles, users
 
 _numbers = itertools.count(1)
 #: Needs its own namespaces (`./diaphane test node`).

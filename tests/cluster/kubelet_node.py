@@ -15,8 +15,8 @@ from pathlib import Path
 from conftest import wait_for
 from plane import Plane
 
-from house import logfiles, whole_node
-from house.processes import Identity, end
+from devtool import logfiles, whole_node
+from devtool.processes import Identity, end
 
 NAME = "whole"
 #: Address of the node besides its loopback, at which pods reach what runs on the node.

@@ -26,7 +26,7 @@ from plane import Plane, node
 from pod_contents import Places, chosen, data_of, environment, field_of, mapped, phase_of, ports_named, probe_port
 from pod_process import Container, Mount, image_mounts
 
-from house import layout, ports
+from devtool import layout, ports
 
 _MERGE = {"Content-Type": "application/merge-patch+json"}
 _addresses = itertools.count(1)

@@ -18,9 +18,9 @@ from chart_helpers import rendered
 from conftest import wait_for
 from plane import Plane
 
-from house import paths, ports
-from house.processes import Identity, end
-from house.stack import WITHOUT_CORE_FILES
+from devtool import paths, ports
+from devtool.processes import Identity, end
+from devtool.stack import WITHOUT_CORE_FILES
 
 GROUP = "/apis/diaphane.dev/v1alpha1"
 #: The only lease that the chart permits.

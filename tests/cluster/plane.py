@@ -1,6 +1,6 @@
 """The real control plane of Kubernetes on free ports of the loopback, as an ordinary user, in a directory of its own.
 
-    plane = Plane(house.folder(), house.run_as).start()
+    plane = Plane(factory.folder(), factory.run_as).start()
     plane.kubectl("get", "nodes");  plane.api.get("/apis/diaphane.dev/v1alpha1/renderfleets")
     plane.add_nodes(8, gpus=8);     plane.stop()
 
@@ -23,9 +23,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
 import httpx  # noqa: E402
-from house import kubernetes, logfiles, paths, ports, users  # noqa: E402
-from house.processes import Identity, end  # noqa: E402
-from house.stack import WITHOUT_CORE_FILES  # noqa: E402
+from devtool import kubernetes, logfiles, paths, ports, users  # noqa: E402
+from devtool.processes import Identity, end  # noqa: E402
+from devtool.stack import WITHOUT_CORE_FILES  # noqa: E402
 
 #: Users with a token: name and groups. Everyone else uses the token of a service account.
 _USERS = {

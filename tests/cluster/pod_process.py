@@ -7,9 +7,9 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from house import layout, users
-from house.processes import Identity
-from house.stack import WITHOUT_CORE_FILES
+from devtool import layout, users
+from devtool.processes import Identity
+from devtool.stack import WITHOUT_CORE_FILES
 
 #: The parts of this machine's /etc that programs need to run.
 _ETC = ("passwd", "group", "nsswitch.conf", "hosts", "resolv.conf", "ld.so.cache", "ssl", "localtime", "nginx")

@@ -24,9 +24,9 @@ from conftest import wait_for
 from operator_helpers import BUILD, GROUP, Cluster, Redis
 from plane import ORDER, Plane
 
-from house import paths, users
-from house.bench import percentile
-from house.benches.soak import held
+from devtool import paths, users
+from devtool.bench import percentile
+from devtool.benches.soak import held
 
 _SCRIPTS = BUILD / "directory" / "scripts"
 PLACE = _SCRIPTS / "place.lua"

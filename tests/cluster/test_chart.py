@@ -138,7 +138,7 @@ TALKERS = {"api": "Deployment/it-diaphane-api", "gateway": "Deployment/it-diapha
 
 @pytest.mark.parametrize("choice", ["tls", "plain", "nothing"])
 @pytest.mark.parametrize("program", TALKERS)
-def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, stack_house, program, choice):
+def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, all_stacks, program, choice):
     """The program reads the pod's settings and complains only about the one that is removed, so that it exits."""
     issue(tmp_path, ca="ca.crt", certificate="tls.crt", key="tls.key", names="DNS:renderd.diaphane")
     objects = pod_specs(rendered(plane, tmp_path, INNER_TLS if choice == "tls" else {}))
@@ -156,7 +156,7 @@ def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, stack_hous
         for name, value in paths.items():
             environment[name] = str(tmp_path / value.removeprefix("/inner-tls/"))
         assert environment["DIAPHANE_REDIS"] == "rediss://redis.stores:6379" and "DIAPHANE_INNER_PLAIN" not in environment
-    said = subprocess.run([str(stack_house.layout().bin / f"diaphane-{program}")], env=environment, capture_output=True, text=True, timeout=60)
+    said = subprocess.run([str(all_stacks.layout().bin / f"diaphane-{program}")], env=environment, capture_output=True, text=True, timeout=60)
     assert said.returncode == 78 and "admin-port" in said.stderr, said.stderr
     complaints = [line for line in said.stderr.splitlines() if "TLS" in line or "tls" in line]
     assert bool(complaints) is (choice == "nothing"), said.stderr

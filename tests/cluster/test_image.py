@@ -6,7 +6,7 @@ import os
 import subprocess
 
 import pytest
-from house import paths
+from devtool import paths
 
 pytestmark = pytest.mark.nightly
 

@@ -18,7 +18,7 @@ from playwright.sync_api import expect, sync_playwright
 from service_helpers import NAME, Service
 
 from harness import REPO
-from house import chromium, logfiles, users
+from devtool import chromium, logfiles, users
 
 sys.path.insert(0, str(REPO / "tests" / "e2e"))
 
@@ -32,7 +32,7 @@ POOL = {"nodeSelector": {"pool": "real"}}
 
 
 @pytest.fixture
-def service(stack_house, stack_factory, request):
+def service(all_stacks, stack_factory, request):
     """The chart on two nodes of its own control plane, which run every pod."""
     if os.geteuid() != 0:
         pytest.skip("a pod's processes get mount namespaces of their own, which root alone may make")
@@ -48,7 +48,7 @@ def service(stack_house, stack_factory, request):
         plane.define_resources()
         plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": NAMESPACE, "labels": {"pod-security.kubernetes.io/enforce": "restricted"}}})
         for name in ("node-a", "node-b"):
-            agents.append(NodeAgent(plane, name, folder / name, stack_house.layout(), gpus=2, labels={"pool": "real"}).start())
+            agents.append(NodeAgent(plane, name, folder / name, all_stacks.layout(), gpus=2, labels={"pool": "real"}).start())
         made = Service(plane, NAMESPACE, agents, stack_factory(only=("postgres", "redis")), folder)
         made.install({"fleet": {"replicas": 2, "sessionsPerWorker": 4, "engine": "cpu", "drainTimeout": "1s", **POOL}, "api": POOL, "ingest": POOL, "operator": POOL})
         yield made

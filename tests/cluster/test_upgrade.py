@@ -16,7 +16,7 @@ from hooks_helpers import Hooks
 from operator_helpers import GROUP
 from test_chart import prepare
 
-from house import paths
+from devtool import paths
 
 RELEASE = "it-diaphane"
 OLD = "0.0.9"

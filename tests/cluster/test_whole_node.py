@@ -16,7 +16,7 @@ from service_helpers import Front, Service
 from test_session import ENOUGH, NAMESPACE, POOL, SESSION, page  # noqa: F401
 
 from harness import REPO
-from house import image, users, whole_node
+from devtool import image, users, whole_node
 
 sys.path.insert(0, str(REPO / "tests" / "e2e"))
 

@@ -18,7 +18,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from harness import REPO
-from house import chromium
+from devtool import chromium
 from person import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)

@@ -1,4 +1,4 @@
-// Put into a page before its own scripts, after tools/house/page_wire.js: what its stream said, for the tests of test_stream.py.
+// Put into a page before its own scripts, after tools/devtool/page_wire.js: what its stream said, for the tests of test_stream.py.
 (() => {
   const heard = { tiles: {}, codecs: {}, epoch: 0, frame: null, spoil: false };
   window.heardStills = heard;

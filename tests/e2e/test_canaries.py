@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, expect
 from canaries import Search
 from harness import TestStack
 from hostile.canary_scan import CanaryScan
-from house import chromium
+from devtool import chromium
 from person import PATIENCE_MS, Person
 from picture import drag, wait_for_samples
 from slow_network import SlowNetwork

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Page
 
 from harness import REPO, TestStack
-from house import page_crawler
+from devtool import page_crawler
 from person import PATIENCE_MS, Person
 
 AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"

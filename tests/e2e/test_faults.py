@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from harness import StackHouse, TestStack
+from harness import StackFactory, TestStack
 from person import Person
 from picture import difference, drag, last_input, pixels, wait_for_samples
 
@@ -19,10 +19,10 @@ CUT = "Connection lost. Reconnecting…"
 
 
 @pytest.fixture(scope="module")
-def shaken(stack_house: StackHouse):
-    stack = stack_house.open()
+def shaken(all_stacks: StackFactory):
+    stack = all_stacks.open()
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.mark.parametrize("program", ["api", "gateway", "redis", "postgres"])

@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
-from house.ingest_cases.phantom import Series, dataset, markers, stack as slices, write
+from devtool.ingest_cases.phantom import Series, dataset, markers, stack as slices, write
 from person import Person
 from picture import drag, facts, wait_for_samples
 from test_take_away import chunks, live_answers, wait_for_sessions

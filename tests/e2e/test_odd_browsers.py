@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from harness import StackHouse, TestStack
-from house import chromium, plan
+from harness import StackFactory, TestStack
+from devtool import chromium, plan
 from person import PATIENCE_MS, Person
 from picture import ALIKE, difference, drag, facts, kept_view, pixels, spread, wait_for_samples
 
@@ -71,10 +71,10 @@ def test_without_webcodecs_the_picture_comes_another_way(stack: TestStack, visit
 
 
 @pytest.mark.nightly
-def test_where_the_page_is_not_secure_all_of_it_works(stack_house: StackHouse, browser: Browser, cranium: Path, monkeypatch):
+def test_where_the_page_is_not_secure_all_of_it_works(all_stacks: StackFactory, browser: Browser, cranium: Path, monkeypatch):
     """HTTP with a host name, as in a hospital's network: there is no WebCodecs, SubtleCrypto or clipboard."""
     monkeypatch.setattr(plan.Settings, "host", property(lambda _: "clinic.test"))
-    stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
+    stack = all_stacks.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
     way = f"--host-resolver-rules=MAP clinic.test:80 127.0.0.1:{stack.ports['edge']}"
     near = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, way])
     page = near.new_context(viewport={"width": 320, "height": 240}).new_page()
@@ -92,7 +92,7 @@ def test_where_the_page_is_not_secure_all_of_it_works(stack_house: StackHouse, b
     # Lossless pictures need hashes, which are computed in software.
     expect(page.locator("canvas[data-lossless]")).to_be_visible()
     near.close()
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.mark.nightly

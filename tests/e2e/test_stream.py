@@ -8,22 +8,22 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from harness import REPO, StackHouse, TestStack
-from house import chromium
+from harness import REPO, StackFactory, TestStack
+from devtool import chromium
 from person import Person
 from picture import difference, facts, pixels, wait_for_samples
 from slow_network import SlowNetwork
 
 # Records messages of the page's socket: the hash and position of each lossless tile.
-HEARING = (REPO / "tools" / "house" / "page_wire.js", Path(__file__).parent / "hear_stills.js")
+HEARING = (REPO / "tools" / "devtool" / "page_wire.js", Path(__file__).parent / "hear_stills.js")
 
 
 @pytest.fixture(scope="module")
-def quick(stack_house: StackHouse):
+def quick(all_stacks: StackFactory):
     """A stack whose pictures are finished quickly."""
-    stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
+    stack = all_stacks.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 def use_codec(page: Page, codec: str) -> None:

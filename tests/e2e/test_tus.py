@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from harness import REPO, StackHouse, TestStack
+from harness import REPO, StackFactory, TestStack
 from person import Person
 from test_upload import Dam
 
@@ -50,11 +50,11 @@ def bytes_of(length: int, seed: int) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def tus_stack(stack_house: StackHouse):
+def tus_stack(all_stacks: StackFactory):
     """Without ingestd, so that uploads stay and can be inspected."""
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_MAX_UPLOAD_MB": "64"})
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_MAX_UPLOAD_MB": "64"})
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture

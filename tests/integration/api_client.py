@@ -12,7 +12,7 @@ import httpx
 import pyotp
 import pytest
 from api_contract import Contract
-from harness import REPO, StackHouse, TestStack
+from harness import REPO, StackFactory, TestStack
 from seeds import PASSWORD, write_person
 
 CONTRACT = Contract(REPO / "api" / "openapi.yaml")
@@ -20,11 +20,11 @@ PART = 8 * 1024 * 1024
 
 
 @pytest.fixture(scope="session")
-def api(stack_house: StackHouse) -> TestStack:
+def api(all_stacks: StackFactory) -> TestStack:
     """Stores, api and edge, once for all API tests, without ingestd, so that queued jobs stay queued."""
-    if not hasattr(stack_house, "api_stack"):
-        stack_house.api_stack = stack_house.open(only=("postgres", "redis", "api", "edge"))
-    return stack_house.api_stack
+    if not hasattr(all_stacks, "api_stack"):
+        all_stacks.api_stack = all_stacks.open(only=("postgres", "redis", "api", "edge"))
+    return all_stacks.api_stack
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,10 @@ from stream_helpers import PROGRAMS, open_session, store_ball
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=PROGRAMS)
+def running(all_stacks):
+    stack = all_stacks.open(only=PROGRAMS)
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")

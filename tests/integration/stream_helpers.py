@@ -14,7 +14,7 @@ import uuid
 
 from api_client import Person, ready_without_upload
 from harness import TestStack
-from house.bench_client import messages
+from devtool.bench_client import messages
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 

@@ -9,11 +9,11 @@ from access_matrix_fixture import ROLES, STATES, World, ask
 
 
 @pytest.fixture(scope="module")
-def api(stack_house):
+def api(all_stacks):
     """A separate stack, because the samples and the worker that the table needs would remain for all other tests."""
-    opened = stack_house.open(only=("postgres", "redis", "api", "edge"))
+    opened = all_stacks.open(only=("postgres", "redis", "api", "edge"))
     yield opened
-    stack_house.shut(opened)
+    all_stacks.shut(opened)
 
 
 def test_every_operation_has_a_row_and_every_row_an_operation():

@@ -17,10 +17,10 @@ CAMERA = {"camera": {"eye": {"y": -300, "z": 4}, "target": {"z": 4}, "up": {"z":
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "gateway", "edge", "ingestd", "renderd"))
+def running(all_stacks):
+    stack = all_stacks.open(only=("postgres", "redis", "api", "gateway", "edge", "ingestd", "renderd"))
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ from stream_helpers import free_port
 
 
 @pytest.fixture(scope="module")
-def stores_and_api(stack_house):
-    running = stack_house.open(only=("postgres", "redis", "api"))
+def stores_and_api(all_stacks):
+    running = all_stacks.open(only=("postgres", "redis", "api"))
     yield running
-    stack_house.shut(running)
+    all_stacks.shut(running)
 
 
 @pytest.fixture(scope="module")

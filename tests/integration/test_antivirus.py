@@ -11,16 +11,16 @@ from hostile.canary_scan import CanaryScan
 from ingest_helpers import enqueue, nothing_left, upload_path, volume_path, wait_end
 
 from canaries import Search
-from house import clamav
+from devtool import clamav
 
 PROGRAMS = ("postgres", "redis", "api", "ingestd")
 
 
 @pytest.fixture
-def daemon(stack_house):
+def daemon(all_stacks):
     if not clamav.CLAMD.exists():
         pytest.fail(f"{clamav.CLAMD} is not there; ./diaphane test fetches it")
-    one = clamav.Daemon(stack_house.run_as, stack_house.folder())
+    one = clamav.Daemon(all_stacks.run_as, all_stacks.folder())
     one.start()
     yield one
     one.kill()
@@ -78,9 +78,9 @@ def test_where_it_is_said_so_what_cannot_be_looked_at_passes(stack_factory, tmp_
 
 
 @pytest.mark.parametrize(("address", "words"), [("clamd", "neither an absolute path"), ("10.0.0.1:3310", "would not use TLS")])
-def test_addresses_that_make_no_sense_are_refused(stack_house, address, words):
+def test_addresses_that_make_no_sense_are_refused(all_stacks, address, words):
     def said(*more: str) -> str:
-        return subprocess.run([str(stack_house.layout().bin / "diaphane-ingestd"), "--antivirus", address, *more], capture_output=True, text=True, env={},
+        return subprocess.run([str(all_stacks.layout().bin / "diaphane-ingestd"), "--antivirus", address, *more], capture_output=True, text=True, env={},
                               timeout=60).stderr
 
     assert words in said()

@@ -12,10 +12,10 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def stack(stack_house):
-    opened = stack_house.open(only=("postgres", "redis", "api"))
+def stack(all_stacks):
+    opened = all_stacks.open(only=("postgres", "redis", "api"))
     yield opened
-    stack_house.shut(opened)
+    all_stacks.shut(opened)
 
 
 def connect(stack) -> socket.socket:

@@ -21,10 +21,10 @@ WHOLE = ("getMe", "describeDataSet", "/", "stream")
 
 
 @pytest.fixture(scope="module")
-def attacked(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "gateway", "edge"))
+def attacked(all_stacks):
+    stack = all_stacks.open(only=("postgres", "redis", "api", "gateway", "edge"))
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")

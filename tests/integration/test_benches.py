@@ -10,11 +10,11 @@ import subprocess
 import pytest
 
 from harness import REPO  # adds tools/ to the path
-from house import paths
+from devtool import paths
 
 
 def bench(*arguments: str) -> subprocess.CompletedProcess:
-    return subprocess.run([str(paths.VENV_PYTHON), str(REPO / "tools" / "house"), "bench", *arguments], text=True,
+    return subprocess.run([str(paths.VENV_PYTHON), str(REPO / "tools" / "devtool"), "bench", *arguments], text=True,
                           capture_output=True, env={**os.environ, "DIAPHANE_BUILD": str(paths.build_dir())}, timeout=120)
 
 

@@ -22,19 +22,19 @@ STEPS = ("claimed", "built", "written", "stored", "said", "removed")
 
 
 @pytest.fixture(scope="module")
-def faults(stack_house) -> Path:
-    return stack_house.folder()
+def faults(all_stacks) -> Path:
+    return all_stacks.folder()
 
 
 @pytest.fixture(scope="module")
-def kept(stack_house, faults):
+def kept(all_stacks, faults):
     """A stack that keeps as much as possible, with core files enabled."""
     before = resource.getrlimit(resource.RLIMIT_CORE)
     resource.setrlimit(resource.RLIMIT_CORE, (before[1], before[1]))
-    running = stack_house.open(only=PROGRAMS, extra_env={
+    running = all_stacks.open(only=PROGRAMS, extra_env={
         "DIAPHANE_FAULT_DIR": str(faults), "DIAPHANE_LEASE_MS": "1000", "DIAPHANE_TIME_LIMIT_S": "8"})
     yield running
-    stack_house.shut(running)
+    all_stacks.shut(running)
     resource.setrlimit(resource.RLIMIT_CORE, before)
 
 

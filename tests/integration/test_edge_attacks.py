@@ -20,10 +20,10 @@ P99_SECONDS = 0.5
 
 
 @pytest.fixture(scope="module")
-def edge(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge"))
+def edge(all_stacks):
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge"))
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ import pytest
 from api_client import person, problem
 from edge_helpers import connect as connect_raw
 from edge_helpers import resident_mb
-from house import ports
+from devtool import ports
 from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 from test_gateway_attacks import frame, handshake
 from test_gateway_stream import back_again
@@ -217,10 +217,10 @@ def clock_of(stack, name: str) -> float:
     return datetime.fromisoformat(json.loads(stack.log(name).splitlines()[-1])["time"]).timestamp()
 
 
-def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory, stack_house):
+def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory, all_stacks):
     """The clocks of api, gateway and renderd jump an hour ahead and an hour back. The monotonic clock is unaffected, and so is
     Redis, whose time is the only one that two programs share."""
-    offset = stack_house.folder() / "offset"
+    offset = all_stacks.folder() / "offset"
     offset.write_text("+0\n")
     offset.chmod(0o644)
     stack = stack_factory(only=PROGRAMS)

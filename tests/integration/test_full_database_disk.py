@@ -48,8 +48,8 @@ class Disk:
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd"), extra_env={"DIAPHANE_LIGHT_MB": "0"})
+def running(all_stacks):
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge", "ingestd"), extra_env={"DIAPHANE_LIGHT_MB": "0"})
     stack.stop("postgres")
     folder = stack.data_dir / "postgres"
     owner = folder.stat()
@@ -58,7 +58,7 @@ def running(stack_house):
     options = f"size={SIZE_MB}m,mode=0700,uid={owner.st_uid},gid={owner.st_gid}"
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode == 0
     if not mounted:
-        stack_house.shut(stack)
+        all_stacks.shut(stack)
         pytest.skip("no file system can be mounted here")
     try:
         subprocess.run(["cp", "-a", f"{was}/.", folder], check=True)
@@ -67,7 +67,7 @@ def running(stack_house):
         yield stack, Disk(stack, folder)
     finally:
         subprocess.run(["umount", "--lazy", folder], check=True)
-        stack_house.shut(stack)
+        all_stacks.shut(stack)
 
 
 def until_done(stack, act: Callable[[], requests.Response], statuses: tuple[int, ...]) -> None:

@@ -46,17 +46,17 @@ class Disk:
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
-    control = stack_house.folder()
+def running(all_stacks):
+    control = all_stacks.folder()
     library = control / "full_disk.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", library, REPO / "tests" / "integration" / "full_disk.c", "-ldl"], check=True)
     control.chmod(0o777)
-    data = stack_house.folder()
+    data = all_stacks.folder()
     roots = ":".join(str(data / name) for name in ("uploads", "volumes", "scratch", "cache"))
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd"), data_dir=data, extra_env={
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge", "ingestd"), data_dir=data, extra_env={
         "LD_PRELOAD": str(library), "FULL_DISK_ROOTS": roots, "FULL_DISK_CONTROL": str(control), "DIAPHANE_LIGHT_MB": "0"})
     yield stack, Disk(control)
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")

@@ -17,10 +17,10 @@ VIEWERS = 4
 
 
 @pytest.fixture(scope="module")
-def stack(stack_house):
-    opened = stack_house.open(only=PROGRAMS)
+def stack(all_stacks):
+    opened = all_stacks.open(only=PROGRAMS)
     yield opened
-    stack_house.shut(opened)
+    all_stacks.shut(opened)
 
 
 class Watcher(threading.Thread):

@@ -11,11 +11,11 @@ PROGRAMS = ("postgres", "redis", "api", "ingestd")
 
 
 @pytest.fixture(scope="module")
-def small(stack_house):
+def small(all_stacks):
     """An ingestd whose children have 1 GB of address space and 10 s."""
-    running = stack_house.open(only=PROGRAMS, extra_env=LIMITS)
+    running = all_stacks.open(only=PROGRAMS, extra_env=LIMITS)
     yield running
-    stack_house.shut(running)
+    all_stacks.shut(running)
 
 
 @pytest.mark.parametrize("step", [10, pytest.param(1, marks=pytest.mark.nightly)], ids=["every tenth", "all"])

@@ -24,19 +24,19 @@ def small_upload_of_a_large_volume() -> bytes:
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd"), extra_env={
+def running(all_stacks):
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge", "ingestd"), extra_env={
         "DIAPHANE_MOST_UNPROCESSED": "30", "DIAPHANE_LIGHT_MB": "1"})
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")
-def strict(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge"), extra_env={
+def strict(all_stacks):
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge"), extra_env={
         "DIAPHANE_MOST_UNPROCESSED": "3", "DIAPHANE_MOST_DATA_SETS": "5", "DIAPHANE_EXPORTS_MB": "1"})
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 def state(somebody, data_set: str) -> dict:

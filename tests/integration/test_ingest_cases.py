@@ -1,14 +1,14 @@
 """Each case of the ingest design as generated files, and real ones: the results of the server and of the page's scanner. The
-table is tools/house/ingest_cases/table.py, and `./diaphane bench ingest-cases` prints it."""
+table is tools/devtool/ingest_cases/table.py, and `./diaphane bench ingest-cases` prints it."""
 
 from __future__ import annotations
 
 import pytest
 
 from harness import REPO  # noqa: F401  (puts tools/ on the path)
-from house import build
-from house.ingest_cases import real, run
-from house.ingest_cases.table import CASES
+from devtool import build
+from devtool.ingest_cases import real, run
+from devtool.ingest_cases.table import CASES
 
 
 ALL = [*CASES, *real.DISCS]

@@ -18,11 +18,11 @@ PROGRAMS = ("postgres", "redis", "api", "ingestd")
 
 
 @pytest.fixture(scope="module")
-def ingest(stack_house):
+def ingest(all_stacks):
     # A short lease and time limit keep the test short.
-    running = stack_house.open(only=PROGRAMS, extra_env={"DIAPHANE_LEASE_MS": "1500", "DIAPHANE_TIME_LIMIT_S": "8"})
+    running = all_stacks.open(only=PROGRAMS, extra_env={"DIAPHANE_LEASE_MS": "1500", "DIAPHANE_TIME_LIMIT_S": "8"})
     yield running
-    stack_house.shut(running)
+    all_stacks.shut(running)
 
 
 @pytest.fixture(scope="module")

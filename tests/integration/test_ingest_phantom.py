@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from harness import REPO  # noqa: F401  (puts tools/ on the path)
-from house import paths
-from house.ingest_cases.judge import on_server
-from house.ingest_cases.phantom import AXIAL, ENHANCED_CT, Series, dataset, enhanced, markers, stack, write
-from house.ingest_cases.table import oblique
+from devtool import paths
+from devtool.ingest_cases.judge import on_server
+from devtool.ingest_cases.phantom import AXIAL, ENHANCED_CT, Series, dataset, enhanced, markers, stack, write
+from devtool.ingest_cases.table import oblique
 
 SIZE = {"rows": 44, "columns": 48, "intercept": -2000.0}      # 35 x 34 mm
 BALLS = ((-7.0, -4.0, -3.0), (8.0, 5.0, 9.0), (-3.0, 8.0, 21.0))

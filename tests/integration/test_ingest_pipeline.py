@@ -13,16 +13,16 @@ from ingest_helpers import (BIRTH_DATE, CANARY, bundle, cranium, enqueue, hiding
                          upload_path, volume_path, wait_end)
 
 from harness import REPO  # noqa: F401  (puts tools/ on the path)
-from house.ingest_cases import phantom
+from devtool.ingest_cases import phantom
 
 PROGRAMS = ("postgres", "redis", "api", "ingestd")
 
 
 @pytest.fixture(scope="module")
-def ingest(stack_house):
-    running = stack_house.open(only=PROGRAMS)
+def ingest(all_stacks):
+    running = all_stacks.open(only=PROGRAMS)
     yield running
-    stack_house.shut(running)
+    all_stacks.shut(running)
 
 
 @pytest.fixture(scope="module")

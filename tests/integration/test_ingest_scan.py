@@ -10,7 +10,7 @@ import pytest
 from ingest_helpers import CANARY
 
 from harness import REPO  # noqa: F401  (puts tools/ on the path)
-from house import paths
+from devtool import paths
 
 BIN = paths.build_dir() / "bin"
 

@@ -14,21 +14,21 @@ from certificates import issue
 from stream_helpers import PROGRAMS, Viewer, free_port, open_session, store_ball
 
 @pytest.fixture
-def ours(stack_house) -> Path:
-    folder = stack_house.folder()
+def ours(all_stacks) -> Path:
+    folder = all_stacks.folder()
     issue(folder)
     for file in folder.iterdir():
-        stack_house.run_as.own(file)
+        all_stacks.run_as.own(file)
     return folder
 
 
 @pytest.fixture
-def redis_port(stack_house, ours):
+def redis_port(all_stacks, ours):
     """A Redis that accepts only TLS, with a certificate of the authority."""
-    port, data = free_port(), stack_house.folder()
+    port, data = free_port(), all_stacks.folder()
     files = ("--tls-ca-cert-file", str(ours / "ca.pem"), "--tls-cert-file", str(ours / "own.pem"), "--tls-key-file", str(ours / "own.key"))
     server = subprocess.Popen(["/usr/bin/redis-server", "--port", "0", "--tls-port", str(port), "--bind", "127.0.0.1", "--dir", str(data), "--save", "",
-                               "--tls-auth-clients", "yes", *files], stdout=subprocess.DEVNULL, **stack_house.run_as.popen())
+                               "--tls-auth-clients", "yes", *files], stdout=subprocess.DEVNULL, **all_stacks.run_as.popen())
     yield port
     server.kill()
     server.wait()
@@ -90,9 +90,9 @@ def test_a_picture_comes_over_tls_to_redis_and_renderd_and_nobody_else_gets_in(s
     ("renderd", "assist", "10.0.0.2:8085"), ("api", "redis", "rediss://127.0.0.1:6379"),
     *((program, "postgres", "postgresql://u:p@db.example.org/d?sslmode=require") for program in ("api", "ingestd", "api migrate up", "api admin list")),
 ])
-def test_another_machine_is_not_reached_without_tls_unless_somebody_says_so(stack_house, tmp_path, program, setting, value):
+def test_another_machine_is_not_reached_without_tls_unless_somebody_says_so(all_stacks, tmp_path, program, setting, value):
     name, *command = program.split()
-    binary = stack_house.layout().bin / f"diaphane-{name}"
+    binary = all_stacks.layout().bin / f"diaphane-{name}"
 
     def said(*more: str) -> str:
         """Returns the errors about settings. Missing settings are included, so nothing starts."""

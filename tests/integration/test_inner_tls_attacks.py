@@ -80,8 +80,8 @@ NO_HANDSHAKES = {
 
 
 @pytest.fixture
-def foreign(stack_house) -> Path:
-    folder = stack_house.folder()
+def foreign(all_stacks) -> Path:
+    folder = all_stacks.folder()
     issue(folder)
     return folder
 
@@ -193,8 +193,8 @@ class FalsePostgres(threading.Thread):
                 pass
 
 
-def test_a_false_postgres_is_told_neither_a_name_nor_a_password(stack_house, ours, foreign):  # noqa: F811
-    layout = stack_house.layout()
+def test_a_false_postgres_is_told_neither_a_name_nor_a_password(all_stacks, ours, foreign):  # noqa: F811
+    layout = all_stacks.layout()
 
     def asked(server: FalsePostgres) -> bytes:
         url = f"postgresql://diaphane:s3cret@127.0.0.1:{server.port}/diaphane?sslmode=verify-full&sslrootcert={ours / 'ca.pem'}"

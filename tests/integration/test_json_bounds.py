@@ -20,10 +20,10 @@ XML = {"Content-Type": "application/xml"}
 
 
 @pytest.fixture(scope="module")
-def stack(stack_house):
-    opened = stack_house.open(only=("postgres", "redis", "api", "edge"))
+def stack(all_stacks):
+    opened = all_stacks.open(only=("postgres", "redis", "api", "edge"))
     yield opened
-    stack_house.shut(opened)
+    all_stacks.shut(opened)
 
 
 @pytest.fixture(scope="module")

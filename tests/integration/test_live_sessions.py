@@ -14,7 +14,7 @@ import pytest
 from api_client import client, person, problem
 from google.protobuf import json_format
 from harness import REPO
-from house import ports, replay
+from devtool import ports, replay
 from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from api_client import person
 from harness import TestStack
-from house import datadir
-from house.says import HouseError
-from house.users import RunAs
+from devtool import datadir
+from devtool.console import CliError
+from devtool.users import RunAs
 from stream_helpers import PROGRAMS, Viewer, open_session, store_ball
 
 NOBODY = pwd.getpwnam("nobody")
@@ -76,25 +76,25 @@ def test_no_other_user_of_the_machine_reaches_redis_or_renderd(running):
     assert ports_of(running.pids["renderd"]) == {running.ports["renderd-admin"]}
 
 
-def test_a_data_directory_with_a_long_path_has_its_sockets_in_a_private_folder(stack_house):
-    data = stack_house.folder() / ("long" * 25)
+def test_a_data_directory_with_a_long_path_has_its_sockets_in_a_private_folder(all_stacks):
+    data = all_stacks.folder() / ("long" * 25)
     data.mkdir(mode=0o755)
-    stack_house.run_as.own(data)
-    stack = stack_house.open(only=PROGRAMS, data_dir=data)
+    all_stacks.run_as.own(data)
+    stack = all_stacks.open(only=PROGRAMS, data_dir=data)
     try:
         folder = stack.stack.settings.sockets
         assert folder != data / "run" and datadir.is_private(folder, os.stat(data).st_uid)
         assert knock(folder / "redis.sock", folder / "renderd.sock") == ["PermissionError", "PermissionError"]
         pictures_come(stack)
     finally:
-        stack_house.shut(stack)
+        all_stacks.shut(stack)
     assert not folder.exists()
 
 
 def test_a_folder_that_others_may_enter_or_own_is_not_used_for_sockets(tmp_path):
     us = RunAs()
     (tmp_path / "run").mkdir(mode=0o755)
-    with pytest.raises(HouseError, match="chmod 700"):
+    with pytest.raises(CliError, match="chmod 700"):
         datadir.socket_folder(tmp_path, us)
     (tmp_path / "run").chmod(0o700)
     assert datadir.socket_folder(tmp_path, us) == tmp_path / "run"

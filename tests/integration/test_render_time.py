@@ -11,11 +11,11 @@ KEY = "3" * 64
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
+def running(all_stacks):
     """Pictures that are rendered for as long as someone views them."""
-    stack = stack_house.open(only=PROGRAMS, extra_env={"DIAPHANE_MAX_ERROR": "0.0001"})
+    stack = all_stacks.open(only=PROGRAMS, extra_env={"DIAPHANE_MAX_ERROR": "0.0001"})
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 def used(who) -> int:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from api_client import Person, client
-from harness import StackHouse, TestStack
+from harness import StackFactory, TestStack
 from slow_network import SlowNetwork
 from stream_helpers import Viewer, open_session, store_ball
 
@@ -24,10 +24,10 @@ JPEG, H264 = 1, 2
 
 
 @pytest.fixture(scope="module")
-def stack(stack_house: StackHouse):
-    running = stack_house.open(only=("postgres", "redis", "api", "gateway", "renderd", "edge"))
+def stack(all_stacks: StackFactory):
+    running = all_stacks.open(only=("postgres", "redis", "api", "gateway", "renderd", "edge"))
     yield running
-    stack_house.shut(running)
+    all_stacks.shut(running)
 
 
 @dataclass

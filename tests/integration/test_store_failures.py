@@ -24,10 +24,10 @@ ANSWER_LIMIT = 5
 
 
 @pytest.fixture(scope="module")
-def stack(stack_house):
-    opened = stack_house.open(only=("postgres", "redis", "api", "edge"))
+def stack(all_stacks):
+    opened = all_stacks.open(only=("postgres", "redis", "api", "edge"))
     yield opened
-    stack_house.shut(opened)
+    all_stacks.shut(opened)
 
 
 @pytest.fixture(scope="module")

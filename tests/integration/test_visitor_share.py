@@ -14,10 +14,10 @@ SHARE = 2  # a quarter
 
 
 @pytest.fixture(scope="module")
-def stack(stack_house):
-    stack = stack_house.open(only=PROGRAMS, extra_env={"DIAPHANE_SLOTS": str(SLOTS), "DIAPHANE_THREADS": "1"})
+def stack(all_stacks):
+    stack = all_stacks.open(only=PROGRAMS, extra_env={"DIAPHANE_SLOTS": str(SLOTS), "DIAPHANE_THREADS": "1"})
     yield stack
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 @pytest.fixture(scope="module")

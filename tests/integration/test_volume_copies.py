@@ -15,12 +15,12 @@ from harness import metrics_at
 
 
 @pytest.fixture(scope="module")
-def node(stack_house):
+def node(all_stacks):
     """A stack whose renderd keeps copies, and their folder."""
-    copies = stack_house.folder() / "copies"
-    stack = stack_house.open(only=("postgres", "redis", "api", "gateway", "edge", "ingestd", "renderd"), extra_env={"DIAPHANE_VOLUME_COPIES_DIR": str(copies)})
+    copies = all_stacks.folder() / "copies"
+    stack = all_stacks.open(only=("postgres", "redis", "api", "gateway", "edge", "ingestd", "renderd"), extra_env={"DIAPHANE_VOLUME_COPIES_DIR": str(copies)})
     yield stack, copies
-    stack_house.shut(stack)
+    all_stacks.shut(stack)
 
 
 def copies_of(folder: Path, data_set: str) -> list[Path]:
@@ -97,11 +97,11 @@ def test_what_is_made_anonymous_has_no_older_copy(node):
     assert new.name != old.name
 
 
-def test_without_a_folder_to_write_to_all_goes_on(node, stack_house):
+def test_without_a_folder_to_write_to_all_goes_on(node, all_stacks):
     stack, _ = node
     somebody = person(stack)
     data_set = store_ball(stack, somebody)
-    closed = stack_house.folder() / "closed"
+    closed = all_stacks.folder() / "closed"
     closed.mkdir(mode=0o555)
     other = OtherWorker(stack, "closed", f"--volume-copies-dir={closed}", redis=stack.redis_address)
     stack.stop("renderd")

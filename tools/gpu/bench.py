@@ -14,10 +14,10 @@ name, own = (rest[0], rest[1:]) if rest else ("render", [])
 os.environ["DIAPHANE_BUILD"] = build
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
-from house import bench  # noqa: E402
+from devtool import bench  # noqa: E402
 
 load = os.getloadavg()[0]
-measured = importlib.import_module(f"house.benches.{name}")
+measured = importlib.import_module(f"devtool.benches.{name}")
 if hasattr(measured, "add_options"):
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true")

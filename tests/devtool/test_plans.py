@@ -1,0 +1,362 @@
+"""Properties of the pure parts of tools/devtool. They start nothing, so they run in milliseconds."""
+
+from __future__ import annotations
+
+import functools
+import json
+import sys
+import threading
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+
+from devtool import contracts, datadir, filelint, gpu, install, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
+from devtool.layout import Layout  # noqa: E402
+from devtool.linkrules import PROGRAM, Graph  # noqa: E402
+from devtool.console import CliError  # noqa: E402
+
+
+# Ports
+
+def test_a_port_that_another_start_has_chosen_is_taken():
+    import subprocess
+    import sys
+    port = ports.random_free()["edge"]
+    ports.give_back([port])
+    code = f"from devtool import ports; print(ports.claim({port}), flush=True); input()"
+    with subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[2] / "tools", text=True,
+                          stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout.readline() == "True\n"
+        assert not ports.claim(port)
+        other.communicate("\n")
+    assert ports.claim(port)
+    ports.give_back([port])
+
+
+def test_what_one_start_was_given_no_other_is():
+    given = [port for _ in range(20) for port in ports.random_free().values()]
+    assert len(set(given)) == len(given)
+    ports.give_back(given)
+    assert all(ports.claim(port) for port in given)
+    ports.give_back(given)
+
+
+def test_free_ports_are_given_as_wanted():
+    given, notes = ports.allot(ports.DEFAULTS, free=lambda port: True)
+    assert given == ports.DEFAULTS
+    assert notes == []
+
+
+def test_a_taken_port_is_named_and_the_next_free_one_given():
+    given, notes = ports.allot({"edge": 8080}, free=lambda port: port not in (8080, 8081))
+    assert given == {"edge": 8082}
+    assert notes == ["Port 8080 (edge) is in use. Using 8082 instead."]
+
+
+def test_no_port_is_given_twice_and_no_program_takes_the_default_of_another():
+    given, notes = ports.allot(ports.DEFAULTS, free=lambda port: port != 8080)
+    assert len(set(given.values())) == len(given)
+    assert len(notes) == 1
+    assert {name: port for name, port in given.items() if name != "edge"} == {
+        name: port for name, port in ports.DEFAULTS.items() if name != "edge"}
+
+
+# Packages
+
+def test_missing_packages_are_those_that_dpkg_does_not_have_installed():
+    answer = "git install ok installed\nnginx-light deinstall ok config-files\n"
+    assert packages.missing(["git", "nginx-light", "redis-server"], lambda names: answer) == [
+        "nginx-light", "redis-server"]
+
+
+def test_the_list_of_packages_has_no_comment_and_no_blank_in_it():
+    assert all(name and not set(" #[]") & set(name) for name in packages.wanted())
+
+
+def test_a_start_needs_no_browser_and_a_gpu_adds_the_cuda_compiler():
+    assert "chromium" in packages.wanted() and "chromium" not in packages.wanted(tests=False)
+    assert venv.CUDA in install.parts("up", "") and venv.CUDA not in install.parts("up", "no driver")
+    assert venv.CUDA in install.parts("test", "no driver") and venv.CUDA in install.parts("image", "no driver")
+
+
+# Plan
+
+@pytest.fixture
+def settings():
+    layout = Layout(Path("/p/bin"), Path("/p/dist"), Path("/p/migrations"), Path("/p/edge"))
+    return plan.Settings(data=Path("/d"), ports=dict(ports.DEFAULTS), layout=layout, postgres_password="s3cret")
+
+
+def test_the_password_is_on_no_command_line(settings):
+    assert all("s3cret" not in word for program in plan.programs(settings) for word in program.argv)
+    assert all("s3cret" not in word for word in plan.migrate(settings)[0])
+
+
+def test_only_those_that_need_the_database_get_its_password(settings):
+    holders = {p.name for p in plan.programs(settings) if any("s3cret" in value for value in p.env.values())}
+    assert holders == {"api", "ingestd"}
+
+
+def test_stopping_takes_less_than_five_seconds_at_worst(settings):
+    tiers: dict[int, float] = {}
+    for program in plan.programs(settings):
+        tiers[program.tier] = max(tiers.get(program.tier, 0), program.stop_seconds)
+    assert sum(tiers.values()) < 5
+
+
+def test_every_placeholder_of_the_edges_configuration_is_given(settings):
+    template = (Path(__file__).resolve().parents[2] / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
+    conf = plan.nginx_conf(settings, template)
+    assert not [line for line in conf.splitlines() if "@" in line and not line.lstrip().startswith("#")
+                and any(f"@{word}@" in line for word in ("LISTEN", "API_PORT", "RUN_DIR", "LOG"))]
+    assert "127.0.0.1:8080" in conf
+
+
+# Logs
+
+def test_a_log_that_grew_too_large_is_moved_on_and_goes_on_empty(tmp_path):
+    log = tmp_path / "api.log"
+    for generation in ("first", "second", "third", "fourth"):
+        log.write_text(generation * 10, encoding="ascii")
+        logfiles.bound(log, limit=8)
+    assert log.read_bytes() == b""
+    assert (tmp_path / "api.log.1").read_text(encoding="ascii").startswith("fourth")
+    assert (tmp_path / "api.log.2").read_text(encoding="ascii").startswith("third")
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+# Link rules
+
+def graph(*links: tuple[str, str], **shapes: str) -> Graph:
+    names = {name for link in links for name in link}
+    return Graph({name: shapes.get(name, "octagon") for name in names}, frozenset(links))
+
+
+def test_an_allowed_link_is_no_violation():
+    assert linkrules.violations(graph(("a", "b")), {"a": ["b"], "b": []}) == []
+
+
+def test_a_link_that_is_not_allowed_is_found():
+    assert len(linkrules.violations(graph(("b", "a")), {"a": ["b"], "b": []})) == 1
+
+
+def test_a_target_without_a_rule_is_found():
+    assert len(linkrules.violations(graph(("a", "new")), {"a": ["new"]})) == 1
+
+
+def test_nothing_links_a_program_not_even_a_test():
+    found = linkrules.violations(graph(("a_test", "a_main"), a_main=PROGRAM), {"a_main": []})
+    assert len(found) == 1
+
+
+def test_a_test_may_link_any_library():
+    assert linkrules.violations(graph(("a_test", "b")), {"b": []}) == []
+
+
+def test_cmakes_drawing_is_read_without_the_libraries_of_others():
+    dot = '''
+    "node0" [ label = "a", shape = octagon ];
+    "node1" [ label = "/usr/lib/libz.so", shape = septagon ];
+    "node2" [ label = "Threads::Threads", shape = pentagon ];
+    "node3" [ label = "b", shape = pentagon ];
+    "node0" -> "node1"  // a -> /usr/lib/libz.so
+    "node0" -> "node2"  // a -> Threads::Threads
+    "node0" -> "node3" [ style = dotted ] // a -> b
+    '''
+    assert linkrules.parse(dot) == Graph({"a": "octagon", "b": "pentagon"}, frozenset({("a", "b")}))
+
+
+def test_a_header_outside_the_folder_that_owns_it_is_found():
+    owners = {"cpprest/": ["api/http"]}
+    text = '#include <cpprest/json.h>\n'
+    assert linkrules.header_violations({"api/http/a.cpp": text}, owners) == []
+    assert len(linkrules.header_violations({"api/service/a.cpp": text}, owners)) == 1
+
+
+# Files and contracts
+
+@pytest.mark.parametrize("line", ["see /ro" "ot/x", "'/ho" "me/ann/scan'", "path=/wo" "rk/main"])
+def test_a_path_of_one_machine_is_found(line):
+    assert len(filelint.violations("a.md", line)) == 1
+
+
+@pytest.mark.parametrize("line", ["${HOME}/ho" "me/x is not one", "https://example.org/ro" "ot/x", "a/wo" "rk/b"])
+def test_what_only_looks_like_one_is_not(line):
+    assert filelint.violations("a.md", line) == []
+
+
+def test_an_operation_that_does_not_say_how_it_fails_is_found():
+    whole = {"operationId": "a", "summary": "s", "responses": {"200": {}, "default": {}}}
+    assert contracts.style({"paths": {"/a": {"get": whole}}}) == []
+    assert len(contracts.style({"paths": {"/a": {"get": whole | {"responses": {"200": {}}}}}})) == 1
+    assert len(contracts.style({"paths": {"/a": {"get": whole}, "/b": {"get": whole}}})) == 1
+
+
+# Counting
+
+def test_googletest_cases_are_counted_by_their_results():
+    report = {"testsuites": [{"testsuite": [
+        {"status": "RUN", "result": "COMPLETED"},
+        {"status": "RUN", "result": "COMPLETED", "failures": [{}]},
+        {"status": "RUN", "result": "SKIPPED"},
+        {"status": "NOTRUN", "result": "SUPPRESSED"}]}]}
+    assert testing.googletest_count(report) == testing.Count(1, 1, 2)
+
+
+def test_a_program_that_crashed_counts_as_a_failure(tmp_path):
+    assert testing._ctest_count(tmp_path, ["crashed_test"]) == testing.Count(failed=1)
+
+
+def test_a_runner_that_fails_without_a_report_is_a_failure():
+    assert testing.Count(3, 0).at_least_one_failed(1) == testing.Count(3, 1)
+    assert testing.Count(3, 2).at_least_one_failed(1) == testing.Count(3, 2)
+
+
+def test_pytest_cases_are_counted_by_their_results():
+    cases = ElementTree.fromstring(
+        "<s><testcase/><testcase><failure/></testcase><testcase><error/></testcase><testcase><skipped/></testcase></s>")
+    assert testing.pytest_count(list(cases)) == testing.Count(1, 2, 1)
+
+
+def test_each_of_the_clusters_tests_is_run_in_one_half(monkeypatch, tmp_path):
+    there = {one.name for one in (paths.REPO / "tests" / "cluster").glob("test_*.py")}
+    runs = []
+
+    def pytest_is_asked(folder, reports, *words, only=()):
+        left_out = {Path(word.removeprefix("--ignore=")).name for word in words}
+        runs.append((set(only) or there) - left_out)
+        return testing.Count(1)
+    monkeypatch.setattr(testing, "_pytest", pytest_is_asked)
+    assert testing._cluster(tmp_path) == testing.Count(2)
+    assert sorted(name for run in runs for name in run) == sorted(there)
+
+
+def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():
+    def run(kind, plane):
+        return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
+
+    always = ["unit"] * 4 + ["integration", "e2e"]
+    assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
+    nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
+    assert nightly == [*always, *testing.NIGHTLY]
+    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 4
+
+
+def test_suites_that_wait_run_side_by_side_and_all_are_counted_and_timed(tmp_path):
+    together = threading.Barrier(2, timeout=10)
+
+    def waits(_):
+        together.wait()
+        return testing.Count(2)
+
+    done = testing.Run()
+    done.add_all([testing.Suite("first", "unit", lambda _: testing.Count(1, 1)), testing.Suite("one", "e2e", waits, waits=True),
+                  testing.Suite("other", "integration", waits, waits=True)], tmp_path)
+    assert done.total == testing.Count(5, 1)
+    assert done.times[0][0] == "first" and {name for name, _, _ in done.times[1:]} == {"one", "other"}
+
+
+def test_the_slowest_tests_of_all_reports_are_named(tmp_path):
+    (tmp_path / "integration.xml").write_text('<testsuite><testcase classname="integration.test_a" name="b" time="3.5"/></testsuite>')
+    (tmp_path / "ctest.xml").write_text('<testsuite><testcase classname="x" name="film_test" time="7"/></testsuite>')
+    (tmp_path / "vitest.json").write_text(json.dumps({"testResults": [{"assertionResults": [{"fullName": "a page", "duration": 5000}]}]}))
+    assert testing.slowest(tmp_path) == [(7, "film_test"), (5, "a page"), (3.5, "integration.test_a::b")]
+    assert testing.slowest(tmp_path, most=1) == [(7, "film_test")]
+
+
+# Node
+
+@pytest.mark.parametrize("version, enough", [
+    ((0,), False), ((18, 20), False), ((20, 18), False), ((20, 19), True), ((21, 7), False), ((22, 12), False),
+    ((22, 13), True), ((23, 11), False), ((24, 0), True), ((26, 1), True)])
+def test_a_node_is_taken_only_where_the_tools_of_the_page_run_on_it(version: tuple[int, ...], enough: bool):
+    assert venv.new_enough(version) == enough
+
+
+# GPU
+
+def test_a_gpu_is_seen_without_its_driver(tmp_path):
+    def device(name: str, vendor: str, kind: str) -> None:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "vendor").write_text(f"{vendor}\n")
+        (tmp_path / name / "class").write_text(f"{kind}\n")
+
+    device("audio", "0x10de", "0x040300")
+    device("other", "0x8086", "0x030000")
+    assert not gpu.is_plugged_in(tmp_path)
+    device("compute", "0x10de", "0x030200")
+    assert gpu.is_plugged_in(tmp_path)
+
+
+class Driver:
+    """A libcuda with given answers."""
+
+    def __init__(self, init: int = 0, count_code: int = 0, devices: int = 0):
+        self.cuInit = lambda flags: init
+        self.count_code_, self.devices_ = count_code, devices
+
+    def cuDeviceGetCount(self, count) -> int:
+        count._obj.value = self.devices_
+        return self.count_code_
+
+
+@pytest.mark.parametrize("driver, said", [
+    (Driver(devices=1), ""), (Driver(devices=0), "found no device"), (Driver(init=100), "failed to initialise (CUDA error 100)"),
+    (Driver(count_code=3), "failed to list its devices (CUDA error 3)")])
+def test_the_absence_of_a_gpu_is_said_with_its_reason(driver: Driver, said: str):
+    why = gpu.absence(load=lambda name: driver)
+    assert said in why and bool(why) == bool(said)
+
+
+def test_without_a_driver_testing_the_gpu_fails_at_once_and_says_why(monkeypatch, capsys):
+    def no_driver(name: str):
+        raise OSError(name)
+
+    monkeypatch.setattr(gpu, "absence", functools.partial(gpu.absence, no_driver))
+    monkeypatch.setattr(testing, "_build", lambda kind: pytest.fail("built something"))
+    assert testing.run("gpu") == 1
+    said = capsys.readouterr()
+    assert "cannot run the GPU tests: the NVIDIA driver is not installed" in said.err
+
+
+# Data directories
+
+def test_a_path_that_can_hold_no_data_is_refused_before_anything_is_made(tmp_path: Path):
+    (tmp_path / "letters").mkdir()
+    (tmp_path / "letters" / "dear.txt").write_text("not Diaphane's")
+    (tmp_path / "file").write_text("")
+    for name, why in {"my data": "may contain only", "letters": "files that are not Diaphane's", "file": "not a directory",
+                      "file/below": "cannot create"}.items():
+        with pytest.raises(CliError, match=why):
+            datadir.check(tmp_path / name)
+    datadir.check(tmp_path / "new" / "place")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "letters"]
+
+
+def test_the_reasons_of_all_failed_tests_are_repeated(tmp_path):
+    (tmp_path / "integration.xml").write_text(
+        '<testsuites><testsuite><testcase classname="integration.test_a" name="good" time="1"/>'
+        '<testcase classname="integration.test_a" name="bad" time="1"><failure message="assert 1 == 2">long log</failure></testcase>'
+        '<testcase classname="integration.test_a" name="broken" time="1"><error>no fixture</error></testcase></testsuite></testsuites>')
+    (tmp_path / "vitest.json").write_text(json.dumps({"testResults": [{"assertionResults": [
+        {"fullName": "a page", "status": "failed", "failureMessages": ["expected 3"]},
+        {"fullName": "another page", "status": "passed", "failureMessages": []}]}]}))
+    assert testing.failures(tmp_path, longest=10) == [
+        ("integration.test_a::bad", "assert 1 ="), ("integration.test_a::broken", "no fixture"), ("a page", "expected 3")]
+
+
+def test_scripts_of_packages_keep_their_standard_output_while_apt_reports_its_status(tmp_path, monkeypatch):
+    """apt-get does not pass the file of its status on to dpkg, so that this must not be standard output."""
+    apt = tmp_path / "apt-get"
+    apt.write_text('#!/bin/sh\nfor word; do case $word in APT::Status-Fd=*) fd=${word#*=};; esac; done\n'
+                   'eval "echo pmstatus:ccache:50:Configuring >&$fd"\neval "sh -c \'echo said by a script\' $fd>&-"\n')
+    apt.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    monkeypatch.setattr(packages, "_as_root", lambda: [])
+    shown = []
+    monkeypatch.setattr(packages, "progress", shown.append)
+    assert packages._apt("install", "ccache", check=False) == 0
+    assert len(shown) == 1 and "50%" in shown[0]

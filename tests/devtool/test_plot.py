@@ -1,0 +1,56 @@
+"""Plots and the tables of `./diaphane bench convergence`."""
+
+import math
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from devtool import plot
+from devtool.benches import convergence
+from devtool.console import CliError
+from devtool import bench
+
+
+def report(exponent=-0.5, ratio=1.0):
+    points = [{"samples": n, "milliseconds": 2.0 * n, "milliseconds_spread": 0.1, "rmse": 0.4 * n ** exponent,
+               "rmse_spread": 0.01, "estimate": None if n < 2 else ratio * 0.4 * n ** exponent,
+               "ratio": None if n < 2 else ratio, "dropped": 0, "non_finite": 0} for n in (1, 2, 4, 64, 128)]
+    curve = {"name": "tracking, independent points <&>", "walk": "tracking", "points": "independent", "mis": "both",
+             "slope": exponent, "to_target": {"samples": 64, "milliseconds": 128, "how": "between"}, "curve": points}
+    return {"scene": "a", "engine": "cpu", "device": "2 CPU threads", "volume": "made", "width": 8, "height": 8,
+            "target": 0.05, "curves": [curve, {"name": "exact", "left_out": "not here"}]}
+
+
+def test_a_plot_is_well_formed_and_holds_every_point():
+    drawn = ElementTree.fromstring(convergence.plot_of(report()))
+    circles = [e for e in drawn.iter() if e.tag.endswith("circle")]
+    assert len(circles) == 2 * 5
+    places = [(float(c.get("cx")), float(c.get("cy"))) for c in circles[:5]]
+    assert places == sorted(places), "more samples to the right, less error further down"
+    slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in zip(places, places[1:])]
+    assert max(slopes) - min(slopes) < 0.02, "a power law is a straight line"
+
+
+def test_what_is_infinite_or_absent_is_not_drawn():
+    lines = [plot.Line("x", [(1, math.inf), (2, None), (0, 1), (4, 0.5)])]
+    drawn = ElementTree.fromstring(plot.svg("t", [plot.Panel("p", "x", "y", lines)], []))
+    assert len([e for e in drawn.iter() if e.tag.endswith("circle")]) == 1
+    ElementTree.fromstring(plot.svg("t", [plot.Panel("p", "x", "y", [])], []))
+
+
+def test_slope_and_estimate_are_held_against_their_bounds():
+    met = {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report())}
+    assert met["slope, distance from -0.5"] and met["estimate, deviation from the truth"]
+    assert not {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report(exponent=-0.4))}["slope, distance from -0.5"]
+    assert not {r.name.rpartition(": ")[2]: r.met for r in convergence.results_of(report(ratio=0.85))}["estimate, deviation from the truth"]
+
+
+def test_the_table_has_a_line_for_each_point():
+    lines = convergence.csv_of([report(), report()]).splitlines()
+    assert len(lines) == 1 + 2 * 5
+    assert len({line.count(",") for line in lines}) == 1
+
+
+def test_a_measurement_without_options_takes_none():
+    with pytest.raises(CliError):
+        bench.run("startup", None, True, ["--engine", "cpu"])

@@ -1,0 +1,33 @@
+"""./diaphane races."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from devtool import paths, races
+from devtool.console import CliError
+
+
+def test_the_programs_are_tests_that_are_built():
+    built = {name for folder in ("api", "common", "directory", "operator", "renderd") for file in (paths.REPO / folder).rglob("CMakeLists.txt")
+             for name in re.findall(r"diaphane_test\((\w+)", file.read_text(encoding="utf-8"))}
+    assert set(races.PROGRAMS) <= built
+
+
+def test_what_is_left_out_is_in_a_file_that_is_there():
+    suppressions = re.search(r"suppressions=(\S+?)(:|$)", races.sanitizer_options()).group(1)
+    assert suppressions.startswith(str(paths.REPO))
+    with open(suppressions, encoding="utf-8") as file:
+        assert "race:libgrpc" in file.read()
+
+
+def test_only_programs_with_grpc_are_blind_to_the_order_of_locks():
+    for name in races.PROGRAMS:
+        assert ("ignore_noninstrumented_modules" in races.sanitizer_options(name)) == (name in races.WITH_GRPC)
+
+
+def test_a_program_that_is_none_of_them_is_refused():
+    with pytest.raises(CliError, match="render_scene_test"):
+        races.run(["render_scene_test"])

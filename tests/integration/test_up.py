@@ -1,0 +1,248 @@
+"""`./diaphane up`, `down` and `status` as a user runs them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from harness import REPO, StackFactory
+from devtool import bench_client, datadir, ports
+from devtool.processes import Identity, wait_gone
+
+PROGRAMS = {"edge", "api", "gateway", "ingestd", "renderd", "postgres", "redis"}
+
+
+class Home:
+    """A data directory, and commands on it."""
+
+    def __init__(self, factory: StackFactory):
+        self.data = factory.folder()
+        self.data.chmod(0o755)
+        given = ports.random_free()
+        self.port = given["edge"]
+        ports.give_back(given.values())     # the commands claim it themselves
+
+    def run(self, *words: str, timeout: float = 120, env: dict | None = None) -> subprocess.CompletedProcess:
+        return subprocess.run([str(REPO / "diaphane"), *words, "--data", str(self.data)], stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, timeout=timeout, env={**os.environ, **(env or {})})
+
+    def up(self, *words: str, **more) -> subprocess.CompletedProcess:
+        return self.run("up", "--detach", "--engine", "cpu", "--port", str(self.port), *words, **more)
+
+    def status(self) -> dict:
+        return json.loads(self.run("status", "--json").stdout)
+
+    def record(self) -> dict:
+        return datadir.read_record(self.data)
+
+
+@pytest.fixture
+def empty_home(all_stacks):
+    made = Home(all_stacks)
+    yield made
+    made.run("down")
+
+
+@pytest.fixture
+def home(empty_home, all_stacks):
+    """As after an earlier start, so that the database is there and the sample scan does not have to be loaded."""
+    all_stacks.give_cluster(empty_home.data)
+    (empty_home.data / "sample.loaded").write_text("00000000-0000-4000-8000-000000000000\n", encoding="ascii")
+    return empty_home
+
+
+class Running:
+    """Offers what bench_client.Person needs of a stack, for one started with `up`."""
+
+    def __init__(self, home: Home):
+        self.data = home.data
+        self.settings = SimpleNamespace(url=home.record()["url"])
+
+
+def url_of(done: subprocess.CompletedProcess) -> str:
+    assert done.returncode == 0, done.stdout + done.stderr
+    line = [line for line in done.stdout.splitlines() if line.startswith("Diaphane is at ")][-1]
+    return line.split()[3]
+
+
+def answers(url: str) -> bool:
+    try:
+        urllib.request.urlopen(url, timeout=2)
+        return True
+    except urllib.error.HTTPError:
+        return True
+    except OSError:
+        return False
+
+
+def test_up_down_and_up_again_keeps_everything_and_is_quick(empty_home):
+    url = url_of(empty_home.up())
+    assert answers(url)
+    status = empty_home.status()
+    assert {p["name"] for p in status["programs"] if p["ready"]} == PROGRAMS
+    assert status["engine"] == "cpu"
+    secret = (empty_home.data / "secrets" / "postgres").read_text(encoding="ascii")
+    sample = (empty_home.data / "sample.loaded").read_text(encoding="ascii")
+
+    before = time.monotonic()
+    assert empty_home.run("down").returncode == 0
+    assert time.monotonic() - before < 5
+    assert not answers(url)
+    assert empty_home.run("status").returncode == 3
+
+    before = time.monotonic()
+    url_of(empty_home.up())
+    assert time.monotonic() - before < 10
+    assert (empty_home.data / "secrets" / "postgres").read_text(encoding="ascii") == secret
+    assert (empty_home.data / "sample.loaded").read_text(encoding="ascii") == sample
+
+
+def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
+    assert home.run("admin", "list").returncode == 1
+    url_of(home.up())
+
+    def admin(*words: str) -> tuple[int, str, str]:
+        done = home.run("admin", *words)
+        return done.returncode, done.stdout, done.stderr
+
+    somebody = bench_client.Person(Running(home))
+    account = somebody.http.get("/v1/me").json()
+    email = account["email"]
+    assert not account["administrator"] and somebody.http.get("/v1/admin/users").status_code == 403
+    assert admin("list") == (0, "", "")
+    code, said, _ = admin("grant", email.upper())
+    assert code == 0 and said.startswith(f"{email.upper()} is an administrator.\nThe role takes effect once")
+    assert admin("list") == (0, f"{email} (two-factor authentication not set up)\n", "")
+    assert somebody.http.get("/v1/admin/users").status_code == 403
+    somebody.sets_up_second_factor()
+    assert admin("list") == (0, f"{email}\n", "")
+    assert somebody.http.get("/v1/me").json()["administrator"] and somebody.http.get("/v1/admin/users").status_code == 200
+    entries = somebody.http.get("/v1/admin/audit").json()["items"]
+    assert [(e["action"], e["actor"]) for e in entries if e["action"].startswith("administrator.")] == [("administrator.granted", "machine")]
+    assert admin("reset-2fa", email)[0] == 0 and somebody.http.get("/v1/admin/users").status_code == 403
+    code, _, words = admin("forget-factor", email)
+    assert code == 1 and "'forget-factor' is deprecated" in words and "No account with two-factor authentication has this email address." in words
+    assert admin("revoke", email)[0] == 0 and admin("list") == (0, "", "")
+    assert somebody.http.get("/v1/admin/users").status_code == 403
+
+    code, _, words = admin("grant", "nobody@example.org")
+    assert code == 1 and "No confirmed account has this email address." in words
+    for wrong, code, said in ((("grant",), 64, "missing argument: EMAIL"), (("list", email), 64, "list takes no EMAIL"),
+                              (("crown", email), 2, "invalid choice: 'crown'"), ((), 2, "usage: ./diaphane admin")):
+        answer = admin(*wrong)
+        assert answer[:2] == (code, "") and said in answer[2], wrong
+
+
+def test_the_help_of_admin_needs_nothing_that_runs(empty_home):
+    done = empty_home.run("admin", "--help")
+    assert done.returncode == 0 and "EMAIL" in done.stdout and "{grant,revoke,list,reset-2fa}" in done.stdout
+    assert done.stderr == ""
+
+
+def test_nothing_that_up_starts_runs_as_root(home):
+    url_of(home.up())
+    pids = [program["pid"] for program in home.record()["programs"]] + [home.record()["supervisor"]["pid"]]
+    assert all(os.stat(f"/proc/{pid}").st_uid != 0 for pid in pids)
+
+
+def test_a_taken_port_is_named_and_the_next_one_used(home):
+    with socket.socket() as taken:
+        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        taken.bind(("127.0.0.1", home.port))
+        taken.listen()
+        done = home.up()
+        assert answers(url_of(done))
+        assert f":{home.port}/" not in url_of(done)
+        assert f"Port {home.port} (edge) is in use. Using " in done.stdout
+
+
+def test_a_second_up_says_where_the_first_is(home):
+    first = url_of(home.up())
+    again = home.up()
+    assert again.returncode == 0
+    assert f"already running: {first}" in again.stdout
+
+
+def test_after_a_kill_of_the_supervisor_the_next_up_takes_over_without_remains(home):
+    url_of(home.up())
+    left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
+    supervisor = home.record()["supervisor"]["pid"]
+    os.kill(supervisor, signal.SIGKILL)
+    assert wait_gone([Identity(supervisor, home.record()["supervisor"]["start"])], 2) == []
+
+    done = home.up()
+    assert url_of(done) == f"http://localhost:{home.port}/"
+    assert "left behind" in done.stdout
+    assert [i for i in left if i.alive()] == []
+
+
+def test_down_stops_what_a_killed_supervisor_left(home):
+    url_of(home.up())
+    left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
+    os.kill(home.record()["supervisor"]["pid"], signal.SIGKILL)
+    assert home.run("down").returncode == 0
+    assert wait_gone(left, 0.5) == []
+
+
+def test_interrupt_stops_everything_within_five_seconds(home):
+    process = subprocess.Popen([str(REPO / "diaphane"), "up", "--data", str(home.data), "--port", str(home.port),
+                                "--engine", "cpu"],
+                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert any(line.startswith("Diaphane is at ") for line in process.stdout)
+    programs = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
+    before = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10) == 0
+    assert time.monotonic() - before < 5
+    assert wait_gone(programs, 0.2) == []
+    process.stdout.close()
+
+
+def test_no_install_lists_what_is_missing_and_installs_nothing(empty_home, tmp_path):
+    # A machine on which dpkg knows no package.
+    query = tmp_path / "dpkg-query"
+    query.write_text("#!/bin/sh\nexit 1\n", encoding="ascii")
+    query.chmod(0o755)
+    done = empty_home.up("--no-install", env={"PATH": f"{tmp_path}:{os.environ['PATH']}"})
+    assert done.returncode == 1
+    assert "missing: Debian package libvtk9-dev" in done.stdout
+    assert not (empty_home.data / "stack.json").exists()
+
+
+def test_a_directory_with_something_else_in_it_is_refused_and_left_as_it_is(empty_home):
+    (empty_home.data / "letters.txt").write_text("mine", encoding="ascii")
+    done = empty_home.up()
+    assert done.returncode == 1
+    assert "contains files that are not Diaphane's" in done.stderr + done.stdout
+    assert [p.name for p in empty_home.data.iterdir()] == ["letters.txt"]
+
+
+def test_a_program_that_refuses_its_settings_ends_up_with_its_own_words(home):
+    done = home.up(env={"DIAPHANE_SLOTS": "many"})
+    assert done.returncode == 1
+    assert "renderd rejected its configuration (exit 78)" in done.stderr + done.stdout
+    assert "slots" in done.stderr + done.stdout
+    assert home.run("status").returncode == 3
+
+
+def test_a_data_directory_that_nginx_could_not_read_is_refused(all_stacks):
+    done = subprocess.run([str(REPO / "diaphane"), "up", "--data", "/tmp/a b;c"], stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "may contain only" in done.stderr
+    assert not Path("/tmp/a b;c").exists()
+
+
+def test_the_ports_of_the_defaults_are_those_of_the_contract():
+    text = (REPO / "docs" / "contracts.md").read_text(encoding="utf-8")
+    assert all(str(port) in text for port in ports.DEFAULTS.values())

@@ -1,0 +1,161 @@
+"""Builds the programs and the page with CMake, Ninja and npm."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from pathlib import Path
+
+from . import paths, progress, build_stamp, venv
+from .console import CliError, say, step
+from .console import progress as show_progress
+
+
+def environment() -> dict[str, str]:
+    """Returns the compilers' environment: the CMake of .tools/venv and, unless the user has one, the CUDA compiler in it."""
+    env = dict(os.environ)
+    env["PATH"] = f"{paths.VENV / 'bin'}:{env.get('PATH', '')}"
+    root = venv.cuda_root()
+    if "CUDACXX" not in env and (root / "bin" / "nvcc").exists():
+        env["CUDACXX"] = str(root / "bin" / "nvcc")
+        env["CUDAToolkit_ROOT"] = str(root)
+    return env
+
+
+def jobs() -> int:
+    """Returns the number of cores, but at most one job per 1.5 GB of memory, because Boost, gRPC and VTK need that much per
+    compiler."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return max(1, min(len(os.sched_getaffinity(0)), int(memory / 1.5e9)))
+
+
+def configure(preset: str = "release") -> Path:
+    """Returns the build directory of a preset, configured if it was not, or if the compilers changed."""
+    folder = paths.REPO / "build" / preset
+    env = environment()
+    wanted = build_stamp.digest([paths.REPO / "CMakePresets.json"], env.get("CUDACXX", ""))
+    if not (folder / "build.ninja").exists() or not build_stamp.is_current(f"configure-{preset}", wanted):
+        step(f"Configuring build/{preset}")
+        fresh = ["--fresh"] if (folder / "CMakeCache.txt").exists() else []
+        done = subprocess.run(["cmake", "--preset", preset, *fresh], cwd=paths.REPO, env=env, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode != 0:
+            raise CliError(f"CMake failed to configure build/{preset}:\n{done.stdout}")
+        build_stamp.set_current(f"configure-{preset}", wanted)
+    return folder
+
+
+def ninja(folder: Path, targets: list[str]) -> None:
+    """Builds the targets. Prints nothing if they are current, the progress while they are built, and all that a compiler says."""
+    if not targets:
+        return
+    estimate = progress.BuildEstimate(_planned_steps(folder, targets), jobs())
+    if estimate.steps:
+        step(f"Building the programs in {folder.relative_to(paths.REPO)} with {jobs()} parallel jobs: {estimate.text(0.0)}")
+    began = time.monotonic()
+    with subprocess.Popen(["ninja", "-C", str(folder), "-j", str(jobs()), *targets], stdin=subprocess.DEVNULL,
+                          env={**environment(), "NINJA_STATUS": "@%f/%t@ "}, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, errors="replace") as running:
+        for line in running.stdout:
+            if finished := progress.ninja_step(line.rstrip("\n")):
+                if not progress.is_work(finished):
+                    continue
+                estimate.finish(finished)
+                show_progress(f"Building the programs: {estimate.text(time.monotonic() - began)}")
+            elif not line.startswith(("ninja: Entering directory", "ninja: no work to do")):
+                say(line.rstrip("\n"))
+    if running.returncode != 0:
+        raise CliError("build failed; see the compiler output above")
+    if estimate.steps:
+        step("Built the programs")
+
+
+def _planned_steps(folder: Path, targets: list[str]) -> list[str]:
+    """Returns what Ninja will do, as far as it knows before CMake has looked for new files."""
+    # A dry run of build.ninja itself would stop before the targets, because CMake's look for new files is always due.
+    plan = folder / "plan.ninja"
+    if not plan.exists():
+        plan.symlink_to("build.ninja")
+    planned = subprocess.run(["ninja", "-C", str(folder), "-f", plan.name, "-n", *targets], env=environment(), capture_output=True,
+                             text=True)
+    return [name for line in planned.stdout.splitlines() if (name := progress.ninja_step(line))]
+
+
+def programs(folder: Path) -> list[str]:
+    """Returns the targets of all programs that a user runs."""
+    listed = subprocess.run(["ninja", "-C", str(folder), "-t", "targets", "all"], env=environment(),
+                            capture_output=True, text=True).stdout
+    names = (line.partition(":")[0] for line in listed.splitlines())
+    return sorted(name for name in names if name.startswith("bin/diaphane-"))
+
+
+def build_programs(*names: str) -> None:
+    """Builds these programs (such as `diaphane-api`), or all of them."""
+    if "DIAPHANE_BUILD" in os.environ:
+        say(f"Using the programs in {paths.build_dir()} without rebuilding them (DIAPHANE_BUILD is set)")
+        return
+    folder = configure()
+    known = programs(folder)
+    absent = [name for name in names if f"bin/{name}" not in known]
+    if absent:
+        raise CliError(f"this checkout has no build target {', '.join(absent)}")
+    ninja(folder, [f"bin/{name}" for name in names] or known)
+
+
+#: What an instance on one machine runs.
+RUN_BY_UP = ("diaphane-api", "diaphane-gateway", "diaphane-ingestd", "diaphane-renderd", "diaphane-sample")
+
+
+# The page
+
+def _page_inputs() -> list[Path]:
+    generated = paths.FRONTEND / "src" / "protocol" / "gen"
+    patterns = ("src/**/*", "public/**/*", "dev/*.mjs", "*.json", "*.ts", "*.js", "*.html")
+    files = {file for pattern in patterns for file in paths.FRONTEND.glob(pattern) if file.is_file()}
+    return sorted(file for file in files if generated not in file.parents) + sorted(
+        (paths.REPO / "api" / "proto").glob("*.proto"))
+
+
+def npm(*words: str, env: dict[str, str] | None = None, cwd: Path = paths.FRONTEND) -> subprocess.CompletedProcess:
+    node = venv.ensure_node()
+    environ = {**os.environ, "PATH": f"{node}:{os.environ.get('PATH', '')}", "CI": "true",
+               "NO_COLOR": "1", **(env or {})}
+    return subprocess.run(["npm", *words], cwd=cwd, env=environ, stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def npm_install() -> None:
+    wanted = build_stamp.digest([paths.FRONTEND / "package.json", paths.FRONTEND / "package-lock.json"])
+    if (paths.FRONTEND / "node_modules").is_dir() and build_stamp.is_current("npm", wanted):
+        return
+    step("Installing the web page's npm packages")
+    done = npm("ci", "--no-audit", "--no-fund")
+    if done.returncode != 0:
+        raise CliError("npm ci failed:\n" + "\n".join(done.stdout.splitlines()[-30:]))
+    build_stamp.set_current("npm", wanted)
+
+
+def may_build_page() -> bool:
+    """Returns false if the programs and the page of another build are used."""
+    if "DIAPHANE_BUILD" in os.environ:
+        return False
+    if not (paths.FRONTEND / "package.json").exists():
+        raise CliError("cannot build the web page: frontend/package.json is missing")
+    return True
+
+
+def build_page() -> bool:
+    """Builds the page if its sources changed. Returns whether it did."""
+    if not may_build_page():
+        return False
+    npm_install()
+    wanted = build_stamp.digest(_page_inputs())
+    if (paths.FRONTEND / "dist" / "index.html").exists() and build_stamp.is_current("page", wanted):
+        return False
+    step("Building the web page")
+    done = npm("run", "build")
+    if done.returncode != 0:
+        raise CliError("building the web page failed:\n" + "\n".join(done.stdout.splitlines()[-40:]))
+    build_stamp.set_current("page", wanted)
+    return True

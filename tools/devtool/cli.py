@@ -1,0 +1,245 @@
+"""The command line. A command's module is imported when the command runs, so that `up` needs only the standard library."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from . import users
+from .console import CliError, say, warn
+
+
+_NO_INSTALL = "do not install anything: if dependencies are missing, list them and exit"
+
+
+def main(arguments: list[str]) -> int:
+    parser = _parser()
+    if not arguments:
+        parser.print_help()
+        return 2
+    options, rest = parser.parse_known_args(arguments)
+    if rest and not getattr(options, "takes_rest", False):
+        parser.error(f"unknown arguments: {' '.join(rest)}")
+    try:
+        return options.run(options, rest)
+    except CliError as error:
+        warn(str(error))
+        return error.code
+    except KeyboardInterrupt:
+        warn("interrupted")
+        return 130
+    except BrokenPipeError:
+        sys.stdout = open(os.devnull, "w", encoding="ascii")
+        return 141
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="./diaphane", description="Diaphane shows CT and MR scans as photo-realistic 3D pictures.")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    def command(name: str, run, about: str, rest: bool = False) -> argparse.ArgumentParser:
+        # The tools with `rest` arguments have their own --help.
+        made = commands.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", add_help=not rest)
+        made.set_defaults(run=run, takes_rest=rest)
+        return made
+
+    def with_data(made: argparse.ArgumentParser) -> None:
+        made.add_argument("--data", metavar="FOLDER", type=lambda text: Path(text).expanduser().resolve(),
+                          help=f"data directory (default: {users.default_data_dir()})")
+
+    up = command("up", _up, "install missing dependencies, build and start everything; press Ctrl-C to stop")
+    with_data(up)
+    up.add_argument("--no-install", action="store_true", help=_NO_INSTALL)
+    up.add_argument("--detach", action="store_true", help="run in the background and return once everything is ready; stop it with `./diaphane down`")
+    up.add_argument("--port", type=_port, metavar="N", help="port of the web page (default: 8080, or the next free port)")
+    up.add_argument("--engine", choices=("auto", "cpu", "cuda"), default="auto", help="rendering engine; auto uses CUDA if a GPU is available (default: auto)")
+    with_data(command("down", _down, "stop the instance that runs on a data directory"))
+    status = command("status", _status, "show each program with its port and state, and the rendering engine and device")
+    with_data(status)
+    status.add_argument("--json", action="store_true", help="print the status as JSON")
+    test = command("test", _test, "build and run the tests; the last line of output is `N passed, N failed`")
+    test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu", "cluster", "node"),
+                      help="run only these tests (default: unit, integration and e2e)")
+    test.add_argument("--all", action="store_true", help="the nightly lane: also the tests that take long, longer fuzzing, the sanitizers and Kubernetes")
+    test.add_argument("--no-install", action="store_true", help=_NO_INSTALL)
+    test.add_argument("--checks", action="store_true", help="also run `./diaphane check`; each check counts as a test")
+    check = command("check", _check, "run the static checks: formatting, prose, linters, types, link rules and API contracts")
+    check.add_argument("--fix", action="store_true", help="let clang-format, Prettier and ESLint fix what they can")
+    check.add_argument("--only", metavar="NAME", action="append", help="run only this check: files, prose, format, contracts, links, types, lint or tidy (repeatable)")
+    with_data(command("sample", _sample, "upload the sample scan again, or write it as DICOM files (--write-dicom FOLDER)",
+                      rest=True))
+    administrators = command("admin", _admin, "manage the administrators of a running instance: grant, revoke, list, reset-2fa")
+    with_data(administrators)
+    administrators.add_argument("what", choices=("grant", "revoke", "list", "reset-2fa", "forget-factor"), metavar="{grant,revoke,list,reset-2fa}",
+                                help="grant or revoke the administrator role, list all administrators, or turn off a user's second factor")
+    administrators.add_argument("email", nargs="?", metavar="EMAIL", help="confirmed email address of the account (not used by list)")
+    command("scan", _tool("diaphane-scan"), "list the series in a folder and say which are suitable (FOLDER [--json] [--build VOLUME])", rest=True)
+    command("render", _tool("diaphane-render"), "render a picture without a server (INPUT ..., see --help)", rest=True)
+    command("replay", _replay, "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
+    fuzz = command("fuzz", _fuzz, "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
+    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, tar, report, volume, viewer, stream, fields, preset, recording or scene_xml (default: all)")
+    fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="duration per target in seconds (default: 60)")
+    fuzz.add_argument("--minimise", action="store_true", help="then minimise the corpus in tests/fuzz/corpus without losing coverage")
+    races = command("races", _races, "run the multi-threaded tests under ThreadSanitizer")
+    races.add_argument("programs", nargs="*", metavar="PROGRAM", help="test program (default: all multi-threaded ones)")
+    bench = command("bench", _bench, "run a benchmark; without a name, list all benchmarks", rest=True)
+    bench.add_argument("name", nargs="?", metavar="NAME", help="benchmark to run")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results to this file")
+    bench.add_argument("--quick", action="store_true", help="fewer repetitions")
+    bench.set_defaults(print_help=bench.print_help)    # NAME --help belongs to the measurement
+    command("bounds", lambda *_: _bounds(), "write docs/bounds.md from docs/bounds.toml")
+    command("figures", lambda *_: _figures(), "write docs/figures.md from the benchmark results in docs/figures/")
+    bill = command("sbom", _sbom, "write the software bill of materials as CycloneDX JSON")
+    bill.add_argument("file", nargs="?", type=Path, metavar="FILE", help="output file (default: standard output)")
+    made = command("image", _image, "build the container image with buildah from this checkout's programs (requires root)")
+    made.add_argument("--out", type=Path, metavar="FILE.tar", help="also export the image as an OCI archive")
+    made.add_argument("--check", action="store_true", help="then verify the image: its size, that it contains no compiler, and that each program runs on a read-only root")
+    made.add_argument("--base", metavar="IMAGE", help="Debian 12 base image to pull (default: build one with debootstrap)")
+    made.add_argument("--source", action="store_true", help="compile the programs inside the image from this checkout's sources")
+    made.add_argument("--stage", type=Path, metavar="FOLDER", help="only copy the image's files to this folder (the Containerfile's first stage)")
+    pictures = command("screenshots", _screenshots, "take screenshots of every page in three sizes, light and dark, for manual review")
+    pictures.add_argument("folder", type=Path, metavar="FOLDER", help="output folder")
+    pictures.add_argument("--only", default="", metavar="TEXT", help="only screenshots whose name contains this text (person-scans, nobody-sign-in, viewer-light, ...)")
+    pictures.add_argument("--size", choices=("phone", "tablet", "desk"), help="only this size")
+    pictures.add_argument("--look", choices=("light", "dark"), help="only this colour scheme")
+    command("guide", lambda *_: _guide(), "recreate the pictures of docs/guide.md")
+    commands.add_parser("help", help="show this help").set_defaults(run=lambda *_: parser.print_help() or 0)
+    return parser
+
+
+def _port(text: str) -> int:
+    number = int(text)
+    if not 1024 <= number < 65536:
+        raise argparse.ArgumentTypeError("not a port from 1024 to 65535 (lower ports require root, and Diaphane does not run as root)")
+    return number
+
+
+def _data(options: argparse.Namespace) -> Path:
+    return options.data or users.default_data_dir()
+
+
+def _up(options: argparse.Namespace, _: list[str]) -> int:
+    from . import datadir, gpu, prepare, supervise
+
+    data = _data(options)
+    if supervise.running_supervisor(data):
+        say(f"Diaphane is already running: {datadir.read_record(data).get('url')}/")
+        return 0
+    if options.data is None and os.geteuid() == 0:
+        say(f"Started as root: using the data directory {data}, which the user '{users.NAME}' can access.")
+    datadir.check(data)
+    if (why := gpu.absence()) and gpu.is_plugged_in():
+        warn(f"This machine has an NVIDIA GPU, but {why}. Diaphane renders on the CPU.")
+    prepare.for_up(may_install=not options.no_install)
+    chosen = supervise.UpOptions(data=data, engine=options.engine, port=options.port)
+    return supervise.detach(chosen) if options.detach else supervise.hold(chosen)
+
+
+def _down(options: argparse.Namespace, _: list[str]) -> int:
+    from . import supervise
+
+    return supervise.down(_data(options))
+
+
+def _status(options: argparse.Namespace, _: list[str]) -> int:
+    from . import status
+
+    return status.show(_data(options), options.json)
+
+
+def _test(options: argparse.Namespace, _: list[str]) -> int:
+    from . import testing
+
+    return testing.run(options.kind, may_install=not options.no_install, with_checks=options.checks, nightly=options.all)
+
+
+def _check(options: argparse.Namespace, _: list[str]) -> int:
+    from . import check
+
+    return check.run(only=options.only or [], fix=options.fix)
+
+
+def _sample(options: argparse.Namespace, rest: list[str]) -> int:
+    from . import run_binary
+
+    return run_binary.sample(_data(options), rest)
+
+
+def _screenshots(options: argparse.Namespace, _: list[str]) -> int:
+    from . import screenshots
+
+    return screenshots.run(options.folder.resolve(), options.only, options.size, options.look)
+
+
+def _guide() -> int:
+    from . import screenshots
+
+    return screenshots.guide()
+
+
+def _bounds() -> int:
+    from . import bounds
+
+    return bounds.run()
+
+
+def _figures() -> int:
+    from . import figures
+
+    return figures.run()
+
+
+def _sbom(options: argparse.Namespace, _: list[str]) -> int:
+    from . import sbom
+
+    return sbom.run(options.file)
+
+
+def _image(options: argparse.Namespace, _: list[str]) -> int:
+    from . import image
+
+    return image.run(options.out, options.check, options.base, options.source, options.stage)
+
+
+def _admin(options: argparse.Namespace, _: list[str]) -> int:
+    from . import admin
+
+    return admin.run(_data(options), options.what, options.email)
+
+
+def _tool(name: str):
+    def run(_: argparse.Namespace, rest: list[str]) -> int:
+        from . import run_binary
+
+        return run_binary.run(name, rest)
+
+    return run
+
+
+def _replay(_: argparse.Namespace, rest: list[str]) -> int:
+    from . import replay
+
+    return replay.run(rest)
+
+
+def _races(options: argparse.Namespace, _: list[str]) -> int:
+    from . import races
+
+    return races.run(options.programs)
+
+
+def _fuzz(options: argparse.Namespace, _: list[str]) -> int:
+    from . import fuzz
+
+    return fuzz.run(options.target, options.seconds, options.minimise)
+
+
+def _bench(options: argparse.Namespace, rest: list[str]) -> int:
+    from . import bench
+
+    if options.name is None and rest in (["-h"], ["--help"]):
+        options.print_help()
+        return 0
+    return bench.run(options.name, options.json, options.quick, rest)

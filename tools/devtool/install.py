@@ -1,0 +1,52 @@
+"""Finds and installs what is missing on this machine for a purpose."""
+
+from __future__ import annotations
+
+from . import gpu, packages, paths, venv
+from .console import CliError, say
+
+PARTS = {
+    "up": [venv.BUILD],
+    "image": [venv.BUILD, venv.CUDA],
+    "test": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
+    "check": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
+    "bench": [venv.BUILD, venv.TESTS],
+}
+#: What needs neither a browser nor linters nor fuzzers.
+_WITHOUT_TESTS = ("up", "image")
+#: What compiles the CUDA engine only where it can run.
+_CUDA_WITH_GPU = ("up", "bench")
+
+
+def parts(purpose: str, gpu_absence: str) -> list[venv.Part]:
+    """Returns the parts of .tools/venv that a purpose needs. `gpu_absence`: why there is no GPU, or an empty text."""
+    return PARTS[purpose] + ([venv.CUDA] if purpose in _CUDA_WITH_GPU and not gpu_absence else [])
+
+
+def missing(purpose: str) -> tuple[list[str], list[venv.Part]]:
+    """Returns Debian packages and parts of .tools/venv that are missing."""
+    absent = [part for part in parts(purpose, gpu.absence()) if not part.current()]
+    if (paths.FRONTEND / "package.json").exists() and venv.node_bin() is None:
+        absent.append(venv.NODE)
+    return packages.missing(packages.wanted(tests=purpose not in _WITHOUT_TESTS)), absent
+
+
+def ensure(purpose: str, may_install: bool = True) -> None:
+    """Installs what is missing and reports it."""
+    debian, absent = missing_or_exit(purpose, may_install)
+    if debian:
+        packages.install(debian)
+    for part in absent:
+        venv.ensure(part)
+
+
+def missing_or_exit(purpose: str, may_install: bool) -> tuple[list[str], list[venv.Part]]:
+    """Returns what missing() returns. With `may_install` false, reports it and exits if anything is missing."""
+    debian, absent = missing(purpose)
+    if may_install or not (debian or absent):
+        return debian, absent
+    for name in debian:
+        say(f"missing: Debian package {name}")
+    for part in absent:
+        say(f"missing: {part.what}")
+    raise CliError("dependencies are missing, and --no-install was given")

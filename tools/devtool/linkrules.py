@@ -1,0 +1,114 @@
+"""Compares the graph of CMake's targets with the allowed links in link_rules.toml."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterable
+
+from . import build, cycles, filelint, paths
+from .console import CliError
+
+RULES = Path(__file__).with_name("link_rules.toml")
+PROGRAM = "egg"            # shapes in CMake's graph
+UNKNOWN = "septagon"
+_NODE = re.compile(r'^\s*"(node\d+)" \[ label = "([^"]+)", shape = (\w+) \];')
+_EDGE = re.compile(r'^\s*"(node\d+)" -> "(node\d+)"')
+_INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Graph:
+    """The project's own targets: the shape of each, and direct links between them."""
+
+    shapes: dict[str, str]
+    links: frozenset[tuple[str, str]]
+
+
+def parse(dot: str) -> Graph:
+    nodes: dict[str, tuple[str, str]] = {}
+    edges = []
+    for line in dot.splitlines():
+        if found := _NODE.match(line):
+            nodes[found[1]] = (found[2].split("\\n")[0], found[3])
+        elif found := _EDGE.match(line):
+            edges.append((found[1], found[2]))
+    ours = {node: name for node, (name, shape) in nodes.items() if "::" not in name and shape != UNKNOWN}
+    shapes = {name: nodes[node][1] for node, name in ours.items()}
+    return Graph(shapes, frozenset((ours[a], ours[b]) for a, b in edges if a in ours and b in ours))
+
+
+def violations(graph: Graph, allowed: dict[str, list[str]]) -> list[str]:
+    """Returns one sentence per violation. Tests and benchmarks may link any library, but no program."""
+    found = []
+    for name, shape in sorted(graph.shapes.items()):
+        if not _is_trial(name) and name not in allowed:
+            found.append(f"target {name} is missing from {RULES.name}: add it with the targets that it may link")
+        for user, used in sorted(graph.links):
+            if used == name and shape == PROGRAM:
+                found.append(f"{user} links the program {used}, but programs must not be linked")
+    for user, used in sorted(graph.links):
+        if user in allowed and used not in allowed[user] and graph.shapes[used] != PROGRAM:
+            found.append(f"{user} links {used}, but may link only: {', '.join(allowed[user]) or 'nothing'}")
+    return found
+
+
+def header_violations(sources: dict[str, str], owners: dict[str, list[str]]) -> list[str]:
+    """Returns files that include headers of a library in another folder that they may not use. `sources` maps names in the
+    checkout to texts."""
+    found = []
+    for name, text in sorted(sources.items()):
+        if _is_trial(name.rpartition(".")[0]):
+            continue
+        for header in _INCLUDE.findall(text):
+            for prefix, folders in owners.items():
+                if header.startswith(prefix) and not any(name.startswith(f"{folder}/") for folder in folders):
+                    found.append(f"{name} includes <{header}>, but only {', '.join(folders)} may include it")
+    return found
+
+
+def prefix_violations(sources: Iterable[str], limits: dict[str, int]) -> list[str]:
+    """Returns files with a prefix that a folder should express."""
+    found = []
+    for prefix, limit in limits.items():
+        count = sum(name.rpartition("/")[2].startswith(prefix) for name in sources)
+        if count > limit:
+            found.append(f"{count} files begin with {prefix}, but at most {limit} are allowed. Put new ones into a folder instead")
+    return found
+
+
+def _is_trial(name: str) -> bool:
+    return name.endswith(("_test", "_bench", "_test_support", "_fake", "_fakes")) or "/testing/" in name
+
+
+def rules() -> dict:
+    return tomllib.loads(RULES.read_text(encoding="utf-8"))
+
+
+def graph_of(folder: Path) -> Graph:
+    dot = folder / "targets.dot"
+    done = subprocess.run(["cmake", f"--graphviz={dot}", str(folder)], env=build.environment(), stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != 0:
+        raise CliError(f"cmake --graphviz failed:\n{done.stdout}")
+    return parse(dot.read_text(encoding="utf-8"))
+
+
+def check() -> list[str]:
+    book = rules()
+    sources = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8") for path in cpp_sources()}
+    pages = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8") for path in filelint.files()
+             if path.suffix in (".ts", ".tsx") and path.is_relative_to(paths.FRONTEND)}
+    return (violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
+            + prefix_violations(sources, book["prefixes"])
+            + [f"cycle: {', '.join(part)}" for graph in (cycles.includes(sources), cycles.imports(pages)) for part in cycles.cycles(graph)])
+
+
+def cpp_sources() -> list[Path]:
+    """Returns the project's C++ and CUDA files, committed or not."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.h", "*.cpp", "*.cu", "*.cuh"],
+                            cwd=paths.REPO, capture_output=True, text=True, check=True).stdout
+    return [paths.REPO / line for line in sorted(set(listed.splitlines())) if (paths.REPO / line).exists()]

@@ -1,0 +1,207 @@
+"""`./diaphane check --only prose`: how documents, texts, comments and commit subjects are written (prose_rules.toml)."""
+
+from __future__ import annotations
+
+import ast
+import io
+import json
+import re
+import subprocess
+import tokenize
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterator
+
+from . import build, filelint, paths, build_stamp
+from .console import CliError, say
+
+RULES = Path(__file__).with_name("prose_rules.toml")
+LINTER = paths.TOOLS / "prose"
+#: File types whose comments and texts are the project's English prose. German texts and generated files are excluded.
+_C_LIKE = {".h", ".cpp", ".cu", ".cuh", ".ts", ".tsx", ".js", ".mjs", ".proto"}
+_HASH = {".yaml", ".yml", ".toml", ".cmake", ".sh"}
+_LEFT_OUT = ("frontend/src/texts/de", "tools/devtool/prose_rules.toml", "tools/devtool/prose.py", "tests/devtool/test_prose.py")
+_URL = re.compile(r"\w://|\]\([^)]*\)|^\s*\[[^\]]+\]:")
+_STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"|`(?:[^`\\]|\\.)*`')
+_C_TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\\n]|\\.)*"|`(?:[^`\\]|\\.)*`|\'(?:[^\'\\\n]|\\.)\'', re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A piece of prose, at `name`:`line`. `kind` is documents, texts or comments."""
+
+    kind: str
+    name: str
+    line: int
+    text: str
+
+
+def check() -> list[str]:
+    rules = tomllib.loads(RULES.read_text(encoding="utf-8"))
+    sources = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8", errors="replace") for path in filelint.files()
+               if path.suffix in _C_LIKE | _HASH | {".md", ".py", ".lua", ".sql"}}
+    documents = {name: text for name, text in sources.items() if name.endswith(".md")}
+    return (wide_lines(documents, rules["documents"]) + too_many_words(documents, rules["documents"])
+            + banned([one for name, text in sources.items() for one in passages(name, text)], rules["banned"])
+            + commit_subjects(rules["commits"]) + textlint(sources))
+
+
+def over(found: list[str], limit: int, what: str) -> list[str]:
+    """Returns the findings if there are more than the limit for those that are not fixed yet."""
+    if len(found) <= limit:
+        if len(found) < limit:
+            say(f"{what}: {len(found)} left. Lower the limit in {RULES.name} from {limit}.")
+        return []
+    return [*found, f"{what}: {len(found)}, but at most {limit} are allowed"] if limit else found
+
+
+# Documents
+
+def wide_lines(documents: dict[str, str], rules: dict) -> list[str]:
+    """Lines over the limit, except those with links, which cannot be broken."""
+    found = [f"{name}:{number}: {len(line)} columns, but at most {rules['columns']} are allowed"
+             for name, text in sorted(documents.items()) for number, line in enumerate(text.splitlines(), 1)
+             if len(line) > rules["columns"] and not _URL.search(line)]
+    return over(found, rules.get("lines_too_wide", 0), "lines of documents that are too wide")
+
+
+def too_many_words(documents: dict[str, str], rules: dict) -> list[str]:
+    words = sum(len(text.split()) for text in documents.values())
+    limit = rules["words"]
+    if words <= limit:
+        return []
+    return [f"all documents together have {words} words, but at most {limit} are allowed"]
+
+
+# Banned phrases
+
+def passages(name: str, text: str) -> Iterator[Passage]:
+    """Yields documents by lines without code, texts as string literals, and comments as written."""
+    if name.startswith(_LEFT_OUT):
+        return
+    suffix = Path(name).suffix
+    if suffix == ".md":
+        yield from _document(name, text)
+    elif suffix == ".py":
+        yield from _python(name, text)
+    elif suffix in _C_LIKE:
+        yield from _c_like(name, text)
+    else:
+        mark = "--" if suffix in (".lua", ".sql") else "#"
+        for number, line in enumerate(text.splitlines(), 1):
+            if line.lstrip().startswith(mark):
+                yield Passage("comments", name, number, line.strip())
+
+
+def _document(name: str, text: str) -> Iterator[Passage]:
+    fenced = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        elif not fenced:
+            yield Passage("documents", name, number, re.sub(r"`[^`]*`", "`", line))
+
+
+def is_prose(literal: str) -> bool:
+    return len(re.findall(r"[A-Za-z]{2,}", literal)) >= 3 and " " in literal.strip()
+
+
+def _c_like(name: str, text: str) -> Iterator[Passage]:
+    for found in _C_TOKEN.finditer(text):
+        token, line = found[0], text.count("\n", 0, found.start()) + 1
+        if token.startswith("/"):
+            for offset, part in enumerate(token.splitlines()):
+                yield Passage("comments", name, line + offset, part.strip())
+        elif not token.startswith("'") and is_prose(token):
+            yield Passage("texts", name, line, token[1:-1])
+
+
+def _python(name: str, text: str) -> Iterator[Passage]:
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield Passage("comments", name, token.start[0], token.string)
+    tree = ast.parse(text)
+    docstrings = {id(node.body[0].value) for node in ast.walk(tree)
+                  if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
+                  and node.body and isinstance(node.body[0], ast.Expr) and isinstance(node.body[0].value, ast.Constant)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and is_prose(node.value):
+            kind = "comments" if id(node) in docstrings else "texts"
+            for offset, part in enumerate(node.value.splitlines()):
+                yield Passage(kind, name, node.lineno + offset, part)
+
+
+def banned(all_passages: list[Passage], rules: list[dict]) -> list[str]:
+    found = []
+    for rule in rules:
+        pattern = re.compile(rule["pattern"], re.IGNORECASE)
+        for kind in ("documents", "texts", "comments"):
+            hits = [f"{one.name}:{one.line}: '{hit[0]}': {rule['instead']}" for one in all_passages if one.kind == kind
+                    for hit in [pattern.search(one.text)] if hit]
+            found += over(hits, rule.get(kind, 0), f"'{rule['pattern']}' in {kind}")
+    return found
+
+
+# Commits
+
+def commit_subjects(rules: dict) -> list[str]:
+    def git(*words: str) -> subprocess.CompletedProcess:
+        return subprocess.run(["git", *words], cwd=paths.REPO, capture_output=True, text=True)
+
+    if git("merge-base", "--is-ancestor", rules["base"], "HEAD").returncode != 0:
+        say(f"commit subjects are not checked: this clone does not contain commit {rules['base'][:12]}")
+        return []
+    listed = git("log", "--no-merges", "--format=%h %s", f"{rules['base']}..HEAD").stdout.splitlines()
+    return long_subjects(listed, rules["columns"])
+
+
+def long_subjects(listed: list[str], columns: int) -> list[str]:
+    """`listed`: hash and subject of each commit."""
+    found = []
+    for line in listed:
+        commit, _, subject = line.partition(" ")
+        if len(subject) > columns:
+            found.append(f"commit {commit}: the subject has {len(subject)} columns, but at most {columns} are allowed: {subject}")
+    return found
+
+
+# textlint
+
+def textlint(sources: dict[str, str]) -> list[str]:
+    """Checks documents, and the page's texts with the line numbers of their sources."""
+    _install()
+    folder = paths.REPO / "build" / "prose"
+    files = [str(paths.REPO / name) for name in sources if name.endswith(".md")]
+    for name, text in sources.items():
+        if name.startswith("frontend/src/texts/en/"):
+            copy = folder / f"{name}.txt"
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            lines = [""] * (2 * text.count("\n") + 2)
+            for one in passages(name, text):
+                if one.kind == "texts":     # on every second line, so that each is a paragraph
+                    lines[2 * (one.line - 1)] += f"{one.text} | "
+            copy.write_text("\n".join(lines), encoding="utf-8")
+            files.append(str(copy))
+    done = build.npm("exec", "--", "textlint", "--format", "json", *files, cwd=LINTER)
+    start = done.stdout.find("[{")
+    if start < 0:
+        raise CliError(f"textlint failed:\n{done.stdout[-2000:]}")
+    found = []
+    for file in json.JSONDecoder().raw_decode(done.stdout[start:])[0]:
+        path, copied = Path(file["filePath"]), Path(file["filePath"]).is_relative_to(folder)
+        name = str(path.relative_to(folder))[:-len(".txt")] if copied else str(path.relative_to(paths.REPO))
+        for message in file["messages"]:
+            line = (message["line"] + 1) // 2 if copied else message["line"]
+            found.append(f"{name}:{line}: {message['message']} ({message['ruleId']})")
+    return found
+
+
+def _install() -> None:
+    wanted = build_stamp.digest([LINTER / "package.json", LINTER / "package-lock.json"])
+    if (LINTER / "node_modules").is_dir() and build_stamp.is_current("prose", wanted):
+        return
+    done = build.npm("ci", "--no-audit", "--no-fund", cwd=LINTER)
+    if done.returncode != 0:
+        raise CliError("npm ci failed in tools/prose:\n" + "\n".join(done.stdout.splitlines()[-30:]))
+    build_stamp.set_current("prose", wanted)

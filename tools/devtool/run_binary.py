@@ -1,0 +1,38 @@
+"""Programs that a user runs by hand. They are built when needed and receive the command line unchanged."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+from . import build, console, datadir, install, paths, supervise
+from .console import CliError
+
+
+def run(name: str, arguments: list[str]) -> int:
+    console.to_stderr()
+    binary = paths.build_dir() / "bin" / name
+    if not binary.exists() or os.environ.get("DIAPHANE_BUILD") is None:
+        install.ensure("up")
+        build.build_programs(name)
+    os.execv(binary, [name, *arguments])
+
+
+#: With one of these options, the sample tool writes files or uploads to a given server, so no instance needs to run here.
+_OWN_WAY = ("--write-dicom", "--write-bundle", "--mapped-mha", "--mapped-volume", "--upload", "--help", "-h")
+
+
+def sample(data: Path, arguments: list[str]) -> int:
+    """Uploads the sample scan again to the Diaphane that runs on `data`, or does what `arguments` say."""
+    if any(argument.partition("=")[0] in _OWN_WAY for argument in arguments):
+        return run("diaphane-sample", arguments)
+    if supervise.running_supervisor(data) is None:
+        raise CliError(f"Diaphane is not running on {data}. Start it first: ./diaphane up --detach")
+    url = datadir.read_record(data).get("url", "")
+    binary = paths.build_dir() / "bin" / "diaphane-sample"
+    build.build_programs("diaphane-sample")
+    done = subprocess.run([*supervise.sample_command(binary, url, data), *arguments], stdout=subprocess.PIPE, text=True)
+    if done.returncode == 0:
+        console.say(f"The sample scan is at {url}/view/{done.stdout.strip()}")
+    return done.returncode

