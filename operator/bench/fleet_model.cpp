@@ -92,7 +92,7 @@ int FleetModel::device_of(const std::string& name) {
 
 bool FleetModel::open(int device) const {
   const Device& one = devices_[static_cast<std::size_t>(device)];
-  return one.ready && !one.told && one.sessions < setting_.slots;
+  return one.ready && !one.draining && one.sessions < setting_.slots;
 }
 
 void FleetModel::put(Session& session, int device) {
@@ -213,13 +213,13 @@ void FleetModel::apply(const Action& action) {
     pods_[one.name] = world_.pods.size();
     world_.pods.push_back(one);
     Device& device = devices_[static_cast<std::size_t>(device_of(one.name))];
-    device.told = false;
+    device.draining = false;
     device.ready_at = world_.now + 3 + exponential(5);
     device.idle_since = world_.now;
   } else if (const auto* drain = std::get_if<SetDrain>(&action)) {
     if (Worker* one = worker(drain->worker)) {
       one->drain = drain->drain;
-      devices_[static_cast<std::size_t>(device_of(one->name))].told = true;
+      devices_[static_cast<std::size_t>(device_of(one->name))].draining = true;
     }
   } else if (const auto* gone = std::get_if<DeleteWorker>(&action)) {
     if (Worker* one = worker(gone->name)) one->deleted = world_.now;
@@ -338,7 +338,8 @@ void FleetModel::run_sessions(Figures& figures, bool measured, int target) {
   }
   waiting_ = again;
   for (Session& session : sessions_) {  // sessions of draining workers, within their grace period
-    if (session.device < 0 || !devices_[static_cast<std::size_t>(session.device)].told) continue;
+    if (session.device < 0 || !devices_[static_cast<std::size_t>(session.device)].draining)
+      continue;
     const int device = place(session.device);
     if (device < 0) continue;
     take_out(session);
@@ -393,7 +394,7 @@ void FleetModel::take_samples() {
     sample.slots = setting_.slots;
     // Waiting sessions have noisier images, so the sum of errors grows with demand.
     sample.error = device.wants;
-    sample.draining = device.told;
+    sample.draining = device.draining;
     sample.idle_since = device.idle_since;
     device.given = 0;
     world_.telemetry.push_back(sample);
@@ -405,7 +406,7 @@ void FleetModel::lend_devices() {
   std::vector<LendingModel::Device> devices;
   devices.reserve(devices_.size());
   for (const Device& one : devices_) {
-    devices.push_back({one.ready && !one.told, one.told, one.wants});
+    devices.push_back({one.ready && !one.draining, one.draining, one.wants});
   }
   lending_.step(devices);
 }
@@ -420,7 +421,7 @@ void FleetModel::measure(Figures& figures) const {
   std::map<int, std::pair<Spread, Spread>> nodes;
   for (std::size_t i = 0; i < devices_.size(); ++i) {
     const Device& one = devices_[i];
-    if (!one.ready || one.told) continue;
+    if (!one.ready || one.draining) continue;
     wants += one.wants;
     late += std::max(0.0, load(i) - 1);
     loads.add(load(i));

@@ -85,7 +85,7 @@ class FleetModel {
   /// One per ordinal that a worker's name has had.
   struct Device {
     std::string name;
-    bool ready = false, told = false;
+    bool ready = false, draining = false;
     Seconds ready_at = 0;
     int sessions = 0;
     double wants = 0;
