@@ -73,7 +73,8 @@ Curve straight(double error, double exponent, double milliseconds) {
 TEST(Curve, SlopeAndCrossingOfAPowerLawAreExact) {
   const Curve curve = straight(0.4, -0.5, 3);
   EXPECT_NEAR(*slope(curve, &CurvePoint::rmse, 1), -0.5, 1e-12);
-  EXPECT_NEAR(*slope(curve, &CurvePoint::estimate, 1), -0.5, 1e-12) << "infinity left out";
+  EXPECT_NEAR(*slope(curve, &CurvePoint::estimate, 1), -0.5, 1e-12)
+      << "infinite values are skipped";
   const Crossing c = *crossing(curve, 0.05);
   EXPECT_NEAR(c.samples, 64, 1e-9);
   EXPECT_NEAR(c.milliseconds, 192, 1e-9);

@@ -35,7 +35,7 @@ TEST(Report, DescribesTheKernel) {
   EXPECT_EQ(kernel["compiled_in"], nlohmann::json{"clip"});
   EXPECT_EQ(kernel["left_out"].size(), kFeatureCount - 1);
   EXPECT_EQ(kernel["variant"], "ahead of time");
-  EXPECT_TRUE(kernel["registers"].is_null()) << "a processor has no such number";
+  EXPECT_TRUE(kernel["registers"].is_null()) << "a CPU has no register count";
   EXPECT_FALSE(kernel.contains("note"));
   outcome.kernel.origin = KernelOrigin::kForThisScene;
   outcome.kernel.registers = 64;

@@ -51,7 +51,8 @@ TEST(StopRule, ReachesTheErrorWithFewChecks) {
     EXPECT_EQ(r.reason, StopReason::kError);
     EXPECT_GE(static_cast<double>(r.samples), needed * (1 - 1e-9));
     EXPECT_LE(static_cast<double>(r.samples), 1.25 * needed + 1);
-    EXPECT_LE(r.looks, 10 + std::log(needed) / std::log(1.25)) << "a geometric series of looks";
+    EXPECT_LE(r.looks, 10 + std::log(needed) / std::log(1.25))
+        << "the error is checked in a geometric series";
   }
 }
 

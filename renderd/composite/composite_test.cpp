@@ -170,7 +170,7 @@ TEST_F(Composite, DropsPartsOfOlderEpochs) {
     if (drop) {
       EXPECT_EQ(off, 0);
     } else {
-      EXPECT_GT(off, 0.3) << "the ghost is not there: the test sees nothing";
+      EXPECT_GT(off, 0.3) << "there is no ghost, so the test detects nothing";
     }
   }
 }
@@ -181,7 +181,7 @@ TEST_F(Composite, LostAssistantCostsOnlyItsShare) {
   ASSERT_TRUE(many->render(4, nullptr));
   scripts_[0]->lost = true;
   ASSERT_TRUE(many->render(4, nullptr));
-  EXPECT_EQ(many->progress().samples, 4u * 3 + 4u * 2) << "what it delivered stays";
+  EXPECT_EQ(many->progress().samples, 4u * 3 + 4u * 2) << "its delivered samples stay";
   EXPECT_EQ(many->composite().assistants, 1u);
   // It returns and gets a share of the same picture.
   scripts_[0]->lost = false;
@@ -247,7 +247,8 @@ TEST_F(Composite, ChoosesTheDivisionOnceSpeedsAreKnown) {
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
   many->prepare_denoising(true);
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
-  EXPECT_EQ(many->composite().division, Division::kAverage) << "smoothing needs all rows' guides";
+  EXPECT_EQ(many->composite().division, Division::kAverage)
+      << "denoising needs the guides of all rows";
 }
 
 /// Devices of one process, as in a renderd with several GPUs.

@@ -115,14 +115,15 @@ TEST(DivisionChoice, TilesTransferFewerBytesThanAveraging) {
   const auto average = predict(Division::kAverage, input);
   const auto tiles = predict(Division::kTiles, input);
   EXPECT_GT(average.bytes_moved, 2 * tiles.bytes_moved);
-  EXPECT_LT(average.seconds, tiles.seconds) << "the slowest of four bands is waited for";
+  EXPECT_LT(average.seconds, tiles.seconds) << "the slowest of four bands determines the time";
 }
 
 TEST(DivisionChoice, ChoosesTilesForFewSamplesOfLargeImagesAndOtherwiseAverage) {
   auto few = four_devices({3840, 2160}, 4);
   EXPECT_EQ(choose_division(few), Division::kTiles);
   const auto many = four_devices({1280, 720}, 100'000);
-  EXPECT_EQ(choose_division(many), Division::kAverage) << "all but no difference: the safe one";
+  EXPECT_EQ(choose_division(many), Division::kAverage)
+      << "without a clear difference, averaging is safer";
   few.speeds[2] = 0;
   EXPECT_EQ(choose_division(few), Division::kAverage) << "bands need speeds";
   few.speeds = {1e8};

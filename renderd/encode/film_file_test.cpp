@@ -112,7 +112,7 @@ TEST(FilmFile, ContainsEachFrameOnceInOrder) {
   constexpr Canvas kSize{64, 48};
   const Seen seen =
       seen_in(film_of(format_of(kSize, 40, 20), [&](int i) { return grey(kSize, 10 + 6 * i); }));
-  EXPECT_EQ(seen.streams, 1) << "pictures alone";
+  EXPECT_EQ(seen.streams, 1) << "only a video stream";
   EXPECT_EQ(seen.codec, AV_CODEC_ID_H264);
   EXPECT_EQ(seen.pixel_format, AV_PIX_FMT_YUV420P);
   EXPECT_EQ(seen.size, kSize);

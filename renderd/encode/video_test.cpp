@@ -144,7 +144,7 @@ TEST_P(Video, DecodesEachFrameWithoutDelay) {
     const PictureRgb8 picture = smooth_picture(320, 200, 0.2 * i);
     const auto coded = coder->encode(picture, {Quality::kSettled, false, 0});
     ASSERT_TRUE(coded);
-    EXPECT_EQ(coded->key, i == 0) << "key frames come on request only";
+    EXPECT_EQ(coded->key, i == 0) << "key frames are sent on request only";
     const AVFrame* frame = viewer.show(coded->data);
     ASSERT_TRUE(frame) << i;
     EXPECT_LT(rms(picture, to_rgb(*frame, picture.size, GetParam().weights)), 4.0) << i;
@@ -296,9 +296,9 @@ TEST(Mpeg1, ScalesDownImagesBeyondItsSizeLimit) {
 TEST(NextQuantiser, FollowsTheFrameSizeWithinItsRange) {
   EXPECT_EQ(next_quantiser(10, 9000, 0, 4), 4) << "unbounded";
   EXPECT_EQ(next_quantiser(10, 0, 9000, 4), 4) << "nothing known";
-  EXPECT_GT(next_quantiser(10, 9000, 9000, 4), 10) << "at the bound something is left for motion";
+  EXPECT_GT(next_quantiser(10, 9000, 9000, 4), 10) << "at the limit, some room remains for motion";
   EXPECT_EQ(next_quantiser(10, 90000, 9000, 4), 31);
-  EXPECT_EQ(next_quantiser(10, 900, 9000, 4), 9) << "finer in small steps";
+  EXPECT_EQ(next_quantiser(10, 900, 9000, 4), 9) << "the quantiser decreases in small steps";
   EXPECT_EQ(next_quantiser(4, 900, 9000, 4), 4);
   for (std::size_t bytes = 1; bytes < 1U << 20; bytes *= 2) {
     EXPECT_LE(next_quantiser(8, bytes, 20000, 4), next_quantiser(8, 2 * bytes, 20000, 4));

@@ -17,7 +17,7 @@ TEST(FilmPart, PackedMeanRoundsToElevenBits) {
   }
   EXPECT_EQ(unpack_mean(pack_mean(0.0f)), 0.0f);
   EXPECT_EQ(unpack_mean(pack_mean(1.0f)), 1.0f);
-  EXPECT_GT(unpack_mean(pack_mean(1e30f)), 1e7f) << "too bright is the brightest";
+  EXPECT_GT(unpack_mean(pack_mean(1e30f)), 1e7f) << "values beyond the range are clamped";
 }
 
 /// Verifies the display error that the comment of PackedPixel states.

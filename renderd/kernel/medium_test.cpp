@@ -76,7 +76,7 @@ TEST(TransferTables, ColourIsWeightedByOpacityWithoutDarkEdges) {
   EXPECT_FLOAT_EQ(extinction_at(t, 11.5f), 3);
   EXPECT_FLOAT_EQ(extinction_at(t, -1e6f), 0);
   EXPECT_FLOAT_EQ(extinction_at(t, 1e6f), 4);
-  EXPECT_FLOAT_EQ(albedo_at(t, 10.25f).x, 0.8f) << "a quarter of the weight, all of the colour";
+  EXPECT_FLOAT_EQ(albedo_at(t, 10.25f).x, 0.8f) << "a quarter of the weight, but the full colour";
   EXPECT_EQ(albedo_at(t, 10).x, 0);
 }
 

@@ -411,7 +411,7 @@ TEST(PrepareTextures, NamesTheDamagedOrExcessiveTexture) {
   d->set_radius(10);
   test::set(d->mutable_radiance(), 1, 1, 1);
   d->mutable_texture()->set_picture(spotted().substr(0, 150));
-  ASSERT_TRUE(check_scene(scene)) << "its head is whole";
+  ASSERT_TRUE(check_scene(scene)) << "the header is valid";
   const auto damaged = prepare(scene);
   ASSERT_FALSE(damaged);
   EXPECT_EQ(damaged.error().code, ErrorCode::kInvalid);

@@ -105,7 +105,7 @@ TEST(PreparedScene, OmitsUnneededFeatures) {
   };
   EXPECT_EQ(features(), Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment));
   test::add_lamp(scene, 0, 0, 90, 10, 0);
-  EXPECT_FALSE(features().has(Feature::kManyLights)) << "a black lamp is none";
+  EXPECT_FALSE(features().has(Feature::kManyLights)) << "a black lamp does not count";
   test::add_lamp(scene, 0, 0, 90, 10, 1);
   EXPECT_TRUE(features().has(Feature::kManyLights));
   scene.mutable_phase()->set_g(-0.2);
@@ -173,7 +173,7 @@ TEST(Presets, AirwaysPresetShowsTranslucentAirWalls) {
   }
   EXPECT_GT(extinction_at(-550), 0.1);
   constexpr double kWall = 2;  // mm
-  EXPECT_GT(std::exp(-2 * kWall * extinction_at(-550)), 0.4) << "what lies behind the skin is seen";
+  EXPECT_GT(std::exp(-2 * kWall * extinction_at(-550)), 0.4) << "the interior is visible";
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Emission, ShowsOneImagePerSecondDuringLongDoublings) {
 /// refinements sooner than during a drag.
 TEST(Emission, ShowsTheSecondImageEarlierWithoutInput) {
   EmissionInput q = shown(2, 1, 0.001);
-  EXPECT_FALSE(should_emit(q)) << "inputs come: the next picture is near";
+  EXPECT_FALSE(should_emit(q)) << "more input is expected, so a new image follows soon";
   q.seconds_since_input = 0.03;
   EXPECT_TRUE(should_emit(q));
   q = shown(8, 4, 0.015);

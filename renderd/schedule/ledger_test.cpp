@@ -115,7 +115,7 @@ TEST_F(LedgerTest, ViewerMayStopEarlierButNotLater) {
   render(20, 0.009);
   wanted.effort = {.stop_error = 0.001, .stop_samples = 1'000};
   refresh();
-  EXPECT_TRUE(ledger.converged(rules)) << "as the worker has it";
+  EXPECT_TRUE(ledger.converged(rules)) << "the worker's limit applies";
 }
 
 TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
@@ -128,10 +128,10 @@ TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
   };
   EXPECT_EQ(moving(1, 1), (Canvas{100, 100}));
   EXPECT_EQ(moving(0.5, 1), (Canvas{50, 50}));
-  EXPECT_EQ(moving(0.5, 0.25).width, 26U) << "the connection has its say";
+  EXPECT_EQ(moving(0.5, 0.25).width, 26U) << "the connection also limits the size";
   now += 1s;
   refresh();
-  EXPECT_EQ(ledger.planned(), (Canvas{100, 100})) << "at rest it is whole";
+  EXPECT_EQ(ledger.planned(), (Canvas{100, 100})) << "at rest it has full size";
 }
 
 TEST_F(LedgerTest, SessionWithoutGainDoesNotWait) {
@@ -194,7 +194,7 @@ TEST_F(LedgerTest, SampleNoiseFollowsTheLastKnownError) {
   input();
   refresh();
   render(1, std::numeric_limits<double>::infinity());
-  EXPECT_NEAR(view().noise, 0.2, 1e-12) << "one sample says nothing of it";
+  EXPECT_NEAR(view().noise, 0.2, 1e-12) << "one sample has no error estimate";
 }
 
 }  // namespace

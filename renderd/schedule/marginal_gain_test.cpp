@@ -128,7 +128,8 @@ TEST(MarginalGain, RunningSessionIsNotChosenAgainButCountsAsLoad) {
   std::vector<SessionView> sessions{asking(1, 0.02), asking(2, 0.001)};
   sessions[0].under_way = true;
   EXPECT_EQ(chosen(sessions), 2U);
-  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "half of what one alone has";
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U)
+      << "half the samples of a single session";
   sessions[1].under_way = true;
   EXPECT_TRUE(MarginalGain().next(sessions).empty());
 }
@@ -146,7 +147,7 @@ TEST(MarginalGain, OnlyTheDueFirstImageOfADragOvertakes) {
   EXPECT_FALSE(overtaking(rendered)) << "its first picture is there";
   SessionView just_begun = drag;
   just_begun.seconds_since_begun = 0.0001;
-  EXPECT_FALSE(overtaking(just_begun)) << "drags leave a part of the device to others";
+  EXPECT_FALSE(overtaking(just_begun)) << "drags leave part of the device to others";
   EXPECT_FALSE(overtaking(asking(2, 1))) << "a new picture at rest";
   SessionView under_way = drag;
   under_way.under_way = true;

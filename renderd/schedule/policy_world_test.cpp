@@ -164,7 +164,8 @@ TEST_P(Worlds, ServesExactlyWhileAVisibleSessionGains) {
     }
     ASSERT_EQ(round.empty(), gaining.empty());
     for (const Quantum& quantum : round) {
-      ASSERT_EQ(gaining.erase(quantum.session), 1U) << "not of the gaining, or twice";
+      ASSERT_EQ(gaining.erase(quantum.session), 1U)
+          << "session does not gain, or was scheduled twice";
       ASSERT_GE(quantum.samples, 1U);
     }
   });
@@ -236,7 +237,7 @@ TEST(MarginalGainWorlds, NoSessionStarvesUnderAnyLoad) {
       world.carry_out(policy->next(views));
     }
   }
-  EXPECT_GT(longest_wait, 1.5) << "the load was none";
+  EXPECT_GT(longest_wait, 1.5) << "there was no load";
 }
 
 /// Several sessions get input at once after a rest, while others converge. If their first samples

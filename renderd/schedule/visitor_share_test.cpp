@@ -50,7 +50,7 @@ TEST(VisitorShare, VisitorsGetTheWholeDeviceWithoutAccountHolders) {
   const auto spent = spend(policy, {done, gaining(2, true), gaining(3, true)});
   EXPECT_FALSE(spent.contains(1));
   EXPECT_NEAR(spent.at(2), spent.at(3), 0.1 * spent.at(3));
-  EXPECT_EQ(policy.credit(), 0) << "what they used then does not count";
+  EXPECT_EQ(policy.credit(), 0) << "that time does not count";
 }
 
 TEST(VisitorShare, VisitorsAreNotStarvedWithinTheirShare) {
@@ -98,7 +98,7 @@ TEST(VisitorShare, OvertakingCountsTowardsTheSameShare) {
     visitors +=
         static_cast<int>(policy.overtaking(std::vector{holder, dragging(2, true)}, 0).size());
   }
-  EXPECT_LE(visitors, 8) << "what was saved up, and then nothing: no account holder earns it";
+  EXPECT_LE(visitors, 8) << "only the saved credit, because no account holder earns more";
   EXPECT_EQ(policy.overtaking(std::vector{holder, dragging(3, false)}, 0).size(), 1U);
 }
 

@@ -288,7 +288,7 @@ TEST_F(Assist, InvalidMessageEndsOnlyItsCall) {
     spoil(*bad.mutable_task());
     EXPECT_EQ(status_of({open, bad}), grpc::StatusCode::INVALID_ARGUMENT);
   }
-  EXPECT_TRUE(until([&] { return report().parts >= 3; })) << "the one that is there is helped";
+  EXPECT_TRUE(until([&] { return report().parts >= 3; })) << "the remaining image is assisted";
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(Evict, EvictsVisitorsFirstInOrderOfLeastLoss) {
     ASSERT_EQ(chosen, next);
     std::erase_if(holders, [&](const SlotHolder& one) { return one.id == *chosen; });
   }
-  EXPECT_FALSE(to_evict(holders, false)) << "an account holder who looks stays";
+  EXPECT_FALSE(to_evict(holders, false)) << "an active account holder is not evicted";
 }
 
 TEST(Evict, VisitorEvictsOnlyVisitorsWhoLeft) {
@@ -47,7 +47,7 @@ TEST(Evict, VisitorShareReservesTheLastSlotsForAccounts) {
   EXPECT_EQ(visitor_slots_of_source(0), 0U);
   EXPECT_EQ(visitor_slots_of_source(1), 1U);
   EXPECT_EQ(visitor_slots_of_source(2), 2U);
-  EXPECT_EQ(visitor_slots_of_source(8), 4U) << "one link never takes all that many share";
+  EXPECT_EQ(visitor_slots_of_source(8), 4U) << "one link never takes the whole share";
 }
 
 }  // namespace

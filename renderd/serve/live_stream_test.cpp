@@ -126,7 +126,7 @@ TEST_F(LiveStream, NewInputReplacesTheTilesByItsOwn) {
       epoch = message.frame().epoch();
     }
     if (message.has_still()) {
-      EXPECT_EQ(message.still().epoch() < epoch, false) << "a tile of the past";
+      EXPECT_EQ(message.still().epoch() < epoch, false) << "an outdated tile";
       tiles += message.still().epoch() == all.back().state().epoch();
     }
   }

@@ -122,7 +122,7 @@ TEST_F(MemoryFullTest, EvictsAbandonedSessionBeforeRefusing) {
   device->refuse_renderers = true;
   EXPECT_TRUE(enter()->inbox.ended());
   EXPECT_TRUE(eventually([&] { return worker->host().used() == 0; }));
-  EXPECT_EQ(worker->host().slots(), 8U) << "whoever asks next has the room";
+  EXPECT_EQ(worker->host().slots(), 8U) << "the next request gets the slot";
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ TEST_F(RegistryTest, CountsLiveSessionsAndFreesSlotsOfEndedOnes) {
   ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }));
   EXPECT_EQ(redis.ask({"ZRANGE", "diaphane:worker:w1:sessions", "0", "-1"}),
             std::vector<std::string>{reserved})
-      << "a reservation whose viewer is on the way stays";
+      << "a pending reservation is kept";
 }
 
 TEST_F(RegistryTest, ClearsSessionsOfThePreviousProcess) {

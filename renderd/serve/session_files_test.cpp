@@ -160,7 +160,7 @@ TEST_F(SessionFilesTest, LimitsFilesPerSessionAndPerWorker) {
     three.film(600);
     if (three.link->inbox.next_of(Kind::kFileProgress, 100ms)) return;
   }
-  FAIL() << "the place was never free again";
+  FAIL() << "the place was never released";
 }
 
 TEST_F(SessionFilesTest, SentFileFreesItsPlace) {

@@ -163,7 +163,7 @@ TEST_F(HostTest, SendsTwoFramesWithoutAcknowledgement) {
   one.say(ack_message(2));
   const auto third = one.link->inbox.next_of(Kind::kFrame);
   ASSERT_TRUE(third);
-  EXPECT_GT(third->frame().iteration(), 2U) << "the latest, not what was waiting longest";
+  EXPECT_GT(third->frame().iteration(), 2U) << "the latest frame, not the oldest";
 }
 
 TEST_F(HostTest, StalledViewerDoesNotSlowOthers) {
@@ -612,7 +612,7 @@ TEST_F(HostTest, KeepsAbandonedSessionForThirtySeconds) {
   Viewer back = attach(id);
   manual.advance(5s);
   worker->host().tick();
-  EXPECT_EQ(worker->host().used(), 1U) << "somebody is there again";
+  EXPECT_EQ(worker->host().used(), 1U) << "a viewer has reconnected";
   back.attachment->closed();
   manual.advance(31s);
   worker->host().tick();

@@ -64,7 +64,7 @@ TEST(ProgressMonitor, TracksEachPieceOfWorkUntilItEnds) {
   {
     ProgressMonitor::Work two(monitor);
     EXPECT_NE(monitor.at(1), 0U);
-    EXPECT_EQ(monitor.at(0), first) << "another's heartbeats are not its own";
+    EXPECT_EQ(monitor.at(0), first) << "heartbeats of other work do not count";
   }
   EXPECT_EQ(monitor.at(1), 0U);
   one.heartbeat();

@@ -130,7 +130,7 @@ TEST_F(AudienceTest, PresenterSetsThePaceUntilTheyStall) {
   EXPECT_EQ(show().count(ann), 1U);
   detach(state, owner, now);
   say(ann, ack(3));
-  EXPECT_EQ(show().count(ann), 1U) << "without a presenter anybody sets it";
+  EXPECT_EQ(show().count(ann), 1U) << "without a presenter, any viewer sets the pace";
 }
 
 // In inter-coded streams, no viewer gets a frame without its predecessor.
@@ -172,7 +172,7 @@ TEST_F(AudienceTest, EachCodecHasItsOwnStream) {
   EXPECT_EQ(show(v1::H264).count(ann), 0U);
   EXPECT_EQ(show(v1::H264).count(owner), 1U);
   EXPECT_TRUE(show(v1::H264).empty()) << "the presenter has no room";
-  EXPECT_EQ(show(v1::JPEG).count(ann), 1U) << "but the other stream is not his";
+  EXPECT_EQ(show(v1::JPEG).count(ann), 1U) << "but the other stream is not the presenter's";
 }
 
 TEST_F(AudienceTest, IgnoresSceneAndCanvasOfFollowers) {
@@ -194,7 +194,8 @@ TEST_F(AudienceTest, HandoverTransfersSceneControlAndCanvasSize) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   say(ann, resized(1, 300, 200));
-  EXPECT_EQ(say(ann, handover(kAnn)).problem->code(), "forbidden") << "nobody takes it alone";
+  EXPECT_EQ(say(ann, handover(kAnn)).problem->code(), "forbidden")
+      << "a follower cannot take the role";
   EXPECT_EQ(say(owner, handover(kBob)).problem->code(), "not_found");
   const Outcome given = say(owner, handover(kAnn));
   EXPECT_FALSE(given.problem);
@@ -231,7 +232,7 @@ TEST_F(AudienceTest, SecondConnectionOfAParticipantReplacesOnlyTheFirst) {
   EXPECT_EQ(attached->replaced, ann);
   EXPECT_TRUE(state.audience.find(owner));
   EXPECT_FALSE(state.audience.find(ann));
-  EXPECT_FALSE(say(ann, turned(1)).problem) << "what the old one still says is not heard";
+  EXPECT_FALSE(say(ann, turned(1)).problem) << "messages of the old connection are ignored";
 }
 
 TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
@@ -248,14 +249,14 @@ TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
   EXPECT_EQ(asked.free_camera, true);
   use_free_camera(state, *state.audience.find(ann), true, now);
   acknowledge(show(), owner);
-  EXPECT_EQ(show().count(ann), 0U) << "nothing of this session goes to her meanwhile";
+  EXPECT_EQ(show().count(ann), 0U) << "the group's frames are not sent to her meanwhile";
   EXPECT_EQ(say(owner, handover(kAnn)).problem->code(), "conflict");
   use_free_camera(state, *state.audience.find(ann), false, now);
   EXPECT_TRUE(state.wanted.picture_again);
   say(owner, ack(state.audience.find(owner)->flight.sent()));
   const auto got = show();
   ASSERT_EQ(got.count(ann), 1U);
-  EXPECT_EQ(got.at(ann), 1U) << "counted again, with all the room that a new viewer has";
+  EXPECT_EQ(got.at(ann), 1U) << "numbering restarts with the full window of a new viewer";
 }
 
 TEST_F(AudienceTest, SendsTheSceneWithItsFirstImageToFollowers) {

@@ -160,7 +160,7 @@ TEST(Quality, FollowsATenfoldBandwidthDropAndItsEnd) {
   Pipe pipe = constant(0, 0.02);
   pipe.rate = [](double now) { return (now > 10 && now < 20 ? 2 : 20) * kMbit; };
   const Drag run = drag(pipe, 30);
-  EXPECT_LT(run.oldest(9, 12), 1.0) << "what was under way when it fell";
+  EXPECT_LT(run.oldest(9, 12), 1.0) << "data in flight when the bandwidth fell";
   EXPECT_LT(run.oldest(12, 20), 0.25);
   EXPECT_LT(run.oldest(21, 30), 0.2);
   EXPECT_GT(run.bytes_per_second(12, 20), 0.6 * 2 * kMbit);

@@ -24,7 +24,7 @@ TEST_F(SliceAllowancesTest, LimitSlicesPerSecondPerViewer) {
   now += 500ms;
   EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond / 2);
   now += 1h;
-  EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond) << "rest is not saved up";
+  EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond) << "idle time is not accumulated";
 }
 
 TEST_F(SliceAllowancesTest, ReduceTheRateAfterALongRun) {
@@ -39,7 +39,7 @@ TEST_F(SliceAllowancesTest, AreSharedByAllGuests) {
   for (int i = 0; i < 100; ++i) count += take_all("guest " + std::to_string(i), true);
   EXPECT_EQ(count, SliceAllowance::kGuestsTogether * SliceAllowance::kMostASecond);
   EXPECT_EQ(take_all("owner"), SliceAllowance::kMostASecond)
-      << "guests take nothing of the owner's";
+      << "guests do not use the owner's allowance";
 }
 
 TEST_F(SliceAllowancesTest, DoNotGrowWithTheNumberOfNames) {

@@ -145,7 +145,7 @@ TEST_F(StateTest, RefusesViewportOutOfRangeCompletely) {
     EXPECT_EQ(outcome.problem->field(), wrong.field);
     EXPECT_EQ(outcome.problem->code(), wrong.code);
     EXPECT_EQ(state.wanted.viewport, before);
-    EXPECT_EQ(state.wanted.scene->camera().eye().x(), 0) << "half of an update was taken";
+    EXPECT_EQ(state.wanted.scene->camera().eye().x(), 0) << "the update was applied partially";
   }
 }
 
@@ -358,7 +358,7 @@ TEST_F(StateTest, AnswersKernelQueriesAtALimitedRate) {
   EXPECT_FALSE(outcome.problem);
   EXPECT_TRUE(outcome.wake);
   EXPECT_TRUE(state.wanted.kernel_report);
-  EXPECT_TRUE(state.wanted.picture_again) << "also of a picture that is finished";
+  EXPECT_TRUE(state.wanted.picture_again) << "even for a converged image";
   const Outcome too_soon = say(query);
   ASSERT_TRUE(too_soon.problem);
   EXPECT_FALSE(too_soon.problem->fatal());
@@ -405,7 +405,7 @@ TEST(SessionState, AppliesLowerEffortAndRefusesInvalidValues) {
   EXPECT_EQ(state.wanted.version, version) << "the picture at rest is the same";
   EXPECT_EQ(state.wanted.effort.moving_scale, 0.5);
   ASSERT_FALSE(say(0.25, 100, 0.5));
-  EXPECT_EQ(state.wanted.version, version + 1) << "where it ends is another";
+  EXPECT_EQ(state.wanted.version, version + 1) << "the stopping point changed";
   EXPECT_EQ(state.wanted.effort.stop_error, 0.25);
   EXPECT_EQ(state.wanted.effort.stop_samples, 100U);
 
@@ -422,7 +422,7 @@ TEST(SessionState, AppliesLowerEffortAndRefusesInvalidValues) {
     ASSERT_TRUE(problem) << scale;
     EXPECT_EQ(problem->field(), "effort.moving_scale");
   }
-  EXPECT_EQ(state.wanted.effort.stop_error, 0.25) << "what was refused changes nothing";
+  EXPECT_EQ(state.wanted.effort.stop_error, 0.25) << "a refused request changes nothing";
 
   // Without the limit, everything applies again.
   v1::ClientMessage message = turned(1);

@@ -164,12 +164,12 @@ TEST(VolumeCache, ForgetsVolumesThatWereDeletedFromTheStore) {
     EXPECT_TRUE(cache.forget_outdated().empty());
     store.hashes.erase("a");
     store.silent = true;
-    EXPECT_TRUE(cache.forget_outdated().empty()) << "a disk that does not answer says nothing";
+    EXPECT_TRUE(cache.forget_outdated().empty()) << "an unresponsive disk gives no information";
     store.silent = false;
     EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"a"});
     EXPECT_EQ(cache.loaded(), std::vector<std::string>{"b"});
     EXPECT_EQ(cache.bytes(), 100U);
-    EXPECT_FALSE(copy.expired()) << "somebody still looks at it";
+    EXPECT_FALSE(copy.expired()) << "it still has a viewer";
   }
   EXPECT_TRUE(copy.expired());
   store.hashes["b"] = "anonymised";

@@ -45,7 +45,7 @@ TEST(VolumeStatsCache, AreDroppedOnRequest) {
   cache.add(held, stats);
   gone.reset();
   cache.forget_expired();
-  EXPECT_EQ(stats.coarse.use_count(), 2) << "ours, and that of the volume that is held";
+  EXPECT_EQ(stats.coarse.use_count(), 2) << "one reference here and one of the volume in use";
   EXPECT_EQ(cache.of(*held).coarse, stats.coarse);
 }
 

@@ -146,7 +146,7 @@ TEST(Lens, BlursPointToTheCircleOfConfusion) {
     const double radius = 6 * std::abs(1 - 100 / focus);
     const double error = std::hypot(blurred.error_of_mean(), sharp.error_of_mean());
     EXPECT_NEAR(blurred.mean - sharp.mean, radius * radius / 2, limit * error + 0.01) << focus;
-    EXPECT_LT(error, 0.01 * radius * radius / 2) << "the test sees 4%";
+    EXPECT_LT(error, 0.01 * radius * radius / 2) << "the test detects 4%";
   }
 }
 

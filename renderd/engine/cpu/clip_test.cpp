@@ -171,7 +171,7 @@ TEST(Clip, BoxThatCutsLightEqualsACroppedVolume) {
   scene.mutable_clip()->set_cuts_light(false);
   const test::Prepared shadowed(clipped.volume(), scene);
   EXPECT_GT(largest_t(tiles_of<kAllFeatures>(shadowed, 3000), truth), limit)
-      << "what is cut away casts its shadow";
+      << "the clipped part casts a shadow";
 }
 
 /// A homogeneous cube of 20 mm is cut in the middle across the view axis. A lamp behind the camera
@@ -228,7 +228,7 @@ TEST(Clip, ClippedRegionCastsShadowsOnlyIfConfigured) {
              (4 * std::numbers::pi);
     EXPECT_NEAR(mean.mean, exact, limit * mean.error_of_mean() + 1e-3 * exact) << cuts_light;
     EXPECT_NEAR(general.mean, exact, limit * general.error_of_mean() + 1e-3 * exact) << cuts_light;
-    EXPECT_GT(mean.mean, 2 * previous) << "the two ways differ by exp(-1.5) and more";
+    EXPECT_GT(mean.mean, 2 * previous) << "both modes differ by at least exp(-1.5)";
     previous = mean.mean;
   }
 }

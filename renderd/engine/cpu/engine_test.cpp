@@ -94,7 +94,7 @@ TEST(CpuEngine, StopsBetweenTilesAndDiscardsUnfinishedSamples) {
   ASSERT_TRUE(stopped);
   // If the machine is busy, the other thread may finish a sample before the caller checks again.
   const std::uint32_t ended = stopped->samples;
-  ASSERT_LE(ended, 3u) << "asked once a sample at least";
+  ASSERT_LE(ended, 3u) << "polled at least once per sample";
   EXPECT_EQ(s.renderer->progress().samples, 3 + ended);
   if (ended == 0) {
     EXPECT_EQ(radiance(*s.renderer), before);

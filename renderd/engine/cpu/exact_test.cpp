@@ -94,7 +94,7 @@ TEST(ExactWalk, OpticalDepthMatchesRayMarching) {
       ASSERT_NEAR(walked, stepped, 0.002 + 2e-4 * stepped);
       most = std::max(most, walked);
     }
-    EXPECT_GT(most, 1) << "something was met";
+    EXPECT_GT(most, 1) << "no ray hit the medium";
   }
 }
 

@@ -41,7 +41,7 @@ TEST(Gradient, IsInWorldSpaceForAnySpacing) {
   for (const Float3 incoming : {Float3{1, 0, 0}, Float3{0, 1, 0}, Float3{0, 0, -1}}) {
     const auto s = scatter_at<kSurfacesOnly>(view, {12.3f, 20.1f, 5.2f}, 10000, incoming, 0.5f);
     ASSERT_TRUE(s.surface);
-    EXPECT_LT(dot(s.normal, incoming), 0) << "turned to the viewer";
+    EXPECT_LT(dot(s.normal, incoming), 0) << "the normal faces the viewer";
     EXPECT_NEAR(std::abs(dot(to_double(s.normal), direction)), 1, 1e-5);
   }
   // The opacity rises by 400 / 20000 per mm.

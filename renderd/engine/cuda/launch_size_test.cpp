@@ -29,7 +29,7 @@ TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksImmediately) {
   size.forget();
   EXPECT_EQ(size.work(), first);
   size.forget(64);
-  EXPECT_EQ(size.work(), first / 64) << "paths of many collisions begin small";
+  EXPECT_EQ(size.work(), first / 64) << "launches for long paths start small";
   size.forget(1e300);
   EXPECT_EQ(size.work(), 1u);
 }
@@ -52,7 +52,7 @@ TEST(LaunchSize, EmptyRowsDoNotMakeLaunchesOfDenseRowsTooLong) {
     }
   }
   EXPECT_LE(longest, 5 * LaunchSize::kTargetMs);
-  EXPECT_LE(launches, 3 * 600) << "an eighth of a millisecond is the least that pays";
+  EXPECT_LE(launches, 3 * 600) << "shorter launches than 1/8 ms do not pay off";
 }
 
 /// The picture of the test above with 16 samples per pixel, so its work is 16 times as large.

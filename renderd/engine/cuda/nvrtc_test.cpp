@@ -68,7 +68,7 @@ TEST(KernelSources, ContainTheUnchangedHeaders) {
   bool found = false;
   for (const KernelSourceFile& file : kernel_sources()) {
     const std::string_view name(file.name), text(file.text);
-    EXPECT_FALSE(name.starts_with("/")) << "a path of the machine that built it";
+    EXPECT_FALSE(name.starts_with("/")) << "contains a path of the build machine";
     EXPECT_TRUE(text.find("#pragma once") != std::string_view::npos) << name;
     if (name == "renderd/engine/cuda/trace.cuh") {
       found = true;

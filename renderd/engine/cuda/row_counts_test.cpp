@@ -30,7 +30,7 @@ TEST(RowCounts, StoppedBatchResumesWhereItStopped) {
   EXPECT_EQ(rows.of(24), 0u);
   const auto rest = rows.next(40, 32);
   EXPECT_EQ(rest.first_row, 24u);
-  EXPECT_EQ(rest.samples, 32u) << "the same batch for all rows: the same sums";
+  EXPECT_EQ(rest.samples, 32u) << "all rows use the same batches, so sums are identical";
   rows.done(rest, 1000);
   EXPECT_TRUE(rows.flat());
   EXPECT_EQ(rows.least(), 32u);
