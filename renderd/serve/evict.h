@@ -17,8 +17,8 @@ struct SlotHolder {
 };
 
 /// Returns the session that gives up its slot, or nullopt. For an account holder, in this order: an
-/// abandoned session of a visitor, a guest's free camera, a visitor's session (in both cases the one
-/// that has held its slot the longest), and an abandoned session of an account holder. For a
+/// abandoned session of a visitor, a guest's free camera, a visitor's session (in both cases the
+/// one that has held its slot the longest), and an abandoned session of an account holder. For a
 /// visitor, only an abandoned session of a visitor.
 std::optional<std::string> to_evict(std::span<const SlotHolder> holders, bool for_visitor);
 
