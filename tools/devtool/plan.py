@@ -117,7 +117,8 @@ def _postgres(s: Settings) -> Program:
     return Program(
         name="postgres", argv=tuple(argv), env=_inherited(s), port=s.ports["postgres"], tier=0,
         ready=Ready("postgres", s.ports["postgres"]), requires=(POSTGRES_BIN / "postgres",),
-        stop_signal=signal.SIGINT, stop_seconds=1.3)   # "fast" shutdown: ends its sessions and loses nothing
+        stop_signal=signal.SIGINT, stop_seconds=1.3,   # "fast" shutdown: ends its sessions and loses nothing
+        nice=10)
 
 
 def _redis(s: Settings) -> Program:

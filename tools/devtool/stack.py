@@ -15,6 +15,7 @@ from typing import Callable, Iterable
 from . import cluster, datadir, logfiles, plan
 from .layout import Layout
 from .plan import Program, Settings
+from .priority import GroupPriorities
 from .processes import Identity, boot, end, kill_group, wait_gone
 from .ready import is_ready
 from .console import CliError
@@ -69,6 +70,7 @@ class Stack:
         self.running_: dict[str, Running] = {}
         self.guard_ = threading.RLock()
         self.stopping_ = threading.Event()
+        self.priorities_ = GroupPriorities()
         self.watcher_: threading.Thread | None = None
         self.lock_: datadir.Lock | None = None
         self.settings: Settings | None = None
@@ -255,11 +257,15 @@ class Stack:
         self._record()
 
     def _watch(self) -> None:
-        looked_at_logs = time.monotonic()
+        looked_at_logs = looked_at_priorities = time.monotonic()
         while not self.stopping_.wait(0.02):
             with self.guard_:
                 for entry in self.running_.values():
                     self._look_after(entry)
+            if time.monotonic() - looked_at_priorities > 0.5:
+                looked_at_priorities = time.monotonic()
+                self.priorities_.apply([(entry.process.pid, entry.program.nice) for entry in list(self.running_.values())
+                                        if entry.process and entry.program.nice])
             if time.monotonic() - looked_at_logs > 5:
                 looked_at_logs = time.monotonic()
                 for name in (*self.running_, "edge"):

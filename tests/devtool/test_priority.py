@@ -1,0 +1,81 @@
+"""CPU priorities of programs that lead sessions of their own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from harness import REPO  # noqa: F401 - puts tools/ on the path
+from devtool import plan
+from devtool.priority import GroupPriorities, family
+
+needs_groups = pytest.mark.skipif(not Path("/proc/self/autogroup").exists(), reason="this kernel does not group sessions")
+
+
+@pytest.fixture
+def server():
+    """A program like Postgres: it leads a session, and so does its child."""
+    process = subprocess.Popen(["/bin/sh", "-c", "setsid sleep 60 & wait"], start_new_session=True)
+    deadline = time.monotonic() + 10
+    while len(sessions(process.pid)) < 2 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    yield process
+    for pid in list(family(process.pid))[::-1]:
+        os.kill(pid, signal.SIGKILL)
+    process.wait()
+
+
+def sessions(pid: int) -> set[int]:
+    return {os.getsid(one) for one in family(pid)}
+
+
+def nice_of_group(pid: int) -> int:
+    return int(Path(f"/proc/{pid}/autogroup").read_text(encoding="ascii").split()[-1])
+
+
+@needs_groups
+def test_the_sessions_of_a_program_and_of_its_children_get_its_priority(server):
+    GroupPriorities().apply([(server.pid, 7)])
+    pids = list(family(server.pid))
+    assert len(pids) == 2
+    # An ordinary user may change one group per 0.1 s.
+    assert all(nice_of_group(pid) == 7 for pid in pids) or os.geteuid() != 0
+
+
+@needs_groups
+def test_each_session_is_set_once(server):
+    priorities = GroupPriorities()
+    priorities.apply([(server.pid, 7)])
+    Path(f"/proc/{server.pid}/autogroup").write_text("3", encoding="ascii")
+    priorities.apply([(server.pid, 7)])
+    assert nice_of_group(server.pid) == 3
+
+
+def test_a_refused_change_is_repeated(monkeypatch):
+    priorities, answers = GroupPriorities(), [BlockingIOError(), None]
+
+    def write(self, *_, **__):
+        answer = answers.pop(0)
+        if answer:
+            raise answer
+
+    monkeypatch.setattr(Path, "write_text", write)
+    for _ in range(3):
+        priorities.apply([(os.getpid(), 7)])
+    assert not answers
+
+
+def test_programs_that_nobody_waits_for_have_lower_priorities(tmp_path):
+    from devtool import ports
+    from devtool.layout import Layout
+
+    settings = plan.Settings(data=tmp_path, ports=dict(ports.DEFAULTS), layout=Layout(tmp_path, tmp_path, tmp_path, tmp_path),
+                             postgres_password="x")
+    nice = {program.name: program.nice for program in plan.programs(settings)}
+    assert nice["renderd"] == nice["gateway"] == nice["edge"] == 0
+    assert 0 < nice["api"] <= nice["postgres"] <= nice["ingestd"]
