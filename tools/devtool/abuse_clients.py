@@ -1,11 +1,14 @@
 """Attackers for `./diaphane bench abuse`, in a separate process with the lowest priority.
 
-They attack only this machine, and stop at a given time or after a maximum number of requests. Usage: python -m
-devtool.abuse_clients FILE. FILE contains the task as JSON. The results are written to standard output."""
+Real attackers would not use this machine's processors, so what they send is prepared once. They attack only this machine, and
+stop at a given time or after a maximum number of requests. Usage: python -m devtool.abuse_clients FILE. FILE contains the task as
+JSON. The results are written to standard output."""
 
 from __future__ import annotations
 
 import asyncio
+import functools
+import http.client
 import json
 import os
 import random
@@ -19,6 +22,7 @@ from collections import Counter
 from urllib.parse import urlsplit
 
 from .bench_client import Viewer
+from .priority import GroupPriorities
 
 MOST_REQUESTS = 200_000    # per process
 JSON_BYTES = 200_000
@@ -46,14 +50,25 @@ class Attack:
         return time.monotonic() > self.until or sum(self.counts.values()) > MOST_REQUESTS
 
 
-def texture(number: int) -> bytes:
-    """A PNG of one bit per pixel. Each number gives another file."""
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+def chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    row = b"\0" + number.to_bytes(4, "big") + b"\xff" * (SIDE // 8 - 4)
+
+@functools.cache
+def pixels() -> bytes:
+    """A PNG of one bit per pixel, without its end."""
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", SIDE, SIDE, 1, 0, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(row * SIDE, 9)) + chunk(b"IEND", b""))
+            + chunk(b"IDAT", zlib.compress((b"\0" + b"\xff" * (SIDE // 8)) * SIDE, 9)))
+
+
+def texture(number: int) -> bytes:
+    """A PNG with the same pixels for each number, but different bytes, which no cache knows."""
+    return pixels() + chunk(b"tEXt", b"Comment\0%d" % number) + chunk(b"IEND", b"")
+
+
+@functools.cache
+def large_json() -> bytes:
+    return b'{"a":' + b"[" * 2000 + b"]" * 2000 + b',"b":"' + b"x" * JSON_BYTES + b'"}'
 
 
 def request(method: str, path: str, origin: str, body: bytes = b"", more: str = "", length: int | None = None) -> bytes:
@@ -97,7 +112,7 @@ async def one_of_a_crowd(attack: Attack, number: int) -> None:
 async def _one(attack: Attack, kind: str, reader, writer) -> str:
     plan, origin, key = attack.plan, attack.origin, secrets.token_hex(32)
     if kind == "json":
-        sent = request("POST", "/v1/sign-in", origin, b'{"a":' + b"[" * 2000 + b"]" * 2000 + b',"b":"' + b"x" * JSON_BYTES + b'"}')
+        sent = request("POST", "/v1/sign-in", origin, large_json())
     elif kind == "join":
         sent = request("POST", "/v1/join", origin, json.dumps({"token": plan["live_link"], "key": key}).encode())
     elif kind == "visit":
@@ -164,17 +179,35 @@ def _read(viewer: Viewer, attack: Attack, taken: list[int]) -> None:
         attack.note(f"stream ended: {type(ended).__name__}")
 
 
-def guest(attack: Attack, number: int) -> None:
-    import httpx
+class Requests:
+    """Requests over one connection that is kept open."""
 
+    def __init__(self, attack: Attack, address: str, headers: dict[str, str] | None = None):
+        self.connection = http.client.HTTPConnection(attack.host, attack.port, timeout=30, source_address=(address, 0))
+        self.headers = {"Host": urlsplit(attack.origin).netloc, "Origin": attack.origin, **(headers or {})}
+
+    def send(self, method: str, path: str, body: bytes | None = None, **headers: str) -> tuple[int, bytes]:
+        try:
+            self.connection.request(method, path, body, self.headers | {name.replace("_", "-"): value for name, value in headers.items()})
+            answer = self.connection.getresponse()
+            return answer.status, answer.read()
+        except Exception:
+            self.connection.close()    # and opened again by the next request
+            raise
+
+    def send_json(self, path: str, body: dict) -> tuple[int, bytes]:
+        return self.send("POST", path, json.dumps(body).encode(), Content_Type="application/json")
+
+
+def guest(attack: Attack, number: int) -> None:
     plan = attack.plan
-    http = httpx.Client(base_url=attack.origin, timeout=30, transport=httpx.HTTPTransport(local_address=plan["address"]))
+    requests = Requests(attack, plan["address"])
     while not attack.over:
         try:
-            joined = http.post("/v1/join", json={"token": plan["live_link"], "key": secrets.token_hex(32)})
-            attack.note(f"guest joins: {joined.status_code}")
-            if joined.status_code == 201:
-                viewer = Viewer(attack.origin, joined.json()["stream_url"], 1920, 1080, address=plan["address"])
+            status, joined = requests.send_json("/v1/join", {"token": plan["live_link"], "key": secrets.token_hex(32)})
+            attack.note(f"guest joins: {status}")
+            if status == 201:
+                viewer = Viewer(attack.origin, json.loads(joined)["stream_url"], 1920, 1080, address=plan["address"])
                 own = viewer.messages["ClientMessage"]()
                 own.free_camera.on = True
                 viewer.socket_.send(own.SerializeToString())
@@ -186,40 +219,42 @@ def guest(attack: Attack, number: int) -> None:
 
 def account(attack: Attack, number: int) -> None:
     """Attacks with a stream, uploads, and large JSON and thumbnails at the same time."""
-    import httpx
-
     plan = attack.plan
     mine = plan["accounts"][number]
+    signed_in = mine["headers"] | {"Cookie": "; ".join(f"{name}={value}" for name, value in mine["cookies"].items())}
 
-    def http() -> httpx.Client:
-        return httpx.Client(base_url=attack.origin, timeout=30, cookies=mine["cookies"], headers=mine["headers"],
-                            transport=httpx.HTTPTransport(local_address=mine["address"]))
+    def opened() -> Requests:
+        return Requests(attack, mine["address"], signed_in)
 
     def stream() -> None:
-        opened = http().post("/v1/sessions", json={"data_set_id": plan["data_set"]})
-        attack.note(f"account opens: {opened.status_code}")
-        if opened.status_code == 201:
-            flood_of_a_stream(attack, Viewer(attack.origin, opened.json()["stream_url"], 640, 360, address=mine["address"]), "account", number)
+        status, session = opened().send_json("/v1/sessions", {"data_set_id": plan["data_set"]})
+        attack.note(f"account opens: {status}")
+        if status == 201:
+            flood_of_a_stream(attack, Viewer(attack.origin, json.loads(session)["stream_url"], 640, 360, address=mine["address"]),
+                              "account", number)
 
     def uploads() -> None:
-        client, body = http(), secrets.token_bytes(200_000)
+        client, body = opened(), secrets.token_bytes(200_000)
         while not attack.over:
-            made = client.post("/v1/data-sets", json={"title": "x", "bytes": len(body)})
-            attack.note(f"account announces: {made.status_code}")
-            if made.status_code == 201:
-                sent = client.patch(made.json()["upload_url"], content=body, headers={
-                    "Tus-Resumable": "1.0.0", "Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"})
-                attack.note(f"account uploads: {sent.status_code}")
+            status, made = client.send_json("/v1/data-sets", {"title": "x", "bytes": len(body)})
+            attack.note(f"account announces: {status}")
+            if status == 201:
+                url = urlsplit(json.loads(made)["upload_url"])
+                status, _ = client.send("PATCH", url.path + (f"?{url.query}" if url.query else ""), body, Tus_Resumable="1.0.0",
+                                        Upload_Offset="0", Content_Type="application/offset+octet-stream")
+                attack.note(f"account uploads: {status}")
             time.sleep(0.2)
 
     def requests() -> None:
-        client = http()
+        client = opened()
         deep = b'{"keep":' + b"[" * 50_000 + b"]" * 50_000 + b"}"
         while not attack.over:
-            for sent in (client.post(f"/v1/data-sets/{plan['data_set']}/anonymise", content=deep, headers={"Content-Type": "application/json"}),
-                         client.get(f"/v1/data-sets/{plan['data_set']}/thumbnails/{random.choice(('bone', 'skin', 'muscle'))}"),
-                         client.post("/v1/join", json={"token": plan["live_link"], "key": secrets.token_hex(32)})):
-                attack.note(f"account {sent.request.method} {sent.request.url.path.rpartition('/')[2]}: {sent.status_code}")
+            status, _ = client.send("POST", f"/v1/data-sets/{plan['data_set']}/anonymise", deep, Content_Type="application/json")
+            attack.note(f"account sends deep JSON: {status}")
+            status, _ = client.send("GET", f"/v1/data-sets/{plan['data_set']}/thumbnails/{random.choice(('bone', 'skin', 'muscle'))}")
+            attack.note(f"account asks for a thumbnail: {status}")
+            status, _ = client.send_json("/v1/join", {"token": plan["live_link"], "key": secrets.token_hex(32)})
+            attack.note(f"account joins: {status}")
             time.sleep(0.05)
 
     def lasting(work) -> None:
@@ -239,6 +274,7 @@ def account(attack: Attack, number: int) -> None:
 
 def main() -> None:
     os.nice(19)
+    GroupPriorities().apply([(os.getpid(), 19)])
     with open(sys.argv[1], encoding="utf-8") as file:
         attack = Attack(json.load(file))
     threads = [threading.Thread(target=work, args=(attack, number), daemon=True)

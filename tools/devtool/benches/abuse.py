@@ -136,7 +136,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         for number in range(repeats):
             calm.append(_phase(ordinary, seconds))
             attack = subprocess.Popen([sys.executable, "-m", "devtool.abuse_clients", str(file)], cwd=paths.TOOLS, stdout=subprocess.PIPE,
-                                      text=True, env={**os.environ, "PYTHONPATH": str(paths.TOOLS)})
+                                      text=True, start_new_session=True, env={**os.environ, "PYTHONPATH": str(paths.TOOLS)})
             try:
                 time.sleep(1)    # until the attack has begun
                 attacked.append(_phase(ordinary, seconds - 1))
