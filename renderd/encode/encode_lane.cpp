@@ -46,12 +46,14 @@ void EncodeLane::schedule(std::unique_lock<std::mutex>& lock) {
   if (!slot_) return;
   scheduled_ = true;
   const bool waited_for = slot_->info.moving || slot_->info.first_of_epoch;
-  const bool large = slot_->picture.pixels.size() > 3 * EncodePool::kSmallPixels;
+  const std::size_t pixels = slot_->picture.pixels.size() / 3;
+  const bool large = pixels > EncodePool::kSmallPixels;
   lock.unlock();
   const std::shared_ptr<FrameSink> sink = sink_.lock();
   const auto now = large ? EncodePool::Urgency::kNowLarge : EncodePool::Urgency::kNow;
-  pool_.post(waited_for && sink && !sink->gives_way() ? now : EncodePool::Urgency::kLater,
-             [self = shared_from_this()] { self->run(); });
+  pool_.post(
+      waited_for && sink && !sink->gives_way() ? now : EncodePool::Urgency::kLater,
+      [self = shared_from_this()] { self->run(); }, pixels);
 }
 
 void EncodeLane::run() {

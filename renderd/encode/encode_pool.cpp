@@ -28,11 +28,15 @@ EncodePool::~EncodePool() {
   }
 }
 
-void EncodePool::post(Urgency urgency, std::function<void()> job) {
+void EncodePool::post(Urgency urgency, std::function<void()> job, std::size_t pixels) {
+  constexpr std::chrono::duration<double, std::milli> kSmallTime(5);
+  const auto expected = kSmallTime * (static_cast<double>(pixels) / kSmallPixels);
+  const auto deadline =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(kPatience * expected);
   Queue& queue = queue_of(urgency);
   {
     const std::lock_guard lock(mutex_);
-    queue.jobs.push_back(std::move(job));
+    queue.jobs.push_back({std::move(job), deadline});
   }
   queue.ready.notify_one();
 }
@@ -40,6 +44,13 @@ void EncodePool::post(Urgency urgency, std::function<void()> job) {
 bool EncodePool::ended() const {
   return stopping_ && running_ == 0 &&
          std::ranges::all_of(queues_, [](const Queue& queue) { return queue.jobs.empty(); });
+}
+
+EncodePool::Job EncodePool::take_first(Queue& queue) {
+  const auto first = std::ranges::min_element(queue.jobs, {}, &Job::deadline);
+  Job job = std::move(*first);
+  queue.jobs.erase(first);
+  return job;
 }
 
 void EncodePool::work(Queue& queue, int nice) {
@@ -50,11 +61,10 @@ void EncodePool::work(Queue& queue, int nice) {
     queue.ready.wait(lock, [&] { return !queue.jobs.empty() || ended(); });
     if (queue.jobs.empty()) return;
     {
-      const std::function<void()> job = std::move(queue.jobs.front());
-      queue.jobs.pop_front();
+      const Job job = take_first(queue);
       ++running_;
       lock.unlock();
-      job();
+      job.work();
     }
     lock.lock();
     --running_;

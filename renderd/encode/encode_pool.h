@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -13,8 +14,8 @@ namespace diaphane::render {
 
 /// Threads that encode pictures, apart from the rendering thread. Each urgency has its own threads,
 /// so that an urgent job never waits for a long one, nor a small picture for a large one. Jobs of
-/// one urgency start in the order given; the queues stay short because each session has at most one
-/// job in them (EncodeLane).
+/// one urgency start in the order of their deadlines; the queues stay short because each session
+/// has at most one job in them (EncodeLane).
 class EncodePool {
  public:
   enum class Urgency {
@@ -35,17 +36,28 @@ class EncodePool {
   EncodePool(const EncodePool&) = delete;
   EncodePool& operator=(const EncodePool&) = delete;
 
-  void post(Urgency urgency, std::function<void()> job);
+  /// `pixels` is the size of the picture. The deadline of a job is kPatience times its expected
+  /// duration after now. So many sessions with larger pictures hardly delay one with a smaller one,
+  /// and no job waits without end.
+  void post(Urgency urgency, std::function<void()> job, std::size_t pixels = 0);
 
  private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kPatience = 8;
+
+  struct Job {
+    std::function<void()> work;
+    Clock::time_point deadline;
+  };
   struct Queue {
     std::condition_variable ready{};
-    std::deque<std::function<void()>> jobs{};
+    std::deque<Job> jobs{};
     std::vector<std::thread> threads{};
   };
 
   Queue& queue_of(Urgency urgency) { return queues_[static_cast<std::size_t>(urgency)]; }
   void work(Queue& queue, int nice);
+  static Job take_first(Queue& queue);  // requires the lock
   bool ended() const;  // requires the lock: stopping, and no remaining job can post another
 
   std::mutex mutex_;

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <future>
 #include <latch>
 #include <memory>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "renderd/encode/encode_lane.h"
@@ -145,6 +148,43 @@ TEST(EncodePool, DestructorRunsQueuedAndNewlyPostedJobs) {
   hand_on(EncodePool::Urgency::kLater, 50);
   pool = nullptr;
   EXPECT_EQ(done, 102);
+}
+
+TEST(EncodePool, SmallPicturesOvertakeLargerOnesThatCameJustBefore) {
+  std::latch queued(1);
+  std::vector<std::string> order;
+  {
+    EncodePool pool(1);
+    pool.post(EncodePool::Urgency::kNow, [&] { queued.wait(); });
+    const auto note = [&](const char* name, std::size_t pixels) {
+      pool.post(
+          EncodePool::Urgency::kNow, [&order, name] { order.emplace_back(name); }, pixels);
+    };
+    // The pool has one thread for this urgency, which is busy, so no lock is needed.
+    note("first large", EncodePool::kSmallPixels);
+    note("second large", EncodePool::kSmallPixels);
+    note("small", EncodePool::kSmallPixels / 20);
+    queued.count_down();
+  }
+  EXPECT_EQ(order, (std::vector<std::string>{"small", "first large", "second large"}));
+}
+
+TEST(EncodePool, LargerPicturesAreNotOvertakenForLong) {
+  std::latch queued(1);
+  std::vector<std::string> order;
+  {
+    EncodePool pool(1);
+    pool.post(EncodePool::Urgency::kNow, [&] { queued.wait(); });
+    const auto note = [&](const char* name, std::size_t pixels) {
+      pool.post(
+          EncodePool::Urgency::kNow, [&order, name] { order.emplace_back(name); }, pixels);
+    };
+    note("large", EncodePool::kSmallPixels);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    note("small", EncodePool::kSmallPixels / 20);
+    queued.count_down();
+  }
+  EXPECT_EQ(order, (std::vector<std::string>{"large", "small"}));
 }
 
 TEST(EncodePool, DeferredWorkRunsAtALowerPriority) {
