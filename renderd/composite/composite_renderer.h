@@ -49,6 +49,7 @@ class CompositeRenderer final : public FrameRenderer {
   Result<void> contents(std::vector<std::uint8_t>& out) override { return own_->contents(out); }
   void prepare_denoising(bool wanted) override;
   void set_precedence(unsigned precedence) override { own_->set_precedence(precedence); }
+  void raise_precedence(unsigned precedence) override { own_->raise_precedence(precedence); }
   Result<bool> display_denoised(PictureRgb8& out) override { return own_->display_denoised(out); }
   Result<bool> radiance_denoised(PictureRgbF& out) override { return own_->radiance_denoised(out); }
   std::vector<std::string> features() const override { return own_->features(); }

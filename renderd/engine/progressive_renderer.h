@@ -47,6 +47,8 @@ class ProgressiveRenderer {
   /// after an input. On a GPU, work above 0 runs before the queued work of other renderers. On the
   /// CPU, work of a higher precedence pauses work of a lower one.
   virtual void set_precedence(unsigned) {}
+  /// Raises the precedence of the current work, on the CPU only. Thread-safe.
+  virtual void raise_precedence(unsigned) {}
 
   /// Returns the names of the features that the kernel for this scene contains, for reports.
   virtual std::vector<std::string> features() const = 0;

@@ -31,6 +31,8 @@ struct FakeDevice {
   std::atomic<int> rendering{0};
   std::atomic<int> most_at_once{0};        ///< most renderers that rendered at once
   std::atomic<bool> one_at_a_time{false};  ///< renderers wait for each other, as on a full device
+  std::atomic<unsigned> precedence{0};     ///< of the work begun last
+  std::atomic<unsigned> raised_to{0};      ///< while it was in flight
   std::mutex turn;
 };
 
@@ -99,6 +101,8 @@ class FakeRenderer final : public FrameRenderer {
   Result<void> contents(std::vector<std::uint8_t>&) override {
     return fail(ErrorCode::kUnsupported, "not by the fake");
   }
+  void set_precedence(unsigned precedence) override { device_->precedence = precedence; }
+  void raise_precedence(unsigned precedence) override { device_->raised_to = precedence; }
   void prepare_denoising(bool wanted) override { guided_ = wanted; }
   Result<bool> display_denoised(PictureRgb8& out) override {
     return display(out).map([this] { return guided_; });

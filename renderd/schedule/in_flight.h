@@ -32,6 +32,14 @@ class InFlight {
     --rendering_;
     filled_ = rendering_ == 0 ? 0 : std::max(filled_ - fill, 0.0);
   }
+  /// Raises the precedence of a quantum. Returns what has to be added to its own_seconds() from
+  /// then on, so that they go on from their value before.
+  double raise(Time now, unsigned from, unsigned to) {
+    pass(now);
+    --levels_[from].count;
+    ++levels_[to].count;
+    return levels_[from].own_seconds - levels_[to].own_seconds;
+  }
   void end(Time now, unsigned precedence = 0) {
     pass(now);
     --count_;

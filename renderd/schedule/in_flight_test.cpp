@@ -82,5 +82,21 @@ TEST(InFlight, PausedQuantumIsNotCharged) {
   EXPECT_NEAR(device.own_seconds(at(100)) - long_one, 0.010 + 0.065, 1e-12);
 }
 
+TEST(InFlight, ARaisedQuantumKeepsItsDeviceTime) {
+  InFlight device;
+  const auto at = [](int ms) { return kStart + milliseconds(ms); };
+  device.begin(1, at(0));
+  device.begin(1, at(10), 4);
+  EXPECT_NEAR(device.own_seconds(at(30)), 0.010, 1e-12) << "it pauses";
+  const double before_raise = device.raise(at(30), 0, 6);
+  EXPECT_EQ(device.highest(), 6U);
+  EXPECT_NEAR(before_raise + device.own_seconds(at(30), 6), 0.010, 1e-12);
+  EXPECT_NEAR(before_raise + device.own_seconds(at(35), 6), 0.015, 1e-12);
+  device.end(at(35), 6);
+  EXPECT_EQ(device.highest(), 4U);
+  device.end(at(40), 4);
+  EXPECT_EQ(device.count(), 0U);
+}
+
 }  // namespace
 }  // namespace diaphane::render

@@ -1,10 +1,12 @@
 #include "renderd/schedule/lanes.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 
 namespace diaphane::render {
 
-Lanes::Lanes(std::size_t most) : most_(std::max<std::size_t>(most, 1)) {}
+Lanes::Lanes(std::size_t most, int nice) : most_(std::max<std::size_t>(most, 1)), nice_(nice) {}
 
 Lanes::~Lanes() {
   {
@@ -27,6 +29,8 @@ void Lanes::start(std::function<void()> work) {
 }
 
 void Lanes::lane() {
+  // On Linux the priority is per thread. The lanes also work without it.
+  if (nice_ != 0) (void)setpriority(PRIO_PROCESS, 0, nice_);
   std::unique_lock lock(mutex_);
   for (;;) {
     ++free_;

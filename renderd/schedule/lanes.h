@@ -17,7 +17,8 @@ class Lanes {
  public:
   /// Runs at most `most` pieces of work at once, or one if `most` is 0. Further work waits in order
   /// of arrival.
-  explicit Lanes(std::size_t most);
+  /// On Linux, the threads have the nice value `nice` (0 to 19).
+  explicit Lanes(std::size_t most, int nice = 0);
   /// Finishes all work that was started.
   ~Lanes();
   Lanes(const Lanes&) = delete;
@@ -30,6 +31,7 @@ class Lanes {
   void lane();
 
   const std::size_t most_;
+  const int nice_;
   std::mutex mutex_;
   std::condition_variable begin_;
   std::deque<std::function<void()>> waiting_;

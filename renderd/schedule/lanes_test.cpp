@@ -1,6 +1,7 @@
 #include "renderd/schedule/lanes.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <latch>
@@ -32,6 +33,16 @@ TEST(Lanes, OneLaneKeepsTheOrder) {
     for (int i = 0; i < 20; ++i) lanes.start([&, i] { order.push_back(i); });
   }
   for (int i = 0; i < 20; ++i) EXPECT_EQ(order.at(static_cast<std::size_t>(i)), i);
+}
+
+TEST(Lanes, ThreadsHaveTheNiceValueOfTheLanes) {
+  const int own = getpriority(PRIO_PROCESS, 0);
+  int found = -1;
+  {
+    Lanes lanes(1, own + 3);
+    lanes.start([&] { found = getpriority(PRIO_PROCESS, 0); });
+  }
+  EXPECT_EQ(found, std::min(own + 3, 19));
 }
 
 }  // namespace

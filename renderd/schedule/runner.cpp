@@ -13,6 +13,10 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kLongestStillSeconds = 0.25;
+/// Priority on the processor of work that nobody waits for.
+constexpr int kBackgroundNice = 10;
+/// Paused work keeps its lane, so there is one for each session.
+constexpr std::size_t kMostBackground = 256;
 
 bool first_picture(const Ledger& ledger) { return ledger.stale() || ledger.samples_shown() == 0; }
 
@@ -22,7 +26,8 @@ Runner::Runner(std::unique_ptr<Policy> policy, const Clock& clock, Options optio
     : policy_(std::move(policy)),
       clock_(clock),
       options_(std::move(options)),
-      lanes_(options_.lanes) {
+      lanes_(options_.lanes),
+      background_lanes_(kMostBackground, options_.device_queues ? 0 : kBackgroundNice) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -174,6 +179,7 @@ void Runner::collect() {
 void Runner::settle(WorkItem& item) {
   SessionEntry& entry = *item.entry;
   entry.under_way = false;
+  entry.item = nullptr;
   if (item.failed) return drop(entry, *item.failed);
   if (!item.refused) return;
   if (!entry.ledger.has_picture()) return drop(entry, *item.refused);
@@ -211,6 +217,8 @@ std::vector<SessionView> Runner::look() {
         begin(std::move(item));
       }
       if (!ledger.wanted().scene) continue;
+    } else {
+      raise_if_awaited(*entry);
     }
     entry->seen.under_way = entry->under_way;
     entry->seen.visitor = entry->client->of_visitor();
@@ -274,8 +282,35 @@ bool Runner::step() {
   return quanta.empty() ? room && begin_still() : true;
 }
 
+// Work in flight has to end before its session can begin the picture of a newer input. It would
+// wait for other sessions' first pictures if it did not get the precedence of its own.
+void Runner::raise_if_awaited(SessionEntry& entry) {
+  if (options_.device_queues || entry.client->version() == entry.version_under_way) return;
+  const unsigned precedence = first_picture_precedence(entry.seen);
+  {
+    const std::lock_guard lock(mutex_);
+    WorkItem& item = *entry.item;
+    if (item.ended || item.precedence >= precedence) return;
+    item.seconds_before_raise += in_flight_.raise(clock_.now(), item.precedence, precedence);
+    item.precedence = precedence;
+  }
+  entry.renderer->raise_precedence(precedence);
+}
+
+Lanes& Runner::lanes_for(const WorkItem& item) {
+  return options_.device_queues || item.precedence > 0 ? lanes_ : background_lanes_;
+}
+
 void Runner::begin(std::unique_ptr<WorkItem> item) {
-  if (item->entry) item->entry->under_way = true;
+  if (item->entry) {
+    SessionEntry& entry = *item->entry;
+    entry.under_way = true;
+    entry.item = item.get();
+    entry.version_under_way = entry.ledger.wanted().version;
+    entry.renderer->set_precedence(options_.device_queues
+                                       ? item->samples > 0 && first_picture(entry.ledger)
+                                       : item->precedence);
+  }
   if (item->still) still_under_way_ = true;
   {
     const std::lock_guard lock(mutex_);
@@ -287,7 +322,7 @@ void Runner::begin(std::unique_ptr<WorkItem> item) {
     }
   }
   // The closure owns the item as a raw pointer, because std::function requires copyable closures.
-  lanes_.start([this, item = item.release()] {
+  lanes_for(*item).start([this, item = item.release()] {
     std::unique_ptr<WorkItem> mine(item);
     {
       ProgressMonitor::Work work(progress_);
@@ -302,6 +337,7 @@ void Runner::ended(std::unique_ptr<WorkItem> item) {
   // Notifies under the lock, because the runner may be destroyed once its last item has ended.
   const std::lock_guard lock(mutex_);
   in_flight_.end(clock_.now(), item->precedence);
+  item->ended = true;
   ended_.push_back(std::move(item));
   ++wakes_;
   changed_.notify_one();
@@ -309,14 +345,11 @@ void Runner::ended(std::unique_ptr<WorkItem> item) {
 
 double Runner::own_seconds(const WorkItem& item) const {
   const std::lock_guard lock(mutex_);
-  return in_flight_.own_seconds(clock_.now(), item.precedence);
+  return item.seconds_before_raise + in_flight_.own_seconds(clock_.now(), item.precedence);
 }
 
 void Runner::carry_out(WorkItem& item, ProgressMonitor::Work& work) {
-  if (item.question) {
-    if (!options_.device_queues) item.entry->renderer->set_precedence(0);
-    return show(item, *item.question);
-  }
+  if (item.question) return show(item, *item.question);
   const bool there = render(item, work);
   // A device that queues continues with other quanta while the picture is made. On the CPU, the
   // picture is made by the threads that render.
@@ -337,8 +370,6 @@ void Runner::rendered(WorkItem& item) {
 bool Runner::render(WorkItem& item, ProgressMonitor::Work& work) {
   SessionEntry& entry = *item.entry;
   Ledger& ledger = entry.ledger;
-  entry.renderer->set_precedence(
-      options_.device_queues ? static_cast<unsigned>(first_picture(ledger)) : item.precedence);
   if (ledger.stale()) {
     const double before = own_seconds(item);
     entry.renderer->prepare_denoising(!ledger.wanted().raw);

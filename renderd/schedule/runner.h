@@ -121,6 +121,8 @@ class Runner {
   bool step();
   std::vector<SessionView> look();
   void begin(std::unique_ptr<WorkItem> item);
+  void raise_if_awaited(SessionEntry& entry);
+  Lanes& lanes_for(const WorkItem& item);
   bool begin_still();
   void drop_cancelled_stills();
 
@@ -170,7 +172,11 @@ class Runner {
   double still_share_ = 0;
   double still_seconds_due_ = 0;  // device time owed to stills
   double busy_told_ = 0;          // busy seconds up to which still_seconds_due_ is computed
-  Lanes lanes_;                   // destroyed before the members that its work uses
+  // Destroyed before the members that their work uses. On the CPU, work that a user waits for has
+  // lanes of its own, so that it neither waits for paused work to free one nor
+  // shares the processor evenly with other work.
+  Lanes lanes_;
+  Lanes background_lanes_;
   std::thread thread_;
 };
 

@@ -32,7 +32,9 @@ struct Runner::SessionEntry {
   // These members always belong to the runner's thread.
   bool under_way = false;
   bool moving = false;
-  SessionView seen;  // as of the last call of look() without a quantum in flight
+  SessionView seen;                     // as of the last call of look() without a quantum in flight
+  WorkItem* item = nullptr;             // in flight, or in `ended_`
+  std::uint64_t version_under_way = 0;  // of the request that it began with
 };
 
 struct Runner::PendingStill {
@@ -47,8 +49,11 @@ struct Runner::WorkItem {
   std::optional<EmissionQuestion> question;  // for that picture
   std::shared_ptr<PendingStill> still;       // set instead of `entry`
   double fill = 1;
-  /// On a device that does not queue, this item pauses items of lower precedence.
+  /// On a device that does not queue, this item pauses items of lower precedence. Guarded by the
+  /// runner's lock once the item is in flight, like the next two.
   unsigned precedence = 0;
+  double seconds_before_raise = 0;  // InFlight::raise
+  bool ended = false;
 
   std::optional<Error> refused, failed;
   std::optional<PictureRgb8> made;  // the finished picture of a still

@@ -140,6 +140,22 @@ TEST_F(RunnerTest, FirstImageOvertakesALongSample) {
   overtaking.remove(slow_handle);
 }
 
+TEST_F(RunnerTest, NewerInputRaisesThePrecedenceOfWorkInFlight) {
+  const auto one = viewer();
+  ASSERT_TRUE(eventually([&] { return !one->pictures().empty() && runner.waiting() == 0; }));
+  device->holds_pictures = true;
+  one->again();
+  runner.wake();
+  ASSERT_TRUE(eventually([&] { return device->making_pictures == 1; }));
+  EXPECT_EQ(device->precedence, 0U);
+  EXPECT_EQ(device->raised_to, 0U);
+  one->turn(2);
+  runner.wake();
+  EXPECT_TRUE(eventually([&] { return device->raised_to > 0; }));
+  device->holds_pictures = false;
+  EXPECT_TRUE(eventually([&] { return device->last_eye_x == 2; }));
+}
+
 TEST_F(RunnerTest, ShowsImagesDuringADragFasterThanTheDevice) {
   device->seconds_per_megapixel = 2;
   const auto one = viewer({200, 200});  // 80 ms per sample, an input every 10 ms

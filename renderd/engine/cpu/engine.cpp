@@ -187,6 +187,7 @@ class CpuFrameRenderer final : public FrameRenderer {
 
   void prepare_denoising(bool wanted) override { guided_ = wanted; }
   void set_precedence(unsigned precedence) override { threads_.set_precedence(precedence); }
+  void raise_precedence(unsigned precedence) override { threads_.raise_precedence(precedence); }
 
   Result<void> set_share(const Share& share) override {
     if (!picture_) return no_scene();

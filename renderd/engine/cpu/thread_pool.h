@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <condition_variable>
@@ -13,9 +14,11 @@
 namespace diaphane::render {
 
 /// A pool of threads for loops of independent pieces of work. The caller works too, so a pool of n
-/// threads starts n - 1. Loops of several callers run concurrently: each caller works on its own
-/// loop, and the threads of the pool join the loop with the fewest workers. While a loop
-/// runs, all loops of lower precedence pause between two pieces.
+/// threads has n - 1 for loops of precedence 0 and n - 1 for the others. Loops of several callers
+/// run concurrently: each caller works on its own loop, and the threads of the pool join the loop
+/// with the fewest workers. While a loop runs, all loops of lower precedence pause between two
+/// pieces. Threads for precedence 0 take over the nice value of a caller that has a higher one, so
+/// that the piece at which a loop pauses does not delay the loop for which it does.
 class ThreadPool {
  public:
   /// Precedences are from 0, which pauses nothing, to this, exclusive.
@@ -27,7 +30,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
+  unsigned threads() const { return static_cast<unsigned>(workers_.size()) / 2 + 1; }
 
   /// Calls `work(i)` once for each i in [0, count), in any order, and returns when all calls have
   /// returned. Calls `before_each`, if there is one, only on the calling thread: before each of its
@@ -35,12 +38,19 @@ class ThreadPool {
   /// skipped and the result is false. `work` must not throw and must not call run().
   bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
            const std::function<bool()>& before_each = nullptr, unsigned precedence = 0);
+  /// As above, with a precedence that raise() can change while the loop runs.
+  bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+           const std::function<bool()>& before_each, const std::atomic<unsigned>& precedence);
+  /// Raises `precedence` to at least `value`, also for loops that run with it. Thread-safe.
+  void raise(std::atomic<unsigned>& precedence, unsigned value);
 
  private:
   struct Loop {
     const std::function<void(std::uint32_t)>& work;
     std::uint32_t count;
-    unsigned precedence;
+    const std::atomic<unsigned>& precedence;
+    int nice;              // of the caller
+    unsigned counted = 0;  // precedence with which it is counted in `running_`
     std::atomic<std::uint32_t> next{0};
     std::atomic<bool> stopped{false};
     unsigned busy = 0;  // number of workers in this loop
@@ -49,10 +59,18 @@ class ThreadPool {
     bool open() const { return !stopped && next < count; }
   };
 
-  void worker();
-  Loop* open_loop();  // of those that may run, the one with fewest workers; needs the lock
+  enum class Kind { kBackground, kUrgent };
+  static Kind kind_of(const Loop& loop) {
+    return loop.precedence > 0 ? Kind::kUrgent : Kind::kBackground;
+  }
+
+  void worker(Kind kind);
+  // Of those that may run, the one with fewest workers. Call it with the lock held.
+  Loop* open_loop(Kind kind);
   bool pauses(const Loop& loop) const { return loop.precedence < highest_; }
-  void count_loop(unsigned precedence, int change);  // call it with the lock held
+  // Call these with the lock held.
+  void count_loop(unsigned precedence, int change);
+  void find_highest();
   void take_pieces(Loop& loop);
   void take_own_pieces(Loop& loop, const std::function<bool()>& before_each);
   void wait_while_paused(Loop& loop, const std::function<bool()>& before_each);
@@ -66,13 +84,19 @@ class ThreadPool {
   std::vector<std::thread> workers_;
 };
 
-/// A pool as one renderer uses it. The precedence of the renderer's loops changes between its
-/// pictures.
+/// A pool as one renderer uses it. The precedence of the renderer's loops is set between its
+/// pictures, and can be raised while a loop runs.
 class RendererThreads {
  public:
   explicit RendererThreads(ThreadPool& pool) : pool_(pool) {}
 
-  void set_precedence(unsigned precedence) { precedence_ = precedence; }
+  void set_precedence(unsigned precedence) {
+    precedence_ = std::min(precedence, ThreadPool::kPrecedences - 1);
+  }
+  /// Thread-safe.
+  void raise_precedence(unsigned precedence) {
+    pool_.raise(precedence_, std::min(precedence, ThreadPool::kPrecedences - 1));
+  }
   bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
            const std::function<bool()>& before_each = nullptr) {
     return pool_.run(count, work, before_each, precedence_);
@@ -80,7 +104,7 @@ class RendererThreads {
 
  private:
   ThreadPool& pool_;
-  unsigned precedence_ = 0;
+  std::atomic<unsigned> precedence_{0};
 };
 
 }  // namespace diaphane::render

@@ -1,8 +1,11 @@
 #include "renderd/engine/cpu/thread_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <array>
+#include <atomic>
+#include <barrier>
 #include <chrono>
 #include <latch>
 #include <thread>
@@ -127,6 +130,72 @@ TEST(ThreadPool, PausedLoopResumes) {
   other.thread.join();
   EXPECT_TRUE(other.finished);
   EXPECT_EQ(other.ended, kPieces);
+}
+
+TEST(ThreadPool, RaisedLoopResumes) {
+  for (const unsigned threads : {1u, 3u}) {
+    ThreadPool pool(threads);
+    constexpr std::uint32_t kPieces = 1000;
+    std::atomic<unsigned> precedence{0};
+    std::atomic<std::uint32_t> begun{0}, done{0};
+    std::latch paused(1);
+    std::thread raised([&] {
+      EXPECT_TRUE(pool.run(
+          kPieces,
+          [&](std::uint32_t) {
+            ++begun;
+            paused.wait();
+            ++done;
+          },
+          nullptr, precedence));
+    });
+    while (begun == 0) std::this_thread::yield();
+    EXPECT_TRUE(pool.run(
+        1,
+        [&](std::uint32_t) {
+          paused.count_down();
+          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+          EXPECT_LT(done, kPieces) << "each thread ends one piece and pauses";
+          pool.raise(precedence, 5);
+          while (done < kPieces) std::this_thread::yield();
+        },
+        nullptr, 3));
+    raised.join();
+  }
+}
+
+TEST(ThreadPool, RaisingNeverLowers) {
+  ThreadPool pool(1);
+  std::atomic<unsigned> precedence{4};
+  pool.raise(precedence, 2);
+  EXPECT_EQ(precedence, 4U);
+}
+
+/// Returns the nice value of the pool's thread in a loop whose caller has `nice`.
+int nice_in_loop(ThreadPool& pool, int nice, unsigned precedence) {
+  std::atomic<int> found{-20};
+  std::thread caller([&] {
+    (void)setpriority(PRIO_PROCESS, 0, nice);
+    const std::thread::id own = std::this_thread::get_id();
+    std::barrier both(2);  // the caller and the pool's thread have one piece each
+    pool.run(
+        2,
+        [&](std::uint32_t) {
+          if (std::this_thread::get_id() != own) found = getpriority(PRIO_PROCESS, 0);
+          both.arrive_and_wait();
+        },
+        nullptr, precedence);
+  });
+  caller.join();
+  return found;
+}
+
+TEST(ThreadPool, ThreadsForPrecedenceZeroTakeOverTheNiceValueOfTheCaller) {
+  const int own = getpriority(PRIO_PROCESS, 0);
+  const int nice = std::min(own + 5, 19);
+  ThreadPool pool(2);
+  EXPECT_EQ(nice_in_loop(pool, nice, 1), own) << "threads for urgent loops keep theirs";
+  EXPECT_EQ(nice_in_loop(pool, nice, 0), nice);
 }
 
 TEST(ThreadPool, RunsEachPieceOfConcurrentCallersOnce) {
