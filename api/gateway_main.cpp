@@ -36,7 +36,7 @@ struct GatewaySettings {
 GatewaySettings read_settings(ConfigReader& in) {
   GatewaySettings s;
   s.redis = in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
-  s.tls = wire::read_inner_tls(in);
+  s.tls = wire::read_inner_tls(in, wire::Role::kGateway);
   wire::check_address(in, "redis", s.redis, s.tls);
   s.stream_port = in.port(
       "stream-port", "port for WebSockets; listens on 127.0.0.1 only, behind the reverse proxy");

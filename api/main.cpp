@@ -97,7 +97,7 @@ Settings read_settings(ConfigReader& in) {
   s.visitor_percent = static_cast<int>(in.integer(
       "visitor-share", "maximum percentage of all slots that visitors without an account may use",
       0, 100, kVisitorPercent));
-  s.tls = wire::read_inner_tls(in);
+  s.tls = wire::read_inner_tls(in, wire::Role::kApi);
   wire::check_address(in, "redis", s.redis, s.tls);
   s.postgres = postgres::read_url(in, s.tls.plain_allowed);
   s.api_port = in.port("api-port",

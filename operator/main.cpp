@@ -72,7 +72,7 @@ kube::Access read_access(ConfigReader& in) {
 std::optional<int> read_options(ConfigReader& in, Options& options) {
   options.access = read_access(in);
   options.redis = in.text("redis", "address: host:port, or rediss://host:port (TLS)");
-  options.tls = wire::read_inner_tls(in);
+  options.tls = wire::read_inner_tls(in, wire::Role::kOperator);
   wire::check_address(in, "redis", options.redis, options.tls);
   options.admin_address =
       in.text("admin-address", "address on which the admin port listens", "127.0.0.1");

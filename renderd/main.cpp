@@ -153,7 +153,7 @@ Settings read_settings(ConfigReader& in) {
   Settings settings;
   settings.worker_id = in.text("worker-id", "name of this worker, unique per Redis");
   settings.redis = in.text("redis", "address: host:port, rediss://host:port (TLS) or unix:PATH");
-  settings.tls = wire::read_inner_tls(in);
+  settings.tls = wire::read_inner_tls(in, wire::Role::kRenderd);
   if (const auto address = wire::parse_redis_address(settings.redis)) {
     wire::check_address(in, "redis", settings.redis, settings.tls);
   } else if (!settings.redis.empty()) {

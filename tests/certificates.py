@@ -5,11 +5,19 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+#: Those of the programs that have certificates.
+ROLES = ("api", "gateway", "renderd", "operator")
 _KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
 
 
-def issue(folder: Path, ca: str = "ca.pem", certificate: str = "own.pem", key: str = "own.key", names: str = "IP:127.0.0.1") -> None:
-    """Writes files of these names, valid for two days, and replaces existing ones."""
+def with_roles(*roles: str, names: str = "IP:127.0.0.1") -> str:
+    """Returns names with the URIs of the roles."""
+    return ",".join([names, *(f"URI:spiffe://diaphane/{role}" for role in roles)])
+
+
+def issue(folder: Path, ca: str = "ca.pem", certificate: str = "own.pem", key: str = "own.key", names: str = with_roles(*ROLES)) -> None:
+    """Writes files of these names, valid for two days, and replaces existing ones. By default, the certificate has every role, so
+    that all programs of a test can share it."""
     def openssl(*words: str) -> None:
         subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
 

@@ -353,6 +353,11 @@ void Connection::link_ended(const grpc::Status& status) {
     case grpc::StatusCode::UNKNOWN:
     case grpc::StatusCode::INTERNAL:
       return worker_broke_off();
+    case grpc::StatusCode::PERMISSION_DENIED:
+      // The worker's own words, about certificates.
+      log::error("attach_refused", {{"message", status.error_message()}});
+      return close(CloseCode::kInternal,
+                   "Something went wrong on our side. The error has been logged.");
     default:
       log::error("attach_failed", {{"status", static_cast<int>(status.error_code())},
                                    {"session", attachment_->session.id}});

@@ -74,6 +74,9 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
     last = error_of(status);
     log::warning("still_failed",
                  {{"worker", worker.id}, {"status", static_cast<int>(status.error_code())}});
+    if (status.error_code() == grpc::StatusCode::PERMISSION_DENIED) {
+      log::error("still_refused", {{"message", status.error_message()}});  // about certificates
+    }
     if (status.error_code() != grpc::StatusCode::UNAVAILABLE) break;
   }
   return tl::unexpected(std::move(last));

@@ -1,7 +1,13 @@
 #include "common/wire/grpc_credentials.h"
 
+#include <grpc/grpc_security_constants.h>
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <vector>
 
 #include "common/log.h"
 
@@ -13,6 +19,16 @@ namespace tls_api = grpc::experimental;
 std::shared_ptr<tls_api::CertificateProviderInterface> watch(const TlsFiles& files) {
   return std::make_shared<tls_api::FileWatcherCertificateProvider>(files.key, files.certificate,
                                                                    files.ca, kLookedAt);
+}
+
+/// A caller that is refused may call again at once, so only some of the refusals are logged.
+bool is_time_to_log() {
+  using Clock = std::chrono::steady_clock;
+  static std::atomic<Clock::rep> next{0};
+  const Clock::rep now = Clock::now().time_since_epoch().count();
+  Clock::rep due = next.load();
+  return now >= due &&
+         next.compare_exchange_strong(due, now + Clock::duration(std::chrono::seconds(1)).count());
 }
 
 }  // namespace
@@ -46,6 +62,23 @@ std::shared_ptr<grpc::Channel> open_channel(
     return grpc::CreateCustomChannel(address, nullptr, arguments);
   }
   return grpc::CreateCustomChannel(address, credentials, arguments);
+}
+
+grpc::Status require_role(const grpc::CallbackServerContext& call, Role role, const InnerTls& tls,
+                          const std::string& method) {
+  if (!tls.on() || !tls.roles) return grpc::Status::OK;
+  std::vector<std::string> uris;
+  for (const grpc::string_ref& uri :
+       call.auth_context()->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME)) {
+    uris.emplace_back(uri.data(), uri.size());
+  }
+  if (std::find(uris.begin(), uris.end(), role_uri(role)) != uris.end()) return grpc::Status::OK;
+  const std::string why = method + " requires a certificate with the role " +
+                          std::string(to_string(role)) + " (URI " + role_uri(role) +
+                          "), and the caller's certificate has " + describe_roles(uris) +
+                          ". See docs/security.md.";
+  if (is_time_to_log()) log::warning("role_refused", {{"message", why}});
+  return {grpc::StatusCode::PERMISSION_DENIED, why};
 }
 
 }  // namespace diaphane::wire

@@ -20,6 +20,11 @@ std::shared_ptr<grpc::Channel> open_channel(
     const std::string& address, const InnerTls& tls,
     const std::shared_ptr<grpc::ChannelCredentials>& credentials, grpc::ChannelArguments arguments);
 
+/// OK if the caller's certificate has the role, or if `tls` does not require roles. Otherwise
+/// PERMISSION_DENIED with a message that names both, which is also logged.
+grpc::Status require_role(const grpc::CallbackServerContext& call, Role role, const InnerTls& tls,
+                          const std::string& method);
+
 /// Seconds.
 inline constexpr unsigned kLookedAt = 2;
 

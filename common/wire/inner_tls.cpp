@@ -47,7 +47,7 @@ bool read_plain_allowed(ConfigReader& in) {
                    "0") == "1";
 }
 
-InnerTls read_inner_tls(ConfigReader& in) {
+InnerTls read_inner_tls(ConfigReader& in, Role own) {
   InnerTls tls;
   tls.files.ca =
       in.text("inner-tls-ca",
@@ -58,6 +58,9 @@ InnerTls read_inner_tls(ConfigReader& in) {
   tls.name = in.text(
       "inner-tls-name",
       "name that a gRPC server's certificate must have; defaults to the host of its address", "");
+  tls.roles = in.one_of("inner-tls-roles",
+                        "0 accepts certificates without roles, so that each may call every method",
+                        {"0", "1"}, "1") == "1";
   tls.plain_allowed = read_plain_allowed(in);
   const int given = static_cast<int>(!tls.files.ca.empty()) +
                     static_cast<int>(!tls.files.certificate.empty()) +
@@ -67,6 +70,8 @@ InnerTls read_inner_tls(ConfigReader& in) {
   } else if (given == 3) {
     if (const auto usable = check(tls.files); !usable) {
       in.mistake("--inner-tls: " + usable.error().message);
+    } else if (const auto right = check_role(tls.files.certificate, own); tls.roles && !right) {
+      in.mistake("--inner-tls-certificate: " + right.error().message);
     }
   }
   return tls;

@@ -5,6 +5,7 @@
 
 #include "common/config.h"
 #include "common/result.h"
+#include "common/wire/roles.h"
 
 namespace diaphane::wire {
 
@@ -21,6 +22,9 @@ struct InnerTls {
   TlsFiles files;
   /// Name that a gRPC server's certificate must have. Empty means the host of its address.
   std::string name;
+  /// A caller's certificate must have the role that a method requires. If false, every certificate
+  /// of the CA may call every method.
+  bool roles = true;
   /// The operator has allowed connections to remote hosts without TLS, because the network itself
   /// is private or encrypted.
   bool plain_allowed = false;
@@ -31,9 +35,10 @@ struct InnerTls {
 /// Reads only the setting inner-plain, for a program that does not use TLS itself.
 bool read_plain_allowed(ConfigReader& in);
 
-/// Reads the settings inner-tls-ca, inner-tls-certificate, inner-tls-key, inner-tls-name and
-/// inner-plain. Reports files that are missing, invalid or inconsistent as mistakes.
-InnerTls read_inner_tls(ConfigReader& in);
+/// Reads the settings inner-tls-ca, inner-tls-certificate, inner-tls-key, inner-tls-name,
+/// inner-tls-roles and inner-plain. Reports as mistakes files that are missing, invalid or
+/// inconsistent, and a certificate without the role of this program.
+InnerTls read_inner_tls(ConfigReader& in, Role own);
 
 /// Returns kInvalid with the name of the file if the files cannot be used.
 Result<void> check(const TlsFiles& files);

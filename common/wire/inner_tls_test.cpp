@@ -13,13 +13,11 @@
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
-#include "common/ids.h"
 #include "common/wire/grpc_credentials.h"
+#include "common/wire/test_authority.h"
 #include "common/wire/tls_tunnel.h"
 
 namespace diaphane::wire {
@@ -29,50 +27,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-/// A CA in its own directory, which issues certificates with the openssl command.
-class Authority {
- public:
-  Authority() : folder_(std::filesystem::temp_directory_path() / ("tls-" + random_hex(8))) {
-    std::filesystem::create_directories(folder_);
-    run("req -x509 " + key("ca") + " -days 2 -subj /CN=ca-" + random_hex(4) + " -out " +
-        path("ca.pem"));
-  }
-  ~Authority() { std::filesystem::remove_all(folder_); }
-  Authority(const Authority&) = delete;
-  Authority& operator=(const Authority&) = delete;
-
-  /// Issues a certificate for `names` ("DNS:renderd,IP:127.0.0.1") with trust in this CA. With
-  /// negative `days`, it has expired. `usage` is its only extended key usage, if set.
-  TlsFiles issue(const std::string& file, const std::string& names, int days = 2,
-                 const std::string& usage = "") const {
-    run("req " + key(file) + " -new -subj /CN=" + file + " -out " + path(file + ".csr"));
-    std::ofstream(path(file + ".ext")) << "subjectAltName=" << names << "\n"
-                                       << (usage.empty() ? "" : "extendedKeyUsage=" + usage + "\n");
-    run("x509 -req -in " + path(file + ".csr") + " -CA " + path("ca.pem") + " -CAkey " +
-        path("ca.key") + " -set_serial 0x" + random_hex(8) + " -days " + std::to_string(days) +
-        " -extfile " + path(file + ".ext") + " -out " + path(file + ".pem"));
-    return {path("ca.pem"), path(file + ".pem"), path(file + ".key")};
-  }
-  /// Issues a self-signed certificate with trust in this CA.
-  TlsFiles issue_to_itself(const std::string& file, const std::string& names) const {
-    run("req -x509 " + key(file) + " -days 2 -subj /CN=" + file +
-        " -addext subjectAltName=" + names + " -out " + path(file + ".pem"));
-    return {path("ca.pem"), path(file + ".pem"), path(file + ".key")};
-  }
-  std::string path(const std::string& file) const { return (folder_ / file).string(); }
-
- private:
-  std::string key(const std::string& file) const {
-    return "-newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -keyout " + path(file + ".key");
-  }
-  static void run(const std::string& words) {
-    const int code = std::system(("openssl " + words + " 2>/dev/null").c_str());
-    if (code != 0) throw std::runtime_error("openssl " + words);
-  }
-
-  std::filesystem::path folder_;
-};
 
 InnerTls with(TlsFiles files, std::string name = {}) {
   return {.files = std::move(files), .name = std::move(name)};
@@ -215,21 +169,46 @@ TEST(PlainAddress, OpensNoPlainChannelToAnotherMachine) {
   EXPECT_FALSE(channel->WaitForConnected(std::chrono::system_clock::now() + milliseconds(100)));
 }
 
+std::vector<std::string> mistakes_of(const TlsFiles& files, Role own,
+                                     const std::string& roles = "1") {
+  ConfigReader in({"--inner-tls-ca", files.ca, "--inner-tls-certificate", files.certificate,
+                   "--inner-tls-key", files.key, "--inner-tls-roles", roles},
+                  {});
+  (void)read_inner_tls(in, own);
+  return in.mistakes();
+}
+
 TEST(InnerTlsSettings, RefusesIncompleteOrMismatchedFiles) {
   const Authority ours;
-  const TlsFiles one = ours.issue("one", "DNS:one"), two = ours.issue("two", "DNS:two");
-  const auto mistakes = [](const TlsFiles& files) {
-    ConfigReader in({"--inner-tls-ca", files.ca, "--inner-tls-certificate", files.certificate,
-                     "--inner-tls-key", files.key},
-                    {});
-    (void)read_inner_tls(in);
-    return in.mistakes().size();
-  };
+  const std::string api = "DNS:one,URI:" + role_uri(Role::kApi);
+  const TlsFiles one = ours.issue("one", api), two = ours.issue("two", api);
+  const auto mistakes = [](const TlsFiles& files) { return mistakes_of(files, Role::kApi).size(); };
   EXPECT_EQ(mistakes(one), 0U);
   EXPECT_EQ(mistakes({one.ca, one.certificate, two.key}), 1U);
   EXPECT_EQ(mistakes({one.ca, one.certificate, ""}), 1U);
   EXPECT_EQ(mistakes({"/none", one.certificate, one.key}), 1U);
   EXPECT_EQ(mistakes({one.ca, one.key, one.key}), 1U);
+}
+
+TEST(InnerTlsSettings, RefusesACertificateWithoutTheRoleOfTheProgramAndSaysWhatToDo) {
+  const Authority ours;
+  const TlsFiles none = ours.issue("none", "DNS:one,URI:spiffe://elsewhere/gateway");
+  const TlsFiles api = ours.issue("api", "DNS:one,URI:spiffe://diaphane/api");
+  const TlsFiles both =
+      ours.issue("both", "URI:spiffe://diaphane/api,URI:spiffe://diaphane/gateway");
+  const auto without = mistakes_of(none, Role::kGateway);
+  ASSERT_EQ(without.size(), 1U);
+  EXPECT_NE(without[0].find("none.pem has no role, but this program needs the role gateway"),
+            std::string::npos)
+      << without[0];
+  EXPECT_NE(without[0].find("spiffe://diaphane/gateway"), std::string::npos);
+  EXPECT_NE(without[0].find("--inner-tls-roles 0"), std::string::npos);
+  const auto wrong = mistakes_of(api, Role::kGateway);
+  ASSERT_EQ(wrong.size(), 1U);
+  EXPECT_NE(wrong[0].find("api.pem has the role api"), std::string::npos) << wrong[0];
+  EXPECT_TRUE(mistakes_of(api, Role::kApi).empty());
+  EXPECT_TRUE(mistakes_of(both, Role::kGateway).empty());
+  EXPECT_TRUE(mistakes_of(none, Role::kGateway, "0").empty());
 }
 
 /// Echoes data over TLS to clients with certificates of the CA in `files`, one client after the

@@ -231,7 +231,11 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
     if (!was_ready_ && status.error_code() != grpc::StatusCode::CANCELLED &&
         !(full && peer_->has_others())) {
-      peer_->refuses = true;
+      const bool refused_before = peer_->refuses.exchange(true);
+      if (!refused_before && status.error_code() == grpc::StatusCode::PERMISSION_DENIED) {
+        log::error("assist_refused",
+                   {{"address", peer_->address}, {"message", status.error_message()}});
+      }
     }
     exchange_->broken = true;
     const auto peer = std::move(peer_);

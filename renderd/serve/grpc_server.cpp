@@ -248,42 +248,72 @@ class StillReactor final : public grpc::ServerUnaryReactor {
   const std::shared_ptr<std::atomic<bool>> cancelled_;
 };
 
+// Ends a streaming call at once. Deletes itself when gRPC is done with it.
+template <typename Request, typename Reply>
+class RefusingReactor final : public grpc::ServerBidiReactor<Request, Reply> {
+ public:
+  explicit RefusingReactor(const grpc::Status& why) { this->Finish(why); }
+  void OnDone() override { delete this; }
+};
+
+// Each method begins with the role that its callers must have.
 class Service final : public v1::RenderWorker::CallbackService {
  public:
-  Service(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists)
-      : host_(host), stills_(stills), metrics_(metrics), assists_(assists) {}
+  Service(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists,
+          const wire::InnerTls& tls)
+      : host_(host), stills_(stills), metrics_(metrics), assists_(assists), tls_(tls) {}
 
   grpc::ServerBidiReactor<v1::AttachRequest, v1::AttachReply>* Attach(
       grpc::CallbackServerContext* context) override {
+    if (const auto allowed = require(wire::Role::kGateway, *context, "Attach"); !allowed.ok()) {
+      return new RefusingReactor<v1::AttachRequest, v1::AttachReply>(allowed);
+    }
     return new AttachReactor(host_, links_, metrics_, context);
   }
 
-  grpc::ServerUnaryReactor* RenderStill(grpc::CallbackServerContext*,
+  grpc::ServerUnaryReactor* RenderStill(grpc::CallbackServerContext* context,
                                         const v1::StillRequest* request,
                                         v1::StillReply* reply) override {
+    if (const auto allowed = require(wire::Role::kApi, *context, "RenderStill"); !allowed.ok()) {
+      grpc::ServerUnaryReactor* refusal = context->DefaultReactor();
+      refusal->Finish(allowed);
+      return refusal;
+    }
     return new StillReactor(stills_, *request, reply, metrics_);
   }
 
   grpc::ServerBidiReactor<v1::AssistRequest, v1::AssistReply>* Assist(
-      grpc::CallbackServerContext*) override {
+      grpc::CallbackServerContext* context) override {
+    if (const auto allowed = require(wire::Role::kRenderd, *context, "Assist"); !allowed.ok()) {
+      return new RefusingReactor<v1::AssistRequest, v1::AssistReply>(allowed);
+    }
     return new AssistReactor(assists_);
   }
 
   Links& links() { return links_; }
 
  private:
+  grpc::Status require(wire::Role role, const grpc::CallbackServerContext& context,
+                       const char* method) {
+    grpc::Status allowed = wire::require_role(context, role, tls_, method);
+    if (!allowed.ok()) metrics_.grpc_error("permission_denied");
+    return allowed;
+  }
+
   SessionHost& host_;
   StillService& stills_;
   Metrics& metrics_;
   AssistHost* assists_;
+  const wire::InnerTls tls_;
   Links links_;
 };
 
 }  // namespace
 
 struct GrpcServer::Impl {
-  Impl(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists)
-      : service(host, stills, metrics, assists) {}
+  Impl(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists,
+       const wire::InnerTls& tls)
+      : service(host, stills, metrics, assists, tls) {}
   Service service;
   std::unique_ptr<grpc::Server> server;
   int port = 0;
@@ -292,7 +322,7 @@ struct GrpcServer::Impl {
 Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHost& host,
                                                       StillService& stills, Metrics& metrics,
                                                       AssistHost* assists) {
-  auto impl = std::make_unique<Impl>(host, stills, metrics, assists);
+  auto impl = std::make_unique<Impl>(host, stills, metrics, assists, options.tls);
   gpr_set_log_function(log_line);
   grpc::EnableDefaultHealthCheckService(true);
   grpc::ServerBuilder builder;

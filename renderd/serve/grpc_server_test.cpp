@@ -5,9 +5,12 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <thread>
 
 #include "api/proto/worker.grpc.pb.h"
+#include "common/wire/grpc_credentials.h"
+#include "common/wire/test_authority.h"
 #include "renderd/serve/test_worker.h"
 
 namespace diaphane::render {
@@ -66,14 +69,15 @@ class Client {
 };
 
 struct GrpcTest : testing::Test {
-  GrpcTest() {
+  explicit GrpcTest(GrpcServer::Options server_options = {}) {
     RenderWorker::Options options;
     options.volume_dir = store.path;
     options.host.slots = 2;
     options.runner.rules.target_error = 0.2;
     auto engine = make_engine(EngineChoice::kCpu, 2);
     worker = std::make_unique<RenderWorker>(options, std::move(*engine), metrics, clock);
-    server = std::move(*GrpcServer::start({}, worker->host(), worker->stills(), metrics));
+    server = std::move(
+        *GrpcServer::start(std::move(server_options), worker->host(), worker->stills(), metrics));
     channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(server->port()),
                                   grpc::InsecureChannelCredentials());
     stub = v1::RenderWorker::NewStub(channel);
@@ -299,6 +303,107 @@ TEST_F(GrpcTest, PortInUseIsAnError) {
   const auto second = GrpcServer::start(options, worker->host(), worker->stills(), metrics);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
+}
+
+std::string with_role(wire::Role role) { return "IP:127.0.0.1,URI:" + wire::role_uri(role); }
+
+/// A CA, and a certificate of it for the server.
+struct WithAuthority {
+  wire::Authority ours;
+  wire::TlsFiles own = ours.issue("renderd", with_role(wire::Role::kRenderd));
+};
+
+/// A worker that requires TLS and, unless `roles` is false, roles.
+struct RoleTest : WithAuthority, GrpcTest {
+  explicit RoleTest(bool roles = true)
+      : GrpcTest(GrpcServer::Options{.tls = {.files = own, .name = {}, .roles = roles}}) {}
+
+  std::unique_ptr<v1::RenderWorker::Stub> stub_of(const wire::TlsFiles& files) const {
+    const wire::InnerTls tls{.files = files, .name = {}};
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    return v1::RenderWorker::NewStub(
+        wire::open_channel("127.0.0.1:" + std::to_string(server->port()), tls,
+                           wire::channel_credentials(tls), arguments));
+  }
+
+  /// Calls a method with nothing to do.
+  static grpc::Status call(v1::RenderWorker::Stub& stub, const std::string& method) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + 30s);
+    context.set_wait_for_ready(true);
+    if (method == "RenderStill") {
+      v1::StillReply reply;
+      return stub.RenderStill(&context, v1::StillRequest(), &reply);
+    }
+    const auto end_at_once = [](auto stream) {
+      stream->WritesDone();
+      return stream->Finish();
+    };
+    return method == "Attach" ? end_at_once(stub.Attach(&context))
+                              : end_at_once(stub.Assist(&context));
+  }
+
+  const std::map<std::string, std::string> role_of{
+      {"Attach", "gateway"}, {"RenderStill", "api"}, {"Assist", "renderd"}};
+};
+
+TEST_F(RoleTest, EachMethodAcceptsOnlyCertificatesOfItsRoleAndNamesIt) {
+  const auto* service = v1::StillRequest::descriptor()->file()->service(0);
+  ASSERT_EQ(static_cast<int>(role_of.size()), service->method_count());
+  std::map<std::string, wire::TlsFiles> callers{{"no role", ours.issue("none", "DNS:none")}};
+  for (const auto role :
+       {wire::Role::kApi, wire::Role::kGateway, wire::Role::kRenderd, wire::Role::kOperator}) {
+    const std::string name(wire::to_string(role));
+    callers.emplace(name, ours.issue("caller-" + name, with_role(role)));
+  }
+  for (const auto& [caller, files] : callers) {
+    const auto as = stub_of(files);
+    for (const auto& [method, role] : role_of) {
+      ASSERT_NE(service->FindMethodByName(method), nullptr);
+      const grpc::Status status = call(*as, method);
+      EXPECT_EQ(status.error_code() == grpc::StatusCode::PERMISSION_DENIED, caller != role)
+          << method << " by " << caller << ": " << status.error_message();
+      if (caller == role) continue;
+      EXPECT_NE(
+          status.error_message().find(method + " requires a certificate with the role " + role),
+          std::string::npos);
+      EXPECT_NE(status.error_message().find("certificate has " +
+                                            (caller == "no role" ? caller : "the role " + caller)),
+                std::string::npos)
+          << status.error_message();
+    }
+  }
+}
+
+TEST_F(RoleTest, ACertificateMayHaveSeveralRoles) {
+  const auto both = stub_of(ours.issue("both", "URI:" + wire::role_uri(wire::Role::kApi) +
+                                                   ",URI:" + wire::role_uri(wire::Role::kGateway)));
+  EXPECT_NE(call(*both, "Attach").error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_NE(call(*both, "RenderStill").error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(call(*both, "Assist").error_code(), grpc::StatusCode::PERMISSION_DENIED);
+}
+
+TEST_F(RoleTest, AUriThatOnlyContainsTheRoleIsNone) {
+  for (const char* uri :
+       {"spiffe://diaphane/gateway/x", "spiffe://diaphane.example/gateway",
+        "https://diaphane/gateway", "spiffe://diaphane/Gateway", "spiffe://diaphane/gateway?api"}) {
+    const auto as = stub_of(ours.issue("other", std::string("URI:") + uri));
+    EXPECT_EQ(call(*as, "Attach").error_code(), grpc::StatusCode::PERMISSION_DENIED) << uri;
+  }
+  const auto by_name = stub_of(ours.issue("by-name", "DNS:gateway,DNS:diaphane"));
+  EXPECT_EQ(call(*by_name, "Attach").error_code(), grpc::StatusCode::PERMISSION_DENIED);
+}
+
+struct WithoutRolesTest : RoleTest {
+  WithoutRolesTest() : RoleTest(false) {}
+};
+
+TEST_F(WithoutRolesTest, EveryCertificateOfTheAuthorityCallsEveryMethod) {
+  const auto none = stub_of(ours.issue("none", "DNS:none"));
+  for (const auto& [method, role] : role_of) {
+    EXPECT_NE(call(*none, method).error_code(), grpc::StatusCode::PERMISSION_DENIED) << method;
+  }
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ import subprocess
 
 import pytest
 import yaml
-from certificates import issue
+from certificates import issue, with_roles
 from chart_helpers import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, stored, values_file
 from conftest import wait_for
 
@@ -41,6 +41,7 @@ def test_lint_finds_nothing(plane, tmp_path):
     ({"innerTls": {"plain": False, "secretName": "inner"}}, "redis.tls=false would connect to Redis without TLS"),
     ({**INNER_TLS, "ingest": {"antivirus": {"address": "clamd:3310"}}}, "clamd does not support TLS"),
     ({"redis": {"tls": True}}, "redis.tls requires innerTls.secretName"),
+    ({"innerTls": {"issuer": {"name": "x"}, "roles": False}}, "innerTls.issuer.name requires innerTls.roles=true"),
     ({"trial": {"enabled": True}, "redis": {"address": "", "tls": True}, "innerTls": {"secretName": "inner"}}, "redis.tls and trial.enabled"),
     ({"postgres": {"password": "x"}}, "postgres"),
     ({"image": {"digest": "latest"}}, "digest"),
@@ -140,7 +141,7 @@ TALKERS = {"api": "Deployment/it-diaphane-api", "gateway": "Deployment/it-diapha
 @pytest.mark.parametrize("program", TALKERS)
 def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, all_stacks, program, choice):
     """The program reads the pod's settings and complains only about the one that is removed, so that it exits."""
-    issue(tmp_path, ca="ca.crt", certificate="tls.crt", key="tls.key", names="DNS:renderd.diaphane")
+    issue(tmp_path, ca="ca.crt", certificate="tls.crt", key="tls.key", names=with_roles(program, names="DNS:renderd.diaphane"))
     objects = pod_specs(rendered(plane, tmp_path, INNER_TLS if choice == "tls" else {}))
     assert not [name for name, spec in objects if "inner-tls" in json.dumps(spec) and name not in TALKERS.values()]
     spec = dict(objects)[TALKERS[program]]
@@ -148,9 +149,10 @@ def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, all_stacks
     environment = {one["name"]: one["value"] for one in container["env"] if one["name"] not in ("DIAPHANE_ADMIN_PORT", "DIAPHANE_INNER_PLAIN" * (choice == "nothing"))
                    and "value" in one}
     if choice == "tls":
-        assert {"name": "inner-tls", "mountPath": "/inner-tls", "readOnly": True} in container["volumeMounts"]
-        secret = next(one for one in spec["volumes"] if one["name"] == "inner-tls")["secret"]
-        assert secret["secretName"] == "inner" and secret["defaultMode"] & 0o007 == 0
+        assert {"name": f"inner-tls-{program}", "mountPath": "/inner-tls", "readOnly": True} in container["volumeMounts"]
+        assert [one["mountPath"] for one in container["volumeMounts"]].count("/inner-tls") == 1
+        secret = next(one for one in spec["volumes"] if one["name"] == f"inner-tls-{program}")["secret"]
+        assert secret["secretName"] == f"inner-{program}" and secret["defaultMode"] & 0o007 == 0
         paths = {name: value for name, value in environment.items() if value.startswith("/inner-tls/")}
         assert sorted(paths.values()) == sorted("/inner-tls/" + one["path"] for one in secret["items"])
         for name, value in paths.items():
@@ -160,6 +162,28 @@ def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, all_stacks
     assert said.returncode == 78 and "admin-port" in said.stderr, said.stderr
     complaints = [line for line in said.stderr.splitlines() if "TLS" in line or "tls" in line]
     assert bool(complaints) is (choice == "nothing"), said.stderr
+
+
+def test_cert_manager_issues_each_program_a_certificate_with_its_role(plane, tmp_path):
+    objects = rendered(plane, tmp_path, {"redis": {"tls": True}, "innerTls": {"plain": False, "issuer": {"name": "diaphane"}}})
+    issued = {one["spec"]["secretName"]: one["spec"] for one in objects if one["kind"] == "Certificate"}
+    used = {volume["secret"]["secretName"]: pod for pod, spec in pod_specs(objects) for volume in spec.get("volumes", []) if volume["name"].startswith("inner-tls-")}
+    assert used == {f"it-diaphane-inner-{program}": pod for program, pod in TALKERS.items()} and set(used) == set(issued)
+    for secret, spec in issued.items():
+        program = secret.rpartition("-")[2]
+        assert spec["uris"] == [f"spiffe://diaphane/{program}"]
+        assert spec["issuerRef"] == {"name": "diaphane", "kind": "Issuer", "group": "cert-manager.io"}
+        # No other program can be taken for renderd.
+        assert (spec.get("dnsNames"), "server auth" in spec["usages"]) == ((["renderd.diaphane"], True) if program == "renderd" else (None, False))
+
+
+def test_one_certificate_for_all_programs_switches_roles_off(plane, tmp_path):
+    objects = pod_specs(rendered(plane, tmp_path, INNER_TLS, {"innerTls": {"roles": False}}))
+    names = {volume["secret"]["secretName"] for _, spec in objects for volume in spec.get("volumes", []) if volume["name"].startswith("inner-tls-")}
+    assert names == {"inner"}
+    told = [name for name, spec in objects for container in spec["containers"]
+            if {"name": "DIAPHANE_INNER_TLS_ROLES", "value": "0"} in container.get("env", [])]
+    assert sorted(told) == sorted(TALKERS.values())
 
 
 def test_with_a_digest_the_tag_decides_nothing(plane, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import socket
 import ssl
 import subprocess
@@ -10,8 +11,9 @@ from pathlib import Path
 import httpx
 import pytest
 from api_client import person
-from certificates import issue
+from certificates import ROLES, issue, issue_another, with_roles
 from stream_helpers import PROGRAMS, Viewer, free_port, open_session, store_ball
+from websockets.exceptions import ConnectionClosed
 
 @pytest.fixture
 def ours(all_stacks) -> Path:
@@ -83,6 +85,78 @@ def test_a_picture_comes_over_tls_to_redis_and_renderd_and_nobody_else_gets_in(s
     stack.wait_until(lambda: '"event":"redis","reason":"TLS: ' in stack.log("api"), 60, "its refusal")
     ready = f"http://127.0.0.1:{stack.ports['api-admin']}/readyz"
     assert httpx.get(ready).status_code == 503
+
+
+def restart_with_certificate(stack, folder: Path, program: str, role: str, **more: str) -> None:
+    """Restarts the program with a certificate of this role alone."""
+    certificate, key = issue_another(folder, f"{program}-as-{role}", names=with_roles(role))
+    for file in (certificate, key):
+        stack.stack.run_as.own(Path(file))
+    stack.stop(program)
+    entry = stack.stack.running_[program]
+    env = {**entry.program.env, "DIAPHANE_INNER_TLS_CERTIFICATE": certificate, "DIAPHANE_INNER_TLS_KEY": key, **more}
+    entry.program = dataclasses.replace(entry.program, env=env)
+    stack.start(program)
+    stack.wait_ready(program)
+
+
+def test_each_program_works_with_a_certificate_of_its_role_and_a_wrong_one_is_refused_in_words(stack_factory, ours, redis_port):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_REDIS": f"rediss://127.0.0.1:{redis_port}", **settings(ours), **by_port(free_port())})
+    for program in ("api", "gateway", "renderd"):
+        restart_with_certificate(stack, ours, program, role=program)
+    who = person(stack)
+    ball = store_ball(stack, who, 24)
+
+    def thumbnail() -> httpx.Response:
+        return who.http.get(f"/v1/data-sets/{ball}/thumbnails/bone")
+
+    def stream_closes_with() -> int:
+        with pytest.raises(ConnectionClosed) as closed:
+            Viewer(stack.url, open_session(who, ball)[1], side=32)
+        return closed.value.rcvd.code
+
+    viewer = Viewer(stack.url, open_session(who, ball)[1], side=32)
+    assert viewer.frame(timeout=60).iteration > 0
+    viewer.leave()
+    stack.wait_until(lambda: thumbnail().status_code == 200, 60, "a thumbnail")
+
+    # Only the other program's certificate: without this setting, the gateway would not even start.
+    restart_with_certificate(stack, ours, "gateway", role="api", DIAPHANE_INNER_TLS_ROLES="0")
+    assert stream_closes_with() == 1011
+    words = "Attach requires a certificate with the role gateway (URI spiffe://diaphane/gateway), and the caller's certificate has the role api."
+    assert words in stack.log("gateway") and '"event":"role_refused"' in stack.log("renderd") and words in stack.log("renderd")
+
+    restart_with_certificate(stack, ours, "api", role="gateway", DIAPHANE_INNER_TLS_ROLES="0")
+    for file in (stack.data_dir / "cache" / "thumbnails").rglob("*"):
+        if file.is_file():
+            file.unlink()
+    stack.wait_until(lambda: thumbnail().status_code == 503 and "RenderStill requires a certificate with the role api" in stack.log("api"), 60, "its refusal")
+
+    # An installation whose certificates have no roles yet can say so.
+    restart_with_certificate(stack, ours, "renderd", role="renderd", DIAPHANE_INNER_TLS_ROLES="0")
+    viewer = Viewer(stack.url, stack.wait_until(lambda: open_session(who, ball), 60)[1], side=32)
+    assert viewer.frame(timeout=60).iteration > 0
+
+
+@pytest.mark.parametrize("program", ROLES)
+def test_a_program_whose_certificate_lacks_its_role_says_so_and_does_not_start(stack_house, ours, program):
+    folder = ours
+    other = next(role for role in ROLES if role != program)
+    binary = stack_house.layout().bin / f"diaphane-{program}"
+
+    def said(certificate: tuple[str, str], **more: str) -> str:
+        """Returns the errors about settings. Missing settings are included, so nothing starts."""
+        env = {**settings(folder), "DIAPHANE_INNER_TLS_CERTIFICATE": certificate[0], "DIAPHANE_INNER_TLS_KEY": certificate[1], **more}
+        done = subprocess.run([str(binary)], capture_output=True, text=True, env=env, timeout=60)
+        assert done.returncode == 78, done.stderr
+        return done.stderr
+
+    none, wrong = issue_another(folder, "none"), issue_another(folder, "wrong", names=with_roles(other))
+    needs = f"but this program needs the role {program}. Issue it with the URI spiffe://diaphane/{program}"
+    assert f"{none[0]} has no role, {needs}" in said(none)
+    assert f"{wrong[0]} has the role {other}, {needs}" in said(wrong)
+    assert "role" not in said(issue_another(folder, "right", names=with_roles(program)))
+    assert "role" not in said(none, DIAPHANE_INNER_TLS_ROLES="0")
 
 
 @pytest.mark.parametrize(("program", "setting", "value"), [

@@ -34,13 +34,29 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{ if .Values.redis.tls }}rediss://{{ end }}{{ include "diaphane.redis" . }}
 {{- end -}}
 
+{{/* The beginning of the names of the secrets with certificates, or nothing without TLS. */}}
+{{- define "diaphane.innerTlsSecrets" -}}
+{{- with .Values.innerTls -}}
+{{- if .secretName }}{{ .secretName }}{{ else if .issuer.name }}{{ printf "%s-inner" (include "diaphane.name" $) }}{{ end -}}
+{{- end -}}
+{{- end -}}
+
+{{/* The secret of a program, which is its own unless certificates have no roles. This and the next two are called with a list of the root and the
+     program. */}}
+{{- define "diaphane.innerTlsSecret" -}}
+{{- include "diaphane.innerTlsSecrets" (index . 0) }}{{ if (index . 0).Values.innerTls.roles }}-{{ index . 1 }}{{ end -}}
+{{- end -}}
+
 {{/* How a program reaches others of ours and Redis; `innerTlsMounts` and `innerTlsVolumes` go with it. */}}
 {{- define "diaphane.innerTls" -}}
-{{- if .Values.innerTls.secretName }}
+{{- if include "diaphane.innerTlsSecrets" . }}
 - {name: DIAPHANE_INNER_TLS_CA, value: /inner-tls/ca.crt}
 - {name: DIAPHANE_INNER_TLS_CERTIFICATE, value: /inner-tls/tls.crt}
 - {name: DIAPHANE_INNER_TLS_KEY, value: /inner-tls/tls.key}
 - {name: DIAPHANE_INNER_TLS_NAME, value: {{ .Values.innerTls.serverName | quote }}}
+{{- if not .Values.innerTls.roles }}
+- {name: DIAPHANE_INNER_TLS_ROLES, value: "0"}
+{{- end }}
 {{- end }}
 {{- if .Values.innerTls.plain }}
 - {name: DIAPHANE_INNER_PLAIN, value: "1"}
@@ -49,16 +65,16 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 
 {{/* The whole directory: files mounted one by one would not be renewed. */}}
 {{- define "diaphane.innerTlsMounts" -}}
-{{- if .Values.innerTls.secretName }}
-- {name: inner-tls, mountPath: /inner-tls, readOnly: true}
+{{- if include "diaphane.innerTlsSecrets" (index . 0) }}
+- {name: inner-tls-{{ index . 1 }}, mountPath: /inner-tls, readOnly: true}
 {{- end }}
 {{- end -}}
 
 {{- define "diaphane.innerTlsVolumes" -}}
-{{- with .Values.innerTls.secretName }}
-- name: inner-tls
+{{- if include "diaphane.innerTlsSecrets" (index . 0) }}
+- name: inner-tls-{{ index . 1 }}
   secret:
-    secretName: {{ . }}
+    secretName: {{ include "diaphane.innerTlsSecret" . }}
     defaultMode: 0440
     items: [{key: ca.crt, path: ca.crt}, {key: tls.crt, path: tls.crt}, {key: tls.key, path: tls.key}]
 {{- end }}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+
+namespace diaphane::wire {
+
+/// What a certificate of Diaphane's CA is for. It has one URI among its subject alternative names
+/// for each of its roles.
+enum class Role { kApi, kGateway, kRenderd, kOperator };
+
+/// "gateway"
+std::string_view to_string(Role role);
+/// "spiffe://diaphane/gateway"
+std::string role_uri(Role role);
+
+/// Returns the roles among `uris`, in words for a message: "no role" or "the role api".
+std::string describe_roles(const std::vector<std::string>& uris);
+
+/// Returns the URIs among the subject alternative names of the first certificate of a PEM file.
+Result<std::vector<std::string>> uris_of(const std::string& certificate_file);
+
+/// Returns kInvalid, with advice, unless the certificate has the role.
+Result<void> check_role(const std::string& certificate_file, Role role);
+
+}  // namespace diaphane::wire
