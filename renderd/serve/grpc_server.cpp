@@ -12,7 +12,9 @@
 #include "api/proto/worker.grpc.pb.h"
 #include "common/connect.h"
 #include "common/log.h"
+#include "common/try.h"
 #include "common/wire/grpc_credentials.h"
+#include "common/wire/limited_listener.h"
 #include "renderd/serve/assist_reactor.h"
 
 namespace diaphane::render {
@@ -24,8 +26,12 @@ using std::chrono::steady_clock;
 // does not read.
 constexpr std::size_t kMostQueued = 64;
 constexpr std::chrono::seconds kFlushTime{2};
-// Covers TLS and the start of HTTP/2.
+// Covers TLS and the start of HTTP/2. gRPC's default is two minutes.
 constexpr int kHandshakeMs = 10'000;
+// Far more than gateways, apis and other workers need when they all reconnect at once, and few
+// enough for a limit of 1,024 open files.
+constexpr std::size_t kMostUnfinished = 256;
+constexpr std::size_t kMostUnfinishedPerAddress = 32;
 
 struct StatusName {
   grpc::StatusCode code;
@@ -291,12 +297,18 @@ class Service final : public v1::RenderWorker::CallbackService {
   }
 
   Links& links() { return links_; }
+  /// The listener learns where authenticated calls come from.
+  void set_listener(wire::LimitedListener* listener) { listener_ = listener; }
 
  private:
   grpc::Status require(wire::Role role, const grpc::CallbackServerContext& context,
                        const char* method) {
     grpc::Status allowed = wire::require_role(context, role, tls_, method);
-    if (!allowed.ok()) metrics_.grpc_error("permission_denied");
+    if (!allowed.ok()) {
+      metrics_.grpc_error("permission_denied");
+    } else if (listener_ != nullptr && tls_.on()) {
+      listener_->know(context.peer());
+    }
     return allowed;
   }
 
@@ -305,6 +317,7 @@ class Service final : public v1::RenderWorker::CallbackService {
   Metrics& metrics_;
   AssistHost* assists_;
   const wire::InnerTls tls_;
+  wire::LimitedListener* listener_ = nullptr;
   Links links_;
 };
 
@@ -314,9 +327,11 @@ struct GrpcServer::Impl {
   Impl(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists,
        const wire::InnerTls& tls)
       : service(host, stills, metrics, assists, tls) {}
+  // Null on a Unix socket, which only users reach who may write to its folder.
+  std::unique_ptr<wire::LimitedListener> listener;
   Service service;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> server;
-  int port = 0;
 };
 
 Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHost& host,
@@ -328,13 +343,9 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
   grpc::ServerBuilder builder;
   builder.SetMaxReceiveMessageSize(options.most_message_bytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.most_streams);
-  // Otherwise a second renderd could silently share the port.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Detects a gateway that vanished without closing the connection within 15 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
-  // gRPC's default is two minutes, during which anyone who reaches the port could hold a
-  // descriptor.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   // Gateways ping every 5 s and assisted workers every 10 s, even when no messages are sent.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2'000);
@@ -343,13 +354,31 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
   if (!path.empty() && connect_unix(path)) {
     return fail(ErrorCode::kUnavailable, "another process is already listening on " + path);
   }
-  const std::string address =
-      path.empty() ? options.address + ":" + std::to_string(options.port) : options.address;
-  builder.AddListeningPort(address, wire::server_credentials(options.tls), &impl->port);
+  const auto credentials = wire::server_credentials(options.tls);
+  if (path.empty()) {
+    auto listener = wire::LimitedListener::open(
+        options.address, options.port,
+        {kMostUnfinished, kMostUnfinishedPerAddress, std::chrono::milliseconds(kHandshakeMs)});
+    DIAPHANE_TRY(listener);
+    impl->listener = std::move(*listener);
+    impl->service.set_listener(impl->listener.get());
+    impl->acceptor = builder.experimental().AddExternalConnectionAcceptor(
+        grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
+  } else {
+    builder.AddListeningPort(options.address, credentials);
+  }
   builder.RegisterService(&impl->service);
   impl->server = builder.BuildAndStart();
-  if (!impl->server || impl->port == 0) {
-    return fail(ErrorCode::kUnavailable, "the gRPC address " + address + " cannot be opened");
+  if (!impl->server) {
+    return fail(ErrorCode::kUnavailable,
+                "the gRPC address " + options.address + " cannot be opened");
+  }
+  if (impl->listener) {
+    impl->listener->start([acceptor = impl->acceptor.get()](int socket) {
+      grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+      connection.fd = socket;
+      acceptor->HandleNewConnection(&connection);
+    });
   }
   return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(impl)));
 }
@@ -357,7 +386,7 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
 GrpcServer::GrpcServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 GrpcServer::~GrpcServer() { stop(std::chrono::milliseconds(0)); }
 
-std::uint16_t GrpcServer::port() const { return static_cast<std::uint16_t>(impl_->port); }
+std::uint16_t GrpcServer::port() const { return impl_->listener ? impl_->listener->port() : 0; }
 
 void GrpcServer::set_not_serving() {
   impl_->server->GetHealthCheckService()->SetServingStatus(false);
@@ -366,6 +395,8 @@ void GrpcServer::set_not_serving() {
 void GrpcServer::sweep() { impl_->service.links().sweep(); }
 
 void GrpcServer::stop(std::chrono::milliseconds grace) {
+  // After its shutdown, gRPC would neither take nor close a connection.
+  if (impl_->listener) impl_->listener->stop();
   impl_->server->Shutdown(std::chrono::system_clock::now() + grace);
 }
 

@@ -20,8 +20,10 @@ from test_inner_tls import by_port, ours, redis_port, settings  # noqa: F401
 
 #: The start of an HTTP/2 connection, which a gRPC server answers with its settings, a frame of type 4.
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0"
-#: renderd ends handshakes that take longer (kHandshakeMs in renderd/serve/grpc_server.cpp).
+#: Limits of unfinished handshakes in renderd/serve/grpc_server.cpp: seconds, connections in total and per address.
 HANDSHAKE_S = 10
+MOST_UNFINISHED = 256
+MOST_PER_ADDRESS = 32
 
 
 def context(folder: Path, own: tuple[str, str] | None, minimum=ssl.TLSVersion.TLSv1_2, maximum=ssl.TLSVersion.TLSv1_3, ciphers: str = "") -> ssl.SSLContext:
@@ -36,10 +38,10 @@ def context(folder: Path, own: tuple[str, str] | None, minimum=ssl.TLSVersion.TL
     return made
 
 
-def served(port: int, by: ssl.SSLContext | None, hello: bytes, answer: bytes) -> bool:
-    """Whether `hello` is answered as one of Diaphane's servers would."""
+def served(port: int, by: ssl.SSLContext | None, hello: bytes, answer: bytes, address: str = "127.0.0.1") -> bool:
+    """Whether `hello`, sent from this address, is answered as one of Diaphane's servers would."""
     try:
-        with socket.create_connection(("127.0.0.1", port), timeout=20) as plain:
+        with socket.create_connection(("127.0.0.1", port), timeout=20, source_address=(address, 0)) as plain:
             inside = by.wrap_socket(plain, server_hostname="127.0.0.1") if by else plain
             inside.sendall(hello)
             got = b""
@@ -126,7 +128,7 @@ def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack
     anew.stdin.flush()
     # Meanwhile, many clients send something other than a handshake, followed by silence.
     begun = time.monotonic()
-    held = [socket.create_connection(("127.0.0.1", grpc), timeout=5) for _ in range(40) for _ in NO_HANDSHAKES]
+    held = [socket.create_connection(("127.0.0.1", grpc), timeout=5, source_address=(f"127.0.0.{2 + i % 7}", 0)) for _ in range(40) for i in range(len(NO_HANDSHAKES))]
     for one, data in zip(held, list(NO_HANDSHAKES.values()) * 40):
         try:
             one.sendall(data)
@@ -145,6 +147,74 @@ def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack
     said, _ = anew.communicate(timeout=3 * HANDSHAKE_S)
     assert b"RENEGOTIATING" in said and said.count(b"Verify return code") <= 1 and anew.returncode != 0, said[-1500:]
     until_pictures()
+
+
+def held_open(connections: list[socket.socket]) -> list[socket.socket]:
+    """Returns the connections that the server has not closed."""
+    still = []
+    for one in connections:
+        one.setblocking(False)
+        try:
+            if one.recv(1, socket.MSG_PEEK):
+                still.append(one)
+        except BlockingIOError:
+            still.append(one)
+        except OSError:
+            pass
+    return still
+
+
+def attack(port: int, address: str, count: int) -> list[socket.socket]:
+    """Opens connections from this address that begin a handshake and fall silent."""
+    made = []
+    for _ in range(count):
+        one = socket.create_connection(("127.0.0.1", port), timeout=5, source_address=(address, 0))
+        try:
+            one.sendall(NO_HANDSHAKES["half a hello"])
+        except OSError:
+            pass            # already closed
+        made.append(one)
+    return made
+
+
+def test_unfinished_handshakes_are_limited_for_each_address_and_in_all(tls_stack, ours):  # noqa: F811
+    stack, grpc, until_pictures = tls_stack
+    right = context(ours, (str(ours / "own.pem"), str(ours / "own.key")))
+    pid = stack.pids["renderd"]
+
+    def descriptors() -> int:
+        return len(list(Path(f"/proc/{pid}/fd").iterdir()))
+
+    def memory() -> int:
+        return next(int(line.split()[1]) * 1024 for line in Path(f"/proc/{pid}/status").read_text().splitlines() if line.startswith("VmRSS"))
+
+    def is_served(address: str) -> bool:
+        return served(grpc, right, PREFACE, b"\0\0\0\4", address)
+
+    before, memory_before = descriptors(), memory()
+    begun = time.monotonic()
+    held = attack(grpc, "127.0.0.2", 100)
+    stack.wait_until(lambda: len(held_open(held)) <= MOST_PER_ADDRESS, 5, "the limit of one address")
+    assert len(held_open(held)) == MOST_PER_ADDRESS
+    assert not is_served("127.0.0.2") and is_served("127.0.0.1"), "the limit is one of each address"
+    # A thousand more, from many addresses.
+    for last in range(3, 23):
+        held += attack(grpc, f"127.0.0.{last}", 50)
+    stack.wait_until(lambda: len(held_open(held)) <= MOST_UNFINISHED, 5, "the limit in all")
+    assert is_served("127.0.0.1") and not is_served("127.0.0.99"), "only the gateway's address, from which calls came, is served"
+    assert time.monotonic() - begun < HANDSHAKE_S, "too slow to tell a limit of number from one of time"
+    assert MOST_UNFINISHED - 2 <= len(held_open(held)) and descriptors() - before <= MOST_UNFINISHED + 4
+    grown = memory() - memory_before
+    assert grown < 128 << 20, f"{grown >> 20} MiB for {MOST_UNFINISHED} handshakes"
+    until_pictures()
+
+    stack.wait_until(lambda: not held_open(held), 2 * HANDSHAKE_S, "their end")
+    assert time.monotonic() - begun > HANDSHAKE_S - 1
+    stack.wait_until(lambda: is_served("127.0.0.2") and is_served("127.0.0.1"), 3 * HANDSHAKE_S, "room again")
+    assert descriptors() - before <= 4 and '"event":"too_many_unfinished_handshakes"' in stack.log("renderd")
+    until_pictures()
+    for one in held:
+        one.close()
 
 
 def test_a_handshake_of_a_byte_now_and_then_is_ended_too(tls_stack):

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/result.h"
+
+namespace diaphane::wire {
+
+/// An IP address without a port. IPv4 addresses are mapped into IPv6.
+using PeerAddress = std::array<std::uint8_t, 16>;
+
+/// Returns the address in gRPC's name of a peer, or nullopt for one without an IP address.
+std::optional<PeerAddress> parse_peer(const std::string& peer);
+
+/// Counts the connections whose handshake may be unfinished: those that are younger than the
+/// deadline of the handshake and still open. The server that owns a connection closes it at the
+/// deadline unless it is authenticated, so this count is an upper bound. Not thread-safe.
+///
+/// Addresses from which an authenticated call came are counted apart from all others, so that
+/// strangers at many addresses cannot keep known clients from connecting.
+class UnfinishedHandshakes {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+  struct Limits {
+    std::size_t total = 256;  ///< of known addresses, and again of all others
+    std::size_t per_address = 32;
+    std::chrono::milliseconds deadline{10'000};
+  };
+
+  static constexpr std::size_t kMostKnown = 1024;
+
+  explicit UnfinishedHandshakes(Limits limits) : limits_(limits) {}
+
+  /// Whether a connection may be handed to the server. If so, counts it.
+  bool admit(const PeerAddress& address, int socket, TimePoint now);
+  /// An authenticated call came from this address. Forgets the one of the longest ago above
+  /// `kMostKnown`.
+  void know(const PeerAddress& address, TimePoint now);
+  std::size_t count() const { return connections_.size(); }
+
+ private:
+  struct Connection {
+    PeerAddress address;
+    int socket;
+    ino_t inode;  ///< tells whether the descriptor still is this connection
+    TimePoint since;
+    bool known;
+  };
+  bool has_room_for(const PeerAddress& address, bool known) const;
+
+  const Limits limits_;
+  std::deque<Connection> connections_;  ///< the oldest first
+  TimePoint swept_{};
+  std::map<PeerAddress, TimePoint> known_;  ///< with the time of the last call
+};
+
+/// Listens on a TCP port and hands the connections to a server, but closes those that exceed the
+/// limits. gRPC 1.51 itself limits unfinished handshakes only in time.
+class LimitedListener {
+ public:
+  /// `host` is an address or a name, as in "host:port". 0.0.0.0 and [::] mean all addresses, of
+  /// IPv6 too. Port 0 means any free port. Returns kUnavailable if the port cannot be opened.
+  static Result<std::unique_ptr<LimitedListener>> open(const std::string& host, std::uint16_t port,
+                                                       UnfinishedHandshakes::Limits limits);
+  ~LimitedListener();
+
+  std::uint16_t port() const;
+  /// Starts a thread that accepts. `take` gets non-blocking sockets and closes them.
+  void start(std::function<void(int socket)> take);
+  /// Closes the port. Connections that were handed over stay open.
+  void stop();
+  /// An authenticated call came from `peer`, in gRPC's form: "ipv4:1.2.3.4:5" or
+  /// "ipv6:%5B::1%5D:5". Thread-safe.
+  void know(const std::string& peer);
+
+ private:
+  struct Impl;
+  explicit LimitedListener(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace diaphane::wire
