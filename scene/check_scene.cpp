@@ -137,6 +137,13 @@ Complaint check(const diaphane::v1::Display& display) {
           in_range(display.exposure(), -64, 64, "display.exposure", "must be from -64 to 64")) {
     return c;
   }
+  if (!diaphane::v1::Display::Curve_IsValid(display.curve())) {
+    return complain("display.curve", "must be LINEAR or FILMIC");
+  }
+  if (auto c = check(display.background_edge(), kBrightest, "display.backgroundEdge",
+                     "must be from 0 to 1e15")) {
+    return c;
+  }
   return check(display.background(), kBrightest, "display.background", "must be from 0 to 1e15");
 }
 

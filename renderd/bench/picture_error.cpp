@@ -17,7 +17,11 @@ double white_of(const std::vector<double>& mean, const std::vector<std::uint8_t>
   return *at > 0 ? *at : 1;
 }
 
-double exact_tone(double x) { return std::pow(std::clamp(x, 0.0, 1.0), 1 / 2.2); }
+double exact_tone(double x, bool filmic) {
+  // The fit of ACES by Narkowicz.
+  if (filmic && x > 0) x = (2.51 * x * x + 0.03 * x) / (2.43 * x * x + 0.59 * x + 0.14);
+  return std::pow(std::clamp(x, 0.0, 1.0), 1 / 2.2);
+}
 
 PictureError error_against(const Reference& reference, const PictureRgbF& picture) {
   PictureError result;
@@ -30,8 +34,8 @@ PictureError error_against(const Reference& reference, const PictureRgbF& pictur
       if (!std::isfinite(x)) {
         ++result.non_finite;
       } else if (reference.contents[pixel] != 0) {
-        const double off =
-            exact_tone(x / reference.white) - exact_tone(reference.mean[i] / reference.white);
+        const double off = exact_tone(x / reference.white, reference.filmic) -
+                           exact_tone(reference.mean[i] / reference.white, reference.filmic);
         squared += off * off;
         ++numbers;
       }

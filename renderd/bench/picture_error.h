@@ -19,14 +19,15 @@ struct Reference {
   double error = 0;                    ///< its estimated error
   double seconds = 0;                  ///< time that it took
   double white = 1;                    ///< 99th percentile over the pixels that count
+  bool filmic = false;                 ///< the scene's display curve, FILMIC or LINEAR
 };
 
 /// Returns the 99th percentile of `mean` over the colours of the pixels that count, or 1 if there
 /// are none or it is not positive.
 double white_of(const std::vector<double>& mean, const std::vector<std::uint8_t>& contents);
 
-/// Returns x^(1/2.2) for x clipped to [0, 1].
-double exact_tone(double x);
+/// Returns x^(1/2.2) for x clipped to [0, 1], which the filmic curve maps to [0, 1] first.
+double exact_tone(double x, bool filmic = false);
 
 struct PictureError {
   double rmse = 0;               ///< over the pixels that count, including the reference's noise

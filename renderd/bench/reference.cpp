@@ -153,6 +153,7 @@ Result<Reference> reference_of(const Subject& subject, const ReferenceOptions& o
     merge(reference, picture, contents, progress);
     if (cached) write_cached(path, reference);
   }
+  reference.filmic = subject.scene.display().curve() == diaphane::v1::Display::FILMIC;
   reference.white = white_of(reference.mean, reference.contents);
   return reference;
 }

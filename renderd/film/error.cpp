@@ -60,7 +60,7 @@ void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t l
 }
 
 TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_x,
-                     std::uint32_t tile_y, std::uint64_t samples, float white) {
+                     std::uint32_t tile_y, std::uint64_t samples, float white, ToneCurve curve) {
   TileError tile;
   const std::uint32_t end_x = std::min((tile_x + 1) * kTileSize, size.width);
   const std::uint32_t end_y = std::min((tile_y + 1) * kTileSize, size.height);
@@ -68,7 +68,7 @@ TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_
     for (std::uint32_t x = tile_x * kTileSize; x < end_x; ++x) {
       const std::uint64_t pixel = x + std::uint64_t{size.width} * y;
       if ((film.state[pixel] & kHitMedium) == 0) continue;
-      tile.squared += squared_error(estimate_of(film, pixel, samples), 1.0f / white);
+      tile.squared += squared_error(estimate_of(film, pixel, samples), 1.0f / white, curve);
       ++tile.pixels;
     }
   }

@@ -10,10 +10,10 @@
 // Estimates how far the accumulated picture is from the converged one without knowing the latter.
 //
 // Definition: the error is the root mean square of tone(x / white) - tone(truth / white) over the
-// three colours and over the pixels whose samples hit contents of the volume. Here tone(x) =
-// clip(x, 0, 1)^(1/2.2), and white is the 99th percentile of the values of the picture over the
-// same pixels. The error does not depend on the exposure. An error of 0.05 is 5% of the way from
-// black to white on the screen.
+// three colours and over the pixels whose samples hit contents of the volume. Here tone(x) is the
+// curve that the scene is displayed with (tone.h), and white is the 99th percentile of the values
+// of the picture over the same pixels. The error does not depend on the exposure. An error of 0.05
+// is 5% of the way from black to white on the screen.
 //
 // Estimate: let m be the mean of n samples and d the scaled half difference of its two independent
 // halves (film.h: E[d^2] = Var[m]). The steps from tone(m) to tone(m + d) and to tone(m - d)
@@ -74,17 +74,17 @@ void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t l
 /// 1 if there are no pixels or all are black.
 float white_from_histogram(const WhiteHistogram& histogram);
 
-HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white) {
-  const float at = tone(mean * inverse_white);
-  const float up = tone((mean + deviation) * inverse_white) - at;
-  const float down = at - tone((mean - deviation) * inverse_white);
+HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white, ToneCurve curve) {
+  const float at = tone(mean * inverse_white, curve);
+  const float up = tone((mean + deviation) * inverse_white, curve) - at;
+  const float down = at - tone((mean - deviation) * inverse_white, curve);
   return 0.5f * (up * up + down * down);
 }
 /// Returns the squared error of one pixel, summed over the colours. Divide it by 3 for the mean.
-HOST_DEVICE float squared_error(const PixelEstimate& e, float inverse_white) {
-  return squared_error(e.mean.x, e.deviation.x, inverse_white) +
-         squared_error(e.mean.y, e.deviation.y, inverse_white) +
-         squared_error(e.mean.z, e.deviation.z, inverse_white);
+HOST_DEVICE float squared_error(const PixelEstimate& e, float inverse_white, ToneCurve curve) {
+  return squared_error(e.mean.x, e.deviation.x, inverse_white, curve) +
+         squared_error(e.mean.y, e.deviation.y, inverse_white, curve) +
+         squared_error(e.mean.z, e.deviation.z, inverse_white, curve);
 }
 
 struct TileError {
@@ -100,7 +100,8 @@ struct ErrorMap {
 
 /// Computes the error of one tile on the host. An engine distributes the tiles over its threads.
 TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_x,
-                     std::uint32_t tile_y, std::uint64_t samples, float white);
+                     std::uint32_t tile_y, std::uint64_t samples, float white,
+                     ToneCurve curve = ToneCurve::kLinear);
 
 /// Returns the error of the whole picture: the square root of the mean over the pixels of the tiles
 /// and their colours. It is infinity below two samples and 0 if no pixel hits contents.

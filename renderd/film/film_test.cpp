@@ -137,6 +137,25 @@ TEST(Tone, MatchesThePowerCurveWithinThreeMillionths) {
   EXPECT_EQ(to_display(0.25f, 4), 255);
 }
 
+TEST(ToneCurve, FilmicRisesToWhiteAndIsInvertible) {
+  float before = -1;
+  for (float x = 0; x <= kFilmWhite; x += 1e-3f) {
+    const double r = static_cast<double>(x);
+    const double exact = r * (2.51 * r + 0.03) / (r * (2.43 * r + 0.59) + 0.14);
+    ASSERT_NEAR(film_curve(x), exact, 1e-6) << x;
+    ASSERT_GT(film_curve(x), before) << x;
+    before = film_curve(x);
+    ASSERT_NEAR(film_radiance(film_curve(x)), r, 2e-5 * (1 + r * r * r)) << x;
+    ASSERT_NEAR(tone(x, ToneCurve::kFilmic), std::pow(exact, 1 / 2.2), 2e-5) << x;
+  }
+  EXPECT_EQ(film_curve(-1), 0);
+  EXPECT_EQ(film_radiance(0), 0);
+  EXPECT_NEAR(film_curve(kFilmWhite), 1, 1e-6);
+  EXPECT_EQ(film_curve(std::numeric_limits<float>::infinity()), film_curve(kFilmWhite));
+  EXPECT_EQ(to_display(kFilmWhite / 4, 4, ToneCurve::kFilmic), 255);
+  EXPECT_LT(to_display(1, 1, ToneCurve::kFilmic), 240) << "there is room for highlights";
+}
+
 TEST(White, IsThe99thPercentileWithinABin) {
   HostFilm film(10'000);
   for (std::uint64_t p = 0; p < 10'000; ++p) {

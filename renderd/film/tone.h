@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "renderd/math/tone_curve.h"
 #include "renderd/math/vector.h"
 
 namespace diaphane::render {
@@ -34,12 +35,15 @@ HOST_DEVICE float gamma_encode(float x) {
   return x > 0x1p-60f ? p * b.f : 0.0f;
 }
 
-/// The display curve: clip(x, 0, 1)^(1/2.2).
-HOST_DEVICE float tone(float x) { return gamma_encode(min(max(x, 0.0f), 1.0f)); }
+/// The display curve: clip(x, 0, 1)^(1/2.2), or film_curve(x)^(1/2.2).
+HOST_DEVICE float tone(float x, ToneCurve curve = ToneCurve::kLinear) {
+  return gamma_encode(curve == ToneCurve::kFilmic ? film_curve(x) : min(max(x, 0.0f), 1.0f));
+}
 
 /// Converts `radiance` times `scale`, for example 2^exposure, to 8 bits by the tone curve.
-HOST_DEVICE std::uint8_t to_display(float radiance, float scale) {
-  return static_cast<std::uint8_t>(tone(radiance * scale) * 255.0f + 0.5f);
+HOST_DEVICE std::uint8_t to_display(float radiance, float scale,
+                                    ToneCurve curve = ToneCurve::kLinear) {
+  return static_cast<std::uint8_t>(tone(radiance * scale, curve) * 255.0f + 0.5f);
 }
 
 }  // namespace diaphane::render

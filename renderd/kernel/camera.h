@@ -12,6 +12,7 @@ namespace diaphane::render {
 struct CameraRay {
   Ray ray;
   Float3 direction;
+  float off_centre;  ///< squared distance from the middle of the picture; 1 in the corners
 };
 
 /// Returns the ray through the point (x, y) of the picture, in pixels from its upper left corner.
@@ -40,6 +41,7 @@ HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float 
     along += on_lens * -c.lens_bend;
   }
   CameraRay r;
+  r.off_centre = 0.5f * (a * a + b * b);
   r.direction = normalize(along);
   r.ray.origin = start * scene.inverse_spacing;
   r.ray.direction = r.direction * scene.inverse_spacing;

@@ -37,16 +37,18 @@ HOST_DEVICE Float3 sample_maps(const LightsView& lights, float u, float v) {
   return map.right * d.x + map.middle * d.y + map.up * d.z;
 }
 
-/// Returns the radiance of a camera ray that leaves the volume; `direction` is a unit vector, mm.
+/// Returns the radiance of a camera ray that leaves the volume; `direction` is a unit vector, mm,
+/// and `off_centre` that of the CameraRay.
 template <Features F, typename Volume>
-HOST_DEVICE Float3 escape_radiance(const SceneView<Volume>& scene, Float3 direction) {
+HOST_DEVICE Float3 escape_radiance(const SceneView<Volume>& scene, Float3 direction,
+                                   float off_centre) {
   if constexpr (F.has(Feature::kTexturedEnvironment)) {
     if (scene.lights.maps_seen) {
       return scene.escape + meet_maps(scene.lights, direction).radiance;
     }
   }
   (void)direction;
-  return scene.escape;
+  return scene.escape + scene.escape_edge * off_centre;
 }
 
 }  // namespace diaphane::render

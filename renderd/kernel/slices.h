@@ -42,18 +42,22 @@ HOST_DEVICE SliceHit nearest_slice(const SceneView<Volume>& scene, const Ray& ra
 }
 
 /// Returns the radiance with which a slice shows a voxel value. The displayed result does not
-/// depend on the exposure. In grey, the screen shows the level of the window, so the tone curve is
-/// inverted (film/tone.h). In colours of the transfer function, it is opacity times diffuse colour,
-/// linear.
+/// depend on the exposure or on the tone curve, which is inverted (film/tone.h). In grey, the
+/// screen shows the level of the window. In colours of the transfer function, it is opacity times
+/// diffuse colour, linear.
 template <typename Volume>
 HOST_DEVICE Float3 slice_radiance(const SceneView<Volume>& scene, float value) {
   const SlicesView& s = scene.slices;
+  const auto shown_as = [&](float y) {
+    return s.curve == ToneCurve::kFilmic ? film_radiance(y) : y;
+  };
   if (s.coloured) {
     const float opacity = extinction_at(scene.transfer, value) * s.per_extinction;
-    return albedo_at(scene.transfer, value) * (opacity * s.white);
+    const Float3 colour = albedo_at(scene.transfer, value) * opacity;
+    return Float3{shown_as(colour.x), shown_as(colour.y), shown_as(colour.z)} * s.white;
   }
   const float grey = min(max((value - s.black_value) * s.per_value, 0.0f), 1.0f);
-  const float radiance = powf(grey, 2.2f) * s.white;
+  const float radiance = shown_as(powf(grey, 2.2f)) * s.white;
   return {radiance, radiance, radiance};
 }
 

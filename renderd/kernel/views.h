@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "renderd/kernel/method.h"
+#include "renderd/math/tone_curve.h"
 #include "renderd/math/vector.h"
 
 // The data that a kernel reads, as plain views without ownership or containers. Their pointers
@@ -236,7 +237,8 @@ struct SlicesView {
   float black_value;     ///< voxel value that is black
   float per_value;       ///< grey level per voxel value above `black_value`
   float per_extinction;  ///< opacity per extinction (mm)
-  float white;           ///< radiance that the display shows as white: 1 over 2^exposure
+  ToneCurve curve;       ///< of the display
+  float white;           ///< 1 over 2^exposure, which the display multiplies by
 };
 
 /// Which numbers of the random sequence the samples of the film use. If several devices average one
@@ -271,6 +273,7 @@ struct SceneView {
   std::uint32_t bounces;        ///< maximum number of collisions of a path, at least 1
   bool roulette;                ///< paths of low weight may end early; unbiased either way
   Float3 escape;                ///< radiance of a camera ray that leaves the volume
+  Float3 escape_edge;           ///< what CameraRay::off_centre adds to it
   std::uint32_t width, height;  ///< of the film
   std::uint32_t first_row, picture_height;  ///< of the picture of which the film is a band
   std::uint64_t seed;

@@ -85,6 +85,12 @@ const Fault kFaults[] = {
     {"phase.g", [](Scene& s) { s.mutable_phase()->set_g(1); }},
     {"phase.g", [](Scene& s) { s.mutable_phase()->set_g(kNan); }},
     {"display.exposure", [](Scene& s) { s.mutable_display()->set_exposure(kInfinity); }},
+    {"display.curve",
+     [](Scene& s) {
+       s.mutable_display()->set_curve(static_cast<diaphane::v1::Display::Curve>(2));
+     }},
+    {"display.backgroundEdge.g",
+     [](Scene& s) { s.mutable_display()->mutable_background_edge()->set_g(kNan); }},
     {"display.background.r",
      [](Scene& s) { s.mutable_display()->mutable_background()->set_r(-1); }},
 };

@@ -60,6 +60,10 @@ PatientAxes patient_axes(const volume::Header& header) {
   return best;
 }
 
+ToneCurve curve_of(const diaphane::v1::Display& display) {
+  return display.curve() == diaphane::v1::Display::FILMIC ? ToneCurve::kFilmic : ToneCurve::kLinear;
+}
+
 SlicesView prepare_slices(const diaphane::v1::Scene& scene, const volume::Header& header) {
   const diaphane::v1::Slices& s = scene.slices();
   const PatientAxes axes = patient_axes(header);
@@ -83,6 +87,7 @@ SlicesView prepare_slices(const diaphane::v1::Scene& scene, const volume::Header
   }
   const double extinction = scene.transfer_function().extinction_per_mm();
   view.per_extinction = extinction > 0 ? static_cast<float>(1 / extinction) : 0.0f;
+  view.curve = curve_of(scene.display());
   view.white = static_cast<float>(std::exp2(-scene.display().exposure()));
   return view;
 }

@@ -18,6 +18,9 @@ struct PatientAxes {
 };
 PatientAxes patient_axes(const volume::Header& header);
 
+/// The tone curve of the display.
+ToneCurve curve_of(const diaphane::v1::Display& display);
+
 /// Omits slices outside the volume.
 SlicesView prepare_slices(const diaphane::v1::Scene& scene, const volume::Header& header);
 bool any_slice(const SlicesView& slices);

@@ -128,7 +128,11 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   out.bounces = std::max(scene.bounces(), 1u);
   out.escape = scene.display().show_environment() ? out.environment
                                                   : colour_of(scene.display().background());
+  if (!scene.display().show_environment() && scene.display().has_background_edge()) {
+    out.escape_edge = colour_of(scene.display().background_edge()) - out.escape;
+  }
   out.exposure_scale = static_cast<float>(std::exp2(scene.display().exposure()));
+  out.curve = curve_of(scene.display());
   using google::protobuf::util::MessageDifferencer;
   if (before != nullptr && before_scene != nullptr &&
       MessageDifferencer::Equals(before_scene->transfer_function(), scene.transfer_function())) {

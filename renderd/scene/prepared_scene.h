@@ -40,9 +40,11 @@ struct PreparedScene {
   float surfaces = 0;         ///< SceneView::surfaces
   std::uint32_t bounces = 1;  ///< SceneView::bounces
   Float3 escape{};
+  Float3 escape_edge{};  ///< as in SceneView
   Canvas canvas;
   Float3 spacing{};          ///< mm
   float exposure_scale = 1;  ///< 2^exposure, by which the display multiplies the radiance
+  ToneCurve curve = ToneCurve::kLinear;  ///< of the display
 };
 
 /// Checks a scene and prepares it for a volume. Fails with kInvalid and the name of the field.
@@ -142,6 +144,7 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .bounces = scene.bounces,
                            .roulette = method.roulette,
                            .escape = scene.escape,
+                           .escape_edge = scene.escape_edge,
                            .width = scene.canvas.width,
                            .height = scene.canvas.height,
                            .first_row = scene.canvas.first_row,

@@ -3,6 +3,7 @@ import { closestMm, farthestMm, type CameraPose } from "../input/camera";
 import { add, length, scale, subtract } from "../input/vec3";
 import { cameraOf, withCamera } from "../protocol/messages";
 import {
+  Display_Curve as DisplayCurve,
   DisplaySchema,
   PhaseSchema,
   Shading_Mode as ShadingMode,
@@ -94,9 +95,15 @@ export const setExposure = (scene: Scene, stops: number): Scene => {
   return { ...scene, display: { ...old, exposure: within(stops, exposureLimits, old.exposure) } };
 };
 
+export const isFilmic = (scene: Scene): boolean => displayOf(scene).curve === DisplayCurve.FILMIC;
+export const setFilmic = (scene: Scene, on: boolean): Scene => ({
+  ...scene,
+  display: { ...displayOf(scene), curve: on ? DisplayCurve.FILMIC : DisplayCurve.LINEAR },
+});
+
 export const setBackground = (scene: Scene, colour: Rgb): Scene => ({
   ...scene,
-  display: { ...displayOf(scene), background: colour, showEnvironment: false },
+  display: { ...displayOf(scene), background: colour, backgroundEdge: undefined, showEnvironment: false },
 });
 export const showEnvironment = (scene: Scene, on: boolean): Scene => ({
   ...scene,

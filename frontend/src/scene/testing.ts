@@ -174,7 +174,9 @@ function checkCamera({ camera }: Scene, check: Findings): void {
 function checkDisplay(scene: Scene, check: Findings): void {
   check.must(Math.abs(scene.phase?.g ?? 0) < 1, "phase");
   check.range(scene.display?.exposure ?? 0, -64, 64, "exposure");
+  check.must([0, 1].includes(scene.display?.curve ?? 0), "curve");
   check.colour(scene.display?.background, 1e15, "background");
+  check.colour(scene.display?.backgroundEdge, 1e15, "backgroundEdge");
   const gradient = scene.shading?.gradientScale ?? 0;
   check.must(gradient === 0 || (gradient >= 1e-9 && gradient <= 1e9), "gradient");
   check.must(Number.isInteger(scene.bounces) && scene.bounces >= 0 && scene.bounces <= 1024, "bounces");

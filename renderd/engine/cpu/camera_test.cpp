@@ -197,6 +197,22 @@ TEST(Orthographic, RaysAreParallelAndStartNearTheBox) {
   }
 }
 
+TEST(Camera, TheBackgroundChangesTowardsThePicturesCorners) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  scene.mutable_display()->set_show_environment(false);
+  scene.mutable_display()->mutable_background()->set_r(0.5);
+  scene.mutable_display()->mutable_background_edge()->set_r(0.1);
+  const auto red_at = [&](float x, float y) {
+    const test::Prepared p(test::constant_volume(8, -1000), scene, {64, 48});
+    return sight_along<Features{}>(p.view(), camera_ray<Features{}>(p.view(), x, y)).behind.x;
+  };
+  EXPECT_FLOAT_EQ(red_at(32, 24), 0.5f);
+  EXPECT_FLOAT_EQ(red_at(0, 48), 0.1f);
+  EXPECT_FLOAT_EQ(red_at(64, 24), 0.3f);
+  scene.mutable_display()->clear_background_edge();
+  EXPECT_FLOAT_EQ(red_at(0, 48), 0.5f);
+}
+
 /// A kernel that supports a lens and parallel rays gives the same picture for a scene with neither.
 TEST(Camera, GeneralKernelGeneratesTheSameRays) {
   const test::Prepared p(tilted_volume(), test::skull_scene(), {64, 48});

@@ -140,6 +140,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     try {
       const Float3 s = prepared->spacing;
       CpuFilm film(threads_, canvas, guided_, std::max({s.x, s.y, s.z}));
+      film.set_curve(prepared->curve);
       picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film),
                                            std::move(memory));
       share_ = {};

@@ -168,7 +168,7 @@ bool CpuFilm::display_denoised(float scale, PictureRgb8& out) {
   threads_.run(size_.height, [&](std::uint32_t y) {
     const std::size_t first = std::size_t{3} * size_.width * y;
     for (std::size_t i = first; i < first + std::size_t{3} * size_.width; ++i) {
-      out.pixels[i] = to_display(picture[i], scale);
+      out.pixels[i] = to_display(picture[i], scale, curve_);
     }
   });
   return true;
@@ -211,7 +211,7 @@ double CpuFilm::error() const {
   threads_.run(tiles_y, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < tiles_x; ++x) {
       tiles[x + std::size_t{tiles_x} * y] =
-          tile_error(view(), size_, x, y, samples_of(kTileSize * y), white_value);
+          tile_error(view(), size_, x, y, samples_of(kTileSize * y), white_value, curve_);
     }
   });
   error_ = total_error(tiles, count_);
@@ -225,9 +225,9 @@ void CpuFilm::display(float scale, PictureRgb8& out) const {
     const std::uint64_t first = std::uint64_t{size_.width} * y;
     for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
       const Float3 mean = estimate_of(view(), pixel, samples_of(y)).mean;
-      out.pixels[3 * pixel] = to_display(mean.x, scale);
-      out.pixels[3 * pixel + 1] = to_display(mean.y, scale);
-      out.pixels[3 * pixel + 2] = to_display(mean.z, scale);
+      out.pixels[3 * pixel] = to_display(mean.x, scale, curve_);
+      out.pixels[3 * pixel + 1] = to_display(mean.y, scale, curve_);
+      out.pixels[3 * pixel + 2] = to_display(mean.z, scale, curve_);
     }
   });
 }

@@ -43,6 +43,11 @@ class CpuFilm {
 
   /// Returns the number of samples of the pixels with the fewest.
   std::uint64_t count() const { return count_; }
+  /// Sets the curve of display() and of the error. The default is linear.
+  void set_curve(ToneCurve curve) {
+    curve_ = curve;
+    error_.reset();
+  }
   Canvas size() const { return size_; }
   /// Returns an upper bound of the memory for a picture of this size, including the guides.
   static std::uint64_t most_bytes(Canvas size, bool guided);
@@ -92,6 +97,7 @@ class CpuFilm {
   std::vector<Guides> guide_samples_;
   std::vector<PackedGuides> guides_;
   float voxel_;
+  ToneCurve curve_ = ToneCurve::kLinear;
   mutable std::optional<double> error_;  ///< empty if not computed since the film changed
 };
 

@@ -149,7 +149,7 @@ TEST(Slices, FollowThePatientAxesForAnyVoxelOrder) {
 }
 
 /// Tests the display bytes of the whole engine.
-TEST(Slices, ShowWindowedGreyRegardlessOfExposure) {
+TEST(Slices, ShowWindowedGreyRegardlessOfExposureAndCurve) {
   const auto engine = make_cpu_engine(1);
   const auto volume = engine->load(test::constant_volume(8, 300)).value();
   for (const double exposure : {-6.0, 0.0, 0.7, 8.0}) {
@@ -160,6 +160,8 @@ TEST(Slices, ShowWindowedGreyRegardlessOfExposure) {
       scene.mutable_slices()->set_window_centre(250);
       scene.mutable_slices()->set_window_width(width);
       scene.mutable_display()->set_exposure(exposure);
+      scene.mutable_display()->set_curve(width < 600 ? diaphane::v1::Display::FILMIC
+                                                     : diaphane::v1::Display::LINEAR);
       const auto renderer = engine->renderer(volume, 1, 0).value();
       ASSERT_TRUE(renderer->set_scene(scene, {8, 8}));
       ASSERT_TRUE(renderer->render(4, nullptr));

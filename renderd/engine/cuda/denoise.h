@@ -25,6 +25,7 @@ struct DenoiseWork {
   float white;
   float voxel;  ///< mm
   float fade;   ///< denoiser_fade(), > 0
+  ToneCurve curve;
   DenoiseBuffers buffers;
 };
 

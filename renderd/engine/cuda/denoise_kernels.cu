@@ -201,7 +201,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
     shown = blended(shown, smoothed_of(filtered[at.pixel]).mean * w.white, share);
   }
   for (int c = 0; c < 3; ++c) {
-    if (rgb != nullptr) rgb[3 * at.pixel + c] = to_display(shown[c], scale);
+    if (rgb != nullptr) rgb[3 * at.pixel + c] = to_display(shown[c], scale, w.curve);
     if (radiance != nullptr) radiance[3 * at.pixel + c] = shown[c];
   }
 }

@@ -251,7 +251,7 @@ Result<double> CudaFilm::error(cudaStream_t stream) const {
   DIAPHANE_TRY(film);
   const auto white_value = white(*film, stream);
   DIAPHANE_TRY(white_value);
-  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / *white_value, tiles_.data(), stream));
+  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / *white_value, curve_, tiles_.data(), stream));
   std::vector<TileError> tiles(tile_count());
   DIAPHANE_TRY(download(tiles.data(), tiles_, tiles.size(), stream));
   return total_error(tiles, samples());
@@ -264,7 +264,7 @@ Result<void> CudaFilm::display(float scale, std::uint8_t* rgb, cudaStream_t stre
   auto* picture_here = beside ? display_.data() : reinterpret_cast<std::uint8_t*>(guides_.data());
   const auto film = picture(stream);
   DIAPHANE_TRY(film);
-  DIAPHANE_CUDA_TRY(display_film(*film, scale, picture_here, stream));
+  DIAPHANE_CUDA_TRY(display_film(*film, scale, curve_, picture_here, stream));
   return read_back(rgb, picture_here, 3 * pixels(), stream);
 }
 
@@ -286,7 +286,7 @@ Result<DenoiseWork> CudaFilm::denoise_work(float voxel, float fade, cudaStream_t
   DIAPHANE_TRY(film);
   const auto white_value = white(*film, stream);
   DIAPHANE_TRY(white_value);
-  return DenoiseWork{*film, guides_.data(), *white_value, voxel, fade, {}};
+  return DenoiseWork{*film, guides_.data(), *white_value, voxel, fade, curve_, {}};
 }
 
 Result<void> CudaFilm::display_denoised(CudaDenoiser& denoiser, float voxel, float fade,

@@ -32,6 +32,8 @@ class CudaFilm {
   /// Changes the canvas. No work may use the film any more, and clear() must follow. Does not
   /// allocate or free memory, which would delay every session of the device.
   void reshape(Canvas canvas);
+  /// Sets the curve of display() and of the error. The default is linear.
+  void set_curve(ToneCurve curve) { curve_ = curve; }
 
   Canvas canvas() const { return canvas_; }
   std::uint64_t pixels() const { return std::uint64_t{canvas_.width} * canvas_.height; }
@@ -114,6 +116,7 @@ class CudaFilm {
   DeviceBuffer<std::uint64_t> dropped_;
   DeviceBuffer<PackedGuides> guides_;
   bool guided_ = false;
+  ToneCurve curve_ = ToneCurve::kLinear;
   // Buffers that are allocated when first needed and are not part of the film's state.
   mutable DeviceBuffer<std::uint64_t> by_stripe_;
   mutable DeviceBuffer<std::uint64_t> counts_;  ///< kWhiteCounts

@@ -43,7 +43,7 @@ __global__ void histogram_kernel(FilmPicture p, std::uint64_t* counts) {
 
 /// One block sums one tile, with one thread per pixel. The sum is a tree, so that its order and its
 /// bits are always the same.
-__global__ void tile_kernel(FilmPicture p, float inverse_white, TileError* tiles) {
+__global__ void tile_kernel(FilmPicture p, float inverse_white, ToneCurve curve, TileError* tiles) {
   static_assert(kTileSize * kTileSize == kBlock);
   __shared__ float squared[kBlock];
   __shared__ std::uint32_t counted[kBlock];
@@ -55,7 +55,7 @@ __global__ void tile_kernel(FilmPicture p, float inverse_white, TileError* tiles
   if (x < p.width && y < p.height) {
     const PixelEstimate e = estimate_at(p, x + std::uint64_t{p.width} * y);
     if (e.hit_medium) {
-      squared[t] = squared_error(e, inverse_white);
+      squared[t] = squared_error(e, inverse_white, curve);
       counted[t] = 1;
     }
   }
@@ -69,13 +69,13 @@ __global__ void tile_kernel(FilmPicture p, float inverse_white, TileError* tiles
   if (t == 0) tiles[blockIdx.x + gridDim.x * blockIdx.y] = {squared[0], counted[0]};
 }
 
-__global__ void display_kernel(FilmPicture p, float scale, std::uint8_t* rgb) {
+__global__ void display_kernel(FilmPicture p, float scale, ToneCurve curve, std::uint8_t* rgb) {
   const std::uint64_t pixel = thread_index();
   if (pixel >= std::uint64_t{p.width} * p.height) return;
   const Float3 mean = estimate_at(p, pixel).mean;
-  rgb[3 * pixel] = to_display(mean.x, scale);
-  rgb[3 * pixel + 1] = to_display(mean.y, scale);
-  rgb[3 * pixel + 2] = to_display(mean.z, scale);
+  rgb[3 * pixel] = to_display(mean.x, scale, curve);
+  rgb[3 * pixel + 1] = to_display(mean.y, scale, curve);
+  rgb[3 * pixel + 2] = to_display(mean.z, scale, curve);
 }
 
 __global__ void mean_kernel(FilmPicture p, std::uint64_t first, std::uint64_t count, float* rgb) {
@@ -118,17 +118,17 @@ cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts,
   return cudaGetLastError();
 }
 
-cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, TileError* tiles,
-                        cudaStream_t stream) {
+cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, ToneCurve curve,
+                        TileError* tiles, cudaStream_t stream) {
   const dim3 grid((picture.width + kTileSize - 1) / kTileSize,
                   (picture.height + kTileSize - 1) / kTileSize);
-  tile_kernel<<<grid, kBlock, 0, stream>>>(picture, inverse_white, tiles);
+  tile_kernel<<<grid, kBlock, 0, stream>>>(picture, inverse_white, curve, tiles);
   return cudaGetLastError();
 }
 
-cudaError_t display_film(const FilmPicture& picture, float scale, std::uint8_t* rgb,
-                         cudaStream_t stream) {
-  display_kernel<<<blocks_for(pixels_of(picture)), kBlock, 0, stream>>>(picture, scale, rgb);
+cudaError_t display_film(const FilmPicture& picture, float scale, ToneCurve curve,
+                         std::uint8_t* rgb, cudaStream_t stream) {
+  display_kernel<<<blocks_for(pixels_of(picture)), kBlock, 0, stream>>>(picture, scale, curve, rgb);
   return cudaGetLastError();
 }
 

@@ -76,36 +76,42 @@ TEST_F(CudaFilmTest, DropsAndCountsNonFiniteSamples) {
   }
 }
 
-TEST_F(CudaFilmTest, ErrorMatchesTheHost) {
+TEST_F(CudaFilmTest, ErrorMatchesTheHostThroughEitherCurve) {
   WhiteHistogram histogram;
   count_white(host(), 0, kPixels, film_.samples(), histogram);
   const float white = white_from_histogram(histogram);
-  std::vector<TileError> tiles;
-  for (std::uint32_t y = 0; y < (kCanvas.height + kTileSize - 1) / kTileSize; ++y) {
-    for (std::uint32_t x = 0; x < (kCanvas.width + kTileSize - 1) / kTileSize; ++x) {
-      tiles.push_back(tile_error(host(), kCanvas, x, y, film_.samples(), white));
+  for (const ToneCurve curve : {ToneCurve::kLinear, ToneCurve::kFilmic}) {
+    std::vector<TileError> tiles;
+    for (std::uint32_t y = 0; y < (kCanvas.height + kTileSize - 1) / kTileSize; ++y) {
+      for (std::uint32_t x = 0; x < (kCanvas.width + kTileSize - 1) / kTileSize; ++x) {
+        tiles.push_back(tile_error(host(), kCanvas, x, y, film_.samples(), white, curve));
+      }
     }
+    const double expected = total_error(tiles, film_.samples());
+    film_.set_curve(curve);
+    const auto error = film_.error(stream_.get());
+    ASSERT_TRUE(error);
+    EXPECT_NEAR(*error, expected, 1e-5 * expected);
   }
-  const double expected = total_error(tiles, film_.samples());
-  const auto error = film_.error(stream_.get());
-  ASSERT_TRUE(error);
-  EXPECT_NEAR(*error, expected, 1e-5 * expected);
 }
 
 TEST_F(CudaFilmTest, ImageMatchesTheHostWithinOneLevel) {
   std::vector<std::uint8_t> picture(3 * kPixels);
-  ASSERT_TRUE(film_.display(0.25f, picture.data(), stream_.get()));
-  std::size_t other = 0;
-  for (std::size_t i = 0; i < kPixels; ++i) {
-    const Float3 mean = estimate_of(host(), i, film_.samples()).mean;
-    for (int c = 0; c < 3; ++c) {
-      const int expected = to_display(mean[c], 0.25f);
-      ASSERT_NEAR(picture[3 * i + c], expected, 1);
-      other += picture[3 * i + c] != expected;
+  for (const ToneCurve curve : {ToneCurve::kLinear, ToneCurve::kFilmic}) {
+    film_.set_curve(curve);
+    ASSERT_TRUE(film_.display(0.25f, picture.data(), stream_.get()));
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < kPixels; ++i) {
+      const Float3 mean = estimate_of(host(), i, film_.samples()).mean;
+      for (int c = 0; c < 3; ++c) {
+        const int expected = to_display(mean[c], 0.25f, curve);
+        ASSERT_NEAR(picture[3 * i + c], expected, 1);
+        other += picture[3 * i + c] != expected;
+      }
     }
+    // Rounding makes a difference only for values within 1e-4 of the border between two levels.
+    EXPECT_LT(other, 3 * kPixels / 500);
   }
-  // Rounding makes a difference only for values within 1e-4 of the border between two levels.
-  EXPECT_LT(other, 3 * kPixels / 500);
 }
 
 TEST_F(CudaFilmTest, NormalizesEachRowByItsOwnSampleCount) {

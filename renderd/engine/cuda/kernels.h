@@ -37,12 +37,12 @@ struct FilmPicture {
 cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts, cudaStream_t stream);
 
 /// Writes one entry per tile of kTileSize, rows from the top.
-cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, TileError* tiles,
-                        cudaStream_t stream);
+cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, ToneCurve curve,
+                        TileError* tiles, cudaStream_t stream);
 
 /// Writes 3 numbers per pixel.
-cudaError_t display_film(const FilmPicture& picture, float scale, std::uint8_t* rgb,
-                         cudaStream_t stream);
+cudaError_t display_film(const FilmPicture& picture, float scale, ToneCurve curve,
+                         std::uint8_t* rgb, cudaStream_t stream);
 /// Writes the means of the pixels [first, first + count).
 cudaError_t mean_of_film(const FilmPicture& picture, std::uint64_t first, std::uint64_t count,
                          float* rgb, cudaStream_t stream);

@@ -164,6 +164,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   }
   if (film) film_ = std::move(film);
   film_->reshape(canvas);
+  film_->set_curve(prepared->curve);
   DIAPHANE_TRY(upload_tables(*prepared));
   // If there is no memory for guides, pictures are raw.
   if (!film_->keep_guides(guided_)) DIAPHANE_TRY(film_->keep_guides(false));

@@ -9,6 +9,13 @@ const known: Readonly<Record<string, string>> = {
   vessels: "Gefäße",
   bone: "Knochen",
   airways: "Luftwege",
+  tendon: "Sehnen",
+  "spongy bone": "Schwammiger Knochen",
+  enamel: "Dichtester Knochen und Zähne",
+  surface: "Oberfläche",
+  dark: "Dunkle Teile",
+  middle: "Mittelhelle Teile",
+  bright: "Helle Teile",
   key: "Hauptlicht",
   fill: "Aufhellung",
   rim: "Kantenlicht",
@@ -143,6 +150,7 @@ export const settings: Texts["settings"] = {
 
   lens: {
     exposure: "Belichtung",
+    filmic: "Lichter wie auf Film",
     stops: "EV",
     fov: "Bildwinkel",
     projection: "Projektion",

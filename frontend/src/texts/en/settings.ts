@@ -8,6 +8,13 @@ const known: Readonly<Record<string, string>> = {
   vessels: "Vessels",
   bone: "Bone",
   airways: "Airways",
+  tendon: "Tendons",
+  "spongy bone": "Spongy bone",
+  enamel: "Densest bone and teeth",
+  surface: "Surface",
+  dark: "Dark parts",
+  middle: "Middle grey parts",
+  bright: "Bright parts",
   key: "Main light",
   fill: "Fill light",
   rim: "Rim light",
@@ -142,6 +149,7 @@ export const settings = {
 
   lens: {
     exposure: "Exposure",
+    filmic: "Film-like highlights",
     stops: "EV",
     fov: "Field of view",
     projection: "Projection",

@@ -59,6 +59,7 @@ function ExposureControls({ scene, edits }: LensPartProps) {
         rest={edits.rest}
         change={edits.live("exposure", lens.setExposure)}
       />
+      <Switch label={text.filmic} on={lens.isFilmic(scene)} change={edits.once("curve", lens.setFilmic)} />
       <ColourControl
         label={text.background}
         value={scene.display?.background}
