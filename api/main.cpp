@@ -1,6 +1,7 @@
 // diaphane-api: the REST API. Wiring only.
 #include <sodium.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -86,6 +87,7 @@ struct Settings {
   std::uint16_t api_port = 0, admin_port = 0;
   DataSets::Options data_sets;
   std::int64_t export_total_bytes = 0;
+  std::chrono::milliseconds background{5000};
   int visitor_percent = kVisitorPercent;
   wire::InnerTls tls;
 };
@@ -129,6 +131,9 @@ Settings read_settings(ConfigReader& in) {
       in.integer("exports-mb", "maximum disk space for all exports together, in MiB", 1, 10'000'000,
                  20'480)
       << 20;
+  s.background = std::chrono::milliseconds(
+      in.integer("background-ms", "maximum time between two runs of a background task, in ms", 50,
+                 5000, 5000));
   const std::string token_file =
       in.text("sample-token", "file with the token that allows uploading the public sample", "");
   if (!token_file.empty()) {
@@ -250,15 +255,18 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   Mailer mailer(mail_store, **transport, clock);
   Disposer disposer(data_set_store, files, thumbnails, preset_pictures, settings.volume_dir,
                     export_dir);
-  Periodic send_mails("mail", 2s, [&] {
+  const auto at_most = [&](std::chrono::milliseconds period) {
+    return std::min(period, settings.background);
+  };
+  Periodic send_mails("mail", at_most(2s), [&] {
     const auto [sent, failed] = mailer.send_due();
     metrics.mails(sent, failed);
   });
-  Periodic make_pictures("preset thumbnails", 5s, [&] {
+  Periodic make_pictures("preset thumbnails", at_most(5s), [&] {
     while (preset_pictures.make_next()) {
     }
   });
-  Periodic dispose("disposal", 5s, [&] {
+  Periodic dispose("disposal", at_most(5s), [&] {
     (void)data_set_store.expire_uploads(clock.wall());
     const int gone = disposer.dispose();
     metrics.disposed(gone);
@@ -266,15 +274,15 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     // Removes partial volumes that a killed ingestd left behind, even while no ingestd runs.
     (void)volume::sweep_unfinished(settings.volume_dir);
   });
-  Periodic end_visits("visits", 5s, [&] { visits.expire(); });
-  Periodic end_browsers("expired web sessions", 5s,
+  Periodic end_visits("visits", at_most(5s), [&] { visits.expire(); });
+  Periodic end_browsers("expired web sessions", at_most(5s),
                         [&] { account_changes.end_expired_browsers(); });
   Periodic tidy("tidying", 10min, [&] {
     (void)account_store.tidy(clock.wall());
     (void)recording_store.expire(clock.wall());
   });
-  Periodic count_render_time("rendering time", 2s, [&] { render_time.poll(); });
-  Periodic make_exports("exports", 2s, [&] { exports.poll(); });
+  Periodic count_render_time("rendering time", at_most(2s), [&] { render_time.poll(); });
+  Periodic make_exports("exports", at_most(2s), [&] { exports.poll(); });
   exports.on_request([&] { make_exports.wake(); });
   deletion.on_removal([&] {
     dispose.wake();

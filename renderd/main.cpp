@@ -56,6 +56,7 @@ struct Settings {
   std::size_t slots = 0;
   int visitor_percent = kVisitorPercent;
   double max_error = 0;
+  std::uint32_t still_samples = StillService::kMostSamples;
   std::uint64_t volume_bytes = 0;
   std::uint64_t texture_bytes = 0;
   std::string copies_dir;
@@ -197,6 +198,10 @@ Settings read_settings(ConfigReader& in) {
   if (end == error.c_str() || *end != '\0' || !(settings.max_error > 0 && settings.max_error < 1)) {
     in.mistake("--max-error must be a number between 0 and 1");
   }
+  settings.still_samples = static_cast<std::uint32_t>(
+      in.integer("still-samples",
+                 "maximum samples per pixel of a picture without a session, such as a thumbnail", 1,
+                 StillService::kMostSamples, StillService::kMostSamples));
   const std::string policy = in.one_of(
       "schedule", "scheduling policy, which decides which session is rendered next",
       {"marginal-gain", "error-proportional", "round-robin", "free-for-all"}, "marginal-gain");
@@ -361,6 +366,7 @@ int run(int argc, char** argv) {
   worker_options.host.mark_frames = settings.mark_frames;
   worker_options.runner.rules.target_error = settings.max_error;
   worker_options.policy = settings.policy;
+  worker_options.still_samples = settings.still_samples;
   worker_options.runner.device_lost = leave_broken_device;
   RenderWorker worker(worker_options, std::move(*engine), metrics, clock);
 

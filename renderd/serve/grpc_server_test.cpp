@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <future>
 #include <map>
 #include <thread>
 
@@ -240,6 +241,31 @@ TEST_F(GrpcTest, RendersStillWithErrorAndLimits) {
   grpc::ClientContext third;
   EXPECT_EQ(stub->RenderStill(&third, request, &reply).error_code(),
             grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(GrpcTest, LimitsTheSamplesOfStills) {
+  RenderWorker::Options options;
+  options.volume_dir = store.path;
+  options.still_samples = 2;
+  RenderWorker thrifty(options, std::move(*make_engine(EngineChoice::kCpu, 2)), metrics, clock);
+  v1::StillRequest request;
+  request.set_volume_id(volume);
+  request.set_preset("bone");
+  request.set_width(64);
+  request.set_height(64);
+  const auto picture = [&](StillService& stills, std::uint32_t samples) {
+    request.set_samples(samples);
+    std::promise<std::string> done;
+    stills.render(request, std::make_shared<const std::atomic<bool>>(false),
+                  [&](Result<v1::StillReply> reply) {
+                    done.set_value(reply ? reply->jpeg() : reply.error().message);
+                  });
+    return done.get_future().get();
+  };
+  const std::string two = picture(worker->stills(), 2);
+  EXPECT_EQ(picture(thrifty.stills(), 32), two);
+  EXPECT_NE(picture(worker->stills(), 32), two);
+  thrifty.stop();
 }
 
 TEST_F(GrpcTest, LimitsPendingStills) {

@@ -93,7 +93,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
                                           stats_, SliceParts{*voxels_, *slicers_}, *textures_,
                                           metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
-                                             clock)),
+                                             clock, options.still_samples)),
       assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
                                             *runner_, *volumes_)),
       watching_([this](const std::stop_token& stop) { watch_store(stop); }) {

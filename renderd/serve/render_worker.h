@@ -23,6 +23,7 @@ class RenderWorker {
     std::uint64_t volume_bytes = std::uint64_t{4} << 30;  ///< limit for loaded volumes
     std::shared_ptr<volume::NodeCache> copies;            ///< on a disk of this node; may be null
     unsigned encoder_threads = 1;
+    std::uint32_t still_samples = StillService::kMostSamples;  ///< maximum per pixel
     SessionHost::Options host;
     Runner::Options runner;  ///< without what the engine reports about its device
     PolicyKind policy = PolicyKind::kMarginalGain;

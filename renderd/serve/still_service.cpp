@@ -1,5 +1,6 @@
 #include "renderd/serve/still_service.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "common/ids.h"
@@ -102,7 +103,7 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   if (!renderer) return order->answer(tl::unexpected(renderer.error()));
   job.renderer = std::move(*renderer);
   job.canvas = order->canvas;
-  job.samples = order->request.samples();
+  job.samples = std::min(order->request.samples(), most_samples_);
   job.error = order->request.error();
   const bool background = order->request.background();
   job.rank = background ? StillRank::kBackground : StillRank::kAwaited;

@@ -21,14 +21,16 @@ class StillService {
   static constexpr int kPending = 16;
   static constexpr std::uint32_t kMostSamples = 4096;
 
+  /// `most_samples`: no picture gets more samples per pixel, whatever is requested.
   StillService(Engine& engine, Runner& runner, EncodePool& encoders, VolumeCache& volumes,
-               Metrics& metrics, const Clock& clock)
+               Metrics& metrics, const Clock& clock, std::uint32_t most_samples = kMostSamples)
       : engine_(engine),
         runner_(runner),
         encoders_(encoders),
         volumes_(volumes),
         metrics_(metrics),
-        clock_(clock) {}
+        clock_(clock),
+        most_samples_(most_samples) {}
 
   /// `done` is called once, from any thread, possibly before this returns. kTooMany: the queue is
   /// full. `cancelled` is set when the caller no longer waits.
@@ -45,6 +47,7 @@ class StillService {
   VolumeCache& volumes_;
   Metrics& metrics_;
   const Clock& clock_;
+  const std::uint32_t most_samples_;
   // Shared with the orders, because the last of them may outlive this object.
   const std::shared_ptr<std::atomic<int>> pending_ = std::make_shared<std::atomic<int>>(0);
 };
