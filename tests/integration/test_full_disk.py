@@ -84,6 +84,7 @@ def wait_through(stack, disk: Disk, done: Callable[[], object], told: Callable[[
         if not done():
             whole()
         disk.make_room()
+        stack.psql("UPDATE ingest_jobs SET not_before = now()")  # as if the pause of a waiting job were over
     stack.wait_until(done, 30, "the end")
     disk.make_room()  # later steps are not tested
 

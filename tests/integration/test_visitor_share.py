@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+from typing import Callable
 
 import pytest
 from api_client import client, forget_attempts, person, problem
@@ -48,15 +49,23 @@ def worker_counts(stack, **expected: int) -> bool:
     return [int(one or -1) for one in told] == list(expected.values())
 
 
-def fill(stack, count: int) -> list[Viewer]:
-    """Opens this many sessions of other users with accounts, each with a viewer."""
+def fill(stack, count: int) -> tuple[list[Viewer], Callable[[], None]]:
+    """Opens this many sessions of another user with an account, each with a viewer. Also returns a function that ends them,
+    because a worker keeps an abandoned session for half a minute."""
     somebody = person(stack)
     seen = store_ball(stack, somebody, 24)
-    viewers = []
+    viewers, sessions = [], []
     for _ in range(count):
-        viewers.append(Viewer(stack.url, open_session(somebody, seen)[1], side=32))
+        session, url = open_session(somebody, seen)
+        sessions.append(session)
+        viewers.append(Viewer(stack.url, url, side=32))
         viewers[-1].frame()
-    return viewers
+
+    def end() -> None:
+        for session in sessions:
+            assert somebody.http.delete(f"/v1/sessions/{session}").status_code == 204
+
+    return viewers, end
 
 
 def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, owner, ball):
@@ -83,7 +92,7 @@ def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, 
     assert (own, refused) == (SHARE, SLOTS - SHARE)
     stack.wait_until(lambda: worker_counts(stack, used=1 + SHARE, visitors=SHARE), what="what the worker tells")
     # Every user with an account finds a slot, finally those of the guests' cameras.
-    others = fill(stack, SLOTS - 1)
+    others, end_others = fill(stack, SLOTS - 1)
     told = guests[0].until("problem", condition=lambda said: said.field == "own_camera_taken")
     assert not told.fatal
     guests[0].frame()  # the presenter's picture
@@ -92,6 +101,7 @@ def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, 
     for viewer in (*others, presenter, *guests):
         viewer.leave()
     owner.http.delete(f"/v1/sessions/{session}")
+    end_others()
     stack.wait_until(lambda: worker_counts(stack, used=0), timeout=90, what="an empty worker")
 
 
@@ -103,7 +113,7 @@ def test_visits_from_one_address_leave_account_holders_their_slots(stack, owner,
     for viewer in visitors:
         viewer.frame()
     stack.wait_until(lambda: worker_counts(stack, visitors=SHARE), what="what the worker tells")
-    holders = fill(stack, SLOTS)
+    holders, _ = fill(stack, SLOTS)
     assert [viewer.close_code() for viewer in visitors] == [4411] * SHARE
     problem(visit(stack, sample), 503, "no-worker")
     for viewer in holders:
