@@ -17,7 +17,6 @@ struct EmissionInput {
   bool room = true;           ///< the encoder slot is free and the connection keeps up
 };
 /// The old name, which the runner still uses.
-using EmissionQuestion = EmissionInput;
 
 /// Decides whether the accumulated picture is shown. Pure. It is shown in these cases:
 /// - The epoch has a first sample.

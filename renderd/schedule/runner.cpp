@@ -135,7 +135,7 @@ std::chrono::nanoseconds Runner::next_rest() const {
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
   for (const auto& entry : entries_) {
     if (entry->under_way) continue;
-    const Wanted& wanted = entry->ledger.wanted();
+    const ViewRequest& wanted = entry->ledger.wanted();
     if (!entry->ledger.moving() || !wanted.visible) continue;
     const Seconds rest = Seconds(kRestSeconds) - (now - wanted.last_input);
     wait = std::min(wait, std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -424,7 +424,7 @@ void Runner::show_if_due(WorkItem& item) {
   if (question && should_emit(*question)) show(item, *question);
 }
 
-void Runner::show(WorkItem& item, const EmissionQuestion& question) {
+void Runner::show(WorkItem& item, const EmissionInput& question) {
   SessionEntry& entry = *item.entry;
   Ledger& ledger = entry.ledger;
   if (entry.gone) return;

@@ -18,7 +18,7 @@
 #include "renderd/schedule/policy.h"
 #include "renderd/schedule/progress_monitor.h"
 #include "renderd/schedule/still_scheduling.h"
-#include "renderd/session/wanted.h"
+#include "renderd/session/view_request.h"
 
 namespace diaphane::render {
 
@@ -131,7 +131,7 @@ class Runner {
   bool render(WorkItem& item, ProgressMonitor::Work& work);
   void rendered(WorkItem& item);
   void show_if_due(WorkItem& item);
-  void show(WorkItem& item, const EmissionQuestion& question);
+  void show(WorkItem& item, const EmissionInput& question);
   void carry_out_still(WorkItem& item, ProgressMonitor::Work& work);
   void render_still(WorkItem& item, ProgressMonitor::Work& work);
   void finish_still(WorkItem& item, ProgressMonitor::Work& work);

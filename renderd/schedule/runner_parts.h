@@ -45,9 +45,9 @@ struct Runner::PendingStill {
 // A unit of work for a lane, and its results.
 struct Runner::WorkItem {
   std::shared_ptr<SessionEntry> entry;
-  std::uint32_t samples = 0;                 // 0: only makes a picture that is due
-  std::optional<EmissionQuestion> question;  // for that picture
-  std::shared_ptr<PendingStill> still;       // set instead of `entry`
+  std::uint32_t samples = 0;              // 0: only makes a picture that is due
+  std::optional<EmissionInput> question;  // for that picture
+  std::shared_ptr<PendingStill> still;    // set instead of `entry`
   double fill = 1;
   /// On a device that does not queue, this item pauses items of lower precedence. Guarded by the
   /// runner's lock once the item is in flight, like the next two.

@@ -139,10 +139,10 @@ def test_each_program_works_with_a_certificate_of_its_role_and_a_wrong_one_is_re
 
 
 @pytest.mark.parametrize("program", ROLES)
-def test_a_program_whose_certificate_lacks_its_role_says_so_and_does_not_start(stack_house, ours, program):
+def test_a_program_whose_certificate_lacks_its_role_says_so_and_does_not_start(all_stacks, ours, program):
     folder = ours
     other = next(role for role in ROLES if role != program)
-    binary = stack_house.layout().bin / f"diaphane-{program}"
+    binary = all_stacks.layout().bin / f"diaphane-{program}"
 
     def said(certificate: tuple[str, str], **more: str) -> str:
         """Returns the errors about settings. Missing settings are included, so nothing starts."""
