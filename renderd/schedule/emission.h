@@ -16,7 +16,6 @@ struct EmissionInput {
   bool wanted_again = false;  ///< a viewer returned, or their input changed nothing
   bool room = true;           ///< the encoder slot is free and the connection keeps up
 };
-/// The old name, which the runner still uses.
 
 /// Decides whether the accumulated picture is shown. Pure. It is shown in these cases:
 /// - The epoch has a first sample.

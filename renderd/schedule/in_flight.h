@@ -33,7 +33,7 @@ class InFlight {
     filled_ = rendering_ == 0 ? 0 : std::max(filled_ - fill, 0.0);
   }
   /// Raises the precedence of a quantum. Returns what has to be added to its own_seconds() from
-  /// then on, so that they go on from their value before.
+  /// then on, so that they continue from their earlier value.
   double raise(Time now, unsigned from, unsigned to) {
     pass(now);
     --levels_[from].count;
