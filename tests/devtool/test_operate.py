@@ -41,7 +41,7 @@ def reasons() -> set[str]:
 
 
 def events() -> set[str]:
-    told = re.findall(r"events_\.tell\(\{(.*?)\}", (REPO / "operator" / "act" / "carry_out.cpp").read_text(encoding="utf-8"), re.DOTALL)
+    told = re.findall(r"events_\.record\(\{(.*?)\}", (REPO / "operator" / "act" / "carry_out.cpp").read_text(encoding="utf-8"), re.DOTALL)
     assert len(told) >= 4
     return {re.findall(r'"([A-Z]\w+)"', one.replace('"RenderFleet"', "").replace('"RenderWorker"', ""))[0] for one in told}
 
