@@ -22,7 +22,7 @@ template <Features F, typename Volume>
 HOST_DEVICE PrimaryHit primary_hit(const SceneView<Volume>& scene, const CameraRay& camera) {
   const Ray& ray = camera.ray;
   PrimaryHit primary{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}),
-              escape_radiance<F>(scene, camera.direction, camera.off_centre), false};
+                     escape_radiance<F>(scene, camera.direction, camera.off_centre), false};
   primary.span = clip_span<F>(scene, ray, primary.span, RayKind::kCamera);
   if constexpr (F.has(Feature::kSlices)) {
     const SliceHit hit = nearest_slice<F>(scene, ray);
