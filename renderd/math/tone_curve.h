@@ -23,9 +23,9 @@ inline constexpr float kFilmWhite = 7.24165739f;
 
 /// Returns the filmic curve, in [0, 1].
 HOST_DEVICE float film_curve(float x) {
-  x = smaller(larger(x, 0.0f), kFilmWhite);
+  x = min(max(x, 0.0f), kFilmWhite);
   const float y = x * (kFilmA * x + kFilmB) / (x * (kFilmC * x + kFilmD) + kFilmE);
-  return smaller(y, 1.0f);
+  return min(y, 1.0f);
 }
 
 /// Returns the radiance that film_curve() maps to `y` in [0, 1].
