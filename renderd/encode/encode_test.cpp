@@ -150,41 +150,47 @@ TEST(EncodePool, DestructorRunsQueuedAndNewlyPostedJobs) {
   EXPECT_EQ(done, 102);
 }
 
-TEST(EncodePool, SmallPicturesOvertakeLargerOnesThatCameJustBefore) {
-  std::latch queued(1);
-  std::vector<std::string> order;
-  {
-    EncodePool pool(1);
-    pool.post(EncodePool::Urgency::kNow, [&] { queued.wait(); });
-    const auto note = [&](const char* name, std::size_t pixels) {
-      pool.post(
-          EncodePool::Urgency::kNow, [&order, name] { order.emplace_back(name); }, pixels);
-    };
-    // The pool has one thread for this urgency, which is busy, so no lock is needed.
-    note("first large", EncodePool::kSmallPixels);
-    note("second large", EncodePool::kSmallPixels);
-    note("small", EncodePool::kSmallPixels / 20);
-    queued.count_down();
+/// Posts jobs to a thread that is busy until start(), and notes the order in which they run.
+class HeldPool {
+ public:
+  HeldPool() {
+    pool_.post(EncodePool::Urgency::kNow, [this] { started_.wait(); });
   }
-  EXPECT_EQ(order, (std::vector<std::string>{"small", "first large", "second large"}));
+  void post(const char* name, std::size_t pixels) {
+    // The pool has one thread for this urgency, so no lock is needed.
+    pool_.post(
+        EncodePool::Urgency::kNow, [this, name] { order_.emplace_back(name); }, pixels);
+  }
+  /// Starts the jobs, and returns their names once all have run.
+  std::vector<std::string> run() {
+    std::promise<void> last;
+    pool_.post(
+        EncodePool::Urgency::kNow, [&] { last.set_value(); }, 1000 * EncodePool::kSmallPixels);
+    started_.count_down();
+    last.get_future().wait();
+    return order_;
+  }
+
+ private:
+  std::latch started_{1};
+  std::vector<std::string> order_;
+  EncodePool pool_{1};  // destroyed first, because its jobs use the others
+};
+
+TEST(EncodePool, SmallPicturesOvertakeLargerOnesThatCameJustBefore) {
+  HeldPool pool;
+  pool.post("first large", EncodePool::kSmallPixels);
+  pool.post("second large", EncodePool::kSmallPixels);
+  pool.post("small", EncodePool::kSmallPixels / 20);
+  EXPECT_EQ(pool.run(), (std::vector<std::string>{"small", "first large", "second large"}));
 }
 
 TEST(EncodePool, LargerPicturesAreNotOvertakenForLong) {
-  std::latch queued(1);
-  std::vector<std::string> order;
-  {
-    EncodePool pool(1);
-    pool.post(EncodePool::Urgency::kNow, [&] { queued.wait(); });
-    const auto note = [&](const char* name, std::size_t pixels) {
-      pool.post(
-          EncodePool::Urgency::kNow, [&order, name] { order.emplace_back(name); }, pixels);
-    };
-    note("large", EncodePool::kSmallPixels);
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    note("small", EncodePool::kSmallPixels / 20);
-    queued.count_down();
-  }
-  EXPECT_EQ(order, (std::vector<std::string>{"large", "small"}));
+  HeldPool pool;
+  pool.post("large", EncodePool::kSmallPixels);
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  pool.post("small", EncodePool::kSmallPixels / 20);
+  EXPECT_EQ(pool.run(), (std::vector<std::string>{"large", "small"}));
 }
 
 TEST(EncodePool, DeferredWorkRunsAtALowerPriority) {
