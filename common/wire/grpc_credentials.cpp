@@ -4,7 +4,6 @@
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <vector>
@@ -72,7 +71,7 @@ grpc::Status require_role(const grpc::CallbackServerContext& call, Role role, co
        call.auth_context()->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME)) {
     uris.emplace_back(uri.data(), uri.size());
   }
-  if (std::find(uris.begin(), uris.end(), role_uri(role)) != uris.end()) return grpc::Status::OK;
+  if (has_role(uris, role)) return grpc::Status::OK;
   const std::string why = method + " requires a certificate with the role " +
                           std::string(to_string(role)) + " (URI " + role_uri(role) +
                           "), and the caller's certificate has " + describe_roles(uris) +

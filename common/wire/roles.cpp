@@ -33,10 +33,14 @@ std::string_view to_string(Role role) {
 
 std::string role_uri(Role role) { return "spiffe://diaphane/" + std::string(to_string(role)); }
 
+bool has_role(const std::vector<std::string>& uris, Role role) {
+  return std::find(uris.begin(), uris.end(), role_uri(role)) != uris.end();
+}
+
 std::string describe_roles(const std::vector<std::string>& uris) {
   std::string names;
   for (const Role role : kRoles) {
-    if (std::find(uris.begin(), uris.end(), role_uri(role)) == uris.end()) continue;
+    if (!has_role(uris, role)) continue;
     names += (names.empty() ? "the role " : ", ") + std::string(to_string(role));
   }
   return names.empty() ? "no role" : names;
@@ -68,7 +72,7 @@ Result<std::vector<std::string>> uris_of(const std::string& certificate_file) {
 Result<void> check_role(const std::string& certificate_file, Role role) {
   const auto uris = uris_of(certificate_file);
   DIAPHANE_TRY(uris);
-  if (std::find(uris->begin(), uris->end(), role_uri(role)) != uris->end()) return {};
+  if (has_role(*uris, role)) return {};
   return fail(ErrorCode::kInvalid,
               certificate_file + " has " + describe_roles(*uris) + ", but this program needs " +
                   "the role " + std::string(to_string(role)) + ". Issue it with the URI " +

@@ -17,6 +17,9 @@ std::string_view to_string(Role role);
 /// "spiffe://diaphane/gateway"
 std::string role_uri(Role role);
 
+/// Whether one of a certificate's URIs is that of the role.
+bool has_role(const std::vector<std::string>& uris, Role role);
+
 /// Returns the roles among `uris`, in words for a message: "no role" or "the role api".
 std::string describe_roles(const std::vector<std::string>& uris);
 

@@ -173,8 +173,8 @@ class Runner {
   double still_seconds_due_ = 0;  // device time owed to stills
   double busy_told_ = 0;          // busy seconds up to which still_seconds_due_ is computed
   // Destroyed before the members that their work uses. On the CPU, work that a user waits for has
-  // lanes of its own, so that it neither waits for paused work to free one nor
-  // shares the processor evenly with other work.
+  // lanes of its own, so that it neither waits for paused work to free one nor shares the processor
+  // evenly with other work.
   Lanes lanes_;
   Lanes background_lanes_;
   std::thread thread_;
