@@ -12,6 +12,7 @@
 #include <sstream>
 #include <thread>
 
+#include "common/background.h"
 #include "common/clock.h"
 #include "common/config.h"
 #include "common/connect.h"
@@ -182,8 +183,12 @@ Settings read_settings(ConfigReader& in) {
   settings.engine = engine == "cpu"    ? EngineChoice::kCpu
                     : engine == "cuda" ? EngineChoice::kCuda
                                        : EngineChoice::kAuto;
-  settings.threads = static_cast<unsigned>(
-      in.integer("threads", "threads of the CPU engine (0 = all cores)", 0, 1024, 0));
+  settings.threads = static_cast<unsigned>(in.integer(
+      "threads",
+      "threads of the CPU engine (0 = all cores). Work that nobody waits for runs on that "
+      "many cores and leaves the others free (0 = leaves one of at least four free)",
+      0, 1024, 0));
+  background::limit_cores(background::cores_for(settings.threads));
   settings.slots =
       static_cast<std::size_t>(in.integer("slots", "maximum number of sessions", 1, 4096, 8));
   settings.visitor_percent = static_cast<int>(in.integer(

@@ -1,8 +1,8 @@
 #include "renderd/schedule/lanes.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
+
+#include "common/background.h"
 
 namespace diaphane::render {
 
@@ -29,8 +29,7 @@ void Lanes::start(std::function<void()> work) {
 }
 
 void Lanes::lane() {
-  // On Linux the priority is per thread. The lanes also work without it.
-  if (nice_ != 0) (void)setpriority(PRIO_PROCESS, 0, nice_);
+  if (nice_ != 0) background::enter(nice_);
   std::unique_lock lock(mutex_);
   for (;;) {
     ++free_;

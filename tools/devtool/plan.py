@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Mapping
 
 from .layout import Layout
+from .priority import background_cores
 
 POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
 
@@ -42,6 +43,7 @@ class Program:
     stop_seconds: float = 2.8       # killed afterwards; the sum over the tiers must stay below 5 s
     requires: tuple[Path, ...] = () # files that must exist before it can start
     nice: int = 0                   # lower CPU priority, so that rendering comes first on few cores
+    cores: int = 0                  # runs on that many of the cores; 0: on all
 
     def missing(self) -> list[Path]:
         return [path for path in self.requires if not path.exists()]
@@ -158,11 +160,12 @@ def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:
 
 def _ingestd(s: Settings) -> Program:
     binary = s.layout.bin / "diaphane-ingestd"
+    env = _own(s, postgres=s.dsn, upload_dir=s.data / "uploads", volume_dir=s.data / "volumes",
+               scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"])
     return Program(
         name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,), nice=10,
-        ready=Ready("http", s.ports["ingestd-admin"]),
-        env=_own(s, postgres=s.dsn, upload_dir=s.data / "uploads", volume_dir=s.data / "volumes",
-                 scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"]))
+        # Like the renderer, leaves cores free for work that somebody waits for.
+        cores=int(env.get("DIAPHANE_THREADS") or 0) or background_cores(), ready=Ready("http", s.ports["ingestd-admin"]), env=env)
 
 
 def _renderd(s: Settings) -> Program:

@@ -1,4 +1,4 @@
-"""CPU priorities of programs that belong to sessions of their own.
+"""CPU priorities and cores of programs that belong to sessions of their own.
 
 Where Linux groups the processes of a session (`kernel.sched_autogroup_enabled`), nice values only compare processes of one
 session, and every session gets an equal share. Each program here leads a session, and so does each backend of Postgres. Such a
@@ -6,10 +6,23 @@ group has a nice value of its own, in /proc/PID/autogroup."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from .processes import Identity
+
+
+def background_cores(cores: int | None = None) -> int:
+    """Returns the number of cores for background work, as common/background.h does. 0: all."""
+    cores = len(os.sched_getaffinity(0)) if cores is None else cores
+    return cores - 1 if cores >= 4 else 0
+
+
+def first_cores(count: int, usable: Iterable[int] | None = None) -> list[int]:
+    """Returns the numbers of the first `count` cores that this process may use. 0: of all."""
+    cores = sorted(os.sched_getaffinity(0) if usable is None else usable)
+    return cores[:count] if count else cores
 
 PROC = Path("/proc")
 

@@ -15,7 +15,7 @@ from typing import Callable, Iterable
 from . import cluster, datadir, logfiles, plan
 from .layout import Layout
 from .plan import Program, Settings
-from .priority import GroupPriorities
+from .priority import GroupPriorities, first_cores
 from .processes import Identity, boot, end, kill_group, wait_gone
 from .ready import is_ready
 from .console import CliError
@@ -25,6 +25,10 @@ BACKOFF_FIRST, BACKOFF_MOST = 0.1, 2.0   # seconds; doubled at each death, reset
 CONFIG_EXITS = (64, 78)                  # wrong command line or setting, where a restart cannot help
 #: Core files would contain deleted data, so no program or child of it writes one.
 WITHOUT_CORE_FILES = ("/bin/sh", "-c", 'ulimit -c 0; exec "$0" "$@"')
+
+
+def _on_cores(count: int) -> tuple[str, ...]:
+    return ("/usr/bin/taskset", "-c", ",".join(map(str, first_cores(count)))) if count else ()
 
 
 def _with_priority(nice: int) -> tuple[str, ...]:
@@ -248,7 +252,7 @@ class Stack:
         try:
             # A separate group, so that Ctrl-C in the terminal reaches only the supervisor, which stops everything in order.
             entry.process = subprocess.Popen(
-                [*_with_priority(entry.program.nice), *WITHOUT_CORE_FILES, *entry.program.argv],
+                [*_on_cores(entry.program.cores), *_with_priority(entry.program.nice), *WITHOUT_CORE_FILES, *entry.program.argv],
                 env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL, stdout=handle, stderr=handle, start_new_session=True, umask=0o077, **self.run_as.popen())
         finally:
             os.close(handle)

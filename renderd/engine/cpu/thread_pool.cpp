@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/background.h"
+
 namespace diaphane::render {
 namespace {
 
@@ -137,7 +139,7 @@ void ThreadPool::worker(Kind kind) {
     lock.unlock();
     if (kind == Kind::kBackground && loop->nice > nice) {
       nice = loop->nice;
-      (void)setpriority(PRIO_PROCESS, 0, nice);
+      background::enter(nice);
     }
     take_pieces(*loop);
     lock.lock();

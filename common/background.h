@@ -1,0 +1,21 @@
+#pragma once
+
+/// The CPU priority of work that nobody waits for.
+namespace diaphane::background {
+
+/// Limits all threads that call enter() afterwards to the first `cores` of the cores that this
+/// process may use, so that the others stay free for work that somebody waits for: on a busy core,
+/// Linux may delay a thread by several of its 4 ms ticks, even behind one with a lower priority. 0
+/// removes the limit.
+void limit_cores(unsigned cores);
+
+/// Returns the number of cores for background work of a program that was asked to use `threads`
+/// threads. If that is 0, at least four cores spare one; fewer are all used (returns 0), because
+/// pictures would be finished much later.
+unsigned cores_for(unsigned threads);
+
+/// Gives the calling thread this nice value (0 to 19) and those cores. Threads that it starts
+/// inherit both. Does nothing where the system does not permit it.
+void enter(int nice);
+
+}  // namespace diaphane::background
