@@ -1,13 +1,13 @@
 #include "renderd/encode/encode_pool.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <utility>
 
+#include "common/background.h"
+
 namespace diaphane::render {
 
-EncodePool::EncodePool(unsigned threads) {
+EncodePool::EncodePool(unsigned threads, double rest) : rest_(rest) {
   for (unsigned i = 0; i < std::max(threads, 1U); ++i) {
     for (const auto urgency : {Urgency::kNow, Urgency::kNowLarge, Urgency::kLater}) {
       Queue& queue = queue_of(urgency);
@@ -22,6 +22,7 @@ EncodePool::~EncodePool() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
+  rested_.notify_all();
   for (Queue& queue : queues_) queue.ready.notify_all();
   for (Queue& queue : queues_) {
     for (std::thread& thread : queue.threads) thread.join();
@@ -54,22 +55,26 @@ EncodePool::Job EncodePool::take_first(Queue& queue) {
 }
 
 void EncodePool::work(Queue& queue, int nice) {
-  // On Linux the priority is per thread. The pool also works without it.
-  if (nice != 0) (void)setpriority(PRIO_PROCESS, 0, nice);
+  if (nice != 0) background::enter(nice);
   std::unique_lock lock(mutex_);
   for (;;) {
     queue.ready.wait(lock, [&] { return !queue.jobs.empty() || ended(); });
     if (queue.jobs.empty()) return;
+    const auto begin = Clock::now();
     {
       const Job job = take_first(queue);
       ++running_;
       lock.unlock();
       job.work();
     }
+    const auto rest = rest_ * (Clock::now() - begin);
     lock.lock();
     --running_;
-    if (!ended()) continue;
-    for (Queue& each : queues_) each.ready.notify_all();
+    if (ended()) {
+      for (Queue& each : queues_) each.ready.notify_all();
+    } else if (rest_ > 0) {
+      rested_.wait_for(lock, rest, [this] { return stopping_; });
+    }
   }
 }
 

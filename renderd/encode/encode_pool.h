@@ -29,8 +29,9 @@ class EncodePool {
   /// when the CPU is contended.
   static constexpr int kLaterNice = 5;
 
-  /// `threads` per urgency.
-  explicit EncodePool(unsigned threads);
+  /// `threads` per urgency. After a job, its thread rests `rest` times as long as the job took, so
+  /// that jobs take at most 1 / (1 + rest) of a core.
+  explicit EncodePool(unsigned threads, double rest = 0);
   /// Runs the queued jobs before it returns.
   ~EncodePool();
   EncodePool(const EncodePool&) = delete;
@@ -60,8 +61,10 @@ class EncodePool {
   static Job take_first(Queue& queue);  // requires the lock
   bool ended() const;  // requires the lock: stopping, and no remaining job can post another
 
+  const double rest_;
   std::mutex mutex_;
   std::array<Queue, 3> queues_;  // by urgency
+  std::condition_variable rested_;
   unsigned running_ = 0;
   bool stopping_ = false;
 };

@@ -130,6 +130,41 @@ TEST(EncodePool, JobsOfEqualUrgencyStartInOrder) {
   }
 }
 
+TEST(EncodePool, RestsInProportionToTheWork) {
+  using std::chrono::steady_clock;
+  steady_clock::time_point begin, end, next;
+  {
+    EncodePool pool(1, 3);
+    std::latch both_ended(2);
+    pool.post(EncodePool::Urgency::kLater, [&] {
+      begin = steady_clock::now();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      end = steady_clock::now();
+      both_ended.count_down();
+    });
+    pool.post(EncodePool::Urgency::kLater, [&] {
+      next = steady_clock::now();
+      both_ended.count_down();
+    });
+    both_ended.wait();
+  }
+  EXPECT_GE(next - end, 3 * (end - begin));
+}
+
+TEST(EncodePool, DestructorDoesNotWaitForTheRest) {
+  std::atomic<int> ran = 0;
+  {
+    EncodePool pool(1, 1e9);
+    for (int i = 0; i < 3; ++i) {
+      pool.post(EncodePool::Urgency::kLater, [&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ++ran;
+      });
+    }
+  }
+  EXPECT_EQ(ran, 3);
+}
+
 TEST(EncodePool, DestructorRunsQueuedAndNewlyPostedJobs) {
   std::atomic<int> done{0};
   auto pool = std::make_unique<EncodePool>(2);

@@ -5,11 +5,11 @@
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "common/try.h"
-#include "renderd/scene/texture.h"
 #include "renderd/scene/texture_store.h"
 
 namespace diaphane::render {
@@ -24,20 +24,15 @@ double brightness(const Float4& c) {
   return static_cast<double>(c.x) + static_cast<double>(c.y) + static_cast<double>(c.z);
 }
 
-/// Mean brightness of the interpolated picture over a texel, with the weights 1/8, 6/8 and 1/8 in
-/// each direction.
-double mean_over_texel(std::span<const Float4> texels, std::size_t width, std::size_t height,
-                       std::size_t i, std::size_t j) {
-  const std::size_t columns[] = {i == 0 ? width - 1 : i - 1, i, i + 1 == width ? 0 : i + 1};
-  const std::size_t rows[] = {j == 0 ? 0 : j - 1, j, j + 1 == height ? j : j + 1};
-  constexpr double kWeights[] = {0.125, 0.75, 0.125};
-  double sum = 0;
-  for (std::size_t b = 0; b < 3; ++b) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      sum += kWeights[a] * kWeights[b] * brightness(texels[columns[a] + width * rows[b]]);
-    }
+/// Replaces a row by (before + 6 of its own + after) / 8, which is what interpolation makes of its
+/// mean over a texel.
+void blur(std::vector<double>& row, double before, double after) {
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const double next = i + 1 == row.size() ? after : row[i + 1];
+    const double blurred = 0.125 * before + 0.75 * row[i] + 0.125 * next;
+    before = row[i];
+    row[i] = blurred;
   }
-  return sum;
 }
 
 /// Stores the cumulative sums of `weights`, with a floor, divided by their total; the last one is
@@ -54,19 +49,33 @@ void accumulate(const std::vector<double>& weights, const Store& store) {
   }
 }
 
-/// Fills in the w of the texels and the rows, from which directions are sampled.
+/// Fills in the w of the texels and the rows, from which directions are sampled. The weight of a
+/// texel is the mean brightness of the interpolated picture over it.
 void add_distribution(std::span<Float4> texels, std::size_t width, std::size_t height,
                       std::vector<float>& rows) {
-  std::vector<double> in_row(height), of_texel(width);
+  std::vector<double> in_row(height), above(width), here(width), below(width), of_texel(width);
+  const auto read = [&](std::size_t j, std::vector<double>& row) {
+    std::ranges::transform(texels.subspan(width * j, width), row.begin(), brightness);
+  };
+  read(0, here);
+  above = here;
   for (std::size_t j = 0; j < height; ++j) {
-    for (std::size_t i = 0; i < width; ++i) {
-      of_texel[i] = mean_over_texel(texels, width, height, i, j);
-      in_row[j] += of_texel[i];
+    if (j + 1 < height) {
+      read(j + 1, below);
+    } else {
+      below = here;
     }
+    for (std::size_t i = 0; i < width; ++i) {
+      of_texel[i] = 0.125 * above[i] + 0.75 * here[i] + 0.125 * below[i];
+    }
+    blur(of_texel, of_texel.back(), of_texel.front());  // the columns go around
+    in_row[j] = std::accumulate(of_texel.begin(), of_texel.end(), 0.0);
     const double middle =
         std::numbers::pi * (static_cast<double>(j) + 0.5) / static_cast<double>(height);
     in_row[j] *= std::sin(middle);
     accumulate(of_texel, [&](std::size_t i, float sum) { texels[i + width * j].w = sum; });
+    std::swap(above, here);
+    std::swap(here, below);
   }
   const std::size_t first = rows.size();
   rows.resize(first + height);
@@ -94,17 +103,36 @@ void add_means(std::span<const Float4> texels, std::size_t width, std::size_t he
   out.sky_means.push_back(sky * (1 / (columns * weights)));
 }
 
+/// Fills `texels` with the means in linear light of the pixels that each of them covers.
+void reduce(const TexturePicture& picture, TextureSize kept, std::span<Float4> texels) {
+  const std::size_t width = picture.size.width, height = picture.size.height;
+  const std::array<float, 256>& linear = linear_of_srgb();
+  for (std::size_t j = 0; j < kept.height; ++j) {
+    const std::size_t top = j * height / kept.height, bottom = (j + 1) * height / kept.height;
+    for (std::size_t i = 0; i < kept.width; ++i) {
+      const std::size_t left = i * width / kept.width, right = (i + 1) * width / kept.width;
+      Float3 sum{};
+      for (std::size_t y = top; y < bottom; ++y) {
+        const std::uint8_t* c = picture.rgb.data() + 3 * (left + width * y);
+        for (std::size_t x = left; x < right; ++x, c += 3) {
+          sum += Float3{linear[c[0]], linear[c[1]], linear[c[2]]};
+        }
+      }
+      const Float3 mean = sum * (1 / static_cast<float>((bottom - top) * (right - left)));
+      texels[i + kept.width * j] = {mean.x, mean.y, mean.z, 0.0f};
+    }
+  }
+}
+
 /// Appends the texels of a picture. `out` must already have its entry, as the last one, and
 /// reserved memory.
 void add_picture(const TexturePicture& picture, PreparedTextures& out) {
-  const std::size_t width = picture.size.width, height = picture.size.height;
+  const TextureSize kept = kept_size(picture.size);
+  const std::size_t width = kept.width, height = kept.height;
   const std::size_t first = out.texels.size();
   out.texels.resize(first + width * height);
   const std::span<Float4> texels = std::span(out.texels).subspan(first);
-  for (std::size_t i = 0; i < texels.size(); ++i) {
-    const std::uint8_t* c = picture.rgb.data() + 3 * i;
-    texels[i] = {linear_of(c[0]), linear_of(c[1]), linear_of(c[2]), 0.0f};
-  }
+  reduce(picture, kept, texels);
   add_means(texels, width, height, out);
   add_distribution(texels, width, height, out.rows);
 }
@@ -246,8 +274,8 @@ constexpr char kTooMuch[] = " exceeds the limit of 16777216 pixels for all textu
 std::size_t bytes_of(const std::vector<TextureFile>& files, const std::vector<TextureSize>& sizes) {
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    bytes += pixels_of(sizes[i]) * sizeof(Float4) + sizes[i].height * sizeof(float) +
-             files[i].file->size();
+    const TextureSize kept = kept_size(sizes[i]);
+    bytes += pixels_of(kept) * sizeof(Float4) + kept.height * sizeof(float) + files[i].file->size();
   }
   return bytes;
 }
@@ -257,13 +285,14 @@ Result<std::unique_ptr<PreparedTextures>> decode(const std::vector<TextureFile>&
                                                  const PreparedTextures* before) {
   auto out = std::make_unique<PreparedTextures>();
   std::size_t total = 0;
-  for (const TextureSize& size : sizes) total += pixels_of(size);
+  for (const TextureSize& size : sizes) total += pixels_of(kept_size(size));
   out->texels.reserve(total);
   for (std::size_t i = 0; i < files.size(); ++i) {
+    const TextureSize kept = kept_size(sizes[i]);
     out->textures.push_back({static_cast<std::uint32_t>(out->texels.size()),
                              static_cast<std::uint32_t>(out->rows.size()),
-                             static_cast<std::int32_t>(sizes[i].width),
-                             static_cast<std::int32_t>(sizes[i].height)});
+                             static_cast<std::int32_t>(kept.width),
+                             static_cast<std::int32_t>(kept.height)});
     out->files.push_back(*files[i].file);
     if (before && has(*before, *files[i].file)) {
       copy_texture(*before, texture_index(*before, *files[i].file), *out);
@@ -277,6 +306,14 @@ Result<std::unique_ptr<PreparedTextures>> decode(const std::vector<TextureFile>&
 }
 
 }  // namespace
+
+TextureSize kept_size(TextureSize size) {
+  for (std::uint32_t divisor = 1;; ++divisor) {
+    const TextureSize kept{(size.width + divisor - 1) / divisor,
+                           (size.height + divisor - 1) / divisor};
+    if (pixels_of(kept) <= kKeptTexels) return kept;
+  }
+}
 
 void limit_texture_memory(std::size_t all, std::size_t owners) { memory().limit(all, owners); }
 std::size_t texture_memory() { return memory().taken(); }

@@ -6,6 +6,7 @@
 
 #include "common/result.h"
 #include "renderd/kernel/views.h"
+#include "renderd/scene/texture.h"
 
 namespace diaphane::render {
 
@@ -20,8 +21,16 @@ struct PreparedTextures {
   std::vector<float> rows;
 };
 
-/// Maximum total number of pixels of a scene's textures: one texture of the largest size, 270 MB.
+/// Maximum total number of pixels of a scene's textures: one texture of the largest size, or eight
+/// of kKeptTexels, which take 270 MB.
 inline constexpr std::size_t kMostTexels = std::size_t{4096} * 4096;
+/// A larger picture is reduced to at most this number of texels, because light from finer details
+/// looks the same, and each picture of the largest size would take 270 MB and 0.6 s of a core.
+inline constexpr std::size_t kKeptTexels = std::size_t{2048} * 1024;
+
+/// Returns the size at which a picture is kept: both sides are divided by the smallest integer with
+/// which it has at most kKeptTexels, and rounded up.
+TextureSize kept_size(TextureSize size);
 
 /// A file and the field of the scene that it comes from.
 struct TextureFile {

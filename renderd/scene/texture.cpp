@@ -1,6 +1,5 @@
 #include "renderd/scene/texture.h"
 
-#include <array>
 #include <cmath>
 #include <string>
 
@@ -139,7 +138,7 @@ Result<TexturePicture> decode_texture(std::string_view file) {
   return file.starts_with(kPngHead) ? decode_png(file) : decode_jpeg(file);
 }
 
-float linear_of(std::uint8_t srgb) {
+const std::array<float, 256>& linear_of_srgb() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> linear{};
     for (std::size_t i = 0; i < linear.size(); ++i) {
@@ -148,7 +147,7 @@ float linear_of(std::uint8_t srgb) {
     }
     return linear;
   }();
-  return table[srgb];
+  return table;
 }
 
 }  // namespace diaphane::render

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,7 @@ inline constexpr std::uint32_t kLongestTexture = 4096;  ///< pixels per side
 
 struct TextureSize {
   std::uint32_t width, height;
+  friend bool operator==(const TextureSize&, const TextureSize&) = default;
 };
 
 /// 8-bit sRGB, interleaved, rows from the top.
@@ -31,7 +33,7 @@ Result<TextureSize> texture_size(std::string_view file);
 /// pixels become black, because they must not emit light. 16 bits per colour are rounded to 8.
 Result<TexturePicture> decode_texture(std::string_view file);
 
-/// Converts sRGB (IEC 61966-2-1) from 0 to 255 to linear from 0 to 1.
-float linear_of(std::uint8_t srgb);
+/// Linear values from 0 to 1 of sRGB (IEC 61966-2-1) from 0 to 255.
+const std::array<float, 256>& linear_of_srgb();
 
 }  // namespace diaphane::render

@@ -70,6 +70,26 @@ TEST_F(TextureStore, UnreadableFileUsesNoMemory) {
   EXPECT_EQ(texture_memory(), 0U);
 }
 
+TEST_F(TextureStore, ReducesLargePicturesToTheirMeansInLinearLight) {
+  limit_texture_memory(kTextureMemory, kOwnersTextureMemory);
+  // Black and white pixels alternate, so each texel of 2 x 2 pixels is half as bright as white.
+  constexpr std::uint32_t kWide = 2050, kHigh = 2047;
+  const std::string file = test::png(kWide, kHigh, [](std::uint32_t x, std::uint32_t y) {
+    const auto c = static_cast<std::uint8_t>((x + y) % 2 == 0 ? 255 : 0);
+    return test::Rgb8{c, c, c};
+  });
+  EXPECT_EQ(kept_size({kWide, kHigh}), (TextureSize{1025, 1024}));
+  EXPECT_EQ(kept_size({2048, 1024}), (TextureSize{2048, 1024}));
+  const auto prepared = prepare(file);
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  const PreparedTextures& textures = **prepared;
+  EXPECT_EQ(textures.textures[0].width, 1025);
+  ASSERT_EQ(textures.texels.size(), std::size_t{1025} * 1024);
+  EXPECT_NEAR(textures.means[0].x, 0.5, 1e-3) << "one row of texels covers one row of pixels";
+  EXPECT_FLOAT_EQ(textures.texels[1025 * 100 + 7].x, 0.5f);
+  EXPECT_LT(texture_memory(), 40U << 20);
+}
+
 TEST_F(TextureStore, LimitsTheTexturePixelsOfVisitors) {
   const std::string allowed = picture(1, 1024), large = picture(1, 1025);
   EXPECT_TRUE(check_visitors_textures({{&allowed, "a"}}));

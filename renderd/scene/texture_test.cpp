@@ -35,10 +35,10 @@ TEST(Texture, RefusesFileThatIsTooLarge) {
 }
 
 TEST(Texture, LinearizesWithTheSrgbCurve) {
-  EXPECT_EQ(linear_of(0), 0.0f);
-  EXPECT_EQ(linear_of(255), 1.0f);
-  EXPECT_NEAR(linear_of(10), 10 / 255.0 / 12.92, 1e-8);
-  EXPECT_NEAR(linear_of(128), 0.2158605, 1e-6);
+  EXPECT_EQ(linear_of_srgb()[0], 0.0f);
+  EXPECT_EQ(linear_of_srgb()[255], 1.0f);
+  EXPECT_NEAR(linear_of_srgb()[10], 10 / 255.0 / 12.92, 1e-8);
+  EXPECT_NEAR(linear_of_srgb()[128], 0.2158605, 1e-6);
 }
 
 #if defined(DIAPHANE_HAVE_PNG)

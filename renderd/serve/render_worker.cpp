@@ -1,11 +1,11 @@
 #include "renderd/serve/render_worker.h"
 
 #include <malloc.h>
-#include <sys/resource.h>
 
 #include <condition_variable>
 #include <mutex>
 
+#include "common/background.h"
 #include "common/log.h"
 #include "common/try.h"
 #include "renderd/scene/texture_store.h"
@@ -17,6 +17,10 @@
 
 namespace diaphane::render {
 namespace {
+
+/// Textures take at most a quarter of a core, because a session may change them as often as its
+/// lights, and each of the largest takes 0.2 s.
+constexpr double kTextureRest = 3;
 
 /// Reads volumes from the store or from the node's copies.
 struct Source {
@@ -80,7 +84,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
             return volume::stored_hash(store + "/" + id);
           })),
       slicers_(std::make_unique<EncodePool>(1)),
-      textures_(std::make_unique<EncodePool>(1)),
+      textures_(std::make_unique<EncodePool>(1, kTextureRest)),
       voxels_(std::make_unique<VolumeCache>(
           [source = Source{options.volume_dir, options.copies}](const std::string& id) {
             return load_voxels(source, id);
@@ -104,7 +108,7 @@ void RenderWorker::slow_down_decoding() {
   // On Linux the priority is per thread. With few cores, rendering takes precedence over decoding
   // textures.
   constexpr int kNice = 10;
-  textures_->post(EncodePool::Urgency::kLater, [] { (void)setpriority(PRIO_PROCESS, 0, kNice); });
+  textures_->post(EncodePool::Urgency::kLater, [] { background::enter(kNice); });
 }
 
 void RenderWorker::watch_store(const std::stop_token& stop) {
