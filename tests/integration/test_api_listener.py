@@ -112,6 +112,11 @@ def test_no_other_spelling_of_a_route_is_a_route(stack, target):
     assert status(answer) in (400, 404)
 
 
+@pytest.mark.parametrize(("path", "status_line"), [(b"/v1/me", b"HTTP/1.1 401 Unauthorized"), (b"/v1/nowhere", b"HTTP/1.1 404 Not Found")])
+def test_an_answer_has_the_standard_phrase_of_its_status(stack, path, status_line):
+    assert exchange(stack, b"GET " + path + b" HTTP/1.1\r\nHost: x\r\n\r\n").splitlines()[0] == status_line
+
+
 def test_trace_says_nothing_back(stack):
     answer = exchange(stack, b"TRACE /v1/me HTTP/1.1\r\nHost: x\r\nCookie: diaphane=" + b"a" * 64 + b"\r\n\r\n")
     assert status(answer) == 405 and b"a" * 64 not in answer
