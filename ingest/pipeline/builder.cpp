@@ -67,6 +67,7 @@ Verdict verdict_of(const ChildEnd& end) {
     case ChildEnd::How::kTimedOut:
       return refused("too_slow", "This upload took too long to process.");
     case ChildEnd::How::kCrashed:
+    case ChildEnd::How::kDelayed:
     case ChildEnd::How::kStopped:
       break;
   }
@@ -195,6 +196,10 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   }
   if (was_killed(*end)) {
     build.killed = true;
+    return build;
+  }
+  if (end->how == ChildEnd::How::kDelayed) {
+    build.delayed = true;
     return build;
   }
   // The child ended before it read a byte, so the machine ended it, for example for lack of memory

@@ -22,6 +22,7 @@ struct Build {
   volume::Volume volume;  ///< valid with verdict.ready, with measured statistics
   bool stopped = false;   ///< `go_on` returned false
   bool killed = false;    ///< something killed the child, probably the kernel for lack of memory
+  bool delayed = false;   ///< the machine was too busy to finish in time
   /// The child could not allocate memory although it was below its own limit.
   bool no_memory = false;
   bool too_large = false;  ///< exceeds BuildBounds::light_bytes

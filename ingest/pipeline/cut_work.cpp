@@ -40,7 +40,7 @@ void Worker::work_cut(const Job& job) {
   if (!build) return wait(job, build.error());
   if (hold != Hold::kOurs) return;
   if (build->stopped) return give_back(job);
-  if (build->killed || build->no_memory) return wait_for_memory(job, *build);
+  if (build->killed || build->no_memory || build->delayed) return retry(job, *build);
   if (!build->verdict.ready) return refuse_cut(job, build->verdict.text + " Nothing was removed.");
 
   const auto replaced = volume::replace(build->volume, volume_path(job), [&]() -> Result<void> {

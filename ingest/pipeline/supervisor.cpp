@@ -112,7 +112,12 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
   drain(pipe[0], end.report);
   close(pipe[0]);
   end.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-  if (killed) return end;
+  if (killed) {
+    // The machine was too busy, or something stopped the child.
+    const bool busy = cpu_time(usage) < command.time_limit / 2;
+    if (end.how == ChildEnd::How::kTimedOut && busy) end.how = ChildEnd::How::kDelayed;
+    return end;
+  }
   if (WIFEXITED(status)) {
     end.how = ChildEnd::How::kExited;
     end.exit_code = WEXITSTATUS(status);

@@ -25,7 +25,13 @@ struct ChildCommand {
 };
 
 struct ChildEnd {
-  enum class How { kExited, kCrashed, kTimedOut, kStopped };
+  enum class How {
+    kExited,
+    kCrashed,
+    kTimedOut,
+    kDelayed,  ///< the time limit passed, but the child had used less than half of it as CPU time
+    kStopped
+  };
   How how = How::kCrashed;
   int exit_code = 0;
   int signal = 0;

@@ -51,6 +51,10 @@ TEST(Supervisor, KillsChildAtTheTimeLimit) {
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(3));
 }
 
+TEST(Supervisor, ChildThatGotNoCpuTimeIsNotToBlame) {
+  EXPECT_EQ(shell("kill -STOP $$", std::chrono::milliseconds(300)).how, How::kDelayed);
+}
+
 TEST(Supervisor, StopRequestEndsTheChild) {
   int asked = 0;
   EXPECT_EQ(shell("while :; do :; done", std::chrono::seconds(20), [&] { return ++asked < 4; }).how,

@@ -135,10 +135,11 @@ void Worker::work_upload(const Job& job) {
                              {"interrupted", job.interruptions}});
   if (job.attempts >= options_.most_attempts) {
     Build given_up;
-    given_up.verdict = refused(
-        "no_memory",
-        "The server ran out of memory each time it read this upload, which is within the limits. "
-        "Upload the scan again later, or contact the people who run this server.");
+    given_up.verdict =
+        refused("no_memory",
+                "The server ran out of memory or time each time it read this upload, which is "
+                "within the limits. "
+                "Upload the scan again later, or contact the people who run this server.");
     return finish(job, given_up);
   }
   fault_point("claimed");
@@ -154,7 +155,7 @@ void Worker::work_upload(const Job& job) {
     return;
   }
   if (build->stopped) return give_back(job);
-  if (build->killed || build->no_memory) return wait_for_memory(job, *build);
+  if (build->killed || build->no_memory || build->delayed) return retry(job, *build);
   if (build->file_missing) return wait_for_file(job);
   if (build->too_large) {
     (void)insist([&] { return jobs_.leave_to_large(job); });
@@ -180,9 +181,12 @@ void Worker::wait(const Job& job, WaitReason reason, const std::string& why, boo
   (void)insist([&] { return jobs_.wait(job, reason, pause, count_attempt); });
 }
 
-/// Memory was short, or the child was killed. The upload is not to blame but may be the cause, so
-/// the attempts are limited.
-void Worker::wait_for_memory(const Job& job, const Build& build) {
+/// Memory or CPU time was short, or the child was killed. The upload is not to blame but may be the
+/// cause, so the attempts are limited.
+void Worker::retry(const Job& job, const Build& build) {
+  if (build.delayed) {
+    return wait(job, WaitReason::kService, "the machine was too busy to finish in time", true);
+  }
   wait(job, WaitReason::kMemory,
        build.killed ? "the child process was killed"
                     : "the child process got no memory below its limit",

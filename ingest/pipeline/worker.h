@@ -74,7 +74,7 @@ class Worker {
   void give_back(const Job& job);
   void wait(const Job& job, const Error& why);
   void wait(const Job& job, WaitReason reason, const std::string& why, bool count_attempt);
-  void wait_for_memory(const Job& job, const Build& build);
+  void retry(const Job& job, const Build& build);
   void wait_for_file(const Job& job);
   void remove_original(const Job& job);
   void discard_volume(const Job& job);

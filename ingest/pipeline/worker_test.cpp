@@ -120,6 +120,7 @@ class FakeBuilder final : public Builder {
     Build result;
     result.killed = killed;
     result.no_memory = machine_short;
+    result.delayed = delayed;
     result.file_missing = file_missing;
     result.too_large = too_large;
     const auto until = std::chrono::steady_clock::now() + takes;
@@ -150,7 +151,7 @@ class FakeBuilder final : public Builder {
   }
   Verdict verdict;
   std::optional<Error> failure;
-  bool killed = false, too_large = false, no_memory = false, machine_short = false,
+  bool killed = false, delayed = false, too_large = false, no_memory = false, machine_short = false,
        file_missing = false;
   std::chrono::milliseconds takes{0};
   int builds = 0;
@@ -320,6 +321,16 @@ TEST_F(WorkerTest, RetriesKilledChildAndGivesUpAfterTheLastAttempt) {
   EXPECT_TRUE(w.work_once());
   ASSERT_EQ(jobs_.refusals.size(), 1u);
   EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, RetriesWhatABusyMachineDidNotFinish) {
+  builder_.delayed = true;
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_TRUE(jobs_.refusals.empty());
+  EXPECT_TRUE(original_there(job));
+  EXPECT_EQ(jobs_.waits.back().reason, WaitReason::kService);
+  EXPECT_TRUE(jobs_.waits.back().counted);
 }
 
 TEST_F(WorkerTest, LightWorkerLeavesLargeVolumeToTheOther) {

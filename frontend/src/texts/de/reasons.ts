@@ -41,6 +41,6 @@ export const reasons: Texts["add"]["reasons"] = {
     "Für diese Aufnahme reicht Ihr Speicherplatz nicht aus. Löschen Sie andere Aufnahmen, und laden Sie diese noch einmal hoch.",
   values_out_of_range: () => "Die Werte dieser Aufnahme sind in einer Form gespeichert, die nicht unterstützt wird.",
   no_memory: () =>
-    "Der Server hatte bei jedem Versuch zu wenig Arbeitsspeicher für diese Aufnahme, obwohl sie nicht zu groß ist. Laden Sie die Aufnahme später noch einmal hoch, oder wenden Sie sich an die Betreiber dieses Servers.",
+    "Der Server hatte bei jedem Versuch zu wenig Arbeitsspeicher oder Zeit für diese Aufnahme, obwohl sie nicht zu groß ist. Laden Sie die Aufnahme später noch einmal hoch, oder wenden Sie sich an die Betreiber dieses Servers.",
   upload_gone: () => "Der Upload ist nicht mehr vorhanden. Laden Sie die Aufnahme noch einmal hoch.",
 };

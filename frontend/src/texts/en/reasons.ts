@@ -37,6 +37,6 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   over_quota: () => "You don’t have enough storage left for this scan. Delete other scans, then upload this one again.",
   values_out_of_range: () => "The values of this scan are stored in a form that isn’t supported.",
   no_memory: () =>
-    "The server ran out of memory each time it processed this scan, although the scan is within the limits. Upload it again later, or contact the people who run this server.",
+    "The server ran out of memory or time each time it processed this scan, although the scan is within the limits. Upload it again later, or contact the people who run this server.",
   upload_gone: () => "The upload is no longer available. Upload the scan again.",
 };
