@@ -22,7 +22,7 @@ from collections import Counter
 from urllib.parse import urlsplit
 
 from .bench_client import Viewer
-from .priority import GroupPriorities, first_cores
+from .priority import GroupPriorities
 
 MOST_REQUESTS = 200_000    # per process
 JSON_BYTES = 200_000
@@ -273,8 +273,6 @@ def account(attack: Attack, number: int) -> None:
 
 
 def main() -> None:
-    # Real attackers would not use this machine's processors. These take the core that background work has.
-    os.sched_setaffinity(0, first_cores(1))
     os.nice(19)
     GroupPriorities().apply([(os.getpid(), 19)])
     with open(sys.argv[1], encoding="utf-8") as file:
