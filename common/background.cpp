@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <atomic>
-#include <thread>
 
 namespace diaphane::background {
 namespace {
@@ -21,11 +20,6 @@ void use_first(unsigned cores) {
 }
 
 }  // namespace
-
-unsigned cores_for(unsigned threads) {
-  const unsigned all = std::thread::hardware_concurrency();
-  return threads == 0 && all >= 4 ? all - 1 : threads;
-}
 
 void limit_cores(unsigned cores) { most_cores = cores; }
 

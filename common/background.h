@@ -9,11 +9,6 @@ namespace diaphane::background {
 /// removes the limit.
 void limit_cores(unsigned cores);
 
-/// Returns the number of cores for background work of a program that was asked to use `threads`
-/// threads. If that is 0, at least four cores spare one; fewer are all used (returns 0), because
-/// pictures would be finished much later.
-unsigned cores_for(unsigned threads);
-
 /// Gives the calling thread this nice value (0 to 19) and those cores. Threads that it starts
 /// inherit both. Does nothing where the system does not permit it.
 void enter(int nice);

@@ -186,9 +186,9 @@ Settings read_settings(ConfigReader& in) {
   settings.threads = static_cast<unsigned>(in.integer(
       "threads",
       "threads of the CPU engine (0 = all cores). Work that nobody waits for runs on that "
-      "many cores and leaves the others free (0 = leaves one of at least four free)",
+      "many cores and leaves the others free",
       0, 1024, 0));
-  background::limit_cores(background::cores_for(settings.threads));
+  background::limit_cores(settings.threads);
   settings.slots =
       static_cast<std::size_t>(in.integer("slots", "maximum number of sessions", 1, 4096, 8));
   settings.visitor_percent = static_cast<int>(in.integer(

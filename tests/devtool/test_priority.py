@@ -12,7 +12,7 @@ import pytest
 
 from harness import REPO  # noqa: F401 - puts tools/ on the path
 from devtool import plan
-from devtool.priority import GroupPriorities, background_cores, family, first_cores
+from devtool.priority import GroupPriorities, family, first_cores
 
 needs_groups = pytest.mark.skipif(not Path("/proc/self/autogroup").exists(), reason="this kernel does not group sessions")
 
@@ -86,7 +86,3 @@ def test_background_work_gets_the_first_cores_that_may_be_used():
     assert first_cores(9, {7, 3}) == [3, 7]
     assert first_cores(0, {7, 3}) == [3, 7]
     assert first_cores(1) == [min(os.sched_getaffinity(0))]
-
-
-def test_one_of_at_least_four_cores_is_left_to_work_that_somebody_waits_for():
-    assert [background_cores(cores) for cores in (1, 2, 3, 4, 16)] == [0, 0, 0, 3, 15]

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Mapping
 
 from .layout import Layout
-from .priority import background_cores
 
 POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
 
@@ -165,7 +164,7 @@ def _ingestd(s: Settings) -> Program:
     return Program(
         name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,), nice=10,
         # Like the renderer, leaves cores free for work that somebody waits for.
-        cores=int(env.get("DIAPHANE_THREADS") or 0) or background_cores(), ready=Ready("http", s.ports["ingestd-admin"]), env=env)
+        cores=int(env.get("DIAPHANE_THREADS") or 0), ready=Ready("http", s.ports["ingestd-admin"]), env=env)
 
 
 def _renderd(s: Settings) -> Program:

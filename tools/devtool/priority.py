@@ -13,16 +13,11 @@ from pathlib import Path
 from .processes import Identity
 
 
-def background_cores(cores: int | None = None) -> int:
-    """Returns the number of cores for background work, as common/background.h does. 0: all."""
-    cores = len(os.sched_getaffinity(0)) if cores is None else cores
-    return cores - 1 if cores >= 4 else 0
-
-
 def first_cores(count: int, usable: Iterable[int] | None = None) -> list[int]:
     """Returns the numbers of the first `count` cores that this process may use. 0: of all."""
     cores = sorted(os.sched_getaffinity(0) if usable is None else usable)
     return cores[:count] if count else cores
+
 
 PROC = Path("/proc")
 
