@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import select
+import socket
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -124,6 +127,23 @@ def test_a_stopped_api_finishes_what_is_in_flight(stack, one, api_back):
     answer = client(stack).get("/v1/me")
     assert answer.status_code in (502, 503)
     problem(answer, answer.status_code, "unavailable")
+
+
+def test_one_address_gets_half_of_the_connections_to_the_api_at_most(stack, one):
+    """While the API's answers wait for Postgres, requests from one address pile up."""
+    request = (f"GET /v1/data-sets HTTP/1.1\r\nHost: localhost:{stack.ports['edge']}\r\n"
+               f"Cookie: {'; '.join(f'{name}={value}' for name, value in one.http.cookies.items())}\r\n\r\n").encode()
+
+    def asked() -> socket.socket:
+        connection = socket.create_connection(("127.0.0.1", stack.ports["edge"]), timeout=30, source_address=("127.0.0.71", 0))
+        connection.sendall(request)
+        return connection
+
+    with contextlib.ExitStack() as ended, psycopg.connect(stack.dsn) as holder:
+        holder.execute("LOCK TABLE data_sets")
+        connections = [ended.enter_context(asked()) for _ in range(128 + 10)]
+        answered = stack.wait_until(lambda: found if len(found := select.select(connections, [], [], 0)[0]) >= 10 else None, what="ten refusals")
+        assert [connection.recv(4096).split(b" ")[1] for connection in answered] == [b"429"] * 10
 
 
 def test_more_at_once_than_it_can_do_is_refused_in_words(stack, one):
