@@ -59,7 +59,7 @@ SECTIONS: dict[str, tuple[str, str, str]] = {
     "scan-folder": ("", r"scanning|longest main", ""),
     "disc-to-picture": ("", TARGETS, ""),
     "heads": ("Recognition of heads (95% interval).", r"sensitivity, n = (4|72|12)$|phantom: ", ""),
-    "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"p95|failed", ""),
+    "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"^p95|failed", ""),
     "live-sessions": ("Time to the first picture after a failure.", "", r", to (the first picture in Chromium|a picture at another)"),
     "copies": ("The first picture of a volume that was copied to the node.", r"^copy.*first picture", r"copy on the node, |: first picture"),
     "cluster-plan": ("8,000 simulated GPUs, 100,000 sessions.", r"place.*lost to imbalance|robin: lost|plan for 8", ""),

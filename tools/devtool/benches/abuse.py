@@ -36,7 +36,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--attack", choices=ATTACKS, action="append", help="only this attack (repeatable; default: all at once)")
     parser.add_argument("--seconds", type=float, help="seconds per phase (default: 20, with --quick: 5)")
     parser.add_argument("--repeats", type=int, help="number of pairs of a calm and an attacked phase (default: 3, with --quick: 1)")
-    parser.add_argument("--threads", type=int, default=1, help="threads of the renderer on the CPU (default: 1)")
+    parser.add_argument("--engine", choices=("auto", "cpu", "cuda"), default="auto", help="engine of the renderer (default: auto)")
+    parser.add_argument("--threads", type=int, default=max(1, len(os.sched_getaffinity(0)) // 2),
+                        help="threads of the renderer on the CPU (default: half of the cores, because the attackers share the machine)")
 
 
 @dataclass
@@ -107,7 +109,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     seconds, repeats = options.seconds or (5 if quick else 20), options.repeats or (1 if quick else 3)
     attacks = tuple(options.attack or ATTACKS)
     slots = str(4 * (people_count + accounts + 1))
-    with running("cpu", DIAPHANE_SLOTS=slots, DIAPHANE_THREADS=str(options.threads)) as stack, tempfile.TemporaryDirectory() as folder:
+    with running(options.engine, DIAPHANE_SLOTS=slots, DIAPHANE_THREADS=str(options.threads)) as stack, tempfile.TemporaryDirectory() as folder:
         owner = Person(stack, "127.0.4.1")
         data_set = owner.upload(cranium(stack, Path(folder)))
         owner.wait_ready(data_set)
@@ -188,8 +190,9 @@ def results_of(calm: list[Phase], attacked: list[Phase], ended: list[str]) -> li
     results = []
     for name, phases in (("calm", calm), ("under attack", attacked)):
         p95s = [_p95(phase) for phase in phases]
-        results.append(Result(f"{name}: input to frame, p95", statistics.median(p95s), "ms", statistics.stdev(p95s) if len(p95s) > 1 else 0.0))
+        results.append(Result(f"{name}: input to frame, p95", statistics.median(p95s), "ms", statistics.stdev(p95s) if len(p95s) > 1 else 0.0,
+                              runs=len(p95s)))
         results.append(Result(f"{name}: requests of ordinary users", sum(phase.requests for phase in phases), ""))
-    return [*results, Result("p95 under attack / calm", ratio, "", spread, MOST_RATIO, ratio <= MOST_RATIO),
+    return [*results, Result("p95 under attack / calm", ratio, "", spread, MOST_RATIO, ratio <= MOST_RATIO, len(ratios)),
             Result("failed requests of ordinary users", len(failures) + len(before), "", 0, 0, not failures and not before),
             Result("programs that exited", len(ended), "", 0, 0, not ended)]

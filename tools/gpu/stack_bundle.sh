@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Packs all programs of Diaphane, its stores, its edge and `./diaphane bench` for a machine that has a GPU and none of
+# these (docs/gpu.md).
+#
+#   tools/gpu/stack_bundle.sh BUILD FOLDER    here; BUILD has all programs, renderd with CUDA, and the page is built
+#   tar c -C FOLDER . | xz -T0 > FOLDER.tar.xz
+#   FOLDER/bench abuse                        there, as root in a container of one's own: it writes below /usr
+set -euo pipefail
+build=${1:?usage: tools/gpu/stack_bundle.sh BUILD FOLDER}
+folder=${2:?usage: tools/gpu/stack_bundle.sh BUILD FOLDER}
+repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+packages=$repo/.tools/venv/lib/python3.11/site-packages
+
+rm -rf "$folder"
+venv=$folder/app/.tools/venv
+mkdir -p "$folder"/{root,lib,app/build/bin,app/frontend} "$venv"/{bin,lib/python3.11/site-packages}
+git -C "$repo" archive HEAD api/edge api/proto migrations tools/devtool tests/scenes | tar x -C "$folder/app"
+cp -r "$repo/frontend/dist" "$folder/app/frontend/"
+for program in api gateway ingestd renderd sample; do
+  strip -o "$folder/app/build/bin/diaphane-$program" "$build/bin/diaphane-$program"
+done
+
+# What the programs expect below /usr. Python and its libraries come along, because the bench needs this version.
+(cd / && tar ch --exclude=__pycache__ --exclude='llvmjit*' --exclude=bitcode --exclude=pgxs --exclude=test --exclude=config-3.11-* \
+  usr/lib/postgresql/15/{bin/{postgres,initdb,psql,pg_isready},lib} usr/share/postgresql/15 usr/share/postgresql-common usr/sbin/nginx \
+  usr/lib/nginx/modules/{ndk_http_module,ngx_http_lua_module}.so usr/share/lua usr/bin/redis-server \
+  usr/bin/python3.11 usr/lib/python3.11 usr/share/doc/invesalius-examples/examples/Cranium.inv3) | tar x -C "$folder/root"
+for name in httpx httpcore h11 anyio sniffio certifi idna websockets google typing_extensions.py; do
+  [[ ! -e $packages/$name ]] || cp -r "$packages/$name" "$venv/lib/python3.11/site-packages/"
+done
+echo 'home = /usr/bin' > "$venv/pyvenv.cfg"
+ln -s /usr/bin/python3.11 "$venv/bin/python"
+find "$folder" -name __pycache__ -prune -exec rm -rf {} +
+
+# All that these load, but for the C and C++ libraries: the C library must be the loader's over there, and the machine's
+# own protoc needs a C++ library that is at least as new as the compiler there.
+find "$folder"/app/build "$folder"/root "$venv" -type f \( -perm -u+x -o -name '*.so*' \) -print0 | { xargs -0 ldd 2>/dev/null || true; } \
+  | awk '$2 == "=>" && $3 ~ /^\// { print $3 }' | sort -u \
+  | grep -vE '/(libc|libm|libdl|librt|libpthread|libresolv|libutil|libstdc\+\+|libgcc_s|ld-linux[^/]*)\.so' | while read -r library; do
+  strip -o "$folder/lib/$(basename "$library")" "$(readlink -f "$library")" 2>/dev/null \
+    || cp -L "$library" "$folder/lib/$(basename "$library")"
+done
+
+cat > "$folder/bench" <<'BENCH'
+#!/usr/bin/env bash
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+cp -a --update=none "$here/root/." /
+# Last in the search path, for programs that start with an empty environment.
+echo "$here/lib" > /etc/ld.so.conf.d/zz-diaphane.conf
+ldconfig
+mkdir -p /var/lib/nginx /var/log/nginx
+export DIAPHANE_BUILD=$here/app/build PYTHONDONTWRITEBYTECODE=1
+export DIAPHANE_NVRTC="${DIAPHANE_NVRTC:-/usr/local/cuda/lib64}"
+nvidia-smi --query-gpu=name,driver_version --format=csv,noheader 2>/dev/null || true
+echo "$(nproc) cores, $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)"
+# For these programs alone: the shell's own tools keep the machine's libraries.
+export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+exec "$here/app/.tools/venv/bin/python" "$here/app/tools/devtool" bench "$@"
+BENCH
+chmod +x "$folder/bench"
+du -sh "$folder" | cut -f 1
