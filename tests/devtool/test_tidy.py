@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import concurrent.futures
+from pathlib import Path
+
+import pytest
+
 from devtool import paths, tidy
 
 
@@ -26,3 +31,66 @@ def test_a_generated_file_in_a_unity_file_is_left_out():
     command = ["c++", "-o", "directory/CMakeFiles/directory.dir/Unity/unity_0_cxx.cxx.o", "-c", "u.cxx"]
     unity = '#include "../../../scripts.cpp"\n#include "directory/fleets.cpp"\n'
     assert list(tidy.compiled_alone("/b/directory/CMakeFiles/directory.dir/Unity/unity_0_cxx.cxx", command, unity)) == [paths.REPO / "directory/fleets.cpp"]
+
+
+class Checkout:
+    """A file, a header of its own and one of the system, in a checkout of any name."""
+
+    def __init__(self, root: Path, system: Path, monkeypatch: pytest.MonkeyPatch):
+        self.root, self.system, self.monkeypatch, self.source = root, system, monkeypatch, root / "api" / "a.cpp"
+        self.command = ["c++", f"-I{root}", "-isystem", f"{root}/build/release", "-o", "a.o", "-c", str(self.source)]
+        self.source.parent.mkdir(parents=True)
+        self.source.write_text('#include "a.h"')
+        self.write_header("int a();")
+        self.searched = 0
+
+    def write_header(self, text: str) -> None:
+        self.source.with_suffix(".h").write_text(text)
+
+    def todo(self) -> dict[Path, str]:
+        """Returns what a run in this checkout has to look at."""
+        def headers(command: list[str], folder: Path) -> list[Path]:
+            self.searched += 1
+            return [self.source, self.source.with_suffix(".h"), self.system]
+
+        self.monkeypatch.setattr(paths, "REPO", self.root)
+        self.monkeypatch.setattr(tidy, "_headers", headers)
+        self.monkeypatch.setattr(tidy, "_file_digests", {})
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            return tidy._changed({self.source: self.command}, self.root, "version", pool)
+
+
+@pytest.fixture
+def checkouts(tmp_path, monkeypatch) -> tuple[Checkout, Checkout]:
+    """Two checkouts, the names of which come before and after the system's in the alphabet."""
+    for name in ("_CACHE", "_HEADERS"):
+        monkeypatch.setattr(tidy, name, tmp_path / name)
+        (tmp_path / name).mkdir()
+    system = tmp_path / "m" / "string.h"
+    system.parent.mkdir()
+    system.write_text("int b();")
+    return Checkout(tmp_path / "a" / "one", system, monkeypatch), Checkout(tmp_path / "z" / "another", system, monkeypatch)
+
+
+def test_what_passed_in_one_checkout_is_passed_over_in_a_fresh_one(checkouts):
+    first, fresh = checkouts
+    [key] = first.todo().values()
+    (tidy._CACHE / key).touch()
+    assert first.todo() == {} and fresh.todo() == {}
+    assert fresh.searched == 0, "finding the headers of all files takes minutes"
+
+
+@pytest.mark.parametrize("change", ["source", "header", "system", "command"])
+def test_a_file_is_looked_at_again_when_it_or_a_header_or_its_command_changed(checkouts, change):
+    first, fresh = checkouts
+    [key] = first.todo().values()
+    (tidy._CACHE / key).touch()
+    if change == "source":
+        fresh.source.write_text('#include "a.h"\nint c();')
+    elif change == "header":
+        fresh.write_header("int a(int);")
+    elif change == "system":
+        fresh.system.write_text("int b(int, int);")
+    else:
+        fresh.command.insert(1, "-DX")
+    assert list(fresh.todo()) == [fresh.source]

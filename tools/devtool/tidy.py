@@ -13,8 +13,9 @@ from pathlib import Path
 
 from . import build, paths
 
-#: Shared by all checkouts of the user: keys hold no path of a checkout.
+#: Files that clang-tidy has passed, and the headers of each. Shared by all checkouts of the user: keys hold no path of a checkout.
 _CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "tidy"
+_HEADERS = _CACHE.with_name("tidy-headers")
 _FOLDERS = "api|common|directory|ingest|operator|renderd|volume"
 
 
@@ -31,9 +32,10 @@ def check() -> list[str]:
     database = folder / "tidy"
     commands = _commands(folder, database)
     common = _tool_digest()
-    _CACHE.mkdir(parents=True, exist_ok=True)
+    for shared in (_CACHE, _HEADERS):
+        shared.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
-        todo = _changed(commands, database, common, pool)
+        todo = _changed(commands, folder, common, pool)
         results = list(pool.map(lambda item: _tidy(item[0], database, _CACHE / item[1]), todo.items()))
     _forget_old()
     return [words for words in results if words]
@@ -86,33 +88,59 @@ def compiled_alone(file: str, command: list[str], unity: str | None = None) -> d
     return alone
 
 
-def _changed(commands: dict[Path, list[str]], database: Path, common: str, pool: concurrent.futures.Executor) -> dict[Path, str]:
+def _changed(commands: dict[Path, list[str]], folder: Path, common: str, pool: concurrent.futures.Executor) -> dict[Path, str]:
     """Returns the files that clang-tidy has not passed as they are now, each with the key of its result."""
-    record = database / "headers.json"
+    # While none of the headers that were found last time, in whichever checkout, has changed, these are still all.
+    keys = {source: _digest(source, words, _recalled(source, words), common) for source, words in commands.items()}
+    changed = [source for source, key in keys.items() if not _passed(key)]
+    for source, found in zip(changed, pool.map(lambda source: _headers(commands[source], folder), changed)):
+        _recall_next_time(source, commands[source], found)
+        keys[source] = _digest(source, commands[source], found, common)
+    return {source: keys[source] for source in changed if not _passed(keys[source])}
+
+
+def _passed(key: str) -> bool:
     try:
-        headers = json.loads(record.read_text(encoding="utf-8"))
+        os.utime(_CACHE / key)    # the results that are used are kept
+    except FileNotFoundError:
+        return False
+    return True
+
+
+def _portable(text: str) -> str:
+    """Returns what is the same in all checkouts."""
+    return text.replace(str(paths.REPO), ".")
+
+
+def _record(source: Path, command: list[str]) -> Path:
+    """Returns where the headers of this version of a file are noted. All checkouts share the notes, because finding the headers of all
+    files takes minutes."""
+    return _HEADERS / hashlib.sha256(_portable(f"{source} {_file_digest(source)} {shlex.join(command)}").encode()).hexdigest()
+
+
+def _recalled(source: Path, command: list[str]) -> list[Path]:
+    try:
+        return [paths.REPO / name for name in json.loads(_record(source, command).read_text(encoding="utf-8"))]
     except (OSError, ValueError):
-        headers = {}
-
-    def key(source: Path) -> str:
-        return _digest(source, shlex.join(commands[source]), [Path(name) for name in headers.get(str(source), [])], common)
-
-    # While none of the headers that were found last time has changed, these are still all.
-    changed = [source for source in commands if not (_CACHE / key(source)).exists()]
-    for source, found in zip(changed, pool.map(lambda source: _headers(commands[source], database.parent), changed)):
-        headers[str(source)] = found
-    record.write_text(json.dumps({str(source): headers[str(source)] for source in commands}), encoding="utf-8")
-    keys = {source: key(source) for source in changed}
-    return {source: name for source, name in keys.items() if not (_CACHE / name).exists()}
+        return []
 
 
-def _headers(command: list[str], folder: Path) -> list[str]:
+def _recall_next_time(source: Path, command: list[str], headers: list[Path]) -> None:
+    names = [str(path.relative_to(paths.REPO) if path.is_relative_to(paths.REPO) else path) for path in headers]
+    record = _record(source, command)
+    # Renamed, so that another checkout never reads half of it.
+    beside = record.with_suffix(f".{os.getpid()}")
+    beside.write_text(json.dumps(names), encoding="utf-8")
+    beside.replace(record)
+
+
+def _headers(command: list[str], folder: Path) -> list[Path]:
     """Returns all files that the preprocessor reads for a compile command."""
     at = command.index("-o")
     done = subprocess.run([*command[:at], *command[at + 2:], "-M"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                           errors="replace")
     names = done.stdout.partition(":")[2].replace("\\\n", " ").split()
-    return [str((folder / name).resolve()) for name in names]
+    return [(folder / name).resolve() for name in names]
 
 
 def _for_clang(words: list[str]) -> list[str]:
@@ -145,9 +173,9 @@ def _file_digest(path: Path) -> str:
     return _file_digests[path]
 
 
-def _digest(source: Path, command: str, dependencies: list[Path], common: str) -> str:
-    parts = [common, command, *(f"{path}={_file_digest(path)}" for path in sorted({source, *dependencies}))]
-    return hashlib.sha256("\n".join(parts).replace(f"{paths.REPO}/", "").encode()).hexdigest()
+def _digest(source: Path, command: list[str], dependencies: list[Path], common: str) -> str:
+    files = sorted(_portable(f"{path}={_file_digest(path)}") for path in {source, *dependencies})
+    return hashlib.sha256("\n".join([common, _portable(shlex.join(command)), *files]).encode()).hexdigest()
 
 
 def _tool_digest() -> str:
@@ -169,6 +197,7 @@ def _tidy(source: Path, database: Path, remembered: Path) -> str:
 
 
 def _forget_old(keep: int = 4000) -> None:
-    entries = sorted(_CACHE.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
-    for path in entries[keep:]:
-        path.unlink()
+    for shared in (_CACHE, _HEADERS):
+        entries = sorted(shared.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
+        for path in entries[keep:]:
+            path.unlink(missing_ok=True)
