@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import email
 import email.policy
 import os
+import select
 import shutil
 import subprocess
 import sys
@@ -55,6 +57,7 @@ class TestStack:
         self.url: str = stack.settings.url
         self.dsn: str = stack.settings.dsn
         self.events: list[str] = []
+        self.databases_: list = []
 
     # Programs
 
@@ -64,10 +67,12 @@ class TestStack:
 
     def kill(self, program: str, restart: bool = True) -> int:
         """Sends SIGKILL. The supervisor restarts the program unless `restart` is false, in which case start(program) does."""
+        self._leave_database()
         return self.stack.kill(program, restart)
 
     def stop(self, program: str) -> None:
         """Stops the program in order. It stays down until start(program)."""
+        self._leave_database()
         self.stack.stop_program(program)
 
     def start(self, program: str) -> None:
@@ -90,11 +95,34 @@ class TestStack:
 
     def psql(self, query: str, *values: object) -> list[tuple]:
         """Runs and commits a statement. Returns its rows, if any."""
+        connection = self._database()
+        try:
+            cursor = connection.execute(query, values or None)
+            rows = cursor.fetchall() if cursor.description else []
+        except BaseException:
+            connection.close()
+            raise
+        self.databases_.append(connection)
+        return rows
+
+    def _database(self):
+        """Returns a connection that nobody else uses. They are kept, because making one takes longer than most statements."""
         import psycopg
 
-        with psycopg.connect(self.dsn, autocommit=True) as connection:
-            cursor = connection.execute(query, values or None)
-            return cursor.fetchall() if cursor.description else []
+        with contextlib.suppress(IndexError):    # none is left
+            while True:
+                kept, readable = self.databases_.pop(), select.poll()
+                readable.register(kept.fileno(), select.POLLIN)
+                if not readable.poll(0):
+                    return kept
+                kept.close()    # the server has said something meanwhile: that it ends
+        # Prepared statements would fail after a migration.
+        return psycopg.connect(self.dsn, autocommit=True, prepare_threshold=None)
+
+    def _leave_database(self) -> None:
+        with contextlib.suppress(IndexError):
+            while True:
+                self.databases_.pop().close()
 
     @property
     def redis(self):
@@ -191,6 +219,7 @@ class StackFactory:
         return running
 
     def shut(self, running: TestStack, keep_data: bool = False) -> None:
+        running._leave_database()
         running.stack.stop()
         if running in self.opened:
             self.opened.remove(running)

@@ -16,6 +16,9 @@ class Contract:
     def __init__(self, path: Path):
         self.spec: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
         self.seen: set[tuple[str, int]] = set()
+        # Made once, because there are many thousand responses.
+        self.patterns_ = [(verb, re.compile(re.sub(r"\{[^}]+\}", "[^/]+", path)), operation) for path, verb, operation in self.operations()]
+        self.validators_: dict[int, jsonschema.Draft202012Validator] = {}
 
     def operations(self) -> Iterator[tuple[str, str, dict[str, Any]]]:
         """Yields (path, METHOD, operation), with the parameters of the path among the operation's own."""
@@ -41,11 +44,13 @@ class Contract:
         return {**copy.deepcopy(node), "components": self.spec["components"]}
 
     def operation_of(self, method: str, path: str) -> dict[str, Any] | None:
-        for pattern, verb, operation in self.operations():
-            form = re.sub(r"\{[^}]+\}", "[^/]+", pattern)
-            if verb == method and re.fullmatch(form, path):
-                return operation
-        return None
+        return next((operation for verb, pattern, operation in self.patterns_ if verb == method and pattern.fullmatch(path)), None)
+
+    def validator(self, node: dict[str, Any]) -> jsonschema.Draft202012Validator:
+        """Returns the validator of a schema of the contract."""
+        if id(node) not in self.validators_:
+            self.validators_[id(node)] = jsonschema.Draft202012Validator(self.schema(node), format_checker=jsonschema.FormatChecker())
+        return self.validators_[id(node)]
 
     def check(self, answer: httpx.Response) -> None:
         """An httpx event hook that raises AssertionError for a response that the contract does not allow."""
@@ -76,12 +81,11 @@ class Contract:
         media = answer.headers["content-type"].split(";")[0]
         assert media in content, f"{where}: {media} is not in the contract"
         if media.endswith("json"):
-            checker = jsonschema.Draft202012Validator(self.schema(content[media]["schema"]),
-                                                      format_checker=jsonschema.FormatChecker())
+            checker = self.validator(content[media]["schema"])
             errors = [f"{e.json_path}: {e.message}" for e in checker.iter_errors(answer.json())]
             assert not errors, f"{where}: {errors}"
 
     def _check_value(self, where: str, name: str, text: str, schema: dict[str, Any]) -> None:
         schema = self.resolve(schema)
         value: Any = int(text) if schema.get("type") == "integer" else text
-        assert jsonschema.Draft202012Validator(self.schema(schema)).is_valid(value), f"{where}: {name}: {text}"
+        assert self.validator(schema).is_valid(value), f"{where}: {name}: {text}"
