@@ -10,7 +10,7 @@ import uuid
 
 import pytest
 from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
-                        problem, remove_worker)
+                        problem, remove_worker, signed_up)
 from cut_helpers import KEEP, store
 from access_matrix_fixture import put_picture
 
@@ -223,6 +223,7 @@ def report_ways(stack, data_set: str) -> None:
 
 def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # noqa: F811
     """Runs the shortest valid sequence through all operations, so that this also holds for this file alone."""
+    signed_up(api)
     made = one.upload(b"x" * 10)["id"]
     make_ready(api, made)
     folder = api.data_dir / "cache" / "thumbnails" / made
