@@ -1,7 +1,7 @@
 """Fixtures that start the real programs.
 
-    stack          the whole of Diaphane, once for all tests of a run. Leave it as you found it.
-    stores         only Postgres and Redis, once for all tests of a run.
+    stack          the whole of Diaphane, once for all tests of a run, or of a worker of a parallel run. Leave it as you found it.
+    stores         only Postgres and Redis, once likewise.
     fresh_stack    a whole one of its own, for tests that break things.
     stack_factory  the same with choices: stack_factory(only=("postgres", "redis", "api"), extra_env={...}).
 
@@ -11,14 +11,20 @@ When a test fails, the ends of the logs of its stacks are in the report.
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+from pathlib import Path
+
 import pytest
 
+import workers
 from harness import StackFactory, TestStack
 
 
 @pytest.fixture(scope="session")
-def all_stacks():
-    factory = StackFactory()
+def all_stacks(request):
+    shared = getattr(request.config, "workerinput", {}).get("shared")
+    factory = StackFactory(Path(shared) if shared else None)
     yield factory
     factory.close()
 
@@ -63,3 +69,28 @@ def pytest_runtest_makereport(item, call):
                 for program, text in one.log_tails().items():
                     report.sections.append((f"{name}: end of the log of {program}", text))
     return report
+
+
+# Parallel runs
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: workers.rank_of(item.path.name))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    return workers.ByFile(config, log)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node) -> None:
+    """Called for each worker by the process that the user started."""
+    if not hasattr(node.config, "shared_by_workers"):
+        node.config.shared_by_workers = tempfile.mkdtemp(prefix="diaphane-shared-")
+        Path(node.config.shared_by_workers).chmod(0o755)
+    node.workerinput["shared"] = node.config.shared_by_workers
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if folder := getattr(config, "shared_by_workers", ""):
+        shutil.rmtree(folder, ignore_errors=True)

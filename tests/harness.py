@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import email
 import email.policy
+import fcntl
 import os
 import select
 import shutil
@@ -14,7 +15,7 @@ import tempfile
 import time
 from email.message import EmailMessage
 from pathlib import Path
-from typing import Callable, Iterable, TypeVar
+from typing import Callable, Iterable, Iterator, TypeVar
 
 REPO = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPO / "tools"))
@@ -42,6 +43,14 @@ def metrics_at(port: int) -> str:
     import httpx
 
     return httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).raise_for_status().text
+
+
+@contextlib.contextmanager
+def one_at_a_time(folder: Path) -> Iterator[None]:
+    """Keeps the other workers of a parallel run out of the folder."""
+    with (folder / "lock").open("w", encoding="ascii") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 class TestStack:
@@ -157,9 +166,10 @@ class TestStack:
 
 
 class StackFactory:
-    """Creates the stacks of a test run and removes them."""
+    """Creates the stacks of a test run and removes them. `shared`: a folder that the workers of a parallel run share."""
 
-    def __init__(self) -> None:
+    def __init__(self, shared: Path | None = None) -> None:
+        self.shared_ = shared
         self.opened: list[TestStack] = []
         self.folders_: list[Path] = []
         self.run_as = users.ordinary_user()
@@ -193,15 +203,25 @@ class StackFactory:
     def cluster(self) -> Path:
         """Returns the data directory of a stopped cluster with the newest schema and no rows, made once for all stacks of a run."""
         if self.cluster_ is None:
-            made = self.folder()
-            given = ports.random_free()
-            stack = Stack(data=made, ports=given, layout=self.layout(), run_as=self.run_as, durable=False, only=("postgres",))
-            stack.start()
-            stack.migrate()
-            stack.stop()
-            ports.give_back(given.values())
+            folder = self.shared_ or self.folder()
+            made, beside = folder / "cluster", folder / "cluster.new"
+            with one_at_a_time(folder):
+                if not made.exists():
+                    shutil.rmtree(beside, ignore_errors=True)
+                    beside.mkdir()
+                    self.run_as.own(beside)
+                    self._make_cluster(beside)
+                    beside.rename(made)
             self.cluster_ = made
         return self.cluster_
+
+    def _make_cluster(self, data: Path) -> None:
+        given = ports.random_free()
+        stack = Stack(data=data, ports=given, layout=self.layout(), run_as=self.run_as, durable=False, only=("postgres",))
+        stack.start()
+        stack.migrate()
+        stack.stop()
+        ports.give_back(given.values())
 
     def open(self, only: Iterable[str] | None = None, extra_env: dict[str, str] | None = None,
              data_dir: Path | None = None, engine: str = "cpu") -> TestStack:

@@ -55,7 +55,7 @@ def suites(nightly: bool = False) -> list[Suite]:
         Suite("web page", "unit", _vitest),
         Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports)),
         Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0)),
-        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane), waits=True),
+        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), waits=True),
         Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), waits=True),
         Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
         Suite("Kubernetes", "cluster", _cluster),
@@ -338,8 +338,8 @@ def _cluster(reports: Path) -> Count:
         return others.result() + waiting.result()
 
 
-def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] = (), within: tuple[str, ...] = (), **more: str) -> Count:
-    """Runs a folder of tests, one file of it, or the tests in `only`."""
+def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1, **more: str) -> Count:
+    """Runs a folder of tests, one file of it, or the tests in `only`, with this many workers side by side."""
     tests = paths.REPO / "tests"
     if not folder.endswith(".py") and not any((tests / folder).glob("test_*.py")):
         return Count()
@@ -349,12 +349,17 @@ def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] =
     done = subprocess.run(
         [*within, str(paths.VENV_PYTHON), "-m", "pytest",
          "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
-         *selection, *(str(tests / folder / name) for name in only or [""])],
+         *(("-n", str(workers), "--no-loadscope-reorder") if workers > 1 else ()), *selection, *(str(tests / folder / name) for name in only or [""])],
         cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         errors="replace")
     if done.returncode != 0:
         say(done.stdout)
     return pytest_count(_testcases(report)).at_least_one_failed(done.returncode)
+
+
+def _workers() -> int:
+    """Returns how many processes share the tests of a suite that waits half of the time. Each has programs of its own."""
+    return min(build.jobs(), 4) + 1
 
 
 def pytest_count(cases: list[ElementTree.Element]) -> Count:

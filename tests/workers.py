@@ -1,0 +1,32 @@
+"""Which tests each worker of a parallel run (pytest-xdist) gets."""
+
+from __future__ import annotations
+
+import zlib
+
+from xdist.scheduler.loadscope import LoadScopeScheduling
+
+#: Files that take longest, which start first, so that the last worker does not end long after the others.
+LONGEST = ("test_access_matrix.py", "test_canaries.py", "test_ingest_faults.py", "test_edge_attacks.py", "test_api_contract.py", "test_full_disk.py",
+           "test_api_presets.py", "test_api_account_changes.py", "test_anonymise_job.py", "test_api_accounts.py", "test_gateway_stream.py",
+           "test_api_migrations.py", "test_inner_tls_attacks.py", "test_attacks_by_role.py", "test_faults.py", "test_up.py")
+#: Into how many parts a file is divided that one worker should not get as a whole. Each part starts programs of its own.
+PARTS = {"test_access_matrix.py": 4, "test_canaries.py": 2, "test_ingest_faults.py": 2}
+
+
+def unit_of(nodeid: str) -> str:
+    """Returns what one worker gets as a whole: a file, the tests of which share programs, or a part of it."""
+    file = nodeid.partition("::")[0]
+    return f"{file} {zlib.crc32(nodeid.encode()) % PARTS.get(file.rpartition('/')[2], 1)}"
+
+
+def rank_of(name: str) -> int:
+    """Returns the place of a file in the order in which they start."""
+    return LONGEST.index(name) if name in LONGEST else len(LONGEST)
+
+
+class ByFile(LoadScopeScheduling):
+    """Gives a worker the next file or part when it has nearly finished the last one."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return unit_of(nodeid)
