@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import sys
 import threading
+import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -238,25 +240,43 @@ def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():
     def run(kind, plane):
         return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
 
-    always = ["unit"] * 4 + ["integration", "e2e"]
+    always = ["integration", "e2e"] + ["unit"] * 4
     assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
     nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
     assert nightly == [*always, *testing.NIGHTLY]
     assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 4
 
 
-def test_suites_that_wait_run_side_by_side_and_all_are_counted_and_timed(tmp_path):
+def test_suites_run_side_by_side_and_all_are_counted_and_timed(tmp_path):
     together = threading.Barrier(2, timeout=10)
 
-    def waits(_):
+    def meets(_):
         together.wait()
         return testing.Count(2)
 
     done = testing.Run()
-    done.add_all([testing.Suite("first", "unit", lambda _: testing.Count(1, 1)), testing.Suite("one", "e2e", waits, waits=True),
-                  testing.Suite("other", "integration", waits, waits=True)], tmp_path)
+    done.add_all([testing.Suite("alone", "unit", lambda _: testing.Count(1, 1)), testing.Suite("one", "e2e", meets, cores=1),
+                  testing.Suite("other", "integration", meets, cores=1)], tmp_path, cores=2)
     assert done.total == testing.Count(5, 1)
-    assert done.times[0][0] == "first" and {name for name, _, _ in done.times[1:]} == {"one", "other"}
+    assert done.times[0][0] == "alone" and {name for name, _, _ in done.times[1:]} == {"one", "other"}
+
+
+def test_suites_that_run_never_need_more_cores_than_there_are(tmp_path):
+    costs = {"a": 1.0, "b": 0.5, "c": 1.0, "d": 0.5, "alone": math.inf, "e": 1.5}
+    guard, running, most = threading.Lock(), [], []
+
+    def runs(name):
+        with guard:
+            running.append(name)
+            most.append(sum(costs[one] for one in running) if len(running) > 1 else 0)
+        time.sleep(0.05)
+        with guard:
+            running.remove(name)
+        return testing.Count(1)
+
+    done = testing.Run()
+    done.add_all([testing.Suite(name, "unit", lambda _, name=name: runs(name), cores=cost) for name, cost in costs.items()], tmp_path, cores=2)
+    assert 0 < max(most) <= 2 and done.total == testing.Count(len(costs))
 
 
 def test_the_slowest_tests_of_all_reports_are_named(tmp_path):

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import concurrent.futures
 import json
+import math
 import os
 import shutil
 import subprocess
+import threading
 import time
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
@@ -43,20 +45,23 @@ class Suite:
     name: str
     kind: str
     run: Callable[[Path], Count]   # receives a folder for its report
-    #: Mostly waits, so that it runs side by side with its neighbours that wait, too.
-    waits: bool = False
+    #: How many cores it keeps busy. Runs side by side with others while there are enough for all.
+    cores: float = math.inf
 
 
 def suites(nightly: bool = False) -> list[Suite]:
-    """Returns the suites from fast to slow."""
+    """Returns the suites in the order in which they start: those that run side by side from slow to fast, then those that need the
+    machine for themselves."""
     lane = () if nightly else ("-m", "not nightly")
+    # Benches, fuzzing and attacks at length have the machine for themselves.
+    beside = math.inf if nightly else 1.0
     return [
-        Suite("tools", "unit", lambda reports: _pytest("devtool", reports)),
-        Suite("web page", "unit", _vitest),
-        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports)),
-        Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0)),
-        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), waits=True),
-        Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), waits=True),
+        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), cores=1),
+        Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), cores=1),
+        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports), cores=beside),
+        Suite("web page", "unit", _vitest, cores=beside),
+        Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0), cores=beside),
+        Suite("tools", "unit", lambda reports: _pytest("devtool", reports), cores=beside),
         Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
         Suite("Kubernetes", "cluster", _cluster),
         Suite("Kubernetes node", "node", _whole_node),
@@ -93,23 +98,31 @@ class Run:
     def __init__(self) -> None:
         self.total = Count()
         self.times: list[tuple[str, float, Count]] = []
+        self.guard_ = threading.Lock()
 
     def add(self, name: str, work: Callable[[], Count]) -> None:
         begin = time.monotonic()
         count = work()
-        self.times.append((name, time.monotonic() - begin, count))
-        self.total += count
+        with self.guard_:
+            self.times.append((name, time.monotonic() - begin, count))
+            self.total += count
         skipped = f", {count.skipped} skipped" if count.skipped else ""
         step(f"{name}: {count}{skipped}")
 
-    def add_all(self, chosen: list[Suite], reports: Path) -> None:
-        for suite in chosen:
-            if not suite.waits:
-                self.add(suite.name, lambda suite=suite: suite.run(reports))
-        waiting = [suite for suite in chosen if suite.waits]
+    def add_all(self, chosen: list[Suite], reports: Path, cores: float) -> None:
+        """Starts each suite, in this order, as soon as those that run leave it enough cores, or none runs."""
+        waiting, running = list(chosen), {}
         with concurrent.futures.ThreadPoolExecutor(max(1, len(waiting))) as pool:
-            for done in [pool.submit(self.add, suite.name, lambda suite=suite: suite.run(reports)) for suite in waiting]:
-                done.result()
+            while waiting or running:
+                free = cores - sum(running.values())
+                if (suite := next((one for one in waiting if one.cores <= free or not running), None)) is not None:
+                    waiting.remove(suite)
+                    running[pool.submit(self.add, suite.name, lambda suite=suite: suite.run(reports))] = suite.cores
+                    continue
+                done, _ = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
+                for one in done:
+                    del running[one]
+                    one.result()
 
 
 def run(kind: str | None, may_install: bool = True, with_checks: bool = False, nightly: bool = False) -> int:
@@ -130,7 +143,7 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False, n
         if node:
             say(f"NOT RUN: the Kubernetes node, because this machine cannot run one ({node})")
         chosen = [suite for suite in suites(nightly) if is_run(suite, kind, not missing, nightly)]
-        done.add_all([suite for suite in chosen if suite.kind != "node" or not node], reports)
+        done.add_all([suite for suite in chosen if suite.kind != "node" or not node], reports, cores=build.jobs())
         if with_checks:
             done.add("slow checks", lambda: check.count(slow=True))
         _say_times(done.times, reports)
