@@ -51,7 +51,7 @@ def state(stack, data_set: str) -> tuple:
     return rows[0] if rows else ("deleted", None, None)
 
 
-def wait_end(stack, data_set: str, timeout: float = 30.0) -> tuple:
+def wait_end(stack, data_set: str, timeout: float = 90.0) -> tuple:
     """Returns state, refusal code and text once it is neither queued nor building and its original is deleted."""
     def ended():
         now = state(stack, data_set)

@@ -19,8 +19,8 @@ PROGRAMS = ("postgres", "redis", "api", "ingestd")
 
 @pytest.fixture(scope="module")
 def ingest(all_stacks):
-    # A short lease and time limit keep the test short.
-    running = all_stacks.open(only=PROGRAMS, extra_env={"DIAPHANE_LEASE_MS": "1500", "DIAPHANE_TIME_LIMIT_S": "8"})
+    # A short lease keeps the tests short.
+    running = all_stacks.open(only=PROGRAMS, extra_env={"DIAPHANE_LEASE_MS": "3000"})
     yield running
     all_stacks.shut(running)
 
@@ -194,7 +194,8 @@ def test_a_machine_without_memory_refuses_no_upload(stack_factory):
         assert upload_path(ingest, data_set).exists() and "got no memory below its limit" in ingest.log("ingestd")
     finally:
         subprocess.run(["prlimit", "--pid", str(pid), "--data=unlimited:"], check=True, **ingest.stack.run_as.popen())
-    assert wait_end(ingest, data_set, 60)[0] == "ready"
+    ingest.psql("UPDATE ingest_jobs SET not_before = now()")
+    assert wait_end(ingest, data_set)[0] == "ready"
     nothing_left(ingest, data_set)
 
 
@@ -228,9 +229,11 @@ def test_uploads_wait_while_their_disk_is_not_mounted(ingest, head):
         nothing_left(ingest, data_set)
 
 
-def test_a_child_that_gets_no_cpu_time_is_ended_and_the_upload_is_not_lost(ingest, head):
+def test_a_child_that_gets_no_cpu_time_is_ended_and_the_upload_is_not_lost(stack_factory, head):
+    # Only here, because on a busy machine other children would get too little in so short a time.
+    ingest = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_TIME_LIMIT_S": "8"})
     data_set, child = frozen_child(ingest, head)
-    assert wait_end(ingest, data_set, 30)[0] == "ready"
+    assert wait_end(ingest, data_set)[0] == "ready"
     assert is_gone(child)
     nothing_left(ingest, data_set)
 
