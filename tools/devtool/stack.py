@@ -63,6 +63,7 @@ class Stack:
     run_as: RunAs = field(default_factory=RunAs)
     engine: str = "auto"
     durable: bool = True
+    polite: bool = True                  # programs for which nobody waits get less of the CPU
     only: Iterable[str] | None = None    # names of the programs to run; None: all
     extra_env: dict[str, str] = field(default_factory=dict)
     on_event: Callable[[str], None] = lambda text: None
@@ -245,6 +246,9 @@ class Stack:
             raise CliError(f"the database migration failed (exit {done.returncode}):\n"
                              f"{done.stdout}{done.stderr}".rstrip())
 
+    def _nice(self, entry: Running) -> int:
+        return entry.program.nice if self.polite else 0
+
     def _spawn(self, entry: Running) -> None:
         log = self.log_path(entry.program.name)
         handle = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
@@ -252,7 +256,7 @@ class Stack:
         try:
             # A separate group, so that Ctrl-C in the terminal reaches only the supervisor, which stops everything in order.
             entry.process = subprocess.Popen(
-                [*_on_cores(entry.program.cores), *_with_priority(entry.program.nice), *WITHOUT_CORE_FILES, *entry.program.argv],
+                [*_on_cores(entry.program.cores), *_with_priority(self._nice(entry)), *WITHOUT_CORE_FILES, *entry.program.argv],
                 env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL, stdout=handle, stderr=handle, start_new_session=True, umask=0o077, **self.run_as.popen())
         finally:
             os.close(handle)
@@ -268,8 +272,8 @@ class Stack:
                     self._look_after(entry)
             if time.monotonic() - looked_at_priorities > 0.5:
                 looked_at_priorities = time.monotonic()
-                self.priorities_.apply([(entry.process.pid, entry.program.nice) for entry in list(self.running_.values())
-                                        if entry.process and entry.program.nice])
+                self.priorities_.apply([(entry.process.pid, self._nice(entry)) for entry in list(self.running_.values())
+                                        if entry.process and self._nice(entry)])
             if time.monotonic() - looked_at_logs > 5:
                 looked_at_logs = time.monotonic()
                 for name in (*self.running_, "edge"):
