@@ -1,10 +1,10 @@
 #include "renderd/scene/presets.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
+#include <span>
 
 namespace diaphane::render {
 namespace {
@@ -35,72 +35,117 @@ void set(v1::Rgb& out, Vector a) {
 struct Point {
   double value, opacity;
 };
+using Curve = std::initializer_list<Point>;
 
-/// One material of a preset. The opacity of its last point extends to the largest value of the
-/// volume.
-struct PresetMaterial {
+struct Matter {
   const char* name;
   Vector albedo;
-  std::initializer_list<Point> hounsfield;  ///< values for CT
-  /// Values for other modalities: 0 is the 1st percentile, 1 the 99.9th.
-  std::initializer_list<Point> fraction;
+  double reflectance;  ///< of the glossy surface, at normal incidence
+  double gloss;
+};
+
+/// One material of a look. The opacity of its last point extends to the largest value of the
+/// volume.
+struct LookMaterial {
+  Matter matter;
+  Curve curve;
   bool open_ended;  ///< opacity stays constant beyond the last point
 };
 
 struct Look {
   const char* name;
   double extinction_per_mm;
-  std::initializer_list<PresetMaterial> materials;
+  int bounces;
+  double exposure;
+  std::initializer_list<LookMaterial> materials;
 };
 
-// Colours are single-scattering albedos and look paler than a surface of the same colour, because
-// the light that one sees has scattered once and has passed through the tissue in front.
-constexpr Vector kSkin{0.90, 0.60, 0.45};
-constexpr Vector kMuscle{0.80, 0.30, 0.22};
-constexpr Vector kFat{0.92, 0.76, 0.48};
-constexpr Vector kVessel{0.88, 0.13, 0.11};
-constexpr Vector kBone{0.95, 0.88, 0.74};
-constexpr Vector kLining{0.62, 0.86, 0.95};
+/// The gradient of the opacity, per mm, at which two thirds of the collisions are with a surface:
+/// low, so that all borders of organs are surfaces.
+constexpr double kGradientScale = 0.05;
+
+// A surface shows its albedo. In depth, light is scattered several times, which makes the colour
+// darker and more saturated.
+constexpr Matter kSkin{"skin", {0.87, 0.58, 0.45}, 0.030, 0.42};
+constexpr Matter kFat{"fat", {0.92, 0.74, 0.42}, 0.040, 0.55};
+constexpr Matter kMuscle{"muscle", {0.66, 0.19, 0.13}, 0.050, 0.62};
+constexpr Matter kVessel{"vessels", {0.74, 0.07, 0.05}, 0.060, 0.70};
+constexpr Matter kSpongyBone{"spongy bone", {0.90, 0.79, 0.60}, 0.040, 0.45};
+constexpr Matter kBone{"bone", {0.95, 0.90, 0.80}, 0.045, 0.55};
+constexpr Matter kLining{"airways", {0.55, 0.82, 0.93}, 0.060, 0.70};
+constexpr Matter kSurface{"surface", {0.86, 0.62, 0.50}, 0.030, 0.42};
+constexpr Matter kMiddle{"middle", {0.82, 0.50, 0.40}, 0.040, 0.55};
+constexpr Matter kBright{"bright", {0.94, 0.86, 0.74}, 0.040, 0.55};
 
 // Hounsfield units: air -1000, lung -850 to -700, fat -100, water 0, muscle 50, contrast 150 to
 // 400, spongy bone from 200, compact bone from 600.
-const Look kLooks[] = {
+const Look kCtLooks[] = {
+    // The skin is where the values rise from air to tissue. A cut shows the tissue beneath.
     {"skin",
-     1.6,
-     {{"skin", kSkin, {{-420, 0}, {-180, 0.55}, {60, 1}}, {{0.06, 0}, {0.16, 1}}, true}}},
+     3.0,
+     3,
+     0.2,
+     {{kSkin, {{-480, 0}, {-300, 0.7}, {-130, 0.8}, {-60, 0}}, false},
+      {kFat, {{-160, 0}, {-110, 0.5}, {-40, 0.5}, {0, 0}}, false},
+      {kMuscle, {{-40, 0}, {40, 0.9}, {160, 0.9}, {260, 0}}, false},
+      {kBone, {{180, 0}, {420, 1}}, true}}},
     {"muscle",
-     1.1,
-     {{"fat",
-       kFat,
-       {{-140, 0}, {-80, 0.025}, {-20, 0}},
-       {{0.10, 0}, {0.16, 0.03}, {0.24, 0}},
-       false},
-      {"muscle",
-       kMuscle,
-       {{5, 0}, {55, 0.75}, {180, 0.9}, {260, 0}},
-       {{0.20, 0}, {0.36, 0.9}, {0.55, 0}},
-       false},
-      {"bone", kBone, {{180, 0}, {420, 1}}, {{0.50, 0}, {0.70, 1}}, true}}},
+     2.0,
+     3,
+     0.2,
+     {{kFat, {{-140, 0}, {-80, 0.03}, {-20, 0}}, false},
+      {kMuscle, {{5, 0}, {55, 0.75}, {180, 0.9}, {260, 0}}, false},
+      {kBone, {{180, 0}, {420, 1}}, true}}},
+    // Where values rise from tissue to bone, they pass those of vessels within half a millimetre.
+    // This must not redden the bone, so vessels are thin matter, opaque only over some millimetres.
     {"vessels",
-     1.4,
-     {{"vessels",
-       kVessel,
-       {{130, 0}, {190, 0.35}, {280, 0.45}, {380, 0}},
-       {{0.55, 0}, {0.70, 0.9}},
-       true},
-      {"bone", kBone, {{230, 0}, {480, 1}}, {{0.85, 0}, {1.0, 1}}, true}}},
+     2.5,
+     3,
+     0.2,
+     {{kVessel, {{130, 0}, {180, 0.12}, {280, 0.25}, {380, 0.15}, {450, 0}}, false},
+      {kBone, {{280, 0}, {600, 1}}, true}}},
     {"bone",
-     1.2,
-     {{"bone", kBone, {{140, 0}, {260, 0.35}, {600, 1}}, {{0.35, 0}, {0.60, 1}}, true}}},
+     2.5,
+     3,
+     0.2,
+     {{kSpongyBone, {{140, 0}, {260, 0.35}, {500, 0.9}, {900, 0}}, false},
+      {kBone, {{450, 0}, {900, 1}}, true}}},
     // The values between air and tissue. They are thin, because the skin has such values as well
     // and must not hide the walls within, which appear one behind the other.
     {"airways",
      1.4,
-     {{"airways",
-       kLining,
-       {{-900, 0}, {-650, 0.12}, {-450, 0.12}, {-250, 0}},
-       {{0.02, 0}, {0.05, 0.12}, {0.08, 0.12}, {0.12, 0}},
-       false}}},
+     1,
+     0,
+     {{kLining, {{-900, 0}, {-650, 0.08}, {-450, 0.08}, {-250, 0}}, false}}},
+};
+
+// Values of other modalities: 0 is the least, 1 is tissue, 2 the brightest (see value_of()).
+const Look kOtherLooks[] = {
+    {"skin",
+     2.0,
+     3,
+     0.2,
+     {{kSurface, {{0.20, 0}, {0.40, 0.8}, {0.60, 0.8}, {0.75, 0}}, false},
+      {kMiddle, {{0.55, 0}, {0.70, 0.9}, {0.85, 0}}, false},
+      {kBright, {{0.80, 0}, {0.95, 1}}, true}}},
+    {"muscle",
+     1.2,
+     3,
+     0.2,
+     {{kMiddle, {{0.40, 0}, {0.60, 0.5}, {0.80, 0.8}, {0.92, 0}}, false},
+      {kBright, {{0.84, 0}, {1.0, 1}}, true}}},
+    {"vessels",
+     1.4,
+     3,
+     0.2,
+     {{kMiddle, {{0.30, 0}, {0.60, 0.02}, {1.2, 0.02}, {1.5, 0}}, false},
+      {kVessel, {{1.2, 0}, {1.5, 0.9}}, true}}},
+    {"bone", 2.0, 3, 0.2, {{kBright, {{0.75, 0}, {1.0, 1}}, true}}},
+    {"airways",
+     1.4,
+     1,
+     0,
+     {{kLining, {{0.08, 0}, {0.16, 0.08}, {0.26, 0.08}, {0.36, 0}}, false}}},
 };
 
 /// Half the diagonal of the volume's box, mm.
@@ -113,18 +158,27 @@ double radius_of(const volume::Header& header) {
   return 0.5 * std::sqrt(squared);
 }
 
-double value_of(const volume::Header& header, double fraction) {
-  const double low = header.percentiles.front(), high = header.percentiles.back();
-  return low + fraction * std::max(high - low, 1.0);
+/// A value of kOtherLooks. Tissue is what is brighter than nine tenths of the volume, unless most of
+/// the volume is air.
+double value_of(const volume::Header& header, double level) {
+  const auto& at = header.percentiles;
+  const double least = at[0], most = at[7] > least ? at[7] : least + 1;
+  const double tissue = std::max(at[5], least + 0.6 * (at[6] - least));
+  const double span = std::clamp(tissue - least, 0.05 * (most - least), 0.9 * (most - least));
+  return level <= 1 ? least + level * span
+                    : least + span + (level - 1) * (most - least - span);
 }
 
-void fill_channel(const volume::Header& header, const PresetMaterial& material,
+void fill_channel(const volume::Header& header, const LookMaterial& material,
                   v1::Channel& channel) {
   const bool ct = header.modality == volume::Modality::kCt;
-  channel.set_name(material.name);
-  set(*channel.mutable_diffuse(), material.albedo);
+  const Matter& matter = material.matter;
+  channel.set_name(matter.name);
+  set(*channel.mutable_diffuse(), matter.albedo);
+  set(*channel.mutable_specular(), Vector{1, 1, 1} * matter.reflectance);
+  channel.set_gloss(matter.gloss);
   double last = 0, opacity = 0;
-  for (const Point& point : ct ? material.hounsfield : material.fraction) {
+  for (const Point& point : material.curve) {
     last = ct ? point.value : value_of(header, point.value);
     opacity = point.opacity;
     auto& to = *channel.add_opacity();
@@ -138,58 +192,104 @@ void fill_channel(const volume::Header& header, const PresetMaterial& material,
   }
 }
 
-/// Adds a square light that faces the target, in the camera's frame (x right, y up, z towards the
-/// eye). `irradiance` is that at the target.
-void add_light(v1::Scene& scene, const char* name, double radius, Vector towards, double size,
-               double irradiance, Vector tint) {
-  const double distance = 3.2 * radius, edge = size * radius;
-  const Vector facing = unit(towards) * -1.0;
+/// A square light that faces the target.
+struct Lamp {
+  const char* name;
+  Vector towards;     ///< in the camera's frame (x right, y up, z towards the eye)
+  double distance;    ///< from the target; like `edge`, in radii of the volume
+  double edge;
+  double irradiance;  ///< at the target
+  Vector tint;
+};
+
+void add_light(v1::Scene& scene, double radius, const Lamp& lamp) {
+  const double distance = lamp.distance * radius, edge = lamp.edge * radius;
+  const Vector facing = unit(lamp.towards) * -1.0;
   const Vector u = unit(cross({0, 1, 0}, facing)), v = cross(facing, u);
   v1::Light& light = *scene.add_lights();
-  light.set_name(name);
+  light.set_name(lamp.name);
   light.set_camera_locked(true);
   v1::RectangleLight& rectangle = *light.mutable_rectangle();
   set(*rectangle.mutable_corner(), facing * -distance + (u + v) * (-0.5 * edge));
   set(*rectangle.mutable_u(), u * edge);
   set(*rectangle.mutable_v(), v * edge);
-  set(*rectangle.mutable_radiance(), tint * (irradiance * distance * distance / (edge * edge)));
+  set(*rectangle.mutable_radiance(),
+      lamp.tint * (lamp.irradiance * distance * distance / (edge * edge)));
+}
+
+/// Light like a photographer's: a warm key from the side and above, a cool rim from behind that
+/// separates the outline from the background, and a sky so faint that shadows stay dark.
+///
+/// The sky fills instead of a third lamp because each collision asks one lamp, chosen by power: a
+/// weak lamp is asked rarely, which makes shadows noisy. For the same reason, the rim is near, where
+/// it needs little power.
+void add_lights(v1::Scene& scene, double radius) {
+  add_light(scene, radius, {"key", {-0.90, 0.80, 0.75}, 3.2, 0.9, 6.0, {1.0, 0.93, 0.82}});
+  add_light(scene, radius, {"rim", {0.85, 0.45, -0.75}, 2.0, 0.6, 1.8, {0.72, 0.86, 1.0}});
+  v1::Light& sky = *scene.add_lights();
+  sky.set_name("sky");
+  set(*sky.mutable_environment()->mutable_radiance(), {0.17, 0.18, 0.21});
+}
+
+/// Half the width of the ellipsoid that touches all faces of the volume's box, along a direction.
+double half_width(const volume::Header& header, Vector along) {
+  double squared = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& d = header.direction;
+    const double cosine = d[axis] * along.x + d[3 + axis] * along.y + d[6 + axis] * along.z;
+    const double reach = 0.5 * header.size[axis] * header.spacing[axis] * cosine;
+    squared += reach * reach;
+  }
+  return std::sqrt(squared);
+}
+
+/// A portrait: through a long lens from the front, turned to the patient's left and slightly from
+/// above. It is framed on the ellipsoid within the box, since a scan rarely fills the corners.
+void place_camera(v1::Scene& scene, const volume::Header& header) {
+  constexpr double kFov = 20, kTurned = 27, kRaised = 9, kDegree = std::numbers::pi / 180;
+  const Vector towards{std::sin(kTurned * kDegree) * std::cos(kRaised * kDegree),
+                       -std::cos(kTurned * kDegree) * std::cos(kRaised * kDegree),
+                       std::sin(kRaised * kDegree)};
+  const Vector right = unit(cross({0, 0, 1}, towards)), up = cross(towards, right);
+  // Scans have more air at the sides than above.
+  const double half_height = 1.25 * std::max(half_width(header, up), 0.8 * half_width(header, right));
+  v1::Camera& camera = *scene.mutable_camera();
+  set(*camera.mutable_eye(), towards * (half_height / std::tan(0.5 * kFov * kDegree)));
+  set(*camera.mutable_target(), {0, 0, 0});
+  set(*camera.mutable_up(), {0, 0, 1});
+  camera.set_vertical_fov_degrees(kFov);
 }
 
 v1::Scene scene_of(const volume::Header& header, const Look& look) {
   v1::Scene scene;
   scene.mutable_transfer_function()->set_extinction_per_mm(look.extinction_per_mm);
-  for (const PresetMaterial& material : look.materials) {
+  for (const LookMaterial& material : look.materials) {
     fill_channel(header, material, *scene.mutable_transfer_function()->add_channels());
   }
-
-  const double radius = radius_of(header);
-  add_light(scene, "key", radius, {-0.75, 0.95, 1.0}, 1.0, 15.0, {1.0, 0.97, 0.92});
-  add_light(scene, "fill", radius, {1.0, 0.05, 0.75}, 2.0, 3.6, {0.88, 0.94, 1.0});
-  v1::Light& sky = *scene.add_lights();
-  sky.set_name("sky");
-  set(*sky.mutable_environment()->mutable_radiance(), {0.26, 0.27, 0.29});
-
-  // Closer than the bounding sphere of the box requires, since a scan rarely fills its corners. The
-  // patient's face is in front, seen from slightly above.
-  constexpr double kFov = 30;
-  const double distance = 0.74 * radius / std::sin(0.5 * kFov * std::numbers::pi / 180);
-  const Vector towards = unit({0, -1, 0.14});
-  v1::Camera& camera = *scene.mutable_camera();
-  set(*camera.mutable_eye(), towards * distance);
-  set(*camera.mutable_target(), {0, 0, 0});
-  set(*camera.mutable_up(), {0, 0, 1});
-  camera.set_vertical_fov_degrees(kFov);
-
+  add_lights(scene, radius_of(header));
+  place_camera(scene, header);
   scene.mutable_phase()->set_g(0);
-  set(*scene.mutable_display()->mutable_background(), {0.010, 0.012, 0.015});
+  scene.mutable_shading()->set_mode(v1::Shading::HYBRID);
+  scene.mutable_shading()->set_gradient_scale(kGradientScale);
+  scene.set_bounces(look.bounces);
+  v1::Display& display = *scene.mutable_display();
+  display.set_curve(v1::Display::FILMIC);
+  display.set_exposure(look.exposure);
+  set(*display.mutable_background(), {0.034, 0.037, 0.043});
+  set(*display.mutable_background_edge(), {0.006, 0.007, 0.009});
   return scene;
+}
+
+std::span<const Look> looks_for(const volume::Header& header) {
+  if (header.modality == volume::Modality::kCt) return kCtLooks;
+  return kOtherLooks;
 }
 
 }  // namespace
 
 std::vector<v1::Preset> presets_for(const volume::Header& header) {
   std::vector<v1::Preset> presets;
-  for (const Look& look : kLooks) {
+  for (const Look& look : looks_for(header)) {
     v1::Preset& preset = presets.emplace_back();
     preset.set_name(look.name);
     *preset.mutable_scene() = scene_of(header, look);
