@@ -83,7 +83,7 @@ const Look kCtLooks[] = {
     // The skin is where the values rise from air to tissue. A cut shows the tissue beneath.
     {"skin",
      3.0,
-     3,
+     2,
      0.2,
      {{kSkin, {{-480, 0}, {-300, 0.7}, {-130, 0.8}, {-60, 0}}, false},
       {kFat, {{-160, 0}, {-110, 0.5}, {-40, 0.5}, {0, 0}}, false},
@@ -100,10 +100,10 @@ const Look kCtLooks[] = {
     // This must not redden the bone, so vessels are thin matter, opaque only over some millimetres.
     {"vessels",
      2.5,
-     3,
+     2,
      0.2,
-     {{kVessel, {{130, 0}, {180, 0.12}, {280, 0.25}, {380, 0.15}, {450, 0}}, false},
-      {kBone, {{280, 0}, {600, 1}}, true}}},
+     {{kVessel, {{130, 0}, {190, 0.15}, {280, 0.3}, {380, 0.15}, {420, 0}}, false},
+      {kBone, {{250, 0}, {500, 1}}, true}}},
     {"bone",
      2.5,
      3,
@@ -123,7 +123,7 @@ const Look kCtLooks[] = {
 const Look kOtherLooks[] = {
     {"skin",
      2.0,
-     3,
+     2,
      0.2,
      {{kSurface, {{0.20, 0}, {0.40, 0.8}, {0.60, 0.8}, {0.75, 0}}, false},
       {kMiddle, {{0.55, 0}, {0.70, 0.9}, {0.85, 0}}, false},
@@ -145,7 +145,7 @@ const Look kOtherLooks[] = {
      1.4,
      1,
      0,
-     {{kLining, {{0.08, 0}, {0.16, 0.08}, {0.26, 0.08}, {0.36, 0}}, false}}},
+     {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
 /// Half the diagonal of the volume's box, mm.
@@ -221,14 +221,14 @@ void add_light(v1::Scene& scene, double radius, const Lamp& lamp) {
 /// separates the outline from the background, and a sky so faint that shadows stay dark.
 ///
 /// The sky fills instead of a third lamp because each collision asks one lamp, chosen by power: a
-/// weak lamp is asked rarely, which makes shadows noisy. For the same reason, the rim is near, where
-/// it needs little power.
+/// weak lamp is asked rarely, which makes shadows noisy. A stronger rim would take samples from the
+/// key, since it is hidden from most places that the camera sees.
 void add_lights(v1::Scene& scene, double radius) {
   add_light(scene, radius, {"key", {-0.90, 0.80, 0.75}, 3.2, 0.9, 6.0, {1.0, 0.93, 0.82}});
-  add_light(scene, radius, {"rim", {0.85, 0.45, -0.75}, 2.0, 0.6, 1.8, {0.72, 0.86, 1.0}});
+  add_light(scene, radius, {"rim", {0.85, 0.45, -0.75}, 4.0, 1.2, 0.9, {0.72, 0.86, 1.0}});
   v1::Light& sky = *scene.add_lights();
   sky.set_name("sky");
-  set(*sky.mutable_environment()->mutable_radiance(), {0.17, 0.18, 0.21});
+  set(*sky.mutable_environment()->mutable_radiance(), {0.23, 0.24, 0.27});
 }
 
 /// Half the width of the ellipsoid that touches all faces of the volume's box, along a direction.
@@ -252,7 +252,7 @@ void place_camera(v1::Scene& scene, const volume::Header& header) {
                        std::sin(kRaised * kDegree)};
   const Vector right = unit(cross({0, 0, 1}, towards)), up = cross(towards, right);
   // Scans have more air at the sides than above.
-  const double half_height = 1.25 * std::max(half_width(header, up), 0.8 * half_width(header, right));
+  const double half_height = 1.35 * std::max(half_width(header, up), 0.8 * half_width(header, right));
   v1::Camera& camera = *scene.mutable_camera();
   set(*camera.mutable_eye(), towards * (half_height / std::tan(0.5 * kFov * kDegree)));
   set(*camera.mutable_target(), {0, 0, 0});
