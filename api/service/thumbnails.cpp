@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <vector>
 
 #include "api/service/picture_file.h"
 #include "common/try.h"
@@ -13,9 +14,25 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> kPresets{"skin", "muscle", "vessels", "bone", "airways"};
+/// Ends the name of each file. Raise the number with every change of the looks in
+/// renderd/scene/presets.cpp, so that no thumbnail shows a look that the scan no longer has.
+constexpr std::string_view kSuffix = ".2.jpg";
 /// Maximum number of requests that wait for a thumbnail of another request. Each holds a thread of
 /// the API, like each rendering does.
 constexpr int kMostWaiting = 2;
+
+/// Deletes the thumbnails of earlier looks in the directory of one data set. Those that cannot be
+/// deleted do no harm, and are deleted with the data set.
+void remove_outdated(const fs::path& directory) {
+  std::error_code error;
+  fs::directory_iterator entry(directory, error);
+  std::vector<fs::path> outdated;
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.ends_with(".jpg") && !name.ends_with(kSuffix)) outdated.push_back(entry->path());
+  }
+  for (const fs::path& path : outdated) fs::remove(path, error);
+}
 
 }  // namespace
 
@@ -34,7 +51,8 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
   }
   const auto data_set = data_sets_.find_ready(who, data_set_id);
   DIAPHANE_TRY(data_set);
-  const std::string path = "thumbnails/" + data_set_id + "/" + preset + ".jpg";
+  const std::string path =
+      "thumbnails/" + data_set_id + "/" + preset + std::string(kSuffix);
 
   {
     std::unique_lock lock(mutex_);
@@ -108,6 +126,7 @@ Outcome<void> Thumbnails::render(const std::string& data_set_id, const std::stri
   }
   if (!jpeg) return refuse(jpeg.error());
   if (auto done = write_picture(directory_ + "/" + path, *jpeg); !done) return refuse(done.error());
+  remove_outdated(fs::path(directory_ + "/" + path).parent_path());
   return {};
 }
 

@@ -15,7 +15,7 @@
 namespace diaphane::api {
 
 /// Thumbnails of ready data sets. A worker renders each once, and the file is kept in `<cache
-/// directory>/thumbnails/<data set>/<preset>.jpg`. Thread-safe.
+/// directory>/thumbnails/<data set>/<preset>.<version of the looks>.jpg`. Thread-safe.
 class Thumbnails {
  public:
   /// At most `slots` are rendered at the same time, and a few requests wait for `patience`. All

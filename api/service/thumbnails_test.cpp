@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 class ThumbnailsTest : public DataSetFixture {
  protected:
   std::string path_of(const std::string& preset) const {
-    return "thumbnails/" + id + "/" + preset + ".jpg";
+    return "thumbnails/" + id + "/" + preset + ".2.jpg";
   }
   Refusal get(const std::string& preset = "bone") {
     return refusal(thumbnails.get(owner, id, preset));
@@ -42,6 +42,22 @@ TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
     EXPECT_EQ(cache.read(path_of(preset)), "image of " + id + " " + preset);
   }
   EXPECT_EQ(stills.requests().size(), 5u);
+}
+
+TEST_F(ThumbnailsTest, AThumbnailOfEarlierLooksIsNotShownAndGoes) {
+  const std::string directory = "thumbnails/" + id + "/", of_another = "thumbnails/other/bone.jpg";
+  for (const char* old : {"bone.jpg", "skin.jpg", "bone.1.jpg"}) cache.write(directory + old, "old");
+  cache.write(directory + ".tmp-1", "being written");
+  cache.write(of_another, "of another scan");
+  EXPECT_EQ(thumbnails.get(owner, id, "bone").value(), path_of("bone"));
+  EXPECT_EQ(cache.read(path_of("bone")), "image of " + id + " bone");
+  for (const char* old : {"bone.jpg", "skin.jpg", "bone.1.jpg"}) {
+    EXPECT_FALSE(cache.has(directory + old)) << old;
+  }
+  EXPECT_TRUE(cache.has(directory + ".tmp-1"));
+  EXPECT_TRUE(cache.has(of_another));
+  EXPECT_EQ(get("skin"), Refusal());
+  EXPECT_TRUE(cache.has(path_of("bone"))) << "a current one stays";
 }
 
 TEST_F(ThumbnailsTest, OnlyKnownPresetsOfScansThatAreReadyHaveThumbnails) {
