@@ -246,7 +246,7 @@ double half_width(const volume::Header& header, Vector along) {
 /// A portrait: through a long lens from the front, turned to the patient's left and slightly from
 /// above. It is framed on the ellipsoid within the box, since a scan rarely fills the corners.
 void place_camera(v1::Scene& scene, const volume::Header& header) {
-  constexpr double kFov = 20, kTurned = 27, kRaised = 9, kDegree = std::numbers::pi / 180;
+  constexpr double kFov = 20, kTurned = 25, kRaised = 10, kDegree = std::numbers::pi / 180;
   const Vector towards{std::sin(kTurned * kDegree) * std::cos(kRaised * kDegree),
                        -std::cos(kTurned * kDegree) * std::cos(kRaised * kDegree),
                        std::sin(kRaised * kDegree)};
