@@ -51,8 +51,7 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
   }
   const auto data_set = data_sets_.find_ready(who, data_set_id);
   DIAPHANE_TRY(data_set);
-  const std::string path =
-      "thumbnails/" + data_set_id + "/" + preset + std::string(kSuffix);
+  const std::string path = "thumbnails/" + data_set_id + "/" + preset + std::string(kSuffix);
 
   {
     std::unique_lock lock(mutex_);

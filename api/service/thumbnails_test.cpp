@@ -46,7 +46,8 @@ TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
 
 TEST_F(ThumbnailsTest, AThumbnailOfEarlierLooksIsNotShownAndGoes) {
   const std::string directory = "thumbnails/" + id + "/", of_another = "thumbnails/other/bone.jpg";
-  for (const char* old : {"bone.jpg", "skin.jpg", "bone.1.jpg"}) cache.write(directory + old, "old");
+  for (const char* old : {"bone.jpg", "skin.jpg", "bone.1.jpg"})
+    cache.write(directory + old, "old");
   cache.write(directory + ".tmp-1", "being written");
   cache.write(of_another, "of another scan");
   EXPECT_EQ(thumbnails.get(owner, id, "bone").value(), path_of("bone"));

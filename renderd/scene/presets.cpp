@@ -112,11 +112,7 @@ const Look kCtLooks[] = {
       {kBone, {{450, 0}, {900, 1}}, true}}},
     // The values between air and tissue. They are thin, because the skin has such values as well
     // and must not hide the walls within, which appear one behind the other.
-    {"airways",
-     1.4,
-     1,
-     0,
-     {{kLining, {{-900, 0}, {-650, 0.08}, {-450, 0.08}, {-250, 0}}, false}}},
+    {"airways", 1.4, 1, 0, {{kLining, {{-900, 0}, {-650, 0.08}, {-450, 0.08}, {-250, 0}}, false}}},
 };
 
 // Values of other modalities: 0 is the least, 1 is tissue, 2 the brightest (see value_of()).
@@ -134,18 +130,9 @@ const Look kOtherLooks[] = {
      0.2,
      {{kMiddle, {{0.40, 0}, {0.60, 0.5}, {0.80, 0.8}, {0.92, 0}}, false},
       {kBright, {{0.84, 0}, {1.0, 1}}, true}}},
-    {"vessels",
-     1.4,
-     3,
-     0.2,
-     {{kMiddle, {{0.30, 0}, {0.60, 0.02}, {1.2, 0.02}, {1.5, 0}}, false},
-      {kVessel, {{1.2, 0}, {1.5, 0.9}}, true}}},
+    {"vessels", 2.0, 2, 0.2, {{kVessel, {{1.2, 0}, {1.5, 0.9}}, true}}},
     {"bone", 2.0, 3, 0.2, {{kBright, {{0.75, 0}, {1.0, 1}}, true}}},
-    {"airways",
-     1.4,
-     1,
-     0,
-     {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
+    {"airways", 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
 /// Half the diagonal of the volume's box, mm.
@@ -158,15 +145,14 @@ double radius_of(const volume::Header& header) {
   return 0.5 * std::sqrt(squared);
 }
 
-/// A value of kOtherLooks. Tissue is what is brighter than nine tenths of the volume, unless most of
-/// the volume is air.
+/// A value of kOtherLooks. Tissue is what is brighter than nine tenths of the volume, unless most
+/// of the volume is air.
 double value_of(const volume::Header& header, double level) {
   const auto& at = header.percentiles;
   const double least = at[0], most = at[7] > least ? at[7] : least + 1;
   const double tissue = std::max(at[5], least + 0.6 * (at[6] - least));
   const double span = std::clamp(tissue - least, 0.05 * (most - least), 0.9 * (most - least));
-  return level <= 1 ? least + level * span
-                    : least + span + (level - 1) * (most - least - span);
+  return level <= 1 ? least + level * span : least + span + (level - 1) * (most - least - span);
 }
 
 void fill_channel(const volume::Header& header, const LookMaterial& material,
@@ -195,8 +181,8 @@ void fill_channel(const volume::Header& header, const LookMaterial& material,
 /// A square light that faces the target.
 struct Lamp {
   const char* name;
-  Vector towards;     ///< in the camera's frame (x right, y up, z towards the eye)
-  double distance;    ///< from the target; like `edge`, in radii of the volume
+  Vector towards;   ///< in the camera's frame (x right, y up, z towards the eye)
+  double distance;  ///< from the target; like `edge`, in radii of the volume
   double edge;
   double irradiance;  ///< at the target
   Vector tint;
@@ -252,7 +238,8 @@ void place_camera(v1::Scene& scene, const volume::Header& header) {
                        std::sin(kRaised * kDegree)};
   const Vector right = unit(cross({0, 0, 1}, towards)), up = cross(towards, right);
   // Scans have more air at the sides than above.
-  const double half_height = 1.35 * std::max(half_width(header, up), 0.8 * half_width(header, right));
+  const double half_height =
+      1.35 * std::max(half_width(header, up), 0.8 * half_width(header, right));
   v1::Camera& camera = *scene.mutable_camera();
   set(*camera.mutable_eye(), towards * (half_height / std::tan(0.5 * kFov * kDegree)));
   set(*camera.mutable_target(), {0, 0, 0});
