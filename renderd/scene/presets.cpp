@@ -66,14 +66,14 @@ constexpr double kGradientScale = 0.05;
 
 // A surface shows its albedo. In depth, light is scattered several times, which makes the colour
 // darker and more saturated.
-constexpr Matter kSkin{"skin", {0.87, 0.58, 0.45}, 0.030, 0.42};
+constexpr Matter kSkin{"skin", {0.82, 0.49, 0.36}, 0.030, 0.42};
 constexpr Matter kFat{"fat", {0.92, 0.74, 0.42}, 0.040, 0.55};
 constexpr Matter kMuscle{"muscle", {0.66, 0.19, 0.13}, 0.050, 0.62};
 constexpr Matter kVessel{"vessels", {0.74, 0.07, 0.05}, 0.060, 0.70};
 constexpr Matter kSpongyBone{"spongy bone", {0.90, 0.79, 0.60}, 0.040, 0.45};
 constexpr Matter kBone{"bone", {0.95, 0.90, 0.80}, 0.045, 0.55};
 constexpr Matter kLining{"airways", {0.55, 0.82, 0.93}, 0.060, 0.70};
-constexpr Matter kSurface{"surface", {0.86, 0.62, 0.50}, 0.030, 0.42};
+constexpr Matter kSurface{"surface", {0.83, 0.55, 0.43}, 0.030, 0.42};
 constexpr Matter kMiddle{"middle", {0.82, 0.50, 0.40}, 0.040, 0.55};
 constexpr Matter kBright{"bright", {0.94, 0.86, 0.74}, 0.040, 0.55};
 
