@@ -240,9 +240,11 @@ void place_camera(v1::Scene& scene, const volume::Header& header) {
   // Scans have more air at the sides than above.
   const double half_height =
       1.35 * std::max(half_width(header, up), 0.8 * half_width(header, right));
+  // Somewhat above the middle of the picture, whose lower edge is under the page's controls.
+  const Vector target{0, 0, -0.08 * half_height};
   v1::Camera& camera = *scene.mutable_camera();
-  set(*camera.mutable_eye(), towards * (half_height / std::tan(0.5 * kFov * kDegree)));
-  set(*camera.mutable_target(), {0, 0, 0});
+  set(*camera.mutable_eye(), target + towards * (half_height / std::tan(0.5 * kFov * kDegree)));
+  set(*camera.mutable_target(), target);
   set(*camera.mutable_up(), {0, 0, 1});
   camera.set_vertical_fov_degrees(kFov);
 }

@@ -79,8 +79,8 @@ def look_from_the_front(hands: Hands) -> None:
         for _ in range(times):
             hands.act(lambda: picture.press(key))
     camera = json.loads(hands.kept()[0])["camera"]
-    assert camera["eye"]["y"] < 0
-    assert math.hypot(camera["eye"].get("x", 0), camera["eye"].get("z", 0)) < 0.01 * abs(camera["eye"]["y"]), camera
+    x, y, z = (camera["eye"].get(axis, 0) - camera["target"].get(axis, 0) for axis in "xyz")
+    assert y < 0 and math.hypot(x, z) < 0.01 * abs(y), camera
 
 
 def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: TestStack, visit, cranium: Path, pictures: Path):
