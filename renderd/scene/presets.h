@@ -10,9 +10,11 @@
 
 namespace diaphane::render {
 
-/// Returns the presets (skin, muscle, vessels, bone, airways) fitted to a volume. The camera is in
-/// front of the patient at a distance from which the whole box is visible. Lights scale with the
-/// box's radius. Ranges are in Hounsfield units for CT and by percentiles otherwise.
+/// Returns the presets (skin, muscle, vessels, bone, airways) fitted to a volume. The camera looks
+/// at the patient's face from slightly above and from their left. The ellipsoid within the box fits
+/// the picture. Lights scale with the box's radius. Ranges are in Hounsfield units for CT and by
+/// percentiles otherwise. Whoever changes a look also raises the version in
+/// api/service/thumbnails.cpp.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header);
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, std::string_view name);
 
