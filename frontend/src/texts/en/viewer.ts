@@ -42,7 +42,7 @@ export const viewer = {
     title: (n: number, all: number) => `Tip ${n} of ${all}`,
     all: [
       "Drag the picture to turn it. Pinch, or use the mouse wheel, to zoom.",
-      "The pictures at the bottom show other looks: skin, muscle, vessels, bone and airways.",
+      "The pictures at the bottom show other looks of the same scan.",
       "Light, lens and cuts are in the menu on the left. You can undo any change.",
     ] as readonly string[],
     next: "Next",
@@ -50,9 +50,17 @@ export const viewer = {
     hide: "Hide the tips",
   },
   presets: "Looks",
-  preset: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone", airways: "Airways" } as Readonly<
+  /** Names of the built-in looks by what they show. Only the values of a CT tell skin, muscle, bone and air apart. */
+  lookOfCt: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone", airways: "Airways" } as Readonly<
     Record<string, string>
   >,
+  lookOfOther: {
+    skin: "Surface",
+    muscle: "Soft tissue",
+    vessels: "Brightest parts",
+    bone: "Bright parts",
+    airways: "See-through",
+  } as Readonly<Record<string, string>>,
   reset: "Reset the view",
   fullscreen: "Full screen",
   screenshot: "Save or share",

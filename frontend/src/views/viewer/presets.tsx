@@ -1,5 +1,5 @@
 import { presetNames, type PresetName } from "../../api/types";
-import type { Preset } from "../../protocol/messages";
+import { Modality, type Preset } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { useThumbnail } from "../thumbnail";
@@ -29,6 +29,8 @@ const isKnown = (name: string): name is PresetName => (presetNames as readonly s
 
 function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
   const name = isKnown(preset.name) ? preset.name : null;
+  const isCt = session.volume.value?.modality === Modality.CT;
+  const shown = (isCt ? t.viewer.lookOfCt : t.viewer.lookOfOther)[preset.name] ?? preset.name;
   const url = useThumbnail(session.dataSetId ?? "", name ?? "skin", name !== null && session.dataSetId !== null);
   return (
     <button
@@ -42,7 +44,7 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
       <span class="preset-picture">
         {url ? <img src={url} alt="" width={320} height={320} draggable={false} /> : null}
       </span>
-      <span class="preset-name">{t.viewer.preset[preset.name] ?? preset.name}</span>
+      <span class="preset-name">{shown}</span>
     </button>
   );
 }
