@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 import httpx
-from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready
+from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready, put_thumbnail
 from cut_helpers import KEEP, store
 from harness import TestStack
 from seeds import stored, write_person
@@ -189,11 +189,7 @@ class World:
         return self.owner.known_id
 
     def preset(self) -> str:
-        folder = self.stack.data_dir / "cache" / "thumbnails" / self.data_set_id()
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "bone.jpg").write_bytes(b"\xff\xd8\xff")
-        for path in (folder / "bone.jpg", folder, folder.parent):
-            self.stack.stack.run_as.own(path)
+        put_thumbnail(self.stack, self.data_set_id())
         return "bone"
 
     # Preconditions of requests

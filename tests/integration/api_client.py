@@ -221,6 +221,16 @@ def ready_without_upload(stack: TestStack, owner: Person) -> str:
     return data_set
 
 
+def put_thumbnail(stack: TestStack, data_set_id: str) -> None:
+    """Puts a thumbnail where the API keeps those that it rendered (api/service/thumbnails.cpp)."""
+    folder = stack.data_dir / "cache" / "thumbnails" / data_set_id
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "bone.2.jpg"
+    file.write_bytes(b"\xff\xd8\xff")
+    for path in (file, folder, folder.parent):
+        stack.stack.run_as.own(path)
+
+
 def add_worker(stack: TestStack, name: str, slots: int = 4, seconds: int = 60) -> None:
     """Adds a render worker as its heartbeat would. Nothing listens at its address."""
     key = f"diaphane:worker:{name}"

@@ -10,7 +10,7 @@ import uuid
 
 import pytest
 from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
-                        problem, remove_worker, signed_up)
+                        problem, put_thumbnail, remove_worker, signed_up)
 from cut_helpers import KEEP, store
 from access_matrix_fixture import put_picture
 
@@ -226,11 +226,7 @@ def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # 
     signed_up(api)
     made = one.upload(b"x" * 10)["id"]
     make_ready(api, made)
-    folder = api.data_dir / "cache" / "thumbnails" / made
-    folder.mkdir(parents=True)
-    (folder / "bone.jpg").write_bytes(b"\xff\xd8\xff")
-    for path in (folder / "bone.jpg", folder, folder.parent):
-        api.stack.run_as.own(path)
+    put_thumbnail(api, made)
     add_worker(api, "contract-test")
     one.http.get(f"/v1/data-sets/{made}/thumbnails/bone")
     session = one.http.post("/v1/sessions", json={"data_set_id": made}).json()["session_id"]
