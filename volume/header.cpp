@@ -23,6 +23,20 @@ double determinant(const std::array<double, 9>& m) {
 
 }  // namespace
 
+const char* name_of(Modality modality) {
+  switch (modality) {
+    case Modality::kCt:
+      return "CT";
+    case Modality::kMr:
+      return "MR";
+    case Modality::kPt:
+      return "PT";
+    case Modality::kOther:
+      break;
+  }
+  return "OTHER";
+}
+
 Result<void> check(const Header& header) {
   std::uint64_t count = 1;
   for (const std::uint32_t side : header.size) {

@@ -16,6 +16,9 @@ inline constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 32;
 /// kInvalid, or kTooLarge for too many voxels, with the reason.
 Result<void> check(const Header& header);
 
+/// Returns "CT", "MR", "PT" or "OTHER", as the REST API, the database and the command line name it.
+const char* name_of(Modality modality);
+
 /// Returns the text of volume.json: Protobuf JSON of diaphane.v1.VolumeHeader
 /// (api/proto/volume.proto).
 Result<std::string> to_json(const Header& header);

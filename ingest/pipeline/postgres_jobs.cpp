@@ -10,23 +10,10 @@
 #include "common/try.h"
 #include "ingest/pipeline/moved_scene.h"
 #include "ingest/pipeline/report.h"
+#include "volume/header.h"
 
 namespace diaphane::ingest {
 namespace {
-
-const char* name_of(volume::Modality modality) {
-  switch (modality) {
-    case volume::Modality::kCt:
-      return "CT";
-    case volume::Modality::kMr:
-      return "MR";
-    case volume::Modality::kPt:
-      return "PT";
-    case volume::Modality::kOther:
-      break;
-  }
-  return "OTHER";
-}
 
 /// Moves saved presets so that they stay in place relative to the patient. Documents that presets
 /// were imported from may describe removed parts in unknown coordinates, so they are deleted. So
@@ -334,7 +321,7 @@ Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& he
                spacing_x = $6, spacing_y = $7, spacing_z = $8,
                repairs = $9::text[], volume_bytes = $10, head = $11::jsonb, updated_at = now()
          WHERE id = $1)sql",
-        job.data_set_id, name_of(header.modality), static_cast<int>(header.size[0]),
+        job.data_set_id, volume::name_of(header.modality), static_cast<int>(header.size[0]),
         static_cast<int>(header.size[1]), static_cast<int>(header.size[2]), header.spacing[0],
         header.spacing[1], header.spacing[2], array_of(header.repairs),
         static_cast<std::int64_t>(bytes), head);

@@ -4,24 +4,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "volume/header.h"
+
 namespace diaphane::scan {
 namespace {
 
 using nlohmann::ordered_json;
-
-const char* modality_name(volume::Modality modality) {
-  switch (modality) {
-    case volume::Modality::kCt:
-      return "CT";
-    case volume::Modality::kMr:
-      return "MR";
-    case volume::Modality::kPt:
-      return "PT";
-    case volume::Modality::kOther:
-      break;
-  }
-  return "OTHER";
-}
 
 std::string counted(std::size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
@@ -31,7 +19,7 @@ std::string suitable_line(const dicom::Series& series) {
   const dicom::Assessment& a = series.assessment;
   char text[200];
   std::snprintf(text, sizeof text, "%-4s %-9s %5zu slices   %u x %u x %u   %.3f x %.3f x %.3f mm\n",
-                modality_name(a.modality), dicom::plane_name(a.direction).c_str(),
+                volume::name_of(a.modality), dicom::plane_name(a.direction).c_str(),
                 std::size_t{a.size[2]}, a.size[0], a.size[1], a.size[2], a.spacing[0], a.spacing[1],
                 a.spacing[2]);
   return text;
@@ -52,7 +40,7 @@ std::string paragraph(std::size_t number, const dicom::Series& series) {
   std::snprintf(head, sizeof head, "%3zu. ", number);
   if (!a.suitable) {
     char text[64];
-    std::snprintf(text, sizeof text, "%-4s not suitable, %s: ", modality_name(a.modality),
+    std::snprintf(text, sizeof text, "%-4s not suitable, %s: ", volume::name_of(a.modality),
                   counted(series.slices.size(), "file", "files").c_str());
     return head + std::string(text) + a.text + "\n";
   }
@@ -80,7 +68,7 @@ ordered_json series_json(const dicom::Series& series) {
   const dicom::Assessment& a = series.assessment;
   ordered_json json;
   json["suitable"] = a.suitable;
-  json["modality"] = modality_name(a.modality);
+  json["modality"] = volume::name_of(a.modality);
   json["files"] = series.slices.size();
   json["slices"] = a.suitable ? a.size[2] : 0;
   json["size"] = a.suitable ? ordered_json(a.size) : ordered_json();
