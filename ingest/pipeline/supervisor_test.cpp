@@ -45,10 +45,14 @@ TEST(Supervisor, ReportsCrashWithItsSignal) {
 }
 
 TEST(Supervisor, KillsChildAtTheTimeLimit) {
-  const auto before = std::chrono::steady_clock::now();
-  EXPECT_EQ(shell("trap '' TERM INT; while :; do :; done", std::chrono::milliseconds(300)).how,
-            How::kTimedOut);
-  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(3));
+  // A busy machine may give the child too little CPU time to blame it, but not every time.
+  How how = How::kDelayed;
+  for (int tries = 0; tries < 20 && how == How::kDelayed; ++tries) {
+    const auto before = std::chrono::steady_clock::now();
+    how = shell("trap '' TERM INT; while :; do :; done", std::chrono::milliseconds(300)).how;
+    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(10));
+  }
+  EXPECT_EQ(how, How::kTimedOut);
 }
 
 TEST(Supervisor, ChildThatGotNoCpuTimeIsNotToBlame) {
@@ -64,7 +68,7 @@ TEST(Supervisor, StopRequestEndsTheChild) {
 TEST(Supervisor, TruncatesEndlessReport) {
   const ChildEnd end = shell("while :; do echo xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx >&5; done",
                              std::chrono::milliseconds(500));
-  EXPECT_EQ(end.how, How::kTimedOut);
+  EXPECT_TRUE(end.how == How::kTimedOut || end.how == How::kDelayed);
   EXPECT_LE(end.report.size(), kLongestReport + 1);
   EXPECT_FALSE(read_report(end.report).has_value());
 }
