@@ -25,11 +25,15 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kEnvironment)
         .with(Feature::kSteepExtinction)
         .with(Feature::kBounces),
+    // The built-in looks (renderd/scene/presets.cpp).
     kCurved.with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kSurfaces)
-        .with(Feature::kGloss),
+        .with(Feature::kHybrid)
+        .with(Feature::kGloss)
+        .with(Feature::kSteepExtinction)
+        .with(Feature::kBounces),
     kCurved.with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
