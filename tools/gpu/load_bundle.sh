@@ -17,14 +17,8 @@ for program in "$build/bin/diaphane-renderd" "$build/bin/diaphane-load" "$(comma
 done
 cp "$volume/volume.json" "$volume/voxels.i16" "$folder/volume/"
 
-# All that the programs load, but for the C library and its own, which must be the kernel's and loader's over there. A C++
-# library there that is older than the compiler's here would not do, so that one comes along.
-for program in "$folder"/bin/*; do
-  ldd "$program" | awk '$2 == "=>" && $3 ~ /^\// { print $3 }'
-done | sort -u | grep -vE '/(libc|libm|libdl|librt|libpthread|libresolv|ld-linux[^/]*)\.so' | while read -r library; do
-  strip -o "$folder/lib/$(basename "$library")" "$(readlink -f "$library")" 2>/dev/null \
-    || cp -L "$library" "$folder/lib/$(basename "$library")"
-done
+# A C++ library there that is older than the compiler's here would not do, so that one comes along.
+"$(dirname "${BASH_SOURCE[0]}")/libraries.sh" "$folder/lib" "$folder"/bin/*
 
 cat > "$folder/run" <<'RUN'
 #!/usr/bin/env bash

@@ -32,14 +32,10 @@ echo 'home = /usr/bin' > "$venv/pyvenv.cfg"
 ln -s /usr/bin/python3.11 "$venv/bin/python"
 find "$folder" -name __pycache__ -prune -exec rm -rf {} +
 
-# All that these load, but for the C and C++ libraries: the C library must be the loader's over there, and the machine's
-# own protoc needs a C++ library that is at least as new as the compiler there.
-find "$folder"/app/build "$folder"/root "$venv" -type f \( -perm -u+x -o -name '*.so*' \) -print0 | { xargs -0 ldd 2>/dev/null || true; } \
-  | awk '$2 == "=>" && $3 ~ /^\// { print $3 }' | sort -u \
-  | grep -vE '/(libc|libm|libdl|librt|libpthread|libresolv|libutil|libstdc\+\+|libgcc_s|ld-linux[^/]*)\.so' | while read -r library; do
-  strip -o "$folder/lib/$(basename "$library")" "$(readlink -f "$library")" 2>/dev/null \
-    || cp -L "$library" "$folder/lib/$(basename "$library")"
-done
+find "$folder"/app/build "$folder"/root "$venv" -type f \( -perm -u+x -o -name '*.so*' \) -print0 \
+  | xargs -0 "$repo/tools/gpu/libraries.sh" "$folder/lib"
+# The machine's own protoc needs a C++ library that is at least as new as the compiler there.
+rm -f "$folder"/lib/{libstdc++,libgcc_s}.so*
 
 cat > "$folder/bench" <<'BENCH'
 #!/usr/bin/env bash

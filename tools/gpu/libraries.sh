@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Copies all libraries that programs and libraries load, stripped, but for the C library and its own, which must be the
+# kernel's and loader's on the machine that runs them.
+#
+#   tools/gpu/libraries.sh FOLDER FILE...
+set -euo pipefail
+folder=${1:?usage: tools/gpu/libraries.sh FOLDER FILE...}
+shift
+# ldd fails for a file that is not a program.
+{ ldd "$@" 2>/dev/null || true; } | awk '$2 == "=>" && $3 ~ /^\// { print $3 }' | sort -u \
+  | grep -vE '/(libc|libm|libdl|librt|libpthread|libresolv|libutil|ld-linux[^/]*)\.so' | while read -r library; do
+  strip -o "$folder/$(basename "$library")" "$(readlink -f "$library")" 2>/dev/null \
+    || cp -L "$library" "$folder/$(basename "$library")"
+done
