@@ -10,16 +10,16 @@ struct CanvasInput {
   Canvas current;                ///< size rendered now; 0 x 0 before the first picture
   double seconds_per_pixel = 0;  ///< measured cost of one sample of one pixel; 0: unknown
   double seconds_first = 0;      ///< cost of a new picture without its samples
-  bool moving = false;  ///< input came within the last kRestSeconds, and its gesture has not ended
-  std::size_t sharing = 1;  ///< number of moving sessions on the device, including this one
+  bool moving = false;           ///< a gesture is under way, or this is a preview (Ledger::moving)
+  std::size_t sharing = 1;       ///< number of moving sessions on the device, including this one
   /// Largest fraction of the viewport's sides while moving, as limited by the connection or the
   /// viewer.
   double largest_moving = 1;
 };
 
-/// Target time for one sample of a moving picture. It keeps the time from input to picture near 100
-/// ms (design: sessions, "lower resolution allowed").
-inline constexpr double kMovingSampleSeconds = 0.08;
+/// Target time for one sample of a moving picture. It keeps the time from input to picture below
+/// 100 ms (design: sessions, "lower resolution allowed").
+inline constexpr double kMovingSampleSeconds = 0.06;
 /// If several sessions move, one picture of each of them together should take no longer than a
 /// picture of one session alone. It need not take less than this time, with which every moving
 /// session gets a picture within 33 ms and a third of the device is left for the others.
@@ -28,6 +28,9 @@ inline constexpr double kSharedSeconds = 0.016;
 inline constexpr double kSmallestShare = 0.5;
 /// After this long without input a session is at rest and is rendered at full size.
 inline constexpr double kRestSeconds = 0.15;
+/// A picture at rest is preceded by a preview of the size used while moving if one sample of it
+/// takes longer than this.
+inline constexpr double kPreviewAboveSeconds = 2 * kMovingSampleSeconds;
 /// Number of pixels of the first picture on a device whose speed is unknown.
 inline constexpr double kProbePixels = 256.0 * 256.0;
 

@@ -35,7 +35,7 @@ bool may_interrupt(bool began_moving, bool shown) { return shown || !began_movin
 void Ledger::refresh(ViewRequest wanted, const DeviceCosts& device, const LedgerRules& rules,
                      Time now) {
   wanted_ = std::move(wanted);
-  moving_ = !wanted_.rest && seconds_between(wanted_.last_input, now) < kRestSeconds;
+  in_gesture_ = !wanted_.rest && seconds_between(wanted_.last_input, now) < kRestSeconds;
   if (applied_version_ != wanted_.version) refused_size_.reset();
   if (wanted_.scene && wanted_.version != seen_version_) {
     // The input came after the last refresh. A session's first scene came together with the
@@ -50,9 +50,11 @@ void Ledger::refresh(ViewRequest wanted, const DeviceCosts& device, const Ledger
   // A session that does not gain does not count as waiting.
   const bool gains = wanted_.visible && (stale() || !converged(rules));
   if (!gains || served_at_ == Time{}) served_at_ = now;
+  const bool answered = applied_version_ == wanted_.version;
+  preview_ = !in_gesture_ && (answered ? preview_ && samples_shown_ == 0 : needs_preview(device));
   // During a gesture the size changes only with a new scene, so that the current picture keeps
   // converging.
-  if (moving_ && applied_version_ == wanted_.version) {
+  if (moving() && answered) {
     planned_ = canvas_;
     return;
   }
@@ -61,7 +63,7 @@ void Ledger::refresh(ViewRequest wanted, const DeviceCosts& device, const Ledger
                    .current = canvas_,
                    .seconds_per_pixel = seconds_per_pixel(device),
                    .seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first,
-                   .moving = moving_,
+                   .moving = moving(),
                    .sharing = device.moving_sessions,
                    .largest_moving = std::min(wanted_.moving_scale, wanted_.effort.moving_scale)});
   if (refused_size_ == planned_) planned_ = canvas_;
@@ -72,6 +74,13 @@ double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
   return seconds_per_pixel_ > 0 ? seconds_per_pixel_ : device.seconds_per_pixel;
 }
 
+bool Ledger::needs_preview(const DeviceCosts& device) const {
+  if (wanted_.full_size) return false;
+  const double cost = seconds_per_pixel(device);
+  return cost > 0 ? cost * wanted_.viewport.pixels() > kPreviewAboveSeconds
+                  : wanted_.viewport.pixels() > kProbePixels;
+}
+
 bool Ledger::converged(const LedgerRules& device_rules) const {
   const LedgerRules rules = content_with(wanted_.effort, device_rules);
   if (progress_.samples >= rules.most_samples) return true;
@@ -80,10 +89,11 @@ bool Ledger::converged(const LedgerRules& device_rules) const {
 
 bool Ledger::interruptible() const { return may_interrupt(began_moving_, samples_shown_ > 0); }
 
-// The end of a gesture means rest at once, without waiting for silence.
+// The end of a gesture means rest at once, without waiting for silence. Only its preview is as
+// urgent as a moving picture.
 double Ledger::silence(Time now) const {
   const double seconds = seconds_between(wanted_.last_input, now);
-  return wanted_.rest ? std::max(seconds, kRestSeconds) : seconds;
+  return wanted_.rest && !preview_ ? std::max(seconds, kRestSeconds) : seconds;
 }
 
 SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
@@ -128,7 +138,7 @@ std::optional<EmissionInput> Ledger::emission(const LedgerRules& rules, Time now
   input.samples_shown = samples_shown_;
   input.seconds_since_frame = seconds_between(shown_at_, now);
   input.seconds_since_input = silence(now);
-  input.moving = moving_;
+  input.moving = moving();
   input.shown_moving = shown_moving_;
   input.converged = converged(rules);
   input.wanted_again = wanted_.picture_again && !stale();
@@ -139,7 +149,7 @@ std::optional<EmissionInput> Ledger::emission(const LedgerRules& rules, Time now
 void Ledger::began(double seconds, Time now) {
   applied_version_ = wanted_.version;
   canvas_ = planned_;
-  began_moving_ = moving_;
+  began_moving_ = moving();
   began_at_ = now;
   input_seq_ = wanted_.input_seq;
   progress_ = {};
@@ -180,7 +190,7 @@ void Ledger::shown(double seconds, DeviceCosts& device, Time now) {
     }
   }
   samples_shown_ = progress_.samples;
-  shown_moving_ = moving_;
+  shown_moving_ = moving();
   shown_at_ = now;
 }
 

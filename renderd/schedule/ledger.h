@@ -67,16 +67,20 @@ class Ledger {
   std::uint64_t applied_version() const { return applied_version_.value_or(0); }
   std::uint64_t input_seq() const { return input_seq_; }  ///< newest input that the film shows
   std::uint64_t samples_shown() const { return samples_shown_; }
-  bool moving() const { return moving_; }
+  /// Whether the next picture is one of a gesture or the preview of a picture at rest: small,
+  /// urgent and encoded for speed.
+  bool moving() const { return in_gesture_ || preview_; }
   /// Seconds that preparing the film's scene took.
   double scene_seconds() const { return scene_seconds_; }
 
  private:
   double seconds_per_pixel(const DeviceCosts& device) const;
   double silence(Time now) const;
+  bool needs_preview(const DeviceCosts& device) const;
 
   ViewRequest wanted_;
-  bool moving_ = false;
+  bool in_gesture_ = false;
+  bool preview_ = false;
   Canvas planned_;
   Time refreshed_at_{};
   std::uint64_t seen_version_ = 0;

@@ -187,6 +187,49 @@ TEST_F(LedgerTest, EndOfAGestureCountsAsRestImmediately) {
   EXPECT_FALSE(ledger.emission(rules, now)->moving);
 }
 
+/// A full picture of a second follows, so that the viewer sees at once that the input arrived.
+TEST_F(LedgerTest, APreviewComesBeforeASlowPictureAtRest) {
+  device.seconds_per_pixel = 1e-4;  // 1 s for the viewport
+  wanted.rest = true;
+  input();
+  refresh();
+  EXPECT_TRUE(ledger.moving());
+  EXPECT_LT(ledger.planned().pixels() * device.seconds_per_pixel, 0.1);
+  EXPECT_LT(view().seconds_since_input, kRestSeconds) << "it is urgent";
+  const Canvas small = ledger.planned();
+  ledger.began(0, now);
+  ledger.rendered({1, 1e-4 * small.pixels(), 0}, {1, 0.1, 1}, device, now);
+  refresh();
+  EXPECT_EQ(ledger.planned(), small) << "it is not replaced before it is shown";
+  EXPECT_TRUE(ledger.emission(rules, now)->moving);
+  ledger.shown(0, device, now);
+  refresh();
+  EXPECT_FALSE(ledger.moving());
+  EXPECT_TRUE(ledger.stale());
+  EXPECT_EQ(ledger.planned(), wanted.viewport);
+  ledger.began(0, now);
+  ledger.rendered({1, 1, 0}, {1, 1, 1}, device, now);
+  refresh();
+  EXPECT_FALSE(ledger.stale()) << "one preview is enough";
+}
+
+TEST_F(LedgerTest, AFastPictureHasNoPreviewAndNeitherHasOneOfAnotherWorker) {
+  wanted.rest = true;
+  const auto previews = [&](double seconds_per_pixel) {
+    device.seconds_per_pixel = seconds_per_pixel;
+    input();
+    refresh();
+    return ledger.moving();
+  };
+  EXPECT_FALSE(previews(1e-5)) << "0.1 s";
+  EXPECT_TRUE(previews(1e-4));
+  wanted.viewport = {1000, 1000};
+  EXPECT_TRUE(previews(0)) << "the speed of the device is unknown";
+  wanted.full_size = true;
+  EXPECT_FALSE(previews(0));
+  EXPECT_FALSE(previews(1e-4));
+}
+
 TEST_F(LedgerTest, SampleNoiseFollowsTheLastKnownError) {
   EXPECT_EQ(view().noise, 0);
   render(4, 0.1);

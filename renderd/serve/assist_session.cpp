@@ -168,6 +168,7 @@ ViewRequest AssistHost::Session::wanted() {
   wanted.viewport = order.task->canvas;
   wanted.input_seq = order.task->epoch;
   wanted.rest = true;
+  wanted.full_size = true;
   wanted.raw = true;
   wanted.visible = desk_->wants_more();
   wanted.room = desk_->room();

@@ -22,7 +22,8 @@ struct ViewRequest {
   Canvas viewport;
   std::uint64_t input_seq = 0;  ///< the newest input that it contains
   std::chrono::steady_clock::time_point last_input{};
-  bool rest = false;  ///< that input is the last of its gesture
+  bool rest = false;       ///< that input is the last of its gesture
+  bool full_size = false;  ///< no picture may be smaller than the viewport, as for another worker
   bool visible = true;
   bool room = true;  ///< the encoder's slot is free and the viewer keeps up
   bool raw = false;  ///< without denoiser
