@@ -1,4 +1,4 @@
-"""clang-tidy reads each file alone, even if a build compiles several at once."""
+"""How clang-tidy reads the files: each alone or several together, and only what has changed."""
 
 from __future__ import annotations
 
@@ -94,3 +94,32 @@ def test_a_file_is_looked_at_again_when_it_or_a_header_or_its_command_changed(ch
     else:
         fresh.command.insert(1, "-DX")
     assert list(fresh.todo()) == [fresh.source]
+
+
+def test_files_of_one_target_with_the_same_flags_are_read_together():
+    def command(name: str, target: str = "api", flag: str = "-O2") -> tuple[Path, list[str]]:
+        return Path(name), ["c++", flag, "-o", f"api/CMakeFiles/{target}.dir/{name}.o", "-c", name]
+
+    commands = dict([command("a.cpp"), command("b.cpp"), command("of_another_target.cpp", target="ingest"), command("with_a_flag.cpp", flag="-O3")])
+    assert tidy.groups(commands) == [tidy.Group([Path("a.cpp"), Path("b.cpp")], ["-O2"])]
+
+
+def test_large_groups_are_divided_and_come_first():
+    commands = {Path(f"{target}{n}.cpp"): ["c++", "-o", f"x/CMakeFiles/{target}.dir/{n}.o", "-c", f"{target}{n}.cpp"]
+                for target, count in (("small", 2), ("large", tidy._TOGETHER + 3)) for n in range(count)}
+    assert [len(group.sources) for group in tidy.groups(commands)] == [tidy._TOGETHER, 3, 2]
+
+
+def test_a_header_is_included_once_unless_a_file_includes_it_twice():
+    assert tidy.joined_text(["#include <a>\n1", "#include <a>\n#include <b>\n2"]) == "#include <a>\n1\n#include <b>\n2\n"
+    assert tidy.joined_text(["#include <a>\n#include <a>\n1", "#include <a>\n2"]) == "#include <a>\n#include <a>\n1\n2\n"
+
+
+@pytest.mark.parametrize("second, sound", [("int* second = nullptr;\n", True), ("int* second = 0;\n", False), ("int* second = first;\n", True),
+                                           ("#include <cstddef>\n#include <cstddef>\nstd::size_t second = 0;\n", False)])
+def test_reading_files_together_finds_what_each_contains(tmp_path, second: str, sound: bool):
+    sources = [tmp_path / "first.cpp", tmp_path / "second.cpp"]
+    sources[0].write_text("#include <cstddef>\nint* first = nullptr;\n")
+    sources[1].write_text(second)
+    (tmp_path / "tidy").mkdir()
+    assert tidy._tidy_together(0, tidy.Group(sources, ["-std=c++20"]), tmp_path / "tidy") == sound

@@ -1,4 +1,8 @@
-"""Runs clang-tidy on one translation unit at a time, and skips units whose inputs are unchanged."""
+"""Runs clang-tidy on the files whose inputs have changed.
+
+Most of its time goes into headers. So files with the same flags are first read together, as one text; where that has findings, each
+file is read alone.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ import os
 import re
 import shlex
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 from . import build, paths
@@ -17,7 +22,9 @@ from . import build, paths
 _CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "tidy"
 _HEADERS = _CACHE.with_name("tidy-headers")
 _FOLDERS = "api|common|directory|ingest|operator|renderd|volume"
-
+_COMMAND = ["nice", "clang-tidy", "--quiet"]
+#: How many files are read together at most. With more, one process would still run when the others have ended.
+_TOGETHER = 16
 
 #: What only GCC understands, or what makes no difference to clang-tidy.
 _NOT_FOR_CLANG = ("-Winvalid-pch", "-fpch-preprocess", "-Wno-subobject-linkage", "--param=ggc-")
@@ -36,9 +43,58 @@ def check() -> list[str]:
         shared.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
         todo = _changed(commands, folder, common, pool)
+        joined = groups({source: commands[source] for source in todo})
+        passed = pool.map(lambda group: _tidy_together(*group, database), enumerate(joined))
+        for group, sound in zip(joined, passed):
+            if sound:
+                for source in group.sources:
+                    (_CACHE / todo.pop(source)).touch()
         results = list(pool.map(lambda item: _tidy(item[0], database, _CACHE / item[1]), todo.items()))
     _forget_old()
     return [words for words in results if words]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Files that are compiled with the same flags."""
+
+    sources: list[Path]
+    flags: list[str]
+
+
+def groups(commands: dict[Path, list[str]]) -> list[Group]:
+    """Returns the files that can be read together, the largest groups first."""
+    alike: dict[tuple[str, ...], list[Path]] = {}
+    for source, words in commands.items():
+        at = words.index("-o")
+        # The folder of a target's objects tells the targets apart.
+        target = words[at + 1].partition(".dir/")[0]
+        flags = [word for word in [*words[1:at], *words[at + 2:]] if word not in ("-c", str(source))]
+        alike.setdefault((target, *flags), []).append(source)
+    found = [Group(sources[first:first + _TOGETHER], list(flags)) for (_, *flags), sources in alike.items()
+             for first in range(0, len(sources), _TOGETHER)]
+    return sorted((group for group in found if len(group.sources) > 1), key=lambda group: -len(group.sources))
+
+
+def joined_text(texts: list[str]) -> str:
+    """Returns the texts as one. Each header is included once, unless one text includes it twice, which is a finding."""
+    included: set[str] = set()
+    lines: list[str] = []
+    for text in texts:
+        own = text.splitlines()
+        includes = [line for line in own if line.startswith("#include")]
+        left_out = {line for line in includes if line in included and includes.count(line) == 1}
+        lines += [line for line in own if line not in left_out]
+        included.update(includes)
+    return "\n".join([*lines, ""])
+
+
+def _tidy_together(number: int, group: Group, database: Path) -> bool:
+    """Returns whether clang-tidy finds nothing in these files."""
+    file = database / f"together-{number}.cpp"
+    file.write_text(joined_text([source.read_text(encoding="utf-8") for source in group.sources]), encoding="utf-8")
+    return subprocess.run([*_COMMAND, *_options(), str(file), "--", *group.flags], cwd=database.parent, stdin=subprocess.DEVNULL,
+                          capture_output=True).returncode == 0
 
 
 def _generated(folder: Path) -> list[str]:
@@ -183,12 +239,14 @@ def _tool_digest() -> str:
     return version + (paths.REPO / ".clang-tidy").read_text(encoding="utf-8")
 
 
+def _options() -> list[str]:
+    return [f"--config-file={paths.REPO / '.clang-tidy'}", f"--header-filter=^{re.escape(str(paths.REPO))}/({_FOLDERS})/",
+            "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument"]
+
+
 def _tidy(source: Path, database: Path, remembered: Path) -> str:
     """Returns clang-tidy's output. An empty result is remembered at once, so that an interrupted run is not lost."""
-    command = ["nice", "clang-tidy", "-p", str(database), "--quiet",
-               f"--header-filter=^{re.escape(str(paths.REPO))}/({_FOLDERS})/",
-               "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument", str(source)]
-    done = subprocess.run(command, cwd=paths.REPO, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+    done = subprocess.run([*_COMMAND, "-p", str(database), *_options(), str(source)], cwd=paths.REPO, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                           errors="replace")
     if done.returncode == 0:
         remembered.touch()
