@@ -1,0 +1,267 @@
+#include "ingest/body/decide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace diaphane::ingest {
+namespace {
+
+// Shells of tables and headrests, bars and straps are thinner than twice this; the trunk, limbs and
+// the head are thicker.
+constexpr double kOpeningMm = 5;
+constexpr int kRegrownCells = 2;      // what the opening takes from rounded edges
+constexpr double kLimbCm3 = 20;       // the least volume of a body part that stands alone
+constexpr double kNearMm = 15;        // ears, the nose and fingers lie this near to thicker parts
+constexpr double kLongMm = 80;        // thin parts of a body are shorter
+constexpr double kLeastCore = 0.4;    // of all matter; below, the body itself is thin
+constexpr double kMostCutMm = 15;     // mean thickness of what a surface takes from the body
+constexpr std::size_t kSpeckCells = 8;
+
+using Members = std::vector<std::size_t>;
+
+struct Extent {
+  std::array<int, 3> low{1 << 30, 1 << 30, 1 << 30}, high{-1, -1, -1};
+  double mm(const Cells& cells, std::size_t p) const {
+    return (high[p] - low[p] + 1) * cells.mm[p];
+  }
+  double longest(const Cells& cells) const {
+    return std::max({mm(cells, 0), mm(cells, 1), mm(cells, 2)});
+  }
+};
+
+Extent extent_of(const Cells& cells, const Members& members) {
+  Extent extent;
+  for (const std::size_t cell : members) {
+    const auto at = cells.place(cell);
+    for (std::size_t p = 0; p < 3; ++p) {
+      extent.low[p] = std::min(extent.low[p], at[p]);
+      extent.high[p] = std::max(extent.high[p], at[p]);
+    }
+  }
+  return extent;
+}
+
+double share_in(const CellMask& mask, const Members& members) {
+  std::size_t n = 0;
+  for (const std::size_t cell : members) n += mask[cell];
+  return static_cast<double>(n) / static_cast<double>(members.size());
+}
+
+/// Returns how well a component continues `levels` further along the patient if it is moved by
+/// (dx, dy), with a tolerance of one cell.
+double continuation(const Cells& cells, const Components& all, const Members& members,
+                    const Extent& extent, int levels, int dx, int dy) {
+  const std::int32_t label = all.label[members.front()];
+  const auto there = [&](int x, int y, int z) {
+    for (int b = std::max(0, y - 1); b <= std::min(cells.size[1] - 1, y + 1); ++b) {
+      for (int a = std::max(0, x - 1); a <= std::min(cells.size[0] - 1, x + 1); ++a) {
+        if (all.label[cells.at(a, b, z)] == label) return true;
+      }
+    }
+    return false;
+  };
+  std::size_t asked = 0, found = 0;
+  const std::size_t step = members.size() / 1500 + 1;
+  for (std::size_t i = 0; i < members.size(); i += step) {
+    const auto [x, y, z] = cells.place(members[i]);
+    if (z + levels > extent.high[2]) continue;
+    ++asked;
+    found += there(x + dx, y + dy, z + levels) ? 1 : 0;
+  }
+  return asked == 0 ? 0 : static_cast<double>(found) / static_cast<double>(asked);
+}
+
+/// Whether a component has nearly the same cross-section all along the patient, as tables and
+/// headrests have, even in a tilted scan.
+bool is_straight(const Cells& cells, const Components& all, const Members& members) {
+  constexpr double kLeastAlongMm = 30, kStepMm = 15, kShare = 0.9;
+  const Extent extent = extent_of(cells, members);
+  const double whole = cells.size[2] * cells.mm[2];
+  if (extent.mm(cells, 2) < std::min(kLeastAlongMm, 0.9 * whole)) return false;
+  const int levels = std::max(1, static_cast<int>(std::lround(kStepMm / cells.mm[2])));
+  if (levels >= extent.high[2] - extent.low[2]) return false;
+  for (int dy = -3; dy <= 3; ++dy) {
+    for (int dx = -2; dx <= 2; ++dx) {
+      if (continuation(cells, all, members, extent, levels, dx, dy) >= kShare) return true;
+    }
+  }
+  return false;
+}
+
+/// A wide slab, such as a table that is filled with dense foam.
+bool is_slab(const Cells& cells, const Components& all, const Members& members) {
+  const Extent extent = extent_of(cells, members);
+  const double x = extent.mm(cells, 0), y = extent.mm(cells, 1);
+  const bool flat = std::max(x, y) >= 200 && std::max(x, y) >= 4 * std::min(x, y);
+  return flat && is_straight(cells, all, members);
+}
+
+class Decider {
+ public:
+  Decider(const volume::Volume& volume, const Cells& cells, const ValueScale& scale)
+      : volume_(volume), cells_(cells), scale_(scale) {}
+
+  Decision decide() {
+    find_matter();
+    find_core();
+    body_ = grown_within(cells_, core_, matter_, kRegrownCells);
+    support_.assign(cells_.count(), 0);
+    sort_out_rest();
+    return kinds();
+  }
+
+ private:
+  void find_matter() {
+    // Noise puts single voxels above the threshold.
+    const std::uint8_t least = scale_.hounsfield ? 1 : 2;
+    matter_.resize(cells_.count());
+    for (std::size_t i = 0; i < matter_.size(); ++i) matter_[i] = cells_.matter[i] >= least;
+  }
+
+  /// Opens the matter, and keeps the parts that may be of a body.
+  void find_core() {
+    const auto radius = cells_.radius(kOpeningMm);
+    // In MR, the skin is a thin shell around the dark skull. CT has no such gaps unless its skin
+    // was removed, but it has hollow tables, which are not to be filled.
+    const std::size_t all = count(matter_);
+    if (scale_.density) open(matter_, radius);
+    if (!scale_.density || count(core_) < kLeastCore * static_cast<double>(all)) {
+      open(filled(cells_, matter_), radius);
+    }
+    has_core_ = all > 0 && count(core_) >= kLeastCore / 2 * static_cast<double>(all);
+  }
+
+  void open(const CellMask& solid, const std::array<int, 3>& radius) {
+    const Components parts = components(cells_, eroded(cells_, solid, radius));
+    CellMask seeds(cells_.count(), 0);
+    for (const Members& part : parts.members) {
+      if (is_slab(cells_, parts, part)) continue;
+      for (const std::size_t cell : part) seeds[cell] = 1;
+    }
+    const CellMask opened = dilated(cells_, seeds, radius);
+    const Components wide = components(cells_, opened);
+    core_.assign(cells_.count(), 0);
+    std::size_t most = 0;
+    for (const Members& part : wide.members) most = std::max(most, part.size());
+    for (const Members& part : wide.members) {
+      const double cm3 = static_cast<double>(part.size()) * cells_.cell_volume() / 1000;
+      if (part.size() < most && cm3 < kLimbCm3) continue;
+      for (const std::size_t cell : part) core_[cell] = matter_[cell];
+    }
+  }
+
+  /// Assigns the matter that the opening removed to the body or to a support.
+  void sort_out_rest() {
+    CellMask rest = matter_;
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = matter_[i] && !body_[i];
+    const Components parts = components(cells_, rest);
+    const CellMask near = dilated(cells_, body_, cells_.radius(kNearMm));
+    std::vector<const Members*> supports;
+    for (const Members& part : parts.members) {
+      const bool speck = scale_.noisy && part.size() < kSpeckCells;
+      if (speck && share_in(near, part) == 0) continue;
+      const bool support = is_support(parts, part, near);
+      if (support) supports.push_back(&part);
+      for (const std::size_t cell : part) (support ? support_ : body_)[cell] = 1;
+    }
+    for (const Members* part : supports) cut_behind(*part);
+  }
+
+  bool is_support(const Components& parts, const Members& part, const CellMask& near) const {
+    const double outside = 1 - share_in(near, part);
+    const bool is_long = extent_of(cells_, part).longest(cells_) >= kLongMm;
+    if (!has_core_) return is_long && is_straight(cells_, parts, part);
+    if (!is_long) return outside > 0.9;
+    if (outside >= 0.5) return true;
+    return (scale_.density && outside >= 0.2) || is_straight(cells_, parts, part);
+  }
+
+  std::array<double, 3> body_middle() const {
+    std::array<double, 3> sum{};
+    double n = 0;
+    for (std::size_t i = 0; i < body_.size(); ++i) {
+      if (!body_[i]) continue;
+      const auto at = middle_of(cells_, cells_.place(i));
+      for (std::size_t p = 0; p < 3; ++p) sum[p] += at[p];
+      ++n;
+    }
+    for (double& s : sum) s /= std::max(1.0, n);
+    return sum;
+  }
+
+  /// Cuts the body where it touches a support: behind the support's surface.
+  void cut_behind(const Members& part) {
+    const auto surface = fit_surface(volume_, cells_, scale_.matter, part, body_middle());
+    if (!surface) return;
+    Members taken;
+    std::map<std::pair<int, int>, int> columns;
+    for (std::size_t i = 0; i < body_.size(); ++i) {
+      if (!body_[i]) continue;
+      const auto place = cells_.place(i);
+      if (surface->behind(middle_of(cells_, place)) < 0) continue;
+      taken.push_back(i);
+      ++columns[{place[surface->across], place[2]}];
+    }
+    if (taken.empty()) return;
+    const double thick = static_cast<double>(taken.size()) / static_cast<double>(columns.size()) *
+                         cells_.mm[surface->deep];
+    if (thick > kMostCutMm) return;
+    for (const std::size_t cell : taken) {
+      body_[cell] = 0;
+      support_[cell] = 1;
+    }
+    surfaces_.push_back(*surface);
+  }
+
+  Decision kinds() {
+    CellMask full = filled(cells_, body_);
+    for (std::size_t i = 0; i < full.size(); ++i) full[i] = full[i] && !support_[i];
+    const CellMask inner = eroded(cells_, full, {1, 1, 1});
+    const CellMask skin = dilated(cells_, full, {1, 1, 1});
+    Decision decision{std::vector<CellKind>(cells_.count(), CellKind::kAir), surfaces_};
+    for (std::size_t i = 0; i < full.size(); ++i) {
+      if (support_[i]) decision.kinds[i] = CellKind::kSupport;
+      else if (inner[i]) decision.kinds[i] = CellKind::kInside;
+      else if (skin[i]) decision.kinds[i] = CellKind::kSkin;
+    }
+    for (const Surface& surface : surfaces_) mark_cut(surface, decision.kinds);
+    return decision;
+  }
+
+  void mark_cut(const Surface& surface, std::vector<CellKind>& kinds) const {
+    const double within = cells_.mm[surface.deep] * 1.5;
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      if (kinds[i] == CellKind::kAir) continue;
+      if (kinds[i] == CellKind::kSupport && !body_near(i)) continue;
+      if (std::abs(surface.behind(middle_of(cells_, cells_.place(i)))) < within) {
+        kinds[i] = CellKind::kCut;
+      }
+    }
+  }
+
+  bool body_near(std::size_t cell) const {
+    const auto [x, y, z] = cells_.place(cell);
+    for (int b = std::max(0, y - 1); b <= std::min(cells_.size[1] - 1, y + 1); ++b) {
+      for (int a = std::max(0, x - 1); a <= std::min(cells_.size[0] - 1, x + 1); ++a) {
+        if (body_[cells_.at(a, b, z)]) return true;
+      }
+    }
+    return false;
+  }
+
+  const volume::Volume& volume_;
+  const Cells& cells_;
+  const ValueScale& scale_;
+  CellMask matter_, core_, body_, support_;
+  bool has_core_ = false;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace
+
+Decision decide(const volume::Volume& volume, const Cells& cells, const ValueScale& scale) {
+  return Decider(volume, cells, scale).decide();
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,130 @@
+#include "ingest/body/label_body.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ingest/body/phantoms.h"
+
+namespace diaphane::ingest {
+namespace {
+
+using volume::Label;
+using volume::Labels;
+using volume::Volume;
+
+constexpr double kLeastKept = 0.99, kLeastHidden = 0.95;
+
+class LabelBody : public testing::TestWithParam<std::string> {};
+
+TEST_P(LabelBody, KeepsTheBodyAndHidesItsSupport) {
+  const Phantom phantom = make_phantom(GetParam());
+  const Labels labels = label_body(phantom.volume);
+  ASSERT_EQ(labels.size, phantom.volume.header.size);
+  ASSERT_EQ(labels.voxels.size(), phantom.volume.voxels.size());
+  const Agreement found = agreement(phantom, labels.voxels);
+  EXPECT_GE(found.kept, kLeastKept);
+  EXPECT_GE(found.hidden, kLeastHidden);
+}
+
+INSTANTIATE_TEST_SUITE_P(Phantoms, LabelBody, testing::ValuesIn(phantom_names()),
+                         [](const testing::TestParamInfo<std::string>& info) {
+                           std::string name = info.param;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return !std::isalnum(c); },
+                               '_');
+                           return name;
+                         });
+
+Volume constant(std::array<std::uint32_t, 3> size, std::int16_t value, volume::Modality modality) {
+  Volume volume;
+  volume.header.size = size;
+  volume.header.modality = modality;
+  volume.voxels.assign(volume.header.voxel_count(), value);
+  volume::measure(volume);
+  return volume;
+}
+
+std::array<std::size_t, 4> counts(const Labels& labels) {
+  std::array<std::size_t, 4> n{};
+  for (const std::uint8_t label : labels.voxels) ++n[label];
+  return n;
+}
+
+std::size_t voxels(const Labels& labels, Label label) {
+  return counts(labels)[static_cast<std::size_t>(label)];
+}
+
+TEST(LabelBodyOfOddVolumes, LabelsEveryVoxelOfTinyAndConstantVolumes) {
+  for (const auto modality : {volume::Modality::kCt, volume::Modality::kMr}) {
+    for (const int value : {-1000, 0, 40, 3000}) {
+      for (const auto& size : std::vector<std::array<std::uint32_t, 3>>{
+               {1, 1, 1}, {2, 3, 1}, {1, 40, 1}, {40, 30, 20}}) {
+        const Labels labels = label_body(constant(size, static_cast<std::int16_t>(value), modality));
+        EXPECT_EQ(labels.voxels.size(), std::size_t{size[0]} * size[1] * size[2]);
+        EXPECT_EQ(voxels(labels, Label::kSupport), 0U);
+      }
+    }
+  }
+  EXPECT_TRUE(label_body(constant({0, 0, 0}, 0, volume::Modality::kCt)).voxels.empty());
+}
+
+TEST(LabelBodyOfOddVolumes, KeepsScatteredVesselsWithoutSkinOrSkull) {
+  Volume volume = constant({120, 120, 100}, 0, volume::Modality::kOther);
+  for (int x = 10; x < 110; x += 12) {
+    for (int y = 10; y < 110; y += 12) {
+      for (int z = 5; z < 95; ++z) {
+        const int a = x + (z * (x % 5)) / 30, b = y + (z * (y % 7)) / 40;
+        for (int i = 0; i < 9; ++i) {
+          volume.voxels[static_cast<std::size_t>(a + i % 3 + 120 * (b + i / 3 + 120 * z))] = 400;
+        }
+      }
+    }
+  }
+  volume::measure(volume);
+  const Labels labels = label_body(volume);
+  for (std::size_t i = 0; i < labels.voxels.size(); ++i) {
+    if (volume.voxels[i] == 400) {
+      ASSERT_EQ(static_cast<Label>(labels.voxels[i]), Label::kBody) << i;
+    }
+  }
+}
+
+TEST(LabelBodyOfAHead, EncloseAirwaysAndAMarginOfAir) {
+  const Phantom phantom = make_phantom("head without a headrest");
+  const Labels labels = label_body(phantom.volume);
+  const auto& size = labels.size;
+  const auto label = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return static_cast<Label>(labels.voxels[x + std::size_t{size[0]} * (y + size[1] * z)]);
+  };
+  // The airway at (0, -50, -40) mm, and the first voxel of air beyond the vertex.
+  EXPECT_EQ(label(60, 45, 35), Label::kBody);
+  const std::uint32_t vertex = 55 + 95 / 2;
+  EXPECT_EQ(label(60, 70, vertex + 1), Label::kBody);
+  EXPECT_EQ(label(60, 70, vertex + 4), Label::kOutside);
+  EXPECT_EQ(voxels(labels, Label::kSupport), 0U);
+}
+
+TEST(LabelBodyOfAHead, MarksMetalInTheBodyOnly) {
+  Phantom phantom = make_phantom("head on a headrest");
+  const auto& size = phantom.volume.header.size;
+  const auto at = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) -> std::size_t {
+    return x + std::size_t{size[0]} * (y + size[1] * z);
+  };
+  phantom.volume.voxels[at(60, 40, 60)] = 3071;     // a screw in the skull
+  phantom.volume.voxels[at(60, 128, 60)] = 3071;    // a screw in the shell
+  volume::measure(phantom.volume);
+  const Labels labels = label_body(phantom.volume);
+  EXPECT_EQ(static_cast<Label>(labels.voxels[at(60, 40, 60)]), Label::kMetal);
+  EXPECT_EQ(static_cast<Label>(labels.voxels[at(60, 128, 60)]), Label::kSupport);
+  EXPECT_EQ(voxels(labels, Label::kMetal), 1U);
+}
+
+TEST(LabelBodyOfAHead, IsDeterministic) {
+  const Phantom phantom = make_phantom("head on a headrest");
+  EXPECT_EQ(label_body(phantom.volume).voxels, label_body(phantom.volume).voxels);
+}
+
+}  // namespace
+}  // namespace diaphane::ingest

@@ -1,0 +1,161 @@
+// diaphane-labels tells body and support apart in scans and phantoms, and measures its time.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/config.h"
+#include "ingest/body/label_body.h"
+#include "ingest/body/phantoms.h"
+#include "ingest/build/build_volume.h"
+#include "ingest/build/read_image.h"
+#include "ingest/dicom/scan.h"
+
+namespace {
+
+using namespace diaphane;
+
+constexpr int kExitNoInput = 66;    // sysexits.h: EX_NOINPUT
+constexpr int kExitNoOutput = 73;   // EX_CANTCREAT
+
+constexpr const char* kUsage =
+    "diaphane-labels [--phantoms] [--write FOLDER] SCAN...\n\n"
+    "Labels the body, its support (table, headrest, frame) and metal in each scan: an image file\n"
+    "(.nii, .nii.gz, .nrrd, .mha, .mhd) or a folder with a DICOM series. Prints one line of JSON\n"
+    "per scan: {\"name\", \"size\", \"spacing\", \"axes\", \"shares\": [outside, body, support,\n"
+    "metal], \"build_s\", \"label_s\", \"kept\", \"hidden\"}. The last two are for phantoms only.\n\n"
+    "  --phantoms       also label all phantoms\n"
+    "  --write FOLDER   write values (NAME.i16) and encoded labels (NAME.labels), one byte per\n"
+    "                   voxel after decoding, to an existing folder\n\n"
+    "Exit codes: 0 success, 64 bad command line, 66 cannot read a scan, 73 cannot write.\n";
+
+double since(std::chrono::steady_clock::time_point began) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+Result<volume::Volume> build_series(const std::string& folder) {
+  const dicom::ScanLimits limits;
+  auto source = dicom::FolderSource::open(folder, limits.file.file_bytes);
+  if (!source) return tl::unexpected(source.error());
+  auto scan = dicom::scan(*source, limits);
+  if (!scan) return tl::unexpected(scan.error());
+  const dicom::Choice choice = dicom::choose_largest(*scan);
+  if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
+  auto built = ingest::build_volume(*source, *scan, choice, limits.file);
+  if (!built) return tl::unexpected(built.error());
+  return std::move(built->volume);
+}
+
+/// Returns the voxel axis along each axis of the patient, as "+x" or "-z", for x, y and z.
+nlohmann::json axes_of(const std::array<double, 9>& direction) {
+  nlohmann::json axes;
+  for (std::size_t p = 0; p < 3; ++p) {
+    std::size_t most = 0;
+    for (std::size_t v = 1; v < 3; ++v) {
+      if (std::abs(direction[3 * p + v]) > std::abs(direction[3 * p + most])) most = v;
+    }
+    axes.push_back(std::string(direction[3 * p + most] < 0 ? "-" : "+") + "xyz"[most]);
+  }
+  return axes;
+}
+
+bool write_raw(const std::filesystem::path& to, const void* bytes, std::size_t n) {
+  std::ofstream out(to, std::ios::binary);
+  out.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(n));
+  return out.flush().good();
+}
+
+struct Labelled {
+  nlohmann::json line;
+  volume::Labels labels;
+};
+
+Labelled label(const std::string& name, const volume::Volume& volume) {
+  const auto began = std::chrono::steady_clock::now();
+  Labelled result{{}, ingest::label_body(volume)};
+  result.line = {{"name", name},
+                 {"size", volume.header.size},
+                 {"spacing", volume.header.spacing},
+                 {"axes", axes_of(volume.header.direction)},
+                 {"label_s", since(began)}};
+  std::array<double, 4> shares{};
+  for (const std::uint8_t one : result.labels.voxels) ++shares[one];
+  for (double& share : shares) share /= static_cast<double>(volume.voxels.size());
+  result.line["shares"] = shares;
+  return result;
+}
+
+bool report(const Labelled& labelled, const volume::Volume& volume, const std::string& folder) {
+  std::printf("%s\n", labelled.line.dump().c_str());
+  std::fflush(stdout);
+  if (folder.empty()) return true;
+  const std::filesystem::path to =
+      std::filesystem::path(folder) / labelled.line["name"].get<std::string>();
+  const std::string encoded = volume::encode(labelled.labels);
+  const auto with = [&](const char* ending) { return to.string() + ending; };
+  return write_raw(with(".i16"), volume.voxels.data(), volume.voxels.size() * sizeof(std::int16_t)) &&
+         write_raw(with(".labels"), encoded.data(), encoded.size());
+}
+
+int complain(int exit_code, const std::string& text) {
+  std::fprintf(stderr, "diaphane-labels: %s\n", text.c_str());
+  return exit_code;
+}
+
+int label_scans(const std::vector<std::string>& scans, const std::string& folder) {
+  for (const std::string& scan : scans) {
+    const auto began = std::chrono::steady_clock::now();
+    const auto volume =
+        ingest::is_image_name(scan) ? ingest::read_image(scan) : build_series(scan);
+    if (!volume) return complain(kExitNoInput, scan + ": " + volume.error().message);
+    const double build_s = since(began);
+    const std::string file = std::filesystem::path(scan).filename();
+    Labelled labelled = label(file.substr(0, file.find('.')), *volume);
+    labelled.line["build_s"] = build_s;
+    if (!report(labelled, *volume, folder)) return complain(kExitNoOutput, folder);
+  }
+  return 0;
+}
+
+int label_phantoms(const std::string& folder) {
+  for (const std::string& name : ingest::phantom_names()) {
+    const ingest::Phantom phantom = ingest::make_phantom(name);
+    Labelled labelled = label(name, phantom.volume);
+    const ingest::Agreement found = ingest::agreement(phantom, labelled.labels.voxels);
+    labelled.line["kept"] = found.kept;
+    labelled.line["hidden"] = found.hidden;
+    if (!report(labelled, phantom.volume, folder)) return complain(kExitNoOutput, folder);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  std::vector<std::string> scans;
+  std::string folder;
+  bool phantoms = false;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--help" || words[i] == "-h") {
+      std::fputs(kUsage, stdout);
+      return 0;
+    }
+    if (words[i] == "--phantoms") {
+      phantoms = true;
+    } else if (words[i] == "--write" && i + 1 < words.size()) {
+      folder = words[++i];
+    } else if (words[i].starts_with("--")) {
+      return complain(kExitUsage, "unknown option " + words[i] + " (see --help)");
+    } else {
+      scans.push_back(words[i]);
+    }
+  }
+  if (scans.empty() && !phantoms) return complain(kExitUsage, "missing argument: SCAN (see --help)");
+  const int failed = label_scans(scans, folder);
+  return failed != 0 || !phantoms ? failed : label_phantoms(folder);
+}

@@ -1,0 +1,91 @@
+#include "volume/labels.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace diaphane::volume {
+namespace {
+
+constexpr std::string_view kMagic{"DIALABEL\x01", 9};  // the last byte is the version
+
+void append_number(std::string& bytes, std::uint64_t number) {
+  while (number >= 0x80) {
+    bytes.push_back(static_cast<char>((number & 0x7f) | 0x80));
+    number >>= 7;
+  }
+  bytes.push_back(static_cast<char>(number));
+}
+
+/// Takes a LEB128 number from the front of `bytes`. Returns false if it is cut off or has more than
+/// 63 bits.
+bool take_number(std::string_view& bytes, std::uint64_t& number) {
+  number = 0;
+  for (unsigned shift = 0; shift < 63 && !bytes.empty(); shift += 7) {
+    const auto byte = static_cast<std::uint8_t>(bytes.front());
+    bytes.remove_prefix(1);
+    number |= std::uint64_t{byte & 0x7fU} << shift;
+    if (byte < 0x80) return true;
+  }
+  return false;
+}
+
+tl::unexpected<Error> invalid(const char* text) { return fail(ErrorCode::kInvalid, text); }
+
+Result<std::size_t> voxels_of(const std::array<std::uint32_t, 3>& size) {
+  const std::uint64_t area = std::uint64_t{size[0]} * size[1];
+  if (size[2] != 0 && area > std::numeric_limits<std::size_t>::max() / size[2]) {
+    return invalid("The size of the labels is too large.");
+  }
+  return static_cast<std::size_t>(area * size[2]);
+}
+
+}  // namespace
+
+std::string encode(const Labels& labels) {
+  std::string bytes{kMagic};
+  for (const std::uint32_t side : labels.size) append_number(bytes, side);
+  const auto end = labels.voxels.end();
+  for (auto at = labels.voxels.begin(); at != end;) {
+    const auto stop = std::find_if(at, end, [&](std::uint8_t label) { return label != *at; });
+    bytes.push_back(static_cast<char>(*at));
+    append_number(bytes, static_cast<std::uint64_t>(stop - at));
+    at = stop;
+  }
+  return bytes;
+}
+
+Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size) {
+  if (!bytes.starts_with(kMagic)) return invalid("These are not labels of this version.");
+  bytes.remove_prefix(kMagic.size());
+  for (const std::uint32_t side : size) {
+    std::uint64_t stored = 0;
+    if (!take_number(bytes, stored)) return invalid("The labels are cut off.");
+    if (stored != side) return invalid("The labels belong to a volume of another size.");
+  }
+  const auto voxels = voxels_of(size);
+  if (!voxels) return tl::unexpected(voxels.error());
+  Labels labels{size, {}};
+  // Checks all runs before allocating, so that damaged bytes cost no memory.
+  std::uint64_t left = *voxels;
+  for (std::string_view rest = bytes; !rest.empty();) {
+    const auto label = static_cast<std::uint8_t>(rest.front());
+    rest.remove_prefix(1);
+    std::uint64_t count = 0;
+    if (!take_number(rest, count)) return invalid("The labels are cut off.");
+    if (label > static_cast<std::uint8_t>(Label::kMetal)) return invalid("A label is unknown.");
+    if (count == 0 || count > left) return invalid("A run of labels has an invalid length.");
+    left -= count;
+  }
+  if (left != 0) return invalid("The labels are cut off.");
+  labels.voxels.reserve(*voxels);
+  while (!bytes.empty()) {
+    const auto label = static_cast<std::uint8_t>(bytes.front());
+    bytes.remove_prefix(1);
+    std::uint64_t count = 0;
+    take_number(bytes, count);
+    labels.voxels.insert(labels.voxels.end(), static_cast<std::size_t>(count), label);
+  }
+  return labels;
+}
+
+}  // namespace diaphane::volume

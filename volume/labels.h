@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+
+namespace diaphane::volume {
+
+/// What a voxel of a scan shows.
+enum class Label : std::uint8_t {
+  kOutside,  ///< air around the patient
+  kBody,     ///< the patient, with a margin of air that interpolation at the skin needs
+  kSupport,  ///< table, headrest, frame or straps
+  kMetal,    ///< metal inside the body
+};
+
+/// One label per voxel, in the order of Volume::voxels. Every byte is a value of Label.
+struct Labels {
+  std::array<std::uint32_t, 3> size{};
+  std::vector<std::uint8_t> voxels;
+};
+
+/// Returns a header and run lengths. Each run is the byte of its label and its number of voxels as
+/// LEB128.
+std::string encode(const Labels& labels);
+
+/// Reads what encode() returned for a volume of `size`. Returns kInvalid if the bytes are damaged,
+/// have another version or belong to a volume of another size. Allocates no more than one byte per
+/// voxel of `size`, whatever the bytes say.
+Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size);
+
+}  // namespace diaphane::volume
