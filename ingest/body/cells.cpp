@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace diaphane::ingest {
@@ -31,8 +32,8 @@ void lay_out(const volume::Header& header, Cells& cells) {
   for (std::size_t p = 0; p < 3; ++p) {
     const std::size_t v = cells.axis[p];
     const auto n = static_cast<int>(header.size[v]);
-    const int per = static_cast<int>(
-        std::clamp(std::round(Cells::kCellMm / header.spacing[v]), 1.0, double{kMostVoxelsPerCell}));
+    const int per = static_cast<int>(std::clamp(std::round(Cells::kCellMm / header.spacing[v]), 1.0,
+                                                double{kMostVoxelsPerCell}));
     cells.voxels_per_cell[p] = per;
     cells.size[p] = (n + per - 1) / per;
     cells.mm[p] = per * header.spacing[v];
@@ -64,8 +65,8 @@ void shifted(const Cells& cells, std::size_t axis, int shift, Combine combine) {
 /// Marks what can be reached over cells of a level that are not in `mask`.
 class LevelFlood {
  public:
-  LevelFlood(const std::uint8_t* mask, int width, int height)
-      : mask_(mask), width_(width), height_(height), reached_(area(), 0) {}
+  LevelFlood(const std::uint8_t* mask, int width, int height, Border border)
+      : mask_(mask), width_(width), height_(height), border_(border), reached_(area(), 0) {}
 
   const CellMask& from_border() {
     edge(0, 1, width_);
@@ -95,12 +96,12 @@ class LevelFlood {
     reached = 1;
     waiting_.push_back(cell);
   }
-  /// Starts from the gaps of one edge, except for short ones between two parts of the mask.
+  /// Starts from the gaps of one edge that are not closed.
   void edge(int begin, int step, int n) {
     for (int i = 0; i < n;) {
       int stop = i;
       while (stop < n && open(begin + stop * step)) ++stop;
-      const bool closed = i > 0 && stop < n && 2 * (stop - i) < n;
+      const bool closed = border_ == Border::kClosed && i > 0 && stop < n && 2 * (stop - i) < n;
       for (; i < stop; ++i) {
         if (!closed) visit(begin + i * step);
       }
@@ -110,14 +111,90 @@ class LevelFlood {
 
   const std::uint8_t* mask_;
   int width_, height_;
+  Border border_;
   CellMask reached_;
   std::vector<int> waiting_;
+};
+
+/// The runs of consecutive cells of a mask along x, joined to components by a union-find.
+class Runs {
+ public:
+  Runs(const Cells& cells, const CellMask& mask)
+      : width_(static_cast<std::size_t>(cells.size[0])), height_(cells.size[1]) {
+    const std::size_t rows = cells.count() / width_;
+    for (std::size_t row = 0; row < rows; ++row) {
+      first_.push_back(runs_.size());
+      const std::size_t stop = (row + 1) * width_;
+      for (std::size_t i = row * width_; i < stop; ++i) {
+        if (!mask[i]) continue;
+        const std::size_t begin = i;
+        while (i < stop && mask[i]) ++i;
+        runs_.push_back({begin, i, runs_.size()});
+      }
+    }
+    first_.push_back(runs_.size());
+  }
+
+  std::size_t size() const { return runs_.size(); }
+  std::size_t begin(std::size_t run) const { return runs_[run].begin; }
+  std::size_t end(std::size_t run) const { return runs_[run].end; }
+
+  std::size_t root(std::size_t run) {
+    while (runs_[run].parent != run) {
+      runs_[run].parent = runs_[runs_[run].parent].parent;
+      run = runs_[run].parent;
+    }
+    return run;
+  }
+
+  /// Joins each row with the four neighbouring rows before it.
+  void join() {
+    const auto height = static_cast<std::size_t>(height_);
+    for (std::size_t row = 0; row + 1 < first_.size(); ++row) {
+      const std::size_t y = row % height;
+      if (y > 0) join_rows(row, row - 1);
+      if (row < height) continue;
+      join_rows(row, row - height);
+      if (y > 0) join_rows(row, row - height - 1);
+      if (y + 1 < height) join_rows(row, row - height + 1);
+    }
+  }
+
+ private:
+  struct Run {
+    std::size_t begin, end, parent;
+  };
+
+  void join_rows(std::size_t row, std::size_t other) {
+    const std::size_t shift = (row - other) * width_;
+    std::size_t j = first_[other];
+    for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
+      while (j < first_[other + 1] && runs_[j].end + shift < runs_[i].begin) ++j;
+      for (std::size_t k = j; k < first_[other + 1] && runs_[k].begin + shift <= runs_[i].end;
+           ++k) {
+        const std::size_t a = root(i), b = root(k);
+        runs_[std::max(a, b)].parent = std::min(a, b);
+      }
+    }
+  }
+
+  std::size_t width_;
+  int height_;
+  std::vector<Run> runs_;
+  std::vector<std::size_t> first_;  // first run of each row
 };
 
 }  // namespace
 
 void or_into(std::uint8_t* to, const std::uint8_t* from, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
+  std::size_t i = 0;
+  for (std::uint64_t a = 0, b = 0; i + sizeof a <= n; i += sizeof a) {
+    std::memcpy(&a, to + i, sizeof a);
+    std::memcpy(&b, from + i, sizeof b);
+    a |= b;
+    std::memcpy(to + i, &a, sizeof a);
+  }
+  for (; i < n; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
 }
 
 std::array<int, 3> Cells::radius(double mm_wide) const {
@@ -134,21 +211,25 @@ Cells make_cells(const volume::Volume& volume, int threshold) {
   const auto& size = volume.header.size;
   std::vector<std::int32_t> sum(cells.count(), 0);
   std::vector<std::uint16_t> above(cells.count(), 0), voxels(cells.count(), 0);
-  const std::size_t* along_x = cells.offsets[0].data();
+  std::vector<std::size_t> starts;  // first voxel of each cell in a row of voxels
+  for (std::size_t x = 0; x < size[0]; ++x) {
+    if (x == 0 || cells.offsets[0][x] != cells.offsets[0][x - 1]) starts.push_back(x);
+  }
+  starts.push_back(size[0]);
   const std::int16_t* row = volume.voxels.data();
   for (std::size_t z = 0; z < size[2]; ++z) {
     for (std::size_t y = 0; y < size[1]; ++y, row += size[0]) {
       const std::size_t base = cells.offsets[1][y] + cells.offsets[2][z];
-      for (std::size_t x = 0; x < size[0];) {
-        const std::size_t offset = along_x[x], begin = x;
+      for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
         std::int32_t s = 0, a = 0;
-        for (; x < size[0] && along_x[x] == offset; ++x) {
+        for (std::size_t x = starts[r]; x < starts[r + 1]; ++x) {
           s += row[x];
           a += row[x] >= threshold ? 1 : 0;
         }
-        sum[base + offset] += s;
-        above[base + offset] = static_cast<std::uint16_t>(above[base + offset] + a);
-        voxels[base + offset] = static_cast<std::uint16_t>(voxels[base + offset] + (x - begin));
+        const std::size_t cell = base + cells.offsets[0][starts[r]];
+        sum[cell] += s;
+        above[cell] = static_cast<std::uint16_t>(above[cell] + a);
+        voxels[cell] = static_cast<std::uint16_t>(voxels[cell] + starts[r + 1] - starts[r]);
       }
     }
   }
@@ -160,13 +241,17 @@ Cells make_cells(const volume::Volume& volume, int threshold) {
 }
 
 CellMask dilated(const Cells& cells, CellMask mask, const std::array<int, 3>& radius) {
+  CellMask before(mask.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const CellMask before = mask;
-    for (int shift = 1; shift <= radius[axis]; ++shift) {
+    // Each step adds what lies up to `shift` further on both sides, which doubles the reach.
+    for (int reach = 0; reach < radius[axis];) {
+      const int shift = std::min(std::max(1, reach), radius[axis] - reach);
+      std::copy(mask.begin(), mask.end(), before.begin());
       shifted(cells, axis, shift, [&](std::size_t a, std::size_t b, std::size_t n) {
         or_into(mask.data() + a, before.data() + b, n);
         or_into(mask.data() + b, before.data() + a, n);
       });
+      reach += shift;
     }
   }
   return mask;
@@ -187,10 +272,10 @@ CellMask grown_within(const Cells& cells, CellMask seed, const CellMask& mask, i
   return seed;
 }
 
-CellMask filled(const Cells& cells, const CellMask& mask) {
+CellMask filled(const Cells& cells, const CellMask& mask, Border border) {
   CellMask full = mask;
   for (std::size_t begin = 0; begin < cells.count(); begin += cells.level()) {
-    LevelFlood flood(mask.data() + begin, cells.size[0], cells.size[1]);
+    LevelFlood flood(mask.data() + begin, cells.size[0], cells.size[1], border);
     const CellMask& reached = flood.from_border();
     for (std::size_t i = 0; i < reached.size(); ++i) full[begin + i] = reached[i] ? 0 : 1;
   }
@@ -198,27 +283,20 @@ CellMask filled(const Cells& cells, const CellMask& mask) {
 }
 
 Components components(const Cells& cells, const CellMask& mask) {
+  Runs runs(cells, mask);
+  runs.join();
   Components found{std::vector<std::int32_t>(cells.count(), -1), {}};
-  const auto& [nx, ny, nz] = cells.size;
-  for (std::size_t start = 0; start < cells.count(); ++start) {
-    if (!mask[start] || found.label[start] >= 0) continue;
-    const auto label = static_cast<std::int32_t>(found.members.size());
-    std::vector<std::size_t> members{start};
-    found.label[start] = label;
-    for (std::size_t next = 0; next < members.size(); ++next) {  // a queue that keeps its cells
-      const auto [x, y, z] = cells.place(members[next]);
-      for (int c = std::max(0, z - 1); c <= std::min(nz - 1, z + 1); ++c) {
-        for (int b = std::max(0, y - 1); b <= std::min(ny - 1, y + 1); ++b) {
-          for (int a = std::max(0, x - 1); a <= std::min(nx - 1, x + 1); ++a) {
-            const std::size_t cell = cells.at(a, b, c);
-            if (!mask[cell] || found.label[cell] >= 0) continue;
-            found.label[cell] = label;
-            members.push_back(cell);
-          }
-        }
-      }
+  std::vector<std::int32_t> label_of(runs.size(), -1);  // by the run that stands for its set
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::int32_t& label = label_of[runs.root(i)];
+    if (label < 0) {
+      label = static_cast<std::int32_t>(found.members.size());
+      found.members.emplace_back();
     }
-    found.members.push_back(std::move(members));
+    for (std::size_t cell = runs.begin(i); cell < runs.end(i); ++cell) {
+      found.label[cell] = label;
+      found.members[static_cast<std::size_t>(label)].push_back(cell);
+    }
   }
   return found;
 }

@@ -62,13 +62,15 @@ CellMask eroded(const Cells& cells, CellMask mask, const std::array<int, 3>& rad
 /// Grows `seed` within `mask` by `steps` neighbourhoods of 26.
 CellMask grown_within(const Cells& cells, CellMask seed, const CellMask& mask, int steps);
 
-/// Adds what `mask` encloses in any axial level. A short gap of a level's border between two parts
-/// of `mask` counts as closed, because the field of view may cut a body.
-CellMask filled(const Cells& cells, const CellMask& mask);
+/// Whether a short gap of a level's border between two parts of a mask is closed, as where the
+/// field of view cuts a body.
+enum class Border { kOpen, kClosed };
+/// Adds what `mask` encloses in any axial level.
+CellMask filled(const Cells& cells, const CellMask& mask, Border border);
 
 /// The connected components (26 neighbours) of a mask.
 struct Components {
-  std::vector<std::int32_t> label;              ///< per cell: index in `members`, or -1
+  std::vector<std::int32_t> label;                ///< per cell: index in `members`, or -1
   std::vector<std::vector<std::size_t>> members;  ///< cells of each component
 };
 Components components(const Cells& cells, const CellMask& mask);

@@ -10,12 +10,13 @@ namespace {
 // Shells of tables and headrests, bars and straps are thinner than twice this; the trunk, limbs and
 // the head are thicker.
 constexpr double kOpeningMm = 5;
-constexpr int kRegrownCells = 2;      // what the opening takes from rounded edges
-constexpr double kLimbCm3 = 20;       // the least volume of a body part that stands alone
-constexpr double kNearMm = 15;        // ears, the nose and fingers lie this near to thicker parts
-constexpr double kLongMm = 80;        // thin parts of a body are shorter
-constexpr double kLeastCore = 0.4;    // of all matter; below, the body itself is thin
-constexpr double kMostCutMm = 15;     // mean thickness of what a surface takes from the body
+constexpr int kRegrownCells = 2;    // what the opening takes from rounded edges
+constexpr double kLimbCm3 = 20;     // the least volume of a body part that stands alone
+constexpr double kNearMm = 15;      // ears, the nose and fingers lie this near to thicker parts
+constexpr double kLongMm = 80;      // thin parts of a body are shorter
+constexpr double kLeastCore = 0.4;  // of all matter; below, the body itself is thin
+constexpr double kMostShellMm = 6.5;
+constexpr double kMostCutMm = 15;  // mean thickness of what a surface takes from the body
 constexpr std::size_t kSpeckCells = 8;
 
 using Members = std::vector<std::size_t>;
@@ -42,6 +43,16 @@ Extent extent_of(const Cells& cells, const Members& members) {
   return extent;
 }
 
+std::array<double, 3> middle_of_all(const Cells& cells, const Members& members) {
+  std::array<double, 3> sum{};
+  for (const std::size_t cell : members) {
+    const auto at = middle_of(cells, cells.place(cell));
+    for (std::size_t p = 0; p < 3; ++p) sum[p] += at[p];
+  }
+  for (double& s : sum) s /= std::max<double>(1, static_cast<double>(members.size()));
+  return sum;
+}
+
 double share_in(const CellMask& mask, const Members& members) {
   std::size_t n = 0;
   for (const std::size_t cell : members) n += mask[cell];
@@ -65,7 +76,9 @@ double continuation(const Cells& cells, const Components& all, const Members& me
   const std::size_t step = members.size() / 1500 + 1;
   for (std::size_t i = 0; i < members.size(); i += step) {
     const auto [x, y, z] = cells.place(members[i]);
-    if (z + levels > extent.high[2]) continue;
+    const bool seen =
+        x + dx >= 0 && x + dx < cells.size[0] && y + dy >= 0 && y + dy < cells.size[1];
+    if (!seen || z + levels > extent.high[2]) continue;
     ++asked;
     found += there(x + dx, y + dy, z + levels) ? 1 : 0;
   }
@@ -127,8 +140,12 @@ class Decider {
     const std::size_t all = count(matter_);
     if (scale_.density) open(matter_, radius);
     if (!scale_.density || count(core_) < kLeastCore * static_cast<double>(all)) {
-      open(filled(cells_, matter_), radius);
+      open(filled(cells_, matter_, Border::kOpen), radius);
     }
+    for (std::size_t i = 0; i < core_.size(); ++i) {
+      if (core_[i]) core_cells_.push_back(i);
+    }
+    core_middle_ = middle_of_all(cells_, core_cells_);
     has_core_ = all > 0 && count(core_) >= kLeastCore / 2 * static_cast<double>(all);
   }
 
@@ -157,42 +174,94 @@ class Decider {
     for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = matter_[i] && !body_[i];
     const Components parts = components(cells_, rest);
     const CellMask near = dilated(cells_, body_, cells_.radius(kNearMm));
-    std::vector<const Members*> supports;
+    std::vector<const Members*> doubtful;
+    Members supports;
     for (const Members& part : parts.members) {
-      const bool speck = scale_.noisy && part.size() < kSpeckCells;
-      if (speck && share_in(near, part) == 0) continue;
-      const bool support = is_support(parts, part, near);
-      if (support) supports.push_back(&part);
-      for (const std::size_t cell : part) (support ? support_ : body_)[cell] = 1;
+      const Place placed = place_of(parts, part, near);
+      if (placed == Place::kNowhere) continue;
+      if (placed == Place::kDoubtful) {
+        doubtful.push_back(&part);
+        continue;
+      }
+      assign(part, placed == Place::kSupport, supports);
     }
-    for (const Members* part : supports) cut_behind(*part);
+    const std::array<double, 2> down = side_of(supports);
+    for (const Members* part : doubtful) assign(*part, is_shell(*part, down), supports);
+    if (!supports.empty()) cut_behind(supports);
   }
 
-  bool is_support(const Components& parts, const Members& part, const CellMask& near) const {
+  void assign(const Members& part, bool support, Members& supports) {
+    for (const std::size_t cell : part) (support ? support_ : body_)[cell] = 1;
+    if (support) supports.insert(supports.end(), part.begin(), part.end());
+  }
+
+  enum class Place { kNowhere, kBody, kSupport, kDoubtful };
+
+  Place place_of(const Components& parts, const Members& part, const CellMask& near) const {
     const double outside = 1 - share_in(near, part);
+    if (scale_.noisy && part.size() < kSpeckCells) return Place::kNowhere;
     const bool is_long = extent_of(cells_, part).longest(cells_) >= kLongMm;
-    if (!has_core_) return is_long && is_straight(cells_, parts, part);
-    if (!is_long) return outside > 0.9;
-    if (outside >= 0.5) return true;
-    return (scale_.density && outside >= 0.2) || is_straight(cells_, parts, part);
+    if (has_core_ && !is_long) return outside > 0.9 ? Place::kSupport : Place::kBody;
+    if (has_core_ && outside >= 0.5) return Place::kSupport;
+    return is_long && is_straight(cells_, parts, part) ? Place::kDoubtful : Place::kBody;
   }
 
-  std::array<double, 3> body_middle() const {
-    std::array<double, 3> sum{};
-    double n = 0;
-    for (std::size_t i = 0; i < body_.size(); ++i) {
-      if (!body_[i]) continue;
-      const auto at = middle_of(cells_, cells_.place(i));
-      for (std::size_t p = 0; p < 3; ++p) sum[p] += at[p];
-      ++n;
+  /// Returns the direction from the body to its supports, or to the back if there are none yet.
+  std::array<double, 2> side_of(const Members& supports) const {
+    if (supports.empty()) return {0, 1};
+    const auto middle = middle_of_all(cells_, supports), body = core_middle_;
+    const double x = middle[0] - body[0], y = middle[1] - body[1];
+    const double length = std::hypot(x, y);
+    return length < 20 ? std::array<double, 2>{0, 1}
+                       : std::array<double, 2>{x / length, y / length};
+  }
+
+  /// Whether a straight part close to the body is the shell that it lies on, rather than a thin
+  /// wall of the body.
+  bool is_shell(const Members& part, const std::array<double, 2>& down) const {
+    if (thickness(part) > kMostShellMm) return false;
+    const auto along = [&](const std::array<double, 3>& at) {
+      return at[0] * down[0] + at[1] * down[1];
+    };
+    const double middle = along(core_middle_);
+    double most = middle;
+    for (const std::size_t cell : core_cells_) {
+      most = std::max(most, along(middle_of(cells_, cells_.place(cell))));
     }
-    for (double& s : sum) s /= std::max(1.0, n);
-    return sum;
+    return along(middle_of_all(cells_, part)) > middle + 0.5 * (most - middle);
+  }
+
+  /// Returns the median over a part of the shortest way through the matter along an axis, in mm.
+  double thickness(const Members& part) const {
+    std::vector<double> ways;
+    for (std::size_t i = 0; i < part.size(); i += part.size() / 1000 + 1) {
+      double least = 1e9;
+      for (std::size_t axis = 0; axis < 3; ++axis) least = std::min(least, way(part[i], axis));
+      ways.push_back(least);
+    }
+    const auto median = ways.begin() + static_cast<std::ptrdiff_t>(ways.size() / 2);
+    std::nth_element(ways.begin(), median, ways.end());
+    return *median;
+  }
+
+  double way(std::size_t cell, std::size_t axis) const {
+    double eighths = cells_.matter[cell];
+    for (const int step : {-1, 1}) {
+      auto at = cells_.place(cell);
+      for (int i = 0; i < 8; ++i) {
+        at[axis] += step;
+        if (at[axis] < 0 || at[axis] >= cells_.size[axis]) break;
+        const std::uint8_t matter = cells_.matter[cells_.at(at[0], at[1], at[2])];
+        if (matter == 0) break;
+        eighths += matter;
+      }
+    }
+    return eighths / 8 * cells_.mm[axis];
   }
 
   /// Cuts the body where it touches a support: behind the support's surface.
   void cut_behind(const Members& part) {
-    const auto surface = fit_surface(volume_, cells_, scale_.matter, part, body_middle());
+    const auto surface = fit_surface(volume_, cells_, scale_.matter, part, core_middle_);
     if (!surface) return;
     Members taken;
     std::map<std::pair<int, int>, int> columns;
@@ -215,15 +284,19 @@ class Decider {
   }
 
   Decision kinds() {
-    CellMask full = filled(cells_, body_);
+    CellMask full = filled(cells_, body_, Border::kClosed);
     for (std::size_t i = 0; i < full.size(); ++i) full[i] = full[i] && !support_[i];
     const CellMask inner = eroded(cells_, full, {1, 1, 1});
     const CellMask skin = dilated(cells_, full, {1, 1, 1});
-    Decision decision{std::vector<CellKind>(cells_.count(), CellKind::kAir), surfaces_};
+    Decision decision{std::vector<CellKind>(cells_.count(), CellKind::kAir), surfaces_,
+                      count(support_) > 0};
     for (std::size_t i = 0; i < full.size(); ++i) {
-      if (support_[i]) decision.kinds[i] = CellKind::kSupport;
-      else if (inner[i]) decision.kinds[i] = CellKind::kInside;
-      else if (skin[i]) decision.kinds[i] = CellKind::kSkin;
+      if (support_[i])
+        decision.kinds[i] = CellKind::kSupport;
+      else if (inner[i])
+        decision.kinds[i] = CellKind::kInside;
+      else if (skin[i])
+        decision.kinds[i] = CellKind::kSkin;
     }
     for (const Surface& surface : surfaces_) mark_cut(surface, decision.kinds);
     return decision;
@@ -255,6 +328,8 @@ class Decider {
   const ValueScale& scale_;
   CellMask matter_, core_, body_, support_;
   bool has_core_ = false;
+  Members core_cells_;
+  std::array<double, 3> core_middle_{};
   std::vector<Surface> surfaces_;
 };
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "ingest/body/cells.h"
 #include "ingest/body/surface.h"
 #include "ingest/body/values.h"
@@ -17,6 +20,7 @@ enum class CellKind : std::uint8_t {
 struct Decision {
   std::vector<CellKind> kinds;
   std::vector<Surface> surfaces;
+  bool has_support = false;
 };
 
 /// Decides for each cell whether it shows the body or what it lies on.

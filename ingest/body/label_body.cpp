@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "ingest/body/decide.h"
 
@@ -10,38 +11,42 @@ namespace {
 
 using volume::Label;
 
-constexpr int kMetalHu = 2500;    // enamel, the densest tissue, is rarely above
-constexpr double kMarginMm = 1;   // of air that belongs to the body
+constexpr int kMetalHu = 2500;   // enamel, the densest tissue, is rarely above
+constexpr double kMarginMm = 1;  // of air that belongs to the body
+
+/// How much work the voxels of a cell are.
+enum class Work : std::uint8_t { kAllOutside, kAllBody, kEachVoxel };
 
 /// Labels voxels by the decision about their cells, slice by slice.
 class Painter {
  public:
   Painter(const volume::Volume& volume, const Cells& cells, const ValueScale& scale,
           const Decision& decision)
-      : volume_(volume), cells_(cells), scale_(scale), decision_(decision) {
-    const auto& size = volume.header.size;
-    width_ = size[0];
-    area_ = std::size_t{size[0]} * size[1];
+      : volume_(volume),
+        cells_(cells),
+        scale_(scale),
+        decision_(decision),
+        metal_(scale.hounsfield && volume.header.maximum >= kMetalHu) {
+    width_ = volume.header.size[0];
+    height_ = volume.header.size[1];
+    area_ = width_ * height_;
     for (std::size_t v = 0; v < 3; ++v) {
-      margin_[v] = std::max(1, static_cast<int>(std::ceil(kMarginMm / volume.header.spacing[v])));
+      margin_[v] =
+          static_cast<std::size_t>(std::max(1.0, std::ceil(kMarginMm / volume.header.spacing[v])));
     }
-    near_support_.resize(decision.kinds.size());
-    for (std::size_t i = 0; i < near_support_.size(); ++i) {
-      near_support_[i] = decision.kinds[i] == CellKind::kSupport ||
-                         decision.kinds[i] == CellKind::kCut;
-    }
-    near_support_ = dilated(cells, std::move(near_support_), {1, 1, 1});
+    sort_cells();
   }
 
   volume::Labels paint() {
-    const std::size_t depth = volume_.header.size[2];
-    const auto reach = static_cast<std::size_t>(margin_[2]);
+    const std::size_t depth = volume_.header.size[2], reach = margin_[2];
     volume::Labels labels{volume_.header.size, std::vector<std::uint8_t>(area_ * depth)};
     // Slices with the margin within the slice, in a ring.
     std::vector<std::vector<std::uint8_t>> ring(2 * reach + 1, std::vector<std::uint8_t>(area_));
     std::vector<std::uint8_t> grown(area_);
     for (std::size_t next = 0, z = 0; z < depth; ++z) {
-      for (; next < std::min(depth, z + reach + 1); ++next) body_slice(next, ring[next % ring.size()]);
+      for (; next < std::min(depth, z + reach + 1); ++next) {
+        mark_body(next, ring[next % ring.size()]);
+      }
       const std::size_t first = z - std::min(z, reach), last = std::min(depth - 1, z + reach);
       grown = ring[first % ring.size()];
       for (std::size_t k = first + 1; k <= last; ++k) {
@@ -53,20 +58,58 @@ class Painter {
   }
 
  private:
+  void sort_cells() {
+    const auto& kinds = decision_.kinds;
+    near_support_.resize(kinds.size());
+    CellMask near_body(kinds.size());
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      near_support_[i] = kinds[i] == CellKind::kSupport || kinds[i] == CellKind::kCut;
+      near_body[i] = kinds[i] != CellKind::kAir;
+    }
+    near_support_ = dilated(cells_, std::move(near_support_), {1, 1, 1});
+    near_body = dilated(cells_, std::move(near_body), {1, 1, 1});
+    work_.assign(kinds.size(), Work::kEachVoxel);
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      if (kinds[i] == CellKind::kInside && !metal_) work_[i] = Work::kAllBody;
+      if (!near_body[i] && !near_support_[i] && !is_foam(i)) work_[i] = Work::kAllOutside;
+    }
+  }
+
+  bool is_foam(std::size_t cell) const {
+    return scale_.hounsfield && decision_.has_support && cells_.mean[cell] >= scale_.foam;
+  }
+
+  /// Calls `visit(cell, begin, end)` for each run of voxels of a row that lie in the same cell, or
+  /// in cells whose voxels are all outside or all of the body.
+  template <typename Visit>
+  void for_runs(std::size_t y, std::size_t z, Visit visit) const {
+    const std::size_t base = cells_.offsets[1][y] + cells_.offsets[2][z];
+    const std::size_t* along = cells_.offsets[0].data();
+    for (std::size_t x = 0; x < width_;) {
+      const std::size_t begin = x, cell = base + along[x];
+      const Work work = work_[cell];
+      while (x < width_ && (along[x] == along[begin] ||
+                            (work != Work::kEachVoxel && work_[base + along[x]] == work))) {
+        ++x;
+      }
+      visit(cell, begin, x);
+    }
+  }
+
   /// Marks the voxels of the body in a slice, and grows them within the slice.
-  void body_slice(std::size_t z, std::vector<std::uint8_t>& slice) {
+  void mark_body(std::size_t z, std::vector<std::uint8_t>& slice) {
     const std::int16_t* values = volume_.voxels.data() + z * area_;
-    for (std::size_t y = 0; y < area_ / width_; ++y) {
+    for (std::size_t y = 0; y < height_; ++y) {
+      const std::size_t row = y * width_;
       for_runs(y, z, [&](std::size_t cell, std::size_t begin, std::size_t end) {
         const CellKind kind = decision_.kinds[cell];
-        const std::size_t row = y * width_;
+        if (kind != CellKind::kSkin && kind != CellKind::kCut) {
+          std::memset(slice.data() + row + begin, kind == CellKind::kInside ? 1 : 0, end - begin);
+          return;
+        }
         for (std::size_t x = begin; x < end; ++x) {
-          bool body = kind == CellKind::kInside;
-          if (kind == CellKind::kSkin) body = values[row + x] >= scale_.matter;
-          if (kind == CellKind::kCut) {
-            body = values[row + x] >= scale_.matter && in_front(x, y, z);
-          }
-          slice[row + x] = body ? 1 : 0;
+          const bool matter = values[row + x] >= scale_.matter;
+          slice[row + x] = matter && (kind == CellKind::kSkin || in_front(x, y, z)) ? 1 : 0;
         }
       });
     }
@@ -75,16 +118,15 @@ class Painter {
 
   void grow(std::vector<std::uint8_t>& slice) {
     scratch_ = slice;
-    for (std::size_t by = 1; by <= static_cast<std::size_t>(margin_[0]) && by < width_; ++by) {
+    for (std::size_t by = 1; by <= margin_[0] && by < width_; ++by) {
       for (std::size_t row = 0; row < area_; row += width_) {
         or_into(slice.data() + row + by, scratch_.data() + row, width_ - by);
         or_into(slice.data() + row, scratch_.data() + row + by, width_ - by);
       }
     }
     scratch_ = slice;
-    for (std::size_t by = 1; by <= static_cast<std::size_t>(margin_[1]); ++by) {
+    for (std::size_t by = 1; by <= margin_[1] && by < height_; ++by) {
       const std::size_t shift = by * width_;
-      if (shift >= area_) break;
       or_into(slice.data() + shift, scratch_.data(), area_ - shift);
       or_into(slice.data(), scratch_.data() + shift, area_ - shift);
     }
@@ -92,41 +134,36 @@ class Painter {
 
   void label_slice(std::size_t z, const std::vector<std::uint8_t>& body, std::uint8_t* labels) {
     const std::int16_t* values = volume_.voxels.data() + z * area_;
-    for (std::size_t y = 0; y < area_ / width_; ++y) {
+    for (std::size_t y = 0; y < height_; ++y) {
+      const std::size_t row = y * width_;
       for_runs(y, z, [&](std::size_t cell, std::size_t begin, std::size_t end) {
-        const CellKind kind = decision_.kinds[cell];
-        const bool support = near_support_[cell] != 0;
-        const bool foam = scale_.hounsfield && cells_.mean[cell] >= scale_.foam;
-        for (std::size_t i = y * width_ + begin; i < y * width_ + end; ++i) {
-          labels[i] = static_cast<std::uint8_t>(
-              label_of(kind, support, foam, body[i] != 0, values[i], i - y * width_, y, z));
+        if (work_[cell] != Work::kEachVoxel) {
+          const Label label = work_[cell] == Work::kAllBody ? Label::kBody : Label::kOutside;
+          std::memset(labels + row + begin, static_cast<int>(label), end - begin);
+          return;
+        }
+        const bool foam = is_foam(cell);
+        for (std::size_t x = begin; x < end; ++x) {
+          const int value = values[row + x];
+          const Label label = body[row + x] != 0 ? within_margin(cell, value, {x, y, z})
+                              : near_support_[cell] != 0 || (foam && value >= scale_.foam)
+                                  ? Label::kSupport
+                                  : Label::kOutside;
+          labels[row + x] = static_cast<std::uint8_t>(label);
         }
       });
     }
   }
 
-  Label label_of(CellKind kind, bool near_support, bool foam, bool body, int value, std::size_t x,
-                 std::size_t y, std::size_t z) const {
-    if (body && value >= scale_.matter) {
-      // The margin does not reach into a support.
+  /// Returns the label of a voxel of the body or of its margin, which does not reach into a
+  /// support.
+  Label within_margin(std::size_t cell, int value, const std::array<std::size_t, 3>& at) const {
+    const CellKind kind = decision_.kinds[cell];
+    if (value >= scale_.matter) {
       if (kind == CellKind::kSupport) return Label::kSupport;
-      if (kind == CellKind::kCut && !in_front(x, y, z)) return Label::kSupport;
+      if (kind == CellKind::kCut && !in_front(at[0], at[1], at[2])) return Label::kSupport;
     }
-    if (body) return scale_.hounsfield && value >= kMetalHu ? Label::kMetal : Label::kBody;
-    if (near_support) return Label::kSupport;
-    return foam && value >= scale_.foam ? Label::kSupport : Label::kOutside;
-  }
-
-  /// Calls `visit(cell, begin, end)` for each run of voxels of a row that lie in the same cell.
-  template <typename Visit>
-  void for_runs(std::size_t y, std::size_t z, Visit visit) const {
-    const std::size_t base = cells_.offsets[1][y] + cells_.offsets[2][z];
-    const std::size_t* along = cells_.offsets[0].data();
-    for (std::size_t x = 0; x < width_;) {
-      const std::size_t begin = x;
-      while (x < width_ && along[x] == along[begin]) ++x;
-      visit(base + along[begin], begin, x);
-    }
+    return metal_ && value >= kMetalHu ? Label::kMetal : Label::kBody;
   }
 
   bool in_front(std::size_t x, std::size_t y, std::size_t z) const {
@@ -145,9 +182,11 @@ class Painter {
   const Cells& cells_;
   const ValueScale& scale_;
   const Decision& decision_;
-  std::size_t width_ = 0, area_ = 0;
-  std::array<int, 3> margin_{};
+  const bool metal_;
+  std::size_t width_ = 0, height_ = 0, area_ = 0;
+  std::array<std::size_t, 3> margin_{};
   CellMask near_support_;
+  std::vector<Work> work_;
   std::vector<std::uint8_t> scratch_;
 };
 
@@ -157,7 +196,8 @@ volume::Labels label_body(const volume::Volume& volume) {
   if (volume.voxels.empty()) return {volume.header.size, {}};
   const ValueScale scale = value_scale(volume);
   const Cells cells = make_cells(volume, scale.matter);
-  return Painter(volume, cells, scale, decide(volume, cells, scale)).paint();
+  const Decision decision = decide(volume, cells, scale);
+  return Painter(volume, cells, scale, decision).paint();
 }
 
 }  // namespace diaphane::ingest

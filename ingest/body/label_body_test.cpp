@@ -61,7 +61,8 @@ TEST(LabelBodyOfOddVolumes, LabelsEveryVoxelOfTinyAndConstantVolumes) {
     for (const int value : {-1000, 0, 40, 3000}) {
       for (const auto& size : std::vector<std::array<std::uint32_t, 3>>{
                {1, 1, 1}, {2, 3, 1}, {1, 40, 1}, {40, 30, 20}}) {
-        const Labels labels = label_body(constant(size, static_cast<std::int16_t>(value), modality));
+        const Labels labels =
+            label_body(constant(size, static_cast<std::int16_t>(value), modality));
         EXPECT_EQ(labels.voxels.size(), std::size_t{size[0]} * size[1] * size[2]);
         EXPECT_EQ(voxels(labels, Label::kSupport), 0U);
       }
@@ -112,8 +113,8 @@ TEST(LabelBodyOfAHead, MarksMetalInTheBodyOnly) {
   const auto at = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) -> std::size_t {
     return x + std::size_t{size[0]} * (y + size[1] * z);
   };
-  phantom.volume.voxels[at(60, 40, 60)] = 3071;     // a screw in the skull
-  phantom.volume.voxels[at(60, 128, 60)] = 3071;    // a screw in the shell
+  phantom.volume.voxels[at(60, 40, 60)] = 3071;   // a screw in the skull
+  phantom.volume.voxels[at(60, 128, 60)] = 3071;  // a screw in the shell
   volume::measure(phantom.volume);
   const Labels labels = label_body(phantom.volume);
   EXPECT_EQ(static_cast<Label>(labels.voxels[at(60, 40, 60)]), Label::kMetal);

@@ -81,7 +81,7 @@ Sample table(const Place& p) {
   const double x = std::abs(p[0]);
   if (x > 235 || p[1] <= 90 || p[1] > 130) return kNothing;
   const bool skin = x > 232 || p[1] <= 93 || p[1] > 127;
-  return skin ? support(kShell) : support(kAir);
+  return skin ? support(kShell) : kNothing;
 }
 
 Sample trunk_on_table(const Place& p) { return either(trunk(p), table(p)); }
@@ -89,8 +89,28 @@ Sample trunk_on_table(const Place& p) { return either(trunk(p), table(p)); }
 /// A trough, such as the top of many tables, that bends up beside the trunk.
 Sample trunk_in_trough(const Place& p) {
   const double depth = 92 - p[0] * p[0] / 1400;
-  if (std::abs(p[0]) < 230 && p[1] > depth && p[1] < depth + 4) return support(kShell);
+  if (std::abs(p[0]) < 250 && p[1] > depth && p[1] < depth + 4) return support(kShell);
   return p[1] < depth ? trunk({p[0], p[1] + 2, p[2]}) : kNothing;
+}
+
+/// A forearm and a hand with spread fingers on a thin table.
+Sample hand_on_table(const Place& p) {
+  if (p[1] > 14) {
+    const bool shell = p[1] < 17 || (p[1] > 37 && p[1] < 40);
+    return shell && std::abs(p[0]) < 140 ? support(kShell) : kNothing;
+  }
+  const double palm = ellipsoid(p, {0, 0, 0}, {44, 14, 55});
+  const double forearm = p[2] < -40 ? ellipse(p[0], p[1] + 8, 30, 22) : 2;
+  if (p[2] < -40 && std::hypot(std::abs(p[0]) - 14, p[1] + 8) < 6) return body(kBone);
+  for (int finger = -2; finger <= 2; ++finger) {
+    const double along = p[2] * std::cos(0.25 * finger) + p[0] * std::sin(0.25 * finger);
+    const double across = p[0] * std::cos(0.25 * finger) - p[2] * std::sin(0.25 * finger);
+    const double radius = std::hypot(across, p[1] - 6);
+    if (along < 0 || along > 115) continue;
+    if (radius < 3) return body(kBone);
+    if (radius < 8) return body(kFlesh);
+  }
+  return palm < 1 || forearm < 1 ? body(kFlesh) : kNothing;
 }
 
 /// A stereotactic ring that four pins hold at the head, with bars.
@@ -112,8 +132,20 @@ Scene turned(const Scene& scene, double degrees) {
   };
 }
 
+/// The scene at another size, with the table of a grown-up.
+Scene small_trunk_on_table(double scale) {
+  return [=](const Place& p) {
+    const Sample there = trunk({p[0] / scale, p[1] / scale, p[2] / scale});
+    return either(there, table({p[0], p[1] + 90 * (1 - scale), p[2]}));
+  };
+}
+
+Scene turned_over(const Scene& scene) {
+  return [=](const Place& p) { return scene({-p[0], -p[1], p[2]}); };
+}
+
 struct Grid {
-  Place mm{2, 2, 2};       // spacing along patient axes
+  Place mm{2, 2, 2};  // spacing along patient axes
   Place size_mm{240, 280, 220};
   std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
 };
@@ -215,8 +247,7 @@ struct Entry {
 
 const Entry kEntries[] = {
     {"head on a headrest", [] { return ct(head_on_rest, kHeadGrid); }},
-    {"head on a headrest, turned 5 degrees",
-     [] { return ct(turned(head_on_rest, 5), kHeadGrid); }},
+    {"head on a headrest, turned 5 degrees", [] { return ct(turned(head_on_rest, 5), kHeadGrid); }},
     {"head on a headrest, 8 bit", [] { return of_bytes(head_on_rest, kHeadGrid); }},
     {"head on a headrest, 0.5 x 0.5 x 5 mm",
      [] {
@@ -224,16 +255,32 @@ const Entry kEntries[] = {
      }},
     {"trunk and arms on a table", [] { return ct(trunk_on_table, kTrunkGrid); }},
     {"trunk and arms on a table, turned 3 degrees",
-     [] { return ct(turned(trunk_on_table, 3), with(kTrunkGrid, {500, 320, 250})); }},
+     [] {
+       return ct(turned(trunk_on_table, 3), with(kTrunkGrid, {500, 320, 250}));
+     }},
     {"trunk and arms on a table, 8 bit", [] { return of_bytes(trunk_on_table, kTrunkGrid); }},
     {"trunk and arms on a table, coronal slices from the head",
      [] {
-       return ct(trunk_on_table,
-                 {kTrunkGrid.mm, kTrunkGrid.size_mm, {1, 0, 0, 0, 0, 1, 0, -1, 0}});
+       return ct(trunk_on_table, {kTrunkGrid.mm, kTrunkGrid.size_mm, {1, 0, 0, 0, 0, 1, 0, -1, 0}});
      }},
-    {"trunk in a trough", [] { return ct(trunk_in_trough, kTrunkGrid); }},
+    {"trunk and arms on a table, prone",
+     [] { return ct(turned_over(trunk_on_table), kTrunkGrid); }},
+    {"trunk and arms of a child on a table",
+     [] {
+       return ct(small_trunk_on_table(0.6), with(kTrunkGrid, {480, 220, 150}));
+     }},
+    {"hand on a table",
+     [] {
+       return ct(hand_on_table, {{1, 1, 1}, {160, 110, 240}, {1, 0, 0, 0, 1, 0, 0, 0, 1}});
+     }},
+    {"trunk in a trough",
+     [] {
+       return ct(trunk_in_trough, with(kTrunkGrid, {520, 290, 250}));
+     }},
     {"trunk on a table, cut by the field of view",
-     [] { return ct(trunk_on_table, with(kTrunkGrid, {250, 240, 200})); }},
+     [] {
+       return ct(trunk_on_table, with(kTrunkGrid, {250, 240, 200}));
+     }},
     {"trunk and arms without a table", [] { return ct(trunk, kTrunkGrid); }},
     {"head without a headrest", [] { return ct(head, kHeadGrid); }},
     {"MR head in a frame", mr_in_frame},

@@ -11,7 +11,8 @@ constexpr std::size_t kTerms = 7;
 constexpr std::size_t kMostColumns = 4000;
 constexpr std::size_t kLeastColumns = 60;
 constexpr double kInlierMm = 2;
-constexpr double kLeastInliers = 0.5;
+constexpr double kLeastInliers = 0.15;  // the body may hide most of a surface
+constexpr double kMostBefore = 0.15;    // share of samples in front of a surface
 
 struct Sample {
   double u = 0, z = 0, depth = 0;  // mm
@@ -42,43 +43,84 @@ bool solve(std::array<std::array<double, kTerms + 1>, kTerms>& m,
   return true;
 }
 
-bool least_squares(Surface& surface, const std::vector<Sample>& samples) {
+enum class Shape { kTrough, kAny };  // a parabola across, or one of degree 4
+
+bool least_squares(Surface& surface, Shape shape, const std::vector<Sample>& samples,
+                   const std::vector<double>& weights) {
   std::array<std::array<double, kTerms + 1>, kTerms> m{};
-  for (const Sample& sample : samples) {
-    const auto row = basis(surface, sample.u, sample.z);
+  double sum = 0;
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    const auto row = basis(surface, samples[s].u, samples[s].z);
     for (std::size_t i = 0; i < kTerms; ++i) {
-      for (std::size_t j = 0; j < kTerms; ++j) m[i][j] += row[i] * row[j];
-      m[i][kTerms] += row[i] * sample.depth;
+      for (std::size_t j = 0; j < kTerms; ++j) m[i][j] += weights[s] * row[i] * row[j];
+      m[i][kTerms] += weights[s] * row[i] * samples[s].depth;
     }
+    sum += weights[s];
   }
   // A slight preference for small terms keeps the gap below the body smooth.
-  for (std::size_t i = 1; i < kTerms; ++i) m[i][i] += 1e-4 * static_cast<double>(samples.size());
+  for (std::size_t i = 1; i < kTerms; ++i) m[i][i] += 1e-4 * sum;
+  if (shape == Shape::kTrough) {
+    for (const std::size_t i : {3, 4}) m[i][i] += 1e6 * sum;
+  }
   return solve(m, surface.terms);
 }
 
-/// Least trimmed squares: repeats the fit with the samples that fit best. The rest is rails, the
-/// lower skin of a hollow table, or a body part that was not recognised.
+double error(const Surface& surface, const Sample& sample) {
+  return sample.depth - surface.depth(sample.u, sample.z);
+}
+
+/// Refits the surface `kSteps` times to samples that are weighted by their errors.
+template <typename Weight>
+bool refit(Surface& surface, Shape shape, const std::vector<Sample>& samples, Weight weight) {
+  constexpr int kSteps = 12;
+  std::vector<double> weights(samples.size());
+  for (int step = 0; step < kSteps; ++step) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      weights[i] = weight(error(surface, samples[i]));
+    }
+    if (!least_squares(surface, shape, samples, weights)) return false;
+  }
+  return true;
+}
+
+/// Returns the share of samples on the surface, or 0 if many lie in front of it: then it is not the
+/// front, but the lower skin of a hollow table.
+double quality(const Surface& surface, const std::vector<Sample>& samples) {
+  double on = 0, before = 0;
+  for (const Sample& sample : samples) {
+    const double e = error(surface, sample);
+    on += std::abs(e) <= kInlierMm ? 1 : 0;
+    before += e < -kInlierMm ? 1 : 0;
+  }
+  const auto n = static_cast<double>(samples.size());
+  return before > kMostBefore * n || on < kLeastColumns ? 0 : on / n;
+}
+
+/// Fits the surface robustly. The samples that do not fit are rails, the lower skin of a hollow
+/// table below the body, or a body part that was not recognised.
 bool robust_fit(Surface& surface, const std::vector<Sample>& samples) {
-  std::vector<Sample> chosen = samples;
-  const auto error = [&](const Sample& s) {
-    return std::abs(s.depth - surface.depth(s.u, s.z));
-  };
-  for (int step = 0; step < 12; ++step) {
-    if (!least_squares(surface, chosen)) return false;
-    std::vector<Sample> order = samples;
-    const auto kept = static_cast<std::ptrdiff_t>(samples.size() * 6 / 10);
-    std::nth_element(order.begin(), order.begin() + kept, order.end(),
-                     [&](const Sample& a, const Sample& b) { return error(a) < error(b); });
-    order.resize(static_cast<std::size_t>(kept));
-    chosen = std::move(order);
+  Surface best = surface;
+  double most = 0;
+  for (const Shape shape : {Shape::kTrough, Shape::kAny}) {
+    // Weights for what lies behind a surface: from the mean surface to the front of everything.
+    for (const double behind : {1.0, 0.2, 0.05}) {
+      Surface next = surface;
+      if (!least_squares(next, shape, samples, std::vector<double>(samples.size(), 1)) ||
+          !refit(next, shape, samples,
+                 [&](double e) { return (e > 0 ? behind : 1) / std::max(1.0, std::abs(e)); }) ||
+          !refit(next, shape, samples,
+                 [](double e) { return std::abs(e) <= 2 * kInlierMm ? 1.0 : 1e-6; })) {
+        continue;
+      }
+      const double share = quality(next, samples);
+      // A simpler shape is safer where the surface does not show.
+      if (share <= (shape == Shape::kAny ? 1.1 : 1) * most) continue;
+      most = share;
+      best = next;
+    }
   }
-  chosen.clear();
-  for (const Sample& s : samples) {
-    if (error(s) <= kInlierMm) chosen.push_back(s);
-  }
-  const double share = static_cast<double>(chosen.size()) / static_cast<double>(samples.size());
-  return chosen.size() >= kLeastColumns && share >= kLeastInliers &&
-         least_squares(surface, chosen);
+  surface = best;
+  return most >= kLeastInliers;
 }
 
 /// Reads voxels by their place along the patient's axes.
@@ -104,8 +146,8 @@ class PatientVoxels {
   int size(std::size_t p) const { return size_[p]; }
   double mm(std::size_t p) const { return mm_[p]; }
   int value(const std::array<int, 3>& i) const {
-    return volume_.voxels[static_cast<std::size_t>(first_ + i[0] * stride_[0] +
-                                                   i[1] * stride_[1] + i[2] * stride_[2])];
+    return volume_.voxels[static_cast<std::size_t>(first_ + i[0] * stride_[0] + i[1] * stride_[1] +
+                                                   i[2] * stride_[2])];
   }
 
  private:
@@ -134,8 +176,7 @@ std::optional<double> front_of(const PatientVoxels& voxels, const Cells& cells, 
   return std::nullopt;
 }
 
-void choose_direction(Surface& surface, const Cells& cells,
-                      const std::vector<std::size_t>& members,
+void choose_direction(Surface& surface, const Cells& cells, const std::vector<std::size_t>& members,
                       const std::array<double, 3>& body_middle) {
   std::array<double, 2> from{};
   for (const std::size_t cell : members) {

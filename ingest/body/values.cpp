@@ -10,8 +10,8 @@ namespace diaphane::ingest {
 namespace {
 
 constexpr int kSkinHu = -300;
-constexpr int kFoamHu = -930;     // scatter raises air to about -960
-constexpr int kAirHu = -700;      // a CT in Hounsfield units has air below this
+constexpr int kFoamHu = -930;  // scatter raises air to about -960
+constexpr int kAirHu = -700;   // a CT in Hounsfield units has air below this
 constexpr std::size_t kMostSamples = 1 << 20;
 
 constexpr int kLowest = std::numeric_limits<std::int16_t>::min();
@@ -69,7 +69,8 @@ Background background_below(const Histogram& histogram, double limit) {
     return limit;
   };
   const double low = quantile(0.02), quarter = quantile(0.25), median = quantile(0.5);
-  // For a Rayleigh distribution, the quartile is at 0.76 sigma and the 99.7 % quantile at 3.4 sigma.
+  // For a Rayleigh distribution, the quartile is at 0.76 sigma and the 99.7 % quantile at 3.4
+  // sigma.
   return {median, quarter + 3.5 * (quarter - low)};
 }
 
@@ -77,8 +78,8 @@ Background background_below(const Histogram& histogram, double limit) {
 
 ValueScale value_scale(const volume::Volume& volume) {
   const volume::Header& header = volume.header;
-  const bool may_be_ct = header.modality == volume::Modality::kCt ||
-                         header.modality == volume::Modality::kOther;
+  const bool may_be_ct =
+      header.modality == volume::Modality::kCt || header.modality == volume::Modality::kOther;
   if (may_be_ct && header.minimum <= kAirHu && header.maximum > kSkinHu) {
     return {true, true, false, kSkinHu, kFoamHu};
   }
