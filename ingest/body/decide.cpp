@@ -9,15 +9,17 @@ namespace {
 
 // Shells of tables and headrests, bars and straps are thinner than twice this; the trunk, limbs and
 // the head are thicker.
-constexpr double kOpeningMm = 5;
-constexpr int kRegrownCells = 2;    // what the opening takes from rounded edges
-constexpr double kLimbCm3 = 20;     // the least volume of a body part that stands alone
+constexpr double kOpeningMm = 4.5;
+constexpr int kRegrownCells = 2;  // what the opening takes from rounded edges
+constexpr double kLimbCm3 = 20;   // the least volume of a body part that stands alone
+constexpr double kTouchMm = 4;
 constexpr double kNearMm = 15;      // ears, the nose and fingers lie this near to thicker parts
 constexpr double kLongMm = 80;      // thin parts of a body are shorter
+constexpr double kWideMm = 100;     // shells are wider
 constexpr double kLeastCore = 0.4;  // of all matter; below, the body itself is thin
 constexpr double kMostShellMm = 6.5;
 constexpr double kMostCutMm = 15;  // mean thickness of what a surface takes from the body
-constexpr std::size_t kSpeckCells = 8;
+constexpr double kSpeckCm3 = 0.2;  // of noise that hangs together
 
 using Members = std::vector<std::size_t>;
 
@@ -142,11 +144,12 @@ class Decider {
     if (!scale_.density || count(core_) < kLeastCore * static_cast<double>(all)) {
       open(filled(cells_, matter_, Border::kOpen), radius);
     }
-    for (std::size_t i = 0; i < core_.size(); ++i) {
-      if (core_[i]) core_cells_.push_back(i);
-    }
-    core_middle_ = middle_of_all(cells_, core_cells_);
     has_core_ = all > 0 && count(core_) >= kLeastCore / 2 * static_cast<double>(all);
+    const CellMask& bulk = has_core_ ? core_ : matter_;
+    for (std::size_t i = 0; i < bulk.size(); ++i) {
+      if (bulk[i]) bulk_.push_back(i);
+    }
+    bulk_middle_ = middle_of_all(cells_, bulk_);
   }
 
   void open(const CellMask& solid, const std::array<int, 3>& radius) {
@@ -157,14 +160,27 @@ class Decider {
       for (const std::size_t cell : part) seeds[cell] = 1;
     }
     const CellMask opened = dilated(cells_, seeds, radius);
-    const Components wide = components(cells_, opened);
-    core_.assign(cells_.count(), 0);
+    take_body_parts(components(cells_, opened));
+  }
+
+  double cm3(const Members& part) const {
+    return static_cast<double>(part.size()) * cells_.cell_volume() / 1000;
+  }
+
+  /// Takes the largest part, all that are large enough to be a limb, and what is next to these,
+  /// such as fingers.
+  void take_body_parts(const Components& wide) {
     std::size_t most = 0;
     for (const Members& part : wide.members) most = std::max(most, part.size());
-    for (const Members& part : wide.members) {
-      const double cm3 = static_cast<double>(part.size()) * cells_.cell_volume() / 1000;
-      if (part.size() < most && cm3 < kLimbCm3) continue;
-      for (const std::size_t cell : part) core_[cell] = matter_[cell];
+    core_.assign(cells_.count(), 0);
+    CellMask near;
+    for (const bool small : {false, true}) {
+      for (const Members& part : wide.members) {
+        if (small != (part.size() < most && cm3(part) < kLimbCm3)) continue;
+        if (small && share_in(near, part) == 0) continue;
+        for (const std::size_t cell : part) core_[cell] = matter_[cell];
+      }
+      if (!small) near = dilated(cells_, core_, cells_.radius(kTouchMm));
     }
   }
 
@@ -199,8 +215,12 @@ class Decider {
 
   Place place_of(const Components& parts, const Members& part, const CellMask& near) const {
     const double outside = 1 - share_in(near, part);
-    if (scale_.noisy && part.size() < kSpeckCells) return Place::kNowhere;
-    const bool is_long = extent_of(cells_, part).longest(cells_) >= kLongMm;
+    if (scale_.noisy && cm3(part) < kSpeckCm3) return Place::kNowhere;
+    const Extent extent = extent_of(cells_, part);
+    // Without a body to compare with, only a wide shell is a support: vessels are long, too.
+    const bool is_long = has_core_
+                             ? extent.longest(cells_) >= kLongMm
+                             : std::max(extent.mm(cells_, 0), extent.mm(cells_, 1)) >= kWideMm;
     if (has_core_ && !is_long) return outside > 0.9 ? Place::kSupport : Place::kBody;
     if (has_core_ && outside >= 0.5) return Place::kSupport;
     return is_long && is_straight(cells_, parts, part) ? Place::kDoubtful : Place::kBody;
@@ -209,7 +229,7 @@ class Decider {
   /// Returns the direction from the body to its supports, or to the back if there are none yet.
   std::array<double, 2> side_of(const Members& supports) const {
     if (supports.empty()) return {0, 1};
-    const auto middle = middle_of_all(cells_, supports), body = core_middle_;
+    const auto middle = middle_of_all(cells_, supports), body = bulk_middle_;
     const double x = middle[0] - body[0], y = middle[1] - body[1];
     const double length = std::hypot(x, y);
     return length < 20 ? std::array<double, 2>{0, 1}
@@ -223,9 +243,9 @@ class Decider {
     const auto along = [&](const std::array<double, 3>& at) {
       return at[0] * down[0] + at[1] * down[1];
     };
-    const double middle = along(core_middle_);
+    const double middle = along(bulk_middle_);
     double most = middle;
-    for (const std::size_t cell : core_cells_) {
+    for (const std::size_t cell : bulk_) {
       most = std::max(most, along(middle_of(cells_, cells_.place(cell))));
     }
     return along(middle_of_all(cells_, part)) > middle + 0.5 * (most - middle);
@@ -259,10 +279,30 @@ class Decider {
     return eighths / 8 * cells_.mm[axis];
   }
 
+  /// Returns thick parts to the body that touch both it and a support, such as fingers.
+  void rescue_before(const Surface& surface) {
+    CellMask before(cells_.count(), 0);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (!support_[i]) continue;
+      const double behind = surface.behind(middle_of(cells_, cells_.place(i)));
+      before[i] = std::isfinite(behind) && behind < -cells_.mm[surface.deep] / 2;
+    }
+    const Components parts = components(cells_, before);
+    const CellMask near = dilated(cells_, body_, cells_.radius(kTouchMm));
+    for (const Members& part : parts.members) {
+      if (share_in(near, part) == 0 || thickness(part) <= kMostShellMm) continue;
+      for (const std::size_t cell : part) {
+        support_[cell] = 0;
+        body_[cell] = 1;
+      }
+    }
+  }
+
   /// Cuts the body where it touches a support: behind the support's surface.
   void cut_behind(const Members& part) {
-    const auto surface = fit_surface(volume_, cells_, scale_.matter, part, core_middle_);
+    const auto surface = fit_surface(volume_, cells_, scale_.matter, part, bulk_middle_);
     if (!surface) return;
+    rescue_before(*surface);
     Members taken;
     std::map<std::pair<int, int>, int> columns;
     for (std::size_t i = 0; i < body_.size(); ++i) {
@@ -328,8 +368,8 @@ class Decider {
   const ValueScale& scale_;
   CellMask matter_, core_, body_, support_;
   bool has_core_ = false;
-  Members core_cells_;
-  std::array<double, 3> core_middle_{};
+  Members bulk_;  // the core, or all matter if there is none
+  std::array<double, 3> bulk_middle_{};
   std::vector<Surface> surfaces_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace diaphane::ingest {
@@ -199,7 +200,7 @@ double Surface::depth(double u, double z) const {
 
 double Surface::behind(const std::array<double, 3>& place) const {
   const double u = place[across];
-  if (u < low || u > high) return -1e9;
+  if (u < low || u > high) return -std::numeric_limits<double>::infinity();
   return sign * place[deep] - depth(u, place[2]);
 }
 

@@ -19,7 +19,7 @@ struct Surface {
   std::array<double, 7> terms{};
 
   /// Returns how far a place (mm along the patient's axes from the grid's corner) lies behind the
-  /// surface; negative in front of it and outside of its range.
+  /// surface; negative in front of it, and -infinity beside its range.
   double behind(const std::array<double, 3>& place) const;
   double depth(double u, double z) const;
 };
