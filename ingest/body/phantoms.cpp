@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <span>
 
 #include "volume/labels.h"
 
@@ -163,10 +164,12 @@ Phantom sampled(const Scene& scene, const Grid& grid, volume::Modality modality)
       header.spacing[v] += share * grid.mm[p];
       size += share * grid.size_mm[p];
     }
-    header.size[v] = static_cast<std::uint32_t>(size / header.spacing[v]);
+    header.size[v] = static_cast<std::uint32_t>(size / header.spacing[v] + 1e-6);
   }
   std::minstd_rand random(7);
   std::normal_distribution<double> noise(0, 10);
+  phantom.volume.voxels.reserve(header.voxel_count());
+  phantom.truth.reserve(header.voxel_count());
   for (std::uint32_t z = 0; z < header.size[2]; ++z) {
     for (std::uint32_t y = 0; y < header.size[1]; ++y) {
       for (std::uint32_t x = 0; x < header.size[0]; ++x) {
@@ -292,20 +295,40 @@ const Entry kEntries[] = {
      }},
 };
 
-}  // namespace
+const Entry kLargeEntries[] = {
+    {"trunk and arms on a table, 256 x 256 x 256",
+     [] {
+       return ct(trunk_on_table, {{1.9, 1.2, 1}, {486.4, 307.2, 256}, kTrunkGrid.direction});
+     }},
+    {"trunk and arms on a table, 512 x 512 x 400",
+     [] {
+       return ct(trunk_on_table, {{0.95, 0.95, 0.8}, {486.4, 486.4, 320}, kTrunkGrid.direction});
+     }},
+};
 
-std::vector<std::string> phantom_names() {
+std::vector<std::string> names_of(std::span<const Entry> entries) {
   std::vector<std::string> names;
-  for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+  for (const Entry& entry : entries) names.emplace_back(entry.name);
   return names;
 }
 
+}  // namespace
+
+std::vector<std::string> phantom_names() { return names_of(kEntries); }
+
+std::vector<std::string> large_phantom_names() { return names_of(kLargeEntries); }
+
 Phantom make_phantom(const std::string& name) {
-  const auto entry = std::find_if(std::begin(kEntries), std::end(kEntries),
-                                  [&](const Entry& e) { return e.name == name; });
-  Phantom phantom = entry->make();
-  phantom.name = name;
-  return phantom;
+  for (const std::span<const Entry> entries :
+       {std::span<const Entry>(kEntries), std::span<const Entry>(kLargeEntries)}) {
+    for (const Entry& entry : entries) {
+      if (entry.name != name) continue;
+      Phantom phantom = entry.make();
+      phantom.name = name;
+      return phantom;
+    }
+  }
+  return {};
 }
 
 Agreement agreement(const Phantom& phantom, const std::vector<std::uint8_t>& labels) {

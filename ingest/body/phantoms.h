@@ -16,7 +16,9 @@ struct Phantom {
 };
 
 std::vector<std::string> phantom_names();
-/// Precondition: `name` is one of phantom_names().
+/// Phantoms of the size of clinical scans, to measure times.
+std::vector<std::string> large_phantom_names();
+/// Precondition: `name` is one of phantom_names() or large_phantom_names().
 Phantom make_phantom(const std::string& name);
 
 /// The share of the truth that a labelling keeps (body) and hides (support). 1 if there is none.

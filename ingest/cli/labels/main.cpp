@@ -23,13 +23,14 @@ constexpr int kExitNoInput = 66;   // sysexits.h: EX_NOINPUT
 constexpr int kExitNoOutput = 73;  // EX_CANTCREAT
 
 constexpr const char* kUsage =
-    "diaphane-labels [--phantoms] [--write FOLDER] SCAN...\n\n"
+    "diaphane-labels [--phantoms] [--large] [--write FOLDER] SCAN...\n\n"
     "Labels the body, its support (table, headrest, frame) and metal in each scan: an image file\n"
     "(.nii, .nii.gz, .nrrd, .mha, .mhd) or a folder with a DICOM series. Prints one line of JSON\n"
     "per scan: {\"name\", \"size\", \"spacing\", \"axes\", \"shares\": [outside, body, support,\n"
     "metal], \"build_s\", \"label_s\", \"kept\", \"hidden\"}. The last two are for phantoms "
     "only.\n\n"
     "  --phantoms       also label all phantoms\n"
+    "  --large          also label the large phantoms, which are for times\n"
     "  --write FOLDER   write values (NAME.i16) and encoded labels (NAME.labels), one byte per\n"
     "                   voxel after decoding, to an existing folder\n\n"
     "Exit codes: 0 success, 64 bad command line, 66 cannot read a scan, 73 cannot write.\n";
@@ -121,8 +122,8 @@ int label_scans(const std::vector<std::string>& scans, const std::string& folder
   return 0;
 }
 
-int label_phantoms(const std::string& folder) {
-  for (const std::string& name : ingest::phantom_names()) {
+int label_phantoms(const std::vector<std::string>& names, const std::string& folder) {
+  for (const std::string& name : names) {
     const ingest::Phantom phantom = ingest::make_phantom(name);
     Labelled labelled = label(name, phantom.volume);
     const ingest::Agreement found = ingest::agreement(phantom, labelled.labels.voxels);
@@ -139,14 +140,16 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   std::vector<std::string> scans;
   std::string folder;
-  bool phantoms = false;
+  std::vector<std::string> phantoms;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--help" || words[i] == "-h") {
       std::fputs(kUsage, stdout);
       return 0;
     }
-    if (words[i] == "--phantoms") {
-      phantoms = true;
+    if (words[i] == "--phantoms" || words[i] == "--large") {
+      const auto more =
+          words[i] == "--large" ? ingest::large_phantom_names() : ingest::phantom_names();
+      phantoms.insert(phantoms.end(), more.begin(), more.end());
     } else if (words[i] == "--write" && i + 1 < words.size()) {
       folder = words[++i];
     } else if (words[i].starts_with("--")) {
@@ -155,8 +158,9 @@ int main(int argc, char** argv) {
       scans.push_back(words[i]);
     }
   }
-  if (scans.empty() && !phantoms)
+  if (scans.empty() && phantoms.empty()) {
     return complain(kExitUsage, "missing argument: SCAN (see --help)");
+  }
   const int failed = label_scans(scans, folder);
-  return failed != 0 || !phantoms ? failed : label_phantoms(folder);
+  return failed != 0 ? failed : label_phantoms(phantoms, folder);
 }
