@@ -287,15 +287,23 @@ Components components(const Cells& cells, const CellMask& mask) {
   runs.join();
   Components found{std::vector<std::int32_t>(cells.count(), -1), {}};
   std::vector<std::int32_t> label_of(runs.size(), -1);  // by the run that stands for its set
+  std::vector<std::size_t> sizes;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     std::int32_t& label = label_of[runs.root(i)];
     if (label < 0) {
-      label = static_cast<std::int32_t>(found.members.size());
-      found.members.emplace_back();
+      label = static_cast<std::int32_t>(sizes.size());
+      sizes.push_back(0);
     }
+    sizes[static_cast<std::size_t>(label)] += runs.end(i) - runs.begin(i);
+  }
+  found.members.resize(sizes.size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) found.members[i].reserve(sizes[i]);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::int32_t label = label_of[runs.root(i)];
+    auto& members = found.members[static_cast<std::size_t>(label)];
     for (std::size_t cell = runs.begin(i); cell < runs.end(i); ++cell) {
       found.label[cell] = label;
-      found.members[static_cast<std::size_t>(label)].push_back(cell);
+      members.push_back(static_cast<std::uint32_t>(cell));
     }
   }
   return found;

@@ -68,10 +68,13 @@ enum class Border { kOpen, kClosed };
 /// Adds what `mask` encloses in any axial level.
 CellMask filled(const Cells& cells, const CellMask& mask, Border border);
 
+/// Cells by their index. A volume has fewer than 2^32 voxels (ScanLimits::most_voxels).
+using CellList = std::vector<std::uint32_t>;
+
 /// The connected components (26 neighbours) of a mask.
 struct Components {
-  std::vector<std::int32_t> label;                ///< per cell: index in `members`, or -1
-  std::vector<std::vector<std::size_t>> members;  ///< cells of each component
+  std::vector<std::int32_t> label;  ///< per cell: index in `members`, or -1
+  std::vector<CellList> members;    ///< cells of each component
 };
 Components components(const Cells& cells, const CellMask& mask);
 

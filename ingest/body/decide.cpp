@@ -21,7 +21,7 @@ constexpr double kMostShellMm = 6.5;
 constexpr double kMostCutMm = 15;  // mean thickness of what a surface takes from the body
 constexpr double kSpeckCm3 = 0.2;  // of noise that hangs together
 
-using Members = std::vector<std::size_t>;
+using Members = CellList;
 
 struct Extent {
   std::array<int, 3> low{1 << 30, 1 << 30, 1 << 30}, high{-1, -1, -1};
@@ -147,7 +147,7 @@ class Decider {
     has_core_ = all > 0 && count(core_) >= kLeastCore / 2 * static_cast<double>(all);
     const CellMask& bulk = has_core_ ? core_ : matter_;
     for (std::size_t i = 0; i < bulk.size(); ++i) {
-      if (bulk[i]) bulk_.push_back(i);
+      if (bulk[i]) bulk_.push_back(static_cast<std::uint32_t>(i));
     }
     bulk_middle_ = middle_of_all(cells_, bulk_);
   }
@@ -203,7 +203,9 @@ class Decider {
     }
     const std::array<double, 2> down = side_of(supports);
     for (const Members* part : doubtful) assign(*part, is_shell(*part, down), supports);
-    if (!supports.empty()) cut_behind(supports);
+    // All supports together show the most of a surface; else each may have its own.
+    if (supports.empty() || cut_behind(supports)) return;
+    for (const Members& part : components(cells_, support_).members) cut_behind(part);
   }
 
   void assign(const Members& part, bool support, Members& supports) {
@@ -281,11 +283,12 @@ class Decider {
 
   /// Returns thick parts to the body that touch both it and a support, such as fingers.
   void rescue_before(const Surface& surface) {
+    const CellsBehind behind(surface, cells_);
     CellMask before(cells_.count(), 0);
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (!support_[i]) continue;
-      const double behind = surface.behind(middle_of(cells_, cells_.place(i)));
-      before[i] = std::isfinite(behind) && behind < -cells_.mm[surface.deep] / 2;
+      const double by = behind(cells_.place(i));
+      before[i] = std::isfinite(by) && by < -cells_.mm[surface.deep] / 2;
     }
     const Components parts = components(cells_, before);
     const CellMask near = dilated(cells_, body_, cells_.radius(kTouchMm));
@@ -298,29 +301,32 @@ class Decider {
     }
   }
 
-  /// Cuts the body where it touches a support: behind the support's surface.
-  void cut_behind(const Members& part) {
+  /// Cuts the body where it touches a support: behind the support's surface. Returns false if the
+  /// support has none.
+  bool cut_behind(const Members& part) {
     const auto surface = fit_surface(volume_, cells_, scale_.matter, part, bulk_middle_);
-    if (!surface) return;
+    if (!surface) return false;
     rescue_before(*surface);
+    const CellsBehind behind(*surface, cells_);
     Members taken;
     std::map<std::pair<int, int>, int> columns;
     for (std::size_t i = 0; i < body_.size(); ++i) {
       if (!body_[i]) continue;
       const auto place = cells_.place(i);
-      if (surface->behind(middle_of(cells_, place)) < 0) continue;
-      taken.push_back(i);
+      if (behind(place) < 0) continue;
+      taken.push_back(static_cast<std::uint32_t>(i));
       ++columns[{place[surface->across], place[2]}];
     }
-    if (taken.empty()) return;
+    if (taken.empty()) return true;
     const double thick = static_cast<double>(taken.size()) / static_cast<double>(columns.size()) *
                          cells_.mm[surface->deep];
-    if (thick > kMostCutMm) return;
+    if (thick > kMostCutMm) return true;
     for (const std::size_t cell : taken) {
       body_[cell] = 0;
       support_[cell] = 1;
     }
     surfaces_.push_back(*surface);
+    return true;
   }
 
   Decision kinds() {
@@ -343,11 +349,12 @@ class Decider {
   }
 
   void mark_cut(const Surface& surface, std::vector<CellKind>& kinds) const {
+    const CellsBehind behind(surface, cells_);
     const double within = cells_.mm[surface.deep] * 1.5;
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       if (kinds[i] == CellKind::kAir) continue;
       if (kinds[i] == CellKind::kSupport && !body_near(i)) continue;
-      if (std::abs(surface.behind(middle_of(cells_, cells_.place(i)))) < within) {
+      if (std::abs(behind(cells_.place(i))) < within) {
         kinds[i] = CellKind::kCut;
       }
     }

@@ -9,7 +9,7 @@ namespace diaphane::ingest {
 namespace {
 
 constexpr std::size_t kTerms = 7;
-constexpr std::size_t kMostColumns = 4000;
+constexpr std::size_t kMostColumns = 2000;
 constexpr std::size_t kLeastColumns = 60;
 constexpr double kInlierMm = 2;
 constexpr double kLeastInliers = 0.15;  // the body may hide most of a surface
@@ -53,10 +53,13 @@ bool least_squares(Surface& surface, Shape shape, const std::vector<Sample>& sam
   for (std::size_t s = 0; s < samples.size(); ++s) {
     const auto row = basis(surface, samples[s].u, samples[s].z);
     for (std::size_t i = 0; i < kTerms; ++i) {
-      for (std::size_t j = 0; j < kTerms; ++j) m[i][j] += weights[s] * row[i] * row[j];
+      for (std::size_t j = i; j < kTerms; ++j) m[i][j] += weights[s] * row[i] * row[j];
       m[i][kTerms] += weights[s] * row[i] * samples[s].depth;
     }
     sum += weights[s];
+  }
+  for (std::size_t i = 0; i < kTerms; ++i) {
+    for (std::size_t j = 0; j < i; ++j) m[i][j] = m[j][i];
   }
   // A slight preference for small terms keeps the gap below the body smooth.
   for (std::size_t i = 1; i < kTerms; ++i) m[i][i] += 1e-4 * sum;
@@ -177,7 +180,7 @@ std::optional<double> front_of(const PatientVoxels& voxels, const Cells& cells, 
   return std::nullopt;
 }
 
-void choose_direction(Surface& surface, const Cells& cells, const std::vector<std::size_t>& members,
+void choose_direction(Surface& surface, const Cells& cells, const CellList& members,
                       const std::array<double, 3>& body_middle) {
   std::array<double, 2> from{};
   for (const std::size_t cell : members) {
@@ -204,8 +207,22 @@ double Surface::behind(const std::array<double, 3>& place) const {
   return sign * place[deep] - depth(u, place[2]);
 }
 
+CellsBehind::CellsBehind(const Surface& surface, const Cells& cells)
+    : across_(surface.across),
+      deep_(surface.deep),
+      width_(static_cast<std::size_t>(cells.size[across_])),
+      step_(surface.sign * cells.mm[deep_]),
+      depths_(width_ * static_cast<std::size_t>(cells.size[2])) {
+  for (std::size_t i = 0; i < depths_.size(); ++i) {
+    const double u = (static_cast<double>(i % width_) + 0.5) * cells.mm[across_];
+    const double z = (static_cast<double>(i / width_) + 0.5) * cells.mm[2];
+    depths_[i] = u < surface.low || u > surface.high ? std::numeric_limits<double>::infinity()
+                                                     : surface.depth(u, z);
+  }
+}
+
 std::optional<Surface> fit_surface(const volume::Volume& volume, const Cells& cells, int threshold,
-                                   const std::vector<std::size_t>& members,
+                                   const CellList& members,
                                    const std::array<double, 3>& body_middle) {
   Surface surface;
   choose_direction(surface, cells, members, body_middle);

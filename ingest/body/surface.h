@@ -24,10 +24,26 @@ struct Surface {
   double depth(double u, double z) const;
 };
 
+/// Answers Surface::behind for the centres of cells from one evaluation per column of cells.
+class CellsBehind {
+ public:
+  CellsBehind(const Surface& surface, const Cells& cells);
+  double operator()(const std::array<int, 3>& place) const {
+    const double depth = depths_[static_cast<std::size_t>(place[across_]) +
+                                 width_ * static_cast<std::size_t>(place[2])];
+    return step_ * (place[deep_] + 0.5) - depth;
+  }
+
+ private:
+  std::size_t across_, deep_, width_;
+  double step_;
+  std::vector<double> depths_;  // infinity beside the surface
+};
+
 /// Fits the surface of a support that faces the body. `members` are the support's cells. Returns
 /// nothing if it is not smooth and straight.
 std::optional<Surface> fit_surface(const volume::Volume& volume, const Cells& cells, int threshold,
-                                   const std::vector<std::size_t>& members,
+                                   const CellList& members,
                                    const std::array<double, 3>& body_middle);
 
 /// Returns the centre of a cell in mm from the grid's corner.
