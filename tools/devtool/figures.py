@@ -58,6 +58,7 @@ SECTIONS: dict[str, tuple[str, str, str]] = {
     "ingest-scale": ("Last byte to ready, for a CT of 512 x 512 x 1000.", r"ready", r": last byte to ready"),
     "scan-folder": ("", r"scanning|longest main", ""),
     "disc-to-picture": ("", TARGETS, ""),
+    "body": ("Labels of the body and of what it lies on.", "", ""),
     "heads": ("Recognition of heads (95% interval).", r"sensitivity, n = (4|72|12)$|phantom: ", ""),
     "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"^p95|failed", ""),
     "live-sessions": ("Time to the first picture after a failure.", "", r", to (the first picture in Chromium|a picture at another)"),

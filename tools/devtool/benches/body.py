@@ -26,7 +26,8 @@ MOST_SECONDS = {"256 x 256 x 256": 0.3, "512 x 512 x 400": 1.5}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--scans", type=Path, default=paths.REPO.parent / "shared" / "scans", help="folder of NIfTI files (default: %(default)s)")
+    parser.add_argument("--scans", type=Path, default=paths.REPO.parent / "shared" / "scans",
+                        help="folder of NIfTI files (default: %(default)s)")
     parser.add_argument("--also", type=Path, nargs="*", default=[], help="more files or DICOM folders")
     parser.add_argument("--slices", type=Path, help="write PNG slices with coloured labels to this folder")
 
@@ -96,7 +97,8 @@ def _print(rows: list[dict[str, Any]]) -> None:
         shares = " ".join(f"{100 * share:7.2f}" for share in row["shares"])
         build = f"{1000 * row['build_s']:9.0f}" if "build_s" in row else " " * 9
         found = f"{row['kept']:7.4f} {row['hidden']:7.4f}" if "kept" in row else ""
-        say(f"{row['name']:<{width}}  {' x '.join(map(str, row['size'])):>15} {shares} {1000 * row['label_s']:9.0f} {build} {found}".rstrip())
+        size = " x ".join(map(str, row["size"]))
+        say(f"{row['name']:<{width}}  {size:>15} {shares} {1000 * row['label_s']:9.0f} {build} {found}".rstrip())
 
 
 def _results(rows: list[dict[str, Any]]) -> list[Result]:
@@ -105,7 +107,8 @@ def _results(rows: list[dict[str, Any]]) -> list[Result]:
                result("phantoms: least share of a support that is hidden", [min(row["hidden"] for row in phantoms)], "",
                       at_least=LEAST_HIDDEN)]
     for size, limit in MOST_SECONDS.items():
-        results += [result(f"time for {size} voxels", [row["label_s"]], "s", at_most=limit) for row in phantoms if row["name"].endswith(size)]
+        results += [result(f"time for {size} voxels", [row["label_s"]], "s", at_most=limit)
+                    for row in phantoms if row["name"].endswith(size)]
     built = [row["label_s"] / row["build_s"] for row in rows if row.get("build_s", 0) > 0]
     if built:
         results.append(result("time, as a share of reading and building a real scan", built, "", at_most=MOST_OF_BUILD))
