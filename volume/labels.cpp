@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/try.h"
+
 namespace diaphane::volume {
 namespace {
 
@@ -39,6 +41,45 @@ Result<std::size_t> voxels_of(const std::array<std::uint32_t, 3>& size) {
   return static_cast<std::size_t>(area * size[2]);
 }
 
+/// Calls `each` with the label and the length of every run. Precondition: checked_runs accepted
+/// the bytes.
+template <typename Each>
+void for_each_run(std::string_view runs, Each each) {
+  while (!runs.empty()) {
+    const auto label = static_cast<std::uint8_t>(runs.front());
+    runs.remove_prefix(1);
+    std::uint64_t count = 0;
+    take_number(runs, count);
+    each(label, static_cast<std::size_t>(count));
+  }
+}
+
+/// Returns the runs of sound labels. All are checked before anything is allocated, so that damaged
+/// bytes cost no memory.
+Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::uint32_t, 3> size) {
+  if (!bytes.starts_with(kMagic)) return invalid("These are not labels of this version.");
+  bytes.remove_prefix(kMagic.size());
+  for (const std::uint32_t side : size) {
+    std::uint64_t stored = 0;
+    if (!take_number(bytes, stored)) return invalid("The labels are cut off.");
+    if (stored != side) return invalid("The labels belong to a volume of another size.");
+  }
+  const auto voxels = voxels_of(size);
+  DIAPHANE_TRY(voxels);
+  std::uint64_t left = *voxels;
+  for (std::string_view rest = bytes; !rest.empty();) {
+    const auto label = static_cast<std::uint8_t>(rest.front());
+    rest.remove_prefix(1);
+    std::uint64_t count = 0;
+    if (!take_number(rest, count)) return invalid("The labels are cut off.");
+    if (label > static_cast<std::uint8_t>(Label::kMetal)) return invalid("A label is unknown.");
+    if (count == 0 || count > left) return invalid("A run of labels has an invalid length.");
+    left -= count;
+  }
+  if (left != 0) return invalid("The labels are cut off.");
+  return bytes;
+}
+
 }  // namespace
 
 std::string encode(const Labels& labels) {
@@ -55,37 +96,44 @@ std::string encode(const Labels& labels) {
 }
 
 Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size) {
-  if (!bytes.starts_with(kMagic)) return invalid("These are not labels of this version.");
-  bytes.remove_prefix(kMagic.size());
-  for (const std::uint32_t side : size) {
-    std::uint64_t stored = 0;
-    if (!take_number(bytes, stored)) return invalid("The labels are cut off.");
-    if (stored != side) return invalid("The labels belong to a volume of another size.");
-  }
-  const auto voxels = voxels_of(size);
-  if (!voxels) return tl::unexpected(voxels.error());
+  const auto runs = checked_runs(bytes, size);
+  DIAPHANE_TRY(runs);
   Labels labels{size, {}};
-  // Checks all runs before allocating, so that damaged bytes cost no memory.
-  std::uint64_t left = *voxels;
-  for (std::string_view rest = bytes; !rest.empty();) {
-    const auto label = static_cast<std::uint8_t>(rest.front());
-    rest.remove_prefix(1);
-    std::uint64_t count = 0;
-    if (!take_number(rest, count)) return invalid("The labels are cut off.");
-    if (label > static_cast<std::uint8_t>(Label::kMetal)) return invalid("A label is unknown.");
-    if (count == 0 || count > left) return invalid("A run of labels has an invalid length.");
-    left -= count;
-  }
-  if (left != 0) return invalid("The labels are cut off.");
-  labels.voxels.reserve(*voxels);
-  while (!bytes.empty()) {
-    const auto label = static_cast<std::uint8_t>(bytes.front());
-    bytes.remove_prefix(1);
-    std::uint64_t count = 0;
-    take_number(bytes, count);
-    labels.voxels.insert(labels.voxels.end(), static_cast<std::size_t>(count), label);
-  }
+  labels.voxels.reserve(*voxels_of(size));
+  for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
+    labels.voxels.insert(labels.voxels.end(), count, label);
+  });
   return labels;
+}
+
+Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> size) {
+  DIAPHANE_TRY(checked_runs(bytes, size));
+  return {};
+}
+
+std::uint64_t most_label_bytes(const Header& header) {
+  constexpr std::uint64_t kMostOfNumber = 5;
+  return kMagic.size() + 3 * kMostOfNumber + 2 * header.voxel_count();
+}
+
+Result<void> hide_surroundings(Volume& volume) {
+  if (volume.labels.empty()) {
+    volume.surroundings_hidden = true;
+    return {};
+  }
+  const auto runs = checked_runs(volume.labels, volume.header.size);
+  DIAPHANE_TRY(runs);
+  const auto nothing = static_cast<std::int16_t>(volume.header.minimum);
+  auto at = volume.voxels.begin();
+  for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
+    const auto end = at + static_cast<std::ptrdiff_t>(count);
+    const bool stays = label == static_cast<std::uint8_t>(Label::kBody) ||
+                       label == static_cast<std::uint8_t>(Label::kMetal);
+    if (!stays) std::fill(at, end, nothing);
+    at = end;
+  });
+  volume.surroundings_hidden = true;
+  return {};
 }
 
 }  // namespace diaphane::volume

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "volume/volume.h"
 
 namespace diaphane::volume {
 
@@ -32,5 +33,15 @@ std::string encode(const Labels& labels);
 /// have another version or belong to a volume of another size. Allocates no more than one byte per
 /// voxel of `size`, whatever the bytes say.
 Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size);
+
+/// Returns kInvalid if decode() would refuse the bytes. Allocates nothing.
+Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> size);
+
+/// Returns the largest possible size of encoded labels: a run of two bytes for each voxel.
+std::uint64_t most_label_bytes(const Header& header);
+
+/// Sets all voxels that show neither body nor metal to the volume's minimum. Without labels it
+/// changes nothing. Returns kInvalid, and changes nothing, if the labels are damaged.
+Result<void> hide_surroundings(Volume& volume);
 
 }  // namespace diaphane::volume

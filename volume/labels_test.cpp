@@ -85,5 +85,28 @@ TEST(Labels, AreRefusedIfTheSizeDoesNotFitInMemory) {
   EXPECT_FALSE(decode(encode(Labels{large, {}}), large));
 }
 
+TEST(Labels, HideEverythingThatShowsNeitherBodyNorMetal) {
+  Volume volume;
+  volume.header.size = {4, 1, 1};
+  volume.header.minimum = -1000;
+  volume.voxels = {5, 6, 7, 8};
+  ASSERT_TRUE(hide_surroundings(volume)) << "without labels everything counts as body";
+  EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{5, 6, 7, 8}));
+  volume.labels = encode(Labels{{4, 1, 1}, {0, 1, 2, 3}});
+  ASSERT_TRUE(hide_surroundings(volume));
+  EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{-1000, 6, -1000, 8}));
+}
+
+TEST(Labels, ThatAreDamagedHideNothing) {
+  Volume volume;
+  volume.header.size = {4, 1, 1};
+  volume.voxels = {5, 6, 7, 8};
+  volume.labels = encode(Labels{{4, 1, 1}, {0, 1, 2, 3}});
+  volume.labels.pop_back();
+  EXPECT_FALSE(hide_surroundings(volume));
+  EXPECT_FALSE(check_labels(volume.labels, volume.header.size));
+  EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{5, 6, 7, 8}));
+}
+
 }  // namespace
 }  // namespace diaphane::volume

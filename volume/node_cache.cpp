@@ -140,7 +140,13 @@ Result<Volume> NodeCache::read(const std::string& id) {
   DIAPHANE_TRY(header);
   const auto seal = Seal::of(header->content_hash);
   if (seal) {
-    Volume volume{std::move(*header), {}, id};
+    auto labels = read_labels(directory, *header);
+    DIAPHANE_TRY(labels);
+    Volume volume;
+    volume.header = std::move(*header);
+    volume.id = id;
+    volume.labels = std::move(*labels);
+    // The labels are small, so they are not copied.
     // Checks the hash again, because the volume may have been erased or replaced while the copy was
     // read.
     if (read_copy(name_of(id, *seal), *seal, volume.header, volume.voxels) &&

@@ -209,7 +209,8 @@ void cut_slice(const Header& header, const Region& region, const Cut& cut, std::
 Result<Volume> cut_volume(const Volume& volume, const Region& region) {
   const auto cut = plan_cut(volume.header, region);
   DIAPHANE_TRY(cut);
-  Volume left{after(volume.header, *cut), {}, {}};
+  Volume left;
+  left.header = after(volume.header, *cut);
   left.voxels.resize(left.header.voxel_count());
   const std::size_t old_slice = std::size_t{volume.header.size[0]} * volume.header.size[1];
   const std::size_t new_slice = std::size_t{cut->size[0]} * cut->size[1];

@@ -19,6 +19,7 @@
 #include "common/try.h"
 #include "volume/hash.h"
 #include "volume/header.h"
+#include "volume/labels.h"
 #include "volume/volume.h"
 
 namespace diaphane::volume {
@@ -30,6 +31,7 @@ static_assert(std::endian::native == std::endian::little, "voxels.i16 is little 
 
 constexpr const char* kHeaderFile = "volume.json";
 constexpr const char* kVoxelFile = "voxels.i16";
+constexpr const char* kLabelFile = "labels";
 constexpr off_t kMaxHeaderBytes = 1 << 20;
 
 Error disk_error(const char* what) {
@@ -97,6 +99,21 @@ std::optional<std::string> stored_hash(const std::string& directory) {
   return there || error ? std::nullopt : std::optional<std::string>("");
 }
 
+Result<std::string> read_labels(const std::string& directory, const Header& header) {
+  auto opened = open_file(directory, kLabelFile);
+  if (!opened && opened.error().code == ErrorCode::kNotFound) return std::string();
+  DIAPHANE_TRY(opened);
+  const Fd file(opened->first);
+  if (static_cast<std::uint64_t>(opened->second) > most_label_bytes(header)) {
+    return fail(ErrorCode::kInvalid, "the labels are too long");
+  }
+  std::string labels(static_cast<std::size_t>(opened->second), '\0');
+  if (!read_all(file.get(), labels.data(), labels.size())) {
+    return fail(ErrorCode::kUnavailable, "cannot read the labels");
+  }
+  return labels;
+}
+
 Result<Volume> read(const std::string& directory, bool verify_hash) {
   auto header = read_header(directory);
   DIAPHANE_TRY(header);
@@ -107,7 +124,11 @@ Result<Volume> read(const std::string& directory, bool verify_hash) {
   if (static_cast<std::uint64_t>(opened->second) != count * sizeof(std::int16_t)) {
     return fail(ErrorCode::kInvalid, "the size of voxels.i16 does not match volume.json");
   }
-  Volume volume{std::move(*header), {}, {}};
+  auto labels = read_labels(directory, *header);
+  DIAPHANE_TRY(labels);
+  Volume volume;
+  volume.header = std::move(*header);
+  volume.labels = std::move(*labels);
   volume.id = fs::path(directory).lexically_normal().filename().string();
   try {
     volume.voxels.resize(count);
@@ -211,6 +232,9 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
   }
   DIAPHANE_TRY(write_file(inside, kVoxelFile, volume.voxels.data(), bytes));
   DIAPHANE_TRY(write_file(inside, kHeaderFile, text->data(), text->size()));
+  if (!volume.labels.empty()) {
+    DIAPHANE_TRY(write_file(inside, kLabelFile, volume.labels.data(), volume.labels.size()));
+  }
   if (fsync(inside) != 0) return tl::unexpected(disk_error("cannot sync a volume"));
   return staged;
 }
@@ -218,7 +242,7 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
 }  // namespace
 
 void erase(const std::string& directory) {
-  for (const char* name : {kVoxelFile, kHeaderFile}) {
+  for (const char* name : {kVoxelFile, kHeaderFile, kLabelFile}) {
     // Truncates the file first, so that a process that has it open cannot read it any more. Links
     // are not followed.
     const Fd file(open((fs::path(directory) / name).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));

@@ -39,6 +39,8 @@ struct Volume {
   Header header;
   std::vector<std::int16_t> voxels;
   std::string id;  ///< name of its directory in the store, or empty if it is not from the store
+  bool surroundings_hidden = false;  ///< hide_surroundings() was called
+  std::string labels;  ///< encoded Labels (labels.h), or empty: everything counts as body
 };
 
 /// Voxels without content, such as padding or the corners next to straightened slices.
@@ -52,13 +54,16 @@ struct Filler {
 /// voxels.
 void measure(Volume& volume, const Filler& filler = {});
 
-/// Reads `volume.json` and `voxels.i16` from `directory` and refuses files that do not match each
-/// other. `verify_hash` also checks the content hash; a mismatch is kInternal, because the disk
-/// must be broken.
+/// Reads `volume.json`, `voxels.i16` and, if it exists, `labels` from `directory`, and refuses
+/// files that do not match each other. `verify_hash` also checks the content hash; a mismatch is
+/// kInternal, because the disk must be broken.
 Result<Volume> read(const std::string& directory, bool verify_hash);
 Result<Header> read_header(const std::string& directory);
 
-/// Writes both files under a temporary name next to `directory`, syncs and renames, so that a
+/// Returns the labels of a stored volume, still encoded, or an empty string if it has none.
+Result<std::string> read_labels(const std::string& directory, const Header& header);
+
+/// Writes the files under a temporary name next to `directory`, syncs and renames, so that a
 /// reader never sees a partial volume. Fills content_hash. Returns kConflict if `directory` exists.
 Result<void> write(Volume& volume, const std::string& directory);
 

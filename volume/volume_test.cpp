@@ -13,6 +13,7 @@
 
 #include "volume/hash.h"
 #include "volume/header.h"
+#include "volume/labels.h"
 #include "volume/store.h"
 
 namespace diaphane::volume {
@@ -71,6 +72,24 @@ TEST_F(VolumeStore, RoundTrips) {
   EXPECT_EQ(again->header.repairs, volume.header.repairs);
   EXPECT_EQ(again->header.content_hash, volume.header.content_hash);
   EXPECT_EQ(entries(), 1u) << "nothing temporary stays";
+}
+
+TEST_F(VolumeStore, KeepsLabelsIfThereAreAny) {
+  Volume volume = ramp();
+  volume.labels = encode(Labels{volume.header.size, std::vector<std::uint8_t>(24, 1)});
+  ASSERT_TRUE(write(volume, at("a")).has_value());
+  EXPECT_EQ(read(at("a"), can_hash())->labels, volume.labels);
+  EXPECT_EQ(read_labels(at("a"), volume.header), volume.labels);
+  Volume without = ramp();
+  ASSERT_TRUE(replace(without, at("a"), [] { return Result<void>(); }).has_value());
+  EXPECT_EQ(read_labels(at("a"), volume.header), "");
+}
+
+TEST_F(VolumeStore, RefusesLabelsThatAreLongerThanAnyCanBe) {
+  Volume volume = ramp();
+  ASSERT_TRUE(write(volume, at("a")).has_value());
+  std::ofstream(at("a") + "/labels") << std::string(most_label_bytes(volume.header) + 1, 'x');
+  EXPECT_FALSE(read(at("a"), false));
 }
 
 TEST_F(VolumeStore, DetectsChangedVoxel) {

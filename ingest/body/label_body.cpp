@@ -194,6 +194,11 @@ class Painter {
 
 volume::Labels label_body(const volume::Volume& volume) {
   if (volume.voxels.empty()) return {volume.header.size, {}};
+  // Where PET shows little uptake, there may be a body all the same.
+  if (volume.header.modality == volume::Modality::kPt) {
+    return {volume.header.size,
+            std::vector(volume.voxels.size(), static_cast<std::uint8_t>(Label::kBody))};
+  }
   const ValueScale scale = value_scale(volume);
   const Cells cells = make_cells(volume, scale.matter);
   const Decision decision = decide(volume, cells, scale);

@@ -22,6 +22,7 @@
 #include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/supervisor.h"
 #include "volume/header.h"
+#include "volume/labels.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -40,9 +41,8 @@ int unnamed_file(const std::string& directory) {
   return named;
 }
 
-/// Reads from the start, because the child left the file offset at the end.
-bool read_from_start(int fd, char* data, std::size_t bytes) {
-  off_t at = 0;
+/// Reads from an offset, because the child left that of the file at the end.
+bool read_at(int fd, off_t at, char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t got = pread(fd, data, bytes, at);
     if (got < 0 && errno == EINTR) continue;
@@ -74,26 +74,34 @@ Verdict verdict_of(const ChildEnd& end) {
   return unsafe();
 }
 
-/// Reads the voxels that the child wrote. The child may lie in the header, so size and value range
-/// are checked and measured on the actual voxels.
-Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
+/// Reads the voxels and labels that the child wrote. The child may lie in the header, so size and
+/// value range are checked and measured on the actual voxels, and the labels are checked.
+Result<void> take_volume(int fd, std::uint64_t most_voxels, Build& build) {
   build.volume.header = std::move(build.verdict.header);
   const std::uint64_t count = build.volume.header.voxel_count();
   struct stat info {};
   if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "cannot read the voxels back");
-  if (count > most_voxels ||
-      static_cast<std::uint64_t>(info.st_size) != count * sizeof(std::int16_t)) {
+  const std::uint64_t bytes = count * sizeof(std::int16_t);
+  const auto written = static_cast<std::uint64_t>(info.st_size);
+  if (count > most_voxels || written < bytes ||
+      written - bytes > volume::most_label_bytes(build.volume.header)) {
     build.verdict = unsafe();
     return {};
   }
+  std::string& labels = build.volume.labels;
   try {
     build.volume.voxels.resize(count);
+    labels.resize(written - bytes);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "not enough memory for the volume");
   }
-  if (!read_from_start(fd, reinterpret_cast<char*>(build.volume.voxels.data()),
-                       count * sizeof(std::int16_t))) {
+  if (!read_at(fd, 0, reinterpret_cast<char*>(build.volume.voxels.data()), bytes) ||
+      !read_at(fd, static_cast<off_t>(bytes), labels.data(), labels.size())) {
     return fail(ErrorCode::kInternal, "cannot read the voxels back");
+  }
+  if (!volume::check_labels(labels, build.volume.header.size)) {
+    build.verdict = unsafe();
+    return {};
   }
   volume::measure(build.volume, build.verdict.filler);
   return {};
@@ -230,7 +238,7 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   }
   build.verdict = verdict_of(*end);
   if (build.verdict.ready) {
-    DIAPHANE_TRY(take_voxels(output.get(), options_.quota_mb * kMb / 2, build));
+    DIAPHANE_TRY(take_volume(output.get(), options_.quota_mb * kMb / 2, build));
   }
   return build;
 }
@@ -256,7 +264,8 @@ bool read_limits(const std::vector<std::string>& arguments, SandboxLimits& sandb
   if (!read_numbers(arguments, 0, numbers)) return false;
   sandbox.cpu_seconds = static_cast<std::uint32_t>(numbers[0]);
   sandbox.memory_bytes = numbers[1] * kMb;
-  sandbox.output_bytes = quota_bytes = numbers[2] * kMb;
+  quota_bytes = numbers[2] * kMb;
+  sandbox.output_bytes = 2 * quota_bytes + kMb;  // with the largest labels
   return true;
 }
 

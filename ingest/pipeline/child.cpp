@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "ingest/body/label_body.h"
 #include "ingest/build/build_volume.h"
 #include "ingest/pipeline/memory_shortage.h"
 #include "ingest/pipeline/report.h"
@@ -30,12 +31,14 @@ int write_all(int fd, const char* data, std::size_t bytes) {
 
 }  // namespace
 
-bool write_output(const std::int16_t* voxels, std::size_t count, int& exit_code) {
-  const int error =
-      write_all(kChildOutput, reinterpret_cast<const char*>(voxels), count * sizeof(std::int16_t));
-  if (error == 0) return true;
-  exit_code = error == ENOSPC || error == EDQUOT ? kChildNoRoom : kChildDiskFails;
-  return false;
+int write_output(volume::Volume& volume, const volume::Filler& filler) {
+  volume::measure(volume, filler);
+  const std::string labels = volume::encode(label_body(volume));
+  int error = write_all(kChildOutput, reinterpret_cast<const char*>(volume.voxels.data()),
+                        volume.voxels.size() * sizeof(std::int16_t));
+  if (error == 0) error = write_all(kChildOutput, labels.data(), labels.size());
+  if (error == 0) return 0;
+  return error == ENOSPC || error == EDQUOT ? kChildNoRoom : kChildDiskFails;
 }
 
 int send_report(const Verdict& verdict) {
@@ -102,8 +105,7 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
   if (source.failed()) return kChildDiskFails;
   if (!built) return refuse(refusal_of(built.error()));
   volume::Volume& volume = built->volume;
-  int exit_code = 0;
-  if (!write_output(volume.voxels.data(), volume.voxels.size(), exit_code)) return exit_code;
+  if (const int exit_code = write_output(volume, built->filler)) return exit_code;
   verdict.ready = true;
   verdict.header = std::move(volume.header);
   verdict.filler = built->filler;

@@ -48,8 +48,9 @@ int run_in_sandbox(const SandboxLimits& sandbox, const char* refusal_for_memory,
 int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
                    const SandboxLimits& sandbox);
 
-/// Writes voxels to kChildOutput. Returns false if that fails, with the reason in `exit_code`.
-bool write_output(const std::int16_t* voxels, std::size_t count, int& exit_code);
+/// Writes the voxels and then the encoded labels (volume/labels.h) to kChildOutput, and measures
+/// the volume. Returns the child's exit code, or 0.
+int write_output(volume::Volume& volume, const volume::Filler& filler);
 /// Sends the report to kChildReport and returns the child's exit code.
 int send_report(const Verdict& verdict);
 

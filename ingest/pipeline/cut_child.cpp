@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <span>
 
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/report.h"
@@ -41,7 +42,10 @@ int cut(const std::string& header_text, const std::string& region_text, Verdict&
   const auto plan = volume::plan_cut(*header, *region);
   if (!plan) return refuse("nothing_left", "Too little of the scan would remain.");
   std::vector<std::int16_t> from(std::size_t{header->size[0]} * header->size[1]);
-  std::vector<std::int16_t> to(std::size_t{plan->size[0]} * plan->size[1]);
+  volume::Volume left;
+  left.header = volume::after(*header, *plan);
+  left.voxels.resize(left.header.voxel_count());
+  const std::size_t slice = std::size_t{plan->size[0]} * plan->size[1];
   const auto begin = static_cast<off_t>(plan->low[2] * from.size() * sizeof(std::int16_t));
   if (lseek(kChildInput, begin, SEEK_SET) != begin) {
     return kChildDiskFails;
@@ -50,12 +54,13 @@ int cut(const std::string& header_text, const std::string& region_text, Verdict&
     const Got got = read_slice(from);
     if (got == Got::kDiskFails) return kChildDiskFails;
     if (got == Got::kTooLittle) return refuse("damaged", "The stored scan cannot be read.");
-    volume::cut_slice(*header, *region, *plan, z, from, to);
-    int exit_code = 0;
-    if (!write_output(to.data(), to.size(), exit_code)) return exit_code;
+    volume::cut_slice(*header, *region, *plan, z, from,
+                      std::span(left.voxels).subspan(z * slice, slice));
   }
+  // The labels are those of what is left, because the old ones show the shape of what was removed.
+  if (const int exit_code = write_output(left, {})) return exit_code;
   verdict.ready = true;
-  verdict.header = volume::after(*header, *plan);
+  verdict.header = std::move(left.header);
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "renderd/cli/report.h"
 #include "renderd/cli/stop_rule.h"
 #include "renderd/scene/presets.h"
+#include "volume/labels.h"
 
 namespace diaphane::render::cli {
 namespace {
@@ -134,6 +135,11 @@ Result<Rendered> render(const Options& options) {
   auto scene = scene_of(options, input->header);
   if (!scene) return tl::make_unexpected(scene.error());
   if (options.bounces) scene->set_bounces(*options.bounces);
+  if (!options.show_table && !scene->show_table()) {
+    if (const auto hidden = volume::hide_surroundings(*input); !hidden) {
+      return tl::make_unexpected(hidden.error());
+    }
+  }
   auto volume = (*engine)->load(*input);
   if (!volume) return tl::make_unexpected(volume.error());
   auto renderer = (*engine)->renderer(*volume, options.seed, 0, options.method);

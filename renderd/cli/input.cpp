@@ -2,12 +2,16 @@
 
 #include <filesystem>
 
+#include "common/try.h"
 #include "renderd/cli/scan_readers.h"
 
 namespace diaphane::render::cli {
 
-Result<volume::Volume> read_input(const std::string& path) {
-  namespace fs = std::filesystem;
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<volume::Volume> read_any(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
@@ -21,6 +25,15 @@ Result<volume::Volume> read_input(const std::string& path) {
   }
   if (fs::is_regular_file(status)) return read_image_file(path);
   return fail(ErrorCode::kNotFound, "cannot read " + path);
+}
+
+}  // namespace
+
+Result<volume::Volume> read_input(const std::string& path) {
+  auto volume = read_any(path);
+  DIAPHANE_TRY(volume);
+  if (volume->labels.empty()) add_labels(*volume);
+  return volume;
 }
 
 }  // namespace diaphane::render::cli

@@ -203,6 +203,8 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   app.add_option("--mis", mis, "how direct light is sampled: light, scatter or both")
       ->type_name("NAME")
       ->check(one_of(kMis, options.method.mis), "");
+  app.add_flag("--show-table", options.show_table,
+               "show the table, headrest or frame and the noise of the air, which are hidden");
   app.add_option("--out", options.picture,
                  "output picture: .png or .ppm (8 bits, tone-mapped), or .exr (linear radiance, "
                  "32-bit float)")

@@ -1,8 +1,10 @@
 // Uses the readers of ingestd, so that both programs accept the same scans and show the same
 // volumes.
+#include "ingest/body/label_body.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
 #include "renderd/cli/scan_readers.h"
+#include "volume/labels.h"
 
 namespace diaphane::render::cli {
 
@@ -16,6 +18,10 @@ Result<volume::Volume> read_image_file(const std::string& path) {
       ErrorCode::kUnsupported,
       "the name of the file must end in .mha, .mhd, .nii, .nii.gz or .nrrd; for DICOM files, "
       "give the folder that contains the series");
+}
+
+void add_labels(volume::Volume& volume) {
+  volume.labels = volume::encode(ingest::label_body(volume));
 }
 
 }  // namespace diaphane::render::cli

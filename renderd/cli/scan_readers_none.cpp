@@ -15,5 +15,6 @@ tl::unexpected<Error> without_readers() {
 
 Result<volume::Volume> read_dicom_folder(const std::string&) { return without_readers(); }
 Result<volume::Volume> read_image_file(const std::string&) { return without_readers(); }
+void add_labels(volume::Volume&) {}
 
 }  // namespace diaphane::render::cli
