@@ -194,7 +194,7 @@ class Painter {
 
 volume::Labels label_body(const volume::Volume& volume) {
   if (volume.voxels.empty()) return {volume.header.size, {}};
-  // Where PET shows little uptake, there may be a body all the same.
+  // Where PET shows little uptake, there may still be a body.
   if (volume.header.modality == volume::Modality::kPt) {
     return {volume.header.size,
             std::vector(volume.voxels.size(), static_cast<std::uint8_t>(Label::kBody))};

@@ -11,8 +11,9 @@ namespace {
 /// One copy of the volume on each device.
 class CompositeVolume final : public DeviceVolume {
  public:
-  CompositeVolume(std::string id, std::vector<std::shared_ptr<const DeviceVolume>> copies)
-      : id_(std::move(id)), copies_(std::move(copies)) {}
+  CompositeVolume(const volume::Volume& volume,
+                  std::vector<std::shared_ptr<const DeviceVolume>> copies)
+      : id_(volume.id), with_table_(!volume.surroundings_hidden), copies_(std::move(copies)) {}
   const volume::Header& header() const override { return copies_.front()->header(); }
   /// The bytes on the device where it takes most, because each device has its own memory.
   std::uint64_t device_bytes() const override {
@@ -21,12 +22,14 @@ class CompositeVolume final : public DeviceVolume {
     return most;
   }
   const std::string& id() const { return id_; }
+  bool with_table() const { return with_table_; }
   const std::shared_ptr<const DeviceVolume>& copy(std::size_t device) const {
     return copies_[device];
   }
 
  private:
   std::string id_;
+  bool with_table_;
   std::vector<std::shared_ptr<const DeviceVolume>> copies_;
 };
 
@@ -56,7 +59,7 @@ class CompositeEngine final : public Engine {
       if (!copy) return copy;
       copies.push_back(std::move(*copy));
     }
-    return std::make_shared<CompositeVolume>(volume.id, std::move(copies));
+    return std::make_shared<CompositeVolume>(volume, std::move(copies));
   }
 
   Result<std::unique_ptr<FrameRenderer>> of_first(const std::shared_ptr<const DeviceVolume>& volume,
@@ -83,7 +86,8 @@ class CompositeEngine final : public Engine {
       assistants.push_back(threads_[d - 1]->assistant(std::move(*other)));
     }
     if (source_ != nullptr && !ours->id().empty()) {
-      for (auto& one : source_->assistants({ours->id(), seed, first_sample, method})) {
+      for (auto& one :
+           source_->assistants({ours->id(), ours->with_table(), seed, first_sample, method})) {
         assistants.push_back(std::move(one));
       }
     }

@@ -10,7 +10,8 @@ namespace diaphane::render {
 
 /// Data that an assistant in another process needs before its first task.
 struct AssistOrder {
-  std::string volume_id;  ///< id in the volume store
+  std::string volume_id;    ///< id in the volume store
+  bool with_table = false;  ///< the volume shows what surrounds the body
   std::uint64_t seed = 0;
   std::uint64_t first_sample = 0;
   Method method;

@@ -42,6 +42,8 @@ class Ledger {
 
   /// Records that the film was cleared for the requested view, which took `seconds`.
   void began(double seconds, Time now);
+  /// Records that the film was lost with its renderer, so that the view is rendered again.
+  void lost_film() { applied_version_ = 0; }
   /// Records that the renderer refused the scene or the size. They are not tried again, and the
   /// picture stays.
   void refused();

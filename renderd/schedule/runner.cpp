@@ -67,6 +67,17 @@ void Runner::remove(std::uint64_t handle) {
   changed_.notify_one();
 }
 
+void Runner::replace(std::uint64_t handle, std::unique_ptr<FrameRenderer> renderer) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& entry : known_) {
+      if (entry->handle == handle) entry->next_renderer = std::move(renderer);
+    }
+    ++wakes_;
+  }
+  changed_.notify_one();
+}
+
 void Runner::wake() {
   {
     const std::lock_guard lock(mutex_);
@@ -93,6 +104,7 @@ void Runner::run() {
     }
     adopt();
     collect();
+    take_next_renderers();
     if (step()) continue;
     std::unique_lock lock(mutex_);
     const bool idle = in_flight_.count() == 0;
@@ -126,6 +138,18 @@ void Runner::adopt() {
   std::copy_if(entries_.begin(), entries_.end(), std::back_inserter(leaving), gone);
   std::erase_if(entries_, gone);
   std::erase_if(known_, gone);
+}
+
+// Called after collect(), because a session that renders has hardly ever no quantum in flight
+// otherwise.
+void Runner::take_next_renderers() {
+  std::vector<std::unique_ptr<FrameRenderer>> replaced;  // destroyed outside the lock
+  const std::lock_guard lock(mutex_);
+  for (const auto& entry : entries_) {
+    if (!entry->next_renderer || entry->under_way) continue;
+    replaced.push_back(std::exchange(entry->renderer, std::move(entry->next_renderer)));
+    entry->ledger.lost_film();
+  }
 }
 
 // Returns the time until the next moving session comes to rest, which is the only change that does

@@ -86,6 +86,9 @@ class Runner {
   /// `first_epoch` + 1.
   std::uint64_t add(std::shared_ptr<RenderClient> client, std::unique_ptr<FrameRenderer> renderer,
                     std::uint64_t first_epoch);
+  /// Gives the client another renderer, with which rendering starts over, as soon as no quantum of
+  /// it is in flight.
+  void replace(std::uint64_t handle, std::unique_ptr<FrameRenderer> renderer);
   /// Stops rendering for a client. Returns immediately; a quantum in flight is interrupted and its
   /// result discarded.
   void remove(std::uint64_t handle);
@@ -116,6 +119,7 @@ class Runner {
 
   void run();
   void adopt();
+  void take_next_renderers();
   void collect();
   /// Begins the next quanta. Returns true if it began any and there may be room for more.
   bool step();

@@ -26,6 +26,7 @@ struct Runner::SessionEntry {
   std::uint64_t handle = 0;
   std::shared_ptr<RenderClient> client;
   std::unique_ptr<FrameRenderer> renderer;
+  std::unique_ptr<FrameRenderer> next_renderer;  // guarded by the runner's lock
   std::atomic<bool> gone{false};
   Ledger ledger;
 

@@ -103,7 +103,7 @@ Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
   }
   if (!is_id(open.volume_id()))
     return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
-  host_.volumes_.get(open.volume_id(),
+  host_.volumes_.get({open.volume_id(), open.with_table()},
                      [self = shared_from_this(), open](Result<VolumeCache::Handle> volume) {
                        self->volume_ready(open, std::move(volume));
                      });

@@ -170,6 +170,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     AddHold();
     v1::AssistRequest open;
     open.mutable_open()->set_volume_id(order.volume_id);
+    open.mutable_open()->set_with_table(order.with_table);
     open.mutable_open()->set_seed(order.seed);
     open.mutable_open()->set_first_sample(order.first_sample);
     send(std::move(open));

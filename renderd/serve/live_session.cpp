@@ -72,6 +72,7 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
   state_.id = std::move(start.id);
   state_.volume_id = std::move(start.volume_id);
   state_.placement = start.placement;
+  with_table_ = start.scene && start.scene->show_table();
   state_.wanted.scene = std::move(start.scene);
   state_.wanted.viewport = start.viewport;
   state_.wanted.input_seq = start.input_seq;
@@ -103,10 +104,15 @@ Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, cons
   return attached->connection;
 }
 
+Result<std::unique_ptr<FrameRenderer>> LiveSession::renderer_of(
+    const Result<VolumeCache::Handle>& volume) {
+  DIAPHANE_TRY(volume);
+  return parts_.engine.renderer(*volume, random_seed(), 0, kLiveMethod);
+}
+
 void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume) {
-  Result<std::unique_ptr<FrameRenderer>> renderer = fail(ErrorCode::kInternal, "");
-  if (volume) renderer = parts_.engine.renderer(*volume, random_seed(), 0, kLiveMethod);
-  if (!volume || !renderer) return failed(!volume ? volume.error() : renderer.error());
+  auto renderer = renderer_of(volume);
+  if (!renderer) return failed(renderer.error());
   std::vector<v1::Preset> presets = presets_for((*volume)->header());
   if (presets.empty()) {
     return failed({ErrorCode::kUnsupported, "This type of scan can't be displayed.", {}});
@@ -329,7 +335,7 @@ void LiveSession::mark_unsaved() {
 ViewRequest LiveSession::wanted() {
   const std::lock_guard lock(mutex_);
   const TimePoint now = parts_.clock.now();
-  if (textures_ready()) ready_ = state_.wanted;
+  if (textures_ready() && volume_fits()) ready_ = state_.wanted;
   version_.store(ready_.version, std::memory_order_relaxed);
   ViewRequest wanted = ready_;
   if (visitor_) wanted.viewport = visitor_canvas(wanted.viewport);

@@ -69,6 +69,7 @@ struct SessionParts {
   bool mark_frames = false;  ///< for benches: draws input_seq into the pixels (encode/frame_mark.h)
   GpuTimeMeter& gpu_time;
   const VolumeStatsCache& stats;
+  VolumeCache& volumes;
   SliceParts slices;
   std::atomic<int>& files;  ///< number of files that this worker is making
   /// Decodes textures, one at a time, in parallel to everything else, because it takes up to a
@@ -145,6 +146,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   const std::string& id() const { return id_; }
   const std::string& volume_id() const { return volume_id_; }
+  /// Returns the volume that the session's first scene needs.
+  VolumeKey shown_volume() const { return {volume_id_, with_table_}; }
   const std::string& charged_to() const { return charged_to_; }
   bool camera_only() const { return camera_only_; }
   const std::string& link() const { return link_; }
@@ -245,6 +248,13 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   Lanes lanes() const;
   Saved saved() const;  // requires the lock
 
+  // Showing or hiding the table needs another copy of the volume, which is loaded before the runner
+  // receives the scene (session_volume.cpp). Requires the lock:
+  bool volume_fits();
+  // Must be called without the lock:
+  Result<std::unique_ptr<FrameRenderer>> renderer_of(const Result<VolumeCache::Handle>& volume);
+  void other_volume_ready(bool with_table, Result<VolumeCache::Handle> loaded);
+
   // Textures are decoded before the runner receives the scene that uses them
   // (session_textures.cpp). Require the lock:
   bool textures_ready();
@@ -285,6 +295,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   };
   std::optional<Last> last_;
   std::shared_ptr<const DeviceVolume> volume_;
+  bool with_table_ = false;            ///< of `volume_`, or of the one that is awaited first
+  bool loading_other_ = false;         ///< the one with the other value of `with_table_`
   std::optional<SliceStacks> stacks_;  // set once the volume is loaded
   // kept while a viewer who requested slices is connected
   std::shared_ptr<const HostVolume> voxels_;

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 
 #include "common/background.h"
 #include "common/log.h"
@@ -12,6 +13,7 @@
 #include "renderd/schedule/policy.h"
 #include "renderd/schedule/visitor_share.h"
 #include "renderd/session/host_volume.h"
+#include "volume/labels.h"
 #include "volume/store.h"
 #include "volume/volume.h"
 
@@ -34,16 +36,24 @@ struct Source {
 };
 
 Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
-                                        const Source& source, const std::string& id) {
+                                        const Source& source, const VolumeKey& key) {
   const auto start = std::chrono::steady_clock::now();
+  const std::string& id = key.id;
   auto volume = source.read(id);
   DIAPHANE_TRY(volume);
+  std::optional<volume::Volume> copy;
+  if (!key.with_table) {
+    if (source.copies && !volume->labels.empty()) copy = *volume;
+    if (const auto hidden = volume::hide_surroundings(*volume); !hidden) {
+      log::warning("labels_damaged", {{"volume", id}, {"reason", hidden.error().message}});
+    }
+  }
   auto loaded = engine.load(*volume);
   if (loaded) stats.add(*loaded, stats_of(*volume));
   const auto seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
-  if (source.copies) source.copies->keep(std::move(*volume));
+  if (source.copies) source.copies->keep(copy ? std::move(*copy) : std::move(*volume));
   return loaded;
 }
 
@@ -76,8 +86,8 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
                                        with_device(options.runner, *engine_))),
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(
-          [this, source = Source{options.volume_dir, options.copies}](const std::string& id) {
-            return load_volume(*engine_, stats_, source, id);
+          [this, source = Source{options.volume_dir, options.copies}](const VolumeKey& key) {
+            return load_volume(*engine_, stats_, source, key);
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) {
@@ -86,8 +96,8 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
       slicers_(std::make_unique<EncodePool>(1)),
       textures_(std::make_unique<EncodePool>(1, kTextureRest)),
       voxels_(std::make_unique<VolumeCache>(
-          [source = Source{options.volume_dir, options.copies}](const std::string& id) {
-            return load_voxels(source, id);
+          [source = Source{options.volume_dir, options.copies}](const VolumeKey& key) {
+            return load_voxels(source, key.id);
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) {

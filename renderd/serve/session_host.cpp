@@ -135,7 +135,7 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
   if (evicted) end_evicted(evicted);
   if (is_new) {
     log::info("session_opened", {{"session", id}, {"volume", volume_id}});
-    volumes_.get(volume_id, [session](Result<VolumeCache::Handle> volume) {
+    volumes_.get(session->shown_volume(), [session](Result<VolumeCache::Handle> volume) {
       session->volume_ready(std::move(volume));
     });
   }
@@ -155,6 +155,7 @@ SessionParts SessionHost::parts() {
           options_.mark_frames,
           gpu_time_,
           stats_,
+          volumes_,
           slices_,
           files_,
           textures_};
@@ -195,7 +196,7 @@ Result<SessionHost::Session> SessionHost::open_free_camera(const LiveSession& gr
     metrics_.sessions(sessions_.size());
   }
   if (evicted) end_evicted(evicted);
-  volumes_.get(group.volume_id(), [session](Result<VolumeCache::Handle> volume) {
+  volumes_.get(session->shown_volume(), [session](Result<VolumeCache::Handle> volume) {
     session->volume_ready(std::move(volume));
   });
   return session;

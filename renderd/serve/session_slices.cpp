@@ -48,7 +48,7 @@ void LiveSession::load_voxels() {
   parts_.slices.pool.post(EncodePool::Urgency::kNow, [weak = weak_from_this()] {
     const auto session = weak.lock();
     if (!session) return;
-    session->parts_.slices.voxels.get(session->volume_id_,
+    session->parts_.slices.voxels.get({session->volume_id_},
                                       [weak](Result<VolumeCache::Handle> loaded) {
                                         if (const auto alive = weak.lock())
                                           alive->voxels_ready(std::move(loaded));

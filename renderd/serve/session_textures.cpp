@@ -29,7 +29,8 @@ bool LiveSession::textures_ready() {
 
 void LiveSession::publish_version() {
   // Otherwise each quantum would be interrupted for a scene that cannot be rendered yet.
-  if (textures_ready()) version_.store(state_.wanted.version, std::memory_order_relaxed);
+  if (textures_ready() && volume_fits())
+    version_.store(state_.wanted.version, std::memory_order_relaxed);
 }
 
 void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene,

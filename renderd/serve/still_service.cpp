@@ -84,9 +84,9 @@ void StillService::render(const v1::StillRequest& request,
   }
   std::shared_ptr<Order> order(
       new Order{request, *canvas, std::move(cancelled), std::move(done), pending_, clock_.now()});
-  volumes_.get(request.volume_id(), [this, order](Result<VolumeCache::Handle> volume) {
-    begin(order, std::move(volume));
-  });
+  volumes_.get(
+      {request.volume_id(), request.scene().show_table()},
+      [this, order](Result<VolumeCache::Handle> volume) { begin(order, std::move(volume)); });
 }
 
 void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handle> volume) {

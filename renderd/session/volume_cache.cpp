@@ -16,9 +16,9 @@ VolumeCache::~VolumeCache() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
-    for (const std::string& id : queue_) {
-      for (Ready& ready : entries_[id].waiting) abandoned.push_back(std::move(ready));
-      entries_.erase(id);
+    for (const VolumeKey& key : queue_) {
+      for (Ready& ready : entries_[key].waiting) abandoned.push_back(std::move(ready));
+      entries_.erase(key);
     }
     queue_.clear();
   }
@@ -35,9 +35,9 @@ bool VolumeCache::is_outdated(const std::string& id, const Handle& copy) const {
   return now && *now != copy->header().content_hash;
 }
 
-bool VolumeCache::forget(const std::string& id, const Handle& copy) {
+bool VolumeCache::forget(const VolumeKey& key, const Handle& copy) {
   const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(id);
+  const auto found = entries_.find(key);
   if (found == entries_.end() || found->second.volume != copy) return false;
   bytes_ -= copy->device_bytes();
   entries_.erase(found);
@@ -45,17 +45,19 @@ bool VolumeCache::forget(const std::string& id, const Handle& copy) {
 }
 
 std::vector<std::string> VolumeCache::forget_outdated() {
-  std::vector<std::pair<std::string, Handle>> copies;
+  std::vector<std::pair<VolumeKey, Handle>> copies;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [id, entry] : entries_) {
-      if (entry.volume) copies.emplace_back(id, entry.volume);
+    for (const auto& [key, entry] : entries_) {
+      if (entry.volume) copies.emplace_back(key, entry.volume);
     }
   }
   std::vector<std::string> forgotten;
-  for (const auto& [id, copy] : copies) {
+  for (const auto& [key, copy] : copies) {
     // The store is queried without the lock, because a disk may be slow.
-    if (is_outdated(id, copy) && forget(id, copy)) forgotten.push_back(id);
+    if (!is_outdated(key.id, copy) || !forget(key, copy)) continue;
+    // Both copies of a volume follow each other.
+    if (forgotten.empty() || forgotten.back() != key.id) forgotten.push_back(key.id);
   }
   return forgotten;
 }
@@ -75,24 +77,24 @@ void VolumeCache::forget_unused() {
   }
 }
 
-void VolumeCache::get(const std::string& id, Ready ready) {
+void VolumeCache::get(const VolumeKey& key, Ready ready) {
   Handle copy;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = entries_.find(id); found != entries_.end()) copy = found->second.volume;
+    if (const auto found = entries_.find(key); found != entries_.end()) copy = found->second.volume;
   }
-  if (copy && is_outdated(id, copy)) forget(id, copy);
+  if (copy && is_outdated(key.id, copy)) forget(key, copy);
   copy.reset();
   Handle present;
   {
     const std::lock_guard lock(mutex_);
-    const auto [found, is_new] = entries_.try_emplace(id);
+    const auto [found, is_new] = entries_.try_emplace(key);
     Entry& entry = found->second;
     entry.used = ++turn_;
     if (!entry.volume) {
       entry.waiting.push_back(std::move(ready));
       if (is_new) {
-        queue_.push_back(id);
+        queue_.push_back(key);
         work_ready_.notify_one();
       }
       return;
@@ -102,9 +104,9 @@ void VolumeCache::get(const std::string& id, Ready ready) {
   ready(std::move(present));
 }
 
-Result<VolumeCache::Handle> VolumeCache::load_safely(const std::string& id) {
+Result<VolumeCache::Handle> VolumeCache::load_safely(const VolumeKey& key) {
   try {
-    return load_(id);
+    return load_(key);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "There is not enough memory for this scan.");
   }
@@ -128,20 +130,20 @@ bool VolumeCache::make_room(std::uint64_t needed) {
 
 void VolumeCache::work() {
   for (;;) {
-    std::string id;
+    VolumeKey key;
     {
       std::unique_lock lock(mutex_);
       work_ready_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
       if (queue_.empty()) return;
-      id = std::move(queue_.front());
+      key = std::move(queue_.front());
       queue_.pop_front();
     }
-    Result<Handle> volume = load_safely(id);
+    Result<Handle> volume = load_safely(key);
     std::vector<Ready> waiting;
     {
       const std::lock_guard lock(mutex_);
       ++loads_;
-      const auto entry = entries_.find(id);
+      const auto entry = entries_.find(key);
       waiting = std::move(entry->second.waiting);
       if (volume && !make_room((*volume)->device_bytes())) {
         volume = fail(ErrorCode::kOutOfMemory,
@@ -161,8 +163,8 @@ void VolumeCache::work() {
 std::vector<std::string> VolumeCache::loaded() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> ids;
-  for (const auto& [id, entry] : entries_) {
-    if (entry.volume) ids.push_back(id);
+  for (const auto& [key, entry] : entries_) {
+    if (entry.volume && (ids.empty() || ids.back() != key.id)) ids.push_back(key.id);
   }
   return ids;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -17,13 +18,20 @@
 
 namespace diaphane::render {
 
-/// The volumes on one device by volume id. Each is loaded once for all sessions and kept after the
+/// A volume as it is shown: with or without what surrounds the body (volume::hide_surroundings).
+struct VolumeKey {
+  std::string id;
+  bool with_table = false;
+  auto operator<=>(const VolumeKey&) const = default;
+};
+
+/// The volumes on one device by their keys. Each is loaded once for all sessions and kept after the
 /// last one left. When the limit is reached, the least recently used volumes are evicted, except
 /// those that are in use. Loads in its own threads. Thread-safe.
 class VolumeCache {
  public:
   using Handle = std::shared_ptr<const DeviceVolume>;
-  using Load = std::function<Result<Handle>(const std::string& id)>;
+  using Load = std::function<Result<Handle>(const VolumeKey& key)>;
   using Ready = std::function<void(Result<Handle>)>;
 
   /// Returns the content hash of a volume in the store, or an empty string if the store does not
@@ -41,10 +49,10 @@ class VolumeCache {
   /// Calls `ready` once: immediately if the volume is loaded, else from a loading thread. A failure
   /// is reported to all waiting callers and not remembered. kOutOfMemory: all loaded volumes are in
   /// use, and this one does not fit beside them.
-  void get(const std::string& id, Ready ready);
+  void get(const VolumeKey& key, Ready ready);
 
   /// Drops copies of volumes that were deleted or replaced in the store (anonymised), and returns
-  /// their ids. Their memory is freed once nobody uses them.
+  /// the ids. Their memory is freed once nobody uses them.
   std::vector<std::string> forget_outdated();
 
   /// Drops all volumes that are not in use, for callers that do not need them kept.
@@ -62,18 +70,18 @@ class VolumeCache {
   };
 
   void work();
-  Result<Handle> load_safely(const std::string& id);
+  Result<Handle> load_safely(const VolumeKey& key);
   bool make_room(std::uint64_t needed);
   bool is_outdated(const std::string& id, const Handle& copy) const;
-  bool forget(const std::string& id, const Handle& copy);
+  bool forget(const VolumeKey& key, const Handle& copy);
 
   const Load load_;
   const Stored stored_;
   const std::uint64_t bound_;
   mutable std::mutex mutex_;
   std::condition_variable work_ready_;
-  std::map<std::string, Entry> entries_;
-  std::deque<std::string> queue_;
+  std::map<VolumeKey, Entry> entries_;
+  std::deque<VolumeKey> queue_;
   std::uint64_t turn_ = 0;
   std::uint64_t bytes_ = 0;
   std::uint64_t loads_ = 0;

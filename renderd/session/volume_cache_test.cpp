@@ -29,29 +29,27 @@ using Handle = VolumeCache::Handle;
 
 Result<Handle> wait_for(VolumeCache& cache, const std::string& id) {
   std::promise<Result<Handle>> promise;
-  cache.get(id, [&](Result<Handle> volume) { promise.set_value(std::move(volume)); });
+  cache.get({id}, [&](Result<Handle> volume) { promise.set_value(std::move(volume)); });
   return promise.get_future().get();
 }
 
-Result<Handle> hundred_bytes(const std::string&) {
-  return Handle(std::make_shared<FakeVolume>(100));
-}
+Result<Handle> hundred_bytes(const VolumeKey&) { return Handle(std::make_shared<FakeVolume>(100)); }
 
 TEST(VolumeCache, LoadsVolumeOnceForConcurrentRequests) {
   std::atomic<int> loads{0};
   std::latch asked(1);
   VolumeCache cache(
-      [&](const std::string& id) {
+      [&](const VolumeKey& key) {
         asked.wait();
         ++loads;
-        return hundred_bytes(id);
+        return hundred_bytes(key);
       },
       1000, 3);
   std::vector<std::future<Result<Handle>>> futures;
   for (int i = 0; i < 20; ++i) {
     auto promise = std::make_shared<std::promise<Result<Handle>>>();
     futures.push_back(promise->get_future());
-    cache.get("a", [promise](Result<Handle> volume) { promise->set_value(std::move(volume)); });
+    cache.get({"a"}, [promise](Result<Handle> volume) { promise->set_value(std::move(volume)); });
   }
   asked.count_down();
   std::set<const DeviceVolume*> different;
@@ -92,9 +90,9 @@ TEST(VolumeCache, RefusesVolumeThatDoesNotFitBesideReferencedOnes) {
 TEST(VolumeCache, ReportsFailureAndRetriesTheNextTime) {
   std::atomic<bool> broken{true};
   VolumeCache cache(
-      [&](const std::string& id) -> Result<Handle> {
+      [&](const VolumeKey& key) -> Result<Handle> {
         if (broken) return fail(ErrorCode::kNotFound, "no such volume");
-        return hundred_bytes(id);
+        return hundred_bytes(key);
       },
       1000);
   EXPECT_EQ(wait_for(cache, "a").error().code, ErrorCode::kNotFound);
@@ -103,7 +101,7 @@ TEST(VolumeCache, ReportsFailureAndRetriesTheNextTime) {
 }
 
 TEST(VolumeCache, OutOfMemoryIsAnError) {
-  VolumeCache cache([](const std::string&) -> Result<Handle> { throw std::bad_alloc(); }, 1000);
+  VolumeCache cache([](const VolumeKey&) -> Result<Handle> { throw std::bad_alloc(); }, 1000);
   EXPECT_EQ(wait_for(cache, "a").error().code, ErrorCode::kOutOfMemory);
 }
 
@@ -112,12 +110,12 @@ TEST(VolumeCache, DestructorAnswersWaitingRequests) {
   std::atomic<int> answered{0};
   {
     auto cache = std::make_unique<VolumeCache>(
-        [&](const std::string& id) {
+        [&](const VolumeKey& key) {
           release.get_future().wait();
-          return hundred_bytes(id);
+          return hundred_bytes(key);
         },
         1000);
-    for (const char* id : {"a", "b", "c"}) cache->get(id, [&](Result<Handle>) { ++answered; });
+    for (const char* id : {"a", "b", "c"}) cache->get({id}, [&](Result<Handle>) { ++answered; });
     std::thread later([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       release.set_value();
@@ -131,8 +129,8 @@ TEST(VolumeCache, DestructorAnswersWaitingRequests) {
 /// A store in which volumes can be replaced and deleted.
 struct FakeStore {
   std::map<std::string, std::string> hashes{{"a", "old"}, {"b", "other"}};
-  VolumeCache::Load load = [this](const std::string& id) -> Result<Handle> {
-    return Handle(std::make_shared<FakeVolume>(100, hashes.at(id)));
+  VolumeCache::Load load = [this](const VolumeKey& key) -> Result<Handle> {
+    return Handle(std::make_shared<FakeVolume>(100, hashes.at(key.id)));
   };
   VolumeCache::Stored stored = [this](const std::string& id) -> std::optional<std::string> {
     const auto found = hashes.find(id);
@@ -189,6 +187,19 @@ TEST(VolumeCache, ForgetsUnreferencedVolumesOnRequest) {
   }
   while (cache.bytes() > 0) cache.forget_unused();
   EXPECT_TRUE(cache.loaded().empty());
+}
+
+TEST(VolumeCache, KeepsAVolumeWithAndWithoutItsTable) {
+  FakeStore store;
+  VolumeCache cache(store.load, 1000, 1, store.stored);
+  std::promise<Handle> with_table;
+  cache.get({"a", true}, [&](Result<Handle> volume) { with_table.set_value(*volume); });
+  EXPECT_NE(with_table.get_future().get(), *wait_for(cache, "a"));
+  EXPECT_EQ(cache.loads(), 2U);
+  EXPECT_EQ(cache.loaded(), std::vector<std::string>{"a"});
+  store.hashes.erase("a");
+  EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"a"});
+  EXPECT_EQ(cache.bytes(), 0U);
 }
 
 }  // namespace

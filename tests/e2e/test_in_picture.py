@@ -15,9 +15,9 @@ from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SIDE, difference, facts, pixels, wait_for_samples
+from picture import ALIKE, SIDE, difference, facts, pixels, wait_for_samples
 from test_pages import check_page
-from test_settings import Hands, halves, look_from_the_front
+from test_settings import GROUND, Hands, halves, look_from_the_front
 
 
 def open_viewer(stack: TestStack, page: Page, cranium: Path, name: str, width: int, height: int) -> Hands:
@@ -29,6 +29,32 @@ def open_viewer(stack: TestStack, page: Page, cranium: Path, name: str, width: i
     hands = Hands(stack, page)
     stack.wait_until(lambda: hands.kept()[0], what="the first scene")
     return hands
+
+
+def test_the_headrest_is_hidden_and_one_switch_shows_it(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit()
+    hands = open_viewer(stack, page, cranium, "headrest", 640, 480)
+    cuts = hands.window("Cuts and slices")  # leaves less room for the picture
+    expect(cuts).to_be_focused()
+    body = hands.picture()
+    switch = cuts.get_by_label("Show the table, headrest or frame")
+    hands.act(switch.check)
+    both = hands.picture()
+    page.screenshot(path=pictures / "headrest.png")
+    assert covered(both) > 1.1 * covered(body), (covered(both), covered(body))
+    # Another look keeps it, and the window's reset hides it again.
+    for key in ("4", "1"):
+        page.locator("canvas").focus()
+        hands.act(lambda key=key: page.keyboard.press(key))
+        expect(switch).to_be_checked()
+    hands.act(cuts.get_by_role("button", name="Remove all cuts and slices").click)
+    expect(switch).not_to_be_checked()
+    assert difference(body, hands.picture()) < ALIKE
+
+
+def covered(picture: bytes) -> float:
+    """Returns the share of the picture that is brighter than the background."""
+    return sum(max(picture[i:i + 3]) > GROUND for i in range(0, len(picture), 3)) / (len(picture) / 3)
 
 
 def middle(box: dict) -> tuple[float, float]:

@@ -59,6 +59,10 @@ export const setCutsLight = (scene: Scene, cutsLight: boolean): Scene => ({
   clip: { ...clipOf(scene), cutsLight },
 });
 
+/** Whether the table, headrest or frame is shown, and the noise of the air. */
+export const showsTable = (scene: Scene): boolean => scene.showTable;
+export const setShowsTable = (scene: Scene, showTable: boolean): Scene => ({ ...scene, showTable });
+
 /** A plane by the direction to which it cuts away, as seen from the patient's front, and how far from the middle. */
 export interface Plane extends Direction {
   /** mm. */

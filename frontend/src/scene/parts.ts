@@ -13,7 +13,7 @@ export function resetPart(scene: Scene, begun: Scene, part: Part): Scene {
     case "lens":
       return withLensOf(taken(scene, begun, ["display", "phase", "shading", "bounces"]), begun);
     case "cuts":
-      return taken(scene, begun, ["clip", "slices"]);
+      return taken(scene, begun, ["clip", "slices", "showTable"]);
   }
 }
 

@@ -102,6 +102,7 @@ describe("the whole function", () => {
       resetPart({ ...changed, clip: { $typeName: "diaphane.v1.Clip", planes: [], cutsLight: true } }, begun, "cuts")
         .clip,
     ).toBeUndefined();
+    expect(resetPart({ ...changed, showTable: true }, begun, "cuts").showTable).toBe(false);
   });
 });
 

@@ -188,6 +188,8 @@ export const settings: Texts["settings"] = {
   },
 
   cuts: {
+    table: "Liege, Kopfstütze oder Rahmen zeigen",
+    tableHint: "In 3D sind sie ausgeblendet, wie alles andere um den Körper. Die Schichten zeigen den ganzen Scan.",
     box: "Quader",
     faces: {
       x: { low: "Rechte Seite des Patienten", high: "Linke Seite des Patienten" },

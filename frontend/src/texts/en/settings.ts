@@ -183,6 +183,8 @@ export const settings = {
   },
 
   cuts: {
+    table: "Show the table, headrest or frame",
+    tableHint: "They are hidden in 3D, like everything else around the body. The slices show the whole scan.",
     box: "Box",
     faces: {
       x: { low: "Patient’s right", high: "Patient’s left" },

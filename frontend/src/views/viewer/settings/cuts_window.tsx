@@ -21,6 +21,7 @@ export function CutsWindow(props: PictureWindowProps) {
     <>
       <p class="hint">{t.settings.picture.cuts}</p>
       <KeepHandles picture={props.picture} which="cuts" />
+      <TablePart session={props.session} />
       <BoxPart {...props} bounds={bounds} />
       <PlanesPart {...props} bounds={bounds} />
       {props.session.slices.access.value === "none" ? null : (
@@ -30,6 +31,22 @@ export function CutsWindow(props: PictureWindowProps) {
           grey={{ centre: volume.windowCenter, width: volume.windowWidth }}
         />
       )}
+    </>
+  );
+}
+
+function TablePart({ session }: Pick<PartProps, "session">) {
+  const text = t.settings.cuts;
+  const scene = session.editor.scene.value;
+  if (!scene) return null;
+  return (
+    <>
+      <Switch
+        label={text.table}
+        on={cuts.showsTable(scene)}
+        change={sceneEdits(session.editor).once("table", cuts.setShowsTable)}
+      />
+      <p class="hint">{text.tableHint}</p>
     </>
   );
 }

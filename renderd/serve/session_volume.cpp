@@ -1,0 +1,45 @@
+#include <utility>
+
+#include "renderd/serve/live_session.h"
+
+// LiveSession: the volume with or without what surrounds the body.
+
+namespace diaphane::render {
+
+bool LiveSession::volume_fits() {
+  // Before the first volume is there, volume_ready() has not started the runner.
+  if (!volume_ || !state_.wanted.scene) return true;
+  const bool with_table = state_.wanted.scene->show_table();
+  if (with_table == with_table_) return true;
+  if (!std::exchange(loading_other_, true)) {
+    // The cache may answer at once, which must not happen under the lock.
+    parts_.textures.post(EncodePool::Urgency::kLater, [self = shared_from_this(), with_table] {
+      self->parts_.volumes.get({self->volume_id_, with_table},
+                               [self, with_table](Result<VolumeCache::Handle> loaded) {
+                                 self->other_volume_ready(with_table, std::move(loaded));
+                               });
+    });
+  }
+  return false;
+}
+
+void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle> loaded) {
+  auto renderer = renderer_of(loaded);
+  std::unique_lock lock(mutex_);
+  loading_other_ = false;
+  if (ended_) return;
+  Outcome outcome;
+  if (renderer) {
+    parts_.runner.replace(runner_handle_, std::move(*renderer));
+    volume_ = std::move(*loaded);
+    with_table_ = with_table;
+  } else if (state_.wanted.scene && state_.wanted.scene->show_table() == with_table) {
+    outcome = render::refused(state_, state_.wanted, renderer.error());
+    ++state_.wanted.version;
+  }
+  outcome.wake = true;
+  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
+  carry_out(outcome, presenter ? presenter->connection : 0, lock);
+}
+
+}  // namespace diaphane::render
