@@ -215,7 +215,8 @@ CellsBehind::CellsBehind(const Surface& surface, const Cells& cells)
       depths_(width_ * static_cast<std::size_t>(cells.size[2])) {
   for (std::size_t i = 0; i < depths_.size(); ++i) {
     const double u = (static_cast<double>(i % width_) + 0.5) * cells.mm[across_];
-    const double z = (static_cast<double>(i / width_) + 0.5) * cells.mm[2];
+    const std::size_t row = i / width_;
+    const double z = (static_cast<double>(row) + 0.5) * cells.mm[2];
     depths_[i] = u < surface.low || u > surface.high ? std::numeric_limits<double>::infinity()
                                                      : surface.depth(u, z);
   }

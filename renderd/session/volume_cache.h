@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "common/result.h"
@@ -22,7 +22,9 @@ namespace diaphane::render {
 struct VolumeKey {
   std::string id;
   bool with_table = false;
-  auto operator<=>(const VolumeKey&) const = default;
+  bool operator<(const VolumeKey& other) const {
+    return std::tie(id, with_table) < std::tie(other.id, other.with_table);
+  }
 };
 
 /// The volumes on one device by their keys. Each is loaded once for all sessions and kept after the
