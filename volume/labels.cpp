@@ -112,8 +112,8 @@ Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> s
 }
 
 std::uint64_t most_label_bytes(const Header& header) {
-  constexpr std::uint64_t kMostOfNumber = 5;
-  return kMagic.size() + 3 * kMostOfNumber + 2 * header.voxel_count();
+  constexpr std::uint64_t kBytesOfNumber = 5;
+  return kMagic.size() + 3 * kBytesOfNumber + 2 * header.voxel_count();
 }
 
 Result<void> hide_surroundings(Volume& volume) {

@@ -35,7 +35,7 @@ with 2 cores unless a caption names another.
 TARGETS = "targets"
 
 # Reports of benches that the page only links.
-ONLY_LINKED = ("cluster", "contract", "edge", "edge-attacks", "exact-walk", "film", "first-picture", "growth", "hostile", "image", "ingest",
+ONLY_LINKED = ("body", "cluster", "contract", "edge", "edge-attacks", "exact-walk", "film", "first-picture", "growth", "hostile", "image", "ingest",
                "link", "render", "slices", "soak", "stability", "still-codecs", "tests")
 
 # For each other bench: what it measures, a pattern for the names of the results to show, and words that the description already
@@ -58,7 +58,6 @@ SECTIONS: dict[str, tuple[str, str, str]] = {
     "ingest-scale": ("Last byte to ready, for a CT of 512 x 512 x 1000.", r"ready", r": last byte to ready"),
     "scan-folder": ("", r"scanning|longest main", ""),
     "disc-to-picture": ("", TARGETS, ""),
-    "body": ("Labels of the body and of what it lies on.", "", ""),
     "heads": ("Recognition of heads (95% interval).", r"sensitivity, n = (4|72|12)$|phantom: ", ""),
     "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"^p95|failed", ""),
     "live-sessions": ("Time to the first picture after a failure.", "", r", to (the first picture in Chromium|a picture at another)"),
