@@ -117,11 +117,8 @@ std::uint64_t most_label_bytes(const Header& header) {
 }
 
 Result<void> hide_surroundings(Volume& volume) {
-  if (volume.labels.empty()) {
-    volume.surroundings_hidden = true;
-    return {};
-  }
-  const auto runs = checked_runs(volume.labels, volume.header.size);
+  Result<std::string_view> runs{};
+  if (!volume.labels.empty()) runs = checked_runs(volume.labels, volume.header.size);
   DIAPHANE_TRY(runs);
   const auto nothing = static_cast<std::int16_t>(volume.header.minimum);
   auto at = volume.voxels.begin();

@@ -140,13 +140,13 @@ Result<Volume> NodeCache::read(const std::string& id) {
   DIAPHANE_TRY(header);
   const auto seal = Seal::of(header->content_hash);
   if (seal) {
+    // Only the voxels are copied to the node, because labels are small.
     auto labels = read_labels(directory, *header);
     DIAPHANE_TRY(labels);
     Volume volume;
     volume.header = std::move(*header);
     volume.id = id;
     volume.labels = std::move(*labels);
-    // The labels are small, so they are not copied.
     // Checks the hash again, because the volume may have been erased or replaced while the copy was
     // read.
     if (read_copy(name_of(id, *seal), *seal, volume.header, volume.voxels) &&
@@ -199,11 +199,13 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
   return true;
 }
 
-void NodeCache::keep(Volume volume) {
+bool NodeCache::misses(const Volume& volume) const {
   const auto seal = Seal::of(volume.header.content_hash);
-  if (!seal || volume.id.empty() || access(path(name_of(volume.id, *seal)).c_str(), F_OK) == 0) {
-    return;
-  }
+  return seal && !volume.id.empty() && access(path(name_of(volume.id, *seal)).c_str(), F_OK) != 0;
+}
+
+void NodeCache::keep(Volume volume) {
+  if (!misses(volume)) return;
   const std::lock_guard lock(mutex_);
   if (next_ || busy_) {
     ++counts_.refused;

@@ -31,8 +31,7 @@ int write_all(int fd, const char* data, std::size_t bytes) {
 
 }  // namespace
 
-int write_output(volume::Volume& volume, const volume::Filler& filler) {
-  volume::measure(volume, filler);
+int write_output(const volume::Volume& volume) {
   const std::string labels = volume::encode(label_body(volume));
   int error = write_all(kChildOutput, reinterpret_cast<const char*>(volume.voxels.data()),
                         volume.voxels.size() * sizeof(std::int16_t));
@@ -105,7 +104,7 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
   if (source.failed()) return kChildDiskFails;
   if (!built) return refuse(refusal_of(built.error()));
   volume::Volume& volume = built->volume;
-  if (const int exit_code = write_output(volume, built->filler)) return exit_code;
+  if (const int exit_code = write_output(volume)) return exit_code;
   verdict.ready = true;
   verdict.header = std::move(volume.header);
   verdict.filler = built->filler;

@@ -48,9 +48,9 @@ int run_in_sandbox(const SandboxLimits& sandbox, const char* refusal_for_memory,
 int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
                    const SandboxLimits& sandbox);
 
-/// Writes the voxels and then the encoded labels (volume/labels.h) to kChildOutput, and measures
-/// the volume. Returns the child's exit code, or 0.
-int write_output(volume::Volume& volume, const volume::Filler& filler);
+/// Writes the voxels of a measured volume and then its encoded labels (volume/labels.h) to
+/// kChildOutput. Returns the child's exit code, or 0.
+int write_output(const volume::Volume& volume);
 /// Sends the report to kChildReport and returns the child's exit code.
 int send_report(const Verdict& verdict);
 

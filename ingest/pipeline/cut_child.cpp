@@ -58,7 +58,8 @@ int cut(const std::string& header_text, const std::string& region_text, Verdict&
                       std::span(left.voxels).subspan(z * slice, slice));
   }
   // The labels are those of what is left, because the old ones show the shape of what was removed.
-  if (const int exit_code = write_output(left, {})) return exit_code;
+  volume::measure(left);
+  if (const int exit_code = write_output(left)) return exit_code;
   verdict.ready = true;
   verdict.header = std::move(left.header);
   return 0;

@@ -13,7 +13,6 @@
 #include "renderd/cli/report.h"
 #include "renderd/cli/stop_rule.h"
 #include "renderd/scene/presets.h"
-#include "volume/labels.h"
 
 namespace diaphane::render::cli {
 namespace {
@@ -136,7 +135,7 @@ Result<Rendered> render(const Options& options) {
   if (!scene) return tl::make_unexpected(scene.error());
   if (options.bounces) scene->set_bounces(*options.bounces);
   if (!options.show_table && !scene->show_table()) {
-    if (const auto hidden = volume::hide_surroundings(*input); !hidden) {
+    if (const auto hidden = show_only_body(*input); !hidden) {
       return tl::make_unexpected(hidden.error());
     }
   }

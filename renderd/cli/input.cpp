@@ -2,16 +2,13 @@
 
 #include <filesystem>
 
-#include "common/try.h"
 #include "renderd/cli/scan_readers.h"
+#include "volume/labels.h"
 
 namespace diaphane::render::cli {
 
-namespace {
-
-namespace fs = std::filesystem;
-
-Result<volume::Volume> read_any(const std::string& path) {
+Result<volume::Volume> read_input(const std::string& path) {
+  namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
@@ -27,13 +24,9 @@ Result<volume::Volume> read_any(const std::string& path) {
   return fail(ErrorCode::kNotFound, "cannot read " + path);
 }
 
-}  // namespace
-
-Result<volume::Volume> read_input(const std::string& path) {
-  auto volume = read_any(path);
-  DIAPHANE_TRY(volume);
-  if (volume->labels.empty()) add_labels(*volume);
-  return volume;
+Result<void> show_only_body(volume::Volume& volume) {
+  if (volume.labels.empty()) add_labels(volume);
+  return volume::hide_surroundings(volume);
 }
 
 }  // namespace diaphane::render::cli

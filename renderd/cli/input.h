@@ -9,8 +9,11 @@ namespace diaphane::render::cli {
 
 /// Reads INPUT by its type: a directory of the volume store, a folder of DICOM files, or a file in
 /// a format that the image readers support. kNotFound: it does not exist. kUnsupported: this build
-/// has no reader for it. The volume has labels if it is stored with them or if this build
-/// contains ingest/.
+/// has no reader for it.
 Result<volume::Volume> read_input(const std::string& path);
+
+/// Hides what surrounds the body (volume::hide_surroundings), by the labels that are stored with
+/// the volume or that ingest/ finds.
+Result<void> show_only_body(volume::Volume& volume);
 
 }  // namespace diaphane::render::cli

@@ -11,7 +11,7 @@ namespace diaphane::render::cli {
 Result<volume::Volume> read_dicom_folder(const std::string& path);
 Result<volume::Volume> read_image_file(const std::string& path);
 
-/// Labels the body in a measured volume. Without ingest/, everything stays body.
+/// Labels the body in a measured volume. Without ingest/, everything counts as body.
 void add_labels(volume::Volume& volume);
 
 }  // namespace diaphane::render::cli

@@ -363,8 +363,7 @@ void LiveSession::began(std::uint64_t epoch, const ViewRequest& wanted) {
 void LiveSession::refused(const ViewRequest& wanted, const Error& why) {
   std::unique_lock lock(mutex_);
   const Outcome outcome = render::refused(state_, wanted, why);
-  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
-  carry_out(outcome, presenter ? presenter->connection : 0, lock);
+  answer_presenter(outcome, lock);
 }
 
 void LiveSession::rendered(const Batch& batch) {
@@ -470,6 +469,11 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
   for (const auto& lane : poked) lane->slot->poke();
   if (outcome.room) send_tiles();
   if (outcome.wake) parts_.runner.wake();
+}
+
+void LiveSession::answer_presenter(const Outcome& outcome, std::unique_lock<std::mutex>& lock) {
+  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
+  carry_out(outcome, presenter ? presenter->connection : 0, lock);
 }
 
 void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool with_problem) {

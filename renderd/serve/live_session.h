@@ -245,6 +245,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
                  std::unique_lock<std::mutex>& lock);
+  /// Carries out what concerns the presenter.
+  void answer_presenter(const Outcome& outcome, std::unique_lock<std::mutex>& lock);
   Lanes lanes() const;
   Saved saved() const;  // requires the lock
 

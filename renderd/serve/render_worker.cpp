@@ -43,7 +43,8 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   DIAPHANE_TRY(volume);
   std::optional<volume::Volume> copy;
   if (!key.with_table) {
-    if (source.copies && !volume->labels.empty()) copy = *volume;
+    // The node keeps all voxels.
+    if (source.copies && source.copies->misses(*volume)) copy = *volume;
     if (const auto hidden = volume::hide_surroundings(*volume); !hidden) {
       log::warning("labels_damaged", {{"volume", id}, {"reason", hidden.error().message}});
     }

@@ -55,8 +55,7 @@ void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene
     ++state_.wanted.version;
   }
   outcome.wake = true;
-  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
-  carry_out(outcome, presenter ? presenter->connection : 0, lock);
+  answer_presenter(outcome, lock);
 }
 
 }  // namespace diaphane::render

@@ -38,8 +38,7 @@ void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle
     ++state_.wanted.version;
   }
   outcome.wake = true;
-  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
-  carry_out(outcome, presenter ? presenter->connection : 0, lock);
+  answer_presenter(outcome, lock);
 }
 
 }  // namespace diaphane::render

@@ -11,9 +11,8 @@
 #include "common/config.h"
 #include "ingest/body/label_body.h"
 #include "ingest/body/phantoms.h"
-#include "ingest/build/build_volume.h"
+#include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
-#include "ingest/dicom/scan.h"
 
 namespace {
 
@@ -37,19 +36,6 @@ constexpr const char* kUsage =
 
 /// Returns processor time in seconds, which other programs on the machine do not change.
 double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-Result<volume::Volume> build_series(const std::string& folder) {
-  const dicom::ScanLimits limits;
-  auto source = dicom::FolderSource::open(folder, limits.file.file_bytes);
-  if (!source) return tl::unexpected(source.error());
-  auto scan = dicom::scan(*source, limits);
-  if (!scan) return tl::unexpected(scan.error());
-  const dicom::Choice choice = dicom::choose_largest(*scan);
-  if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
-  auto built = ingest::build_volume(*source, *scan, choice, limits.file);
-  if (!built) return tl::unexpected(built.error());
-  return std::move(built->volume);
-}
 
 /// Returns the voxel axis along each axis of the patient, as "+x" or "-z", for x, y and z.
 nlohmann::json axes_of(const std::array<double, 9>& direction) {
@@ -111,7 +97,8 @@ int complain(int exit_code, const std::string& text) {
 int label_scans(const std::vector<std::string>& scans, const std::string& folder) {
   for (const std::string& scan : scans) {
     const double began = processor_time();
-    const auto volume = ingest::is_image_name(scan) ? ingest::read_image(scan) : build_series(scan);
+    const auto volume =
+        ingest::is_image_name(scan) ? ingest::read_image(scan) : ingest::read_folder(scan);
     if (!volume) return complain(kExitNoInput, scan + ": " + volume.error().message);
     const double build_s = processor_time() - began;
     const std::string file = std::filesystem::path(scan).filename();
