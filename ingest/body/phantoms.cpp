@@ -7,10 +7,13 @@
 #include <span>
 
 #include "volume/labels.h"
+#include "volume/test_shapes.h"
 
 namespace diaphane::ingest {
 namespace {
 
+using volume::ellipse;
+using volume::ellipsoid;
 using Place = std::array<double, 3>;  // mm from the middle: to the left, to the back, to the head
 
 constexpr int kAir = -1000, kFoam = -880, kFlesh = 40, kFat = -90, kBone = 900, kShell = 60;
@@ -24,15 +27,6 @@ Sample body(int value) { return {value, 1}; }
 Sample support(int value) { return {value, 2}; }
 
 using Scene = std::function<Sample(const Place&)>;
-
-double ellipsoid(const Place& p, const Place& middle, const Place& half) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) sum += std::pow((p[i] - middle[i]) / half[i], 2);
-  return std::sqrt(sum);
-}
-double ellipse(double x, double y, double half_x, double half_y) {
-  return std::hypot(x / half_x, y / half_y);
-}
 
 /// A head with a skull, airways, a nose and thin ears.
 Sample head(const Place& p) {

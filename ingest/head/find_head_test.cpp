@@ -6,9 +6,13 @@
 #include <cmath>
 #include <functional>
 
+#include "volume/test_shapes.h"
+
 namespace diaphane::ingest {
 namespace {
 
+using volume::ellipse;
+using volume::ellipsoid;
 using volume::Modality;
 using volume::Vector;
 using volume::Volume;
@@ -45,15 +49,6 @@ Volume made(Modality modality, const Vector& size_mm,
   }
   volume::measure(volume);
   return volume;
-}
-
-double ellipsoid(const Vector& p, const Vector& middle, const Vector& half) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) sum += std::pow((p[i] - middle[i]) / half[i], 2);
-  return std::sqrt(sum);
-}
-double ellipse(double x, double y, double half_x, double half_y) {
-  return std::hypot(x / half_x, y / half_y);
 }
 
 constexpr Vector kBrainMiddle{0, 10, 30};
