@@ -116,6 +116,17 @@ std::uint64_t most_label_bytes(const Header& header) {
   return kMagic.size() + 3 * kBytesOfNumber + 2 * header.voxel_count();
 }
 
+bool has_support(const Volume& volume) {
+  const auto runs = checked_runs(volume.labels, volume.header.size);
+  bool found = false;
+  if (runs) {
+    for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
+      found = found || (count > 0 && label == static_cast<std::uint8_t>(Label::kSupport));
+    });
+  }
+  return found;
+}
+
 Result<void> hide_surroundings(Volume& volume) {
   Result<std::string_view> runs{};
   if (!volume.labels.empty()) runs = checked_runs(volume.labels, volume.header.size);

@@ -40,6 +40,9 @@ Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> s
 /// Returns the largest possible size of encoded labels: a run of two bytes for each voxel.
 std::uint64_t most_label_bytes(const Header& header);
 
+/// Whether the volume has labels, and some voxels show support.
+bool has_support(const Volume& volume);
+
 /// Sets all voxels that show neither body nor metal to the volume's minimum. Without labels it
 /// changes nothing. Returns kInvalid, and changes nothing, if the labels are damaged.
 Result<void> hide_surroundings(Volume& volume);

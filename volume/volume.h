@@ -29,6 +29,8 @@ struct Header {
   std::array<double, 8> percentiles{};  ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
   std::string content_hash;             ///< empty until stored
   std::vector<std::string> repairs;     ///< in plain language
+  /// Number of slices that refine_slices() made of each stored one. Not stored.
+  std::uint32_t interpolated = 1;
 
   std::uint64_t voxel_count() const { return std::uint64_t{size[0]} * size[1] * size[2]; }
 };

@@ -6,13 +6,16 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <sstream>
+#include <thread>
 
 #include "renderd/cli/input.h"
 #include "renderd/cli/picture_file.h"
 #include "renderd/cli/report.h"
 #include "renderd/cli/stop_rule.h"
 #include "renderd/scene/presets.h"
+#include "volume/slice_interpolation.h"
 
 namespace diaphane::render::cli {
 namespace {
@@ -40,16 +43,19 @@ Result<std::string> read_text(const std::string& path) {
   return text;
 }
 
-Result<diaphane::v1::Scene> scene_of(const Options& options, const volume::Header& header) {
-  if (!options.preset.empty()) {
-    auto preset = preset_for(header, options.preset);
-    // An unknown preset is not a missing file.
-    if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
-    return preset->scene();
-  }
+/// Returns the scene of --scene, or nullopt if there is a preset instead.
+Result<std::optional<diaphane::v1::Scene>> scene_from_file(const Options& options) {
+  if (options.scene_file.empty()) return std::nullopt;
   auto text = read_text(options.scene_file);
   if (!text) return tl::make_unexpected(text.error());
   return scene_from_json(*text);
+}
+
+Result<diaphane::v1::Scene> scene_of_preset(const std::string& name, const volume::Volume& volume) {
+  auto preset = preset_for(volume.header, visible_part(volume), name);
+  // An unknown preset is not a missing file.
+  if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
+  return preset->scene();
 }
 
 struct Ending {
@@ -131,13 +137,21 @@ Result<Rendered> render(const Options& options) {
   if (!engine) return tl::make_unexpected(engine.error());
   auto input = read_input(options.input);
   if (!input) return tl::make_unexpected(input.error());
-  auto scene = scene_of(options, input->header);
-  if (!scene) return tl::make_unexpected(scene.error());
-  if (options.bounces) scene->set_bounces(*options.bounces);
-  if (!options.show_table && !scene->show_table()) {
+  const auto given = scene_from_file(options);
+  if (!given) return tl::make_unexpected(given.error());
+  if (!options.show_table && !(*given && (*given)->show_table())) {
     if (const auto hidden = show_only_body(*input); !hidden) {
       return tl::make_unexpected(hidden.error());
     }
+  }
+  auto scene =
+      *given ? Result<diaphane::v1::Scene>(**given) : scene_of_preset(options.preset, *input);
+  if (!scene) return tl::make_unexpected(scene.error());
+  if (options.bounces) scene->set_bounces(*options.bounces);
+  if (!options.stored_slices) {
+    volume::refine_slices(
+        *input, volume::refinement_of(input->header),
+        options.threads > 0 ? options.threads : std::thread::hardware_concurrency());
   }
   auto volume = (*engine)->load(*input);
   if (!volume) return tl::make_unexpected(volume.error());

@@ -205,6 +205,9 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
       ->check(one_of(kMis, options.method.mis), "");
   app.add_flag("--show-table", options.show_table,
                "show the table, headrest or frame and the noise of the air, which are hidden");
+  app.add_flag("--stored-slices", options.stored_slices,
+               "render the stored slices alone; by default, further ones are interpolated where "
+               "they are far apart");
   app.add_option("--out", options.picture,
                  "output picture: .png or .ppm (8 bits, tone-mapped), or .exr (linear radiance, "
                  "32-bit float)")

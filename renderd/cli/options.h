@@ -34,9 +34,10 @@ struct Options {
   unsigned threads = 0;  ///< 0: all cores
   std::uint64_t seed = 1;
   Method method;
-  bool show_table = false;  ///< shows everything around the body, too
-  std::string picture;      ///< .png, .exr or .ppm
-  std::string report;       ///< path for JSON; "-" is standard output; empty: none
+  bool show_table = false;     ///< shows everything around the body, too
+  bool stored_slices = false;  ///< does not interpolate slices
+  std::string picture;         ///< .png, .exr or .ppm
+  std::string report;          ///< path for JSON; "-" is standard output; empty: none
   bool denoise = false;
   bool quiet = false;
 

@@ -148,7 +148,7 @@ TEST(Presets, AreValidAndShowTheWholeBoxForEveryVolume) {
   const volume::Volume others[] = {ct, test::constant_volume(1, 0),
                                    test::constant_volume(5, -32768), volume_of(turned_header())};
   for (const volume::Volume& v : others) {
-    const auto presets = presets_for(v.header);
+    const auto presets = presets_for(v.header, whole_box(v.header));
     ASSERT_EQ(presets.size(), 5u);
     for (const auto& preset : presets) {
       const auto checked = check_scene(preset.scene());
@@ -156,13 +156,13 @@ TEST(Presets, AreValidAndShowTheWholeBoxForEveryVolume) {
       EXPECT_LT(preset.scene().camera().eye().y(), 0) << "in front of the patient";
     }
   }
-  EXPECT_FALSE(preset_for(ct.header, "spectacles"));
+  EXPECT_FALSE(preset_for(ct.header, whole_box(ct.header), "spectacles"));
 }
 
 TEST(Presets, AirwaysPresetShowsTranslucentAirWalls) {
   volume::Volume ct = test::skull_volume();
   ct.header.modality = volume::Modality::kCt;
-  const auto preset = preset_for(ct.header, "airways");
+  const auto preset = preset_for(ct.header, whole_box(ct.header), "airways");
   ASSERT_TRUE(preset);
   const v1::TransferFunction& function = preset->scene().transfer_function();
   const auto extinction_at = [&](double hounsfield) {

@@ -11,6 +11,9 @@ namespace {
 
 namespace v1 = diaphane::v1;
 
+/// Height of the picture, as a multiple of the height of what it shows.
+constexpr double kMargin = 1.35;
+
 struct Vector {
   double x, y, z;
 };
@@ -135,14 +138,10 @@ const Look kOtherLooks[] = {
     {"airways", 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
-/// Half the diagonal of the volume's box, mm.
-double radius_of(const volume::Header& header) {
-  double squared = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double edge = header.size[axis] * header.spacing[axis];
-    squared += edge * edge;
-  }
-  return 0.5 * std::sqrt(squared);
+/// Half the diagonal of the box around what is framed, mm.
+double radius_of(const Framing& framing) {
+  const auto& half = framing.half_width;
+  return std::hypot(half[0], half[1], half[2]);
 }
 
 /// A value of kOtherLooks. Tissue is what is brighter than nine tenths of the volume, unless most
@@ -182,7 +181,7 @@ void fill_channel(const volume::Header& header, const LookMaterial& material,
 struct Lamp {
   const char* name;
   Vector towards;   ///< in the camera's frame (x right, y up, z towards the eye)
-  double distance;  ///< from the target; like `edge`, in radii of the volume
+  double distance;  ///< from the target; like `edge`, in radii of what is framed
   double edge;
   double irradiance;  ///< at the target
   Vector tint;
@@ -217,31 +216,32 @@ void add_lights(v1::Scene& scene, double radius) {
   set(*sky.mutable_environment()->mutable_radiance(), {0.23, 0.24, 0.27});
 }
 
-/// Half the width of the ellipsoid that touches all faces of the volume's box, along a direction.
-double half_width(const volume::Header& header, Vector along) {
+/// Half the width of the framed ellipsoid along a direction.
+double half_width(const volume::Header& header, const Framing& framing, Vector along) {
   double squared = 0;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto& d = header.direction;
     const double cosine = d[axis] * along.x + d[3 + axis] * along.y + d[6 + axis] * along.z;
-    const double reach = 0.5 * header.size[axis] * header.spacing[axis] * cosine;
+    const double reach = framing.half_width[axis] * cosine;
     squared += reach * reach;
   }
   return std::sqrt(squared);
 }
 
 /// A portrait: through a long lens from the front, turned to the patient's left and slightly from
-/// above. It is framed on the ellipsoid within the box, since a scan rarely fills the corners.
-void place_camera(v1::Scene& scene, const volume::Header& header) {
+/// above. It is framed on an ellipsoid, since a body rarely fills the corners of a box.
+void place_camera(v1::Scene& scene, const volume::Header& header, const Framing& framing) {
   constexpr double kFov = 20, kTurned = 25, kRaised = 10, kDegree = std::numbers::pi / 180;
   const Vector towards{std::sin(kTurned * kDegree) * std::cos(kRaised * kDegree),
                        -std::cos(kTurned * kDegree) * std::cos(kRaised * kDegree),
                        std::sin(kRaised * kDegree)};
   const Vector right = unit(cross({0, 0, 1}, towards)), up = cross(towards, right);
-  // Scans have more air at the sides than above.
+  // Pictures are at least as wide as high, except on phones.
   const double half_height =
-      1.35 * std::max(half_width(header, up), 0.8 * half_width(header, right));
+      kMargin * std::max(half_width(header, framing, up), 0.9 * half_width(header, framing, right));
   // Somewhat above the middle of the picture, whose lower edge is under the page's controls.
-  const Vector target{0, 0, -0.08 * half_height};
+  const Vector target = Vector{framing.centre[0], framing.centre[1], framing.centre[2]} +
+                        Vector{0, 0, -0.08 * half_height};
   v1::Camera& camera = *scene.mutable_camera();
   set(*camera.mutable_eye(), target + towards * (half_height / std::tan(0.5 * kFov * kDegree)));
   set(*camera.mutable_target(), target);
@@ -249,14 +249,14 @@ void place_camera(v1::Scene& scene, const volume::Header& header) {
   camera.set_vertical_fov_degrees(kFov);
 }
 
-v1::Scene scene_of(const volume::Header& header, const Look& look) {
+v1::Scene scene_of(const volume::Header& header, const Framing& framing, const Look& look) {
   v1::Scene scene;
   scene.mutable_transfer_function()->set_extinction_per_mm(look.extinction_per_mm);
   for (const LookMaterial& material : look.materials) {
     fill_channel(header, material, *scene.mutable_transfer_function()->add_channels());
   }
-  add_lights(scene, radius_of(header));
-  place_camera(scene, header);
+  add_lights(scene, radius_of(framing));
+  place_camera(scene, header, framing);
   scene.mutable_phase()->set_g(0);
   scene.mutable_shading()->set_mode(v1::Shading::HYBRID);
   scene.mutable_shading()->set_gradient_scale(kGradientScale);
@@ -276,18 +276,19 @@ std::span<const Look> looks_for(const volume::Header& header) {
 
 }  // namespace
 
-std::vector<v1::Preset> presets_for(const volume::Header& header) {
+std::vector<v1::Preset> presets_for(const volume::Header& header, const Framing& framing) {
   std::vector<v1::Preset> presets;
   for (const Look& look : looks_for(header)) {
     v1::Preset& preset = presets.emplace_back();
     preset.set_name(look.name);
-    *preset.mutable_scene() = scene_of(header, look);
+    *preset.mutable_scene() = scene_of(header, framing, look);
   }
   return presets;
 }
 
-Result<v1::Preset> preset_for(const volume::Header& header, std::string_view name) {
-  for (auto& preset : presets_for(header)) {
+Result<v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
+                              std::string_view name) {
+  for (auto& preset : presets_for(header, framing)) {
     if (preset.name() == name) return preset;
   }
   return fail(ErrorCode::kNotFound, "there is no preset with this name", "preset");

@@ -6,17 +6,18 @@
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
+#include "renderd/scene/framing.h"
 #include "volume/volume.h"
 
 namespace diaphane::render {
 
 /// Returns the presets (skin, muscle, vessels, bone, airways) fitted to a volume. The camera looks
-/// at the patient's face from slightly above and from their left. The ellipsoid within the box fits
-/// the picture. Lights scale with the box's radius. Ranges are in Hounsfield units for CT and by
-/// percentiles otherwise. Whoever changes a look also raises the version in
-/// api/service/thumbnails.cpp.
-std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header);
-Result<diaphane::v1::Preset> preset_for(const volume::Header& header, std::string_view name);
+/// at the patient's face from slightly above and from their left, and the framed ellipsoid fits the
+/// picture. Lights scale with it. Ranges are in Hounsfield units for CT and by percentiles
+/// otherwise. Whoever changes a look also raises the version in api/service/thumbnails.cpp.
+std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header, const Framing& framing);
+Result<diaphane::v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
+                                        std::string_view name);
 
 /// Checks all fields of a scene. Fails with kInvalid and the name of the first wrong field
 /// ("lights[1].rectangle.radiance.r") for numbers that are not finite, negative extinction,

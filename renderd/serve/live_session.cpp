@@ -12,6 +12,7 @@
 #include "renderd/scene/presets.h"
 #include "renderd/serve/session_lane.h"
 #include "volume/header.h"
+#include "volume/slice_interpolation.h"
 
 namespace diaphane::render {
 namespace {
@@ -113,7 +114,8 @@ Result<std::unique_ptr<FrameRenderer>> LiveSession::renderer_of(
 void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume) {
   auto renderer = renderer_of(volume);
   if (!renderer) return failed(renderer.error());
-  std::vector<v1::Preset> presets = presets_for((*volume)->header());
+  std::vector<v1::Preset> presets =
+      presets_for((*volume)->header(), parts_.stats.framing_of(**volume));
   if (presets.empty()) {
     return failed({ErrorCode::kUnsupported, "This type of scan can't be displayed.", {}});
   }
@@ -121,7 +123,7 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   const std::lock_guard lock(mutex_);
   if (ended_) return;
   volume_ = std::move(*volume);
-  stacks_ = stacks_of(volume_->header());
+  stacks_ = stacks_of(volume::stored_header(volume_->header()));
   presets_ = std::move(presets);
   // This program may reject a scene that an older version wrote. A default look is better than no
   // picture.
@@ -398,11 +400,13 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_engine(engine.engine);
   config.set_device(engine.device);
   *config.mutable_volume() =
-      header_for(receiver->viewer, volume_->header(),
+      header_for(receiver->viewer, volume::stored_header(volume_->header()),
                  state_.wanted.scene ? *state_.wanted.scene : v1::Scene::default_instance());
-  if (auto histogram = parts_.stats.of(*volume_).histogram;
-      histogram.counts_size() > 0 && receiver->viewer != ViewerKind::kGuest) {
-    *config.mutable_histogram() = std::move(histogram);
+  VolumeStats stats = parts_.stats.of(*volume_);
+  config.mutable_treatment()->set_slices_per_stored(volume_->header().interpolated);
+  config.mutable_treatment()->set_has_support(stats.has_support);
+  if (stats.histogram.counts_size() > 0 && receiver->viewer != ViewerKind::kGuest) {
+    *config.mutable_histogram() = std::move(stats.histogram);
   }
   for (const volume::SliceStack& stack : *stacks_) *config.add_slice_stacks() = to_proto(stack);
   if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <thread>
 
 #include "common/background.h"
 #include "common/log.h"
@@ -14,6 +15,7 @@
 #include "renderd/schedule/visitor_share.h"
 #include "renderd/session/host_volume.h"
 #include "volume/labels.h"
+#include "volume/slice_interpolation.h"
 #include "volume/store.h"
 #include "volume/volume.h"
 
@@ -41,20 +43,25 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   const std::string& id = key.id;
   auto volume = source.read(id);
   DIAPHANE_TRY(volume);
+  const std::uint32_t refinement = volume::refinement_of(volume->header);
   std::optional<volume::Volume> copy;
+  // The node keeps the voxels as they are in the store.
+  const bool changes = !key.with_table || refinement > 1;
+  if (changes && source.copies && source.copies->misses(*volume)) copy = *volume;
   if (!key.with_table) {
-    // The node keeps all voxels.
-    if (source.copies && source.copies->misses(*volume)) copy = *volume;
     if (const auto hidden = volume::hide_surroundings(*volume); !hidden) {
       log::warning("labels_damaged", {{"volume", id}, {"reason", hidden.error().message}});
     }
   }
+  VolumeStats of_stored = stats_of(*volume);
+  volume::refine_slices(*volume, refinement, std::thread::hardware_concurrency());
   auto loaded = engine.load(*volume);
-  if (loaded) stats.add(*loaded, stats_of(*volume));
+  if (loaded) stats.add(*loaded, std::move(of_stored));
   const auto seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
-  if (source.copies) source.copies->keep(copy ? std::move(*copy) : std::move(*volume));
+  if (source.copies && copy) source.copies->keep(std::move(*copy));
+  if (source.copies && !changes) source.copies->keep(std::move(*volume));
   return loaded;
 }
 
@@ -107,8 +114,8 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
                                           stats_, SliceParts{*voxels_, *slicers_}, *textures_,
                                           metrics, clock)),
-      stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
-                                             clock, options.still_samples)),
+      stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, stats_,
+                                             metrics, clock, options.still_samples)),
       assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
                                             *runner_, *volumes_)),
       watching_([this](const std::stop_token& stop) { watch_store(stop); }) {

@@ -10,6 +10,7 @@
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/session/volume_cache.h"
+#include "renderd/session/volume_stats.h"
 
 namespace diaphane::render {
 
@@ -23,11 +24,13 @@ class StillService {
 
   /// `most_samples`: no picture gets more samples per pixel, whatever is requested.
   StillService(Engine& engine, Runner& runner, EncodePool& encoders, VolumeCache& volumes,
-               Metrics& metrics, const Clock& clock, std::uint32_t most_samples = kMostSamples)
+               const VolumeStatsCache& stats, Metrics& metrics, const Clock& clock,
+               std::uint32_t most_samples = kMostSamples)
       : engine_(engine),
         runner_(runner),
         encoders_(encoders),
         volumes_(volumes),
+        stats_(stats),
         metrics_(metrics),
         clock_(clock),
         most_samples_(most_samples) {}
@@ -45,6 +48,7 @@ class StillService {
   Runner& runner_;
   EncodePool& encoders_;
   VolumeCache& volumes_;
+  const VolumeStatsCache& stats_;
   Metrics& metrics_;
   const Clock& clock_;
   const std::uint32_t most_samples_;

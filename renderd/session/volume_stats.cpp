@@ -4,11 +4,13 @@
 #include <vector>
 
 #include "renderd/session/histogram.h"
+#include "volume/labels.h"
 
 namespace diaphane::render {
 
 VolumeStats stats_of(const volume::Volume& volume) {
-  return {histogram_of(volume), coarse_of(volume)};
+  return {histogram_of(volume), coarse_of(volume), volume::has_support(volume),
+          visible_part(volume)};
 }
 
 void VolumeStatsCache::add(const std::shared_ptr<const DeviceVolume>& volume, VolumeStats stats) {
@@ -34,6 +36,10 @@ VolumeStats VolumeStatsCache::of(const DeviceVolume& volume) const {
   const std::scoped_lock lock(mutex_);
   const auto found = entries_.find(&volume);
   return found == entries_.end() ? VolumeStats() : found->second.stats;
+}
+
+Framing VolumeStatsCache::framing_of(const DeviceVolume& volume) const {
+  return of(volume).framing.value_or(whole_box(volume.header()));
 }
 
 }  // namespace diaphane::render

@@ -3,9 +3,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "api/proto/stream.pb.h"
 #include "renderd/engine/frame_renderer.h"
+#include "renderd/scene/framing.h"
 #include "renderd/session/depth.h"
 
 namespace diaphane::render {
@@ -14,6 +16,8 @@ namespace diaphane::render {
 struct VolumeStats {
   diaphane::v1::Histogram histogram;
   std::shared_ptr<const CoarseVolume> coarse;
+  bool has_support = false;        ///< volume::has_support()
+  std::optional<Framing> framing;  ///< visible_part()
 };
 VolumeStats stats_of(const volume::Volume& volume);
 
@@ -26,6 +30,8 @@ class VolumeStatsCache {
   void forget_expired();
   /// Returns empty statistics if they are unknown.
   VolumeStats of(const DeviceVolume& volume) const;
+  /// Returns whole_box() if it is unknown.
+  Framing framing_of(const DeviceVolume& volume) const;
 
  private:
   struct Entry {

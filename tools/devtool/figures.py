@@ -36,7 +36,7 @@ TARGETS = "targets"
 
 # Reports of benches that the page only links.
 ONLY_LINKED = ("body", "cluster", "contract", "edge", "edge-attacks", "exact-walk", "film", "first-picture", "growth", "hostile", "image", "ingest",
-               "link", "render", "slices", "soak", "stability", "still-codecs", "tests")
+               "link", "render", "slice-interpolation", "slices", "soak", "stability", "still-codecs", "tests")
 
 # For each other bench: what it measures, a pattern for the names of the results to show, and words that the description already
 # contains and that are removed from the names.

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import gzip
 import json
-import struct
 import subprocess
 import tempfile
 from pathlib import Path
@@ -13,20 +11,19 @@ from typing import Any
 
 from .. import paths
 from ..bench import Result, result
-from ..bench_volumes import CRANIUM
+from ..bench_scans import SHARED_SCANS, scans_of
 from ..console import CliError, say
 
 ABOUT = "what the labels of body and support keep and hide, on real scans and on phantoms, and how long they take"
 PROGRAMS = ("diaphane-labels", "diaphane-sample")
 
-CH2 = Path("/usr/share/mricron/templates/ch2.nii.gz")     # Debian's mricron-data
 LEAST_KEPT, LEAST_HIDDEN = 0.99, 0.95
 MOST_OF_BUILD = 0.1
 MOST_SECONDS = {"256 x 256 x 256": 0.3, "512 x 512 x 400": 1.5}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--scans", type=Path, default=paths.REPO.parent / "shared" / "scans",
+    parser.add_argument("--scans", type=Path, default=SHARED_SCANS,
                         help="folder of NIfTI files (default: %(default)s)")
     parser.add_argument("--also", type=Path, nargs="*", default=[], help="more files or DICOM folders")
     parser.add_argument("--slices", type=Path, help="write PNG slices with coloured labels to this folder")
@@ -35,7 +32,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     with tempfile.TemporaryDirectory() as made:
         scratch = Path(made)
-        scans = [*_scans(options.scans, scratch), *options.also]
+        scans = [*scans_of(options.scans, scratch), *options.also]
         write = ["--write", made] if options.slices else []
         rows = _label(*write, "--phantoms", *([] if quick else ["--large"]), *map(str, scans))
         _print(rows)
@@ -47,40 +44,6 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
                 write_slices(row, scratch, options.slices)
             say(f"Slices: {options.slices}")
     return _results(rows)
-
-
-def _scans(folder: Path, scratch: Path) -> list[Path]:
-    found: list[Path] = []
-    if not folder.is_dir():
-        say(f"skipped: the scans of {folder}, which does not exist")
-    for file in sorted(folder.glob("*.nii.gz")):
-        found.append(_first_moment(file, scratch))
-    if CRANIUM.exists():
-        target = scratch / "cranium"
-        subprocess.run([str(paths.build_dir() / "bin" / "diaphane-sample"), f"--write-dicom={target}"], check=True,
-                       stdout=subprocess.DEVNULL)
-        found.append(target)
-    else:
-        say("skipped: cranium (install Debian's invesalius-examples)")
-    if CH2.exists():
-        found.append(CH2)
-    else:
-        say("skipped: ch2 (install Debian's mricron-data)")
-    return found
-
-
-def _first_moment(file: Path, scratch: Path) -> Path:
-    """Returns the file, or the first volume of a time series as a new file."""
-    data = bytearray(gzip.decompress(file.read_bytes()))
-    dimensions = struct.unpack_from("<8h", data, 40)
-    if dimensions[0] <= 3:
-        return file
-    start, bits = int(struct.unpack_from("<f", data, 108)[0]), struct.unpack_from("<h", data, 72)[0]
-    size = dimensions[1] * dimensions[2] * dimensions[3] * bits // 8
-    struct.pack_into("<8h", data, 40, 3, *dimensions[1:4], 1, 1, 1, 1)
-    first = scratch / file.name
-    first.write_bytes(gzip.compress(bytes(data[:start + size])))
-    return first
 
 
 def _label(*arguments: str) -> list[dict[str, Any]]:

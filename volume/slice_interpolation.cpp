@@ -1,0 +1,193 @@
+#include "volume/slice_interpolation.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <new>
+#include <thread>
+#include <vector>
+
+#include "volume/slice_motion.h"
+
+namespace diaphane::volume {
+namespace {
+
+/// Stored slices are refined if they are farther apart than this many pixels.
+constexpr double kSteps = 1.3;
+/// Motion is estimated on averages of pixels that are at most this wide together, in mm, which is
+/// faster than on single pixels and as exact, as long as the shorter side has kShortest of them.
+constexpr double kMotionPixel = 2;
+constexpr int kShortest = 64;
+/// Motion by less than this, in pixels, does not change the interpolated values noticeably.
+constexpr float kLeastMotion = 1.F / 32;
+
+/// How far to trust the motion where the slices differ by `straight` without it and by `along` with
+/// it. Where they are alike anyway, such as in air, it must not bring values from elsewhere.
+float trust(float straight, float along) {
+  const float without = std::abs(straight), with = std::abs(along);
+  return without > 0 ? without / (without + with) : 0;
+}
+
+/// Makes the slices between pairs of stored ones. Different threads may make different pairs.
+class Refiner {
+ public:
+  Refiner(const Volume& stored, std::uint32_t refinement, std::int16_t* refined)
+      : stored_(stored),
+        refinement_(refinement),
+        refined_(refined),
+        width_(static_cast<int>(stored.header.size[0])),
+        height_(static_cast<int>(stored.header.size[1])) {
+    const Header& header = stored.header;
+    low_ = static_cast<float>(header.percentiles.front());
+    scale_ = 1 / std::max(1.F, static_cast<float>(header.percentiles.back()) - low_);
+    const double pixel = std::max(header.spacing[0], header.spacing[1]);
+    const int most = std::max(std::min(width_, height_) / kShortest, 1);
+    factor_ = std::clamp(static_cast<int>(kMotionPixel / pixel), 1, most);
+  }
+
+  /// Makes all slices between the centres of the stored slices `pair` and `pair` + 1.
+  void fill(std::uint32_t pair) const {
+    const Plane2 first = slice(pair), second = slice(pair + 1);
+    const Motion motion = motion_between(first, second);
+    for (std::uint32_t z = 0; z < stored_.header.size[2] * refinement_; ++z) {
+      const double at = (z + 0.5) / refinement_ - 0.5 - pair;
+      if (at >= 0 && at < 1) interpolate(first, second, motion, static_cast<float>(at), z);
+    }
+  }
+
+  /// Fills the slices beyond the centre of the first and of the last stored one with those.
+  void fill_ends() const {
+    const std::uint32_t slices = stored_.header.size[2], most = slices * refinement_;
+    for (std::uint32_t z = 0; z < refinement_; ++z) {
+      if ((z + 0.5) / refinement_ < 0.5) {
+        copy(0, z);
+        copy(slices - 1, most - 1 - z);
+      }
+    }
+    // Without rounding errors, the centre of the last slice would belong to no pair either.
+    if (refinement_ % 2 == 1) copy(slices - 1, most - 1 - refinement_ / 2);
+  }
+
+ private:
+  std::size_t pixels() const { return static_cast<std::size_t>(width_) * height_; }
+
+  Plane2 slice(std::uint32_t z) const {
+    Plane2 plane(width_, height_);
+    const std::int16_t* const from = stored_.voxels.data() + pixels() * z;
+    std::copy(from, from + pixels(), plane.values.begin());
+    return plane;
+  }
+
+  /// Maps the values between the header's percentiles to [0, 1], so that single bright voxels and
+  /// the scale of the modality do not matter, and averages squares of `factor_` pixels.
+  Plane2 normalised(const Plane2& slice) const {
+    Plane2 plane(width_ / factor_, height_ / factor_);
+    const float share = 1.F / static_cast<float>(factor_ * factor_);
+    for (int y = 0; y < plane.height * factor_; ++y) {
+      float* const to = plane.row(y / factor_);
+      const float* const from = slice.row(y);
+      for (int x = 0; x < plane.width * factor_; ++x) {
+        to[x / factor_] += share * std::clamp((from[x] - low_) * scale_, 0.F, 1.F);
+      }
+    }
+    return plane;
+  }
+
+  /// In pixels of the stored slices.
+  Motion motion_between(const Plane2& first, const Plane2& second) const {
+    const Motion found = estimate_motion(normalised(first), normalised(second));
+    if (factor_ == 1) return found;
+    Motion motion{Plane2(width_, height_), Plane2(width_, height_)};
+    const float scale = static_cast<float>(factor_);
+    for (int y = 0; y < height_; ++y) {
+      const float fy = (static_cast<float>(y) + 0.5F) / scale - 0.5F;
+      for (int x = 0; x < width_; ++x) {
+        const float fx = (static_cast<float>(x) + 0.5F) / scale - 0.5F;
+        motion.x.row(y)[x] = scale * sample(found.x, fx, fy);
+        motion.y.row(y)[x] = scale * sample(found.y, fx, fy);
+      }
+    }
+    return motion;
+  }
+
+  void interpolate(const Plane2& first, const Plane2& second, const Motion& motion, float at,
+                   std::uint32_t z) const {
+    std::int16_t* to = refined_ + pixels() * z;
+    for (int y = 0; y < height_; ++y) {
+      const float* const mx = motion.x.row(y);
+      const float* const my = motion.y.row(y);
+      for (int x = 0; x < width_; ++x) {
+        const float here = first.row(y)[x], there = second.row(y)[x];
+        float value = here + at * (there - here);
+        if (std::abs(mx[x]) + std::abs(my[x]) > kLeastMotion) {
+          const float px = static_cast<float>(x), py = static_cast<float>(y);
+          const float before = sample(first, px - at * mx[x], py - at * my[x]);
+          const float after = sample(second, px + (1 - at) * mx[x], py + (1 - at) * my[x]);
+          value += trust(here - there, before - after) * (before + at * (after - before) - value);
+        }
+        *to++ = static_cast<std::int16_t>(std::lrintf(value));
+      }
+    }
+  }
+
+  void copy(std::uint32_t from, std::uint32_t to) const {
+    const std::int16_t* const begin = stored_.voxels.data() + pixels() * from;
+    std::copy(begin, begin + pixels(), refined_ + pixels() * to);
+  }
+
+  const Volume& stored_;
+  const std::uint32_t refinement_;
+  std::int16_t* const refined_;
+  const int width_, height_;
+  float low_ = 0, scale_ = 1;
+  int factor_ = 1;
+};
+
+}  // namespace
+
+std::uint32_t refinement_of(const Header& header) {
+  const double pixel = std::max(header.spacing[0], header.spacing[1]);
+  const double ratio = header.spacing[2] / pixel;
+  if (header.interpolated > 1 || ratio < kSteps || header.size[2] < 2) return 1;
+  const double most = static_cast<double>(kMaxRefinedVoxels) /
+                      static_cast<double>(std::max<std::uint64_t>(header.voxel_count(), 1));
+  const double wanted = std::min<double>(std::ceil(ratio - 0.1), kMaxRefinement);
+  return static_cast<std::uint32_t>(std::max(1., std::floor(std::min(wanted, most))));
+}
+
+void refine_slices(Volume& volume, std::uint32_t refinement, unsigned threads) {
+  if (refinement <= 1 || volume.header.size[2] < 2) return;
+  std::vector<std::int16_t> refined(volume.voxels.size() * refinement);
+  const std::uint32_t pairs = volume.header.size[2] - 1;
+  const Refiner refiner(volume, refinement, refined.data());
+  refiner.fill_ends();
+  std::atomic<std::uint32_t> next = 0;
+  std::atomic<bool> out_of_memory = false;
+  const auto work = [&] {
+    try {
+      for (std::uint32_t pair = next++; pair < pairs; pair = next++) refiner.fill(pair);
+    } catch (const std::bad_alloc&) {
+      out_of_memory = true;
+      next = pairs;
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (unsigned i = 0; i < std::clamp(threads, 1U, pairs); ++i) workers.emplace_back(work);
+  }
+  if (out_of_memory) throw std::bad_alloc();
+  volume.voxels = std::move(refined);
+  volume.header.size[2] *= refinement;
+  volume.header.spacing[2] /= refinement;
+  volume.header.interpolated = refinement;
+}
+
+Header stored_header(const Header& header) {
+  Header stored = header;
+  stored.size[2] /= header.interpolated;
+  stored.spacing[2] *= header.interpolated;
+  stored.interpolated = 1;
+  return stored;
+}
+
+}  // namespace diaphane::volume

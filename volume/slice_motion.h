@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace diaphane::volume {
+
+/// A picture of floating-point numbers in rows.
+struct Plane2 {
+  int width = 0, height = 0;
+  std::vector<float> values;
+
+  Plane2() = default;
+  Plane2(int columns, int rows)
+      : width(columns), height(rows), values(static_cast<std::size_t>(columns) * rows) {}
+  float* row(int y) { return values.data() + static_cast<std::size_t>(y) * width; }
+  const float* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
+};
+
+/// Returns the value at column x and row y, interpolated between the four pixels around it. Beyond
+/// the border, the pixels of the border continue.
+inline float sample(const Plane2& plane, float x, float y) {
+  const float most_x = static_cast<float>(plane.width - 1);
+  const float most_y = static_cast<float>(plane.height - 1);
+  x = x > 0 ? (x < most_x ? x : most_x) : 0;
+  y = y > 0 ? (y < most_y ? y : most_y) : 0;
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = left + 1 < plane.width ? left + 1 : left;
+  const float* const upper = plane.row(top);
+  const float* const lower = plane.row(top + 1 < plane.height ? top + 1 : top);
+  const float across = x - static_cast<float>(left), down = y - static_cast<float>(top);
+  const float above = upper[left] + across * (upper[right] - upper[left]);
+  const float below = lower[left] + across * (lower[right] - lower[left]);
+  return above + down * (below - above);
+}
+
+/// In pixels: what lies at p - motion / 2 in the first slice lies at p + motion / 2 in the second.
+struct Motion {
+  Plane2 x, y;
+};
+
+/// Estimates the motion between two slices of equal size whose values are mostly in [0, 1].
+Motion estimate_motion(const Plane2& first, const Plane2& second);
+
+}  // namespace diaphane::volume
