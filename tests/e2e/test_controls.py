@@ -204,7 +204,7 @@ def answered(hands: Hands, what: str, deed: Callable[[], None]) -> None:
 
 
 #: Controls that do not change the scene: handles in the picture, scale of the histogram, size of a moving picture.
-NO_PICTURE = {"Keep the handles when this window is closed", "Histogram scale", "Resolution while moving"}
+NO_PICTURE = {"Keep showing the handles when this window is closed", "Histogram scale", "Resolution while moving"}
 
 
 def work_all(hands: Hands, way: Mouse, frame: Locator) -> list[str]:

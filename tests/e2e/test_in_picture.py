@@ -72,7 +72,7 @@ def pull(page: Page, handle: Locator, right: float, down: float) -> None:
 def keep_handles(hands: Hands, window: str) -> None:
     """Keeps the window's handles in the picture and closes the window."""
     frame = hands.window(window)
-    frame.get_by_label("Keep the handles when this window is closed").check()
+    frame.get_by_label("Keep showing the handles when this window is closed").check()
     frame.get_by_role("button", name=f"Close {window}").click()
 
 

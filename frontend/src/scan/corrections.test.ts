@@ -50,7 +50,7 @@ describe("the details of a correction", () => {
     [
       "slice positions deviated by up to 0.20 mm; the mean spacing was used",
       "slices lie up to 0.20 mm off their places; the mean distance was used",
-      "Die Schichten lagen bis zu 0,20 mm neben ihrem Platz. Verwendet wurde der mittlere Abstand.",
+      "Die Lage der Schichten wich um bis zu 0,20 mm ab. Verwendet wurde der mittlere Abstand.",
     ],
     [
       "2 slices were missing and interpolated from the neighbouring slices",

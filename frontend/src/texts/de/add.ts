@@ -8,7 +8,7 @@ export const add: Texts["add"] = {
     "Name, Datumsangaben und Kennnummern der untersuchten Person werden aus den Dateien entfernt, bevor etwas diesen Browser verlässt. Wir behalten nur die 3D-Bilddaten und löschen die hochgeladenen Dateien.",
   privacyShort:
     "Den Namen der untersuchten Person sehen nur Sie, hier in diesem Browser. Er wird entfernt, bevor etwas hochgeladen wird.",
-  drop: "Ordner hierher ziehen",
+  drop: "Ziehen Sie einen Ordner hierher",
   dropping: "Loslassen, um die Dateien zu lesen",
   or: "oder",
   choose: "Ordner wählen",
@@ -61,7 +61,7 @@ export const add: Texts["add"] = {
     `Der Upload dieser Aufnahme wurde bei ${percent} % unterbrochen. Er wird dort fortgesetzt, wo er aufgehört hat.`,
   sentElsewhere: "Diese Aufnahme wird bereits in einem anderen Fenster dieses Browsers hochgeladen.",
   storageFull:
-    "Der Server hat keinen Speicherplatz mehr, darum wurde nichts hochgeladen. Bitte versuchen Sie es später noch einmal.",
+    "Der Server hat keinen Speicherplatz mehr, deshalb wurde nichts hochgeladen. Bitte versuchen Sie es später noch einmal.",
   repair: (repair) => {
     switch (repair.kind) {
       case "straightened":
@@ -73,11 +73,11 @@ export const add: Texts["add"] = {
     }
   },
   notSlices: (n) =>
-    `${count(n, "Datei ist kein Schichtbild", "Dateien sind keine Schichtbilder")} (sondern zum Beispiel ein Befund, ein Bildschirmfoto oder ein Plan).`,
+    `${count(n, "Datei ist kein Schichtbild", "Dateien sind keine Schichtbilder")} (sondern zum Beispiel Befunde, Bildschirmfotos oder Bestrahlungspläne).`,
   onlyReports:
     "Dieser Ordner enthält nur Befunde oder Bildschirmfotos, aber keine Schichtbilder. Bitten Sie das Krankenhaus um die Bilder der Aufnahme im DICOM-Format.",
   overQuota: (needs, free) =>
-    `Diese Aufnahme braucht ${needs}, aber Sie haben nur noch ${free} Speicherplatz frei. Löschen Sie zuerst eine andere Aufnahme.`,
+    `Diese Aufnahme braucht ${needs} Speicherplatz, aber Sie haben nur noch ${free} frei. Löschen Sie zuerst eine andere Aufnahme.`,
   tooLarge: "Diese Aufnahme ist für den Server zu groß.",
   reasons,
 };

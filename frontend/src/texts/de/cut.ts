@@ -2,11 +2,11 @@ import type { Texts } from "../shape";
 
 export const cut: Texts["cut"] = {
   title: "Diese Aufnahme anonymisieren",
-  head: "Diese Aufnahme zeigt einen Kopf. Auf einer Aufnahme kann man ein Gesicht erkennen wie auf einem Foto. Der schräge Schnitt entfernt das Gesicht. Drehen Sie das Bild und prüfen Sie, ob vom Gesicht nichts mehr zu sehen ist.",
+  head: "Diese Aufnahme zeigt einen Kopf. Ein Gesicht kann man auf einer Aufnahme genauso erkennen wie auf einem Foto. Der schräge Schnitt entfernt das Gesicht. Drehen Sie das Bild und prüfen Sie, ob vom Gesicht nichts mehr zu sehen ist.",
   noHead:
-    "Wir haben in dieser Aufnahme keinen Kopf gefunden, aber wir können uns irren. Sehen Sie das Bild von allen Seiten an. Ist ein Gesicht zu sehen oder etwas anderes, woran man jemanden erkennen kann?",
+    "Wir haben in dieser Aufnahme keinen Kopf gefunden, aber wir können uns irren. Sehen Sie sich das Bild von allen Seiten an. Ist ein Gesicht zu sehen oder etwas anderes, woran man jemanden erkennen kann?",
   noIdea:
-    "Sehen Sie das Bild von allen Seiten an. Ist ein Gesicht zu sehen oder etwas anderes, woran man jemanden erkennen kann?",
+    "Sehen Sie sich das Bild von allen Seiten an. Ist ein Gesicht zu sehen oder etwas anderes, woran man jemanden erkennen kann?",
   how: "Ziehen Sie an den runden Griffen im Bild, oder bewegen Sie die Regler. Alles, was Sie abschneiden, wird gelöscht.",
   area: "Quader im Bild",
   panel: "Was erhalten bleibt",
@@ -23,24 +23,25 @@ export const cut: Texts["cut"] = {
   degrees: (value) => `${value}°`,
   goes: (percent) =>
     percent === 0
-      ? "Bis jetzt ist nichts weggeschnitten."
+      ? "Sie haben noch nichts weggeschnitten."
       : `${percent} % der Aufnahme ${percent === 1 ? "wird" : "werden"} gelöscht.`,
   keepAll: "Alles behalten",
   propose: "Vorgeschlagenen Schnitt verwenden",
-  goOn: "Endgültig schneiden …",
+  goOn: "Endgültig zuschneiden …",
   leave: "Abbrechen",
   confirmTitle: "Das lässt sich nicht rückgängig machen",
   confirmLead:
     "Was Sie wegschneiden, wird endgültig von unseren Festplatten gelöscht: aus der Aufnahme selbst, aus jedem Bild davon und für alle, die sie gerade ansehen. Niemand kann es wiederherstellen, weder Sie noch wir. Ihre CD zu Hause bleibt, wie sie ist.",
   confirmNothing:
-    "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und danach können Sie sie allen zeigen.",
+    "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und nach der Bestätigung können Sie sie öffentlich machen.",
   confirmAfter: "Erst nach diesem Schritt können Sie die Aufnahme öffentlich machen. Bis dahin bleibt sie privat.",
-  understood: "Ich habe sie von allen Seiten angesehen und verstanden, dass sich das nicht rückgängig machen lässt.",
-  confirm: "Endgültig schneiden",
-  working: "Die Aufnahme wird geschnitten. Das dauert ein paar Sekunden.",
+  understood:
+    "Ich habe sie mir von allen Seiten angesehen, und mir ist klar, dass sich das nicht rückgängig machen lässt.",
+  confirm: "Endgültig zuschneiden",
+  working: "Die Aufnahme wird zugeschnitten. Das dauert ein paar Sekunden.",
   doneTitle: "Der Schnitt ist fertig",
   done: "Was Sie weggeschnitten haben, ist endgültig gelöscht. Die Aufnahme ist weiterhin privat.",
   look: "Aufnahme ansehen und teilen",
-  failed: "Die Aufnahme konnte nicht geschnitten werden. Sie ist unverändert.",
+  failed: "Die Aufnahme konnte nicht zugeschnitten werden und ist unverändert. Versuchen Sie es noch einmal.",
   back: "Zurück zu meinen Aufnahmen",
 };

@@ -5,7 +5,7 @@ export const kernel: Texts["kernel"] = {
   open: "Optimierungen",
   forThisScene: (ms) =>
     `Verwendet wird ein Kernel, der in ${number.format(Math.round(ms))} ms für diese Szene kompiliert wurde.`,
-  fromCache: "Verwendet wird ein Kernel, der früher für eine solche Szene kompiliert wurde.",
+  fromCache: "Verwendet wird ein Kernel, der früher für eine ähnliche Szene kompiliert wurde.",
   aheadOfTime: "Verwendet wird ein vorkompilierter, spezialisierter Kernel.",
   general: "Verwendet wird der allgemeine Kernel.",
   leftOut: "Weggelassen, weil diese Szene es nicht braucht",

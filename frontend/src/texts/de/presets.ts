@@ -43,7 +43,7 @@ export const presets: Texts["presets"] = {
   report: "Melden",
   reportOf: (name) => `${name} melden`,
   takenDown: (reason) =>
-    `Die Verwaltung hat diese Voreinstellung gesperrt. Andere sehen sie nicht mehr. Grund: ${reason}`,
+    `Die Administration hat diese Voreinstellung gesperrt. Andere sehen sie nicht mehr. Grund: ${reason}`,
   done: "Fertig.",
   more: "Mehr",
   more_of: (name) => `Mehr zu ${name}`,

@@ -10,7 +10,7 @@ export const problems: Texts["problems"] = {
   wrongCredentials:
     "Die E-Mail-Adresse oder das Passwort ist falsch. Prüfen Sie beides und versuchen Sie es noch einmal.",
   disabled:
-    "Dieses Konto wurde von der Verwaltung gesperrt. Wenden Sie sich an die Stelle, die diesen Diaphane-Server betreibt.",
+    "Dieses Konto wurde von der Administration gesperrt. Wenden Sie sich an die Stelle, die diesen Diaphane-Server betreibt.",
   tooMany: "Zu viele Versuche. Warten Sie eine Weile und versuchen Sie es dann noch einmal.",
   linkExpired: "Dieser Link ist abgelaufen oder wurde schon benutzt. Fordern Sie einen neuen an.",
 };

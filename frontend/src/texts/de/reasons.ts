@@ -13,7 +13,7 @@ export const reasons: Texts["add"]["reasons"] = {
   bad_orientation: () => "Die Dateien enthalten unmögliche Angaben zur Lage der Bilder im Körper.",
   one_position: () =>
     "Alle Bilder zeigen dieselbe Stelle zu verschiedenen Zeiten. Es gibt also keine Tiefe, die sich zeigen ließe.",
-  cine: () => "Das ist ein Film von einer einzigen Stelle. Es gibt also keine Tiefe, die sich zeigen ließe.",
+  cine: () => "Das ist ein Video von einer einzigen Stelle im Körper. Es gibt also keine Tiefe, die sich zeigen ließe.",
   repeated_position: () =>
     "Manche Stellen wurden zweimal aufgenommen, und wir wissen nicht, welches Bild das richtige ist.",
   repeated_identifier: () =>

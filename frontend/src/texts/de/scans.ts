@@ -106,7 +106,7 @@ export const scans: Texts["scans"] = {
       case "spacing":
         return `Die Schichten lagen ${fixed(note.fromMm, 2)} bis ${fixed(note.toMm, 2)} mm auseinander und wurden auf ${fixed(note.usedMm, 2)} mm umgerechnet. Kleine Einzelheiten können deshalb unscharf sein.`;
       case "positions":
-        return `Die Schichten lagen bis zu ${fixed(note.mm, 2)} mm neben ihrem Platz. Verwendet wurde der mittlere Abstand.`;
+        return `Die Lage der Schichten wich um bis zu ${fixed(note.mm, 2)} mm ab. Verwendet wurde der mittlere Abstand.`;
       case "missing":
         return `${count(note.count, "fehlende Schicht wurde", "fehlende Schichten wurden")} aus den Nachbarschichten ergänzt.`;
       case "duplicates":

@@ -5,7 +5,7 @@ export const secondFactor: Texts["secondFactor"] = {
   about:
     "Mit der Zwei-Faktor-Authentifizierung melden Sie sich mit Ihrem Passwort und mit einem Code aus einer App auf Ihrem Telefon an (jede TOTP-Authenticator-App eignet sich). Ein gestohlenes Passwort allein genügt dann nicht mehr.",
   required:
-    "Sie gehören zur Verwaltung. Richten Sie die Zwei-Faktor-Authentifizierung ein, um die Verwaltungsseiten zu nutzen.",
+    "Sie haben Administratorrechte. Richten Sie die Zwei-Faktor-Authentifizierung ein, um die Verwaltungsseiten zu nutzen.",
   toAccount: "In Ihrem Konto einrichten",
   begin: "Einrichten",
   scan: "Scannen Sie diesen QR-Code mit der Authenticator-App auf Ihrem Telefon.",
@@ -25,7 +25,7 @@ export const secondFactor: Texts["secondFactor"] = {
   renew: "Neue Ersatzcodes erstellen …",
   remove: "Deaktivieren …",
   removeRequired:
-    "Sie gehören zur Verwaltung. Ohne Zwei-Faktor-Authentifizierung können Sie die Verwaltungsseiten nicht nutzen.",
+    "Sie haben Administratorrechte. Ohne Zwei-Faktor-Authentifizierung können Sie die Verwaltungsseiten nicht nutzen.",
   ask: {
     renew: {
       title: "Neue Ersatzcodes erstellen?",

@@ -1,7 +1,7 @@
 import type { Texts } from "../shape";
 import { count } from "./counting";
 
-/** Names that the renderer gives; those that a person gave stay as they are. */
+/** Names assigned by the renderer. Names chosen by users are shown as they are. */
 const known: Readonly<Record<string, string>> = {
   skin: "Haut",
   fat: "Fett",
@@ -22,7 +22,7 @@ const known: Readonly<Record<string, string>> = {
   sky: "Umgebungslicht",
 };
 const nameOf = (name: string): string => (Object.hasOwn(known, name) ? (known[name] ?? name) : name);
-/** A degree sign stands at both numbers, without a space. */
+/** A degree sign follows both numbers, without a space. */
 const range = (low: string, high: string, unit: string): string =>
   (unit === "°" ? `${low}° und ${high}°` : `${low} und ${high}${unit ? ` ${unit}` : ""}`).replaceAll("-", "−");
 
@@ -42,7 +42,7 @@ export const settings: Texts["settings"] = {
   moveHelp: "Ziehen Sie, oder benutzen Sie die Pfeiltasten.",
   dock: (window) => `${window} am Rand anheften`,
   close: (window) => `${window} schließen`,
-  notYours: "Jemand anderes führt gerade vor. Nur wer vorführt, kann etwas ändern.",
+  notYours: "Gerade präsentiert jemand anderes. Nur wer präsentiert, kann etwas ändern.",
   notForGuests: "Gäste können Schnitte und Schichten nicht ändern.",
   more: "Mehr",
   typed: (what) => `${what} (Wert)`,
@@ -53,7 +53,7 @@ export const settings: Texts["settings"] = {
 
   picture: {
     area: "Griffe im Bild",
-    keep: "Griffe behalten, wenn dieses Fenster geschlossen ist",
+    keep: "Griffe weiter anzeigen, wenn dieses Fenster geschlossen ist",
     cuts: "Mit den weißen Griffen schneiden Sie, mit den orangefarbenen bewegen und neigen Sie Ebenen.",
     light: "Ziehen Sie ein Licht im Bild oder auf der Kugel.",
     tilt: (plane) => `${plane} neigen`,
@@ -141,8 +141,7 @@ export const settings: Texts["settings"] = {
       ownLabel: "Eigenes Bild als Lichtmuster verwenden",
       no_picture: "Dieser Browser kann die Datei nicht als Bild lesen. Wählen Sie eine PNG- oder JPEG-Datei.",
       too_large: "Diese Datei ist größer als 30 MB. Wählen Sie ein kleineres Bild.",
-      noRoom:
-        "Die Lichter tragen schon so viele Muster wie möglich. Entfernen Sie zuerst ein Muster von einem anderen Licht.",
+      noRoom: "Für ein weiteres Lichtmuster ist kein Platz. Entfernen Sie zuerst eines von einem anderen Licht.",
     },
     name: "Name",
     count: (n) => count(n, "Licht", "Lichter"),
@@ -150,7 +149,7 @@ export const settings: Texts["settings"] = {
 
   lens: {
     exposure: "Belichtung",
-    filmic: "Lichter wie auf Film",
+    filmic: "Helle Stellen wie auf Film",
     stops: "EV",
     fov: "Bildwinkel",
     projection: "Projektion",
@@ -189,7 +188,7 @@ export const settings: Texts["settings"] = {
 
   cuts: {
     table: "Liege, Kopfstütze oder Rahmen zeigen",
-    tableHint: "In 3D sind sie ausgeblendet, wie alles andere um den Körper. Die Schichten zeigen den ganzen Scan.",
+    tableHint: "In 3D sind sie ausgeblendet, wie alles andere um den Körper. Die Schichten zeigen die ganze Aufnahme.",
     box: "Quader",
     faces: {
       x: { low: "Rechte Seite des Patienten", high: "Linke Seite des Patienten" },

@@ -72,9 +72,9 @@ export const sharing: Texts["sharing"] = {
     slices: "Auch die Schichten zeigen",
     slicesHint: "Dann sehen alle die genauen Werte der ganzen Aufnahme, Schicht für Schicht.",
     slicesShown: "Die Schichten werden jetzt auch gezeigt.",
-    slicesHidden: "Die Schichten werden nicht mehr gezeigt. Wer die Aufnahme gerade ansah, wurde getrennt.",
+    slicesHidden: "Die Schichten werden nicht mehr gezeigt. Wer die Aufnahme gerade ansah, hat den Zugang verloren.",
     firstCut:
-      "Schneiden Sie zuerst alles weg, woran man die Person erkennen könnte, und bestätigen Sie es. Ein Gesicht lässt sich aus einer Aufnahme erkennen.",
+      "Schneiden Sie zuerst alles weg, woran man die Person erkennen könnte, und bestätigen Sie es. Ein Gesicht lässt sich auf einer Aufnahme erkennen.",
     cut: "Zuschneiden und anonymisieren",
     name: "Ihr öffentlicher Name",
     nameHint:
@@ -83,7 +83,7 @@ export const sharing: Texts["sharing"] = {
     hide: "Aus der Galerie entfernen",
     isPublic: "Die Aufnahme ist jetzt in der Galerie.",
     isPrivate: "Die Aufnahme ist nicht mehr in der Galerie.",
-    takenDown: (reason) => `Die Verwaltung hat diese Aufnahme gesperrt. Grund: ${reason}`,
+    takenDown: (reason) => `Die Administration hat diese Aufnahme gesperrt. Grund: ${reason}`,
   },
   gallery: {
     nav: "Galerie",
@@ -107,21 +107,21 @@ export const sharing: Texts["sharing"] = {
   report: {
     title: "Was stimmt mit dieser Aufnahme nicht?",
     titlePreset: (name) => `Was stimmt mit ${name} nicht?`,
-    lead: "Die Verwaltung prüft Ihre Meldung. Wem die Aufnahme oder Voreinstellung gehört, erfährt nicht, wer sie gemeldet hat.",
+    lead: "Die Administration prüft Ihre Meldung. Die Person, der die Aufnahme oder Voreinstellung gehört, erfährt nicht, wer sie gemeldet hat.",
     reasonsPreset: {
-      offensive: "Ihr Name oder der Name der Person, die sie gespeichert hat, ist beleidigend",
-      identifies: "Sie verrät, wer jemand ist",
+      offensive: "Der Name der Voreinstellung oder der Person, die sie gespeichert hat, ist anstößig",
+      identifies: "Man kann daran eine Person erkennen",
       other: "Etwas anderes",
     },
     reasons: {
-      identifies: "Sie verrät, wer jemand ist, zum Beispiel durch Name, Datum oder Gesicht",
+      identifies: "Man kann eine Person erkennen, zum Beispiel an Name, Datum oder Gesicht",
       not_theirs: "Die Aufnahme gehört jemand anderem",
-      offensive: "Sie ist beleidigend",
+      offensive: "Die Aufnahme ist anstößig",
       other: "Etwas anderes",
     },
     words: "Weitere Angaben (freiwillig)",
     send: "Meldung senden",
-    sent: "Danke. Die Verwaltung wird Ihre Meldung prüfen.",
+    sent: "Danke. Die Administration wird Ihre Meldung prüfen.",
   },
   reports: {
     title: "Meldungen",
@@ -135,7 +135,7 @@ export const sharing: Texts["sharing"] = {
     takeDownPresetLead:
       "Diese Voreinstellung sieht dann nur noch die Person, die sie gespeichert hat. Der Vorgang wird im Protokoll vermerkt.",
     takeDownLead:
-      "Diese Aufnahme sieht dann nur noch die Person, der sie gehört. Wer sie gerade ansieht, wird getrennt. Der Vorgang wird im Protokoll vermerkt.",
+      "Diese Aufnahme sieht dann nur noch die Person, der sie gehört. Wer sie gerade ansieht, verliert sofort den Zugang. Der Vorgang wird im Protokoll vermerkt.",
     reason: "Grund",
     reasonHint: "Die betroffene Person wird das lesen.",
     dismiss: "Verwerfen",

@@ -28,8 +28,8 @@ export const slices: Texts["slices"] = {
   maximise: (view) => `Nur ${view} zeigen (M)`,
   restore: "Alle Ansichten zeigen (M)",
   canvas: (view) =>
-    `Schicht ${view}. Die Pfeile auf und ab oder Bild auf und Bild ab blättern durch die Schichten, Umschalt und Pfeile bewegen das Fadenkreuz, Strg und Pfeile verschieben die Schicht, Plus und Minus zoomen, M zeigt nur diese Schicht, und R setzt die Schichten zurück.`,
-  slider: (view) => `Schicht ${view}`,
+    `${view}e Schicht. Die Pfeile auf und ab oder Bild auf und Bild ab blättern durch die Schichten, Umschalt und Pfeile bewegen das Fadenkreuz, Strg und Pfeile verschieben die Schicht, Plus und Minus zoomen, M zeigt nur diese Schicht, und R setzt die Schichten zurück.`,
+  slider: (view) => `${view}e Schicht`,
   number: (index, count) => `${index} von ${count}`,
   title: (view, index, count) => `${view} ${index}/${count}`,
   place: (parts) => `${parts.map(({ side, mm }) => `${side} ${fixed(mm, 1)}`).join("  ")} mm`,

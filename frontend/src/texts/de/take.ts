@@ -81,7 +81,7 @@ export const take: Texts["take"] = {
     "Diese Ansicht enthält zu viele Einzelheiten für einen Link. Speichern Sie sie stattdessen als Voreinstellung.",
   copy: "Kopieren",
   copied: "Kopiert.",
-  notCopied: "Der Link konnte nicht kopiert werden. Markieren und kopieren Sie ihn von Hand.",
+  notCopied: "Der Link konnte nicht kopiert werden. Markieren Sie ihn und kopieren Sie ihn selbst.",
   linkDamaged: "Dieser Link ist beschädigt oder unvollständig. Die Aufnahme wird deshalb wie gewohnt gezeigt.",
   linkNewer:
     "Dieser Link stammt aus einer neueren Version von Diaphane. Die Aufnahme wird deshalb wie gewohnt gezeigt. Laden Sie die Seite neu, und versuchen Sie es noch einmal.",

@@ -9,9 +9,9 @@ export const viewer: Texts["viewer"] = {
   troubles: {
     lost: "Verbindung unterbrochen. Sie wird wiederhergestellt …",
     worker_lost: "Der Renderserver ist ausgefallen. Die Verbindung wird wiederhergestellt …",
-    no_worker: "Alle Renderserver sind gerade belegt. Es wird weiter versucht …",
+    no_worker: "Alle Renderserver sind gerade belegt. Wir versuchen es weiter …",
     unreachable: "Diaphane ist nicht erreichbar. Wir versuchen es weiter …",
-    refused: "Etwas ist schiefgegangen. Es wird weiter versucht …",
+    refused: "Etwas ist schiefgegangen. Wir versuchen es weiter …",
     not_ready: "Diese Aufnahme wird noch vorbereitet. Das Bild erscheint dann von selbst.",
     not_found: "Diese Aufnahme gibt es nicht, oder Sie haben keinen Zugriff darauf.",
     signed_out: "Sie sind abgemeldet. Melden Sie sich wieder an, um weiterzumachen.",
@@ -26,14 +26,14 @@ export const viewer: Texts["viewer"] = {
   pictureTime: {
     soon: (minutes) =>
       `Sie haben in diesem Monat noch ${minutes > 1 ? `etwa ${count(minutes, "Minute", "Minuten")}` : "weniger als eine Minute"} Rechenzeit. Fertige Bilder verbrauchen keine Rechenzeit.`,
-    ending: (at, anew) =>
-      `Ihre Rechenzeit für diesen Monat ist aufgebraucht. Dieses Bild bleibt bis ${at} geöffnet. Am ${anew} wird Ihre Rechenzeit zurückgesetzt.`,
+    ending: (at, reset) =>
+      `Ihre Rechenzeit für diesen Monat ist aufgebraucht. Dieses Bild bleibt bis ${at} geöffnet. Am ${reset} wird Ihre Rechenzeit zurückgesetzt.`,
     over: "Keine Rechenzeit mehr",
-    overText: (anew) =>
-      `Ihre Rechenzeit für diesen Monat ist aufgebraucht. Am ${anew} wird sie zurückgesetzt. Ihre Aufnahmen bleiben erhalten, und nichts geht verloren.`,
+    overText: (reset) =>
+      `Ihre Rechenzeit für diesen Monat ist aufgebraucht. Am ${reset} wird sie zurückgesetzt. Ihre Aufnahmen bleiben erhalten, und nichts geht verloren.`,
     overBefore:
       "Ihre Rechenzeit für diesen Monat ist aufgebraucht. Ihre Aufnahmen bleiben erhalten, und nichts geht verloren.",
-    more: "Die Verwaltung kann Ihr Limit erhöhen.",
+    more: "Die Administration kann Ihr Limit erhöhen.",
     hide: "Diese Meldung ausblenden",
     account: "Verbrauch ansehen",
   },
@@ -102,7 +102,7 @@ export const viewer: Texts["viewer"] = {
       "Mit zwei Fingern ziehen",
       "Umschalt + Pfeiltasten",
     ],
-    ["Zoomen", "Mausrad oder mit der rechten Taste ziehen", "Zwei Finger spreizen", "+ und −"],
+    ["Zoomen", "Mausrad oder mit der rechten Taste ziehen", "Zwei Finger spreizen oder zusammenziehen", "+ und −"],
     ["Rollen", "Strg + Ziehen", "", "Strg + ← →"],
     ["Ansicht zurücksetzen", "Knopf oben", "Knopf oben", "R"],
     ["Darstellung wählen", "Bilder unten", "Bilder unten", "1 bis 5"],

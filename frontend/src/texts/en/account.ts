@@ -1,4 +1,4 @@
-/** Signing up and in, confirming an address, a forgotten password. */
+/** Sign-up, sign-in, email confirmation and password reset. */
 export const account = {
   email: "Email address",
   password: "Password",
@@ -32,7 +32,8 @@ export const account = {
   forgot: "Forgot your password?",
   forgotLead: "Enter your email address and we’ll send you a link to set a new password.",
   forgotSend: "Send link",
-  forgotSent: (email: string) => `If ${email} has an account, we’ve sent a link to it. The link works for one hour.`,
+  forgotSent: (email: string) =>
+    `If there is an account for ${email}, we’ve sent a link to that address. The link works for one hour.`,
   resetLead: "Once your new password is set, you will be signed out everywhere.",
   reset: "Set new password",
   resetDone: "Your password has been changed, and you have been signed out everywhere. Sign in with your new password.",

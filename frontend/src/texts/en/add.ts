@@ -2,7 +2,7 @@ import type { LeftOut, Repair } from "../../scan/types";
 import { count, number } from "./counting";
 import { reasons } from "./reasons";
 
-/** Add a scan: the folder, what was found in it, and why some of it does not fit. */
+/** Adding a scan: choosing the folder, the series found in it, and why some of them can't be shown. */
 export const add = {
   lead: "Choose the folder or disc that the hospital gave you. Diaphane finds the scans in it, whatever the files are called.",
   privacy:
@@ -64,11 +64,11 @@ export const add = {
     }
   },
   notSlices: (n: number) =>
-    `${n === 1 ? "1 file is not an image slice" : `${number.format(n)} files are not image slices`} (for example, reports, screenshots or plans).`,
+    `${n === 1 ? "1 file is not an image slice" : `${number.format(n)} files are not image slices`} (for example, reports, screenshots or treatment plans).`,
   onlyReports:
     "This folder contains only reports or screenshots, but no image slices. Ask the hospital for the images of the scan in DICOM format.",
   overQuota: (needs: string, free: string) =>
-    `This scan needs ${needs}, but you have only ${free} of storage left. Delete a scan first.`,
-  tooLarge: "This scan is larger than the server accepts.",
+    `This scan needs ${needs} of storage, but you have only ${free} left. Delete another scan first.`,
+  tooLarge: "This scan is too large for this server.",
   reasons,
 } as const;

@@ -1,4 +1,4 @@
-/** What every page shares: the frame, its links, the words of buttons. */
+/** Texts that every page shares: navigation and common buttons. */
 export const common = {
   name: "Diaphane",
   tagline: "See your own scan in 3D.",

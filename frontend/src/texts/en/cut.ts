@@ -1,9 +1,9 @@
-/** Making a scan anonymous. */
+/** Anonymising a scan by cutting parts of it away. */
 export const cut = {
   title: "Anonymise this scan",
   head: "This scan shows a head. A face can be recognised from a scan just as from a photograph. The slanted cut removes the face. Turn the picture and check that nothing of the face is left.",
   noHead:
-    "We didn’t find a head in this scan, but we can be wrong. Look at the picture from all sides. Can you see a face, or anything else that could identify someone?",
+    "We didn’t find a head in this scan, but we could be wrong. Look at the picture from all sides. Can you see a face, or anything else that could identify someone?",
   noIdea: "Look at the picture from all sides. Can you see a face, or anything else that could identify someone?",
   how: "Drag the round handles in the picture, or move the sliders. Everything that you cut off will be deleted.",
   area: "Box in the picture",
@@ -20,7 +20,7 @@ export const cut = {
   mm: (value: number) => `${value} mm`,
   degrees: (value: number) => `${value}°`,
   goes: (percent: number) =>
-    percent === 0 ? "Nothing has been cut away so far." : `${percent}% of the scan will be deleted.`,
+    percent === 0 ? "You haven’t cut anything away yet." : `${percent}% of the scan will be deleted.`,
   keepAll: "Keep everything",
   propose: "Use the suggested cut",
   goOn: "Cut permanently…",
@@ -29,7 +29,7 @@ export const cut = {
   confirmLead:
     "What you cut away will be permanently deleted from our disks: from the scan itself, from every picture made of it, and for everyone who is looking at it now. Nobody can restore it, neither you nor we. Your disc at home stays as it is.",
   confirmNothing:
-    "You haven’t cut anything away. The whole scan stays as it is, and after this you can show it to everyone.",
+    "You haven’t cut anything away. The whole scan stays as it is, and once you confirm, you can make it public.",
   confirmAfter: "You can make the scan public only after this step. It stays private until you do.",
   understood: "I have looked at it from all sides, and I understand that this can’t be undone.",
   confirm: "Cut permanently",
@@ -37,6 +37,6 @@ export const cut = {
   doneTitle: "The cut is finished",
   done: "What you cut away has been permanently deleted. The scan is still private.",
   look: "View and share the scan",
-  failed: "The scan couldn’t be cut. It has not been changed.",
+  failed: "The scan couldn’t be cut, and nothing has been changed. Try again.",
   back: "Back to my scans",
 } as const;

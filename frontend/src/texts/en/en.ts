@@ -18,7 +18,7 @@ import { take } from "./take";
 import { titles } from "./titles";
 import { viewer } from "./viewer";
 
-/** Every text of the page, an area a file. Another language is another folder of the same shape. */
+/** All texts of the page, one file per area. Each language has a folder of the same structure. */
 export const en = {
   ...common,
   account,

@@ -1,10 +1,10 @@
 import { fixed, number } from "./counting";
 
-/** What renders a picture: which parts of the renderer it takes, and which were left out to be faster. */
+/** The render kernel in use: the features compiled into it, and those left out to make it faster. */
 export const kernel = {
   open: "Optimisations",
   forThisScene: (ms: number) => `Using a kernel compiled for this scene in ${number.format(Math.round(ms))} ms.`,
-  fromCache: "Using a kernel that was compiled earlier for a scene like this one.",
+  fromCache: "Using a kernel that was compiled earlier for a similar scene.",
   aheadOfTime: "Using a precompiled specialised kernel.",
   general: "Using the general-purpose kernel.",
   leftOut: "Left out because this scene doesn’t need it",

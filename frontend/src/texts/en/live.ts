@@ -1,4 +1,4 @@
-/** Looking at one picture together. */
+/** Sessions in which several people view one picture together. */
 export const live = {
   open: "View together",
   openHere: (people: number) => `View together, ${people} people here`,

@@ -1,4 +1,4 @@
-/** The page of one's own account. */
+/** The user's account page. */
 export const myAccount = {
   room: "Your storage and rendering time",
   storage: "Storage",
@@ -38,7 +38,7 @@ export const myAccount = {
   endAll: "Sign out everywhere",
   data: "Your data",
   exportHelp:
-    "You can download a file with all data we store about you: your account, your scans as 3D image data, your presets and recordings, and a log of what was done with them. Only you can download the file. We delete it after one day.",
+    "You can download a file with all the data we store about you: your account, your scans as 3D image data, your presets and recordings, and a log of what was done with them. Only you can download the file. We delete it after one day.",
   exportAsk: "Create the file",
   exportQueued: "The file is being created…",
   exportWaiting:

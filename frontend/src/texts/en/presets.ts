@@ -1,4 +1,4 @@
-/** Presets: how a scan is looked at, saved. */
+/** Presets: saved colours, lights, cuts and viewpoints. */
 export const presets = {
   open: "Saved presets",
   title: "Saved presets",

@@ -1,4 +1,4 @@
-/** What went wrong on the way to the server. */
+/** Connection and server errors that can occur on any page. */
 export const problems = {
   offline: "We couldn’t reach Diaphane. Check your connection and try again.",
   unreachable: "We can’t reach Diaphane. Trying again…",

@@ -1,7 +1,7 @@
 import type { LateReason, Reason } from "../../scan/types";
 import { count, number } from "./counting";
 
-/** Why a series cannot be shown, for a patient. */
+/** Why a series can't be shown, in words for patients. */
 export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   no_slices: () => "This series contains no CT, MR or PET slices.",
   screenshots: () => "These are screenshots, not slices of a scan.",
@@ -12,10 +12,10 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   no_spacing: () => "The files don’t say how large the images are in millimetres.",
   bad_orientation: () => "The files contain impossible information about how the images lie in the body.",
   one_position: () => "All images show the same place at different times, so there is no depth to show.",
-  cine: () => "This is a film of a single place, so there is no depth to show.",
+  cine: () => "This is a video of a single place in the body, so there is no depth to show.",
   repeated_position: () => "Some places were scanned twice, and we can’t tell which image is the right one.",
   repeated_identifier: () =>
-    "Different images carry the same number, so some may have been lost. Ask the hospital for a new copy.",
+    "Different images have the same number, so some may have been lost. Ask the hospital for a new copy.",
   time_series: () =>
     "The same part of the body was scanned several times (contrast phases, echoes or weightings). Such series can’t be shown yet.",
   mixed: () => "This series mixes images of different kinds, sizes or directions.",

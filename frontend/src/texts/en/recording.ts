@@ -1,6 +1,6 @@
 import { count } from "./counting";
 
-/** Recording how somebody looks at pictures. */
+/** Usage recording: how a user moves the view and changes the look. */
 export const recording = {
   open: "Usage recording",
   title: "Usage recording",

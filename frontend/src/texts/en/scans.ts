@@ -17,7 +17,7 @@ const corrected: Record<Correction, string> = {
 
 const list = new Intl.ListFormat("en-GB");
 
-/** My scans: the cards and what can be done with them. */
+/** My scans: the cards and their actions. */
 export const scans = {
   leadEmpty: "Add a scan from a folder or disc that your hospital gave you. The files must be in DICOM format.",
   empty: "No scans yet",
@@ -43,12 +43,12 @@ export const scans = {
     stalled: {
       connection: "The connection was lost. The upload will resume automatically.",
       storage_full:
-        "The server has run out of space. What you have uploaded so far is kept, and the upload tries again every minute.",
+        "The server has run out of space. What you have uploaded so far is kept, and we’ll try again every minute.",
     } satisfies Record<StallReason, string>,
     refused: {
       expired: "The upload was inactive for too long and has expired. Delete it and upload the scan again.",
       gone: "This upload was deleted, here or on another device.",
-      too_large: "This upload is larger than the server accepts.",
+      too_large: "This scan is too large for this server.",
       signed_out:
         "You were signed out. Sign in and choose the same folder again to resume the upload where it stopped.",
       other: "The server rejected the upload. Delete it and try again.",

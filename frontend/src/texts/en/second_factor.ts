@@ -1,4 +1,4 @@
-/** The second factor: a code of one's device beside the password. */
+/** Two-factor authentication: setup, sign-in and recovery codes. */
 export const secondFactor = {
   title: "Two-factor authentication",
   about:

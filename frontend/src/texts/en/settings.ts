@@ -1,6 +1,6 @@
 import { count } from "./counting";
 
-/** Names that the renderer gives; those that a person gave stay as they are. */
+/** Names assigned by the renderer. Names chosen by users are shown as they are. */
 const known: Readonly<Record<string, string>> = {
   skin: "Skin",
   fat: "Fat",
@@ -21,11 +21,11 @@ const known: Readonly<Record<string, string>> = {
   sky: "Surrounding light",
 };
 const nameOf = (name: string): string => (Object.hasOwn(known, name) ? (known[name] ?? name) : name);
-/** A degree sign stands at both numbers, without a space. */
+/** A degree sign follows both numbers, without a space. */
 const range = (low: string, high: string, unit: string): string =>
   (unit === "°" ? `${low}° and ${high}°` : `${low} and ${high}${unit ? ` ${unit}` : ""}`).replaceAll("-", "−");
 
-/** The windows in which a picture is changed. */
+/** The settings windows of the viewer. */
 export const settings = {
   menu: "Picture settings",
   undo: "Undo",
@@ -53,7 +53,7 @@ export const settings = {
 
   picture: {
     area: "Handles in the picture",
-    keep: "Keep the handles when this window is closed",
+    keep: "Keep showing the handles when this window is closed",
     cuts: "Drag the white handles to cut, and the orange handles to move and tilt planes.",
     light: "Drag a light in the picture or on the sphere.",
     tilt: (plane: string) => `Tilt ${plane}`,
@@ -141,7 +141,7 @@ export const settings = {
       ownLabel: "Use your own picture as a light pattern",
       no_picture: "This browser can’t read that file as a picture. Choose a PNG or JPEG file.",
       too_large: "That file is larger than 30 MB. Choose a smaller picture.",
-      noRoom: "The lights already hold as many patterns as they can. Remove a pattern from another light first.",
+      noRoom: "There is no room for another light pattern. Remove one from another light first.",
     },
     name: "Name",
     count: (n: number) => count(n, "light", "lights"),

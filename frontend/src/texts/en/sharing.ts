@@ -1,4 +1,4 @@
-/** Sharing a scan: with people, by links, with everybody; and the gallery of what others share. */
+/** Sharing a scan with people, by link or with everyone, and the gallery of public scans. */
 export const sharing = {
   open: "Share this scan",
   open_of: (title: string) => `Share ${title}`,
@@ -130,9 +130,10 @@ export const sharing = {
     open: "View",
     takeDown: "Take down",
     takeDownOf: (title: string) => `Take down ${title}`,
-    takeDownPresetLead: "Only its author will still see this preset. The action is recorded in the audit log.",
+    takeDownPresetLead:
+      "Only its author will still be able to see this preset. The action is recorded in the audit log.",
     takeDownLead:
-      "Only its owner will still see this scan. Current viewers are disconnected. The action is recorded in the audit log.",
+      "Only its owner will still be able to see this scan. Current viewers are disconnected. The action is recorded in the audit log.",
     reason: "Reason",
     reasonHint: "The owner will read this.",
     dismiss: "Dismiss",

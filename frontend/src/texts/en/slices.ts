@@ -1,4 +1,4 @@
-/** The slices beside the picture. */
+/** The slice views next to the 3D picture. */
 export const slices = {
   open: "Show the slices (V)",
   close: "Show only the 3D view (V)",

@@ -1,6 +1,6 @@
 import { count, number } from "./counting";
 
-/** What a person takes away: a picture as a file, a link to what is seen. */
+/** Exports: pictures, videos and links to the current view. */
 export const take = {
   title: "Save or share",
   file: "Save a file",
@@ -8,7 +8,7 @@ export const take = {
   kinds: { picture: "Picture", turntable: "Video of a full rotation", tour: "Video tour of saved presets" },
   picture: "Save a picture",
   pictureLead:
-    "We render the picture again at the size you choose while you carry on. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
+    "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
   pictureNow: "Saves the picture as it is on the screen, without any name in the file.",
   size: "Size",
   sizes: {
@@ -48,7 +48,7 @@ export const take = {
   turntableLead:
     "What you see now, rotated once about the body’s long axis. The video loops seamlessly. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   tourLead:
-    "A smooth journey from one saved preset to the next: viewpoint, colours and lights change gradually. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
+    "A smooth transition from one saved preset to the next: viewpoint, colours and lights change gradually. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   seconds: "Length in seconds",
   rate: "Frames per second",
   filmSizes: {
@@ -76,7 +76,7 @@ export const take = {
   linkTooLarge: "This view has too many details for a link. Save it as a preset instead.",
   copy: "Copy",
   copied: "Copied.",
-  notCopied: "The link couldn’t be copied. Select it and copy it manually.",
+  notCopied: "The link couldn’t be copied. Select it and copy it yourself.",
   linkDamaged: "This link is damaged or incomplete, so the scan is shown as usual.",
   linkNewer:
     "This link comes from a newer version of Diaphane, so the scan is shown as usual. Reload the page and try again.",

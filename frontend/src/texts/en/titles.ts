@@ -1,4 +1,4 @@
-/** The titles of pages: the heading, and what the browser shows in its tab. */
+/** Page titles, used as the heading and in the browser tab. */
 export const titles = {
   signUp: "Create your account",
   signIn: "Sign in to Diaphane",

@@ -50,7 +50,7 @@ export const viewer = {
     hide: "Hide the tips",
   },
   presets: "Looks",
-  /** Names of the built-in looks by what they show. Only the values of a CT tell skin, muscle, bone and air apart. */
+  /** Names of the built-in looks. Only CT values distinguish skin, muscle, bone and air. */
   lookOfCt: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone", airways: "Airways" } as Readonly<
     Record<string, string>
   >,
@@ -72,7 +72,7 @@ export const viewer = {
   error: "Noise level",
   errorUnknown: "measuring…",
   errorHelp:
-    "How far, on average, the picture may still be from the finished one. Four times as many samples halve it.",
+    "How far, on average, the picture may still be from the finished one. Four times as many samples halve the noise level.",
   time: "Time",
   perSecond: (n: number) => `${n < 10 ? n.toFixed(1) : number.format(Math.round(n))} per second`,
   plot: "Noise level over time, both axes logarithmic",
