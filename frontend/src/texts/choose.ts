@@ -1,4 +1,4 @@
-/** The languages of the page, each by its own name. */
+/** The languages of the page, each under its native name. */
 export const languages = { en: "English", de: "Deutsch" } as const;
 export type Language = keyof typeof languages;
 
@@ -6,12 +6,12 @@ const isLanguage = (text: string | null): text is Language => text !== null && O
 
 const languageOf = (tag: string): string => tag.split("-", 1)[0]?.toLowerCase() ?? "";
 
-/** `kept`: what a person chose before. `wanted`: BCP 47 tags of the browser, the best liked first. */
+/** `kept` is the user's earlier choice. `wanted` lists the browser's BCP 47 tags, most preferred first. */
 export function chooseLanguage(kept: string | null, wanted: readonly string[]): Language {
   if (isLanguage(kept)) return kept;
   return wanted.map(languageOf).find(isLanguage) ?? "en";
 }
 
-/** By whose habits numbers and dates are written: en-GB and en-US differ. */
+/** The locale for numbers and dates: en-GB and en-US differ. */
 export const placeOf = (language: Language, wanted: readonly string[]): string =>
   wanted.find((tag) => languageOf(tag) === language) ?? language;

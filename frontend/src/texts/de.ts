@@ -19,7 +19,7 @@ import { take } from "./de/take";
 import { titles } from "./de/titles";
 import { viewer } from "./de/viewer";
 
-/** The same in German. */
+/** All texts in German. */
 export const de: Texts = {
   ...common,
   account,

@@ -3,7 +3,7 @@ import { local } from "../storage";
 import { chooseLanguage, placeOf, type Language } from "./choose";
 import type { Texts } from "./shape";
 
-/** Only the language that is shown is loaded. */
+/** Loads only the selected language. */
 const catalogues: Record<Language, () => Promise<Texts>> = {
   en: async () => (await import("./en/en")).en,
   de: async () => (await import("./de")).de,
@@ -11,11 +11,11 @@ const catalogues: Record<Language, () => Promise<Texts>> = {
 
 const key = "diaphane.language";
 
-/** Every text of the page, in `language`. Read it where it is shown, not when a module is loaded: it may change. */
+/** All texts of the page in `language`. Read it when rendering, not when a module loads, because it can change. */
 export let t: Texts;
 export const language = signal<Language>("en");
 
-/** For `Intl`: dates and numbers as at the person's place. */
+/** The user's locale, for dates and numbers in `Intl`. */
 export const place = (): string => placeOf(language.value, navigator.languages);
 
 export async function loadTexts(wanted: Language): Promise<void> {
@@ -25,7 +25,7 @@ export async function loadTexts(wanted: Language): Promise<void> {
 
 export const firstLanguage = (): Language => chooseLanguage(local.getItem(key), navigator.languages);
 
-/** As a person chose it, here and at the next visit. */
+/** Changes the language now and for later visits. */
 export async function changeLanguage(wanted: Language): Promise<void> {
   await loadTexts(wanted);
   local.setItem(key, wanted);

@@ -1,6 +1,6 @@
 import type { en } from "./en/en";
 
-/** What every language has to have: the same keys, the same arguments, a text wherever English has one. */
+/** The type of a translation: the same keys and arguments, and a text wherever English has one. */
 export type Translation<Part> = Part extends string
   ? string
   : Part extends (...given: infer Given) => infer Said

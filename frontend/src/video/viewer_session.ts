@@ -57,7 +57,7 @@ export class ViewerSession {
   readonly audience = signal<Audience | null>(null);
   /** How much work a picture is worth: this person's, whatever is looked at. */
   readonly effort = signal<Effort>(fullEffort);
-  /** The slices beside the picture. */
+  /** The slice views next to the 3D picture. */
   readonly slices = new Slices((lacking, taken) => this.client.wantSlices(lacking, taken));
   /** What the server said about the last input it refused. */
   readonly problem = signal("");

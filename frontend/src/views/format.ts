@@ -13,7 +13,7 @@ export function bytesText(bytes: number): string {
   return `${fixedText(value, unit === 0 || value >= 100 ? 0 : 1)} ${units[unit] ?? ""}`;
 }
 
-/** So many digits behind the point, or the comma. */
+/** Formats a number with a fixed number of decimal places. */
 export const fixedText = (value: number, digits: number): string =>
   new Intl.NumberFormat(place(), {
     minimumFractionDigits: digits,
