@@ -100,7 +100,7 @@ void read_devices(ConfigReader& in, Settings& settings) {
   if (settings.devices.empty()) in.mistake("--devices: no device given");
   settings.assist = split(in.text("assist",
                                   "comma-separated addresses (host:port or unix:PATH) of other "
-                                  "renderd that help to render each "
+                                  "renderd processes that help to render each "
                                   "picture",
                                   ""));
   settings.lend = static_cast<std::size_t>(in.integer(
@@ -185,8 +185,8 @@ Settings read_settings(ConfigReader& in) {
                                        : EngineChoice::kAuto;
   settings.threads = static_cast<unsigned>(in.integer(
       "threads",
-      "threads of the CPU engine (0 = all cores). Work that nobody waits for runs on that "
-      "many cores and leaves the others free",
+      "threads of the CPU engine (0 = all cores). Background work also uses at most this many "
+      "cores",
       0, 1024, 0));
   background::limit_cores(settings.threads);
   settings.slots =
@@ -212,20 +212,20 @@ Settings read_settings(ConfigReader& in) {
       {"marginal-gain", "error-proportional", "round-robin", "free-for-all"}, "marginal-gain");
   settings.policy = policy_kind(policy).value_or(PolicyKind::kMarginalGain);
   settings.texture_bytes =
-      static_cast<std::uint64_t>(
-          in.integer("texture-memory-mb", "memory in MB for decoded light textures of all sessions",
-                     64, 1 << 20, kTextureMemory >> 20))
+      static_cast<std::uint64_t>(in.integer(
+          "texture-memory-mb", "memory in MiB for decoded light textures of all sessions", 64,
+          1 << 20, kTextureMemory >> 20))
       << 20;
   settings.options.film_bytes =
       static_cast<std::uint64_t>(
           in.integer("film-memory-mb",
-                     "CPU engine: memory in MB for the pictures of all sessions (0 = a quarter of "
+                     "CPU engine: memory in MiB for the pictures of all sessions (0 = a quarter of "
                      "the memory that the machine or the container has)",
                      0, 1 << 22, 0))
       << 20;
   settings.volume_bytes =
       static_cast<std::uint64_t>(in.integer(
-          "volume-memory-mb", "memory in MB for loaded volumes (0 = half of the device's memory)",
+          "volume-memory-mb", "memory in MiB for loaded volumes (0 = half of the device's memory)",
           0, 1 << 22, 0))
       << 20;
   settings.copies_dir =
@@ -233,8 +233,8 @@ Settings read_settings(ConfigReader& in) {
               "directory on the node's disk for copies of volumes (empty = no copies)", "");
   settings.copies_bytes =
       static_cast<std::uint64_t>(in.integer("volume-copies-mb",
-                                            "maximum size in MB of all copies in that directory", 1,
-                                            1 << 26, 20480))
+                                            "maximum size in MiB of all copies in that directory",
+                                            1, 1 << 26, 20480))
       << 20;
   settings.silence = std::chrono::seconds(in.integer(
       "watchdog-s", "exit when the device or the main loop hangs for this many seconds (0 = never)",
@@ -398,7 +398,7 @@ int run(int argc, char** argv) {
         {settings.worker_id, incarnation, settings.advertise, info.engine, info.device,
          [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); },
          [&](const std::string& holder) {
-           std::fprintf(stderr, "--worker-id: another renderd of this name lives at %s\n",
+           std::fprintf(stderr, "--worker-id: another renderd with this name is running at %s\n",
                         holder.c_str());
            name_taken = true;
          },

@@ -41,7 +41,7 @@ Result<Child> Child::start(const std::string& program, const std::vector<std::st
 
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
-  if (pid < 0) return fail(ErrorCode::kUnavailable, "no process can be started");
+  if (pid < 0) return fail(ErrorCode::kUnavailable, "cannot start a process");
   if (pid == 0) {
     // Uses only calls that are safe between fork and exec in a program with threads.
     const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);

@@ -154,7 +154,8 @@ Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
   };
   if (result.opened == 0) {
     end_all();
-    return fail(ErrorCode::kUnavailable, "No session shows a picture; the programs' logs say why.");
+    return fail(ErrorCode::kUnavailable,
+                "No session shows a picture. See the logs of the programs.");
   }
 
   // Enough gestures for a long run. A session repeats its gestures from the first after the last.

@@ -65,7 +65,7 @@ Result<Json> load_run(LoadOptions options, const std::function<void(const std::s
     crowd.seed += all["runs"].size();
     auto report = one_run(**stage, placement, crowd);
     if (!report) return report;
-    if (!(*stage)->stands()) return fail(ErrorCode::kUnavailable, "a program ended by itself");
+    if (!(*stage)->stands()) return fail(ErrorCode::kUnavailable, "a program exited unexpectedly");
     print(load_line(*report));
     all["runs"].push_back(*report);
     // The slots become free with the next heartbeat.

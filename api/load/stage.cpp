@@ -29,7 +29,8 @@ std::string end_of(const std::string& path) {
 Result<std::unique_ptr<Stage>> Stage::set(Options options) {
   std::unique_ptr<Stage> stage(new Stage);
   char pattern[] = "/tmp/diaphane-load-XXXXXX";
-  if (::mkdtemp(pattern) == nullptr) return fail(ErrorCode::kUnavailable, "no temporary directory");
+  if (::mkdtemp(pattern) == nullptr)
+    return fail(ErrorCode::kUnavailable, "cannot create a temporary directory");
   stage->folder_ = pattern;
   stage->log_dir_ = options.log_dir.empty() ? stage->folder_ : options.log_dir;
   DIAPHANE_TRY(stage->start_all(options));
@@ -44,7 +45,7 @@ Result<void> Stage::start_all(const Options& options) {
   fs::create_directories(log_dir_, wrong);
   fs::copy(options.volume_dir, store + "/" + volume_id_, wrong);
   if (wrong || !fs::exists(store + "/" + volume_id_ + "/volume.json")) {
-    return fail(ErrorCode::kInvalid, options.volume_dir + " holds no volume");
+    return fail(ErrorCode::kInvalid, options.volume_dir + " does not contain a volume");
   }
   for (std::uint16_t* port : {&stream_port_, &gateway_admin_, &renderd_admin_}) {
     auto claimed = ClaimedPort::take();
@@ -67,7 +68,7 @@ Result<void> Stage::start_all(const Options& options) {
     while (!done()) {
       if (!children_.back().running() || std::chrono::steady_clock::now() > until) {
         return fail(ErrorCode::kUnavailable,
-                    std::string(name) + " does not start:\n" + end_of(log(name)));
+                    std::string(name) + " did not start:\n" + end_of(log(name)));
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }

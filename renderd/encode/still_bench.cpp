@@ -37,7 +37,7 @@ PictureRgb8 read_ppm(const std::string& path) {
   in.read(reinterpret_cast<char*>(picture.pixels.data()),
           static_cast<std::streamsize>(picture.pixels.size()));
   if (!in || magic != "P6" || most != 255) {
-    std::cerr << path << " is not an 8-bit PPM file\n";
+    std::cerr << path << " is not an 8-bit PPM file; usage: diaphane-still-bench PICTURE.ppm...\n";
     std::exit(65);
   }
   return picture;

@@ -95,7 +95,7 @@ def test_a_second_worker_of_a_name_is_refused_and_the_first_goes_on(running, unh
             time.sleep(0.1)
         assert second.wait(1) == 78
         said = second.stderr.read()
-        assert f"another renderd of this name lives at unix:{running.stack.settings.socket('renderd')}" in said, said
+        assert f"another renderd with this name is running at unix:{running.stack.settings.socket('renderd')}" in said, said
         assert len(incarnations) == 1, "the name went to and fro"
     finally:
         if second.poll() is None:

@@ -29,7 +29,7 @@ constexpr const char* kUsage =
     "metal], \"build_s\", \"label_s\", \"kept\", \"hidden\"}. The last two are for phantoms "
     "only.\n\n"
     "  --phantoms       also label all phantoms\n"
-    "  --large          also label the large phantoms, which are for times\n"
+    "  --large          also label the large phantoms, which serve to measure times\n"
     "  --write FOLDER   write values (NAME.i16) and encoded labels (NAME.labels), one byte per\n"
     "                   voxel after decoding, to an existing folder\n\n"
     "Exit codes: 0 success, 64 bad command line, 66 cannot read a scan, 73 cannot write.\n";
