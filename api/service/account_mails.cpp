@@ -156,8 +156,8 @@ Mail address_changed(Language language, const std::string& to) {
        "server.\n"},
       {"Die E-Mail-Adresse Ihres Kontos bei Diaphane wurde geändert",
        "Ihr Konto bei Diaphane hat jetzt eine andere E-Mail-Adresse. Mit dieser Adresse können Sie "
-       "sich nicht mehr anmelden.\n\nWenn Sie das nicht waren, wenden Sie sich an die Verwaltung "
-       "dieses Diaphane-Servers.\n"});
+       "sich nicht mehr anmelden.\n\nWenn Sie das nicht waren, wenden Sie sich an die "
+       "Administration dieses Diaphane-Servers.\n"});
 }
 
 Mail second_factor_added(Language language, const std::string& to, const std::string& account) {
@@ -175,7 +175,7 @@ Mail second_factor_added(Language language, const std::string& to, const std::st
        "brauchen Sie zum Anmelden einen Code aus Ihrer Authenticator-App. Alle Ihre anderen Geräte "
        "und Browser wurden abgemeldet.\n\nBewahren Sie Ihre Ersatzcodes dort auf, wo Sie sie auch "
        "ohne das Gerät mit Ihrer Authenticator-App finden.\n\nWenn Sie das nicht waren, wenden Sie "
-       "sich an die Verwaltung dieses Diaphane-Servers und prüfen Sie Ihr Konto:\n\n" +
+       "sich an die Administration dieses Diaphane-Servers und prüfen Sie Ihr Konto:\n\n" +
            account + "\n"});
 }
 
@@ -202,10 +202,10 @@ Mail second_factor_taken_off(const std::string& to) {
        "account. You can sign in with your password alone until you turn it on again.\n\nIf "
        "you did not ask for this, contact the administrator now.\n"},
       {"Die Zwei-Faktor-Authentifizierung ist jetzt deaktiviert",
-       "Die Verwaltung dieses Diaphane-Servers hat die Zwei-Faktor-Authentifizierung Ihres Kontos "
-       "deaktiviert. Zum Anmelden genügt Ihr Passwort allein, bis Sie sie wieder "
+       "Die Administration dieses Diaphane-Servers hat die Zwei-Faktor-Authentifizierung Ihres "
+       "Kontos deaktiviert. Zum Anmelden genügt Ihr Passwort allein, bis Sie sie wieder "
        "aktivieren.\n\nWenn Sie nicht darum gebeten haben, wenden Sie sich jetzt an die "
-       "Verwaltung.\n"});
+       "Administration.\n"});
 }
 
 Mail recovery_code_used(Language language, const std::string& to, const std::string& account) {

@@ -75,7 +75,7 @@ TEST(Mails, ToSomebodyElseAreInBothLanguagesAtOnce) {
   EXPECT_THAT(invitation.body, HasSubstr("Bert (bert@example.org) hat"));
   const std::string taken_off = mails::second_factor_taken_off(kTo).body;
   EXPECT_THAT(taken_off, HasSubstr("An administrator"));
-  EXPECT_THAT(taken_off, HasSubstr("Die Verwaltung"));
+  EXPECT_THAT(taken_off, HasSubstr("Die Administration"));
 }
 
 }  // namespace
