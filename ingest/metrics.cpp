@@ -18,43 +18,44 @@ struct Metrics::Impl {
 };
 
 Metrics::Metrics(prometheus::Registry& registry)
-    : impl_(new Impl{registry,
-                     prometheus::BuildCounter()
-                         .Name("diaphane_ingest_jobs_total")
-                         .Help("Uploads dealt with, by result: ready, or why they were refused.")
-                         .Register(registry),
-                     prometheus::BuildHistogram()
-                         .Name("diaphane_ingest_build_seconds")
-                         .Help("Time of the child that reads an upload.")
-                         .Register(registry)
-                         .Add({}, prometheus::Histogram::BucketBoundaries{0.25, 0.5, 1, 2, 4, 8, 16,
-                                                                          32, 64, 128, 256}),
-                     prometheus::BuildGauge()
-                         .Name("diaphane_ingest_child_peak_bytes")
-                         .Help("Largest resident memory of the last child.")
-                         .Register(registry)
-                         .Add({}),
-                     prometheus::BuildGauge()
-                         .Name("diaphane_ingest_queue_depth")
-                         .Help("Uploads that wait or are being read.")
-                         .Register(registry)
-                         .Add({}),
-                     prometheus::BuildGauge()
-                         .Name("diaphane_ingest_waiting")
-                         .Help("Of these, uploads that wait for room, memory, a service, or after "
-                               "an interruption.")
-                         .Register(registry)
-                         .Add({}),
-                     prometheus::BuildGauge()
-                         .Name("diaphane_ingest_interrupted")
-                         .Help("Jobs during which ingestd ended more than once. They may be the "
-                               "reason why it ends.")
-                         .Register(registry)
-                         .Add({}),
-                     prometheus::BuildCounter()
-                         .Name("diaphane_ingest_waits_total")
-                         .Help("Attempts put off, by what was missing: room, memory or service.")
-                         .Register(registry)}) {
+    : impl_(new Impl{
+          registry,
+          prometheus::BuildCounter()
+              .Name("diaphane_ingest_jobs_total")
+              .Help("Processed uploads, by result: ready, or the reason for refusing them.")
+              .Register(registry),
+          prometheus::BuildHistogram()
+              .Name("diaphane_ingest_build_seconds")
+              .Help("Duration of the child process that reads an upload.")
+              .Register(registry)
+              .Add({}, prometheus::Histogram::BucketBoundaries{0.25, 0.5, 1, 2, 4, 8, 16, 32, 64,
+                                                               128, 256}),
+          prometheus::BuildGauge()
+              .Name("diaphane_ingest_child_peak_bytes")
+              .Help("Peak resident memory of the last child process.")
+              .Register(registry)
+              .Add({}),
+          prometheus::BuildGauge()
+              .Name("diaphane_ingest_queue_depth")
+              .Help("Uploads that are waiting or being processed.")
+              .Register(registry)
+              .Add({}),
+          prometheus::BuildGauge()
+              .Name("diaphane_ingest_waiting")
+              .Help("Uploads in the queue that wait for disk space, memory or a service, "
+                    "or after an interruption.")
+              .Register(registry)
+              .Add({}),
+          prometheus::BuildGauge()
+              .Name("diaphane_ingest_interrupted")
+              .Help("Jobs during which ingestd exited more than once, and which may be "
+                    "the cause.")
+              .Register(registry)
+              .Add({}),
+          prometheus::BuildCounter()
+              .Name("diaphane_ingest_waits_total")
+              .Help("Postponed attempts, by missing resource: room, memory or service.")
+              .Register(registry)}) {
   for (const auto reason : {WaitReason::kRoom, WaitReason::kMemory, WaitReason::kService}) {
     impl_->waits.Add({{"for", to_string(reason)}});
   }
@@ -84,7 +85,7 @@ WorkerEvents Metrics::events() {
 std::function<void(const std::string&)> Metrics::antivirus() {
   auto& family = prometheus::BuildCounter()
                      .Name("diaphane_ingest_antivirus_total")
-                     .Help("Uploads by what clamd said: clean, infected, or unchecked.")
+                     .Help("Uploads by result of the virus scan: clean, infected or unchecked.")
                      .Register(impl_->registry);
   for (const char* result : {"clean", "infected", "unchecked"}) family.Add({{"result", result}});
   return [&family](const std::string& result) { family.Add({{"result", result}}).Increment(); };

@@ -72,7 +72,7 @@ Fields::Fields(const Request& request, std::size_t most_values) {
 Fields::Fields(const std::string& where, const std::map<std::string, std::string>& texts) {
   for (const auto& [name, text] : texts) {
     const bool sound = is_utf8(text);
-    if (!sound) wrong(where, "holds a " + name + " that is not UTF-8");
+    if (!sound) wrong(where, "contains a " + name + " that is not valid UTF-8");
     object_[name] = sound ? text : std::string();
   }
 }
@@ -258,7 +258,7 @@ Outcome<std::string> text_in_query(const Request& request, const std::string& na
   if (found == request.query.end()) return std::string();
   if (characters_in(found->second) > high || has_control(found->second) ||
       !is_utf8(found->second)) {
-    return refuse_field(name, "must be a text of at most " + std::to_string(high) + " characters");
+    return refuse_field(name, "must have at most " + std::to_string(high) + " valid characters");
   }
   return found->second;
 }

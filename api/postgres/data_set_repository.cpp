@@ -155,8 +155,9 @@ Result<void> DataSetRepository::advance_upload(const std::string& id, std::int64
         RETURNING uploads.length)sql",
         id, from, to, to_us(expires_at));
     if (moved.empty())
-      return fail(ErrorCode::kConflict,
-                  "The upload has moved on. Check its offset and continue from there.");
+      return fail(
+          ErrorCode::kConflict,
+          "More of the upload has arrived in the meantime. Check its offset and continue there.");
     if (moved[0][0].as<std::int64_t>() != to) return {};
     transaction.exec_params0(R"sql(
         UPDATE data_sets SET state = 'queued', updated_at = to_timestamp($2::bigint / 1e6)

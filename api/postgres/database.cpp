@@ -148,8 +148,8 @@ tl::unexpected<Error> Database::outcome_unknown() {
 tl::unexpected<Error> Database::conflict(CallSite where) {
   log::error("sql_conflict_stays", {{"transaction", postgres::to_string(where)}});
   return fail(ErrorCode::kConflict,
-              "Something that this needs was changed or deleted at the same time. Reload and try "
-              "again.");
+              "Data that this request needs was changed or deleted at the same time. Reload and "
+              "try again.");
 }
 
 bool Database::reachable() {

@@ -111,8 +111,9 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
       if (is_gone(still.error())) (void)files_.remove(id);
       return still;
     }
-    return refuse(ProblemKind::kOffsetMismatch,
-                  "The upload has moved on. Check its offset and continue from there.");
+    return refuse(
+        ProblemKind::kOffsetMismatch,
+        "More of the upload has arrived in the meantime. Check its offset and continue there.");
   }
   if (!noted) return refuse(noted.error());
   upload->received = reached;

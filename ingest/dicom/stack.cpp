@@ -223,7 +223,7 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
   const double shear = std::atan2(std::hypot(shift_x, shift_y), height) * 180 / std::numbers::pi;
   if (shear > kSteepestTilt) {
     return refused(std::move(stack), "tilted",
-                   "The slices are shifted too far against each other for a 3D image.");
+                   "The slices are shifted too far relative to each other for a 3D image.");
   }
   stack.spacing = height / static_cast<double>(n - 1);
   const double tolerance = tolerance_of(stack.spacing);

@@ -36,8 +36,8 @@ Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on
   if (*found == Clamd::Found::kInfected) {
     report_("infected");
     return refusal("infected",
-                   "The virus scanner found malicious software in this upload. Nothing of it was "
-                   "kept.");
+                   "The virus scanner found malicious software in this upload, so the upload was "
+                   "deleted.");
   }
   report_("clean");
   return inner_.build(upload, go_on);
