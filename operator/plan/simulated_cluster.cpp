@@ -102,7 +102,7 @@ bool SimulatedCluster::carry_out(const SetDrain& action) {
   for (const Session& session : sessions_) {
     if (action.drain.reason == DrainReason::kIdle && session.worker_uid == action.uid &&
         session.placed < action.drain.since - 5) {
-      violations_.push_back("drained as idle with a session: " + action.worker);
+      violations_.push_back("drained a worker with a session as idle: " + action.worker);
     }
   }
   drained->drain = action.drain;
@@ -114,7 +114,7 @@ bool SimulatedCluster::carry_out(const SetDrain& action) {
 bool SimulatedCluster::carry_out(const DeletePod& action) {
   Pod* deleted = pod(action.name, action.uid);
   if (!deleted) return false;
-  if (!deleted->owned) violations_.push_back("somebody else's pod deleted: " + action.name);
+  if (!deleted->owned) violations_.push_back("deleted a pod of another owner: " + action.name);
   const Worker* owner = worker_of(deleted->owner_uid);
   if (deleted->phase == Phase::kRunning && alive(deleted->node) &&
       sessions_on(deleted->owner_uid) > 0) {
@@ -123,7 +123,7 @@ bool SimulatedCluster::carry_out(const DeletePod& action) {
       if (const Fleet* of = fleet(owner->fleet, owner->fleet_uid)) grace = of->spec.drain_timeout;
     }
     if (!owner || !owner->drain || world_.now < owner->drain->since + grace) {
-      violations_.push_back("pod with live sessions ended within their grace: " + action.name);
+      violations_.push_back("ended a pod with sessions during their grace period: " + action.name);
     }
   }
   if (deleted->node.empty()) {
@@ -160,7 +160,7 @@ bool SimulatedCluster::carry_out(const RemoveFinalizer& action) {
   if (!of || of->version != action.version) return false;
   for (const Pod& one : world_.pods) {
     if (one.owner_uid == of->uid && one.name == of->name && alive(one.node)) {
-      violations_.push_back("reservation let go under its pod: " + of->name);
+      violations_.push_back("removed a reservation before its pod was gone: " + of->name);
     }
   }
   of->finalizer = false;
@@ -179,7 +179,7 @@ bool SimulatedCluster::carry_out(const Restore& action) {
   }
   if (action.kind == Kind::kPod) {
     Pod* of = pod(action.name, action.uid);
-    if (of && !of->owned) violations_.push_back("somebody else's pod edited: " + of->name);
+    if (of && !of->owned) violations_.push_back("edited a pod of another owner: " + of->name);
     if (of) of->labelled = true;
     return of != nullptr;
   }

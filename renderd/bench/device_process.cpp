@@ -45,7 +45,7 @@ class DeviceProcess {
       case ProcessMessageKind::kFeatures:
         return features();
       default:
-        return fail(ErrorCode::kInternal, "a word that no device knows");
+        return fail(ErrorCode::kInternal, "the device process received an unknown command");
     }
   }
 
@@ -61,7 +61,7 @@ class DeviceProcess {
     const auto canvas = unpacked<Canvas>(payload);
     diaphane::v1::Scene scene;
     if (!scene.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-      return fail(ErrorCode::kInternal, "no scene came");
+      return fail(ErrorCode::kInternal, "the device process did not receive a scene");
     }
     DIAPHANE_TRY(renderer_->set_scene(scene, canvas));
     return std::string();

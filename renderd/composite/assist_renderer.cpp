@@ -87,7 +87,7 @@ std::optional<AssistPart> AssistDesk::collect() {
 Result<void> AssistRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
   auto task = desk_->of(scene);
   if (!task || task->canvas != canvas) {
-    return fail(ErrorCode::kConflict, "the task has gone");
+    return fail(ErrorCode::kConflict, "the task no longer exists");
   }
   if (auto set = own_->set_scene(scene, canvas); !set) return set;
   if (auto set = own_->set_share(task->share); !set) return set;

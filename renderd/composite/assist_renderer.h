@@ -72,7 +72,7 @@ class AssistRenderer final : public FrameRenderer {
 
  private:
   static tl::unexpected<Error> no_picture() {
-    return fail(ErrorCode::kUnsupported, "an assistant has no picture of its own");
+    return fail(ErrorCode::kUnsupported, "an assisting worker does not show a picture");
   }
 
   std::unique_ptr<FrameRenderer> own_;

@@ -73,7 +73,7 @@ std::string pixels_to_wire(const PackedPixel* pixels, std::size_t count) {
 
 Result<std::vector<PackedPixel>> pixels_from_wire(std::string_view bytes, std::size_t count) {
   const auto wrong = [] {
-    return fail(ErrorCode::kInvalid, "these bytes are not pixels", "pixels");
+    return fail(ErrorCode::kInvalid, "the pixel data is invalid", "pixels");
   };
   std::vector<PackedPixel> pixels;
   pixels.reserve(count);

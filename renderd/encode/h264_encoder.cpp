@@ -74,8 +74,8 @@ class H264Encoder final : public Encoder {
     const int opened = avcodec_open2(&context, codec_, nullptr);
     if (opened < 0) {
       context_.reset();
-      return fail(ErrorCode::kUnsupported,
-                  std::string(codec_->name) + " does not open: " + ffmpeg::error_text(opened));
+      return fail(ErrorCode::kUnsupported, std::string(codec_->name) + " could not be opened: " +
+                                               ffmpeg::error_text(opened));
     }
     size_ = size;
     return {};

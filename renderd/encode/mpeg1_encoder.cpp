@@ -84,7 +84,8 @@ class Mpeg1Encoder final : public Encoder {
     const int opened = avcodec_open2(&context, codec_, nullptr);
     if (opened < 0) {
       context_.reset();
-      return fail(ErrorCode::kUnsupported, "MPEG-1 does not open: " + ffmpeg::error_text(opened));
+      return fail(ErrorCode::kUnsupported,
+                  "The MPEG-1 encoder could not be opened: " + ffmpeg::error_text(opened));
     }
     size_ = size;
     return {};

@@ -53,9 +53,11 @@ void CpuFilm::recount() {
 Result<void> CpuFilm::set_share(const Share& share) {
   const std::uint32_t last = std::min(share.last_row, size_.height);
   if (!is_band(share.first_row, last, size_.height)) {
-    return fail(ErrorCode::kInvalid, "a share begins and ends between units of rows", "share");
+    return fail(ErrorCode::kInvalid, "a share must begin and end at a multiple of the row unit",
+                "share");
   }
-  if (own() % 2 != 0) return fail(ErrorCode::kConflict, "half a pair of samples is drawn");
+  if (own() % 2 != 0)
+    return fail(ErrorCode::kConflict, "the second sample of a pair has not been rendered yet");
   if (own() > 0) {
     merged_.resize((size_.height + kShareRows - 1) / kShareRows, 0);
     for (std::uint32_t row = first_row_; row < last_row_; row += kShareRows) {
@@ -96,7 +98,7 @@ bool CpuFilm::take(FilmPart& out) {
 
 Result<void> CpuFilm::merge(const FilmPart& part) {
   if (!fits(part, size_) || part.on_device) {
-    return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
+    return fail(ErrorCode::kInvalid, "this part belongs to a different picture", "part");
   }
   const FilmView film{sum_.data(), difference_.data(), state_.data()};
   threads_.run(part.rows, [&](std::uint32_t y) {

@@ -116,9 +116,11 @@ void CudaFilm::count_as_merged(std::uint32_t first_row, std::uint32_t last_row,
 Result<void> CudaFilm::set_share(const Share& share) {
   const std::uint32_t last = min(share.last_row, canvas_.height);
   if (!is_band(share.first_row, last, canvas_.height)) {
-    return fail(ErrorCode::kInvalid, "a share begins and ends between units of rows", "share");
+    return fail(ErrorCode::kInvalid, "a share must begin and end at a multiple of the row unit",
+                "share");
   }
-  if (!settled()) return fail(ErrorCode::kConflict, "half a pair of samples is drawn");
+  if (!settled())
+    return fail(ErrorCode::kConflict, "the second sample of a pair has not been rendered yet");
   if (rows_.least() > taken_) {
     count_as_merged(first_row_, last_row(), rows_.least() - taken_);
   }
@@ -182,7 +184,7 @@ Result<void> CudaFilm::merge(const FilmPart& part, cudaStream_t stream) {
   const std::size_t count = std::size_t{part.width} * part.rows;
   if (!fits(part, canvas_) || (part.on_device && packed == nullptr) ||
       (packed != nullptr && packed->pixels.capacity() < count)) {
-    return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
+    return fail(ErrorCode::kInvalid, "this part belongs to a different picture", "part");
   }
   int here = 0;
   DIAPHANE_CUDA_TRY(cudaGetDevice(&here));
