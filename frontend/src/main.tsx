@@ -11,7 +11,7 @@ async function loadFirstTexts(): Promise<void> {
   try {
     await loadTexts(firstLanguage());
   } catch {
-    await new Promise((resolve) => setTimeout(resolve, askedAgainAfterMs)); // there is no text yet to say it with
+    await new Promise((resolve) => setTimeout(resolve, askedAgainAfterMs)); // no texts are loaded yet to show a message
     await loadFirstTexts();
   }
 }

@@ -1,14 +1,14 @@
-/** As much of the browser's storage as is used. */
+/** The part of the browser's storage that the page uses. */
 export type Browsers = Pick<Storage, "getItem" | "setItem" | "removeItem" | "clear">;
 
 export interface Keeping extends Browsers {
-  /** Whether it outlasts the page. */
+  /** Returns whether the value outlasts the page. */
   keep(key: string, value: string): boolean;
 }
 
 /**
- * The browser's storage where it may be used. Where it is blocked, even looking at it throws, and where it is full it takes
- * nothing more, and some throw it away at once: then what is kept lasts as long as the page stands.
+ * The browser's storage where it is available. Access throws where it is blocked, a full one rejects values, and some
+ * browsers drop them immediately. In these cases, values last until the page closes.
  */
 export function keeping(browsers: () => Browsers): Keeping {
   const memory = new Map<string, string>();
@@ -44,7 +44,7 @@ export function keeping(browsers: () => Browsers): Keeping {
   };
 }
 
-/** For this browser, over all its tabs. */
+/** For this browser, shared by all tabs. */
 export const local = keeping(() => localStorage);
-/** For this tab, over a reload. */
+/** For this tab. Survives a reload. */
 export const tab = keeping(() => sessionStorage);

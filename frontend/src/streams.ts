@@ -1,10 +1,10 @@
 export interface StreamEnd {
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** `more`: there was more than was wanted; `broken`: it ended before its end. Then `bytes` are what came until then. */
+  /** `more`: the limit was reached. `broken`: the stream ended early. In both cases, `bytes` holds what arrived. */
   readonly end: "whole" | "more" | "broken";
 }
 
-/** At most so many bytes: a short text may unpack to very many. Never throws. */
+/** Reads at most `most` bytes, because a short text can expand to a very long one. Never throws. */
 export async function readAtMost(stream: ReadableStream<Uint8Array<ArrayBuffer>>, most: number): Promise<StreamEnd> {
   const reader = stream.getReader();
   const parts: Uint8Array<ArrayBuffer>[] = [];

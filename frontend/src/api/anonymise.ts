@@ -2,7 +2,7 @@ import type { RegionBody } from "../cut/region";
 import type { Send } from "./sharing";
 import type { DataSetState } from "./types";
 
-/** The answer of GET and POST /v1/data-sets/{id}/anonymise. */
+/** The response of GET and POST /v1/data-sets/{id}/anonymise. */
 export interface Anonymise {
   readonly state: DataSetState;
   readonly volume_hash: string | null;
@@ -18,7 +18,7 @@ export class AnonymiseApi {
     return (await (await this.send("GET", `/v1/data-sets/${id}/anonymise`)).json()) as Anonymise;
   }
 
-  /** For good. `volume_hash` of the volume that was looked at. */
+  /** Cuts the scan permanently. `volumeHash` identifies the volume that the user reviewed. */
   async cut(id: string, keep: RegionBody, volumeHash: string): Promise<Anonymise> {
     const body = { keep, volume_hash: volumeHash, confirm: "this cannot be undone" };
     return (await (await this.send("POST", `/v1/data-sets/${id}/anonymise`, body)).json()) as Anonymise;

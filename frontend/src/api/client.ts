@@ -17,13 +17,13 @@ import type {
   User,
 } from "./types";
 
-/** A refusal of the server (RFC 9457), or, with `status` 0, no answer at all. */
+/** An error response of the server (RFC 9457). If there was no response at all, `status` is 0. */
 export class ApiProblem extends Error {
   constructor(
     readonly status: number,
-    /** The end of the problem's `type`, "over-quota"; "offline" without an answer. */
+    /** The last part of the problem's `type`, such as "over-quota", or "offline" if there was no response. */
     readonly kind: string,
-    /** A sentence for the person, or empty. */
+    /** A sentence for the user, or empty. */
     readonly detail: string,
     readonly errors: readonly { readonly field: string; readonly message: string }[] = [],
     readonly retryAfterMs = 0,
@@ -39,7 +39,7 @@ export async function problemOf(response: Response): Promise<ApiProblem> {
   try {
     body = (await response.json()) as Partial<ProblemBody>;
   } catch {
-    // Not ours: of a proxy on the way.
+    // The response is not from our server but from a proxy in between.
   }
   const type =
     typeof body.type === "string" && body.type.startsWith(prefix) ? body.type.slice(prefix.length) : "internal";
@@ -53,11 +53,11 @@ export async function problemOf(response: Response): Promise<ApiProblem> {
   );
 }
 
-/** The REST contract, one function a route. Every function rejects with ApiProblem. */
+/** The REST API, one function per route. Every function rejects with ApiProblem. */
 export class Api {
   private token = "";
 
-  /** Needed by uploads, which do not go through `fetch`. */
+  /** For uploads, which do not use `fetch`. */
   get csrfToken(): string {
     return this.token;
   }
@@ -70,7 +70,7 @@ export class Api {
     await this.send("POST", "/v1/accounts/verify", { token, password });
   }
 
-  /** Rejected with `code-needed` when the account has a second factor and `code` is empty. */
+  /** Rejects with `code-needed` if the account has a second factor and `code` is empty. */
   async signIn(email: string, password: string, code = ""): Promise<Me> {
     return this.known(await this.json<Me>("POST", "/v1/sign-in", { email, password, ...(code ? { code } : {}) }));
   }
@@ -80,7 +80,7 @@ export class Api {
     this.token = "";
   }
 
-  /** Nothing when nobody is signed in. */
+  /** Returns null if nobody is signed in. */
   async me(): Promise<Me | null> {
     try {
       return this.known(await this.json<Me>("GET", "/v1/me"));
@@ -123,7 +123,7 @@ export class Api {
     this.token = "";
   }
 
-  /** Nothing when there is none. */
+  /** Returns null if there is no export. */
   async exportState(): Promise<Export | null> {
     try {
       return await this.json<Export>("GET", "/v1/me/export");
@@ -165,7 +165,7 @@ export class Api {
     return this.json("GET", "/v1/admin/fleet");
   }
 
-  /** All of them: a person has few. */
+  /** Returns all scans without paging, because a user has few. */
   async dataSets(signal?: AbortSignal): Promise<DataSet[]> {
     const all: DataSet[] = [];
     let cursor: string | null = null;
@@ -220,7 +220,7 @@ export class Api {
     await this.send("DELETE", `/v1/sessions/${sessionId}/links`);
   }
 
-  /** No account is needed. */
+  /** Needs no account. */
   join(
     token: string,
     key: string,
@@ -268,7 +268,7 @@ export class Api {
 
   private async send(method: string, path: string, body?: unknown, init: RequestInit = {}): Promise<Response> {
     const headers = new Headers(init.headers);
-    // Emails that a request causes are in the language of the page, which need not be the browser's.
+    // The server writes emails in the language of this header. The page's language may differ from the browser's.
     headers.set("Accept-Language", language.value);
     const raw = body instanceof Blob;
     if (body !== undefined && !raw) headers.set("Content-Type", "application/json");
@@ -291,7 +291,7 @@ export class Api {
   }
 }
 
-/** "?a=1&b=2" of what is given, or nothing. */
+/** Returns a query string such as "?a=1&b=2" of the values that are not null, or an empty string. */
 function queryOf(given: Readonly<Record<string, string | null>>): string {
   const query = new URLSearchParams();
   for (const [name, value] of Object.entries(given)) if (value) query.set(name, value);

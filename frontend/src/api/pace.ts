@@ -1,4 +1,4 @@
-/** How fast something goes on, and how long it will still take: from what was told within the last seconds. */
+/** Measures the speed of a transfer and estimates its remaining time, both from the marks of the last seconds. */
 
 export interface Mark {
   readonly atMs: number;
@@ -8,14 +8,16 @@ export interface Mark {
 const lookedBackMs = 15_000;
 const leastMs = 3_000;
 
-/** The marks to keep once `mark` is told. Going back (a part that was lost is sent again) begins anew. */
+/**
+ * Returns the marks to keep after `mark`. Starts again if the progress goes back, because a lost part is sent again.
+ */
 export function withMark(marks: readonly Mark[], mark: Mark): readonly Mark[] {
   const last = marks.at(-1);
   if (last && mark.done < last.done) return [mark];
   return [...marks.filter((one) => one.atMs >= mark.atMs - lookedBackMs), mark];
 }
 
-/** Nothing while it is too early to say, or when nothing moves. */
+/** Returns null if it is too early for an estimate or nothing moves. */
 export function secondsLeft(marks: readonly Mark[], total: number): number | null {
   const first = marks[0];
   const last = marks.at(-1);

@@ -1,15 +1,15 @@
 import type { Me } from "./types";
 
-/** What of the month's picture time is left, as the viewer says it. Plain data; no clock, no network. */
+/** The rendering time left this month, as the viewer shows it. Plain data without clock or network. */
 export type PictureTime =
   | { readonly kind: "enough" }
-  /** So many minutes of a renderer's work, or less. */
+  /** At most this many minutes of rendering time are left. */
   | { readonly kind: "soon"; readonly minutes: number }
-  /** All is used: the picture that is open ends then, also when it is at rest. */
+  /** No time is left. Open pictures end at this time, even if they are finished. */
   | { readonly kind: "ending"; readonly atMs: number };
 
 const minuteMs = 60_000;
-/** Said when no more than this is left. */
+/** The remaining times at which the user is warned. */
 const saidAtMs = [5 * minuteMs, minuteMs];
 
 export function pictureTime(time: Me["render_time"]): PictureTime {
@@ -19,7 +19,10 @@ export function pictureTime(time: Me["render_time"]): PictureTime {
   return soon ? { kind: "soon", minutes: Math.max(1, Math.ceil(leftMs / minuteMs)) } : { kind: "enough" };
 }
 
-/** After how long to ask the server again: a few open pictures use their time side by side, so soon enough for all of them. */
+/**
+ * The time after which to ask the server again. Several open pictures use the time in parallel, so it is short enough
+ * for all of them.
+ */
 export function askedAgainMs(time: Me["render_time"]): number {
   const leftMs = time.quota_ms - time.used_ms;
   const nextMs = saidAtMs.find((at) => at < leftMs) ?? 0;

@@ -2,21 +2,21 @@ import type { Send } from "./sharing";
 
 const path = "/v1/me/second-factor";
 
-/** The answer of GET /v1/me/second-factor. */
+/** The response of GET /v1/me/second-factor. */
 export interface SecondFactor {
-  /** Null: there is none. */
+  /** Null if there is no second factor. */
   readonly set_up_at: string | null;
-  /** That were not used yet. */
+  /** Number of unused recovery codes. */
   readonly recovery_codes: number;
-  /** An administrator's: without it the role opens nothing. */
+  /** True for an administrator, who can use the role only with a second factor. */
   readonly required: boolean;
 }
 
-/** Shown once. */
+/** Shown only once. */
 export interface NewSecret {
-  /** In base 32, for who types it. */
+  /** Base32, for typing it into an app. */
   readonly secret: string;
-  /** otpauth://, what a QR code holds. */
+  /** The otpauth:// URI, which is the content of the QR code. */
   readonly uri: string;
 }
 
@@ -31,7 +31,7 @@ export class SecondFactorApi {
     return (await (await this.send("POST", path, { password })).json()) as NewSecret;
   }
 
-  /** The first code; gives the recovery codes. */
+  /** Confirms the first code and returns the recovery codes. */
   confirm(code: string): Promise<readonly string[]> {
     return this.codes("confirm", { code });
   }

@@ -11,10 +11,10 @@ import type {
   Visit,
 } from "./types";
 
-/** Sends a request with the token of the sign-in; rejects with ApiProblem. */
+/** Sends an authenticated request. Rejects with ApiProblem. */
 export type Send = (method: string, path: string, body?: unknown, init?: RequestInit) => Promise<Response>;
 
-/** Sent again by whatever lies on the way, it still makes one thing. */
+/** An idempotency key, so that a request that is repeated on the way creates only one resource. */
 const once = () => ({ headers: { "Idempotency-Key": randomKey() } });
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
@@ -27,7 +27,7 @@ export class SharingApi {
     return read(this.send("PATCH", `/v1/data-sets/${id}`, what));
   }
 
-  /** `slices`: of a public one, whether whoever looks may have them. */
+  /** `slices` controls whether users of the gallery may see the slices of a public scan. */
   setVisibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
     return read(
       this.send("POST", `/v1/data-sets/${id}/visibility`, {
@@ -69,12 +69,12 @@ export class SharingApi {
     return read(this.send("GET", `/v1/gallery?${query.toString()}`, undefined, signal ? { signal } : {}));
   }
 
-  /** What a link leads to. No account is needed. */
+  /** Returns what the link leads to. Needs no account. */
   follow(token: string): Promise<{ readonly data_set: DataSet; readonly expires_at: string }> {
     return read(this.send("POST", "/v1/follow", { token }));
   }
 
-  /** No account is needed. */
+  /** Needs no account. */
   visit(
     what: { readonly token: string } | { readonly data_set_id: string },
     key: string,
@@ -87,7 +87,7 @@ export class SharingApi {
     await this.send("POST", `/v1/data-sets/${id}/reports`, { reason, words });
   }
 
-  /** These three: of administrators. */
+  /** The following three functions are for administrators. */
   async reports(): Promise<readonly Report[]> {
     return (await read<Page<Report>>(this.send("GET", "/v1/reports"))).items;
   }
@@ -96,7 +96,7 @@ export class SharingApi {
     await this.send("DELETE", `/v1/reports/${report}`);
   }
 
-  /** What the report is about: the preset, or the scan. */
+  /** Takes down the subject of the report, which is a preset or a scan. */
   async takeDown({ data_set_id: dataSetId, preset_id: presetId }: Report, reason: string): Promise<void> {
     const what = presetId === null ? `data-sets/${dataSetId}` : `presets/${presetId}`;
     await this.send("POST", `/v1/${what}/take-down`, { reason });
@@ -111,7 +111,7 @@ export class SharingApi {
   }
 }
 
-/** The routes with the tag `presets`. A change says by `etag` which version it is about. */
+/** The routes with the tag `presets`. A change names the version that it applies to by its ETag. */
 export class PresetsApi {
   constructor(private readonly send: Send) {}
 
@@ -143,7 +143,7 @@ export class PresetsApi {
     await this.send("POST", `/v1/data-sets/${dataSet}/default-preset`, { preset_id: preset?.id ?? null });
   }
 
-  /** The exchange format (docs/presets.md). */
+  /** Takes the exchange format of docs/presets.md. */
   importXml(dataSet: string, xml: Blob): Promise<SavedPreset> {
     return read(
       this.send("POST", `/v1/data-sets/${dataSet}/presets/xml`, xml, {
@@ -152,7 +152,7 @@ export class PresetsApi {
     );
   }
 
-  /** 404 until it is there. */
+  /** Rejects with 404 until the picture exists. */
   async picture({ data_set_id: dataSetId, id }: PresetInfo, signal: AbortSignal): Promise<Blob> {
     return (await this.send("GET", `/v1/data-sets/${dataSetId}/presets/${id}/thumbnail`, undefined, { signal })).blob();
   }

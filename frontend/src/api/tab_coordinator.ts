@@ -77,7 +77,7 @@ export class TabCoordinator {
 
   /** Forgets the uploads of windows that were closed without a message. The caller runs it periodically. */
   async forgetClosedTabs(): Promise<void> {
-    const heard = [...this.heard.keys()]; // a lock younger than the answer is not missed
+    const heard = [...this.heard.keys()]; // A lock that was acquired after the query is not missed.
     if (heard.length === 0) return;
     if (this.between.locks) {
       const { held = [] } = await this.between.locks.query();
@@ -102,5 +102,8 @@ export class TabCoordinator {
 
 const lockName = (id: string) => `diaphane.upload.${id}`;
 
-/** Without locks, a window is taken for closed after this silence. A background window may wake only once per minute, but also whenever a part has been sent. */
+/**
+ * Without locks, a window counts as closed after this silence. A background window may wake only once per minute, but
+ * it also wakes whenever a part has been sent.
+ */
 const silentMs = 12_000;

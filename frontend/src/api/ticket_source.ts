@@ -3,15 +3,15 @@ import type { TicketSource } from "../protocol/stream_client";
 import { ApiProblem } from "./client";
 import type { Stream } from "./types";
 
-/** The part of the API that tickets for an own session need. */
+/** The part of the API that tickets for the user's own sessions need. */
 export interface SessionApi {
   createSession(dataSetId: string, signal?: AbortSignal): Promise<Stream>;
   createTicket(sessionId: string, signal?: AbortSignal): Promise<Stream>;
 }
 
 /**
- * Tickets for the session that this page had or, where that is gone, for a new one of the same data set.
- * Each ticket calls `session` with the session's id.
+ * Tickets for this page's session or, if it no longer exists, for a new one of the same data set. Each ticket calls
+ * `session` with the session's ID.
  */
 export function sessionTicketSource(
   api: SessionApi,

@@ -1,20 +1,20 @@
-/** The answers of api/openapi.yaml that the page uses. */
+/** The responses of api/openapi.yaml that the page uses. */
 
 export interface Me {
   readonly id: string;
   readonly email: string;
   readonly csrf_token: string;
-  /** The role; it opens nothing without a second factor. */
+  /** Whether the account has the role. It is usable only with a second factor. */
   readonly administrator: boolean;
-  /** Signing in asks for a code. */
+  /** Whether signing in requires a code. */
   readonly second_factor: boolean;
   readonly quota: { readonly bytes: number; readonly used_bytes: number };
-  /** Of render devices, this month. */
+  /** Rendering time of this month. */
   readonly render_time: {
     readonly quota_ms: number;
     readonly used_ms: number;
     readonly renewed_at: string;
-    /** All is used: open pictures end then. */
+    /** The time at which open pictures end, because no rendering time is left. */
     readonly pictures_end_at: string | null;
   };
 }
@@ -29,14 +29,14 @@ export interface BrowserSession {
 
 export interface Export {
   readonly state: "queued" | "ready" | "failed";
-  /** Queued, and there is no room for it at the moment. */
+  /** The export is queued, and there is currently no room for it. */
   readonly waiting: boolean;
   readonly bytes: number | null;
   readonly created_at: string;
   readonly expires_at: string;
 }
 
-/** An account, as an administrator sees it. */
+/** An account as administrators see it. */
 export interface User {
   readonly id: string;
   readonly email: string;
@@ -105,15 +105,15 @@ export interface DataSet {
   readonly body_part: BodyPart | null;
   readonly state: DataSetState;
   readonly role: "nobody" | "unverified" | "other" | "shared-view" | "shared-edit" | "owner" | "administrator";
-  /** Chosen by the owner, or empty. */
+  /** The public name that the owner chose, or empty. */
   readonly owner_name: string;
   readonly owned: boolean;
   readonly is_public: boolean;
   readonly is_sample: boolean;
-  /** Whoever looks at it in the gallery may have its slices. */
+  /** Whether users of the gallery may see the slices. */
   readonly public_slices: boolean;
   readonly refusal: { readonly code: string; readonly text: string } | null;
-  /** Queued, to the owner: what it waits for beyond its turn. */
+  /** What a queued scan waits for, other than its turn. Only the owner gets it. */
   readonly waiting_for: "room" | "memory" | "service" | "interruption" | null;
   readonly volume: {
     readonly modality: "CT" | "MR" | "PT" | "OTHER";
@@ -128,7 +128,7 @@ export interface DataSet {
     readonly received_bytes: number;
     readonly expires_at: string;
   } | null;
-  /** To the owner. */
+  /** Only the owner gets this. */
   readonly shared: { readonly people: number; readonly links: number } | null;
   readonly taken_down: { readonly reason: string } | null;
   readonly published_at: string | null;
@@ -146,16 +146,16 @@ export interface SharedPerson {
 export interface DataSetLink {
   readonly id: string;
   readonly expires_at: string;
-  /** Whoever comes by it may have the slices. */
+  /** Whether people with the link may see the slices. */
   readonly slices: boolean;
 }
 
 export interface Report {
   readonly id: string;
   readonly data_set_id: string;
-  /** Empty once it is private again. */
+  /** Empty if the scan is private again. */
   readonly title: string;
-  /** What it is about; null: the data set itself. */
+  /** The reported preset, or null if the data set itself was reported. */
   readonly preset_id: string | null;
   readonly preset_name: string;
   readonly reason: string;
@@ -182,18 +182,21 @@ export interface PresetInfo {
   readonly author_name: string;
   readonly mine: boolean;
   readonly is_default: boolean;
-  /** The default, and its author has changed it since the owner chose it: the scan opens with what it was then. */
+  /**
+   * The preset is the default, and its author has changed it since. The scan still opens with the version that the
+   * owner chose.
+   */
   readonly changed_since_default: boolean;
   readonly votes: number;
   readonly my_vote: number;
   readonly etag: string;
-  /** By an administrator; then it is there for its author alone. */
+  /** Set if an administrator took the preset down. Only its author still sees it. */
   readonly taken_down: { readonly reason: string } | null;
-  /** When its picture was made; null: there is none yet. */
+  /** The time at which its picture was rendered, or null if there is none yet. */
   readonly pictured_at: string | null;
 }
 
-/** With its scene, in Protobuf's JSON. */
+/** A preset with its scene in Protobuf's JSON format. */
 export interface SavedPreset extends PresetInfo {
   readonly scene: object;
 }

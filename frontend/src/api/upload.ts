@@ -1,13 +1,13 @@
 import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpStack } from "tus-js-client";
 
-/** The only place that knows tus-js-client (docs/adr/0021). */
+/** The only file that uses tus-js-client (docs/adr/0021). */
 
 export const partBytes = 8 * 1024 * 1024;
 
-/** How an upload ended: done, or refused for good by the server with this status. */
+/** How an upload ended: it is complete, or the server rejected it permanently with this status. */
 export type UploadEnd = { readonly kind: "done" } | { readonly kind: "refused"; readonly status: number };
 
-/** Why nothing is sent just now; the next try comes by itself. */
+/** Why nothing can be sent at the moment. The upload retries automatically. */
 export type StallReason = "connection" | "storage_full";
 
 export interface UploadEvents {
@@ -17,18 +17,18 @@ export interface UploadEvents {
 }
 
 export interface RunningUpload {
-  /** Stops sending; what has arrived stays at the server. */
+  /** Stops sending. The server keeps what has arrived. */
   stop(): void;
-  /** Sends again from where the server stands: after `stop`, or at once instead of after the wait that is on. */
+  /** Resumes at the server's offset after `stop`, or ends the current wait before a retry. */
   goOn(): void;
 }
 
 const waitsMs = [300, 1000, 2000, 4000, 8000];
 const fullWaitMs = 60_000;
-/** A token that was renewed in another window is known here within moments. */
+/** A token that another window has renewed arrives here within moments. */
 const triesWithOldToken = 4;
 
-/** Sends from where the server stands, part by part with a checksum each, and comes back after any cut by itself. */
+/** Uploads from the server's offset in parts with a checksum each, and resumes after any interruption. */
 export function startUpload(bundle: Blob, url: string, csrfToken: () => string, events: UploadEvents): RunningUpload {
   let sending = false;
   let failures = 0;
@@ -42,8 +42,8 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
   const upload = new Upload(bundle, {
     uploadUrl: url,
     chunkSize: partBytes,
-    retryDelays: null, // ours know of restarts of the server, too
-    storeFingerprintForResuming: false, // the library's own would keep more than a number
+    retryDelays: null, // our own retries also handle restarts of the server
+    storeFingerprintForResuming: false, // the library would store more than a number
     httpStack: new ChecksumStack(),
     onBeforeRequest: (request) => request.setHeader("X-CSRF-Token", csrfToken()),
     onProgress: (sent, total) => events.progress(sent, total),
@@ -79,14 +79,17 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
   };
 }
 
-/** 403 the token is an older one, 409 the offset differs (ask again), 423 a part is still being written, 429 too fast, 460 damaged on the way. */
+/**
+ * 403: the token is outdated. 409: the offset differs, so ask for it. 423: a part is still being written. 429: too
+ * fast. 460: corrupted in transit.
+ */
 export const worthRetrying = (status: number, failures: number): boolean =>
   status === 0 ||
   status >= 500 ||
   [408, 409, 423, 429, 460].includes(status) ||
   (status === 403 && failures < triesWithOldToken);
 
-/** Adds `Upload-Checksum` to each part, which the library leaves to others. */
+/** Adds `Upload-Checksum` to each part, which the library does not do. */
 class ChecksumStack implements HttpStack {
   private readonly plain = new DefaultHttpStack({});
 
@@ -107,7 +110,7 @@ class ChecksumStack implements HttpStack {
   }
 }
 
-/** Nothing where the browser gives no digests: outside a secure context. */
+/** Returns null outside a secure context, where the browser computes no digests. */
 export async function checksumOf(part: Blob): Promise<string | null> {
   const subtle = (crypto as Partial<Crypto>).subtle;
   if (!subtle) return null;

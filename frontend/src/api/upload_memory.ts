@@ -1,4 +1,4 @@
-/** Which upload belongs to which files, kept over a reload: a fingerprint, ids and a length; no name. */
+/** Remembers across reloads which upload belongs to which files: a fingerprint, IDs and a length, but no name. */
 
 export interface RememberedUpload {
   readonly data_set_id: string;

@@ -1,15 +1,16 @@
 import { secondsLeft, withMark, type Mark } from "./pace";
 import type { StallReason, UploadEnd } from "./upload";
 
-/** Where an upload stands, as the page shows it. Plain data and what becomes of it; no clock, no network. */
+/** The state of an upload, as the page shows it, and its transitions. Plain data without clock or network. */
 
 /**
- * waiting: others go first; sending; paused: by the person; stalled: nothing gets through, the next try comes by itself;
- * elsewhere: another window of this browser sends it; sent: all of it, and the list of scans does not know yet; refused: for good.
+ * waiting: other uploads come first. paused: by the user. stalled: nothing gets through, and a retry follows.
+ * elsewhere: another window of this browser sends it. sent: complete, but not yet in the list of scans. refused:
+ * rejected permanently.
  */
 export type UploadPhase = "waiting" | "sending" | "paused" | "stalled" | "elsewhere" | "sent" | "refused";
 
-/** Why the server wants no more of it. */
+/** Why the server rejected the upload permanently. */
 export type UploadRefusal = "expired" | "gone" | "too_large" | "signed_out" | "other";
 
 export interface UploadView {
@@ -35,7 +36,7 @@ export function begun(dataSetId: string, total: number): UploadView {
   };
 }
 
-/** A stall is over when more bytes arrive than before it, not when a retry begins. */
+/** A stall ends when more bytes arrive than before it, not when a retry begins. */
 export function withProgress(view: UploadView, sent: number, atMs: number): UploadView {
   if (view.phase !== "sending" && view.phase !== "stalled") return view;
   const still = view.phase === "stalled" && sent <= view.sent;
@@ -65,14 +66,14 @@ export function refused(view: UploadView, end: UploadEnd & { readonly kind: "ref
   return { ...inPhase(view, "refused"), refusal: known[end.status] ?? "other" };
 }
 
-/** Seconds, or nothing while it is too early to say. */
+/** Seconds, or null if it is too early for an estimate. */
 export const timeLeft = (view: UploadView): number | null =>
   view.phase === "sending" ? secondsLeft(view.marks, view.total) : null;
 
-/** Whether closing the window would cut it. */
+/** Whether closing the window would interrupt the upload. */
 export const isOpen = (view: UploadView): boolean => ["waiting", "sending", "paused", "stalled"].includes(view.phase);
 
-/** Which of those that wait may begin, when so many may send at once: in the order in which they came. */
+/** Returns the first waiting upload, or null if `atOnce` uploads are already being sent. */
 export function nextToSend(views: Iterable<UploadView>, atOnce: number): string | null {
   const all = [...views];
   const busy = all.filter((view) => view.phase === "sending" || view.phase === "stalled").length;

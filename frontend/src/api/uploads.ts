@@ -10,7 +10,7 @@ import { begun, stalled, inPhase, isOpen, nextToSend, refused, withProgress, typ
 
 export type { UploadView } from "./upload_view";
 
-/** More would only share the same line, and the browser opens six connections at most. */
+/** More uploads would only share the bandwidth, and browsers open at most six connections per host. */
 const atOnce = 3;
 const reportedEveryMs = 1000;
 
@@ -20,10 +20,10 @@ interface Own {
   running: RunningUpload | null;
 }
 
-/** Thrown by `start`: another window of this browser sends these files. */
+/** Thrown by `start` if another window of this browser is already uploading these files. */
 export class SentElsewhere extends Error {}
 
-/** The uploads of this page. They go on while the person looks at other pages. */
+/** The uploads of this page. They continue while the user visits other pages. */
 export class Uploads {
   private readonly uploadViews = signal<ReadonlyMap<string, UploadView>>(new Map());
   private readonly own = new Map<string, Own>();
@@ -38,7 +38,7 @@ export class Uploads {
       for (const [id, own] of this.own) if (this.phase(id) === "stalled") own.running?.goOn();
     });
     addEventListener("beforeunload", (event) => {
-      if ([...this.uploadViews.value.values()].some(isOpen)) event.preventDefault(); // the browser asks whether to leave
+      if ([...this.uploadViews.value.values()].some(isOpen)) event.preventDefault(); // the browser asks the user whether to leave
     });
     setInterval(() => {
       this.notifyTabs();
@@ -50,7 +50,10 @@ export class Uploads {
     return this.uploadViews;
   }
 
-  /** Begins, or goes on where these files were cut. Gives the data set's id once bytes can flow; rejects with ApiProblem or SentElsewhere. */
+  /**
+   * Starts an upload, or resumes an interrupted one of these files. Returns the data set's ID once data can be sent.
+   * Rejects with ApiProblem or SentElsewhere.
+   */
   async start(files: readonly Blob[], title: string, fingerprint: string): Promise<string> {
     const bundle = makeBundle(files);
     const earlier = await this.resumeRemembered(fingerprint, bundle.size);
@@ -64,7 +67,7 @@ export class Uploads {
     return id;
   }
 
-  /** The unfinished upload of these files that the server still has; it stands at `received` bytes. */
+  /** Returns the unfinished upload of these files that the server still has. `received` is its offset in bytes. */
   async interrupted(
     fingerprint: string,
     bytes: number,
@@ -75,7 +78,7 @@ export class Uploads {
       const { state, upload } = await this.api.dataSet(known.data_set_id);
       return state === "uploading" && upload?.bytes === bytes ? { ...known, received: upload.received_bytes } : null;
     } catch (thrown) {
-      if (thrown instanceof ApiProblem && thrown.status === 404) return null; // deleted, expired or another person's
+      if (thrown instanceof ApiProblem && thrown.status === 404) return null; // it was deleted, has expired or belongs to another user
       throw thrown;
     }
   }
@@ -91,7 +94,7 @@ export class Uploads {
     this.sendNext();
   }
 
-  /** Stops and removes it, here and at the server. */
+  /** Stops the upload and deletes it here and on the server. */
   async cancel(id: string): Promise<void> {
     this.drop(id);
     forgetUpload(local, id);
@@ -99,18 +102,18 @@ export class Uploads {
     await this.api.deleteDataSet(id);
   }
 
-  /** The list of scans shows it as what it has become. */
+  /** Forgets a complete upload, because the list of scans now shows its scan. */
   forgetSent(id: string): void {
     if (this.phase(id) === "sent") this.drop(id);
   }
 
-  /** Somebody else signs in: nothing of the one before goes on. */
+  /** Stops all uploads, because another user signs in. */
   stopAll(): void {
     for (const id of [...this.own.keys()]) this.drop(id);
     this.uploadViews.value = new Map();
   }
 
-  /** As `interrupted`, and this window is the one that sends it from now on. */
+  /** Like `interrupted`, but this window becomes the one that sends the upload. */
   private async resumeRemembered(fingerprint: string, bytes: number): ReturnType<Uploads["interrupted"]> {
     const known = rememberedUpload(local, fingerprint);
     if (known?.bytes !== bytes || this.own.has(known.data_set_id)) return null;
@@ -126,7 +129,7 @@ export class Uploads {
 
   private async create(title: string, bytes: number, slices: number): Promise<RememberedUpload> {
     const made = await this.api.createDataSet(title, bytes, slices, randomKey());
-    await this.tabs.claim(made.data_set.id); // nobody else knows of it yet
+    await this.tabs.claim(made.data_set.id); // no other window knows of the upload yet
     return { data_set_id: made.data_set.id, upload_url: made.upload_url, bytes };
   }
 
@@ -179,7 +182,7 @@ export class Uploads {
     return [...this.uploadViews.value.values()].filter((view) => isOpen(view) && this.own.has(view.data_set_id));
   }
 
-  /** By the timer, which sleeps in a window in the background, and by what arrives, which wakes it. */
+  /** Called by the timer, which sleeps in a background window, and by arriving data, which wakes it. */
   private notifyTabs(): void {
     if (performance.now() - this.reportedMs < reportedEveryMs / 2) return;
     this.reportedMs = performance.now();
@@ -196,7 +199,7 @@ export class Uploads {
     ]);
   }
 
-  /** This window has nothing more to send of it. */
+  /** Releases the upload, because this window has nothing more to send of it. */
   private release(id: string): void {
     if (this.own.delete(id)) this.tabs.release(id);
   }

@@ -2,18 +2,18 @@ import type { Area } from "../input/flat";
 import { dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { apart, faceOf, middleOf, onScreen, planeInBox, type Axis, type Box, type Eye } from "../picture/project";
 
-/** Where a plane's normal points, from straight ahead, and where the plane is. */
+/** A cutting plane: the direction of its normal and its position. */
 export interface FacePlane {
   readonly on: boolean;
-  /** Degrees: 0 cuts the front off upright, 90 the bottom off level. */
+  /** In degrees: 0 cuts off the front vertically, and 90 cuts off the bottom horizontally. */
   readonly tilt: number;
-  /** Degrees to the patient's left, for a head that looks aside. */
+  /** In degrees towards the patient's left, for a head that is turned to the side. */
   readonly aside: number;
-  /** mm from the middle of the scan, along the normal. */
+  /** Distance from the middle of the scan along the normal, in mm. */
   readonly offset: number;
 }
 
-/** What is kept: a box along the patient's axes, and of it what lies behind the plane. mm in world space. */
+/** The region to keep: the part of a box along the patient's axes that lies behind the plane, in mm in world space. */
 export interface Region {
   readonly low: Vec3;
   readonly high: Vec3;
@@ -22,7 +22,10 @@ export interface Region {
 
 export const leastSideMm = 10;
 
-/** The smallest box along the patient's axes around a volume. `direction` row by row, its columns the voxels' axes. */
+/**
+ * Returns the smallest box along the patient's axes around a volume. The columns of the row-major `direction` are the
+ * voxel axes.
+ */
 export function boundsOf(volume: {
   readonly size: readonly number[];
   readonly spacing: readonly number[];
@@ -50,13 +53,13 @@ const degrees = (angle: number): number => (angle * 180) / Math.PI;
 
 const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 
-/** All of it, and a plane that is off but ready: in front of and below the middle. */
+/** Returns the whole scan. Its plane is off and placed in front of and below the middle. */
 export function whole(bounds: Box): Region {
   const reach = bounds.high.y;
   return { low: bounds.low, high: bounds.high, plane: { on: false, tilt: 50, aside: 0, offset: reach * 0.5 } };
 }
 
-/** How the server says a region. */
+/** A region in the form that the API uses. */
 export interface RegionBody {
   readonly box: { readonly low: readonly number[]; readonly high: readonly number[] };
   readonly planes?: readonly { readonly point: readonly number[]; readonly normal: readonly number[] }[];
@@ -93,7 +96,7 @@ export const handles: readonly Handle[] = [
   { kind: "plane" },
 ];
 
-/** Where along its way a handle stands, mm, and how far it may go. */
+/** Returns the position of a handle along its direction and its limits, in mm. */
 export function rangeOf(
   handle: Handle,
   region: Region,
@@ -118,11 +121,14 @@ export function moved(handle: Handle, to: number, region: Region, bounds: Box): 
   return { ...region, [handle.side]: { ...region[handle.side], [handle.axis]: at } };
 }
 
-/** Where the plane meets the box: a polygon, its corners in order around; nothing when it passes by or is off. */
+/**
+ * Returns the corners of the polygon in which the plane intersects the box, in order. Empty if there is none or the
+ * plane is off.
+ */
 export const planeInRegion = (region: Region): Vec3[] =>
   region.plane.on ? planeInBox(region, planeNormal(region.plane), region.plane.offset) : [];
 
-/** Where a handle is, and the direction in which it goes. */
+/** Returns the position of a handle and the direction in which it moves. */
 export function placeOf(handle: Handle, region: Region): { readonly place: Vec3; readonly along: Vec3 } | null {
   if (handle.kind === "face") return faceOf(region, handle.axis, handle.side);
   const place = middleOf(planeInRegion(region));
@@ -138,8 +144,8 @@ export interface PlacedHandle {
 }
 
 /**
- * The handles that a hand can take, each where it is on the screen. Of two that would lie on each other the one that is held
- * stays, then the plane's, then the nearer one.
+ * Returns the handles that can be dragged, with their positions on the screen. Where handles overlap, only one is
+ * returned: the held one, else that of the plane, else the nearest.
  */
 export function handlesToTake(eye: Eye, screen: Area, region: Region, held: Handle | null): PlacedHandle[] {
   const placed = handles.flatMap((handle) => {
@@ -152,7 +158,7 @@ export function handlesToTake(eye: Eye, screen: Area, region: Region, held: Hand
   );
 }
 
-/** The part of the scan that goes, 0 to 1, by a lattice of places: for a person to read, not to rely on. */
+/** Estimates the part of the scan that is cut away, from 0 to 1, on a coarse lattice. Only for display. */
 export function partThatGoes(region: Region, bounds: Box): number {
   const steps = 24;
   const normal = planeNormal(region.plane);

@@ -1,7 +1,7 @@
 import { orbitOf, panned, poseOf, rolled, rotated, zoomed, type CameraPose } from "./camera";
 import type { Gesture } from "./gestures";
 
-/** The camera after a gesture. */
+/** Returns the camera after a gesture. */
 export function applyGesture(pose: CameraPose, gesture: Gesture): CameraPose {
   const orbit = orbitOf(pose);
   switch (gesture.kind) {

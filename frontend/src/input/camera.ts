@@ -1,18 +1,18 @@
 import { add, cross, dot, length, normalize, scale, subtract, vec3, type Vec3 } from "./vec3";
 
-/** A camera as the protocol says it. `eye` and `target` in millimetres. */
+/** A camera in the terms of the protocol. `eye` and `target` are in millimetres. */
 export interface CameraPose {
   readonly eye: Vec3;
   readonly target: Vec3;
   readonly up: Vec3;
-  /** In degrees, inside (0, 180). */
+  /** In degrees, between 0 and 180 exclusive. */
   readonly verticalFovDegrees: number;
 }
 
 /**
- * The same camera as a turntable about its target: the form in which a person moves it.
- * Angles in radians: azimuth about the head-foot axis, elevation above the horizon, roll leans the camera to its
- * right where positive (so the picture turns counter-clockwise).
+ * A camera as a turntable about its target, the form in which users move it. Angles are in radians. The azimuth turns
+ * about the head-foot axis, and the elevation is above the horizon. A positive roll leans the camera to its right, so
+ * the picture turns counter-clockwise.
  */
 export interface Orbit {
   readonly target: Vec3;
@@ -23,7 +23,7 @@ export interface Orbit {
   readonly verticalFovDegrees: number;
 }
 
-/** Right, up and backwards (towards the eye) of a camera: a right-handed frame of unit length. */
+/** The right, up and backward (towards the eye) vectors of a camera: a right-handed orthonormal frame. */
 export interface CameraFrame {
   readonly right: Vec3;
   readonly up: Vec3;
@@ -31,7 +31,7 @@ export interface CameraFrame {
 }
 
 const pole = vec3(0, 0, 1);
-/** So near to the pole "up" still has a meaning: the horizon never flips under a hand. */
+/** The steepest elevation at which "up" is still defined, so that the horizon never flips during a drag. */
 const steepest = (89.5 * Math.PI) / 180;
 
 export const closestMm = 5;
@@ -45,7 +45,7 @@ function unrolled(azimuth: number, elevation: number): CameraFrame {
     Math.cos(elevation) * Math.sin(azimuth),
     Math.sin(elevation),
   );
-  // Not from cross(pole, back): this one stays exact when looking straight down.
+  // Not computed as cross(pole, back), because this form stays exact when looking straight down.
   const right = vec3(-Math.sin(azimuth), Math.cos(azimuth), 0);
   return { right, up: cross(back, right), back };
 }
@@ -61,14 +61,14 @@ export function orbitFrame(orbit: Orbit): CameraFrame {
   };
 }
 
-/** Precondition: `eye` differs from `target`. An `up` along the view counts as not rolled. */
+/** Precondition: `eye` differs from `target`. An `up` parallel to the view direction counts as no roll. */
 export function orbitOf(pose: CameraPose): Orbit {
   const away = subtract(pose.eye, pose.target);
   const distance = length(away);
   const back = normalize(away, vec3(0, -1, 0));
   const elevation = Math.asin(clamp(back.z, -1, 1));
   const overhead = Math.hypot(back.x, back.y) < 1e-6;
-  // Straight above or below, the azimuth is where the top of the picture points away from.
+  // From straight above or below, the azimuth is the direction opposite to the top of the picture.
   const azimuth = overhead ? Math.atan2(-pose.up.y * back.z, -pose.up.x * back.z) : Math.atan2(back.y, back.x);
   const plain = unrolled(azimuth, elevation);
   const roll = overhead ? 0 : Math.atan2(dot(pose.up, plain.right), dot(pose.up, plain.up));
@@ -93,8 +93,8 @@ export function poseOf(orbit: Orbit): CameraPose {
 }
 
 /**
- * Turns as a hand would on the near side of the object: what is dragged to the right goes to the right.
- * `right` and `down` in radians, as seen in the picture, whatever the roll.
+ * Rotates the object like a hand on its near side: what is dragged to the right moves to the right. `right` and `down`
+ * are in radians as seen in the picture, independent of the roll.
  */
 export function rotated(orbit: Orbit, right: number, down: number): Orbit {
   const c = Math.cos(orbit.roll);
@@ -106,18 +106,18 @@ export function rotated(orbit: Orbit, right: number, down: number): Orbit {
   };
 }
 
-/** Turns the picture clockwise by `angle` radians. */
+/** Rotates the picture clockwise by `angle` radians. */
 export function rolled(orbit: Orbit, angle: number): Orbit {
   return { ...orbit, roll: wrapped(orbit.roll - angle) };
 }
 
-/** Makes the object `factor` times as large in the picture, by moving the eye. */
+/** Scales the object in the picture by `factor` by moving the eye. */
 export function zoomed(orbit: Orbit, factor: number): Orbit {
   if (!(factor > 0) || !Number.isFinite(factor)) return orbit;
   return { ...orbit, distance: clamp(orbit.distance / factor, closestMm, farthestMm) };
 }
 
-/** Moves the picture by a part of its height, to the right and down: the target stays under the hand. */
+/** Moves the picture to the right and down by fractions of its height, so that the target follows the pointer. */
 export function panned(orbit: Orbit, right: number, down: number): Orbit {
   const frame = orbitFrame(orbit);
   const height = 2 * orbit.distance * Math.tan((orbit.verticalFovDegrees * Math.PI) / 360);
@@ -125,14 +125,14 @@ export function panned(orbit: Orbit, right: number, down: number): Orbit {
   return { ...orbit, target: add(orbit.target, shift) };
 }
 
-/** Far enough for a picture that is narrower than high: presets are fitted by their height. */
+/** Moves the eye back for a portrait picture, because presets are fitted by height. */
 export function fittedToAspect(pose: CameraPose, aspect: number): CameraPose {
   if (!(aspect > 0) || aspect >= 1) return pose;
   const away = subtract(pose.eye, pose.target);
   return { ...pose, eye: add(pose.target, scale(away, 1 / aspect)) };
 }
 
-/** Where a unit axis of the patient points in the picture: x to the right, y up, z towards the viewer. */
+/** Returns the direction of a patient axis in the picture: x to the right, y up, z towards the viewer. */
 export function inPicture(frame: CameraFrame, axis: Vec3): Vec3 {
   return vec3(dot(axis, frame.right), dot(axis, frame.up), dot(axis, frame.back));
 }

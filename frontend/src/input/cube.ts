@@ -1,18 +1,18 @@
 import { inPicture, orbitFrame, orbitOf, patientAxes, type CameraPose } from "./camera";
 import { add, cross, scale, vec3, type Vec3 } from "./vec3";
 
-/** One face of the orientation cube as it is seen: y goes down, as on a screen; the cube's half edge is 1. */
+/** One visible face of the orientation cube. y points down, and half the length of an edge is 1. */
 export interface CubeFace {
   readonly letter: string;
   readonly corners: readonly { readonly x: number; readonly y: number }[];
   readonly middle: { readonly x: number; readonly y: number };
-  /** 1: straight on; near 0: from the side. */
+  /** 1 if the face is seen straight on, and close to 0 if it is seen edge-on. */
   readonly facing: number;
 }
 
 const otherAxis = (axis: Vec3): Vec3 => (Math.abs(axis.z) > 0.5 ? vec3(1, 0, 0) : vec3(0, 0, 1));
 
-/** The faces turned towards the viewer, the most slanted first. */
+/** Returns the faces turned towards the viewer, the most slanted first. */
 export function cubeFaces(pose: CameraPose): CubeFace[] {
   const frame = orbitFrame(orbitOf(pose));
   const onScreen = (point: Vec3) => {

@@ -1,10 +1,10 @@
-/** Pixels from the upper left of a view. */
+/** A point in pixels from the top left corner of a view. */
 export interface Point {
   readonly x: number;
   readonly y: number;
 }
 
-/** Of a view, in pixels. */
+/** The size of a view in pixels. */
 export interface Area {
   readonly width: number;
   readonly height: number;

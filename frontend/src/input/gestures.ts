@@ -1,7 +1,7 @@
 import type { Area, Point } from "./flat";
 import type { PointerSample } from "./pointer_sample";
 
-/** What a hand does, as plain data. Lengths are parts of the picture's height, angles radians. */
+/** A gesture as plain data. Lengths are fractions of the picture's height, and angles are in radians. */
 export type Gesture =
   | { readonly kind: "rotate"; readonly right: number; readonly down: number }
   | { readonly kind: "pan"; readonly right: number; readonly down: number }
@@ -17,7 +17,7 @@ interface Held {
   readonly y: number;
 }
 
-/** From pointers to gestures, by the table of the viewer's conventions. Knows nothing of the page. */
+/** Translates pointer events into gestures as the viewer's help describes them. Independent of the page. */
 export class Gestures {
   private readonly held = new Map<number, Held>();
 
@@ -36,7 +36,7 @@ export class Gestures {
   move(sample: PointerSample, area: Area): Gesture[] {
     const held = this.held.get(sample.id);
     if (!held || area.height <= 0) return [];
-    if (sample.x === held.x && sample.y === held.y) return []; // told already, and a new scene would begin a new picture
+    if (sample.x === held.x && sample.y === held.y) return []; // reported already, and a new scene would start a new picture
     const others = [...this.held].filter(([id, other]) => id !== sample.id && other.touch).map(([, other]) => other);
     const now: Held = { ...held, x: sample.x, y: sample.y };
     this.held.set(sample.id, now);
@@ -70,22 +70,25 @@ function one(before: Held, now: Held, area: Area): Gesture[] {
   }
 }
 
-/** Clockwise, as y goes down. */
+/** Clockwise, because y points down. */
 const angleAboutMiddle = (at: Point, area: Area): number => Math.atan2(at.y - area.height / 2, at.x - area.width / 2);
 
-/** One finger moved while another rests: what lies between the two moves and grows with them. */
+/** One finger moves while another rests: the picture pans and zooms with the two. */
 function twoFingers(before: Held, now: Held, other: Held, area: Area): Gesture[] {
   const apartBefore = Math.hypot(before.x - other.x, before.y - other.y);
   const apartNow = Math.hypot(now.x - other.x, now.y - other.y);
   const gestures: Gesture[] = [
     { kind: "pan", right: (now.x - before.x) / 2 / area.height, down: (now.y - before.y) / 2 / area.height },
   ];
-  // Fingers almost upon each other would zoom without measure.
+  // Fingers that almost touch would zoom without limit.
   if (apartBefore > 10 && apartNow > 10) gestures.push({ kind: "zoom", factor: apartNow / apartBefore });
   return gestures;
 }
 
-/** `deltaMode` as in WheelEvent: 0 pixels, 1 lines, 2 pages. A pinch on a touchpad comes as a wheel with Ctrl. */
+/**
+ * `deltaMode` is that of WheelEvent: 0 pixels, 1 lines, 2 pages. A pinch on a touchpad arrives as a wheel event with
+ * Ctrl.
+ */
 export function wheelZoom(deltaY: number, deltaMode: number, pinch: boolean): number {
   const pixels = deltaY * (deltaMode === 1 ? 16 : deltaMode === 2 ? 400 : 1);
   const bounded = Math.max(-300, Math.min(300, pixels));

@@ -10,7 +10,7 @@ export type KeyCommand =
   | { readonly kind: "slices" }
   | { readonly kind: "alone" };
 
-/** What a key is pressed on: text and lists take letters, a slider or a box takes arrows and leaves the rest. */
+/** The kind of element that has the focus. Text and lists use letters, and a slider or a checkbox uses arrows only. */
 export type Focused = "text" | "list" | "choice" | "none";
 
 export interface KeyPress {
@@ -25,8 +25,8 @@ const step = (5 * Math.PI) / 180;
 const zoomStep = 1.12;
 
 /**
- * Arrows rotate, with Shift they pan, with Ctrl left and right roll: every drag has a key.
- * Nothing for keys that belong to the browser, or to what has the focus.
+ * Arrow keys rotate, with Shift they pan, and with Ctrl left and right roll, so every drag has a key. Returns null for
+ * keys that belong to the browser or to the focused element.
  */
 export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null {
   if (press.alt || press.meta || focused === "text" || focused === "list") return null;
@@ -58,7 +58,7 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
   }
 }
 
-/** Also from a tool of the slices: a row of choices keeps the focus. */
+/** These also work while a tool of the slices has the focus, because radio buttons keep it. */
 const views: Readonly<Record<string, KeyCommand>> = { v: { kind: "slices" }, m: { kind: "alone" } };
 
 const arrows: Readonly<Record<string, readonly [number, number]>> = {

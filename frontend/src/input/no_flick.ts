@@ -1,6 +1,7 @@
 /**
- * For what a finger drags by itself (touch-action: none). Lifted while it still moves, a finger flicks; Chromium takes the next
- * tap within a second for the end of that flick, and no button gets a click of it. A move that was taken is no flick's.
+ * For elements that a finger drags (touch-action: none). A finger that is lifted while it moves causes a flick, and
+ * Chromium takes a tap within the next second for the end of the flick, so no button gets a click. Preventing the
+ * default of the moves prevents the flick.
  */
 export const noFlick = (event: TouchEvent): void => {
   if (event.cancelable) event.preventDefault();

@@ -14,7 +14,7 @@ export const cross = (a: Vec3, b: Vec3): Vec3 =>
   vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 export const length = (a: Vec3): number => Math.hypot(a.x, a.y, a.z);
 
-/** The direction of `a`; `otherwise` where `a` has none. */
+/** Returns the direction of `a`, or `otherwise` if `a` is zero. */
 export function normalize(a: Vec3, otherwise: Vec3): Vec3 {
   const n = length(a);
   return n > 1e-12 && Number.isFinite(n) ? scale(a, 1 / n) : otherwise;

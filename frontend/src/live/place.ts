@@ -3,13 +3,13 @@ import { randomKey } from "../api/random_key";
 import { guestTicketSource, sessionTicketSource, visitTicketSource } from "../api/ticket_source";
 import type { TicketSource } from "../protocol/stream_client";
 
-/** Where a viewer's pictures come from, and under which name the page remembers the view of it. */
+/** The source of a viewer's pictures, and the key under which the page remembers the view. */
 export interface Place {
   readonly key: string;
-  /** Of one's own scans; of a guest there is none. */
+  /** The user's own scan, or null for a guest. */
   readonly data_set_id: string | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
-  /** The page is left for another. */
+  /** Called when the user leaves the page. */
   leave(sessionId: string | null): void;
 }
 
@@ -33,7 +33,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
   };
 }
 
-/** Looking without an account: at a sample, or by a link. */
+/** Viewing without an account: a sample, or a scan shared by link. */
 export function visitPlace(
   api: Api,
   what: { readonly token: string } | { readonly data_set_id: string },
@@ -47,7 +47,7 @@ export function visitPlace(
   };
 }
 
-/** Who one is at a link: kept for this tab alone, so that a reload is the same guest again. */
+/** A guest's identity. Only this tab keeps it, so that a reload continues as the same guest. */
 export interface Guest {
   readonly key: string;
   readonly name: string;

@@ -1,7 +1,7 @@
 import { cameraOf, cameraToJson, sameButForCamera, sceneToJson, type Scene, type Viewport } from "../protocol/messages";
 
 const longestPauseMs = 10_000;
-/** Of one recording; what follows is another. */
+/** Maximum number of events per recording. Further events start a new one. */
 const mostEvents = 4000;
 const mostBytes = 500_000;
 
@@ -20,8 +20,8 @@ export interface Recording {
 }
 
 /**
- * Turns the scenes of one viewer into recordings: what was shown and when, not of whom, by whom or on which day.
- * Knows no clock and sends nothing.
+ * Turns the scenes of one viewer into recordings of what was shown and when, without the scan, the user or the date.
+ * Has no clock and sends nothing.
  */
 export class Recorder {
   private events: Kept[] = [];
@@ -30,7 +30,7 @@ export class Recorder {
   private lastMs = 0;
   private atMs = 0;
 
-  /** A recording that is complete with what came before, or nothing. */
+  /** Returns the previous recording if this event starts a new one, else null. */
   add(scene: Scene, nowMs: number, viewport: Viewport): Recording | null {
     const full = this.events.length >= mostEvents || this.bytes >= mostBytes ? this.take(viewport) : null;
     const first = this.last === null;
@@ -44,7 +44,7 @@ export class Recorder {
     return full;
   }
 
-  /** All that there is; nothing when a picture was only looked at. */
+  /** Returns the current recording, or null if the user only looked at a picture. */
   take(viewport: Viewport): Recording | null {
     const events = this.events;
     this.events = [];

@@ -1,17 +1,17 @@
 import type { Audience, Participant } from "../protocol/messages";
 
-/** What this page may do in a live session. Alone, or before anything is known, one presents. */
+/** What this page may do in a live session. It presents while it is alone or nothing is known yet. */
 export interface Role {
   readonly you: string;
   readonly people: readonly Participant[];
   readonly others: number;
   readonly presents: boolean;
-  /** Somebody else presents. */
+  /** Whether someone else is presenting. */
   readonly follows: boolean;
   readonly freeCamera: boolean;
-  /** By a link into somebody's session: what is cut away is not this viewer's to change. */
+  /** Whether the viewer came by a link to someone's session. A guest can't change what is cut away. */
   readonly guest: boolean;
-  /** Nothing while the presenter is away. */
+  /** Null while the presenter is away. */
   readonly presenter: Participant | null;
 }
 

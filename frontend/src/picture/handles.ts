@@ -8,16 +8,16 @@ import * as lights from "../scene/lights";
 import { clamp } from "../scene/numbers";
 import { beside, dragged, faceOf, middleOf, onScreen, planeInBox, type Axis, type Box, type Eye } from "./project";
 
-/** What a hand takes hold of in the picture. As a slider: where it is and how far it goes. */
+/** A handle in the picture. Like a slider, it has a position and limits. */
 export interface Handle extends Point {
   readonly key: string;
   readonly of: HandleOf;
   readonly now: number;
   readonly low: number;
   readonly high: number;
-  /** Of two that lie on each other the lower one is shown. */
+  /** Where two handles overlap, the one with the lower rank is shown. */
   readonly rank: number;
-  /** At the side that is not seen. */
+  /** Whether it is on the side facing away from the viewer. */
   readonly behind?: boolean;
 }
 
@@ -26,7 +26,7 @@ export type HandleOf =
   | { readonly kind: "plane" | "tilt"; readonly index: number }
   | { readonly kind: "light"; readonly index: number };
 
-/** The scene's camera. */
+/** Returns the scene's camera. */
 export function eyeOf(scene: Scene): Eye | null {
   const pose = cameraOf(scene);
   return pose && { ...pose, orthographicHeight: scene.camera?.orthographicHeight ?? 0 };
@@ -34,7 +34,9 @@ export function eyeOf(scene: Scene): Eye | null {
 
 const keyOf = (of: HandleOf): string => (of.kind === "face" ? `${of.axis}-${of.side}` : `${of.kind}-${of.index}`);
 
-/** Of the box's faces and of each plane: one that moves it and one at the tip of its normal that turns it. */
+/**
+ * Returns one handle per face of the box, and two per plane: one moves it, and one at the tip of its normal tilts it.
+ */
 export function cutHandles(scene: Scene, bounds: Box, screen: Area): Handle[] {
   const eye = eyeOf(scene);
   if (!eye) return [];
@@ -68,7 +70,7 @@ export function cutHandles(scene: Scene, bounds: Box, screen: Area): Handle[] {
   return [...planes, ...faces];
 }
 
-/** A plane as it is drawn: where it meets the box, and its normal from there. */
+/** A plane as it is drawn: its intersection with the box and its normal. */
 export interface DrawnPlane {
   readonly polygon: readonly Vec3[];
   readonly base: Vec3;
@@ -80,16 +82,16 @@ export function drawnPlane(scene: Scene, bounds: Box, index: number): DrawnPlane
   if (!plane) return null;
   const normal = cuts.normalOf(plane);
   const polygon = planeInBox(cuts.boxOf(scene, bounds), normal, plane.offset);
-  // Beside the box it has a place as well, or it could not be taken back.
+  // A plane outside the box also gets a position, or it could not be moved back.
   const base = middleOf(polygon) ?? scale(normal, plane.offset);
   return { polygon, base, tip: add(base, scale(normal, 0.45 * cuts.reachOf(bounds))) };
 }
 
-/** The half of the picture's shorter side that is the radius of the ball on which lights stand. */
+/** The radius of the ball on which lights are placed, as a fraction of half the picture's shorter side. */
 const ballPart = 0.8;
 export const ballRadius = (screen: Area): number => Math.max(1, (ballPart * Math.min(screen.width, screen.height)) / 2);
 
-/** Each light where it comes from, on a ball around the middle of the picture; the environment has no place. */
+/** Returns a handle per light, on a ball around the middle of the picture. The environment has none. */
 export function lightHandles(scene: Scene, screen: Area): Handle[] {
   const eye = eyeOf(scene);
   if (!eye) return [];
@@ -104,7 +106,7 @@ export function lightHandles(scene: Scene, screen: Area): Handle[] {
   });
 }
 
-/** The scene after a hand has taken a handle from where it is to `to`. */
+/** Returns the scene after a handle was dragged to `to`. */
 export function handleDragged(scene: Scene, bounds: Box, screen: Area, handle: Handle, to: Point): Scene {
   const eye = eyeOf(scene);
   if (!eye) return scene;
@@ -137,7 +139,10 @@ export function handleDragged(scene: Scene, bounds: Box, screen: Area, handle: H
   }
 }
 
-/** By keys: `right` and `up` are presses of arrows; a face and a plane go one way only. */
+/**
+ * Returns the scene after arrow keys moved a handle. `right` and `up` count key presses. A face and a plane move along
+ * one direction only.
+ */
 export function handleStepped(scene: Scene, bounds: Box, handle: Handle, right: number, up: number): Scene {
   const { of } = handle;
   switch (of.kind) {

@@ -3,9 +3,9 @@ import { orbitFrame, orbitOf, type CameraFrame, type CameraPose } from "../input
 import { add, dot, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { across } from "../scene/direction";
 
-/** A camera, as much of it as decides where something is in the picture. */
+/** The part of a camera that determines where points appear in the picture. */
 export interface Eye extends CameraPose {
-  /** mm that the picture is high at any depth; absent or 0: perspective. */
+  /** Height of the orthographic picture in mm. Absent or 0 for a perspective picture. */
   readonly orthographicHeight?: number;
 }
 
@@ -18,13 +18,13 @@ export type Axis = "x" | "y" | "z";
 
 export const frameOf = (eye: CameraPose): CameraFrame => orbitFrame(orbitOf(eye));
 
-/** How many pixels a mm is at so many mm ahead of the eye. */
+/** Returns the size of one mm in pixels at the distance `ahead` (mm) from the eye. */
 const pixelsPerMm = (eye: Eye, screen: Area, ahead: number): number =>
   eye.orthographicHeight
     ? screen.height / eye.orthographicHeight
     : screen.height / 2 / Math.tan((eye.verticalFovDegrees * Math.PI) / 360) / ahead;
 
-/** Nothing for what lies behind the eye. */
+/** Returns null for a point behind the eye. */
 export function onScreen(eye: Eye, screen: Area, place: Vec3): Point | null {
   const frame = frameOf(eye);
   const fromEye = subtract(place, eye.eye);
@@ -37,7 +37,7 @@ export function onScreen(eye: Eye, screen: Area, place: Vec3): Point | null {
   };
 }
 
-/** The place, no nearer and no farther than `place`, that is seen so many pixels beside it. */
+/** Returns the point at the same depth as `place` that appears `by` pixels away from it. */
 export function beside(eye: Eye, screen: Area, place: Vec3, by: Point): Vec3 {
   const frame = frameOf(eye);
   const mm = 1 / pixelsPerMm(eye, screen, Math.max(1, -dot(subtract(place, eye.eye), frame.back)));
@@ -45,8 +45,8 @@ export function beside(eye: Eye, screen: Area, place: Vec3, by: Point): Vec3 {
 }
 
 /**
- * How many mm along `along` a hand means that moves by so many pixels. Nothing when the way points at the viewer, so that
- * a pixel would be too far to be meant.
+ * Returns how many mm along `along` correspond to a drag by `by` pixels. Null if the direction points at the viewer, so
+ * that one pixel would move the point too far.
  */
 export function dragged(eye: Eye, screen: Area, place: Vec3, along: Vec3, by: Point): number | null {
   const here = onScreen(eye, screen, place),
@@ -63,7 +63,7 @@ export function corners(box: Box): Vec3[] {
   return [0, 1, 2, 3, 4, 5, 6, 7].map((i) => vec3(of(i, 1, "x"), of(i, 2, "y"), of(i, 4, "z")));
 }
 
-/** Pairs of corners. */
+/** Edges as pairs of corners. */
 export const edges: readonly (readonly [number, number])[] = [
   [0, 1],
   [2, 3],
@@ -83,7 +83,10 @@ export function middleOf(points: readonly Vec3[]): Vec3 | null {
   return points.length === 0 ? null : scale(points.reduce(add), 1 / points.length);
 }
 
-/** Where the plane of that unit normal, so far from the middle along it, meets the box: corners in order around, or none. */
+/**
+ * Returns the corners, in order, of the polygon in which a plane intersects the box. `normal` has unit length, and
+ * `offset` is the distance from the middle along it. Empty if there is none.
+ */
 export function planeInBox(box: Box, normal: Vec3, offset: number): Vec3[] {
   const points = corners(box);
   const crossing: Vec3[] = [];
@@ -102,19 +105,19 @@ export function planeInBox(box: Box, normal: Vec3, offset: number): Vec3[] {
   return crossing.sort((p, q) => angle(p) - angle(q));
 }
 
-/** Where a handle for a face of the box stands, and the way in which it goes. */
+/** Returns the position of the handle of a face of the box, and the direction in which it moves. */
 export function faceOf(box: Box, axis: Axis, side: "low" | "high"): { readonly place: Vec3; readonly along: Vec3 } {
   const middle = scale(add(box.low, box.high), 0.5);
   const along = vec3(Number(axis === "x"), Number(axis === "y"), Number(axis === "z"));
   return { place: { ...middle, [axis]: box[side][axis] }, along };
 }
 
-/** Pixels: the side of a handle's target (style/picture.css). */
+/** Size of a handle's target in pixels (style/picture.css). */
 export const handlePx = 44;
 
 /**
- * Of those that would lie on each other the one with the lowest rank: another would be hit by chance. The sliders are the
- * way to it meanwhile.
+ * Of overlapping items, keeps the one with the lowest rank, because the others would be hit by accident. They stay
+ * reachable by their sliders.
  */
 export function apart<Item extends Point>(items: readonly Item[], rank: (item: Item) => number): Item[] {
   const taken: Item[] = [];

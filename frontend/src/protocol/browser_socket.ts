@@ -1,7 +1,7 @@
 import { subprotocol } from "./messages";
 import type { OpenSocket } from "./stream_client";
 
-/** `url` is a path on the page's own origin. */
+/** `url` is a path on the page's origin. */
 export const openBrowserSocket: OpenSocket = (url, events) => {
   const address = new URL(url, location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";

@@ -1,6 +1,6 @@
 /**
- * The life of the connection to a render worker, as a pure state machine: what happened goes in, the next state and
- * what is to be done come out. StreamClient carries it out. No clock, socket or timer in here.
+ * The connection to a render worker as a pure state machine: an event goes in, and the next state and its effects come
+ * out. StreamClient executes the effects. Contains no clock, socket or timer.
  */
 
 export type Phase =
@@ -13,7 +13,7 @@ export type Phase =
   | "elsewhere" // another window took the session over; goes on here when asked to
   | "stopped";
 
-/** Why there is no picture (yet), as a key of the texts. */
+/** Why there is no picture, or no new one, as a key of the texts. */
 export type Trouble =
   | "lost"
   | "worker_lost"
@@ -30,9 +30,9 @@ export type Trouble =
 
 export interface ConnectionState {
   readonly phase: Phase;
-  /** Tries since the last picture arrived. */
+  /** Number of attempts since the last picture arrived. */
   readonly attempt: number;
-  /** Something was seen before: it is a reconnection, not a first connection. */
+  /** Whether a picture was shown before, so that this is a reconnection. */
   readonly wasLive: boolean;
   readonly trouble: Trouble | null;
 }
@@ -55,7 +55,7 @@ export type ConnectionEffect =
   | { readonly kind: "open"; readonly url: string }
   | { readonly kind: "greet" }
   | { readonly kind: "close" }
-  /** Deliver `timeout` after that long, unless another effect with a timer, or `disarm`, comes first. */
+  /** Deliver `timeout` after this time, unless another effect with a timer, or `disarm`, comes first. */
   | { readonly kind: "timer"; readonly ms: number }
   | { readonly kind: "disarm" };
 
@@ -70,7 +70,10 @@ const stepLimitMs = 10_000;
 const waitsMs = [150, 300, 600, 1000, 1500, 2000];
 const longestWaitMs = 5000;
 
-/** How long to wait before try number `attempt` (from 0). `spread` in [0, 1) keeps many pages from coming at once. */
+/**
+ * Returns the wait before attempt number `attempt` (from 0). A random `spread` in [0, 1) keeps many pages from
+ * reconnecting at the same time.
+ */
 export function waitMs(attempt: number, spread: number, retryAfterMs = 0): number {
   const base = attempt < waitsMs.length ? (waitsMs[attempt] ?? longestWaitMs) : attempt < 30 ? 2000 : longestWaitMs;
   return Math.max(base, Math.min(retryAfterMs, longestWaitMs)) * (0.8 + 0.4 * spread);
@@ -86,7 +89,7 @@ const retryLater = (state: ConnectionState, spread: number, trouble: Trouble, re
   effects: [{ kind: "close" }, { kind: "timer", ms: waitMs(state.attempt, spread, retryAfterMs) }],
 });
 
-/** The next step after an event. `spread` in [0, 1) is a random number, which the caller draws. */
+/** Returns the next step after an event. `spread` is a random number in [0, 1) from the caller. */
 export function advance(state: ConnectionState, event: ConnectionEvent, spread: number): Step {
   const stay: Step = { state, effects: [] };
   if (state.phase === "stopped") return stay;
@@ -119,7 +122,8 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
       if (state.phase !== "greeting") return stay;
       return { state: { ...state, phase: "live", wasLive: true, trouble: null }, effects: [{ kind: "disarm" }] };
     case "picture":
-      // Only a picture resets the attempts, because a worker that greets and then dies must not be asked without pause.
+      // Only a picture resets the attempts, so that the page waits between connections to a worker that greets and then
+      // dies.
       return state.phase === "live" && state.attempt > 0 ? { state: { ...state, attempt: 0 }, effects: [] } : stay;
     case "closed":
       if (state.phase !== "opening" && state.phase !== "greeting" && state.phase !== "live") return stay;
@@ -144,7 +148,10 @@ const takenOver = 4409;
 const linkEnded = 4410;
 const displaced = 4411;
 
-/** After these codes the session must not come back by itself. Two windows would take it from each other for ever. */
+/**
+ * After these codes, the page does not reconnect automatically. Otherwise, two windows would take the session from each
+ * other for ever.
+ */
 const finalCloses: Readonly<Record<number, Pick<ConnectionState, "phase" | "trouble">>> = {
   [takenOver]: { phase: "elsewhere", trouble: "taken_over" },
   [linkEnded]: { phase: "stopped", trouble: "link_ended" },

@@ -1,9 +1,9 @@
 import { encodeDepthQuery } from "./messages";
 import type { Depth } from "./gen/api/proto/stream_pb";
 
-/** What is seen at a place of the picture; nothing where that is background, or nobody answered. */
+/** What is visible at a point of the picture. Null if that is background or there was no response. */
 export interface SeenPlace {
-  /** mm from the eye along the view axis. */
+  /** Distance from the eye along the view axis, in mm. */
   readonly distance: number;
 }
 
@@ -14,17 +14,17 @@ export interface QueryDependencies {
   readonly after: (ms: number, task: () => void) => () => void;
 }
 
-/** So long an answer is waited for: it takes milliseconds and the way there and back. */
+/** Time to wait for an answer, which normally takes milliseconds and a round trip. */
 export const patienceMs = 5000;
 
-/** Questions about the picture, each with its answer. */
+/** Matches queries about the picture with their answers. */
 export class DepthQueries {
   private last = 0n;
   private readonly waiting = new Map<bigint, (answer: Answered) => void>();
 
   constructor(private readonly dependencies: QueryDependencies) {}
 
-  /** `x` and `y` from 0 to 1, from the picture's upper left. */
+  /** `x` and `y` range from 0 to 1, from the top left of the picture. */
   ask(x: number, y: number): Promise<Answered> {
     const id = ++this.last;
     if (!this.dependencies.send(encodeDepthQuery(id, x, y))) return Promise.resolve({ answered: false });
@@ -41,7 +41,7 @@ export class DepthQueries {
     this.settle(depth.id, { answered: true, seen: depth.found ? { distance: depth.distance } : null });
   }
 
-  /** Who was asked is gone. */
+  /** Ends all queries, because the connection is lost. */
   lost(): void {
     for (const id of [...this.waiting.keys()]) this.settle(id, { answered: false });
   }

@@ -18,7 +18,9 @@ type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (body: ClientMessage["body"]): Bytes =>
   toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
 
-/** What a worker makes a file of; `error`: estimated, at which a frame or band is good enough. */
+/**
+ * The content of a file that a worker creates. `error` is the estimated error at which a frame or a band is finished.
+ */
 export type FileOrder =
   | {
       readonly kind: "turntable" | "tour";
@@ -30,7 +32,7 @@ export type FileOrder =
     }
   | { readonly kind: "picture"; readonly keys: readonly Scene[]; readonly size: Viewport; readonly error: number };
 
-/** The messages that ask for it, in their order. */
+/** Returns the messages that order the file, in order. */
 export function encodeFile(order: FileOrder): Bytes[] {
   const { size, error } = order;
   const keys = order.keys.map((scene, index) =>

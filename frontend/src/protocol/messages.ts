@@ -65,7 +65,7 @@ export interface Viewport {
   readonly height: number;
 }
 
-/** The bounds of the protocol, kept by scaling so that the shape stays. */
+/** Scales a viewport to the limits of the protocol and keeps its shape. */
 export function withinBounds(viewport: Viewport, most: number): Viewport {
   const shrink = Math.min(1, most / Math.max(viewport.width, viewport.height, 1));
   const side = (n: number) => Math.max(16, Math.round(n * shrink));
@@ -75,10 +75,10 @@ export function withinBounds(viewport: Viewport, most: number): Viewport {
 type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (message: ClientMessage): Bytes => toBinary(ClientMessageSchema, message);
 
-/** @throws on bytes that are no ServerMessage. */
+/** @throws if the bytes are not a ServerMessage. */
 export const decodeServerMessage = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
 
-/** What this browser can show: each has been tried. */
+/** The formats that this browser can show. Each of them has been tested. */
 export interface Abilities {
   readonly codecs: readonly Codec[];
   readonly stills: readonly StillFormat[];
@@ -98,7 +98,7 @@ export function encodeHello({ codecs, stills }: Abilities, pixelRatio: number, v
 export interface SceneChange {
   readonly scene?: Scene;
   readonly viewport?: Viewport;
-  /** The gesture is over. */
+  /** The gesture has ended. */
   readonly rest?: boolean;
   readonly effort?: Effort;
 }
@@ -123,7 +123,7 @@ export function encodeScene(inputSeq: number, change: SceneChange): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "scene", value } }));
 }
 
-/** Times in milliseconds of a monotonic clock; absent: it never came so far. */
+/** Times in milliseconds of a monotonic clock. A time is absent if the frame did not get that far. */
 export interface FrameTimes {
   readonly receivedMs: number;
   readonly decodedMs?: number;
@@ -147,7 +147,7 @@ export function encodeNeedKey(): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "needKey", value: create(NeedKeySchema) } }));
 }
 
-/** The presenter's role, to a participant. */
+/** Hands the role of the presenter to a participant. */
 export function encodeHandover(to: string): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "handover", value: create(HandoverSchema, { to }) } }));
 }
@@ -158,7 +158,7 @@ export function encodeFreeCamera(on: boolean): Bytes {
   );
 }
 
-/** Whether guests of one's session may have slices. */
+/** Whether guests of this session may see slices. */
 export function encodeGuestSlices(on: boolean): Bytes {
   return encoded(
     create(ClientMessageSchema, { body: { case: "guestSlices", value: create(GuestSlicesSchema, { on }) } }),
@@ -181,13 +181,13 @@ export function encodeSlices(lacking: readonly SliceId[], taken: bigint): Bytes 
   return encoded(create(ClientMessageSchema, { body: { case: "slices", value } }));
 }
 
-/** Nothing where it is of a plane that this page does not know. */
+/** Returns null if the slice belongs to a plane that this page does not know. */
 export function comingSlice({ seq, plane, index, columns, rows, data }: ExactSlice): Coming | null {
   const known = planeOf(plane);
   return known && { seq, plane: known, index, columns, rows, data: data as Uint8Array<ArrayBuffer> };
 }
 
-/** Those that are whole; a server of an earlier version tells none. */
+/** Returns the complete stacks. Earlier versions of the server send none. */
 export function stacksOf(stacks: readonly SliceStack[]): readonly Stack[] {
   return stacks.flatMap(({ plane, columns, rows, slices, first, right, down, next }) => {
     const known = planeOf(plane);
@@ -207,7 +207,7 @@ export function stacksOf(stacks: readonly SliceStack[]): readonly Stack[] {
   });
 }
 
-/** `x` and `y` from 0 to 1, from the picture's upper left. */
+/** `x` and `y` range from 0 to 1, from the top left of the picture. */
 export function encodeDepthQuery(id: bigint, x: number, y: number): Bytes {
   return encoded(
     create(ClientMessageSchema, { body: { case: "depthQuery", value: create(DepthQuerySchema, { id, x, y }) } }),
@@ -221,7 +221,7 @@ export function encodeVisibility(visible: boolean): Bytes {
 
 const plain = (v: { x: number; y: number; z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
 
-/** The camera of a scene; nothing when the scene has none. */
+/** Returns the camera of a scene, or null if it has none. */
 export function cameraOf(scene: Scene): CameraPose | null {
   const camera = scene.camera;
   if (!camera?.eye || !camera.target) return null;
@@ -233,11 +233,11 @@ export function cameraOf(scene: Scene): CameraPose | null {
   };
 }
 
-/** The same scene seen from elsewhere through the same lens; the given one is not touched. */
+/** Returns a copy of the scene that is seen from another place through the same lens. */
 export function withCamera(scene: Scene, pose: CameraPose): Scene {
   const before = cameraOf(scene);
   const lens = scene.camera ?? create(CameraSchema);
-  // Parallel rays show more from farther away, as others do: so that zooming is zooming.
+  // An orthographic camera also shows more from farther away, so that zooming works the same.
   const grown = before ? shownHeight(pose) / shownHeight(before) : 1;
   const camera = {
     ...lens,
@@ -253,7 +253,7 @@ export function withCamera(scene: Scene, pose: CameraPose): Scene {
 const shownHeight = ({ eye, target, verticalFovDegrees }: CameraPose): number =>
   length(subtract(eye, target)) * Math.tan((verticalFovDegrees * Math.PI) / 360);
 
-/** The same scene, of which only what lies in the box and behind the planes is there. mm. */
+/** Returns the same scene, clipped to the part of the box that lies behind the planes. In mm. */
 export function withClip(
   scene: Scene,
   box: { readonly low: readonly number[]; readonly high: readonly number[] },
@@ -271,7 +271,7 @@ export function withClip(
   return { ...scene, clip };
 }
 
-/** Whether two scenes show the same materials; cameras may differ. */
+/** Whether two scenes show the same materials. Their cameras may differ. */
 export function sameLook(a: Scene, b: Scene): boolean {
   if (!a.transferFunction || !b.transferFunction) return a.transferFunction === b.transferFunction;
   return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
@@ -279,7 +279,7 @@ export function sameLook(a: Scene, b: Scene): boolean {
 
 export const sameScene = (a: Scene, b: Scene): boolean => equals(SceneSchema, a, b);
 
-/** Whether two scenes are one seen from different places. */
+/** Whether two scenes differ only in their cameras. */
 export const sameButForCamera = (a: Scene, b: Scene): boolean =>
   equals(
     SceneSchema,
@@ -292,7 +292,7 @@ export const cameraToJson = (scene: Scene): string =>
 
 export const sceneToJson = (scene: Scene): string => toJsonString(SceneSchema, scene);
 
-/** Nothing when it is no scene (of another version, or damaged). */
+/** Returns null if it is not a scene, because it is damaged or of another version. */
 export function sceneFromJson(json: string): Scene | null {
   try {
     return fromJsonString(SceneSchema, json);

@@ -45,7 +45,7 @@ import {
 import { fullEffort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
 
-/** Returns a worker's one-time address, or why there is none. Every connection attempt calls it again. */
+/** Returns a worker's one-time URL, or why there is none. Every connection attempt calls it again. */
 export type TicketSource = (
   signal: AbortSignal,
 ) => Promise<
@@ -53,7 +53,7 @@ export type TicketSource = (
   | { readonly ok: false; readonly trouble: Trouble; readonly final: boolean; readonly retryAfterMs?: number }
 >;
 
-/** As much of a WebSocket as is used; a test gives its own. */
+/** The part of a WebSocket that is used, so that tests can replace it. */
 export interface Socket {
   send(data: Uint8Array<ArrayBuffer>): void;
   close(): void;
@@ -68,7 +68,7 @@ export type OpenSocket = (url: string, events: SocketEvents) => Socket;
 export interface StreamDependencies {
   readonly ticketSource: TicketSource;
   readonly openSocket: OpenSocket;
-  /** Runs `task` once before the next picture of the screen. */
+  /** Runs `task` once before the next screen refresh. */
   readonly nextFrame: (task: () => void) => void;
   readonly after: (ms: number, task: () => void) => () => void;
   readonly chance: () => number;
@@ -78,30 +78,30 @@ export interface StreamDependencies {
 
 export interface StreamEvents {
   connection(state: ConnectionState): void;
-  /** Before any frame of the connection. */
+  /** Called before any frame of the connection. */
   config(config: Config): void;
   frame(frame: Frame): void;
   still(still: Still): void;
   slice(slice: ExactSlice): void;
-  /** The slices that have come are of another clip than the session's now. */
+  /** The session's clip has changed since the slices arrived. */
   slicesStale(): void;
-  /** Who is here; this page may have become, or may be no more, the presenter's. */
+  /** The participants. This page may have become the presenter, or may no longer be. */
   audience(audience: Audience): void;
-  /** The scene as the presenter has it. */
+  /** The presenter's scene. */
   look(scene: Scene): void;
   state(state: State): void;
   stats(stats: Stats): void;
   problem(problem: Problem): void;
-  /** Of the file that was asked for: 0 to 1. */
+  /** Progress of the ordered file, from 0 to 1. */
   fileProgress(done: number): void;
   filePart(part: FilePart): void;
-  /** What renders the picture, to whoever asked. */
+  /** The kernel that renders the picture, after a request. */
   kernel(report: KernelReport): void;
 }
 
 /**
- * Speaks api/proto/stream.proto. Holds the scene as the person wants it: absolute, the newest wins, sent at once but at
- * most once a screen picture, and sent again to a worker that does not have it.
+ * Implements api/proto/stream.proto. Holds the scene that the user wants. Scenes are absolute and the newest one wins.
+ * Each is sent immediately, but at most once per screen refresh, and again to a worker that does not have it.
  */
 export class StreamClient {
   private state: ConnectionState = firstState;
@@ -121,7 +121,7 @@ export class StreamClient {
   private effort = fullEffort;
   private effortPending = false;
   private holding = false;
-  /** The scene is this page's to change: it presents, or has a camera of its own. */
+  /** Whether this page controls the scene: it presents, or it has a free camera. */
   private leading = true;
   private freeCamera = false;
   private readonly depths: DepthQueries;
@@ -142,7 +142,7 @@ export class StreamClient {
     return this.state;
   }
 
-  /** The number of the newest input that has been given. */
+  /** The number of the newest input. */
   get inputSeq(): number {
     return this.lastInputSeq;
   }
@@ -155,7 +155,7 @@ export class StreamClient {
     this.happened({ kind: "stop" });
   }
 
-  /** The network is back, or the page is looked at again: no need to wait longer. */
+  /** Ends the current wait, because the network is back or the page is visible again. */
   wake(): void {
     this.happened({ kind: "wake" });
   }
@@ -174,7 +174,7 @@ export class StreamClient {
     if (this.state.phase === "live") this.socket?.send(encodeHandover(to));
   }
 
-  /** A camera of one's own, or the presenter's again; also over a reconnection. */
+  /** Switches between a free camera and the presenter's. The choice survives a reconnection. */
   useFreeCamera(on: boolean): void {
     this.freeCamera = on;
     this.ownPose = null;
@@ -193,14 +193,14 @@ export class StreamClient {
     this.planFlush();
   }
 
-  /** Nothing more comes for now (the pointer was lifted): the whole picture need not wait for silence. */
+  /** Tells the worker that the gesture has ended, so that it can render the full picture immediately. */
   rest(): void {
     if (!this.leading) return;
     this.restPending = true;
     this.planFlush();
   }
 
-  /** Said to each worker anew. */
+  /** Sent to every new worker. */
   setEffort(effort: Effort): void {
     this.effort = effort;
     if (!this.leading) return;
@@ -221,23 +221,23 @@ export class StreamClient {
     if (this.state.phase === "live") this.socket?.send(encodeVisibility(visible));
   }
 
-  /** Greets the worker anew with other abilities, over another connection. The scene stays. */
+  /** Reconnects and greets the worker with other abilities. The scene stays. */
   greetAgain(abilities: Abilities): void {
     this.abilities = abilities;
     this.happened({ kind: "again" });
   }
 
-  /** What is lacking now; said again after a reconnection by whoever lacks it. */
+  /** Requests the missing slices. After a reconnection, the caller requests them again. */
   wantSlices(lacking: readonly SliceId[], taken: bigint): void {
     if (this.state.phase === "live") this.socket?.send(encodeSlices(lacking, taken));
   }
 
-  /** How far away that is which is seen at a place of the picture. */
+  /** Asks for the distance of what is visible at a point of the picture. */
   depthAt(x: number, y: number): Promise<Answered> {
     return this.depths.ask(x, y);
   }
 
-  /** One at a time; given up with the connection. */
+  /** Orders a file, one at a time. The order ends with the connection. */
   askForFile(order: FileOrder): void {
     for (const message of encodeFile(order)) this.say(message);
   }
@@ -254,7 +254,7 @@ export class StreamClient {
     if (this.state.phase === "live") this.socket?.send(encodeNeedKey());
   }
 
-  /** Owed for each frame and still, shown or not: the server keeps about two in flight. */
+  /** Required for each frame and still, shown or not, because the server keeps about two in flight. */
   ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
     if (this.state.phase === "live") this.socket?.send(encodeAck(frame.seq, frame.epoch, times, queue));
     if (times.presentedMs !== undefined) this.happened({ kind: "picture" });
@@ -266,7 +266,10 @@ export class StreamClient {
     return true;
   }
 
-  /** At once, unless something was sent since the last picture of the screen: then with the next, as it is by then. */
+  /**
+   * Sends immediately, unless something was sent since the last screen refresh. In that case, sends the latest state at
+   * the next one.
+   */
   private planFlush(): void {
     if (this.holding || !this.flush()) return;
     this.holding = true;
@@ -276,10 +279,10 @@ export class StreamClient {
     });
   }
 
-  /** Whether there was something to send, and somebody to hear it. */
+  /** Returns whether there was something to send and a connection to send it on. */
   private flush(): boolean {
     if (!this.scenePending && !this.viewportPending && !this.restPending && !this.effortPending) return false;
-    if (this.state.phase !== "live" || !this.socket) return false; // said by `configured` once there is a connection
+    if (this.state.phase !== "live" || !this.socket) return false; // `configured` sends it once there is a connection
     this.lastInputSeq += 1;
     this.socket.send(
       encodeScene(this.lastInputSeq, {
@@ -301,22 +304,23 @@ export class StreamClient {
     if (this.state.phase !== "live") return;
     const seen = Number(config.inputSeq);
     this.takeRole(config);
-    // What this page wanted last and the worker has not seen (lost on the way, or a new session) wins.
+    // The last scene of this page wins if the worker has not seen it, because it was lost in transit or the session is
+    // new.
     if (this.scene && (this.scenePending || seen < this.lastInputSeq)) this.scenePending = true;
     else if (config.scene) this.scene = config.scene;
     this.lastInputSeq = Math.max(this.lastInputSeq, seen);
-    // A worker begins with all of it; what was chosen while nobody heard it is said too.
+    // A worker starts with the full effort, so a choice made while disconnected must be sent.
     this.effortPending = this.leading && (this.effortPending || this.effort !== fullEffort);
     if (!this.visible) this.socket?.send(encodeVisibility(false));
     this.events.config(this.scene ? { ...config, scene: this.scene } : config);
     this.planFlush();
   }
 
-  /** Whose the scene is from here on. */
+  /** Takes over whether this page controls the scene from now on. */
   private takeRole(config: Config): void {
     if (config.follower) {
       if (this.freeCamera) {
-        // It comes back over a new connection, which does not know of the free camera yet.
+        // It returns over a new connection, which does not know of the free camera yet.
         if (this.leading && this.scene) this.ownPose = cameraOf(this.scene);
         this.socket?.send(encodeFreeCamera(true));
       }
@@ -325,7 +329,7 @@ export class StreamClient {
       this.scene = null;
     } else if (!this.leading) {
       this.leading = true;
-      this.scene = null; // the presenter's is the newest
+      this.scene = null; // the presenter's scene is the newest
       const scene = config.scene;
       if (this.ownPose && scene) {
         this.scene = withCamera(scene, this.ownPose);
@@ -385,7 +389,7 @@ export class StreamClient {
         this.depths.heard(body.value);
         break;
       case "problem":
-        // Without a slot for it, it is not asked for again by itself.
+        // If no slot is free for it, it is not requested again automatically.
         if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.freeCamera = false;
         this.events.problem(body.value);
         break;
@@ -419,12 +423,12 @@ export class StreamClient {
         this.open(effect.url);
         break;
       case "greet":
-        this.viewportPending = false; // the greeting says it
+        this.viewportPending = false; // part of the greeting
         this.socket?.send(encodeHello(this.abilities, this.dependencies.pixelRatio(), this.viewport));
         break;
       case "close":
         this.asking?.abort();
-        this.socketNumber += 1; // whatever the old one still says is not heard
+        this.socketNumber += 1; // further messages of the old socket are ignored
         this.socket?.close();
         this.socket = null;
         this.depths.lost();

@@ -1,4 +1,4 @@
-/** Files that come one after the other while the first are looked at already. */
+/** Files that arrive one by one while the first ones are already being read. */
 export class Arriving {
   private readonly arrived: Blob[] = [];
   private waiting: (() => void)[] = [];
@@ -16,7 +16,7 @@ export class Arriving {
     for (const wake of waiting) wake();
   }
 
-  /** Resolves once it is there; `index` is below `total`. */
+  /** Resolves once the file has arrived. `index` is below `total`. */
   async file(index: number): Promise<Blob | undefined> {
     while (index >= this.arrived.length) await new Promise<void>((wake) => this.waiting.push(wake));
     return this.arrived[index];

@@ -1,6 +1,7 @@
 /**
- * The upload bundle of docs/contracts.md: a POSIX tar (ustar) of files named 00001.dcm, 00002.dcm, … It is a Blob of
- * parts, so nothing is copied or read before it is sent, and the same files give the same bytes: an upload can go on.
+ * The upload bundle of docs/contracts.md: a POSIX tar (ustar) of files named 00001.dcm, 00002.dcm and so on. It is a
+ * Blob of parts, so nothing is copied or read before it is sent. The same files give the same bytes, so an upload can
+ * be resumed.
  */
 const block = 512;
 
@@ -31,8 +32,8 @@ function tarHeader(name: string, size: number): Uint8Array<ArrayBuffer> {
   put(116, octal(0, 7)); // group
   put(124, octal(size, 11));
   put(136, octal(0, 11)); // time
-  put(148, "        "); // the checksum counts as blanks
-  put(156, "0"); // a regular file
+  put(148, "        "); // the checksum is computed with blanks in its place
+  put(156, "0"); // type: a regular file
   put(257, "ustar\0" + "00");
   const sum = header.reduce((total, byte) => total + byte, 0);
   put(148, sum.toString(8).padStart(6, "0") + "\0 ");

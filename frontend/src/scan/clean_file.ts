@@ -1,11 +1,12 @@
 import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./types";
 
 /**
- * What is uploaded of a slice: a new header that holds only what a volume needs, and the voxels. So names, dates,
- * numbers, remarks and private elements never leave the browser. An allow-list: what is not named here stays behind.
+ * What is uploaded of a slice: its voxels and a new header with only what a volume needs, so that names, dates, ID
+ * numbers, comments and private elements never leave the browser. This is an allow-list: an element that it does not
+ * name is not sent.
  */
 
-/** Numbers and coded words, by their kind. Texts that a person may have typed are not among them. */
+/** Numbers and coded words, by type. Free text is not among them. */
 const wanted: Readonly<
   Record<
     string,
@@ -83,7 +84,7 @@ const imageWords = new Set([
   "STATIC",
 ]);
 
-/** The element as it may leave, or nothing when its value is not of the form that belongs there. */
+/** Returns the element as it may be sent, or null if its value does not have the expected form. */
 export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptElement | null {
   const kind = wanted[tag];
   if (kind === undefined) return null;
@@ -113,7 +114,7 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
   }
 }
 
-/** Integer strings; all other numbers here are decimal strings. */
+/** Integer strings. All other numbers here are decimal strings. */
 const integerTags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
 const numberVr = (tag: string) => (integerTags.has(tag) ? "IS" : "DS");
 
@@ -123,7 +124,7 @@ function coded(tag: string, vr: string, text: string): KeptElement {
   return { tag, vr, bytes };
 }
 
-/** What may leave of the functional groups of an enhanced file: by group, those elements in it. */
+/** The elements of each functional group of an enhanced file that may be sent. */
 export const groupedTags: Readonly<Record<string, readonly string[]>> = {
   x00209111: ["x00209056"],
   x00209113: ["x00200032"],
@@ -136,7 +137,10 @@ export const groupedTags: Readonly<Record<string, readonly string[]>> = {
   x00189751: ["x00089007"],
 };
 
-/** Of a stack's name only whether it is the same is kept, by its number of letters and their sum: it may be any text. */
+/**
+ * Replaces the name of a stack, which can be any text, by its length and the sum of its character codes, so that equal
+ * names stay equal.
+ */
 const disguised = (text: string): string =>
   String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));
 
@@ -149,7 +153,7 @@ export function groupedElement(group: string, tag: string, bytes: Uint8Array): G
 const bigEndian = "1.2.840.10008.1.2.2";
 const implicitLittle = "1.2.840.10008.1.2";
 
-/** What is sent of the slices chosen: a part a file, in the order of the first slice of each. */
+/** Returns the parts to upload for the chosen slices, one per file, in the order of each file's first slice. */
 export function uploadParts(slices: readonly SliceHeader[]): UploadPart[] {
   const files = new Map<number, SliceHeader[]>();
   for (const slice of slices) {
@@ -160,7 +164,7 @@ export function uploadParts(slices: readonly SliceHeader[]): UploadPart[] {
   return [...files.values()].flatMap((ofFile, i) => uploadPart(ofFile, i + 1) ?? []);
 }
 
-/** `number`: which file of the bundle it is, from 1; stands where the identifiers were. */
+/** `number` is the position of the file in the bundle, from 1. It replaces the identifiers. */
 function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart | null {
   const slice = slices[0];
   const voxels = slice?.voxels;
@@ -203,7 +207,10 @@ function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart 
 
 const frameGroupsTag = "x52009230";
 
-/** PerFrameFunctionalGroupsSequence: nothing is said of a frame that was not chosen, and the server passes over it. */
+/**
+ * PerFrameFunctionalGroupsSequence. The items of frames that were not chosen are empty, and the server skips these
+ * frames.
+ */
 function frameGroups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
   const chosen = new Map(slices.map((slice) => [slice.frame, slice]));
   const frames = Number(textOf(slices[0]?.kept.find(({ tag }) => tag === "x00280008")) || 1);
@@ -224,7 +231,7 @@ function frameGroups(slices: readonly SliceHeader[], implicit: boolean, little: 
       const groups = [...new Set(said.map(({ group }) => group))].sort();
       return joined(
         groups.map((group) => {
-          const last = new Map(said.filter((one) => one.group === group).map((one) => [one.tag, one])); // the frame's own, if both
+          const last = new Map(said.filter((one) => one.group === group).map((one) => [one.tag, one])); // the frame's own item comes last and wins
           const inner = [...last.values()].sort((a, b) => (a.tag < b.tag ? -1 : 1));
           return sequence(group, [joined(inner.map((one) => element(one, implicit, little)))]);
         }),

@@ -15,7 +15,7 @@ const words: readonly (readonly [Correction, RegExp])[] = [
   ["spacing", /slice to slice|spacing|distance/i],
 ];
 
-/** The kinds of these corrections, each once. A sentence that is not known has no kind. */
+/** The kinds of these corrections, each once. An unknown sentence has no kind. */
 export function correctionsOf(sentences: readonly string[]): Correction[] {
   const found = sentences.flatMap((sentence) => words.find(([, pattern]) => pattern.test(sentence))?.[0] ?? []);
   return [...new Set(found)];

@@ -3,11 +3,11 @@ import { keptElement, wantedTags } from "./clean_file";
 import { bytesOf, framesOf } from "./frames";
 import type { SliceHeader } from "./types";
 
-/** The only place that knows dicom-parser. */
+/** The only file that uses dicom-parser. */
 
 export type HeaderRead =
-  | { readonly kind: "headers"; readonly headers: readonly SliceHeader[] } // of an enhanced file one per frame
-  | { readonly kind: "more" } // the header goes on behind these bytes
+  | { readonly kind: "headers"; readonly headers: readonly SliceHeader[] } // one header per frame of an enhanced file
+  | { readonly kind: "more" } // the header continues after these bytes
   | { readonly kind: "not_dicom" }
   | { readonly kind: "unreadable" };
 
@@ -18,7 +18,9 @@ const deflatedLittle = "1.2.840.10008.1.2.1.99";
 const pixelData = "x7fe00010";
 const lossySyntaxes = new Set(["50", "51", "81", "91"].map((leaf) => `1.2.840.10008.1.2.4.${leaf}`));
 
-/** Reads a header from the first bytes of a file, up to the voxels; of a deflated file, from all that it unpacks to. */
+/**
+ * Reads a header from the first bytes of a file, up to the voxels. A deflated file must be inflated completely first.
+ */
 export function readHeader(bytes: Uint8Array, file: number, fileBytes: number): HeaderRead {
   const form = guessForm(bytes);
   if (!form) return { kind: "not_dicom" };
@@ -36,7 +38,7 @@ export function readHeader(bytes: Uint8Array, file: number, fileBytes: number): 
     const partial = (thrown as { dataSet?: DataSet } | null)?.dataSet;
     if (!partial?.elements.x0020000e) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
     cutOff = true;
-    data = partial; // cut off behind what is needed: a damaged slice of a known series
+    data = partial; // the file ends after the required elements: a damaged slice of a known series
   }
   if (!complete && !data.elements[pixelData]) return { kind: "more" };
   const header = headerOf(data, form, file, fileBytes, cutOff);
@@ -44,7 +46,7 @@ export function readHeader(bytes: Uint8Array, file: number, fileBytes: number): 
   return { kind: "headers", headers: framesOf(data, header) };
 }
 
-/** Where the deflated part of a file begins; nothing when it is not deflated. */
+/** Returns the offset of the deflated part of a file, or null if it is not deflated. */
 export function deflatedFrom(bytes: Uint8Array): number | null {
   const form = guessForm(bytes);
   if (!form || form.syntax || form.shift !== 0) return null;
@@ -59,13 +61,13 @@ export function deflatedFrom(bytes: Uint8Array): number | null {
 interface Form {
   readonly bytes: Uint8Array;
   readonly syntax?: string;
-  /** How much longer `bytes` is than the file. */
+  /** The length of `bytes` minus that of the file. */
   readonly shift: number;
-  /** It says that it is DICOM; otherwise it only looks so. */
+  /** Whether the file identifies itself as DICOM. If not, it only looks like it. */
   readonly sure: boolean;
 }
 
-/** With preamble; without; without anything but the data elements (case 20 of ingest). */
+/** Recognises files with a preamble, without one, and with nothing but data elements (case 20 of ingest). */
 function guessForm(bytes: Uint8Array): Form | null {
   if (textAt(bytes, 128, 4) === "DICM") return { bytes, shift: 0, sure: true };
   if (bytes.length < 16) return null;
@@ -81,7 +83,10 @@ function guessForm(bytes: Uint8Array): Form | null {
   return { bytes, syntax: explicit ? explicitLittle : implicitLittle, shift: 0, sure: false };
 }
 
-/** The parser does not know the representation OV of the Extended Offset Table and its lengths, and would lose its place: OB is laid out alike. */
+/**
+ * The parser does not know the value representation OV of the Extended Offset Table, and would misread what follows. OB
+ * has the same layout.
+ */
 function renameLongOffsets(bytes: Uint8Array): void {
   for (let at = bytes.indexOf(0xe0); at >= 0; at = bytes.indexOf(0xe0, at + 1)) {
     const [, high, low, zero, o, v] = bytes.subarray(at, at + 6);
@@ -163,7 +168,7 @@ function pixelFormatOf(data: DataSet): PixelFormat {
   };
 }
 
-/** How stored values become values of the modality, and the window in which they are shown. */
+/** Reads how stored values convert to values of the modality, and the window in which to show them. */
 function valuesOf(data: DataSet): Pick<SliceHeader, "hasScale" | "slope" | "intercept" | "window"> {
   const center = data.floatString("x00281050");
   const width = data.floatString("x00281051");
@@ -177,7 +182,7 @@ function valuesOf(data: DataSet): Pick<SliceHeader, "hasScale" | "slope" | "inte
 
 type Voxels = Pick<SliceHeader, "pixels" | "voxels" | "truncated">;
 
-/** Where the voxels lie in the file, and whether the file ends before they do. */
+/** Finds the voxels in the file, and whether the file ends before they do. */
 function voxelsOf(data: DataSet, form: Form, syntax: string, format: PixelFormat, fileBytes: number): Voxels {
   const element = data.elements[pixelData];
   if (!element) return { pixels: null, voxels: null, truncated: false };
@@ -187,7 +192,7 @@ function voxelsOf(data: DataSet, form: Form, syntax: string, format: PixelFormat
   const offset = element.dataOffset - form.shift;
   return {
     pixels: native && syntax !== bigEndian ? { offset, length: wanted } : null,
-    // read_file.ts finds the end of compressed voxels by going through their fragments.
+    // read_file.ts finds the end of compressed voxels from their fragments.
     voxels: {
       from: offset,
       to: native ? offset + wanted + (wanted % 2) : fileBytes,
@@ -213,7 +218,10 @@ function numbers(data: DataSet, tag: string, count: number): number[] | null {
 const finite = (value: number | undefined): number | null =>
   value !== undefined && Number.isFinite(value) ? value : null;
 
-/** DICOM PS3.3 C.12.1.1.2, those that browsers can read; the last of several holds the most. */
+/**
+ * The character sets of DICOM PS3.3 C.12.1.1.2 that browsers can decode. If there are several, the last one is the most
+ * comprehensive.
+ */
 const characterSets: Readonly<Record<string, string>> = {
   "ISO_IR 100": "windows-1252",
   "ISO_IR 101": "iso-8859-2",

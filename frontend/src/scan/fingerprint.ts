@@ -1,8 +1,8 @@
 import type { SliceHeader } from "./types";
 
 /**
- * Tells the same files again after a reload, so that an upload goes on where it was cut. Only this number is kept:
- * no name and no identifier can be read from it.
+ * Recognises the same files after a reload, so that their upload can be resumed. Only this number is stored. It reveals
+ * no name and no identifier.
  */
 export function fingerprint(slices: readonly SliceHeader[]): string {
   let low = 0xdeadbeef;

@@ -2,14 +2,16 @@ import type { DataSet } from "dicom-parser";
 import { groupedElement, groupedTags } from "./clean_file";
 import type { GroupedElement, SliceHeader } from "./types";
 
-/** The functional groups of an enhanced file (DICOM PS3.3, C.7.6.16): where each of its pictures lies. */
+/** Reads the functional groups of an enhanced file (DICOM PS3.3, C.7.6.16), which give the position of each frame. */
 
 const sharedGroups = "x52009229";
 const frameGroups = "x52009230";
 const enhanced = new Set(["2.1", "2.2", "4.1", "4.4", "128.1", "130"].map((leaf) => `1.2.840.10008.5.1.4.1.1.${leaf}`));
 const mostFrames = 20_000;
 
-/** One header a picture; of a file that is none of these, or does not say where its pictures lie, the one it has. */
+/**
+ * Returns one header per frame. A file of another kind, or without positions of its frames, keeps its single header.
+ */
 export function framesOf(data: DataSet, header: SliceHeader): readonly SliceHeader[] {
   const each = data.elements[frameGroups]?.items;
   const shared = data.elements[sharedGroups]?.items?.[0]?.dataSet;
@@ -34,7 +36,7 @@ function groupedOf(item: DataSet): GroupedElement[] {
   });
 }
 
-/** What the groups say comes after what stands at the top of the file. */
+/** Values in the groups override those at the top of the file. */
 function withGroups(header: SliceHeader, grouped: readonly GroupedElement[]): SliceHeader {
   const text = (tag: string): string | null => {
     const found = grouped.findLast((one) => one.tag === tag);
@@ -71,6 +73,6 @@ function pixelsOf({ pixels, frame, rows, columns, bitsAllocated, samples }: Slic
   return pixels ? { offset: pixels.offset + frame * length, length } : null;
 }
 
-/** Typed with Node's Buffer, which a browser has not. */
+/** Its type refers to Node's Buffer, which does not exist in a browser. */
 // eslint-disable-next-line @typescript-eslint/no-unsafe-return
 export const bytesOf = (data: DataSet): Uint8Array => data.byteArray;

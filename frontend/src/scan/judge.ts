@@ -2,13 +2,14 @@ import { arrange, cross, type Axes, type Vector } from "./stack";
 import type { Chosen, LeftOut, Reason, SliceHeader, Unsuitable } from "./types";
 
 /**
- * Whether the files of one series can become a volume, by the cases of ingest (ingest/dicom/classify.cpp). Never trusts
- * SliceThickness, SpacingBetweenSlices or InstanceNumber. A preview for the person: the server judges again.
+ * Decides whether the files of one series can become a volume, by the same cases as ingest (ingest/dicom/classify.cpp).
+ * Never relies on SliceThickness, SpacingBetweenSlices or InstanceNumber. It is a preview for the user, and the server
+ * decides again.
  */
 
 export const fewestSlices = 16;
 export const shortestMm = 20;
-/** What the server takes: of one file, as it is sent and unpacked (ingest/dicom/precheck.h), and of one scan (scan.h). */
+/** The server's limits per file, as sent and as decompressed (ingest/dicom/precheck.h), and per scan (scan.h). */
 export const mostFileBytes = 2 ** 30;
 export const mostVoxels = 2 ** 30;
 export const mostSlices = 20_000;
@@ -16,7 +17,10 @@ export const mostSlices = 20_000;
 const imageRoot = "1.2.840.10008.5.1.4.1.1.";
 const slicesOf = new Set(["2", "4", "128", "2.1", "2.2", "4.1", "4.4", "128.1", "130"].map((leaf) => imageRoot + leaf));
 
-/** Slices of a CT, MR or PET scan; other files are reports, screenshots, plans, structures: never listed. */
+/**
+ * Whether a file is a slice of a CT, MR or PET scan. Other files are reports, screenshots, plans or structures and are
+ * never listed.
+ */
 export const isSlice = ({ sopClass, voxels, truncated }: SliceHeader): boolean =>
   slicesOf.has(sopClass) && (voxels !== null || truncated);
 
@@ -42,7 +46,7 @@ export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
   const ofClass = all.filter(isSlice);
   if (ofClass.length === 0) return refuse("no_slices", all.length);
   const whole = ofClass.filter((slice) => !slice.truncated);
-  // A file that was cut off in its header says nothing of how it is coded: the others decide.
+  // A file that ends within its header does not state its encoding, so the others decide.
   const coded = ofClass.filter((slice) => slice.transferSyntax !== "");
   if (coded.some((slice) => !transferSyntaxes.has(slice.transferSyntax)))
     return refuse("unsupported_compression", ofClass.length);
@@ -69,7 +73,7 @@ export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
 const viewMarks = ["PROJECTION", "MIP", "MINIP", "ROTAT", "VRT"];
 const isView = (slice: SliceHeader) => slice.imageType.some((part) => viewMarks.some((mark) => part.includes(mark)));
 
-/** "MIXED": of frames each of which says it for itself. */
+/** "MIXED" is decided frame by frame. */
 function isOriginal({ imageType: [first = "", second], isLossy }: SliceHeader): boolean {
   return (
     first === "" ||
@@ -79,7 +83,7 @@ function isOriginal({ imageType: [first = "", second], isLossy }: SliceHeader): 
   );
 }
 
-/** Case 7: the same object twice on the disc; nothing when one identifier stands for two places. */
+/** Case 7: removes objects that occur twice on the disc. Returns null if one identifier belongs to two positions. */
 function withoutDoubles(slices: readonly SliceHeader[]): SliceHeader[] | null {
   const seen = new Map<string, SliceHeader>();
   const kept: SliceHeader[] = [];
@@ -113,10 +117,10 @@ function judgeGeometry(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen
   return judgeStack(even, { ...leftOut, scouts: leftOut.scouts + strangers, others });
 }
 
-/** So many pictures of another direction are scouts without the word; more are another series. */
+/** Up to this many images in another direction are unmarked overview images. More are a separate series. */
 const mostStrangers = 3;
 
-/** Scales of real scans lie far within these bounds, which are those of ingest/dicom/classify.cpp. */
+/** Scales of real scans lie far within these limits, which are the same in ingest/dicom/classify.cpp. */
 function isPlausibleScale(slice: SliceHeader): boolean {
   const size = Math.abs(slice.slope);
   if (!Number.isFinite(size) || !Number.isFinite(slice.intercept) || size < 1e-12) return false;
@@ -154,7 +158,7 @@ function judgeStack(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen | 
   };
 }
 
-/** Some of a file's pictures may not be chosen, but it is sent as one piece. */
+/** A file is sent as a whole, even if only some of its frames are chosen. */
 function isTooLarge(slices: readonly SliceHeader[]): boolean {
   if (slices.length > mostSlices) return true;
   const unpacked = new Map<number, number>();
@@ -164,7 +168,7 @@ function isTooLarge(slices: readonly SliceHeader[]): boolean {
   return slices.some((slice) => Math.max(sent(slice), unpacked.get(slice.file) ?? 0) > mostFileBytes);
 }
 
-/** Nothing when the two directions are not of unit length and at right angles. */
+/** Returns null if the two directions are not orthonormal. */
 function axesOf(orientation: SliceHeader["orientation"]): Axes | null {
   if (!orientation) return null;
   const [a, b, c, d, e, f] = orientation;

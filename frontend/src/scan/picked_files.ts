@@ -1,6 +1,6 @@
-/** All files of what was dropped, folders included, in a stable order. */
+/** Returns all dropped files, including those in folders, in a stable order. */
 export async function droppedFiles(transfer: DataTransfer): Promise<File[]> {
-  // The entries must be asked for before the first wait: the list is empty afterwards.
+  // The entries must be read before the first await, because the list is empty afterwards.
   const entries = [...transfer.items].flatMap((item) => {
     const entry = item.kind === "file" ? item.webkitGetAsEntry() : null;
     return entry ? [entry] : [];
@@ -20,13 +20,13 @@ async function walk(entry: FileSystemEntry, found: { path: string; file: File }[
     } else if (entry.isDirectory) {
       const reader = (entry as FileSystemDirectoryEntry).createReader();
       for (;;) {
-        // A reader gives at most a hundred at a time.
+        // A reader returns at most 100 entries per call.
         const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
         if (some.length === 0) break;
         for (const child of some) await walk(child, found);
       }
     }
   } catch {
-    // One that cannot be opened is left out.
+    // Skips entries that cannot be opened.
   }
 }

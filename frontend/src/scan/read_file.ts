@@ -2,18 +2,18 @@ import { readAtMost } from "../streams";
 import { deflatedFrom, readHeader, type HeaderRead } from "./dicom";
 import type { SliceHeader } from "./types";
 
-/** 8 KB hold most headers of CT, 64 KB nearly every one; the last is a bound that no header reaches. */
+/** 8 KB contain most CT headers, and 64 KB nearly all. The last step is a limit that no header reaches. */
 const steps = [8 * 1024, 64 * 1024, 256 * 1024, 64 * 1024 * 1024];
-/** The step that is taken without knowing that it is needed. */
+/** The largest step that is taken without knowing that it is needed. */
 const mostAtOnce = 2;
 const inflatedLimit = 16 * 1024 * 1024;
 
-/** Of the files of a disc, one after the other: those of a series have headers of one length. */
+/** Reads the headers of a disc one after the other. Those of a series have the same length. */
 export class HeaderReader {
-  /** The step that was enough for the file before. */
+  /** The step that was sufficient for the previous file. */
   private usual = 0;
 
-  /** Never throws: a bad file must not stop the scan. */
+  /** Never throws, because a bad file must not stop the scan. */
   async read(file: Blob, index: number): Promise<HeaderRead> {
     try {
       for (let step = this.usual; step < steps.length; step++) {
@@ -35,15 +35,15 @@ export class HeaderReader {
         if (size === file.size) break;
       }
     } catch {
-      // Not readable on disk, or nested without end.
+      // The file is not readable on disk, or its elements are nested too deeply.
     }
     return { kind: "unreadable" };
   }
 }
 
-/** What it unpacks to is a file of its own, without a header, and is what is sent. */
+/** Inflates the file. The result has no file header and is what is sent. */
 async function readDeflated(packed: Blob, index: number, fileBytes: number): Promise<HeaderRead> {
-  // Where the end of the file was cut off, what came before it is used.
+  // If the file is cut off, what precedes the end is used.
   const { bytes } = await readAtMost(
     packed.stream().pipeThrough(new DecompressionStream("deflate-raw")),
     inflatedLimit,
@@ -56,7 +56,7 @@ async function readDeflated(packed: Blob, index: number, fileBytes: number): Pro
 
 const mostFragments = 100_000;
 
-/** Compressed voxels end where their last fragment does; what comes behind it is not sent. */
+/** Compressed voxels end with their last fragment, and what follows is not sent. */
 async function withEndOfFragments(
   file: Blob,
   begin: Uint8Array<ArrayBuffer>,
@@ -66,7 +66,7 @@ async function withEndOfFragments(
   if (!voxels?.encapsulated) return headers;
   let at = voxels.from;
   for (let i = 0; i < mostFragments && at + 8 <= file.size; i++) {
-    // A read of the file costs about a millisecond: the first items are there already.
+    // A read costs about one millisecond, so the bytes that are already there are used first.
     const there = at + 8 <= begin.length;
     const item = there ? new DataView(begin.buffer, at, 8) : new DataView(await file.slice(at, at + 8).arrayBuffer());
     const length = item.getUint32(4, true);

@@ -7,12 +7,12 @@ import { drawThumbnail } from "./thumbnail";
 import type { Chosen, ScanResult, Series, SliceHeader, Suitable, Thumbnail } from "./types";
 import { planOf } from "./upload_plan";
 
-/** So many files at once: enough to keep a disk busy, few enough for a phone. */
+/** Number of files read at the same time: enough to keep a disk busy, and few enough for a phone. */
 const atOnce = 12;
 
 export type Progress = (done: number, total: number) => void;
 
-/** Looks at every file whatever its name, and sorts what it finds into series. */
+/** Reads every file, whatever its name, and sorts the slices into series. */
 export async function scanFiles(
   given: readonly Blob[] | Arriving,
   progress: Progress,
@@ -39,7 +39,7 @@ export async function scanFiles(
     }
   };
   await Promise.all(Array.from({ length: atOnce }, worker));
-  headers.sort((a, b) => a.file - b.file || a.frame - b.frame); // whatever order the disk gave them in
+  headers.sort((a, b) => a.file - b.file || a.frame - b.frame); // independent of the order in which the disk delivered them
   const series: Series[] = [];
   const slicesOnly = headers.filter(isSlice);
   for (const [key, slices] of bySeries(slicesOnly)) series.push(await seriesOf(key, slices, files));
@@ -48,7 +48,10 @@ export async function scanFiles(
   return { series, notDicom, unreadable, notSlices, files: total };
 }
 
-/** Several stacks of an enhanced file are apart as well. Two patients on one disc are listed apart, even where a faulty device gave them one series. */
+/**
+ * Separates the stacks of an enhanced file, and two patients on one disc, even if a faulty device gave them the same
+ * series.
+ */
 function bySeries(headers: readonly SliceHeader[]): Map<string, SliceHeader[]> {
   const groups = new Map<string, SliceHeader[]>();
   for (const header of headers) {
@@ -79,7 +82,7 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], files: read
   };
 }
 
-/** The headers stay with the scan: the page needs none of them, and thousands are long on their way to it. */
+/** The headers stay in the worker, because the page does not need them and copying thousands of them takes long. */
 const withoutSlices = ({ size, sizeMm, leftOut, repairs }: Chosen): Suitable => ({
   suitable: true,
   size,
@@ -96,11 +99,11 @@ async function middleSlice(ordered: readonly SliceHeader[], files: readonly Blob
     const { offset, length } = slice.pixels;
     return drawThumbnail(slice, await file.slice(offset, offset + length).arrayBuffer());
   } catch {
-    return null; // no picture is no reason to hide a series
+    return null; // a missing thumbnail is no reason to hide a series
   }
 }
 
-/** Suitable ones first, the largest of them on top. */
+/** Sorts suitable series to the front, the largest first. */
 function byUse(a: Series, b: Series): number {
   if (a.verdict.suitable !== b.verdict.suitable) return a.verdict.suitable ? -1 : 1;
   return b.slices - a.slices;

@@ -3,7 +3,10 @@ import type { Progress } from "./scan";
 import type { FromWorker, ToWorker } from "./scan_worker";
 import type { ScanResult } from "./types";
 
-/** Scans in a worker, so that the page stays alive. Aborting ends the worker; the promise then never settles. */
+/**
+ * Scans in a worker, so that the page stays responsive. Aborting terminates the worker, and the promise then never
+ * settles.
+ */
 export function scanInWorker(files: readonly File[], progress: Progress, signal: AbortSignal): Promise<ScanResult> {
   return new Promise((resolve, reject) => {
     const worker = new Worker(new URL("./scan_worker.ts", import.meta.url), { type: "module" });
@@ -26,13 +29,13 @@ export function scanInWorker(files: readonly File[], progress: Progress, signal:
 }
 
 /**
- * Bit by bit: the browser asks the disk for the size of each file when it is first wanted, and the page stands still for
- * that millisecond; for all 3,000 of a disc, for seconds.
+ * Hands over the files in small groups. The browser reads each file's size from the disk when it is first used, which
+ * blocks the page for a millisecond per file: several seconds for the 3,000 files of a disc.
  */
 async function handOver(worker: Worker, files: readonly File[], signal: AbortSignal): Promise<void> {
   const say = (message: ToWorker) => worker.postMessage(message);
   say({ kind: "begin", total: files.length });
-  // The browser still takes in what was chosen, and the first question would wait for all of it.
+  // The browser is still processing the selection, and the first access would wait for all of it.
   await new Promise((goOn) => setTimeout(goOn, settlingMs));
   const pause = pauses();
   let handed = 0;

@@ -1,8 +1,8 @@
 import type { Reason, Repair } from "./types";
 
 /**
- * How the slices of a series lie behind one another: the same rules as ingest/dicom/stack.cpp, without the plan of how the
- * volume is computed. Pure.
+ * Arranges the slices of a series along their normal, by the same rules as ingest/dicom/stack.cpp but without planning
+ * the volume. Pure functions.
  */
 
 export type Vector = readonly [number, number, number];
@@ -24,7 +24,7 @@ export type Arranged =
   | { readonly volume: false; readonly reason: Reason; readonly count: number }
   | {
       readonly volume: true;
-      /** Indices of the positions, by rising distance along the normal. */
+      /** Indices of the positions, sorted by distance along the normal. */
       readonly order: readonly number[];
       readonly slices: number;
       readonly spacing: number;
@@ -44,7 +44,7 @@ const toleranceOf = (spacing: number) => Math.max(jitterMm, jitterShare * spacin
 const no = (reason: Reason, count = 0): Arranged => ({ volume: false, reason, count });
 const sum = (values: readonly number[]) => values.reduce((a, b) => a + b, 0);
 
-/** `pixel`: the smaller pixel spacing, mm. At least two positions. */
+/** `pixel` is the smaller pixel spacing in mm. Precondition: at least two positions. */
 export function arrange(positions: readonly Vector[], axes: Axes, pixel: number): Arranged {
   const placed = positions
     .map((at, index) => ({ at, index, along: dot(at, axes.normal) }))
@@ -122,7 +122,10 @@ function judgeUneven(gaps: readonly number[], height: number): Uneven {
 
 const alike = (a: number, b: number) => Math.abs(a - b) <= 2 * toleranceOf(Math.min(a, b)) + rounding;
 
-/** Distances that several slices in succession keep: what the scanner was set to. A hole stands alone. */
+/**
+ * Returns the distances that several successive slices share, which are those that the scanner was set to. A gap of a
+ * missing slice stands alone.
+ */
 function mainGaps(gaps: readonly number[]): number[] {
   const found: number[] = [];
   for (let from = 0; from < gaps.length;) {
@@ -135,14 +138,14 @@ function mainGaps(gaps: readonly number[]): number[] {
   return found.sort((a, b) => a - b);
 }
 
-/** How many steps of `usual` each gap is; none where one is no whole number of them. */
+/** Returns the size of each gap in steps of `usual`. Empty if a gap is not a multiple of it. */
 function wholeSteps(gaps: readonly number[], usual: number): number[] {
   const steps = gaps.map((gap) => Math.round(gap / usual));
   const fits = steps.every((n, i) => n >= 1 && Math.abs((gaps[i] ?? 0) - n * usual) <= 2 * toleranceOf(usual) * n);
   return fits ? steps : [];
 }
 
-/** Whether holes alone are what is uneven: with them filled each slice is near its place. */
+/** Whether missing slices alone explain the uneven spacing: with the gaps filled, each slice is near its position. */
 function hasHoles(steps: readonly number[], gaps: readonly number[], height: number): boolean {
   const all = sum(steps);
   if (steps.length === 0 || all === steps.length) return false;

@@ -2,11 +2,14 @@ import type { SliceHeader, Thumbnail } from "./types";
 
 const side = 160;
 
-/** A small picture of one slice under its window. Nothing for compressed files: the server's picture comes later. */
+/**
+ * Draws a thumbnail of one slice under its window. Returns null for compressed files, for which the server creates one
+ * later.
+ */
 export function drawThumbnail(slice: SliceHeader, pixels: ArrayBuffer): Thumbnail | null {
   const read = reader(slice, pixels);
   if (!read || slice.rows === 0 || slice.columns === 0 || !slice.pixelSpacing) return null;
-  // As large as the slice is in the patient, not as it is in pixels.
+  // The height in mm, because pixels need not be square.
   const tall = slice.rows * slice.pixelSpacing[0];
   const wide = slice.columns * slice.pixelSpacing[1];
   const shrink = side / Math.max(tall, wide);
@@ -43,7 +46,7 @@ function reader(slice: SliceHeader, pixels: ArrayBuffer): ((index: number) => nu
     : (i) => (view.getUint16(2 * i, true) << unused) >>> unused;
 }
 
-/** Without a window: from the 2nd to the 98th percentile. */
+/** The window for a slice without one: from the 2nd to the 98th percentile. */
 function spreadOf(values: Float32Array): { center: number; width: number } {
   const sorted = Float32Array.from(values).sort();
   const at = (part: number) => sorted[Math.floor(part * (sorted.length - 1))] ?? 0;

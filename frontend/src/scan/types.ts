@@ -1,10 +1,10 @@
-/** What of one file's header the scan needs. Lives in the browser only; nothing of it is ever sent. */
+/** The parts of a file's header that the scan needs. They stay in the browser and are never sent. */
 export interface SliceHeader {
-  /** Index into the files that were picked. */
+  /** Index into the chosen files. */
   readonly file: number;
-  /** Which picture of the file, of one with several that says where each lies. */
+  /** Index of the frame, for a file with several frames that have positions. */
   readonly frame: number;
-  /** Frames of one stack lie behind one another; "" where a file holds one slice. */
+  /** Frames of the same stack belong together. Empty if the file contains one slice. */
   readonly stack: string;
   readonly fileBytes: number;
   readonly sopClass: string;
@@ -14,7 +14,7 @@ export interface SliceHeader {
   readonly transferSyntax: string;
   readonly modality: string;
   readonly imageType: readonly string[];
-  /** Was compressed with loss, which alone makes it "DERIVED". */
+  /** Whether the slice was compressed with loss, which by itself makes it "DERIVED". */
   readonly isLossy: boolean;
   readonly patient: Patient;
   readonly seriesNumber: number | null;
@@ -22,7 +22,7 @@ export interface SliceHeader {
   readonly bodyPart: string;
   readonly rows: number;
   readonly columns: number;
-  /** More than one: several pictures of which it is not said where they lie. */
+  /** More than 1 if the file has several frames without positions. */
   readonly frames: number;
   readonly samples: number;
   readonly photometric: string;
@@ -30,37 +30,37 @@ export interface SliceHeader {
   readonly bitsStored: number;
   readonly isSigned: boolean;
   readonly hasLookupTable: boolean;
-  /** Whether slope and intercept are said. */
+  /** Whether the file contains a slope and an intercept. */
   readonly hasScale: boolean;
   readonly slope: number;
   readonly intercept: number;
   readonly window: { readonly center: number; readonly width: number } | null;
-  /** Between rows, between columns; mm. */
+  /** Distance between rows, and between columns, in mm. */
   readonly pixelSpacing: readonly [number, number] | null;
-  /** Centre of the first pixel; mm, patient's axes (LPS). */
+  /** Centre of the first pixel in mm, in the patient's axes (LPS). */
   readonly position: readonly [number, number, number] | null;
   /** Directions of a row and of a column. */
   readonly orientation: readonly [number, number, number, number, number, number] | null;
-  /** What the file unpacks to, if it is deflated: offsets below are in there. */
+  /** The content of a deflated file, to which the offsets below refer. Null if the file is not deflated. */
   readonly inflated: Blob | null;
-  /** Where the voxels are, when they are plain little-endian bytes in the file. */
+  /** Position of the voxels in the file if they are uncompressed and little-endian, else null. */
   readonly pixels: { readonly offset: number; readonly length: number } | null;
-  /** Where the bytes of the voxels are in the file, compressed or not; nothing where they cannot be cut out. */
+  /** Position of the voxel data in the file, compressed or not. Null if it cannot be extracted. */
   readonly voxels: {
     readonly from: number;
     readonly to: number;
     readonly vr: string;
     readonly encapsulated: boolean;
   } | null;
-  /** What may leave the browser besides the voxels. */
+  /** The elements that may be sent besides the voxels. */
   readonly kept: readonly KeptElement[];
-  /** The same of the functional groups, of a file with several pictures: what says where this one lies. */
+  /** The same for the functional groups that describe this frame of an enhanced file. */
   readonly grouped: readonly GroupedElement[];
-  /** The file ends before its voxels do. */
+  /** Whether the file ends before its voxels do. */
   readonly truncated: boolean;
 }
 
-/** A data element: its tag as "xggggeeee", its bytes as they stand in the file. */
+/** A data element: its tag as "xggggeeee", and its bytes as in the file. */
 export interface KeptElement {
   readonly tag: string;
   readonly vr: string;
@@ -72,24 +72,24 @@ export interface GroupedElement extends KeptElement {
   readonly group: string;
 }
 
-/** What is sent of a file: a new header, then a piece of the file. */
+/** What is sent of a file: a new header, followed by a range of the file. */
 export interface UploadPart {
   readonly file: number;
   readonly head: Uint8Array<ArrayBuffer>;
   readonly from: number;
   readonly to: number;
-  /** Instead of the file, if it was deflated. */
+  /** Replaces the file if it was deflated. */
   readonly inflated: Blob | null;
 }
 
-/** What is sent of a series: its parts in order, part i with a head that ends at `headEnds[i]`. */
+/** What is sent of a series: its parts in order. The header of part i ends at `headEnds[i]`. */
 export interface UploadPlan {
   readonly heads: Uint8Array<ArrayBuffer>;
   readonly headEnds: Uint32Array<ArrayBuffer>;
   readonly files: Uint32Array<ArrayBuffer>;
   readonly froms: Float64Array<ArrayBuffer>;
   readonly tos: Float64Array<ArrayBuffer>;
-  /** By file, of those that were deflated. */
+  /** The content of deflated files, by index of the file. */
   readonly inflated: ReadonlyMap<number, Blob>;
 }
 
@@ -99,7 +99,10 @@ export interface Patient {
   readonly birthDate: string;
 }
 
-/** Why a series cannot become a volume: the codes of ingest (ingest/dicom/classify.cpp), as keys of the texts. */
+/**
+ * Why a series cannot become a volume. The codes are those of ingest (ingest/dicom/classify.cpp) and the keys of the
+ * texts.
+ */
 export type Reason =
   | "no_slices"
   | "screenshots"
@@ -129,10 +132,10 @@ export type Reason =
   | "too_short"
   | "too_large";
 
-/** What ingest finds only once a scan is built (ingest/pipeline), beside those. */
+/** Further codes that ingest finds only when it builds a volume (ingest/pipeline). */
 export type LateReason = "over_quota" | "values_out_of_range" | "no_memory" | "upload_gone";
 
-/** What will be mended of a suitable series, with how much of it. */
+/** A correction that will be made to a suitable series, with its extent. */
 export type Repair =
   | { readonly kind: "straightened"; readonly degrees: number }
   | { readonly kind: "filled_in"; readonly slices: number }
@@ -140,7 +143,7 @@ export type Repair =
 
 export interface Suitable {
   readonly suitable: true;
-  /** Voxels along a row, along a column, across slices. */
+  /** Number of voxels along a row, along a column and across slices. */
   readonly size: readonly [number, number, number];
   readonly sizeMm: readonly [number, number, number];
   readonly leftOut: LeftOut;
@@ -148,30 +151,30 @@ export interface Suitable {
 }
 
 export interface Chosen extends Suitable {
-  /** The slices that are sent, from the first position to the last. */
+  /** The slices to send, in the order of their positions. */
   readonly slices: readonly SliceHeader[];
 }
 
-/** Files of a good series that do not go into the volume. */
+/** Numbers of files of a suitable series that do not become part of the volume. */
 export interface LeftOut {
   readonly scouts: number;
   readonly doubles: number;
   readonly damaged: number;
-  /** Of another size than most. */
+  /** Slices whose size differs from that of most slices. */
   readonly others: number;
 }
 
 export interface Unsuitable {
   readonly suitable: false;
   readonly reason: Reason;
-  /** How many, where the reason counts (slices missing, slices there). */
+  /** The number in the reason, such as missing or existing slices. */
   readonly count: number;
 }
 
 export interface Thumbnail {
   readonly width: number;
   readonly height: number;
-  /** One byte a pixel, 0 black to 255 white. */
+  /** One byte per pixel, from 0 (black) to 255 (white). */
   readonly gray: Uint8Array<ArrayBuffer>;
 }
 
@@ -185,18 +188,18 @@ export interface Series {
   readonly slices: number;
   readonly verdict: Suitable | Unsuitable;
   readonly thumbnail: Thumbnail | null;
-  /** Nothing of an unsuitable series. */
+  /** Empty for an unsuitable series. */
   readonly upload: UploadPlan;
-  /** The same for the same files, and tells nothing about them. */
+  /** The same for the same files. It reveals nothing about them. */
   readonly fingerprint: string;
 }
 
 export interface ScanResult {
   readonly series: readonly Series[];
-  /** Files that are no DICOM, or could not be read. */
+  /** Files that are not DICOM or could not be read. */
   readonly notDicom: number;
   readonly unreadable: number;
-  /** Reports, screenshots, plans and the like: no slices, and never listed. */
+  /** Reports, screenshots, plans and other files without slices, which are never listed. */
   readonly notSlices: number;
   readonly files: number;
 }

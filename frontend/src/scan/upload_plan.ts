@@ -1,7 +1,7 @@
 import { pauses } from "./pause";
 import type { UploadPart, UploadPlan } from "./types";
 
-/** Packed, so that a worker gives thousands of parts to the page as a few buffers. */
+/** Packs thousands of parts into a few buffers, so that a worker can hand them to the page quickly. */
 export function planOf(parts: readonly UploadPart[]): UploadPlan {
   const heads = new Uint8Array(parts.reduce((sum, { head }) => sum + head.length, 0));
   const headEnds = new Uint32Array(parts.length);
@@ -21,15 +21,18 @@ export function planOf(parts: readonly UploadPart[]): UploadPlan {
   };
 }
 
-/** What goes to another thread without being copied. */
+/** Returns the buffers that can be transferred to another thread without copying. */
 export const buffersOf = ({ heads, headEnds, files, froms, tos }: UploadPlan): ArrayBuffer[] =>
   [heads, headEnds, files, froms, tos].map((array) => array.buffer);
 
-/** Bytes of each part. */
+/** Returns the size of each part in bytes. */
 export const sizesOf = (plan: UploadPlan): number[] =>
   Array.from(plan.files, (_, i) => headOf(plan, i).length + spanOf(plan, i));
 
-/** The bytes to send of each part, read only when they are sent. In steps: each costs the browser about a millisecond. */
+/**
+ * Returns the contents of the parts, which are read only when they are sent. Works in steps, because each part costs
+ * about one millisecond.
+ */
 export async function partBlobs(plan: UploadPlan, files: readonly Blob[]): Promise<Blob[]> {
   const pause = pauses();
   const blobs: Blob[] = [];

@@ -9,7 +9,7 @@ const toScreen = (linear: number): number =>
   linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
 const fromScreen = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
 
-/** "#rrggbb" (sRGB) of a linear colour; what is brighter than the screen is as bright as it. */
+/** Returns a linear colour as sRGB ("#rrggbb"). Components above 1 are clamped. */
 export function hexOf(colour: Rgb | undefined): string {
   const { r, g, b } = colour ?? none;
   return `#${[r, g, b]
@@ -21,7 +21,7 @@ export function hexOf(colour: Rgb | undefined): string {
     .join("")}`;
 }
 
-/** Linear; black for what is no colour. */
+/** Returns a linear colour, or black for invalid text. */
 export function rgbOf(hex: string): Rgb {
   const parts = /^#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(hex);
   const [r = 0, g = 0, b = 0] = parts ? parts.slice(1).map((part) => fromScreen(parseInt(part, 16) / 255)) : [];
@@ -30,7 +30,10 @@ export function rgbOf(hex: string): Rgb {
 
 export const strengthOf = (colour: Rgb | undefined): number => (colour ? Math.max(colour.r, colour.g, colour.b) : 0);
 
-/** A colour that may be brighter than 1 as its hue, the strongest part of which is 1. White where there is none. */
+/**
+ * Returns the hue of a colour whose components may exceed 1: the colour scaled so that its largest component is 1.
+ * White for black.
+ */
 export function hueOf(colour: Rgb | undefined): Rgb {
   const strength = strengthOf(colour);
   return colour && strength > 0 ? scaled(colour, 1 / strength) : rgb(1, 1, 1);
@@ -38,5 +41,5 @@ export function hueOf(colour: Rgb | undefined): Rgb {
 
 export const scaled = ({ r, g, b }: Rgb, by: number): Rgb => rgb(r * by, g * by, b * by);
 
-/** Another hue, as strong as before. Black has no hue: white then. */
+/** Changes the hue and keeps the strength. A black `hue` counts as white. */
 export const withHue = (colour: Rgb | undefined, hue: Rgb): Rgb => scaled(hueOf(hue), strengthOf(colour));

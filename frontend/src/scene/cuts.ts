@@ -23,19 +23,19 @@ export const leastSideMm = 1;
 export const windowWidthLimits: Limits = { low: 1, high: 100_000 };
 export const windowCentreLimits: Limits = { low: -100_000, high: 100_000 };
 
-/** Who cuts wants to see what is inside, and without light it would be black. */
+/** By default, light passes through the parts that are cut away, or the inside would be black. */
 const clipOf = (scene: Scene): Clip => scene.clip ?? create(ClipSchema, { cutsLight: true });
 const message = (v: Vec3) => create(Vec3Schema, v);
 const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 =>
   v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0);
 
-/** What is left of the volume's box, mm. */
+/** Returns what remains of the volume's box, in mm. */
 export function boxOf(scene: Scene, bounds: Box): Box {
   const { boxLow, boxHigh } = clipOf(scene);
   return boxLow && boxHigh ? { low: vector(boxLow), high: vector(boxHigh) } : bounds;
 }
 
-/** As far as it may go: not through the face opposite, nor out of the volume. */
+/** Limits of a face: it must not pass the opposite face or leave the volume. */
 export function faceLimits(scene: Scene, bounds: Box, axis: Axis, side: Side): Limits {
   const box = boxOf(scene, bounds);
   return side === "low"
@@ -59,11 +59,14 @@ export const setCutsLight = (scene: Scene, cutsLight: boolean): Scene => ({
   clip: { ...clipOf(scene), cutsLight },
 });
 
-/** Whether the table, headrest or frame is shown, and the noise of the air. */
+/** Whether the table, headrest or frame and the noise of the air are shown. */
 export const showsTable = (scene: Scene): boolean => scene.showTable;
 export const setShowsTable = (scene: Scene, showTable: boolean): Scene => ({ ...scene, showTable });
 
-/** A plane by the direction to which it cuts away, as seen from the patient's front, and how far from the middle. */
+/**
+ * A cutting plane: the direction of the side that it cuts away, as seen from in front of the patient, and its distance
+ * from the middle.
+ */
 export interface Plane extends Direction {
   /** mm. */
   readonly offset: number;
@@ -81,10 +84,10 @@ function messageOf(plane: Plane): ClipPlane {
   return create(ClipPlaneSchema, { normal: message(normal), point: message(scale(normal, plane.offset)) });
 }
 
-/** Unit, to the side that is cut away. */
+/** Returns the unit normal, which points to the side that is cut away. */
 export const normalOf = (plane: Direction): Vec3 => ofPatient(unitOf(plane));
 
-/** Half of the box's diagonal: beyond it a plane cuts nothing, or all. */
+/** Half of the box's diagonal. Beyond it, a plane cuts away nothing or everything. */
 export const reachOf = ({ low, high }: Box): number => Math.hypot(high.x - low.x, high.y - low.y, high.z - low.z) / 2;
 
 export const addPlane = (scene: Scene): Scene => {
@@ -108,7 +111,7 @@ export function movePlane(scene: Scene, bounds: Box, index: number, to: Partial<
   return { ...scene, clip: { ...clip, planes: replaced(clip.planes, index, messageOf(plane)) } };
 }
 
-/** To another normal, about a place that it passes through. */
+/** Gives a plane another normal and keeps the point `through` on it. */
 export function turnPlane(scene: Scene, bounds: Box, index: number, normal: Vec3, through: Vec3): Scene {
   const old = planesOf(scene)[index];
   const way = directionOf(seenFromFront(normal), old?.right);
@@ -124,7 +127,7 @@ export type SliceName = "sagittal" | "coronal" | "axial";
 export const sliceAxes: Readonly<Record<SliceName, Axis>> = { sagittal: "x", coronal: "y", axial: "z" };
 export const sliceNames: readonly SliceName[] = ["axial", "coronal", "sagittal"];
 
-/** What the scan says of its grey, else a soft-tissue window. */
+/** The grey window stored in the scan, or a soft-tissue window. */
 export interface Grey {
   readonly centre: number;
   readonly width: number;
@@ -132,14 +135,14 @@ export interface Grey {
 
 export const slicesOf = (scene: Scene): Slices => scene.slices ?? create(SlicesSchema);
 
-/** Grey needs a window: without one a scene with a slice is refused. */
+/** Adds a window to grey slices, because the server refuses a scene with slices without one. */
 function windowed(slices: Slices, grey: Grey): Slices {
   if (slices.windowWidth >= windowWidthLimits.low) return slices;
   const width = grey.width > 0 ? clamp(grey.width, windowWidthLimits.low, windowWidthLimits.high) : 400;
   return { ...slices, windowCentre: grey.width > 0 ? grey.centre : 40, windowWidth: width };
 }
 
-/** Alone without any slice would be an empty picture. */
+/** Without any slice, showing only the slices would give an empty picture. */
 function notEmpty(slices: Slices): Slices {
   return slices.alone && !sliceNames.some((name) => slices[name]?.shown) ? { ...slices, alone: false } : slices;
 }

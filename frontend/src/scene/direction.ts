@@ -2,31 +2,37 @@ import { orbitFrame, orbitOf, type CameraPose } from "../input/camera";
 import { add, cross, dot, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { clamp, degrees, radians } from "./numbers";
 
-/** Where something is as seen from the middle, in degrees: 0, 0 is in front, `right` to 180 either way, `up` to 90. */
+/**
+ * A direction as seen from the middle, in degrees. (0, 0) points to the front, `right` reaches 180 on either side, and
+ * `up` reaches 90.
+ */
 export interface Direction {
   readonly right: number;
   readonly up: number;
 }
 
-/** x to the right, y up, z to who looks. */
+/** x points to the right, y up, and z to the viewer. */
 export function unitOf({ right, up }: Direction): Vec3 {
   const r = radians(right),
     u = radians(up);
   return vec3(Math.sin(r) * Math.cos(u), Math.sin(u), Math.cos(r) * Math.cos(u));
 }
 
-/** Straight above or below there is no right; what it was is kept. */
+/** Straight above or below, `right` is undefined and keeps its previous value. */
 export function directionOf(place: Vec3, otherwise = 0): Direction {
   const n = normalize(place, vec3(0, 0, 1));
   const upright = Math.hypot(n.x, n.z) < 1e-9;
   return { right: upright ? otherwise : degrees(Math.atan2(n.x, n.z)), up: degrees(Math.asin(clamp(n.y, -1, 1))) };
 }
 
-/** The patient's axes as one sees them who looks at the patient from the front, and back. */
+/** Converts between the patient's axes and those of a viewer in front of the patient. */
 export const seenFromFront = ({ x, y, z }: Vec3): Vec3 => vec3(x, z, -y);
 export const ofPatient = ({ x, y, z }: Vec3): Vec3 => vec3(x, -z, y);
 
-/** From the camera's frame (origin at the target) to the world and back: places, or (`free`) directions. */
+/**
+ * Converts between the camera's frame (origin at the target) and the world. With `free`, converts directions instead of
+ * positions.
+ */
 export function toWorld(pose: CameraPose, v: Vec3, free = false): Vec3 {
   const frame = orbitFrame(orbitOf(pose));
   const turned = add(add(scale(frame.right, v.x), scale(frame.up, v.y)), scale(frame.back, v.z));
@@ -39,7 +45,10 @@ export function fromWorld(pose: CameraPose, v: Vec3, free = false): Vec3 {
   return vec3(dot(p, frame.right), dot(p, frame.up), dot(p, frame.back));
 }
 
-/** Two unit vectors across `normal`, the first level with regard to `up`; cross(first, second) is `normal`. */
+/**
+ * Returns two unit vectors perpendicular to `normal`. The first is level with regard to `up`, and cross(first, second)
+ * is `normal`.
+ */
 export function across(normal: Vec3, up: Vec3): readonly [Vec3, Vec3] {
   const level = cross(up, normal);
   const u =
@@ -49,7 +58,10 @@ export function across(normal: Vec3, up: Vec3): readonly [Vec3, Vec3] {
   return [u, cross(normal, u)];
 }
 
-/** A point of the ball drawn with radius 1, x to the right and y down; beyond its rim one goes on at the back. */
+/**
+ * Returns the direction at a point of a drawn ball of radius 1, with x to the right and y down. Beyond the rim, it
+ * continues on the back.
+ */
 export function directionOnBall(
   x: number,
   y: number,

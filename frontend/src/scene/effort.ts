@@ -1,14 +1,17 @@
 import { clamp, type Limits } from "./numbers";
 
-/** How much work the worker is to put into a picture. No part of the scene: it says nothing of what is seen in the end. */
+/**
+ * How much work the worker puts into a picture. It is not part of the scene, because it does not affect the converged
+ * picture.
+ */
 export interface Effort {
-  /** The first pictures of a view are smoothed, so that they have no grain. */
+  /** Whether the first pictures of a view are denoised. */
   readonly smooth: boolean;
-  /** Relative error that is good enough; 0: as the worker has it. */
+  /** Relative error at which rendering stops. 0 for the worker's default. */
   readonly stop_error: number;
-  /** Samples of a pixel that are enough; 0: as the worker has it. */
+  /** Samples per pixel at which rendering stops. 0 for the worker's default. */
   readonly stop_samples: number;
-  /** Of the picture's sides while it moves, at most. */
+  /** Maximum resolution while moving, as a fraction of the full one. */
   readonly moving_scale: number;
 }
 
@@ -23,7 +26,7 @@ export type Stop = (typeof stops)[number];
 export const stopOf = ({ stop_error: stopError, stop_samples: stopSamples }: Effort): Stop =>
   stopError > 0 ? "error" : stopSamples > 0 ? "samples" : "best";
 
-/** What a person begins with who wants it to stop sooner: a picture that looks finished. */
+/** Applies a stop condition, starting with a value at which a picture looks finished. */
 export const stopping = (effort: Effort, stop: Stop): Effort => ({
   ...effort,
   stop_error: stop === "error" ? 0.05 : 0,
@@ -32,7 +35,7 @@ export const stopping = (effort: Effort, stop: Stop): Effort => ({
 
 export const effortText = (effort: Effort): string => JSON.stringify(effort);
 
-/** What was kept; of what is damaged, all. */
+/** Parses the stored effort. Returns the full effort if it is damaged. */
 export function effortFrom(text: string | null): Effort {
   let value: Partial<Record<keyof Effort, unknown>> | null;
   try {

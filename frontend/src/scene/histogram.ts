@@ -1,6 +1,6 @@
 import type { Limits } from "./numbers";
 
-/** How often values occur: `counts[i]` from `minimum` + i `width` on. */
+/** How often values occur: `counts[i]` belongs to the bin that starts at `minimum` + i * `width`. */
 export interface Histogram {
   readonly minimum: number;
   readonly width: number;
@@ -8,8 +8,8 @@ export interface Histogram {
 }
 
 /**
- * Heights from 0 to 1. Linear, the highest bin does not count for the measure: it is the air around the patient, and beside it
- * nothing else would be seen.
+ * Returns heights from 0 to 1. The linear scale ignores the highest bin, which is the air around the patient and would
+ * dwarf all others.
  */
 export function heights(counts: readonly number[], logarithmic: boolean): number[] {
   if (logarithmic) {
@@ -20,7 +20,7 @@ export function heights(counts: readonly number[], logarithmic: boolean): number
   return counts.map((n) => (measure > 0 ? Math.min(1, n / measure) : n > 0 ? 1 : 0));
 }
 
-/** The outline as points of a polygon in a box of `width` x `height`, over the values in `range`. */
+/** Returns the points of the histogram's polygon in a box of `width` x `height`, over the values in `range`. */
 export function outline(
   histogram: Histogram,
   range: Limits,

@@ -1,8 +1,8 @@
-/** What was, for going back and forth. Values are whole and never changed, so steps share what they have in common. */
+/** The undo history. Values are immutable, so steps share their common parts. */
 export interface History<Value> {
   readonly past: readonly Value[];
   readonly future: readonly Value[];
-  /** The step that still grows. */
+  /** The step to which further changes may be added. */
   readonly open: Step | null;
 }
 
@@ -13,20 +13,20 @@ interface Step {
 }
 
 export interface Change {
-  /** What is changed: changes of one thing are one step while they come without a pause. */
+  /** The changed setting. Changes of the same setting without a pause form one step. */
   readonly what: string;
-  /** A hand holds it: all is one step until it is lifted, however long it rests on the way. */
+  /** Whether a pointer holds the control. Everything until it is released is one step, however long it pauses. */
   readonly held: boolean;
   readonly nowMs: number;
 }
 
 export const mostSteps = 200;
-/** Presses of a key and turns of a wheel that follow each other sooner are one step. */
+/** Key presses and wheel turns that are closer together than this form one step. */
 export const togetherMs = 700;
 
 export const nothingYet: History<never> = { past: [], future: [], open: null };
 
-/** `before` is about to become something else. */
+/** Records that `before` is about to change. */
 export function changed<Value>(history: History<Value>, before: Value, change: Change): History<Value> {
   const { open } = history;
   const goesOn =
@@ -35,7 +35,7 @@ export function changed<Value>(history: History<Value>, before: Value, change: C
   return { past, future: [], open: { what: change.what, held: change.held, atMs: change.nowMs } };
 }
 
-/** The hand was lifted: what comes next is another step. */
+/** Ends the current step, because the control was released. */
 export const rested = <Value>(history: History<Value>): History<Value> =>
   history.open?.held ? { ...history, open: null } : history;
 
@@ -44,7 +44,7 @@ export interface Moved<Value> {
   readonly value: Value;
 }
 
-/** One step back from `now`; nothing where there is none. */
+/** Goes one step back from `now`. Returns null if there is none. */
 export function undone<Value>({ past, future }: History<Value>, now: Value): Moved<Value> | null {
   const value = past.at(-1);
   return value === undefined

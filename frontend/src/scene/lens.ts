@@ -22,11 +22,11 @@ export const bouncesLimits: Limits = { low: 1, high: 1024 };
 export const forwardLimits: Limits = { low: -0.99, high: 0.99 };
 export const gradientLimits: Limits = { low: 0.001, high: 10 };
 
-/** mm that the picture is high at the target. */
+/** Returns the height of the picture in mm at the target. */
 export const heightAtTarget = (pose: CameraPose): number =>
   2 * length(subtract(pose.eye, pose.target)) * Math.tan(radians(pose.verticalFovDegrees) / 2);
 
-/** Wider or narrower; the eye goes nearer or away, so that the middle stays as large as it is. */
+/** Changes the field of view and moves the eye, so that the target keeps its size. */
 export function setFov(scene: Scene, degrees: number): Scene {
   const pose = cameraOf(scene);
   if (!pose) return scene;
@@ -39,17 +39,17 @@ export function setFov(scene: Scene, degrees: number): Scene {
 
 export const isOrthographic = (scene: Scene): boolean => (scene.camera?.orthographicHeight ?? 0) > 0;
 
-/** The middle stays as large as it is. */
+/** Changes the projection and keeps the size of the target. */
 export function setOrthographic(scene: Scene, on: boolean): Scene {
   const pose = cameraOf(scene);
   if (!pose || !scene.camera) return scene;
-  // A camera that came with parallel rays may have no angle.
+  // An orthographic camera may have no field of view.
   const verticalFovDegrees = within(pose.verticalFovDegrees, fovLimits, 30);
   const orthographicHeight = on ? heightAtTarget({ ...pose, verticalFovDegrees }) : 0;
   return { ...scene, camera: { ...scene.camera, verticalFovDegrees, orthographicHeight } };
 }
 
-/** Radius in mm; 0: all is sharp. */
+/** `radius` is in mm. With 0, everything is sharp. */
 export const setAperture = (scene: Scene, radius: number): Scene =>
   scene.camera
     ? {
@@ -58,7 +58,7 @@ export const setAperture = (scene: Scene, radius: number): Scene =>
       }
     : scene;
 
-/** mm from the eye; nothing: the middle, wherever one goes. */
+/** `distance` is in mm from the eye. With null, the focus stays on the target. */
 export const setFocus = (scene: Scene, distance: number | null): Scene =>
   scene.camera
     ? {
@@ -70,10 +70,10 @@ export const setFocus = (scene: Scene, distance: number | null): Scene =>
       }
     : scene;
 
-/** A lens of which one sees that it is sharp somewhere: a fiftieth of the distance. */
+/** An aperture with a visible depth of field: a fiftieth of the distance. */
 const seenAperture = (distance: number): number => clamp(distance / 50, 1, 20);
 
-/** Sharp at so many mm; a pinhole, with which all is sharp, is opened. */
+/** Focuses at a distance in mm. Opens the aperture if it is a pinhole, with which everything is sharp. */
 export function focusAt(scene: Scene, distance: number): Scene {
   const focused = setFocus(scene, distance);
   return focused.camera?.apertureRadius === 0 ? setAperture(focused, seenAperture(distance)) : focused;
@@ -89,7 +89,7 @@ export function focusOf(scene: Scene): { readonly distance: number; readonly mid
 
 const displayOf = (scene: Scene): Display => scene.display ?? create(DisplaySchema);
 
-/** In stops: each is twice as bright. */
+/** In stops. Each stop doubles the brightness. */
 export const setExposure = (scene: Scene, stops: number): Scene => {
   const old = displayOf(scene);
   return { ...scene, display: { ...old, exposure: within(stops, exposureLimits, old.exposure) } };

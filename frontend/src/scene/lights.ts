@@ -16,7 +16,7 @@ import { rgb, scaled, strengthOf, withHue } from "./colour";
 import { across, directionOf, fromWorld, ofPatient, seenFromFront, toWorld, unitOf, type Direction } from "./direction";
 import { replaced, within, without, type Limits } from "./numbers";
 
-/** Within what scene/check_lights.cpp asks for. */
+/** Limits within those of scene/check_lights.cpp. */
 export const mostLights = 64;
 export const distanceLimits: Limits = { low: 10, high: 5000 };
 export const sizeLimits: Limits = { low: 1, high: 3000 };
@@ -38,7 +38,7 @@ const withLight = (scene: Scene, index: number, edit: (light: Light) => Light): 
   return edited === light ? scene : { ...scene, lights: replaced(scene.lights, index, edited) };
 };
 
-/** In the frame in which the light is given. Nothing for the environment, which is everywhere. */
+/** Returns the centre in the light's own frame. Null for the environment, which has no position. */
 function middleOf(light: Light): Vec3 | null {
   const { shape } = light;
   switch (shape.case) {
@@ -58,11 +58,14 @@ function middleOf(light: Light): Vec3 | null {
 }
 
 export interface Place extends Direction {
-  /** mm from the middle. */
+  /** Distance from the middle in mm. */
   readonly distance: number;
 }
 
-/** Of a light that is locked to the camera as its picture shows it, of another as one sees it from the patient's front. */
+/**
+ * Returns the position of a light: as seen in the picture if it is locked to the camera, else as seen from in front of
+ * the patient.
+ */
 export function placeOf(light: Light): Place | null {
   const middle = middleOf(light);
   if (!middle) return null;
@@ -70,13 +73,13 @@ export function placeOf(light: Light): Place | null {
   return { ...directionOf(seen), distance: length(middle) };
 }
 
-/** Where it comes from as the picture shows it: to the right, upwards; in front is towards the viewer. */
+/** Returns the direction of a light as seen in the picture. The front is towards the viewer. */
 export function seenDirection(light: Light, pose: CameraPose): Direction | null {
   const middle = middleOf(light);
   return middle && directionOf(light.cameraLocked ? middle : fromWorld(pose, middle, true));
 }
 
-/** As far away as it is, from where the picture shows it to come. */
+/** Moves a light to a direction in the picture and keeps its distance. */
 export function aimLight(scene: Scene, index: number, pose: CameraPose, seen: Direction): Scene {
   const light = scene.lights[index];
   if (!light || !placeOf(light)) return scene;
@@ -84,7 +87,7 @@ export function aimLight(scene: Scene, index: number, pose: CameraPose, seen: Di
   return placeLight(scene, index, directionOf(seenFromFront(toWorld(pose, unitOf(seen), true))));
 }
 
-/** Where it is told to be, turned to the middle. */
+/** Moves a light and turns it to the middle. */
 export function placeLight(scene: Scene, index: number, to: Partial<Place>): Scene {
   return withLight(scene, index, (light) => {
     const old = placeOf(light);
@@ -129,7 +132,7 @@ function placed(light: Light, towards: Vec3, distance: number): Light {
   }
 }
 
-/** The longest edge, or the diameter, in mm; nothing for the environment. */
+/** Returns the longest edge or the diameter in mm. Null for the environment. */
 export function sizeOf(light: Light): number | null {
   const { shape } = light;
   switch (shape.case) {
@@ -145,7 +148,10 @@ export function sizeOf(light: Light): number | null {
   }
 }
 
-/** As large as told and as bright on the patient as before: a larger light makes softer shadows, no more light. */
+/**
+ * Changes the size of a light and keeps its brightness on the patient. A larger light makes softer shadows, not more
+ * light.
+ */
 export function sizeLight(scene: Scene, index: number, size: number): Scene {
   return withLight(scene, index, (light) => {
     const old = sizeOf(light);
@@ -155,7 +161,7 @@ export function sizeLight(scene: Scene, index: number, size: number): Scene {
     if (to === old) return light;
     const grown = to / old;
     if (shape.case === "disk" || shape.case === "sphere") {
-      // The radiance of a point is one times its area.
+      // The radiance of a point light is multiplied by its area.
       const share = old > 0 ? 1 / (grown * grown) : 1 / (Math.PI * (to / 2) ** 2);
       const value = { ...shape.value, radius: to / 2, radiance: dimmed(shape.value.radiance, share) };
       return { ...light, shape: { case: shape.case, value } as Light["shape"] };
@@ -203,7 +209,7 @@ export const switchLight = (scene: Scene, index: number, disabled: boolean): Sce
 export const nameLight = (scene: Scene, index: number, name: string): Scene =>
   withLight(scene, index, (light) => ({ ...light, name: name.slice(0, 60) }));
 
-/** From one frame to the other, staying where it is. */
+/** Locks a light to the camera, or unlocks it, without moving it. */
 export function lockLight(scene: Scene, index: number, locked: boolean, pose: CameraPose): Scene {
   return withLight(scene, index, (light) => {
     if (light.cameraLocked === locked) return light;
@@ -236,10 +242,12 @@ export function lockLight(scene: Scene, index: number, locked: boolean, pose: Ca
   });
 }
 
-/** What a light of 1 gives where it is looked from, so that any shape begins as bright. */
+/** Irradiance at the middle of a new light with intensity 1, so that all shapes start equally bright. */
 const irradiance = 8;
 
-/** Locked to the camera, above to the left, as far away as suits a volume of that radius in mm. */
+/**
+ * Adds a light that is locked to the camera, above on the left, at a distance that suits a volume of this radius in mm.
+ */
 export function addLight(scene: Scene, shape: Exclude<Shape, "box">, name: string, radius: number): Scene {
   if (scene.lights.length >= mostLights) return scene;
   const distance = within(3 * radius, distanceLimits, 500);
@@ -294,7 +302,7 @@ export const removeLight = (scene: Scene, index: number): Scene => ({
   lights: without(scene.lights, index),
 });
 
-/** Whether a rectangle shines to the middle: what a test asks. */
+/** Whether a rectangle shines towards the middle. For tests. */
 export function facesMiddle(light: Light): boolean {
   const middle = middleOf(light);
   if (light.shape.case !== "rectangle" || !middle) return false;

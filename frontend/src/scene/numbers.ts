@@ -5,21 +5,21 @@ export interface Limits {
 
 export const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 
-/** What is no number stays what it was. */
+/** Limits a value, or returns `otherwise` if it is not a number. */
 export const within = (value: number, { low, high }: Limits, otherwise: number): number =>
   Number.isFinite(value) ? clamp(value, low, high) : otherwise;
 
 export const degrees = (radians: number): number => (radians * 180) / Math.PI;
 export const radians = (angle: number): number => (angle * Math.PI) / 180;
 
-/** A copy with another at `index`. */
+/** Returns a copy with another item at `index`. */
 export const replaced = <Item>(items: readonly Item[], index: number, item: Item): Item[] =>
   items.map((one, i) => (i === index ? item : one));
 export const without = <Item>(items: readonly Item[], index: number): Item[] => items.filter((_, i) => i !== index);
 
 /**
- * What a person typed: a number within the limits, or nothing. A decimal comma is one, too; what merely begins as a number
- * is none.
+ * Parses a number that the user typed. Accepts a decimal comma. Returns null if the text is not a number within the
+ * limits.
  */
 export function typedNumber(text: string, { low, high }: Limits): number | null {
   const plain = text
@@ -31,7 +31,10 @@ export function typedNumber(text: string, { low, high }: Limits): number | null 
   return value >= low && value <= high ? value : null;
 }
 
-/** As short as it may be said: whole from a thousand on, else so many significant digits and no zeros behind. */
+/**
+ * Formats a number as short as possible: rounded to an integer if it is 1000 or more, else with this many significant
+ * digits and no trailing zeros.
+ */
 export const shortNumber = (value: number, digits = 4): string => {
   const rounded = Math.abs(value) >= 1000 ? Math.round(value) : Number(value.toPrecision(digits));
   return Object.is(rounded, -0) ? "0" : String(rounded);

@@ -1,9 +1,9 @@
 import type { Scene } from "../protocol/gen/api/proto/scene_pb";
 
-/** What is reset on its own. Where one looks from has its own way (the view's reset). */
+/** The parts that can be reset separately. The viewpoint has its own reset. */
 export type Part = "look" | "light" | "lens" | "cuts";
 
-/** `scene` with that part as it was in `begun`. */
+/** Returns `scene` with this part as in `begun`. */
 export function resetPart(scene: Scene, begun: Scene, part: Part): Scene {
   switch (part) {
     case "look":
@@ -21,13 +21,13 @@ function taken(scene: Scene, begun: Scene, fields: readonly (keyof Scene)[]): Sc
   const to: Record<string, unknown> = { ...scene };
   for (const field of fields) {
     if (begun[field] === undefined)
-      Reflect.deleteProperty(to, field); // absent and undefined are two things to the types
+      Reflect.deleteProperty(to, field); // the types distinguish an absent field from an undefined one
     else to[field] = begun[field];
   }
   return to as unknown as Scene;
 }
 
-/** The eye stays where it is; only how it sees is taken. */
+/** Takes over the lens, but not the position of the eye. */
 function withLensOf(scene: Scene, begun: Scene): Scene {
   if (!scene.camera || !begun.camera) return scene;
   const { verticalFovDegrees, orthographicHeight, apertureRadius, focalDistance } = begun.camera;

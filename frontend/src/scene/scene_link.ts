@@ -2,18 +2,18 @@ import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { SceneSchema, type Light, type Scene } from "../protocol/gen/api/proto/scene_pb";
 import { readAtMost, type StreamEnd } from "../streams";
 
-/** A scene as it stands behind the # of an address, where no server sees it: version, point, deflated Protobuf in base64url. */
+/** A scene in the fragment of a URL, which servers never see: version, point, deflated Protobuf in base64url. */
 const version = 1;
 const pattern = /^#view=(\d{1,4})\.([A-Za-z0-9_-]+)$/;
-/** Of the address: what mails and messengers still carry whole. */
+/** Maximum length of the URL that mail programs and messengers keep intact. */
 const mostText = 8192;
-/** Unpacked. The server takes 64 KB of a scene. */
+/** Limit of the inflated scene. The server accepts 64 KB. */
 const mostBytes = 65_536;
 
 export type LinkedScene =
   { readonly kind: "none" | "damaged" | "newer" } | { readonly kind: "scene"; readonly scene: Scene };
 
-/** Names are what a person typed, and pictures what a person chose: neither goes along. */
+/** Removes names, which the user typed, and images, which the user chose. */
 function withoutWords(scene: Scene): Scene {
   const bare = (light: Light): Light => {
     const shape = light.shape.case
@@ -35,7 +35,7 @@ function withoutWords(scene: Scene): Scene {
   };
 }
 
-/** What stands behind the path, with its #; nothing where the scene is too large for an address. */
+/** Returns the fragment with its #, or null if the scene is too large for a URL. */
 export async function linkOf(scene: Scene): Promise<string | null> {
   const bytes = toBinary(SceneSchema, create(SceneSchema, withoutWords(scene)));
   if (bytes.length > mostBytes) return null;
@@ -44,7 +44,7 @@ export async function linkOf(scene: Scene): Promise<string | null> {
   return end !== "whole" || text.length > mostText ? null : text;
 }
 
-/** Of any text at all. A scene that is none of the renderer's is its to refuse. */
+/** Accepts any text. Whether the scene is valid is for the renderer to decide. */
 export async function sceneOfLink(hash: string): Promise<LinkedScene> {
   if (!hash.startsWith("#view=")) return { kind: "none" };
   const [, said = "", text = ""] = pattern.exec(hash) ?? [];

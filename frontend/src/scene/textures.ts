@@ -2,7 +2,7 @@ import { create } from "@bufbuild/protobuf";
 import { TextureSchema, type Light, type Scene } from "../protocol/gen/api/proto/scene_pb";
 import { clamp, replaced } from "./numbers";
 
-/** Made up here: for lamps what stands before them, for the sky what one is in. */
+/** Generated patterns: screens in front of a lamp, and surroundings for the environment. */
 export const lampTextures = ["soft", "ring", "window", "blinds"] as const;
 export const skyTextures = ["horizon", "studio", "evening"] as const;
 export type TextureName = (typeof lampTextures)[number] | (typeof skyTextures)[number];
@@ -10,9 +10,9 @@ export type TextureName = (typeof lampTextures)[number] | (typeof skyTextures)[n
 export const isSky = (light: Light): boolean => light.shape.case === "environment";
 export const textureNames = (light: Light): readonly TextureName[] => (isSky(light) ? skyTextures : lampTextures);
 
-/** A scene goes whole to the renderer with each of its changes, in a message of at most 64 kB: so much of it for pictures. */
+/** Limit for all images together. Every change sends the whole scene, in a message of at most 64 KB. */
 export const mostTextureBytes = 36_000;
-/** A longer side of one's own picture: it lights, nobody reads in it. */
+/** The longer side of the user's own image, which needs no fine detail because it only gives light. */
 export const ownTextureSide = 128;
 
 export const textureOf = (light: Light): Uint8Array | null => {
@@ -20,18 +20,18 @@ export const textureOf = (light: Light): Uint8Array | null => {
   return bytes && bytes.length > 0 ? bytes : null;
 };
 
-/** Whether there is room for it beside those of the other lights. */
+/** Whether an image of this size fits besides those of the other lights. */
 export const textureFits = (scene: Scene, index: number, bytes: number): boolean =>
   scene.lights.reduce((sum, light, i) => sum + (i === index ? 0 : (textureOf(light)?.length ?? 0)), bytes) <=
   mostTextureBytes;
 
-/** A PNG or JPEG file on a light, or none. What there is no room for is not taken. */
+/** Sets or removes the PNG or JPEG image of a light. Ignores an image that does not fit. */
 export function setTexture(scene: Scene, index: number, picture: Uint8Array<ArrayBuffer> | null): Scene {
   const light = scene.lights[index];
   if (!light?.shape.value || (picture && !textureFits(scene, index, picture.length))) return scene;
   const value: Record<string, unknown> = { ...light.shape.value };
   if (picture) value.texture = create(TextureSchema, { picture });
-  else Reflect.deleteProperty(value, "texture"); // absent and undefined are two things to the types
+  else Reflect.deleteProperty(value, "texture"); // the types distinguish an absent field from an undefined one
   return {
     ...scene,
     lights: replaced(scene.lights, index, {
@@ -48,7 +48,7 @@ export interface Pixels {
   readonly rgba: Uint8ClampedArray<ArrayBuffer>;
 }
 
-/** Around the sky the width is twice the height (docs/scenes.md). */
+/** A texture of the environment is twice as wide as high (docs/scenes.md). */
 export function texturePixels(name: TextureName): Pixels {
   const height = 48,
     width = (skyTextures as readonly string[]).includes(name) ? 2 * height : height;
@@ -66,7 +66,7 @@ export function texturePixels(name: TextureName): Pixels {
 
 type Colour = readonly [number, number, number];
 const grey = (value: number): Colour => [value, value, value];
-/** 1 before `edge`, 0 from `edge` + `soft` on. */
+/** Falls from 1 at `edge` to 0 at `edge` + `soft`. */
 const until = (value: number, edge: number, soft: number): number => clamp(1 - (value - edge) / soft, 0, 1);
 const mixed = (a: Colour, b: Colour, part: number): Colour => [
   a[0] + (b[0] - a[0]) * part,
@@ -74,7 +74,7 @@ const mixed = (a: Colour, b: Colour, part: number): Colour => [
   a[2] + (b[2] - a[2]) * part,
 ];
 const fromMiddle = (u: number, v: number): number => 2 * Math.hypot(u - 0.5, v - 0.5);
-/** A bright field around (u, v) of a sky. */
+/** A bright area of a sky around (u, v). */
 const field = (u: number, v: number, atU: number, atV: number): number =>
   until(Math.max(Math.abs(u - atU) * 2, Math.abs(v - atV)), 0.12, 0.06);
 
@@ -94,7 +94,7 @@ const colours: Readonly<Record<TextureName, (u: number, v: number) => Colour>> =
     ),
 };
 
-/** As large as `most` lets it be, in its own shape. */
+/** Returns the largest size of the same shape whose sides are at most `most`. */
 export function fitted(
   width: number,
   height: number,

@@ -11,7 +11,7 @@ import {
 import { rgb } from "./colour";
 import { clamp, replaced, within, without, type Limits } from "./numbers";
 
-/** What scene/check_scene.cpp asks for, and within it what a person can mean. */
+/** Limits that are useful and within those of scene/check_scene.cpp. */
 export const mostChannels = 64;
 export const mostPoints = 1024;
 export const valueLimits: Limits = { low: -1e9, high: 1e9 };
@@ -19,7 +19,7 @@ export const unitLimits: Limits = { low: 0, high: 1 };
 export const densityLimits: Limits = { low: 0.001, high: 100 };
 export const emissionLimits: Limits = { low: 0, high: 1000 };
 export const longestName = 60;
-/** Voxels are whole numbers: points nearer to each other say nothing more. */
+/** Voxel values are integers, so points that are closer together make no difference. */
 const leastGap = 1;
 
 const empty = create(TransferFunctionSchema);
@@ -41,12 +41,12 @@ function withChannel(scene: Scene, index: number, edit: (channel: Channel) => Ch
 const withPoints = (channel: Channel, opacity: OpacityPoint[]): Channel => ({ ...channel, opacity });
 const point = (value: number, opacity: number): OpacityPoint => create(OpacityPointSchema, { value, opacity });
 
-/** Between its neighbours; the first and the last may go as far as the protocol lets them. */
+/** A point stays between its neighbours. The first and the last may move to the limits of the protocol. */
 export function pointLimits(channel: Channel, index: number): Limits {
   const below = channel.opacity[index - 1]?.value;
   const above = channel.opacity[index + 1]?.value;
   const here = channel.opacity[index]?.value ?? 0;
-  // Where points already stand closer, half of what is left.
+  // Where points are already closer together, half of the remaining distance.
   const gap = (to: number | undefined) => (to === undefined ? 0 : Math.min(leastGap, Math.abs(here - to) / 2));
   return {
     low: below === undefined ? valueLimits.low : below + gap(below),
@@ -71,7 +71,9 @@ export function movePoint(
   });
 }
 
-/** On the curve where no opacity is said. Nothing where there is a point already, or no room for one. */
+/**
+ * Adds a point, on the curve unless an opacity is given. Returns null if there is a point already or no room for one.
+ */
 export function addPoint(
   scene: Scene,
   channel: number,
@@ -90,7 +92,7 @@ export function addPoint(
   return { scene: withChannel(scene, channel, (c) => withPoints(c, points)), index };
 }
 
-/** The middle of the widest gap: where a point is added without saying where. */
+/** Returns the middle of the widest gap, where a point is added by default. */
 export function roomiestValue(channel: Channel): number {
   let widest = 0,
     middle = 0;
@@ -103,13 +105,13 @@ export function roomiestValue(channel: Channel): number {
   return middle;
 }
 
-/** A channel keeps two. */
+/** A channel keeps at least two points. */
 export const removePoint = (scene: Scene, channel: number, index: number): Scene =>
   withChannel(scene, channel, (one) =>
     one.opacity.length <= 2 || !one.opacity[index] ? one : withPoints(one, without(one.opacity, index)),
   );
 
-/** Zero outside of the first and the last point, linear between. */
+/** Zero outside the first and the last point, and linear between points. */
 export function opacityAt(channel: Channel, value: number): number {
   const above = channel.opacity.findIndex((p) => p.value >= value);
   const right = channel.opacity[above],
@@ -144,7 +146,7 @@ const freshColours = [
   [0.4, 0.8, 0.8],
 ] as const;
 
-/** A tent over the middle of the values. */
+/** Adds a triangle over the middle of the values. */
 export function addChannel(scene: Scene, name: string, range: Limits): Scene {
   const channels = channelsOf(scene);
   if (channels.length >= mostChannels) return scene;
@@ -156,7 +158,7 @@ export function addChannel(scene: Scene, name: string, range: Limits): Scene {
   return withChannels(scene, [...channels, create(ChannelSchema, { name, diffuse: rgb(r, g, b), opacity })]);
 }
 
-/** A transfer function keeps one. */
+/** A transfer function keeps at least one channel. */
 export const removeChannel = (scene: Scene, index: number): Scene =>
   channelsOf(scene).length <= 1 || !channelsOf(scene)[index]
     ? scene
@@ -170,7 +172,7 @@ export const setDensity = (scene: Scene, extinctionPerMm: number): Scene => {
   };
 };
 
-/** The whole function along the values, as far as all of its points may go. */
+/** Moves the whole function along the values, until one of its points reaches a limit. */
 export function shifted(transfer: TransferFunction, by: number): TransferFunction {
   const values = transfer.channels.flatMap((channel) => channel.opacity.map((p) => p.value));
   const to = within(
@@ -187,7 +189,7 @@ export function shifted(transfer: TransferFunction, by: number): TransferFunctio
   return { ...transfer, channels };
 }
 
-/** Of the voxels and of all points: what the editor shows. */
+/** Returns the range that the editor shows, which covers the voxels and all points. */
 export function shownRange(transfer: TransferFunction, minimum: number, maximum: number): Limits {
   const values = transfer.channels.flatMap((channel) => channel.opacity.map((p) => p.value));
   const low = Math.min(minimum, ...values),

@@ -1,4 +1,4 @@
-/** ExactSlice.data once inflated (api/proto/stream.proto). @throws when it is not of that size. */
+/** Returns the values of an inflated ExactSlice.data (api/proto/stream.proto). @throws if it has a different size. */
 export function valuesOf(bytes: Uint8Array, columns: number, rows: number): Int16Array<ArrayBuffer> {
   const pixels = columns * rows;
   if (bytes.length !== 2 * pixels) throw new Error("a slice of another size");
@@ -7,7 +7,7 @@ export function valuesOf(bytes: Uint8Array, columns: number, rows: number): Int1
   return values;
 }
 
-/** zlib, by the browser itself. @throws on what is none. */
+/** Inflates zlib data with the browser's own decoder. @throws on invalid data. */
 export async function inflate(data: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
   const stream = new Blob([data]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

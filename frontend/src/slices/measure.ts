@@ -4,7 +4,7 @@ import type { Plane } from "./stack";
 export type MeasureKind = "ruler" | "angle";
 const pointsOf: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3 };
 
-/** Points in world space, mm; of an angle the second is its corner. In one slice. */
+/** Points in world space (mm) within one slice. The second point of an angle is its vertex. */
 export interface Measure {
   readonly kind: MeasureKind;
   readonly plane: Plane;
@@ -14,7 +14,7 @@ export interface Measure {
 
 export const isWhole = ({ kind, points }: Measure): boolean => points.length === pointsOf[kind];
 
-/** mm, or degrees; nothing while points are lacking. */
+/** Returns mm or degrees, or null while points are missing. */
 export function measured({ kind, points }: Measure): number | null {
   const [a, b, c] = points;
   if (!a || !b) return null;
@@ -26,7 +26,9 @@ export function measured({ kind, points }: Measure): number | null {
   return size > 0 ? (180 / Math.PI) * Math.acos(Math.min(1, Math.max(-1, dot(one, other) / size))) : null;
 }
 
-/** Another point, into the last measure if that is one of this kind and slice that lacks some; else it begins one. */
+/**
+ * Adds a point to the last measurement if that is unfinished and of this kind and slice. Otherwise starts a new one.
+ */
 export function withPoint(
   measures: readonly Measure[],
   kind: MeasureKind,
@@ -41,11 +43,11 @@ export function withPoint(
   return [...done, { ...last, points: [...last.points, point] }];
 }
 
-/** The last point of the last measure elsewhere, as a hand drags it. */
+/** Moves the last point of the last measurement, while it is dragged. */
 export function withLastPoint(measures: readonly Measure[], point: Vec3): readonly Measure[] {
   const last = measures.at(-1);
   return last ? [...measures.slice(0, -1), { ...last, points: [...last.points.slice(0, -1), point] }] : measures;
 }
 
-/** Without the last: the one that is being made, where one is. */
+/** Removes the last measurement, which may be unfinished. */
 export const withoutLast = (measures: readonly Measure[]): readonly Measure[] => measures.slice(0, -1);

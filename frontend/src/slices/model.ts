@@ -7,40 +7,40 @@ import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./
 import { SliceStore, type Coming, type StoreParts } from "./store";
 import { bounded, firstWindow, tableOf, type Window } from "./window";
 
-/** What one hand alone does in a slice. */
+/** The tool of the left button or of one finger. */
 export const tools = ["window", "crosshair", "ruler", "angle"] as const;
 export type Tool = (typeof tools)[number];
 
-/** One of the views alone, or all four. */
+/** A single view, or all four. */
 export type Shown = "picture" | "four" | Plane;
 
 type Header = Parameters<typeof firstWindow>[0] & { readonly contentHash: string };
 const middle = vec3(0, 0, 0);
 
-/** Which slices the server gives this viewer: those of `clipped` are blank outside of the clip. */
+/** The slices that the server sends to this viewer. `clipped` slices are blank outside the clip. */
 export type Access = "none" | "clipped" | "whole";
-/** A value of a clipped slice where nothing is shown. */
+/** The value of a clipped slice where nothing is shown. */
 export const blank = -32768;
 
-/** The slices as a person sees them. It stays while views come and go. */
+/** The state of the slice views. It persists while views open and close. */
 export class Slices {
   readonly stacks = signal<ReadonlyMap<Plane, Stack>>(new Map());
   readonly access = signal<Access>("none");
-  /** There is something to show. */
+  /** Whether there are slices to show. */
   readonly available = computed(() => this.access.value !== "none" && this.stacks.value.size > 0);
-  /** Else the picture alone. */
+  /** If false, only the 3D picture is shown. */
   readonly open = signal(false);
   readonly shown = signal<Shown>("four");
-  /** The page is too narrow for four views: one at a time. */
+  /** The page is too narrow for four views and shows one at a time. */
   readonly narrow = signal(false);
   readonly crosshair = signal<Vec3>(middle);
   readonly window = signal<Window>({ centre: 0, width: 1 });
   readonly tool = signal<Tool>("window");
   readonly measures = signal<readonly Measure[]>([]);
   readonly placings = signal<Partial<Record<Plane, Placing>>>({});
-  /** Under a pointer. */
+  /** The point under the pointer. */
   readonly pointed = signal<{ readonly plane: Plane; readonly place: Vec3 } | null>(null);
-  /** Rises with every slice that came. */
+  /** Increases with every slice that arrives. */
   readonly came = signal(0);
   readonly damaged = signal(false);
 
@@ -49,7 +49,7 @@ export class Slices {
     return this.narrow.value && this.shown.value === "four" ? "axial" : this.shown.value;
   });
   readonly pictureShown = computed(() => this.view.value === "picture" || this.view.value === "four");
-  /** Of every 16-bit value its grey. */
+  /** The grey level of every 16-bit value. */
   readonly table = computed(() => tableOf(this.window.value));
 
   private readonly store: SliceStore;
@@ -74,10 +74,10 @@ export class Slices {
     });
   }
 
-  /** A connection to a worker, the first or another. */
+  /** Called on every connection to a worker. */
   configured(stacks: readonly Stack[], header: Header | undefined): void {
     this.damaged.value = false;
-    // Who is not told the volume's hash asks for its slices again after each reconnection.
+    // Without the volume's hash, the page requests its slices again after each reconnection.
     const volume = header && (header.contentHash || JSON.stringify(stacks));
     if (header && !header.contentHash) this.store.clear();
     if (header && volume !== undefined && volume !== this.volume) {
@@ -98,7 +98,7 @@ export class Slices {
     this.came.value += 1;
   }
 
-  /** Of another clip than those that have come. */
+  /** Discards slices of an earlier clip. */
   stale(): void {
     this.store.clear();
     this.came.value += 1;
@@ -116,7 +116,7 @@ export class Slices {
     return pixelOf(stack, this.crosshair.value).slice;
   }
 
-  /** Those of the slice that the crosshair is in, once they have come. */
+  /** Returns the values of the slice at the crosshair, or null until they have arrived. */
   values(stack: Stack): Int16Array<ArrayBuffer> | null {
     return this.came.value >= 0 ? this.store.get({ plane: stack.plane, index: this.index(stack) }) : null;
   }
@@ -138,7 +138,7 @@ export class Slices {
     this.crosshair.value = heldWithin(stack, place);
   }
 
-  /** So many pixels in the slice. */
+  /** Moves the crosshair within the slice by pixels. */
   step(stack: Stack, right: number, down: number): void {
     this.pointAt(stack, add(this.crosshair.value, add(scale(stack.right, right), scale(stack.down, down))));
   }
@@ -155,12 +155,12 @@ export class Slices {
     this.window.value = bounded(window);
   }
 
-  /** One of four alone, or all four again. */
+  /** Shows only one of the four views, or all four again. */
   maximise(one: Exclude<Shown, "four">): void {
     this.shown.value = this.view.value === one ? "four" : one;
   }
 
-  /** The whole of every slice, the middle of the volume, the first window; measures stay. */
+  /** Resets the zoom, the crosshair and the window. Measurements stay. */
   reset(): void {
     const axial = this.stacks.value.get("axial");
     this.crosshair.value = axial ? heldWithin(axial, middle) : middle;

@@ -2,7 +2,9 @@ import type { Area, Point } from "../input/flat";
 import { clamp } from "../scene/numbers";
 import { pixelSize, type Stack } from "./stack";
 
-/** How a slice lies in its view: `zoom` 1 shows all of it; the view's middle shows that pixel. */
+/**
+ * How a slice is placed in its view. With `zoom` 1, all of it is visible. The given pixel is in the middle of the view.
+ */
 export interface Placing {
   readonly zoom: number;
   readonly column: number;
@@ -17,7 +19,7 @@ export const wholeSlice = (stack: Stack): Placing => ({
   row: (stack.rows - 1) / 2,
 });
 
-/** Of the view, for one mm. A little stays free for the letters at the edges. */
+/** Returns the pixels of the view per mm. A margin stays free for the letters at the edges. */
 export function perMm(stack: Stack, placing: Placing, area: Area): number {
   const { width, height } = pixelSize(stack);
   return (
@@ -56,7 +58,7 @@ const held = (stack: Stack, { zoom, column, row }: Placing): Placing => ({
   row: clamp(row, 0, stack.rows - 1),
 });
 
-/** Nearer or farther, and what lies under `at` stays there. */
+/** Zooms, keeping the point under `at` in place. */
 export function zoomed(stack: Stack, placing: Placing, area: Area, factor: number, at: Point): Placing {
   const zoom = clamp(placing.zoom * factor, zoomLimits.low, zoomLimits.high);
   const fixed = pixelAt(stack, placing, area, at);
@@ -68,7 +70,7 @@ export function zoomed(stack: Stack, placing: Placing, area: Area, factor: numbe
   });
 }
 
-/** With the hand, so far in the view. */
+/** Moves the slice with the pointer by a distance in the view. */
 export function panned(stack: Stack, placing: Placing, area: Area, right: number, down: number): Placing {
   const from = pixelAt(stack, placing, area, { x: 0, y: 0 });
   const to = pixelAt(stack, placing, area, { x: right, y: down });

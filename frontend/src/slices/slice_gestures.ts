@@ -1,7 +1,7 @@
 import type { Point } from "../input/flat";
 import type { PointerSample } from "../input/pointer_sample";
 
-/** What a gesture does in the view of a slice, as plain data. Lengths are in CSS pixels. */
+/** The action of a gesture in a slice view, as plain data. Lengths are in CSS pixels. */
 export type GestureAction =
   | { readonly kind: "begin"; readonly at: Point }
   | { readonly kind: "drag"; readonly from: Point; readonly at: Point; readonly by: Point }
@@ -19,11 +19,14 @@ interface Held {
   readonly moved: boolean;
 }
 
-/** A shorter movement is a tap whose pointer was not quite still. */
+/** A shorter movement is a tap with a slightly moving pointer. */
 const still = 4;
 const scrollEvery = 12;
 
-/** Translates pointer events to actions: one finger or the left button is the tool; two fingers move and zoom; three scroll. */
+/**
+ * Translates pointer events to actions: one finger or the left button uses the tool, two fingers move and zoom, and
+ * three scroll.
+ */
 export class SliceGestures {
   private readonly held = new Map<number, Held>();
   /** Several fingers were down, so the remaining ones do not use the tool. */
@@ -87,7 +90,7 @@ export class SliceGestures {
 
   private together(before: Point, at: Point, by: Point, others: readonly Held[]): readonly GestureAction[] {
     const other = others[0];
-    if (!other) return []; // the last of several fingers: it is about to go
+    if (!other) return []; // the last of several fingers, which is about to be lifted
     if (others.length >= 2) {
       this.scrolled += by.y / (others.length + 1);
       const slices = Math.trunc(this.scrolled / scrollEvery);
@@ -97,7 +100,7 @@ export class SliceGestures {
     const apartBefore = Math.hypot(before.x - other.at.x, before.y - other.at.y);
     const apart = Math.hypot(at.x - other.at.x, at.y - other.at.y);
     const pan: GestureAction = { kind: "pan", by: { x: by.x / 2, y: by.y / 2 } };
-    // Fingers almost upon each other would zoom without measure.
+    // Fingers that almost touch would zoom without limit.
     if (apartBefore < 10 || apart < 10) return [pan];
     return [
       pan,
@@ -106,11 +109,11 @@ export class SliceGestures {
   }
 }
 
-/** Pixels that a wheel tells at once, and that a touchpad tells bit by bit. */
+/** Pixels of one wheel step. A touchpad reports them in small pieces. */
 const aClick = 50;
 const aSlice = 30;
 
-/** A wheel, or a touchpad, in slices: what is less than one is kept for the next turn. */
+/** Converts wheel and touchpad movements to slices. The remainder counts towards the next movement. */
 export class Wheel {
   private left = 0;
 
@@ -120,6 +123,6 @@ export class Wheel {
     this.left += deltaY;
     const slices = Math.trunc(this.left / aSlice);
     this.left -= slices * aSlice;
-    return slices + 0; // no negative zero
+    return slices + 0; // avoids negative zero
   }
 }

@@ -3,21 +3,21 @@ import { add, dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec
 export const planes = ["axial", "sagittal", "coronal"] as const;
 export type Plane = (typeof planes)[number];
 
-/** The slices across one of the patient's axes, as the server says where they lie (docs/adr/0026). mm. */
+/** The slices along one of the patient's axes, placed as the server specifies (docs/adr/0026), in mm. */
 export interface Stack {
   readonly plane: Plane;
   readonly columns: number;
   readonly rows: number;
   readonly slices: number;
-  /** The centre of the first slice's upper left pixel. */
+  /** The centre of the top left pixel of the first slice. */
   readonly first: Vec3;
-  /** From a pixel to the next, and from a slice to the next; each along one axis of the patient. */
+  /** Steps to the next pixel and to the next slice, each along one of the patient's axes. */
   readonly right: Vec3;
   readonly down: Vec3;
   readonly next: Vec3;
 }
 
-/** In pixels and slices, 0 at the centre of the first. */
+/** A position in pixels and slices. 0 is the centre of the first one. */
 export interface Spot {
   readonly column: number;
   readonly row: number;
@@ -41,7 +41,7 @@ export function placeOf(stack: Stack, { column, row, slice }: Spot): Vec3 {
 
 const whole = (n: number, count: number): number => Math.min(count - 1, Math.max(0, Math.round(n)));
 
-/** The pixel and the slice that a place lies in; the nearest where it lies in none. */
+/** Returns the pixel and the slice that contain a point, or the nearest ones. */
 export function pixelOf(stack: Stack, place: Vec3): Spot {
   const spot = spotOf(stack, place);
   return {
@@ -51,12 +51,12 @@ export function pixelOf(stack: Stack, place: Vec3): Spot {
   };
 }
 
-/** The same place in the middle of another slice of the stack; beyond the last one the last. */
+/** Returns the same point in another slice of the stack, limited to the existing slices. */
 export function inSlice(stack: Stack, place: Vec3, slice: number): Vec3 {
   return placeOf(stack, { ...spotOf(stack, place), slice: whole(slice, stack.slices) });
 }
 
-/** As near as the stack has a pixel. */
+/** Returns the centre of the pixel that is nearest to a point. */
 export const heldWithin = (stack: Stack, place: Vec3): Vec3 => placeOf(stack, pixelOf(stack, place));
 
 /** mm. */
@@ -74,14 +74,14 @@ const sides = [
   ["I", "S"],
 ] as const;
 
-/** To which side of the patient a direction along one of his axes goes. */
+/** Returns the side of the patient towards which a direction along a patient axis points. */
 export function sideOf(way: Vec3): string {
   const parts = [way.x, way.y, way.z];
   const axis = parts.reduce((best, part, i) => (Math.abs(part) > Math.abs(parts[best] ?? 0) ? i : best), 0);
   return sides[axis]?.[(parts[axis] ?? 0) > 0 ? 1 : 0] ?? "";
 }
 
-/** What lies at the edges of the picture. */
+/** Returns the letters for the edges of the picture. */
 export const edgesOf = (stack: Stack) => ({
   right: sideOf(stack.right),
   left: sideOf(scale(stack.right, -1)),
@@ -89,7 +89,7 @@ export const edgesOf = (stack: Stack) => ({
   top: sideOf(scale(stack.down, -1)),
 });
 
-/** A place as it is said: to which side of the middle, and how far in mm. */
+/** Returns a point as a side and a distance from the middle in mm, per axis. */
 export const saidPlace = (place: Vec3): readonly { readonly side: string; readonly mm: number }[] =>
   [vec3(place.x, 0, 0), vec3(0, place.y, 0), vec3(0, 0, place.z)].map((part) => ({
     side: sideOf(part),
@@ -99,11 +99,11 @@ export const saidPlace = (place: Vec3): readonly { readonly side: string; readon
 interface Box {
   readonly size: readonly number[];
   readonly spacing: readonly number[];
-  /** 9, row-major, columns are the voxels' axes. */
+  /** Nine numbers, row-major. The columns are the voxel axes. */
   readonly direction: readonly number[];
 }
 
-/** Whether a place lies in the volume: an oblique one leaves corners of its slices empty. */
+/** Whether a point is inside the volume. An oblique volume leaves corners of its slices empty. */
 export function isInside({ size, spacing, direction }: Box, place: Vec3): boolean {
   return [0, 1, 2].every((axis) => {
     const way = vec3(direction[axis] ?? 0, direction[3 + axis] ?? 0, direction[6 + axis] ?? 0);

@@ -6,7 +6,7 @@ export interface SliceId {
   readonly index: number;
 }
 
-/** A slice as it comes. */
+/** A slice as it arrives. */
 export interface Coming extends SliceId {
   readonly seq: bigint;
   readonly columns: number;
@@ -15,25 +15,25 @@ export interface Coming extends SliceId {
 }
 
 export interface StoreParts {
-  /** What is lacking, and how many have come. */
+  /** Requests the missing slices and reports how many have arrived. */
   readonly ask: (lacking: readonly SliceId[], taken: bigint) => void;
   readonly inflate: (data: Uint8Array<ArrayBuffer>) => Promise<Uint8Array<ArrayBuffer>>;
-  /** Runs `task` once before the next picture of the screen. */
+  /** Runs `task` once before the next screen refresh. */
   readonly nextFrame: (task: () => void) => void;
   readonly came: (slice: SliceId) => void;
-  /** One came that is none. */
+  /** Called for an invalid slice. */
   readonly damaged: () => void;
 }
 
-/** Voxels that are kept to be shown again without asking: a few hundred slices. */
+/** Limit on the voxels that are cached to show slices again without a request: a few hundred slices. */
 export const mostBytes = 64 << 20;
 
 const key = ({ plane, index }: SliceId): string => `${plane} ${index}`;
 
-/** The slices that are shown, and asked for: of each plane the newest wish alone. */
+/** Requests and caches the slices on the screen. Only the newest request per plane counts. */
 export class SliceStore {
   private readonly shown = new Map<Plane, number>();
-  /** The least recently seen first. */
+  /** Cached slices, the least recently used first. */
   private readonly kept = new Map<string, Int16Array<ArrayBuffer>>();
   private readonly beingRead = new Set<string>();
   private bytes = 0;
@@ -43,7 +43,7 @@ export class SliceStore {
 
   constructor(private readonly parts: StoreParts) {}
 
-  /** Null: of that plane none is shown now. */
+  /** With a null `index`, no slice of the plane is shown. */
   show(plane: Plane, index: number | null): void {
     if (index === this.shown.get(plane)) return;
     if (index === null) this.shown.delete(plane);
@@ -60,7 +60,7 @@ export class SliceStore {
     return values;
   }
 
-  /** A new connection: numbers count anew, and what was on its way is lost. */
+  /** On a new connection, sequence numbers restart, and slices in transit are lost. */
   connected(): void {
     this.connection += 1;
     this.taken = 0n;
@@ -68,7 +68,7 @@ export class SliceStore {
     if (this.lacking().length > 0) this.plan();
   }
 
-  /** Those that have come count no more: of another volume, or of another clip. */
+  /** Discards all slices, because the volume or the clip has changed. */
   clear(): void {
     this.connection += 1;
     this.beingRead.clear();
@@ -89,7 +89,7 @@ export class SliceStore {
       this.beingRead.delete(key(slice));
       this.parts.came({ plane: slice.plane, index: slice.index });
     } catch {
-      if (connection === this.connection) this.parts.damaged(); // not asked for again: it would come so again
+      if (connection === this.connection) this.parts.damaged(); // not requested again, because the same bytes would arrive
     }
   }
 

@@ -1,6 +1,6 @@
 import { clamp } from "../scene/numbers";
 
-/** Which values are shown between black and white. */
+/** The range of values shown between black and white. */
 export interface Window {
   readonly centre: number;
   readonly width: number;
@@ -13,12 +13,18 @@ export const bounded = ({ centre, width }: Window): Window => ({
   width: clamp(Math.round(width), windowLimits.width.low, windowLimits.width.high),
 });
 
-/** 0 to 255: black at the window's lower border, white at its upper (LINEAR_EXACT of DICOM PS3.3 C.11.2.1.3.2). */
+/**
+ * Returns 0 to 255: black at the window's lower limit, white at its upper limit (LINEAR_EXACT of DICOM PS3.3
+ * C.11.2.1.3.2).
+ */
 export function greyOf(value: number, { centre, width }: Window): number {
   return Math.round(255 * clamp((value - centre) / width + 0.5, 0, 1));
 }
 
-/** Of every 16-bit value, by its bits: one look-up a pixel. As RGBA in the machine's own order of bytes. */
+/**
+ * Returns a table that is indexed by the bits of a 16-bit value, for one lookup per pixel. Entries are RGBA in the
+ * machine's byte order.
+ */
 export function tableOf(window: Window): Uint32Array {
   const table = new Uint32Array(65536);
   for (let bits = 0; bits < 65536; ++bits) {
@@ -28,17 +34,20 @@ export function tableOf(window: Window): Uint32Array {
   return table;
 }
 
-/** Pixels of RGBA; `into` has one for each value. */
+/** Writes one RGBA pixel per value to `into`. */
 export function shade(values: Int16Array, table: Uint32Array, into: Uint32Array): void {
   for (let i = 0; i < values.length; ++i) into[i] = table[(values[i] ?? 0) & 0xffff] ?? 0;
 }
 
-/** A hand went so far over a view of that size: to the right wider, downwards lower. The whole view is `range` values. */
+/**
+ * Returns the window after a drag: to the right widens it, and down lowers it. `right` and `down` are fractions of the
+ * view, whose full size stands for `range` values.
+ */
 export function dragged(from: Window, right: number, down: number, range: number): Window {
   return bounded({ centre: from.centre - down * range, width: from.width + right * range });
 }
 
-/** What is usual for CT, in HU. */
+/** The usual windows for CT, in HU. */
 export const usualWindows = {
   soft: { centre: 40, width: 400 },
   lung: { centre: -600, width: 1500 },
@@ -55,7 +64,7 @@ interface Known {
   readonly percentiles: readonly number[];
 }
 
-/** What the scan itself says, else nearly all of its values. */
+/** Returns the window stored in the scan, or one that covers nearly all of its values. */
 export function firstWindow({ windowCenter, windowWidth, minimum, maximum, percentiles }: Known): Window {
   if (windowWidth > 0) return bounded({ centre: windowCenter, width: windowWidth });
   const low = percentiles[0] ?? minimum;

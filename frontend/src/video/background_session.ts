@@ -61,7 +61,7 @@ export class BackgroundSession<Done, Reason extends string = never> {
       {
         ticketSource: parts.ticketSource,
         openSocket: parts.openSocket,
-        nextFrame: (task) => void parts.after(0, task), // also while no user looks at the page
+        nextFrame: (task) => void parts.after(0, task), // also runs while the page is hidden
         after: parts.after,
         chance: Math.random,
         abilities: { codecs: [Codec.JPEG], stills }, // each frame stands alone

@@ -49,7 +49,7 @@ export class ResizeDebouncer {
 
 const same = (a: Viewport, b: Viewport): boolean => a.width === b.width && a.height === b.height;
 
-/** The element's own device pixels, now and at every change of its size or of the screen's pixel ratio. */
+/** Reports the element's size in device pixels now and whenever it or the screen's pixel ratio changes. */
 export function watchDevicePixels(element: HTMLElement, changed: (size: Viewport) => void, signal: AbortSignal): void {
   const observer = new ResizeObserver(([entry]) => {
     const exact = (entry as Partial<ResizeObserverEntry> | undefined)?.devicePixelContentBoxSize?.[0];
@@ -58,12 +58,12 @@ export function watchDevicePixels(element: HTMLElement, changed: (size: Viewport
   try {
     observer.observe(element, { box: "device-pixel-content-box" });
   } catch {
-    observer.observe(element); // Safari: rounded, and half a pixel off at odd ratios
+    observer.observe(element); // Safari: the size is rounded, and half a pixel off at fractional ratios
   }
   signal.addEventListener("abort", () => observer.disconnect());
 }
 
-/** Before anything was observed: as near as layout tells. */
+/** Before the first observation, returns the size that the layout suggests. */
 export function devicePixels(element: HTMLElement): Viewport {
   const ratio = devicePixelRatio;
   return { width: Math.round(element.clientWidth * ratio), height: Math.round(element.clientHeight * ratio) };

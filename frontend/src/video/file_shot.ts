@@ -2,21 +2,23 @@ import type { FileOrder, FilePart } from "../protocol/file_messages";
 import type { Problem } from "../protocol/messages";
 import { BackgroundSession, type BackgroundParts, type BackgroundState } from "./background_session";
 
-/** As much of the protocol's bounds as the page asks about. */
+/** Limits of the protocol that the page checks. */
 export const longestFilmSide = 1920;
 export const longestFilmS = 60;
 export const longestLargeSide = 16384;
 
-/** The session renders nothing for itself: the smallest there is. */
+/** The session renders no picture of its own, so its size is the smallest possible one. */
 const smallestSize = { width: 16, height: 16 };
-/** Parts that lie in the page's memory before the browser has them, which may put them on a disk. */
+/**
+ * Maximum number of parts in the page's memory before they are handed to the browser, which may store them on a disk.
+ */
 const partsInMemory = 64;
 
 export type FileState = BackgroundState<{ readonly kind: "done"; readonly file: Blob }, "busy">;
 
 /**
- * A file that a worker makes: a film, or a picture larger than a page holds. Its session renders nothing but the file.
- * Where its worker is lost, another makes it anew.
+ * A file that a worker creates: a film, or a picture that is too large for a page. Its session renders nothing else. If
+ * the worker is lost, another one starts again.
  */
 export class FileShot {
   private readonly session: BackgroundSession<{ readonly kind: "done"; readonly file: Blob }, "busy">;
@@ -51,7 +53,7 @@ export class FileShot {
     this.session.stop();
   }
 
-  /** Of a new connection: from the beginning. */
+  /** Orders the file from the beginning on a new connection. */
   private ask(): void {
     this.partsSeen = 0n;
     this.fresh = [];

@@ -2,13 +2,13 @@ import type { Codec, Frame, FrameTimes } from "../protocol/messages";
 import type { FrameDecoder } from "./picture";
 
 export interface FramePipelineParts<P extends { close(): void }> {
-  /** Nothing for a codec that is not known here. */
+  /** Returns null for an unknown codec. */
   readonly makeDecoder: (codec: Codec) => FrameDecoder<P> | null;
   readonly present: (picture: P, frame: Frame) => void;
   readonly ack: (frame: Frame, times: FrameTimes, queue: number) => void;
-  /** A key frame is wanted: what comes before it cannot be decoded. */
+  /** Requests a key frame, because earlier frames cannot be decoded. */
   readonly needKey: () => void;
-  /** A codec has failed too often: better to go on without it. */
+  /** The codec has failed too often and should no longer be used. */
   readonly giveUp: (codec: Codec) => void;
   readonly nowMs: () => number;
 }
@@ -18,37 +18,43 @@ interface Arrival {
   readonly receivedMs: number;
 }
 
-/** Frames of a chained codec that may wait to be decoded. The server keeps two in flight, so more is a device that cannot follow. */
+/**
+ * Maximum number of frames of a chained codec that wait to be decoded. The server keeps two in flight, so a device with
+ * more cannot keep up.
+ */
 export const longestQueue = 3;
-/** Failures in a row after which a codec is given up; and after so many good frames an old failure counts no more. */
+/**
+ * Number of consecutive failures after which a codec is given up, and of good frames after which old failures no longer
+ * count.
+ */
 export const mostFailures = 3;
 export const forgottenAfter = 60;
 
 /**
- * From a frame of the stream to the screen. Frames that stand alone are decoded one at a time and only the newest waits,
- * so a slow device shows fewer pictures, never old ones. Frames that build on each other are all decoded, in order; when
- * too many wait, all are left out up to the next key frame. What is shown never goes back: neither to an older epoch
- * (nothing ghosts) nor to an older frame.
+ * Brings frames from the stream to the screen. Independent frames are decoded one at a time and only the newest one
+ * waits, so a slow device shows fewer pictures, but never old ones. Chained frames are all decoded, in order. If too
+ * many wait, all are skipped until the next key frame. The picture never goes back to an older epoch (no ghosting) or
+ * an older frame.
  */
 export class FramePipeline<P extends { close(): void }> {
   private connection = 0;
   private shown = { epoch: 0n, seq: 0n };
   private decoder: { codec: Codec; made: FrameDecoder<P> } | null = null;
   private decoding = 0;
-  private waiting: Arrival | null = null; // of a codec whose frames stand alone
+  private waiting: Arrival | null = null; // a frame of a codec with independent frames
   private wantsKey = false;
   private failures = 0;
   private good = 0;
 
   constructor(private readonly parts: FramePipelineParts<P>) {}
 
-  /** A new connection: epochs and frames count anew, and what is under way belongs to the old one. */
+  /** On a new connection, epochs and frames are counted again, and frames being decoded belong to the old one. */
   reset(): void {
     this.connection += 1;
     this.shown = { epoch: 0n, seq: 0n };
     this.waiting = null;
     this.dropDecoder();
-    this.wantsKey = false; // the first frame of a connection is one
+    this.wantsKey = false; // the first frame of a connection is a key frame
   }
 
   receive(frame: Frame): void {
@@ -74,7 +80,7 @@ export class FramePipeline<P extends { close(): void }> {
     try {
       made = this.parts.makeDecoder(codec);
     } catch {
-      // As one that is not there.
+      // Treated like a missing decoder.
     }
     this.decoder = made && { codec, made };
     return made;
@@ -98,7 +104,7 @@ export class FramePipeline<P extends { close(): void }> {
   private receiveChained(arrival: Arrival, decoder: FrameDecoder<P>): void {
     const { key } = arrival.frame;
     if (this.decoding >= longestQueue) {
-      // Nothing of what waits will be looked at: a new decoder begins at the next key frame.
+      // Discards all waiting frames, because a new decoder starts at the next key frame.
       this.decoder = null;
       this.decoding = 0;
       decoder.close();
@@ -121,7 +127,7 @@ export class FramePipeline<P extends { close(): void }> {
     try {
       picture = await decoder.decode(arrival.frame);
     } catch {
-      // Told by there being no picture.
+      // The missing picture reports the failure.
     }
     const current = this.decoder?.made === decoder;
     if (current) this.decoding -= 1;
@@ -155,7 +161,7 @@ export class FramePipeline<P extends { close(): void }> {
     if (this.failures > 0 && ++this.good >= forgottenAfter) this.failures = 0;
   }
 
-  /** A frame that stands alone is replaced by the next; a chain is broken and begins anew at a key frame. */
+  /** An independent frame is replaced by the next one. A chain is broken and starts again at a key frame. */
   private failed(codec: Codec): void {
     this.good = 0;
     this.failures += 1;

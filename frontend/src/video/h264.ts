@@ -1,6 +1,6 @@
 import type { CodedPicture, FrameDecoder, Picture } from "./picture";
 
-/** A picture that has not come out this long after it went in is pressed out. */
+/** A picture that the decoder holds back for longer is forced out with a flush. */
 const stuckAfterMs = 200;
 
 interface Pending {
@@ -8,7 +8,7 @@ interface Pending {
   readonly reject: (why: Error) => void;
 }
 
-/** WebCodecs: in a secure context of a browser that has it. Configured by the key frames. */
+/** Uses WebCodecs, which exists only in secure contexts. The key frames configure it. */
 export class H264Decoder implements FrameDecoder {
   readonly independent = false;
   private readonly decoder: VideoDecoder;
@@ -33,7 +33,7 @@ export class H264Decoder implements FrameDecoder {
       try {
         if (frame.key) this.configure(frame.decoder);
         else if (!this.chained) throw new Error("a frame without the key frame before it");
-        const timestamp = Number(frame.seq); // only tells the outputs apart
+        const timestamp = Number(frame.seq); // serves only to match the outputs with their frames
         this.pending.set(timestamp, { resolve, reject });
         this.decoder.decode(new EncodedVideoChunk({ type: frame.key ? "key" : "delta", timestamp, data: frame.data }));
         this.chained = true;
@@ -51,8 +51,9 @@ export class H264Decoder implements FrameDecoder {
   }
 
   private configure(codec: string): void {
-    if (codec === this.configured) return; // a new size is told by the stream's own parameter sets
-    // No description: the stream is Annex B. Nothing is held back for reordering, since nothing is reordered.
+    if (codec === this.configured) return; // the stream's own parameter sets contain a new size
+    // Without a description, the stream is Annex B. No picture is held back for reordering, because the stream does not
+    // reorder pictures.
     this.decoder.configure({ codec, optimizeForLatency: true });
     this.configured = codec;
   }
@@ -73,14 +74,17 @@ export class H264Decoder implements FrameDecoder {
     });
   }
 
-  /** Some decoders in hardware keep the last picture until the next comes. A flush presses it out and breaks the chain. */
+  /**
+   * Some hardware decoders keep the last picture until the next one arrives. A flush forces it out and breaks the
+   * chain.
+   */
   private watch(): void {
     clearTimeout(this.stuck);
     if (this.pending.size === 0) return;
     this.stuck = setTimeout(() => {
       if (this.decoder.state !== "configured" || this.decoder.decodeQueueSize > 0) return;
       this.chained = false;
-      this.decoder.flush().catch(() => undefined); // told by `error`
+      this.decoder.flush().catch(() => undefined); // the `error` callback reports it
     }, stuckAfterMs);
   }
 

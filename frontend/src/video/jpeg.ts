@@ -1,6 +1,6 @@
 import { pictureOf, type CodedPicture, type FrameDecoder, type Picture } from "./picture";
 
-/** The browser's own decoder of pictures: everywhere. */
+/** Uses the browser's own image decoder, which exists everywhere. */
 export class JpegDecoder implements FrameDecoder {
   readonly independent = true;
 
@@ -10,6 +10,6 @@ export class JpegDecoder implements FrameDecoder {
   }
 
   close(): void {
-    // Nothing is kept.
+    // There is nothing to release.
   }
 }

@@ -5,10 +5,10 @@ import { Mpeg1Decoder } from "./mpeg1";
 import type { CodedPicture, FrameDecoder } from "./picture";
 import { testH264, testJpeg, testLeft, testMpeg1, testRight, type Rgb } from "./test_frames";
 
-/** Best first: the order in which they are announced. */
+/** The codecs in the order in which they are announced, the best first. */
 export const ladder: readonly Codec[] = [Codec.H264, Codec.JPEG, Codec.MPEG1];
 
-/** Nothing for a codec that this page does not know. */
+/** Returns null for an unknown codec. */
 export function makeDecoder(codec: Codec): FrameDecoder | null {
   switch (codec) {
     case Codec.H264:
@@ -23,8 +23,8 @@ export function makeDecoder(codec: Codec): FrameDecoder | null {
 }
 
 /**
- * The codecs that this browser really decodes: each has shown a test frame in its right colours. MPEG-1, whose decoder
- * must be loaded first, is tried only where there is no H.264, or when it is asked for by `only`.
+ * Returns the codecs that this browser has decoded a test frame with in the right colours. MPEG-1, whose decoder must
+ * be loaded first, is tested only without H.264 or if `only` contains it.
  */
 export async function probeCodecs(only: readonly Codec[] | null = null): Promise<Codec[]> {
   const tried = (codec: Codec) => (!only || only.includes(codec) ? decodes(codec) : Promise.resolve(false));
@@ -33,16 +33,22 @@ export async function probeCodecs(only: readonly Codec[] | null = null): Promise
   return ladder.filter((codec) => (codec === Codec.H264 ? h264 : codec === Codec.JPEG ? jpeg : mpeg1));
 }
 
-/** For whoever measures or mends: names of codecs in `localStorage`, as "JPEG" or "H264,MPEG1"; nothing: all. */
+/**
+ * For measurements and debugging: names of codecs in `localStorage`, such as "JPEG" or "H264,MPEG1". Null for all
+ * codecs.
+ */
 export function chosenCodecs(storage: Pick<Storage, "getItem">): Codec[] | null {
   const names = storage.getItem("diaphane.codecs")?.split(",") ?? [];
   const chosen = ladder.filter((codec) => names.includes(Codec[codec]));
   return chosen.length > 0 ? chosen : null;
 }
 
-/** A broken driver may say nothing at all; then there is the next codec. The browser's own JPEG always answers. */
+/**
+ * A broken driver may never respond. In that case, the next codec is tested. The browser's own JPEG decoder always
+ * responds.
+ */
 const probeLimitMs = 3000;
-/** Of 255: coding, 4:2:0 and rounding. A wrong matrix or range is off by 10 and more. */
+/** Out of 255, for coding, 4:2:0 and rounding. A wrong matrix or range differs by 10 or more. */
 const colourTolerance = 6;
 
 const testFrame = (codec: Codec): CodedPicture | null => {

@@ -1,6 +1,6 @@
 import type { FrameTimes, Still } from "../protocol/messages";
 
-/** A tile as it is to be shown: RGBA, opaque, rows from the top. */
+/** A decoded tile: RGBA, opaque, rows from the top. */
 export interface TilePixels {
   readonly x: number;
   readonly y: number;
@@ -19,7 +19,7 @@ export interface LosslessFacts {
 }
 
 export interface LosslessAssemblerParts {
-  /** The tile's own pixels; rejects on a damaged one. */
+  /** Returns the tile's pixels. Rejects on a damaged tile. */
   readonly decode: (still: Still) => Promise<Uint8ClampedArray<ArrayBuffer>>;
   readonly sha256: (bytes: Uint8Array<ArrayBuffer>) => Promise<Uint8Array>;
   /** Shows all tiles of a picture at once. Returns false, and changes nothing, if they do not fit the shown picture. */
@@ -117,7 +117,7 @@ export class LosslessAssembler {
   }
 }
 
-/** What the hash is of: the colours without the opacity. */
+/** Returns the colours without the opacity, which is what the hash covers. */
 export function rgbOf(rgba: Uint8ClampedArray<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   const rgb = new Uint8Array((rgba.length / 4) * 3);
   for (let from = 0, to = 0; from < rgba.length; from += 4, to += 3) {

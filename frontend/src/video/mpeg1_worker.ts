@@ -1,7 +1,7 @@
 import JSMpeg, { type Mpeg1Video } from "@cycjimmy/jsmpeg-player";
 import { yuvToRgba } from "./yuv";
 
-/** MPEG-1 in software, beside the page's own thread. One answer for each order, in order. */
+/** MPEG-1 in software, outside the page's main thread. Answers each order once, in order. */
 
 export interface Mpeg1Order {
   readonly key: boolean;
@@ -9,19 +9,19 @@ export interface Mpeg1Order {
   readonly width: number;
   readonly height: number;
 }
-/** Nothing: it could not be decoded. */
+/** Null if the frame could not be decoded. */
 export type Mpeg1Answer = ImageBitmap | null;
 
-// jsmpeg asks `window` for its clock.
+// jsmpeg reads its clock from `window`.
 (globalThis as { window?: unknown }).window ??= globalThis;
 
-/** A key frame of the largest picture; what does not fit is lost. */
+/** Enough for a key frame of the largest picture. Data beyond this is lost. */
 const bufferBytes = 8 << 20;
-/** A picture comes after a sequence header and a group header at most. */
+/** At most a sequence header and a group header precede a picture. */
 const mostStartCodes = 4;
 
 let decoder: Mpeg1Video | null = null;
-/** What `render` fills. */
+/** The buffer that `render` fills. */
 const target: { rgba: Uint8ClampedArray<ArrayBuffer> | null; width: number; height: number } = {
   rgba: null,
   width: 0,
@@ -41,7 +41,7 @@ function newDecoder(): Mpeg1Video {
 }
 
 async function decode(order: Mpeg1Order): Promise<Mpeg1Answer> {
-  // jsmpeg reads the sequence header of its first picture only.
+  // jsmpeg reads only the sequence header of its first picture.
   if (order.key) decoder = newDecoder();
   if (!decoder) return null;
   Object.assign(target, { rgba: null, width: order.width, height: order.height });

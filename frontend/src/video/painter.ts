@@ -2,7 +2,10 @@ import type { Viewport } from "../protocol/messages";
 import type { TilePixels } from "./lossless_assembler";
 import type { Picture } from "./picture";
 
-/** Draws frames into a canvas of device pixels. A frame may be smaller (moving) or of an older shape (resizing). */
+/**
+ * Draws frames on a canvas of device pixels. A frame may be smaller while moving, or have an older shape while
+ * resizing.
+ */
 export class Painter {
   private readonly context: CanvasRenderingContext2D;
   private whole = false;
@@ -13,12 +16,12 @@ export class Painter {
     this.context = context;
   }
 
-  /** For a follower, whose canvas has another shape: all that the presenter sees, with borders. */
+  /** For a follower, whose canvas has another shape: shows the presenter's whole picture, with borders. */
   showWhole(whole: boolean): void {
     this.whole = whole;
   }
 
-  /** Keeps what is shown until the first frame of the new size. */
+  /** Keeps the shown picture until the first frame of the new size. */
   resize(size: Viewport): void {
     const { width, height } = this.canvas;
     if (width === size.width && height === size.height) return;
@@ -33,7 +36,10 @@ export class Painter {
     this.draw(picture.image, picture.width, picture.height);
   }
 
-  /** Pixel by pixel, or not at all: false when the picture is not of the canvas's own size. */
+  /**
+   * Draws the tiles without scaling. Returns false, and draws nothing, if the picture does not have the size of the
+   * canvas.
+   */
   paintExactly(tiles: readonly TilePixels[], size: Viewport): boolean {
     if (size.width !== this.canvas.width || size.height !== this.canvas.height) return false;
     for (const { x, y, width, height, rgba } of tiles)
@@ -45,7 +51,7 @@ export class Painter {
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
   }
 
-  /** The field of view is a vertical one, so equal heights show equal sizes: fitted by height, about the middle. */
+  /** The field of view is vertical, so pictures are fitted by height and centred. */
   private draw(source: CanvasImageSource, width: number, height: number): void {
     if (width === 0 || height === 0) return;
     const canvas = this.canvas;
@@ -58,7 +64,7 @@ export class Painter {
       this.context.drawImage(source, 0, (canvas.height - shownHeight) / 2, canvas.width, shownHeight);
       return;
     }
-    // A smaller frame has its sides rounded to whole pixels: that is no other shape.
+    // The sides of a smaller frame are rounded to whole pixels, which does not change its shape.
     const shownWidth = Math.abs(fitting - canvas.width) < 0.02 * canvas.width ? canvas.width : fitting;
     this.context.imageSmoothingEnabled = shownWidth !== width || canvas.height !== height;
     this.context.imageSmoothingQuality = "high";

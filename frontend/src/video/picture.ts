@@ -1,24 +1,27 @@
 import type { Frame } from "../protocol/messages";
 
-/** A decoded picture; `close` gives its memory back. */
+/** A decoded picture. `close` releases its memory. */
 export interface Picture {
   readonly image: CanvasImageSource;
-  /** In pixels, of what is to be shown. */
+  /** In pixels of the visible part. */
   readonly width: number;
   readonly height: number;
   close(): void;
 }
 
-/** What a decoder needs of a frame. */
+/** The fields of a frame that a decoder needs. */
 export type CodedPicture = Pick<Frame, "codec" | "key" | "seq" | "data" | "decoder" | "width" | "height">;
 
-/** Turns coded frames into pictures, one for each, in the order given. */
+/** Decodes frames to pictures, one per frame, in the given order. */
 export interface FrameDecoder<P = Picture> {
-  /** Each frame stands alone, so any of them may be left out; else none may be, from a key frame on. */
+  /**
+   * Whether each frame can be decoded on its own, so that any may be skipped. If not, none may be skipped after a key
+   * frame.
+   */
   readonly independent: boolean;
-  /** Rejects on a damaged frame; a chained decoder is good for nothing then, and another is made. */
+  /** Rejects on a damaged frame. A chained decoder is then unusable and must be replaced. */
   decode(frame: CodedPicture): Promise<P>;
-  /** What is under way rejects. */
+  /** Rejects frames that are being decoded. */
   close(): void;
 }
 

@@ -3,7 +3,7 @@ export interface PictureFacts {
   readonly epoch: number;
   readonly inputSeq: number;
   readonly samples: number;
-  /** Relative; infinite while unknown. */
+  /** Relative error, infinite while unknown. */
   readonly error: number;
   readonly seconds: number;
   readonly width: number;

@@ -25,7 +25,7 @@ export class PictureStore {
   readonly picture = signal<PictureFacts | null>(null);
   readonly curve = signal<readonly ErrorPoint[]>([]);
   readonly converged = signal(false);
-  /** The picture on the screen is the renderer's own, pixel by pixel: each tile has been checked. */
+  /** Set if the picture on the screen is exactly the rendered one. Each tile has been verified. */
   readonly lossless = signal<LosslessFacts | null>(null);
 
   private readonly pipeline: FramePipeline<Picture>;
@@ -73,7 +73,7 @@ export class PictureStore {
     this.converged.value = this.convergedEpoch === this.picture.value?.epoch;
   }
 
-  /** A new configuration begins: nothing that arrived before it counts. */
+  /** Starts with a new configuration and discards everything that arrived before it. */
   reset(): void {
     this.pipeline.reset();
     this.losslessAssembler.reset();
@@ -82,7 +82,7 @@ export class PictureStore {
 
   resize(size: Viewport): void {
     this.painter.resize(size);
-    this.lossless.value = null; // what is shown until the next picture is scaled
+    this.lossless.value = null; // until the next picture, the shown one is scaled
   }
 
   png(): Promise<Blob | null> {

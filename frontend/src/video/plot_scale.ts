@@ -1,8 +1,8 @@
 import type { ErrorPoint } from "./picture_facts";
 
-/** A log-log frame for error against time, in whole decades, and the way of the curve in it. */
+/** A log-log plot of error against time, in whole decades. */
 export interface Plot {
-  /** As `x,y x,y …` in a box of `width` by `height`. */
+  /** The curve as `x,y x,y …` in a box of `width` by `height`. */
   readonly line: string;
   readonly vertical: readonly number[];
   readonly horizontal: readonly { readonly at: number; readonly percent: number }[];
@@ -13,8 +13,8 @@ const mostPoints = 400;
 const isKnown = ({ seconds, error }: ErrorPoint) => seconds > 0 && error > 0 && Number.isFinite(seconds + error);
 
 /**
- * With what one more picture says. Its time is that of its samples and of its own tone mapping, which may take less than that
- * of the picture before: the plot's time does not go back for it.
+ * Adds the point of one more picture. Its time includes its own tone mapping, so it may be slightly less than that of
+ * the previous picture. The plot's time does not go back.
  */
 export function withPoint(curve: readonly ErrorPoint[], { seconds, error }: ErrorPoint): readonly ErrorPoint[] {
   if (!isKnown({ seconds, error })) return curve;

@@ -30,9 +30,9 @@ export interface EditorParts {
 export class SceneEditor {
   readonly scene = signal<Scene | null>(null);
   readonly presets = signal<readonly Preset[]>([]);
-  /** What was before, and what was undone. */
+  /** The steps to undo and to redo. */
   readonly steps = signal<History<Scene>>(nothingYet);
-  /** What the session began with: the look that the scan's owner chose, or the volume's own. */
+  /** The scene at the start of the session: the look that the scan's owner chose, or the volume's default. */
   readonly begun = signal<Scene | null>(null);
 
   constructor(private readonly parts: EditorParts) {}
@@ -47,11 +47,11 @@ export class SceneEditor {
     this.steps.value = nothingYet;
   }
 
-  /** `untouched`: nobody has edited the scene of this session yet. */
+  /** `untouched` means that nobody has edited the scene of this session yet. */
   configured(config: Config, untouched: boolean): void {
     this.presets.value = config.presets;
     const before = this.scene.value;
-    if (!before || !config.scene || !sameScene(before, config.scene)) this.forgetSteps(); // changed elsewhere
+    if (!before || !config.scene || !sameScene(before, config.scene)) this.forgetSteps(); // the scene was changed elsewhere
     this.scene.value = config.scene ?? null;
     if (untouched) this.begun.value = config.scene ?? null;
     const { width, height } = this.parts.canvasSize();
@@ -59,21 +59,21 @@ export class SceneEditor {
     if (home && config.scene) this.setScene(withCamera(config.scene, home), null, true);
   }
 
-  /** `held`: by a hand that will be lifted. */
+  /** `held` means that the pointer is still down. */
   act(gesture: Gesture, held = false): void {
     const scene = this.scene.value;
     const pose = scene && cameraOf(scene);
     if (scene && pose) this.setScene(withCamera(scene, applyGesture(pose, gesture)), { what: "camera", held });
   }
 
-  /** Another scene out of the one there is. `what` is changed; while a hand holds it, that is one step for undoing. */
+  /** Edits the scene. `what` names the changed setting. While it is held, all edits form one undo step. */
   change(what: string, edit: (scene: Scene) => Scene, held = false): void {
     const scene = this.scene.value;
     const edited = scene && edit(scene);
     if (edited && edited !== scene) this.setScene(edited, { what, held });
   }
 
-  /** The hand was lifted. */
+  /** Ends a gesture. */
   rest(): void {
     this.steps.value = rested(this.steps.value);
     this.parts.rest();
@@ -101,7 +101,7 @@ export class SceneEditor {
     this.steps.value = moved.history;
   }
 
-  /** Another look at the same place, through the same lens and cut as it is. */
+  /** Applies a look but keeps the camera, the lens and the cuts. */
   applyPreset(preset: Preset): void {
     if (!preset.scene) return;
     const now = this.scene.value;
@@ -114,23 +114,23 @@ export class SceneEditor {
     this.setScene({ ...preset.scene, ...kept }, { what: `preset ${preset.name}`, held: false }, true);
   }
 
-  /** A look, from where it begins. */
+  /** Starts with a look and its own camera. */
   beginWith(preset: Preset): void {
     const pose = preset.scene && cameraOf(preset.scene);
     if (preset.scene) this.setScene(pose ? withCamera(preset.scene, this.fitted(pose)) : preset.scene, null, true);
   }
 
-  /** All of it: look, lights, cuts and where one looks from. */
+  /** Replaces the whole scene: look, lights, cuts and camera. */
   showScene(scene: Scene): void {
     this.setScene(scene, { what: "scene", held: false }, true);
   }
 
-  /** The same with another clip, while a hand moves it or (`rest`) has moved it. */
+  /** Changes the clip of the scene. `rest` means that the drag has ended. */
   cutScene(scene: Scene, rest: boolean): void {
     this.setScene(scene, null, rest);
   }
 
-  /** To the view that the preset began with. */
+  /** Resets the camera to that of the preset. */
   resetCamera(): void {
     const scene = this.scene.value;
     const home = this.home();
@@ -156,9 +156,9 @@ export class SceneEditor {
     return fittedToAspect(pose, width / height);
   }
 
-  /** `change`: what it is for undoing; nothing: no step. */
+  /** `change` describes the undo step. Null for none. */
   private setScene(scene: Scene, change: { readonly what: string; readonly held: boolean } | null, rest = false): void {
-    if (!this.parts.leads()) return; // a follower looks on
+    if (!this.parts.leads()) return; // a follower cannot edit
     const before = this.scene.value;
     if (change && before) this.steps.value = changed(this.steps.value, before, { ...change, nowMs: performance.now() });
     this.scene.value = scene;

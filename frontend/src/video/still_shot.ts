@@ -12,14 +12,17 @@ import {
   type BackgroundState,
 } from "./background_session";
 
-/** What the protocol allows, pixels. */
+/** Limits of the protocol, in pixels. */
 export const shortestSide = 16;
 export const longestSide = 4096;
 
 export interface ShotOrder {
   readonly scene: Scene;
   readonly size: Viewport;
-  /** Estimated relative error at which the picture is good enough (a smoothed one is nearer still); 0: the renderer's own end, without loss. */
+  /**
+   * Estimated relative error at which the picture is finished (a denoised one is even closer to the final picture). 0
+   * renders until the renderer stops by itself, and the result is lossless.
+   */
   readonly error: number;
 }
 
@@ -31,7 +34,7 @@ interface ShotDone {
 }
 export type ShotState = BackgroundState<ShotDone>;
 
-/** Where the picture is put together. */
+/** The canvas on which the picture is assembled. */
 export interface Sheet {
   draw(picture: Picture): void;
   drawTiles(tiles: readonly TilePixels[]): void;
@@ -45,16 +48,16 @@ export interface ShotParts extends BackgroundParts<ShotState> {
   readonly nowMs: () => number;
 }
 
-/** The noise halves with four times the samples: how much of the way is behind. */
+/** Returns the fraction of the work that is done, given that four times the samples halve the noise. */
 export function partDone(error: number, wanted: number): number | null {
   if (!Number.isFinite(error) || error <= 0 || wanted <= 0) return null;
   return Math.min(1, (wanted / error) ** 2);
 }
 
-/** What the renderer itself takes for the end (docs/contracts.md). */
+/** The error at which the renderer stops by default (docs/contracts.md). */
 export const renderersError = 0.01;
 
-/** A picture of its own size beside the one that is looked at, until it is good enough. */
+/** Renders a picture of any size in a separate session until it is finished. */
 export class StillShot {
   private readonly session: BackgroundSession<ShotDone>;
   private readonly lossless: LosslessAssembler;
@@ -83,7 +86,7 @@ export class StillShot {
       still: (still) => void this.lossless.receive(still),
       problem: ({ message }) => this.session.fail("refused_scene", message),
     });
-    this.session.client.remember(order.scene, 1); // newer than what the session begins with
+    this.session.client.remember(order.scene, 1); // newer than the initial scene of the session
   }
 
   start(): void {
@@ -104,7 +107,7 @@ export class StillShot {
       this.epoch = frame.epoch;
       this.session.isAt(partDone(frame.error, wanted));
     }
-    const enough = own && !this.session.isOver() && !this.busy && frame.error <= this.order.error; // 0: never, it ends with its tiles
+    const enough = own && !this.session.isOver() && !this.busy && frame.error <= this.order.error; // an error of 0 is never reached, and the tiles end the picture
     if (enough) {
       this.busy = true;
       try {
@@ -115,7 +118,7 @@ export class StillShot {
         }
         picture.close();
       } catch {
-        // A damaged frame: the next one may be whole.
+        // Ignores a damaged frame, because the next one may be intact.
       }
       this.busy = false;
     }
@@ -133,7 +136,7 @@ export class StillShot {
   }
 }
 
-/** With the browser's own parts, and an own session of the scan. */
+/** The browser's own canvas and a separate session of the scan. */
 export function browserParts(
   ticketSource: TicketSource,
   stills: Abilities["stills"],

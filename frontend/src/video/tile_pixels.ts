@@ -6,7 +6,7 @@ const types: Partial<Record<StillFormat, string>> = {
   [StillFormat.WEBP]: "image/webp",
 };
 
-/** The pixels as they were stored: no colour profile, no opacity has a part in them. */
+/** Decodes the pixels exactly as stored, without colour profile or opacity. */
 export async function decodeStill(still: Pick<Still, "data" | "format">): Promise<Uint8ClampedArray<ArrayBuffer>> {
   const type = types[still.format];
   if (type === undefined) throw new Error("a still picture of an unknown format");
@@ -20,7 +20,10 @@ export async function decodeStill(still: Pick<Still, "data" | "format">): Promis
   return context.getImageData(0, 0, width, height).data;
 }
 
-/** The formats whose pixels this browser gives back exactly, the smaller first. Some guard a canvas with noise: none. */
+/**
+ * Returns the formats whose pixels this browser decodes exactly, the most compact first. Empty for browsers that add
+ * noise to canvases.
+ */
 export async function probeStills(): Promise<StillFormat[]> {
   const formats = [
     { format: StillFormat.WEBP, data: testStill.webp() },

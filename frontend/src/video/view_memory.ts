@@ -1,10 +1,10 @@
 import { sceneFromJson, sceneToJson, type Scene } from "../protocol/messages";
 
-/** Where a person was in a data set: kept for this tab alone, over a reload. */
+/** The view of a data set, which this tab remembers across reloads. */
 export interface RememberedView {
   readonly session_id: string | null;
   readonly scene: Scene | null;
-  /** What the session began with. */
+  /** The scene at the start of the session. */
   readonly begun: Scene | null;
   readonly input_seq: number;
 }
@@ -34,6 +34,6 @@ export function rememberView(store: Store, dataSetId: string, view: RememberedVi
   try {
     store.setItem(keyOf(dataSetId), JSON.stringify({ ...view, scene: text(view.scene), begun: text(view.begun) }));
   } catch {
-    // Full, or not allowed: after a reload the picture begins anew.
+    // The storage is full or not allowed, so the view starts again after a reload.
   }
 }

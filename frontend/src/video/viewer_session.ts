@@ -29,11 +29,11 @@ import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
 import { rememberView, rememberedView } from "./view_memory";
 
-/** What this browser keeps of what a person prefers. */
+/** Where this browser stores the user's preferences. */
 export type Preferences = Pick<Storage, "getItem" | "setItem">;
 
 const effortKey = "diaphane.effort";
-/** The longest side asked for: what the protocol allows. */
+/** The longest side of a picture that the protocol allows. */
 const longestSide = 4096;
 const rememberedEveryMs = 250;
 
@@ -43,23 +43,23 @@ const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
   [SliceAccess.WHOLE]: "whole",
 };
 
-/** One viewer's connection to one data set, with its pictures and the editor of its scene, without any view. */
+/** One viewer's connection to a data set, with its pictures and the editor of its scene. Independent of any view. */
 export class ViewerSession {
   readonly connection = signal<ConnectionState>(firstState);
   readonly samplesPerSecond = signal(0);
   readonly device = signal("");
-  /** What renders the picture, once somebody has asked. */
+  /** The kernel that renders the picture, after a request. */
   readonly kernel = signal<KernelReport | null>(null);
   readonly volume = signal<VolumeHeader | null>(null);
-  /** How often values occur in the volume, where the worker has said so. */
+  /** The histogram of the volume, if the worker has sent it. */
   readonly histogram = signal<Histogram | null>(null);
-  /** Who is here, once it is known. */
+  /** The participants, once they are known. */
   readonly audience = signal<Audience | null>(null);
-  /** How much work a picture is worth: this person's, whatever is looked at. */
+  /** How much work a picture is worth. The setting belongs to the user, not to a scan. */
   readonly effort = signal<Effort>(fullEffort);
   /** The slice views next to the 3D picture. */
   readonly slices = new Slices((lacking, taken) => this.client.wantSlices(lacking, taken));
-  /** What the server said about the last input it refused. */
+  /** The server's explanation of the last input that it rejected. */
   readonly problem = signal("");
 
   readonly pictures: PictureStore;
@@ -130,7 +130,7 @@ export class ViewerSession {
     this.client.start();
   }
 
-  /** The page is left for another: the worker's slot is given back; where one was stays known. */
+  /** Releases the worker's slot when the user leaves the page, and remembers the view. */
   leave(): void {
     clearTimeout(this.remembering);
     const id = this.currentSessionId;
@@ -160,7 +160,7 @@ export class ViewerSession {
     this.client.handOver(to);
   }
 
-  /** Whether guests may have the slices, inside the clip. */
+  /** Whether guests may see the slices, limited to the clip. */
   setGuestSlices(on: boolean): void {
     this.client.setGuestSlices(on);
   }
@@ -169,12 +169,15 @@ export class ViewerSession {
     this.client.useFreeCamera(on);
   }
 
-  /** How far away that is which is seen at a place of the picture, from 0 to 1 from its upper left. */
+  /**
+   * Asks for the distance of what is visible at a point of the picture. `x` and `y` range from 0 to 1, from the top
+   * left.
+   */
   depthAt(x: number, y: number): Promise<Answered> {
     return this.client.depthAt(x, y);
   }
 
-  /** Told in `kernel`, with the next picture. */
+  /** The answer arrives in `kernel` with the next picture. */
   askForKernel(): void {
     this.client.askForKernel();
   }
@@ -188,18 +191,18 @@ export class ViewerSession {
     if (visible) this.client.wake();
   }
 
-  /** What was shown is gone: the worker sends it anew, as to who has just come. */
+  /** The shown picture is lost, so the worker sends it again, as to a new viewer. */
   showAnew(): void {
     this.pictures.lossless.value = null;
     this.client.greetAgain(this.abilities);
   }
 
-  /** Of the canvas on the page; it keeps its pixels until a size has settled. */
+  /** Sets the size of the canvas. The canvas keeps its pixels until the size has settled. */
   resize(size: Viewport): void {
     this.resizeDebouncer.changed(withinBounds(size, longestSide));
   }
 
-  /** No step for undoing: what is seen in the end is the same. Kept once no hand is on it any more. */
+  /** Is not an undo step, because the converged picture stays the same. Stored once the control is released. */
   setEffort(effort: Effort, held = false): void {
     this.effort.value = effort;
     this.client.setEffort(effort);
@@ -218,7 +221,7 @@ export class ViewerSession {
     this.editor.rest();
   }
 
-  /** At once: the page may be about to go. */
+  /** Stores the view immediately, because the page may be about to close. */
   remember(): void {
     rememberView(tab, this.place.key, {
       session_id: this.currentSessionId,
@@ -228,7 +231,7 @@ export class ViewerSession {
     });
   }
 
-  /** What follows from each message of the server. */
+  /** Handles the messages of the server. */
   private events(): StreamEvents {
     return {
       connection: (state) => (this.connection.value = state),
@@ -279,7 +282,7 @@ export class ViewerSession {
     this.rememberSoon();
   }
 
-  /** The next codec of the ladder; the last one is kept, whatever it does. */
+  /** Falls back to the next codec. The last one is kept even if it fails. */
   private giveUp(codec: Codec): void {
     const codecs = this.abilities.codecs.filter((one) => one !== codec);
     if (codecs.length === 0) return;

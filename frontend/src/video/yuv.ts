@@ -1,8 +1,8 @@
 /**
- * 4:2:0 planes of studio range to RGBA by BT.601, which MPEG-1 means without saying so. Each colour sample stands for
- * the four pixels around it, as in jsmpeg's own renderers.
+ * Converts 4:2:0 planes of studio range to RGBA by BT.601, which MPEG-1 implies. Each chroma sample applies to the four
+ * pixels around it, as in jsmpeg's own renderers.
  *
- * @param stride of the luma plane, in bytes; the colour planes' is half of it.
+ * @param stride of the luma plane in bytes. That of the chroma planes is half of it.
  */
 export function yuvToRgba(
   y: Uint8ClampedArray,
@@ -22,7 +22,7 @@ export function yuvToRgba(
       const blue = (cb[colour] ?? 0) - 128;
       const red = (cr[colour] ?? 0) - 128;
       colour += 1;
-      // 16.16 fixed point: (255 / 219) and the matrix of BT.601, half a level for rounding.
+      // 16.16 fixed point: 255 / 219 and the matrix of BT.601, plus half a level for rounding.
       const toRed = 104597 * red + 32768;
       const toGreen = -25675 * blue - 53279 * red + 32768;
       const toBlue = 132201 * blue + 32768;

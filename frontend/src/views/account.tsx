@@ -16,7 +16,7 @@ export const looksLikeEmail = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.tes
 type Credentials = "email" | "password";
 const both: readonly Credentials[] = ["email", "password"];
 
-/** An address alone: its password is chosen by whoever opens the mailed link. */
+/** Asks only for the address. The password is chosen after opening the emailed link. */
 export function SignUp() {
   const app = useApp();
   const [email, setEmail] = useState("");
@@ -136,7 +136,7 @@ interface SignInCodeProps {
   readonly onBack: () => void;
 }
 
-/** The second step of an account that has a second factor. */
+/** The second step of signing in to an account with two-factor authentication. */
 function SignInCode({ email, password, onBack }: SignInCodeProps) {
   const app = useApp();
   const [code, setCode] = useState("");
@@ -182,7 +182,7 @@ function SignInCode({ email, password, onBack }: SignInCodeProps) {
   );
 }
 
-/** Where the link of a sign-up's mail leads. */
+/** The page that the link in the confirmation email opens. */
 export function Verify({ token }: { readonly token: string }) {
   const app = useApp();
   const [done, setDone] = useState(false);

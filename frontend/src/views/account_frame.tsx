@@ -3,7 +3,7 @@ import { t } from "../texts";
 import { Mark } from "./icons";
 import { PageTitle } from "./shell";
 
-/** Slices of a head seen from the side and above; each its own tone, the top ones the lightest. */
+/** Slices of a head seen from the side and above. Each has its own tone, and the top ones are the lightest. */
 const slices = [
   [9, 4],
   [17, 7.5],
@@ -63,7 +63,7 @@ export interface AccountFrameProps {
   readonly children: ComponentChildren;
 }
 
-/** The frame of signing up, confirming and signing in. */
+/** The frame of the pages for sign-up, confirmation and sign-in. */
 export function AccountFrame({ title, lead, children }: AccountFrameProps) {
   return (
     <div class="account">

@@ -69,7 +69,7 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
   const [over, setOver] = useState(false);
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => {
-    // Let go beside the field it counts too: the browser would leave the page and show the file.
+    // Files dropped outside the field count too. Otherwise, the browser would leave the page and show the file.
     const allow = (event: DragEvent) => event.preventDefault();
     const take = (event: DragEvent) => {
       event.preventDefault();
@@ -101,7 +101,7 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
       <input
         ref={(element) => {
           input.current = element;
-          if (element) element.webkitdirectory = true; // a property that the types of JSX do not have
+          if (element) element.webkitdirectory = true; // a property that is missing from the types of JSX
         }}
         type="file"
         class="visually-hidden"

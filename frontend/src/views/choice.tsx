@@ -7,7 +7,7 @@ export interface ChoiceProps {
   readonly onChoose: (value: string) => void;
 }
 
-/** One of several, as the device shows such a choice. */
+/** A choice of one value, in the browser's own control. */
 export function Choice({ label, value, options, onChoose }: ChoiceProps) {
   const id = useId();
   return (

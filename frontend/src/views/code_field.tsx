@@ -4,7 +4,7 @@ import { Field } from "./field";
 export interface CodeFieldProps {
   readonly value: string;
   readonly onInput: (value: string) => void;
-  /** A recovery code in place of the device's. */
+  /** Whether a recovery code is expected instead of one from the app. */
   readonly recovery?: boolean;
   readonly fault?: string;
 }

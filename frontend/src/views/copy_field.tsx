@@ -8,7 +8,7 @@ export interface CopyFieldProps {
   readonly onCopy: () => void;
 }
 
-/** A text to copy. A click into it selects all of it, for browsers that do not let a page copy. */
+/** A text to copy. A click selects all of it, for browsers that do not let a page copy. */
 export function CopyField({ value, label, button, onCopy }: CopyFieldProps) {
   return (
     <div class="share-row">

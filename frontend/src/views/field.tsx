@@ -12,18 +12,18 @@ export interface FieldProps {
   readonly fault?: string;
   readonly placeholder?: string;
   readonly most?: number;
-  /** A keyboard of digits where there is one on the screen. */
+  /** Shows a keyboard of digits on devices with an on-screen keyboard. */
   readonly digits?: boolean;
-  /** Nothing that helps with words. */
+  /** Turns off autocorrection and other help with words. */
   readonly verbatim?: boolean;
 }
 
-/** A labelled input with its hint and its fault, tied together for a screen reader. */
+/** A labelled input with its hint and its error, connected for screen readers. */
 export function Field(props: FieldProps) {
   const id = useId();
   const [shown, setShown] = useState(false);
   const secret = props.type === "password";
-  const type = (secret && shown ? "text" : (props.type ?? "text")) as "text"; // the types of JSX want to know which
+  const type = (secret && shown ? "text" : (props.type ?? "text")) as "text"; // the types of JSX need to know which
   const described = [props.fault ? `${id}-fault` : "", props.hint ? `${id}-hint` : ""].filter(Boolean).join(" ");
   return (
     <div class="field">

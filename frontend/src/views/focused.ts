@@ -2,7 +2,7 @@ import type { Focused } from "../input/keys";
 
 const choices: readonly string[] = ["range", "checkbox", "radio", "color", "button", "file"];
 
-/** What a key that was pressed on it is for. */
+/** The kind of element that a key was pressed on. */
 export function focusedOf(target: EventTarget | null): Focused {
   if (!(target instanceof HTMLElement)) return "none";
   if (target instanceof HTMLSelectElement) return "list";

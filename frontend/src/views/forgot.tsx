@@ -10,7 +10,7 @@ import { Link } from "./router";
 import { Notice } from "./shell";
 import { useApp } from "./state";
 
-/** A forgotten password: a link is mailed, whoever has an account. */
+/** Requests a link to reset a forgotten password. The page does not reveal whether the account exists. */
 export function Forgot() {
   const app = useApp();
   const [email, setEmail] = useState("");
@@ -64,7 +64,7 @@ export function Forgot() {
   );
 }
 
-/** Where the link of that mail leads. */
+/** The page that the link in the password email opens. */
 export function Reset({ token }: { readonly token: string }) {
   const app = useApp();
   const [done, setDone] = useState(false);
@@ -99,7 +99,7 @@ export function Reset({ token }: { readonly token: string }) {
   );
 }
 
-/** Where the link mailed to a new address leads. */
+/** The page that the link to a new address opens. */
 export function ConfirmEmail({ token }: { readonly token: string }) {
   const app = useApp();
   const outcome = useMailedToken(token, "/confirm-email", async (mailed) => {

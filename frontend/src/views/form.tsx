@@ -2,10 +2,10 @@ import type { ComponentChildren } from "preact";
 import { ApiProblem } from "../api/client";
 import { Notice } from "./shell";
 
-/** What is wrong with a form: by field, or (`form`) with all of it. */
+/** The errors of a form, by field. `form` is for errors of the form as a whole. */
 export type Faults<Field extends string> = Readonly<Partial<Record<Field | "form", string>>>;
 
-/** What the server said of these fields; else a sentence for the form. */
+/** Returns the server's errors of these fields, or a sentence for the whole form. */
 export function faultsOf<Field extends string>(
   thrown: unknown,
   fields: readonly Field[],
@@ -22,7 +22,7 @@ export function faultsOf<Field extends string>(
   return { form: explain(thrown) } as Faults<Field>;
 }
 
-/** As a property that may be absent. */
+/** Returns the error as an optional property. */
 export const fault = (text: string | undefined): { fault?: string } => (text ? { fault: text } : {});
 
 export interface FormProps {
@@ -42,7 +42,8 @@ export function Form({ onSubmit, busy, label, fault, danger, children }: FormPro
         event.preventDefault();
         const form = event.currentTarget;
         void onSubmit().then(() => {
-          // Once the faults are on the page: to the first of them. Without any, back to the button, which a wait has put out of reach.
+          // Focuses the first field with an error once the errors are on the page. Without errors, focuses the button
+          // again, which was disabled while waiting.
           requestAnimationFrame(() => {
             const lost = document.activeElement === document.body;
             form.querySelector<HTMLElement>(lost ? "[aria-invalid], [type=submit]" : "[aria-invalid]")?.focus();

@@ -1,7 +1,7 @@
 import { shortNumber } from "../scene/numbers";
 import { place } from "../texts";
 
-/** Decimal, as discs and quotas are counted. */
+/** Decimal units, as for disks and quotas. */
 export function bytesText(bytes: number): string {
   const units = ["bytes", "KB", "MB", "GB", "TB"];
   let value = bytes;
@@ -21,21 +21,21 @@ export const fixedText = (value: number, digits: number): string =>
     useGrouping: false,
   }).format(value);
 
-/** As short as `shortNumber`, with the decimal sign of the person's language. */
+/** As short as `shortNumber`, with the user's decimal separator. */
 export const numberText = (value: number, digits?: number): string =>
   new Intl.NumberFormat(place(), { maximumFractionDigits: 20, useGrouping: false }).format(
     Number(shortNumber(value, digits)),
   );
 
-/** A share in whole percent as this person's language writes it: 80%, or with a space. */
+/** A fraction as a whole percentage in the user's language: 80%, or with a space. */
 export const percentText = (share: number): string =>
   new Intl.NumberFormat(place(), { style: "percent", maximumFractionDigits: 0 }).format(share);
 
-/** The same with as many digits as it has. */
+/** The same with all of its digits. */
 export const percentExactText = (share: number): string =>
   new Intl.NumberFormat(place(), { style: "percent", maximumFractionDigits: 6 }).format(share);
 
-/** A DICOM date (yyyymmdd) as this person writes dates; empty when it is none. */
+/** A DICOM date (yyyymmdd) in the user's format, or empty if it is invalid. */
 export function dicomDateText(date: string): string {
   const match = /^(\d{4})(\d{2})(\d{2})$/.exec(date.replaceAll(".", "").trim());
   if (!match) return "";
@@ -45,13 +45,13 @@ export function dicomDateText(date: string): string {
   );
 }
 
-/** The day and the time of an RFC 3339 instant, as this person writes them. */
+/** The date and time of an RFC 3339 timestamp in the user's format. */
 export const dateText = (instant: string): string =>
   new Intl.DateTimeFormat(place(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(instant));
 
-/** The time of the day, of milliseconds since 1970. */
+/** The time of day of a timestamp in milliseconds since 1970. */
 export const timeText = (atMs: number): string => new Intl.DateTimeFormat(place(), { timeStyle: "short" }).format(atMs);
 
-/** A time of the server as this person writes days. */
+/** The date of a server timestamp in the user's format. */
 export const dayText = (time: string): string =>
   new Intl.DateTimeFormat(place(), { dateStyle: "long" }).format(new Date(time));

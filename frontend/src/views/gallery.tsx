@@ -139,7 +139,7 @@ function GalleryCard({ set, known, onReport }: GalleryCardProps) {
 
 const mostOfCrowd = 4;
 
-/** The best of what people saved for a scan; each opens it so. Nothing where there is none. */
+/** The best presets that people saved for a scan, each of which opens the scan. Empty if there is none. */
 function CrowdPresets({ set, known }: { readonly set: DataSet; readonly known: boolean }) {
   const app = useApp();
   const [presets, setPresets] = useState<readonly PresetInfo[]>([]);
@@ -149,7 +149,7 @@ function CrowdPresets({ set, known }: { readonly set: DataSet; readonly known: b
         setPresets(all.filter((one) => one.taken_down === null).slice(0, mostOfCrowd));
       },
       () => undefined,
-    ); // the card is whole without them
+    ); // the card is complete without them
   }, [app, set.id]);
   if (presets.length === 0) return null;
   return (

@@ -1,4 +1,4 @@
-/** Line icons on a grid of 24. Decoration only: what they mean is said beside them. */
+/** Line icons on a grid of 24. They are decorative, because their meaning is stated next to them. */
 const paths = {
   back: "M15 5l-7 7 7 7",
   plus: "M12 5v14M5 12h14",

@@ -8,7 +8,7 @@ import { Shell } from "./shell";
 import { useApp } from "./state";
 import { Viewer } from "./viewer/viewer";
 
-/** Where a link leads: a name, if one likes, and then the picture. No account is needed. */
+/** The page that a link to a session opens: an optional name, then the picture. Needs no account. */
 export function Join({ token }: { readonly token: string }) {
   const app = useApp();
   const [guest, setGuest] = useState(() => rememberedGuest(tab, token));

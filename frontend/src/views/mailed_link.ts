@@ -4,15 +4,15 @@ import { t } from "../texts";
 import { useApp } from "./state";
 import { useLatest } from "./use_latest";
 
-/** What came of a link that was mailed: `text` in words for the person. */
+/** The result of opening an emailed link. `text` is a message for the user. */
 export interface MailedOutcome {
   readonly ok: boolean;
   readonly text: string;
 }
 
 /**
- * Redeems the token of a mailed link once. `redeem` answers with the text to show, and the result is null until then.
- * The address is replaced by `page`.
+ * Redeems the token of an emailed link once. `redeem` returns the text to show, and the result is null until then. The
+ * URL is replaced by `page`.
  */
 export function useMailedToken(
   token: string,
@@ -23,7 +23,7 @@ export function useMailedToken(
   const [outcome, setOutcome] = useState<MailedOutcome | null>(null);
   const latestRedeem = useLatest(redeem); // it differs with each render, but the token must be used only once
   useEffect(() => {
-    // The token is used up in a moment; it need not stay in the address and the history.
+    // The token is about to be used up and should not stay in the URL and the history.
     history.replaceState(null, "", page);
     if (token === "") {
       setOutcome({ ok: false, text: t.account.verifyNoToken });

@@ -8,7 +8,7 @@ import { shortestPassword } from "./strength";
 
 export interface MailedPasswordProps {
   readonly token: string;
-  /** What is left in the address. */
+  /** The URL after the token has been removed. */
   readonly page: string;
   readonly label: string;
   readonly button: string;
@@ -16,7 +16,7 @@ export interface MailedPasswordProps {
   readonly onDone: () => void;
 }
 
-/** The form behind a mailed link by which a password is chosen. */
+/** The form behind an emailed link for choosing a password. */
 export function MailedPassword({ token, page, label, button, redeem, onDone }: MailedPasswordProps) {
   const app = useApp();
   const [kept] = useState(token);
@@ -24,7 +24,7 @@ export function MailedPassword({ token, page, label, button, redeem, onDone }: M
   const [faults, setFaults] = useState<Faults<"password">>({});
   const [busy, setBusy] = useState(false);
   useEffect(() => {
-    // The token opens the account; it must not stay in the address and the history.
+    // The token opens the account, so it must not stay in the URL and the history.
     history.replaceState(null, "", page);
   }, [page]);
 

@@ -77,7 +77,7 @@ function Used({
   );
 }
 
-/** The browsers in which this person is signed in. */
+/** The browsers in which the user is signed in. */
 function Browsers() {
   const { items, wrong, end, endAll } = useBrowserSessions();
   useFocusKept(items?.length);
@@ -241,7 +241,7 @@ function Password() {
   );
 }
 
-/** The export of all data that is stored about this person. */
+/** The export of all data that is stored about the user. */
 function Data() {
   const { made, wrong, request, remove } = useExport();
   useFocusKept(made?.state);
@@ -284,7 +284,7 @@ function ExportReady({ made, remove }: { readonly made: Export; readonly remove:
   );
 }
 
-/** The state of the export. While it is queued, the server is asked again and again. */
+/** The state of the export, which is polled while it is queued. */
 function useExport() {
   const app = useApp();
   const [made, setMade] = useState<Export | null>(null);

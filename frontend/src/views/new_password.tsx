@@ -9,7 +9,7 @@ export interface NewPasswordProps {
   readonly fault?: string;
 }
 
-/** A new password, and what can be said of it while it is typed. */
+/** A field for a new password, with an assessment while the user types. */
 export function NewPassword(props: NewPasswordProps) {
   const { level, missing } = strengthOf(props.value);
   const said = missing > 0 ? t.account.passwordMissing(missing) : t.account.passwordLevels[level];

@@ -5,10 +5,10 @@ interface Drawn {
   readonly path: string;
 }
 
-/** Light round it, in modules, as the standard asks (ISO/IEC 18004, 6.3.8). */
+/** The light margin in modules that the standard requires (ISO/IEC 18004, 6.3.8). */
 const quiet = 4;
 
-/** Drawn by a library that is loaded only here. Always dark on light: readers want it so. */
+/** Drawn by a library that is loaded only here. Always dark on light, because readers need that. */
 export function QrCode({ text, label }: { readonly text: string; readonly label: string }) {
   const [drawn, setDrawn] = useState<Drawn | null>(null);
   useEffect(() => {

@@ -6,7 +6,7 @@ import { useApp } from "./state";
 
 export interface ReportDialogProps {
   readonly title: string;
-  /** The texts of the reasons, by the names that the server knows. */
+  /** The texts of the reasons, by their codes in the API. */
   readonly reasons: Readonly<Record<string, string>>;
   readonly send: (reason: string, words: string) => Promise<void>;
   readonly onClose: () => void;

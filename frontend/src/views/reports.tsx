@@ -15,7 +15,7 @@ const nameOf = (report: Report): string => report.preset_name || report.title;
 const reasonOf = ({ preset_id: presetId, reason }: Report): string | undefined =>
   (presetId === null ? undefined : t.sharing.report.reasonsPreset[reason]) ?? t.sharing.report.reasons[reason];
 
-/** For administrators: what people reported about public scans and presets. */
+/** For administrators: reports about public scans and presets. */
 export function Reports() {
   const app = useApp();
   const { reports, fault, takeDown, dismiss } = useReports();

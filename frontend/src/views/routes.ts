@@ -1,4 +1,4 @@
-/** Where each page is. Plain data, so that tests can visit every page there is. */
+/** The URL of each page, as plain data, so that tests can visit all pages. */
 
 export type Route =
   | {
@@ -13,9 +13,9 @@ export const adminParts = ["users", "audit", "fleet"] as const;
 export type AdminPart = (typeof adminParts)[number];
 
 interface Rest {
-  /** The second word of the path, or nothing. */
+  /** The second segment of the path, or empty. */
   readonly second: string;
-  /** What stands after #: it never reaches a server. */
+  /** The fragment of the URL, which no server sees. */
   readonly hash: string;
 }
 
@@ -24,7 +24,7 @@ const secret = /^[0-9a-f]{64}$/;
 
 const tokenIn = (hash: string): string => new URLSearchParams(hash).get("token") ?? "";
 
-/** By the first word of the path; null where the rest of the address makes no sense. */
+/** By the first segment of the path. Returns null if the rest of the URL is invalid. */
 const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   "": () => ({ page: "scans" }),
   scans: () => ({ page: "scans" }),
@@ -49,10 +49,10 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),
 };
 
-/** The first word of the path of every page. */
+/** The first segment of the path of every page. */
 export const firstWords: readonly string[] = Object.keys(pages);
 
-/** @param path of the address; @param hash of it, with its #, or nothing. */
+/** @param path of the URL. @param hash of the URL with its #, or empty. */
 export function routeOf(path: string, hash: string): Route {
   const [, first = "", second = ""] = path.split("/");
   const page = Object.hasOwn(pages, first) ? pages[first] : undefined;

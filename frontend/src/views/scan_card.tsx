@@ -59,7 +59,7 @@ export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
   );
 }
 
-/** Where there is no picture of the scan itself. */
+/** Shown if there is no picture of the scan. */
 const pictureOfState = {
   uploading: "upload",
   queued: "clock",
@@ -111,7 +111,9 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
   return <UploadDetails set={set} upload={upload} />;
 }
 
-/** What was corrected in plain words, with the figures behind a button. An unknown sentence of the server stays English. */
+/**
+ * The corrections in plain words, with the figures behind a button. An unknown sentence of the server stays English.
+ */
 function Corrections({ sentences }: { readonly sentences: readonly string[] }) {
   return (
     <>

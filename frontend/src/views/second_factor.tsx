@@ -15,7 +15,7 @@ import { useApp } from "./state";
 type Given = "password" | "code";
 const given: readonly Given[] = ["password", "code"];
 
-/** The panel of one's own account: set up, renewed, removed. */
+/** The panel of the account page that sets up, renews or turns off two-factor authentication. */
 export function SecondFactor() {
   const app = useApp();
   const [state, setState] = useState<State | null>(null);
@@ -35,7 +35,7 @@ export function SecondFactor() {
   };
   useEffect(load, [app]);
   useFocusKept(codes ?? state);
-  /** Undefined: not known yet. */
+  /** Undefined until the server has responded. */
   const since = state?.set_up_at;
   const required = state?.required ?? false;
   const shown = (fresh: readonly string[] | null) => {
@@ -75,7 +75,7 @@ interface SetUpProps {
   readonly onDone: (codes: readonly string[]) => void;
 }
 
-/** First the password, then the secret as a QR code and as text, then the first code. */
+/** Asks for the password, shows the secret as a QR code and as text, then asks for the first code. */
 function SetUp({ required, onDone }: SetUpProps) {
   const { password, setPassword, made, code, setCode, faults, busy, begin, confirm } = useSetUp(onDone);
   if (!made)
@@ -109,7 +109,7 @@ function SetUp({ required, onDone }: SetUpProps) {
   );
 }
 
-/** The two steps of the set-up. `made` is the secret, null until the password was right. */
+/** The two steps of the setup. `made` is the secret, or null until the password has been accepted. */
 function useSetUp(onDone: SetUpProps["onDone"]) {
   const app = useApp();
   const [password, setPassword] = useState("");
@@ -167,11 +167,11 @@ interface AskBothProps {
   readonly what: "renew" | "remove";
   readonly required: boolean;
   readonly onClose: () => void;
-  /** With new recovery codes, or none. */
+  /** Called with the new recovery codes, if there are any. */
   readonly onDone: (codes: readonly string[] | null) => void;
 }
 
-/** Password and code once more, before what weakens the account. */
+/** Asks for the password and a code again before a change that weakens the account. */
 function AskBoth({ what, required, onClose, onDone }: AskBothProps) {
   const app = useApp();
   const [password, setPassword] = useState("");
@@ -222,7 +222,7 @@ function AskBoth({ what, required, onClose, onDone }: AskBothProps) {
   );
 }
 
-/** In place of an administrator's page. */
+/** Shown instead of an administrator's page. */
 export function SecondFactorFirst() {
   return (
     <div class="page page-narrow">

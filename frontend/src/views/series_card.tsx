@@ -13,7 +13,7 @@ export interface SeriesCardProps {
   readonly files: readonly File[];
 }
 
-/** A series that can be uploaded: what it is, and the form that sends it. */
+/** A series that can be uploaded: its facts, and the form for uploading it. */
 export function SeriesCard({ series, verdict, files }: SeriesCardProps) {
   const upload = useSeriesUpload(series, files);
   return (
@@ -62,7 +62,7 @@ function SeriesFacts({ series, verdict, bytes }: SeriesFactsProps) {
   );
 }
 
-/** Asks for a title, unless an interrupted upload of the same files goes on. */
+/** Asks for a title, unless an interrupted upload of the same files is resumed. */
 function UploadForm({ upload }: { readonly upload: ReturnType<typeof useSeriesUpload> }) {
   const [title, setTitle] = useState("");
   const { busy, interruptedAt } = upload;

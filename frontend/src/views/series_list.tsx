@@ -10,7 +10,7 @@ export interface SeriesListProps {
   readonly onAgain: () => void;
 }
 
-/** What was found: what can be shown, and on request what not and why. */
+/** The suitable series and, on request, the unsuitable ones with the reasons. */
 export function SeriesList({ files, result, onAgain }: SeriesListProps) {
   const suitable = result.series.filter((series) => series.verdict.suitable);
   const hidden = result.series.filter((series) => !series.verdict.suitable);

@@ -8,7 +8,7 @@ import { Said } from "./state";
 import { useAct } from "./use_act";
 import { Switch } from "./viewer/settings/controls";
 
-/** The links by which people without an account see a scan. */
+/** The links through which people without an account can view a scan. */
 export function ShareByLink({ set }: { readonly set: DataSet }) {
   const { links, made, busy, outcome, make, end, copy } = useLinks(set.id);
   const [hours, setHours] = useState("168");
@@ -33,7 +33,7 @@ export function ShareByLink({ set }: { readonly set: DataSet }) {
   );
 }
 
-/** The links of a scan. `made` is the address of a new link, which the server cannot show again. */
+/** The links of a scan. `made` is the URL of a new link, which the server cannot show again. */
 function useLinks(dataSetId: string) {
   const { app, act, busy, outcome } = useAct();
   const [links, setLinks] = useState<readonly DataSetLink[]>([]);

@@ -21,7 +21,7 @@ interface PartProps {
   readonly onChange: (set: DataSet) => void;
 }
 
-/** How the owner describes a scan, and who else may see it. */
+/** The owner's description of a scan, and who else may see it. */
 export function ShareScanDialog({ set, onChange, onClose }: ShareScanProps) {
   return (
     <Dialog title={t.sharing.title} onClose={onClose}>

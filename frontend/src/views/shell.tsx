@@ -88,7 +88,7 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
   );
 }
 
-/** Leads past the bar to the content of the page, for people who use keys. */
+/** A link that skips the navigation, for keyboard users. */
 function SkipLink() {
   return (
     <a
@@ -155,7 +155,7 @@ function AccountButtons({ me }: { readonly me: Me }) {
   );
 }
 
-/** The heading of a page. It takes the focus when the page changes, so that a screen reader says which page it is. */
+/** The heading of a page. It takes the focus when the page changes, so that a screen reader announces the page. */
 export function PageTitle({ text, first }: { readonly text: string; readonly first?: boolean }) {
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => {
@@ -169,12 +169,15 @@ export function PageTitle({ text, first }: { readonly text: string; readonly fir
   );
 }
 
-/** Moves the focus to the heading when the element that had it has gone. */
+/** Moves the focus to the heading when the focused element has disappeared. */
 export function focusTitle(): void {
   document.querySelector<HTMLElement>("h1")?.focus({ preventScroll: true });
 }
 
-/** Moves the focus to the heading when a change of `what` has removed the pressed button. Keys then go on from there. */
+/**
+ * Moves the focus to the heading when a change of `what` has removed the pressed button, so that keyboard users
+ * continue there.
+ */
 export function useFocusKept(what: unknown): void {
   useEffect(() => {
     if (document.activeElement === document.body) focusTitle();

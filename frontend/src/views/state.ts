@@ -9,16 +9,16 @@ import { t } from "../texts";
 
 const askedAgainAfterMs = 2000;
 
-/** A fault in words for the person who meets it. */
+/** An error message for the user. */
 export class Said extends Error {}
 
-/** What all pages share. */
+/** The state that all pages share. */
 export class AppState {
   readonly api = new Api();
   readonly uploads = new Uploads(this.api);
-  /** Nothing: nobody is signed in. Undefined: not known yet. */
+  /** Null if nobody is signed in, undefined until the server has responded. */
   readonly me = signal<Me | null | undefined>(undefined);
-  /** The first question could not be answered yet; it is asked again and again. */
+  /** The first request has failed so far and is repeated. */
   readonly unreachable = signal(false);
   private again: ReturnType<typeof setTimeout> | undefined;
 
@@ -47,7 +47,7 @@ export class AppState {
     }
   }
 
-  /** A sentence for what went wrong. A session that has ended leads to the sign-in. */
+  /** Returns a message for an error. An expired session leads to the sign-in page. */
   explain(thrown: unknown): string {
     if (thrown instanceof Said) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;

@@ -1,16 +1,16 @@
-/** What can honestly be said of a new password before it is sent. Which are common is for the server to say. */
+/** What can honestly be said about a new password before it is sent. Only the server knows which ones are common. */
 
-/** In characters, as people count them; the server has the same. */
+/** In characters as users count them, like the server's limit. */
 export const shortestPassword = 12;
 
 export interface Strength {
-  /** 0 too short or all alike, 1 enough, 2 good, 3 very good. */
+  /** 0: too short or too repetitive. 1: long enough. 2: good. 3: very good. */
   readonly level: 0 | 1 | 2 | 3;
-  /** How many characters are missing; 0 when it is long enough. */
+  /** Number of missing characters, or 0 if it is long enough. */
   readonly missing: number;
 }
 
-/** Length is what counts; characters that only repeat count as one. */
+/** Only the length counts, and repeated characters count as one. */
 export function strengthOf(password: string): Strength {
   const characters = Array.from(password);
   const missing = Math.max(0, shortestPassword - characters.length);

@@ -2,14 +2,14 @@ import type { ComponentChildren } from "preact";
 
 export interface TableProps {
   readonly label: string;
-  /** What stands above each column; on a narrow window, before each value. */
+  /** The headings of the columns. In a narrow window, they precede each value. */
   readonly heads: readonly string[];
   readonly rows: readonly { readonly key: string; readonly cells: readonly ComponentChildren[] }[];
 }
 
 /**
- * Rows and columns; where the window is narrow, each row a card. Wider than its place it scrolls inside of it, by keys too.
- * The roles are said, since a table that is laid out as cards is none for a browser.
+ * A table. In a narrow window, each row becomes a card. A table that is too wide scrolls in place, also by keyboard.
+ * The roles are explicit, because browsers do not treat a table that is laid out as cards as one.
  */
 export function Table({ label, heads, rows }: TableProps) {
   return (

@@ -1,7 +1,7 @@
 import { computed, signal } from "@preact/signals";
 import { local } from "../storage";
 
-/** Light or dark: what the device says, until the person says otherwise. */
+/** Light or dark: the system's setting until the user chooses one. */
 type Theme = "light" | "dark";
 
 const key = "diaphane.theme";

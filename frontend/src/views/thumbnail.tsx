@@ -4,7 +4,7 @@ import { presetNames, type PresetInfo, type PresetName } from "../api/types";
 import { t } from "../texts";
 import { useApp } from "./state";
 
-/** Each picture is rendered when first asked for: one after the other, so that the view itself does not wait. */
+/** Each picture is rendered on its first request, so requests run one by one and do not delay the viewer. */
 let lastAsked: Promise<unknown> = Promise.resolve();
 
 function inTurn<T>(task: () => Promise<T>): Promise<T> {
@@ -16,15 +16,15 @@ function inTurn<T>(task: () => Promise<T>): Promise<T> {
 const longestWaitMs = 8000;
 const mostTries = 60;
 
-/** Whether it is worth asking again for a picture. */
+/** Whether a further request for the picture may succeed. */
 type Later = (problem: ApiProblem) => boolean;
 const busy: Later = ({ status }) => status === 0 || status === 429 || status >= 500;
-/** A preset's picture is made in the background: until then there is none. */
+/** A preset's picture is rendered in the background and is missing until then. */
 const notYet: Later = (problem) => problem.status === 404 || busy(problem);
 
 /**
- * The address of a picture; nothing while it is being made: it is asked for again, as it is when `name` changes.
- * Through `fetch`, as an <img> cannot ask again when there is none yet.
+ * Returns the URL of a picture, or null while it is being rendered and polled. Requests it again when `name` changes.
+ * Uses `fetch`, because an <img> cannot repeat a failed request.
  */
 function usePicture(
   name: string,

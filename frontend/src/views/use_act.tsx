@@ -2,7 +2,7 @@ import { useState } from "preact/hooks";
 import { Notice } from "./shell";
 import { useApp } from "./state";
 
-/** Runs one action at a time. `outcome` shows how the last one went: the text that it returned, or its fault. */
+/** Runs one action at a time. `outcome` is the text that the last one returned, or its error. */
 export function useAct() {
   const app = useApp();
   const [said, setSaid] = useState("");

@@ -5,7 +5,7 @@ import { useApp, type AppState } from "./state";
 
 const pollMs = { idle: 15_000, changing: 1500, failed: 3000 } as const;
 
-/** This person's scans. The list is read again and again, more often while one of them changes. */
+/** The user's scans. The list is polled, more often while one of them changes. */
 export function useScans() {
   const app = useApp();
   const [sets, setSets] = useState<readonly DataSet[] | null>(null);

@@ -9,7 +9,7 @@ import { bytesText } from "./format";
 import { navigate } from "./router";
 import { useApp } from "./state";
 
-/** The upload of one series: how large it is, whether it was interrupted before, and what stands in its way. */
+/** The upload of one series: its size, whether it was interrupted before, and what prevents it. */
 export function useSeriesUpload(series: Series, files: readonly File[]) {
   const app = useApp();
   const [busy, setBusy] = useState(false);
@@ -42,12 +42,12 @@ function useInterruption(fingerprint: string, bytes: number): number | null {
     void app.uploads
       .interrupted(fingerprint, bytes)
       .then((earlier) => setPercent(earlier ? Math.floor((100 * earlier.received) / bytes) : null))
-      .catch(() => undefined); // the upload asks again when it begins
+      .catch(() => undefined); // the check is repeated when the upload starts
   }, [app, fingerprint, bytes]);
   return percent;
 }
 
-/** The faults that only an upload has. */
+/** The errors that only an upload can have. */
 function uploadFault(thrown: unknown, bytes: number, free: number): string | null {
   if (thrown instanceof SentElsewhere) return t.add.sentElsewhere;
   if (!(thrown instanceof ApiProblem)) return null;

@@ -14,11 +14,11 @@ type Stage = "choosing" | "working" | "done" | { readonly failed: string };
 
 const askedEveryMs = 500;
 
-/** The owner of a scan cuts parts of it away for good. */
+/** Lets the owner of a scan cut parts of it away permanently. */
 export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
   const app = useApp();
   const [set, setSet] = useState<DataSet | null>(null);
-  // The key differs from the viewer's, so that the view that is tried here is not remembered there.
+  // The key differs from the viewer's, so that the view used here is not remembered there.
   const place = useMemo(() => ({ ...ownPlace(app.api, dataSetId), key: `cut.${dataSetId}` }), [app, dataSetId]);
   useEffect(() => {
     app.api.dataSet(dataSetId).then(setSet, () => undefined);
@@ -37,7 +37,7 @@ export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
   );
 }
 
-/** Sends the cut to the server, and asks until it is done or has failed. */
+/** Sends the cut to the server and polls until it has succeeded or failed. */
 function useCut(dataSetId: string, set: DataSet | null) {
   const app = useApp();
   const [stage, setStage] = useState<Stage>("choosing");
@@ -56,7 +56,7 @@ function useCut(dataSetId: string, set: DataSet | null) {
           if (now.problem !== null) setStage({ failed: now.problem });
           else if (now.anonymised_at !== (set?.anonymised_at ?? null)) setStage("done");
         },
-        () => undefined, // the next question may be answered
+        () => undefined, // the next poll may succeed
       );
     const timer = setInterval(() => void ask(), askedEveryMs);
     return () => clearInterval(timer);

@@ -26,16 +26,16 @@ import { Handles, keyOf, nameOf } from "./handles";
 export interface CutPanelProps {
   readonly session: ViewerSession;
   readonly dataSetId: string;
-  /** The cut was confirmed: of the volume with that hash, what is to be kept. */
+  /** Called when the cut is confirmed, with the region to keep and the hash of the volume that it belongs to. */
   readonly onConfirm: (region: Region, volumeHash: string) => void;
 }
 
-/** Over the live picture: what is to be kept, as it will look. */
+/** Shows the region to keep in the live picture, as it will look. */
 export function CutPanel(props: CutPanelProps) {
   const app = useApp();
   const [facts, setFacts] = useState<Anonymise | null>(null);
   useEffect(() => {
-    app.api.anonymise.look(props.dataSetId).then(setFacts, () => undefined); // without them nothing is proposed
+    app.api.anonymise.look(props.dataSetId).then(setFacts, () => undefined); // without them, no region is proposed
   }, [app, props.dataSetId]);
   const volume = props.session.volume.value;
   return volume && props.session.editor.scene.value && facts ? (
@@ -108,7 +108,7 @@ function SmallButton({ text, onClick }: { readonly text: string; readonly onClic
 const warningOf = ({ head }: Anonymise): string =>
   head === null ? t.cut.noIdea : head.found ? t.cut.head : t.cut.noHead;
 
-/** Begins with the skin, by which others could recognise the person, and with the proposed region. */
+/** Starts with the skin, by which others could recognise the person, and with the proposed region. */
 function useFirstView(session: ViewerSession, region: Region): void {
   const begun = useRef(false);
   useEffect(() => {
@@ -133,11 +133,12 @@ interface SlidersProps {
   readonly change: (region: Region, rest: boolean) => void;
 }
 
-/** The second way to each handle. */
+/** A slider per handle, as the alternative to dragging. */
 function Sliders({ region, bounds, change }: SlidersProps) {
   const { plane } = region;
   const ofHandle = (handle: Handle) => {
-    // The whole way, so that the thumb stands where the face is; what would close the box is not taken.
+    // The slider covers the full range, so that the thumb shows the position of the face. A value that would close the
+    // box is ignored.
     const range =
       handle.kind === "plane"
         ? rangeOf(handle, region, bounds)

@@ -17,7 +17,7 @@ export interface HandlesProps {
   readonly change: (region: Region, rest: boolean) => void;
 }
 
-/** The box and the plane over the picture, with a handle for each of their faces. */
+/** The box and the plane over the picture, with a handle per face. */
 export function Handles({ eye, region, bounds, change }: HandlesProps) {
   const area = useRef<HTMLDivElement>(null);
   const [held, setHeld] = useState<Handle | null>(null);

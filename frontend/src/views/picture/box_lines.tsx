@@ -7,7 +7,7 @@ export interface ViewOf {
   readonly screen: Area;
 }
 
-/** From one place to another; nothing where either lies behind the eye. */
+/** A line between two points. Empty if either is behind the eye. */
 export function Stroke({
   from,
   to,
@@ -20,7 +20,7 @@ export function Stroke({
   return from && to ? <line class={name} x1={from.x} y1={from.y} x2={to.x} y2={to.y} /> : null;
 }
 
-/** The edges of a box over the picture. */
+/** The edges of a box, over the picture. */
 export function BoxLines({ eye, screen, box }: ViewOf & { readonly box: Box }) {
   const at = corners(box).map((corner) => onScreen(eye, screen, corner));
   return (
@@ -32,7 +32,7 @@ export function BoxLines({ eye, screen, box }: ViewOf & { readonly box: Box }) {
   );
 }
 
-/** Where a plane meets the box. */
+/** The polygon in which a plane intersects the box. */
 export function PlaneShape({ eye, screen, polygon }: ViewOf & { readonly polygon: readonly Vec3[] }) {
   const points = polygon.flatMap((corner) => {
     const p = onScreen(eye, screen, corner);

@@ -7,22 +7,22 @@ export interface HandleButtonProps {
   readonly label: string;
   readonly look: "face" | "plane" | "tilt" | "light";
   readonly behind?: boolean;
-  /** Its place in its area, in pixels. */
+  /** Its position in its area, in pixels. */
   readonly at: Point;
-  /** The values that it has as a slider. */
+  /** Its values as a slider. */
   readonly low: number;
   readonly high: number;
   readonly now: number;
   readonly said: string;
   readonly grab?: () => void;
-  /** Called with the place to which the handle is dragged. */
+  /** Called with the position to which the handle is dragged. */
   readonly drag: (to: Point) => void;
   readonly step: (right: number, up: number) => void;
   readonly rest: () => void;
   readonly hold: (held: boolean) => void;
 }
 
-/** Steps to the right and upwards. */
+/** Steps to the right and up. */
 const keySteps: Readonly<Record<string, readonly [right: number, up: number]>> = {
   ArrowRight: [1, 0],
   ArrowLeft: [-1, 0],
@@ -32,7 +32,7 @@ const keySteps: Readonly<Record<string, readonly [right: number, up: number]>> =
   PageDown: [0, -10],
 };
 
-/** A handle over a picture. Arrow keys move it, with Shift ten times as far. */
+/** A handle over a picture. Arrow keys move it, and with Shift ten times as far. */
 export function HandleButton(props: HandleButtonProps) {
   const { name, label, look, behind = false, at, low, high, now, said, hold } = props;
   const button = useRef<HTMLButtonElement>(null);
@@ -69,7 +69,7 @@ export function HandleButton(props: HandleButtonProps) {
 }
 
 function useHandleGestures({ at, grab, drag, step, rest }: HandleButtonProps) {
-  /** The way from the pointer to the middle of the handle, while it is held. */
+  /** The offset from the pointer to the middle of the handle while it is held. */
   const held = useRef<Point | null>(null);
   return {
     grab: (event: PointerEvent, element: HTMLElement) => {

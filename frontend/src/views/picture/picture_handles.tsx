@@ -27,7 +27,7 @@ export interface PictureHandlesProps {
   readonly picture: InPicture;
 }
 
-/** Over the picture: the box, planes and lights of the scene, to be taken hold of. */
+/** The box, the planes and the lights of the scene as handles over the picture. */
 export function PictureHandles({ session, picture }: PictureHandlesProps) {
   const volume = session.volume.value,
     scene = session.editor.scene.value,
@@ -51,7 +51,7 @@ function Area({ session, picture, scene, bounds, shown }: AreaProps) {
     ...(shown.includes("cuts") ? cutHandles(of, bounds, screen) : []),
     ...(shown.includes("light") ? lightHandles(of, screen) : []),
   ];
-  // What is held stays, then the light that the window shows.
+  // A held handle stays on top, followed by the light that the window shows.
   const chosen = `light-${picture.light.value}`;
   const rank = (handle: Handle) => (handle.key === held ? -3 : handle.key === chosen ? -2 : handle.rank);
   const what = (handle: Handle) => `handle ${handle.key}`;

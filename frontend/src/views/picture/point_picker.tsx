@@ -6,7 +6,7 @@ import { clamp } from "../../scene/numbers";
 import { t } from "../../texts";
 import type { InPicture } from "./in_picture";
 
-/** Asks for a place in the picture. The person clicks it, or moves a mark by arrow keys and presses Enter. Escape ends it. */
+/** Lets the user choose a point of the picture with a click, or with arrow keys and Enter. Escape cancels. */
 export function PointPicker({ picture }: { readonly picture: InPicture }) {
   const picking = picture.picking.value;
   const { button, at, said, setAt, pick, end } = usePointPicker(picture);
@@ -19,7 +19,7 @@ export function PointPicker({ picture }: { readonly picture: InPicture }) {
         type="button"
         class="picker"
         aria-label={`${picking.label} ${t.settings.picture.pickKeys}`}
-        // A click by a key has no place of its own, so it takes the mark's.
+        // A click by a key has no position of its own, so it uses that of the marker.
         onClick={(event) => pick(event.detail === 0 ? at : placeOf(event, event.currentTarget))}
         onKeyDown={(event) => {
           if (event.key === "Escape") end();
@@ -41,7 +41,7 @@ export function PointPicker({ picture }: { readonly picture: InPicture }) {
   );
 }
 
-/** The state of a picking: it takes the focus, and gives it back at the end. */
+/** The state of the picker. It takes the focus and restores it at the end. */
 function usePointPicker(picture: InPicture) {
   const picking = picture.picking.value;
   const button = useRef<HTMLButtonElement>(null);
@@ -68,7 +68,7 @@ function usePointPicker(picture: InPicture) {
   return { button, at, said, setAt, pick, end };
 }
 
-/** Moves the mark by properties, because the content security policy forbids style attributes. */
+/** Moves the marker with properties, because the content security policy forbids style attributes. */
 function useMark(at: Point): RefObject<HTMLSpanElement | null> {
   const mark = useRef<HTMLSpanElement>(null);
   useEffect(() => {
@@ -79,7 +79,7 @@ function useMark(at: Point): RefObject<HTMLSpanElement | null> {
   return mark;
 }
 
-/** The place of a click in an element, from 0 to 1. */
+/** Returns the position of a click in an element, from 0 to 1. */
 function placeOf(event: MouseEvent, element: Element): Point {
   const box = element.getBoundingClientRect();
   return {

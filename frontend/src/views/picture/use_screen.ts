@@ -2,7 +2,7 @@ import type { Area } from "../../input/flat";
 import type { RefObject } from "preact";
 import { useEffect, useState } from "preact/hooks";
 
-/** The size of an element in CSS pixels, as it is now. */
+/** Returns the current size of an element in CSS pixels. */
 export function useScreen(area: RefObject<HTMLElement | null>): Area {
   const [screen, setScreen] = useState<Area>({ width: 1, height: 1 });
   useEffect(() => {

@@ -19,7 +19,7 @@ export function connectPage(session: ViewerSession, element: HTMLCanvasElement, 
   );
   const updateVisible = () => session.setVisible(!document.hidden && session.slices.pictureShown.value);
   document.addEventListener("visibilitychange", updateVisible, { signal });
-  element.addEventListener("contextrestored", () => session.showAnew(), { signal }); // the picture was lost with the GPU's context
+  element.addEventListener("contextrestored", () => session.showAnew(), { signal }); // the picture was lost together with the GPU context
   const unsubscribe = session.slices.pictureShown.subscribe(updateVisible);
   signal.addEventListener("abort", unsubscribe);
   addEventListener("online", () => session.wake(), { signal });

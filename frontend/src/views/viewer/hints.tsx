@@ -4,7 +4,7 @@ import { t } from "../../texts";
 import { Icon } from "../icons";
 import { hintsDue, hintsSeen } from "./hint_memory";
 
-/** Three hints at the first use, one after the other, never again; Escape ends them wherever the focus is. */
+/** Three tips on first use, one after the other. Escape closes them from anywhere on the page. */
 export function Hints({ onDone }: { readonly onDone: () => void }) {
   const [at, setAt] = useState(() => (hintsDue(local) ? 0 : -1));
   const text = t.viewer.hints;

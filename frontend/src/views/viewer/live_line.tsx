@@ -3,7 +3,7 @@ import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { shownName } from "./share_dialog";
 
-/** For a follower: who turns the picture, and the way to a camera of one's own. */
+/** For a follower: shows who is presenting, and the switch to a free camera. */
 export function LiveLine({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const presenter = role.presenter;
   return (

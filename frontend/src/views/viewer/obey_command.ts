@@ -12,7 +12,7 @@ export interface CommandTargets {
   readonly open: (dialog: OpenDialog) => void;
 }
 
-/** Carries out a command of the keyboard or of the tool bar. */
+/** Executes a command of the keyboard or of the toolbar. */
 export function obeyCommand(command: KeyCommand, { session, page, slices, open }: CommandTargets): void {
   switch (command.kind) {
     case "gesture":

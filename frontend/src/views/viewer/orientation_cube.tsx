@@ -3,7 +3,7 @@ import { cameraOf } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 
-/** Which side of the patient one looks at: L, R, A, P, S, I on a cube that turns with the picture. */
+/** Shows the viewed side of the patient: L, R, A, P, S or I on a cube that rotates with the picture. */
 export function OrientationCube({ session }: { readonly session: ViewerSession }) {
   const scene = session.editor.scene.value;
   const pose = scene ? cameraOf(scene) : null;

@@ -9,7 +9,9 @@ import { useApp } from "../state";
 
 const unansweredAgainMs = 30_000;
 
-/** Before the month's picture time is over, and while the picture that is open still has its grace: what is left, in words. */
+/**
+ * Says how much rendering time is left this month, before it runs out and during the grace period of an open picture.
+ */
 export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
   const time = useRenderTime();
   const [hidden, setHidden] = useState("");
@@ -45,7 +47,7 @@ export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
   );
 }
 
-/** In place of a picture, when there is no time left. */
+/** Replaces the picture when there is no rendering time left. */
 export function PictureTimeOver() {
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => heading.current?.focus(), []);
@@ -71,7 +73,7 @@ export function PictureTimeOver() {
   );
 }
 
-/** What the server counts; asked again the sooner, the less is left. */
+/** The server's count. The less time is left, the more often it is requested. */
 function useRenderTime(): Me["render_time"] | null {
   const app = useApp();
   useEffect(() => {
@@ -87,7 +89,7 @@ function useRenderTime(): Me["render_time"] | null {
           waitMs = askedAgainMs(me.render_time);
         }
       } catch {
-        // The stream says what is wrong.
+        // The stream reports the problem.
       }
       if (here) timer = setTimeout(() => void ask(), waitMs);
     };

@@ -22,7 +22,7 @@ export interface PresetRowProps {
 type Question = "rename" | "remove" | "report";
 type PresetActions = ReturnType<typeof usePresetActions>;
 
-/** One saved preset with everything that this person may do with it. */
+/** A saved preset and the user's possible actions on it. */
 export function PresetRow(props: PresetRowProps) {
   const { preset } = props;
   const { api } = useApp();
@@ -54,7 +54,7 @@ export function PresetRow(props: PresetRowProps) {
 function usePresetActions({ preset, session, set, act }: PresetRowProps) {
   const api = useApp().api.presets;
   const text = t.presets;
-  /** Runs a change and says `text.done` afterwards. */
+  /** Runs a change and shows `text.done` afterwards. */
   const change = (work: () => Promise<unknown>) =>
     act(async () => {
       await work();
@@ -66,7 +66,7 @@ function usePresetActions({ preset, session, set, act }: PresetRowProps) {
         session.editor.showScene(await sceneOfPreset(api, preset.id));
         return "";
       }),
-    /** A second click on the same vote takes it back. */
+    /** A second click on the same vote removes it. */
     vote: (value: -1 | 1) =>
       act(async () => {
         await api.vote(preset, preset.my_vote === value ? 0 : value);
@@ -177,7 +177,7 @@ function PresetButtons({ preset, set, actions, ask }: PresetButtonsProps) {
 
 interface SmallProps {
   readonly label: string;
-  /** The accessible name, which also says the preset's name. */
+  /** The accessible name, which includes the preset's name. */
   readonly of: string;
   readonly onClick: () => void;
 }

@@ -3,7 +3,7 @@ import { sceneFromJson, type Scene } from "../../protocol/messages";
 import { t } from "../../texts";
 import { Said } from "../state";
 
-/** What a saved preset shows. */
+/** Returns the scene of a saved preset. */
 export async function sceneOfPreset(presets: Pick<PresetsApi, "get">, id: string): Promise<Scene> {
   const preset = await presets.get(id);
   const scene = sceneFromJson(JSON.stringify(preset.scene));

@@ -4,7 +4,7 @@ import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { useThumbnail } from "../thumbnail";
 
-/** The looks to choose from, each as a picture of this very scan. */
+/** The built-in looks, each as a picture of this scan. */
 export function Presets({ session }: { readonly session: ViewerSession }) {
   const presets = session.editor.presets.value;
   const active = session.editor.activePreset();

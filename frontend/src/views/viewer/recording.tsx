@@ -9,12 +9,12 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { useApp } from "../state";
 
-/** Whether this person's interaction is recorded: nothing until the server has said it. */
+/** Whether the user's interaction is recorded. Null until the server has responded. */
 const consent = signal(false);
-/** What may be sent while a page goes. */
+/** The maximum size of a request while a page closes. */
 const mostWhileLeaving = 60_000;
 
-/** Records how the picture is looked at, for as long as the person consents. Shows nothing. */
+/** Records the user's interaction while the user consents. Shows nothing. */
 export function RecordedInteraction({ session }: { readonly session: ViewerSession }) {
   const { api } = useApp();
   useEffect(() => {
@@ -28,7 +28,7 @@ export function RecordedInteraction({ session }: { readonly session: ViewerSessi
     const recorder = new Recorder();
     const stop = effect(() => {
       const scene = session.editor.scene.value;
-      const others = !roleOf(session.audience.value).presents; // somebody else's hand, who was not asked
+      const others = !roleOf(session.audience.value).presents; // these are the presenter's actions, who was not asked for consent
       if (!consent.value || others)
         recorder.take(session.viewport); // forgotten
       else if (scene) keep(api, recorder.add(scene, performance.now(), session.viewport), false);
@@ -81,7 +81,7 @@ export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
   );
 }
 
-/** This person's consent and recordings. They are read again after each change. */
+/** The user's consent and recordings. They are read again after each change. */
 function useRecordings() {
   const app = useApp();
   const [mine, setMine] = useState<Recordings | null>(null);

@@ -50,7 +50,7 @@ interface SaveFormProps extends Pick<SavedPresetsProps, "session" | "set"> {
   readonly act: ActOnPresets;
 }
 
-/** Saves the scene as it is now under a name. */
+/** Saves the current scene under a name. */
 function SaveForm({ session, set, act }: SaveFormProps) {
   const app = useApp();
   const text = t.presets;
@@ -80,7 +80,7 @@ function SaveForm({ session, set, act }: SaveFormProps) {
   );
 }
 
-/** The platform's file input is hidden behind a button of the page's own style. */
+/** The browser's file input is hidden behind a button in the style of the page. */
 function ImportButton({ onFile }: { readonly onFile: (file: File) => void }) {
   const input = useRef<HTMLInputElement>(null);
   return (

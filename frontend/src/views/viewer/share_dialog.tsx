@@ -18,7 +18,7 @@ export interface ShareDialogProps {
   readonly onClose: () => void;
 }
 
-/** The link by which others join, and who is here. */
+/** The link with which others join, and the participants. */
 export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps) {
   return (
     <Dialog title={t.live.title} onClose={onClose}>
@@ -85,10 +85,10 @@ function TakeBack({ session, you }: { readonly session: ViewerSession; readonly 
   );
 }
 
-/** Only this tab knows the link. The server has a hash of it and cannot show it again. */
+/** Only this tab knows the link. The server stores only its hash and cannot show it again. */
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
-/** The link by which others join, and what they may see. */
+/** The link with which others join, and what they may see. */
 function LinkPart({ session }: { readonly session: ViewerSession }) {
   const { url, said, busy, make, end, copy } = useGuestLink(session.sessionId ?? "");
   return (
@@ -123,7 +123,7 @@ function LinkPart({ session }: { readonly session: ViewerSession }) {
   );
 }
 
-/** The link to a session, null while there is none, and what can be done with it. */
+/** The link to a session, or null, and the actions on it. */
 function useGuestLink(sessionId: string) {
   const app = useApp();
   const [path, setPath] = useState(() => tab.getItem(memory(sessionId)));
@@ -158,7 +158,7 @@ function useGuestLink(sessionId: string) {
   return { url, said, busy, make, end, copy };
 }
 
-/** Whether guests may have the slices. Only the owner can choose it. */
+/** Whether guests may see the slices. Only the owner can change it. */
 function GuestSlices({ session }: { readonly session: ViewerSession }) {
   const audience = session.audience.value;
   if (!audience?.setsGuestSlices) return null;

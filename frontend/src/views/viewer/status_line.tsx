@@ -8,18 +8,18 @@ import { PictureTimeOver } from "./picture_time";
 export interface StatusLineProps {
   readonly session: ViewerSession | null;
   readonly fault: string;
-  /** What else there is to say, below. */
+  /** Further content below the message. */
   readonly children: ComponentChildren;
 }
 
-/** Why there is no picture, or no new one: said in words, and read out. */
+/** Says why there is no picture, or no new one. Screen readers announce it. */
 export function StatusLine({ session, fault, children }: StatusLineProps) {
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
   const shown = session?.pictures.picture.value ?? null;
   const elsewhere = connection?.phase === "elsewhere";
   const stopped = connection?.phase === "stopped" || elsewhere;
-  // A refusal is told in the server's own words, where it gave any.
+  // Shows the server's own message for a rejection, if there is one.
   const said = session?.problem.value ?? "";
   const text =
     [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find(

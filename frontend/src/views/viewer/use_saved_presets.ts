@@ -8,10 +8,10 @@ import { Said, useApp } from "../state";
 
 const mostFileBytes = 256 * 1024;
 
-/** Runs a change of the list. The result is what to tell the person. */
+/** Runs a change of the list and returns a message for the user. */
 export type ActOnPresets = (work: () => Promise<string>) => void;
 
-/** The saved presets of a scan, and how the last change of them went. The list is read again after each change. */
+/** The saved presets of a scan, and the result of the last change. The list is read again after each change. */
 export function useSavedPresets(set: DataSet) {
   const app = useApp();
   const [list, setList] = useState<readonly PresetInfo[] | null>(null);
@@ -45,10 +45,12 @@ export function useSavedPresets(set: DataSet) {
   return { list, said, fault, act, importFile };
 }
 
-/** Whether the server rejected the file itself. It explains in its own words that a file is of a later version. */
+/**
+ * Whether the server rejected the file itself. Its message explains, for example, that the file is of a later version.
+ */
 const isNoPreset = (thrown: unknown): boolean =>
   thrown instanceof ApiProblem && thrown.errors.length > 0 && thrown.errors[0]?.field !== "version";
 
-/** The scene as it is now, in the form that the API stores. */
+/** Returns the current scene in the form that the API stores. */
 export const currentScene = (session: ViewerSession): object | null =>
   session.editor.scene.value ? (JSON.parse(sceneToJson(session.editor.scene.value)) as object) : null;

@@ -10,14 +10,14 @@ import { probeStills } from "../../video/tile_pixels";
 import { ViewerSession } from "../../video/viewer_session";
 import { connectPage } from "./connect_page";
 
-/** Opens a session that draws on the canvas, and leaves it with the page. It is null until the codecs are known. */
+/** Opens a session that draws on the canvas and ends with the page. Null until the codecs have been tested. */
 export function useViewerSession(place: Place, canvas: RefObject<HTMLCanvasElement | null>) {
   const [session, setSession] = useState<ViewerSession | null>(null);
   const [fault, setFault] = useState("");
   useEffect(() => {
     const element = canvas.current;
     if (!element) return;
-    if (document.activeElement === document.body) element.focus(); // the link that led here is gone
+    if (document.activeElement === document.body) element.focus(); // the link that led here no longer exists
     const leaving = new AbortController();
     let opened: ViewerSession | null = null;
     void Promise.all([probeCodecs(chosenCodecs(local)), probeStills()]).then(([codecs, stills]) => {

@@ -24,13 +24,13 @@ import { ViewerPanels } from "./viewer_panels";
 import { ViewerStage } from "./viewer_stage";
 import { WantedPreset } from "./wanted_preset";
 
-/** The viewer of a scan that this person may open with their account. */
+/** The viewer for a scan that the user's account may open. */
 export function OwnViewer({ dataSetId }: { readonly dataSetId: string }) {
   const app = useApp();
   const [set, setSet] = useState<DataSet | null>(null);
   const place = useMemo(() => ownPlace(app.api, dataSetId), [app, dataSetId]);
   useEffect(() => {
-    app.api.dataSet(dataSetId).then(setSet, () => undefined); // the stream reports the fault
+    app.api.dataSet(dataSetId).then(setSet, () => undefined); // the stream reports the error
   }, [app, dataSetId]);
   return <Viewer place={place} title={set ? titleOf(set) : ""} set={set} onChange={setSet} />;
 }
@@ -38,10 +38,10 @@ export function OwnViewer({ dataSetId }: { readonly dataSetId: string }) {
 export interface ViewerProps {
   readonly place: Place;
   readonly title: string;
-  /** What is known of the scan. Only a person with an account has it. */
+  /** The facts about the scan, which only users with an account get. */
   readonly set?: DataSet | null;
   readonly onChange?: (set: DataSet) => void;
-  /** Given if the scan is to be cut. It gets the region to keep, and the hash of the volume that it belongs to. */
+  /** Set if the scan is to be cut. Called with the region to keep and the hash of the volume that it belongs to. */
   readonly onCut?: (region: Region, volumeHash: string) => void;
 }
 

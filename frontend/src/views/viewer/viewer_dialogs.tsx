@@ -22,7 +22,7 @@ export interface ViewerDialogsProps {
   readonly shot: Shot;
 }
 
-/** The dialog that is open, if any. Most of them need a session or what is known of the scan. */
+/** The open dialog, if any. Most dialogs need a session or the facts about the scan. */
 export function ViewerDialogs({ open, close, session, role, own, set, onChange, shot }: ViewerDialogsProps) {
   switch (open) {
     case "help":

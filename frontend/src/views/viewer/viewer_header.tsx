@@ -14,7 +14,7 @@ export interface ViewerHeaderProps {
   readonly title: string;
   readonly session: ViewerSession | null;
   readonly role: Role;
-  /** Whether the scan is this person's or shared with them, so that they have an account. */
+  /** Whether the scan belongs to the user or is shared with them, so that they have an account. */
   readonly own: boolean;
   readonly set: DataSet | null;
   readonly cutting: boolean;
@@ -22,7 +22,7 @@ export interface ViewerHeaderProps {
   readonly open: (dialog: OpenDialog) => void;
 }
 
-/** The title of the scan and the tool bar. */
+/** The title of the scan and the toolbar. */
 export function ViewerHeader(props: ViewerHeaderProps) {
   return (
     <header class="viewer-top">

@@ -12,7 +12,7 @@ export interface ViewerStageProps {
   readonly session: ViewerSession | null;
   readonly role: Role;
   readonly picture: InPicture;
-  /** Whether the scan is being cut. The cut has handles of its own. */
+  /** Whether the scan is being cut. The cut has its own handles. */
   readonly cutting: boolean;
 }
 

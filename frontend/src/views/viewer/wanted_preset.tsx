@@ -5,7 +5,7 @@ import { sceneOfPreset } from "./preset_scene";
 
 const look = /^#look=([0-9a-f-]{36})$/;
 
-/** A link of the gallery names, in its fragment, the preset that the scan is shown with. */
+/** A gallery link names in its fragment the preset with which to show the scan. */
 export function WantedPreset({ session }: { readonly session: ViewerSession }) {
   const app = useApp();
   const ready = session.editor.scene.value !== null;

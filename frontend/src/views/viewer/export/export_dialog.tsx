@@ -11,9 +11,9 @@ import type { ExportOrder } from "./shot";
 
 export interface ExportDialogProps {
   readonly session: ViewerSession;
-  /** Whether pictures of any size can be rendered, because this person may open the scan. */
+  /** Whether pictures of any size can be rendered, which requires access to the scan. */
   readonly rendered: boolean;
-  /** Whether one is being rendered already. */
+  /** Whether a file is being rendered already. */
   readonly busy: boolean;
   readonly onExport: (order: ExportOrder) => void;
   readonly onClose: () => void;

@@ -13,7 +13,7 @@ export function FilmForm(props: FilmFormProps) {
   const text = t.take;
   const { entries, faults, preparing, set, correct, setFault, submit } = useFilmForm(props);
   const form = useRef<HTMLFormElement>(null);
-  // The fault is read out when its field has the focus, which is possible once the fault is on the page.
+  // A screen reader announces the error when its field has the focus, so the focus moves once the error is on the page.
   useEffect(() => {
     if (faults.seconds) form.current?.querySelector<HTMLElement>("[aria-invalid]")?.focus();
   }, [faults.seconds]);

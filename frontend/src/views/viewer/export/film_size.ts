@@ -14,13 +14,13 @@ export const filmQualities = ["quick", "good"] as const satisfies readonly FilmQ
 export const filmRates = [10, 25, 30, 60] as const;
 export const mostKeyViews = 16;
 
-/** A view that a tour may visit: a saved preset, or the view of the moment where there is none. */
+/** A view that a tour can visit: a saved preset, or the current view. */
 export interface KeyView {
   readonly preset: PresetInfo | null;
   readonly taken: boolean;
 }
 
-/** The size of a film with the shape of the screen. The sides are even, because video codecs need that. */
+/** Returns a film size with the shape of the screen. The sides are even, because video codecs need that. */
 export function filmSize(screen: Viewport, longest: number): Viewport {
   const { width, height } = withLongestSide(screen, longest);
   const even = (side: number) => Math.max(16, Math.round(side / 2) * 2);

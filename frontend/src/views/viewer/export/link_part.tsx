@@ -20,7 +20,7 @@ export function LinkPart({ session, dataSetId }: LinkPartProps) {
       await navigator.clipboard.writeText(url);
       setSaid(text.copied);
     } catch {
-      setSaid(text.notCopied); // it is forbidden, or the connection is not secure
+      setSaid(text.notCopied); // the browser forbids it, or the connection is not secure
     }
   };
   return (
@@ -34,7 +34,7 @@ export function LinkPart({ session, dataSetId }: LinkPartProps) {
   );
 }
 
-/** The link to the scene as it is now. It is empty at first, and null if the scene is too large for a link. */
+/** The link to the current scene. Empty at first, and null if the scene is too large for a link. */
 function useSceneLink(session: ViewerSession, dataSetId: string): string | null {
   const scene = session.editor.scene.value;
   const [url, setUrl] = useState<string | null>("");

@@ -6,7 +6,7 @@ import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import { Notice } from "../../shell";
 
-/** The address may say how the scan is to be shown. What is no scene, or none that the renderer takes, changes nothing. */
+/** Shows the scene in the fragment of the URL, if there is one. An invalid scene changes nothing. */
 export function LinkedView({ session }: { readonly session: ViewerSession }) {
   const [fault, setFault] = useState("");
   const [pasted, setPasted] = useState(0);
@@ -14,7 +14,7 @@ export function LinkedView({ session }: { readonly session: ViewerSession }) {
   const ready = session.editor.scene.value !== null && session.connection.value.phase === "live";
   const refused = session.problem.value !== "";
   useEffect(() => {
-    // Another link to the same scan, put into the address of this page: the browser loads nothing.
+    // Handles another link to the same scan in this tab, for which the browser does not load the page again.
     const changed = () => setPasted((times) => times + 1);
     addEventListener("hashchange", changed);
     return () => removeEventListener("hashchange", changed);
@@ -22,7 +22,7 @@ export function LinkedView({ session }: { readonly session: ViewerSession }) {
   useEffect(() => {
     if (!ready || !location.hash.startsWith("#view=")) return;
     const hash = location.hash;
-    history.replaceState(null, "", location.pathname); // a reload shows what the picture has become since
+    history.replaceState(null, "", location.pathname); // a reload keeps the later edits
     setFault("");
     void sceneOfLink(hash).then((linked) => {
       if (linked.kind === "scene") {

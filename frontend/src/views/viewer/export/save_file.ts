@@ -1,4 +1,4 @@
-/** The file alone, under a name that says nothing of anybody. */
+/** Saves a file under a name that identifies nobody. */
 export function saveFile(file: Blob): void {
   const url = URL.createObjectURL(file);
   const link = document.createElement("a");

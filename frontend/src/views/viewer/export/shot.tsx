@@ -19,7 +19,7 @@ interface Work {
 }
 
 export interface Shot {
-  /** Nothing: none was asked for, or what came of it was read. */
+  /** Null if nothing is being rendered and no result is waiting to be read. */
   readonly state: State | null;
   readonly film: boolean;
   readonly take: (order: ExportOrder) => void;
@@ -27,7 +27,7 @@ export interface Shot {
   readonly hide: () => void;
 }
 
-/** One picture or film at a time that is rendered to be taken away; given up when the viewer is left. */
+/** Renders one picture or film at a time for download. Leaving the viewer cancels it. */
 export function useShot(place: Place): Shot {
   const [state, setState] = useState<State | null>(null);
   const [film, setFilm] = useState(false);
@@ -50,7 +50,7 @@ export function useShot(place: Place): Shot {
       setState(now);
     };
     const begun = order.kind === "still" ? await still(order, place, tell) : file(order, place, tell);
-    if (left.current) return; // while it was tried what this browser shows
+    if (left.current) return; // while the codecs were being tested
     work.current = begun;
     begun.start();
   };
@@ -63,7 +63,7 @@ export function useShot(place: Place): Shot {
   };
 }
 
-/** A session of its own, which is given back when the file is there or given up. */
+/** A separate session, which ends when the file is complete or cancelled. */
 function ownSession(place: Place) {
   let id: string | null = null;
   return { ticketSource: place.ticketSource(null, (known) => (id = known)), leave: () => place.leave(id) };
@@ -91,7 +91,7 @@ async function still(order: ShotOrder, place: Place, tell: (state: ShotState) =>
     if (state.kind === "done") void sheet.convertToBlob({ type: "image/png" }).then(saveFile);
     tell(state);
   };
-  const exact = stills.length > 0 || order.error > 0 ? order : { ...order, error: renderersError }; // this browser shows no lossless tiles
+  const exact = stills.length > 0 || order.error > 0 ? order : { ...order, error: renderersError }; // this browser cannot show lossless tiles
   return new StillShot(
     exact,
     {
@@ -105,7 +105,7 @@ async function still(order: ShotOrder, place: Place, tell: (state: ShotState) =>
   );
 }
 
-/** How far the picture is. */
+/** The progress of the picture. */
 export function ShotLine({ shot: { state, film, stop, hide } }: { readonly shot: Shot }) {
   const text = film ? t.take.ofFilm : t.take.ofPicture;
   if (state === null) return null;

@@ -5,7 +5,7 @@ import { longestSide, shortestSide } from "../../../video/still_shot";
 const largeSide = 2048;
 const posterSide = 8192;
 
-/** Of the shape that is on the screen, larger or smaller. */
+/** Returns a size with the shape of the screen and this longest side. */
 export const withLongestSide = (screen: Viewport, longest: number): Viewport => {
   const grown = longest / Math.max(screen.width, screen.height, 1);
   return withinBounds({ width: screen.width * grown, height: screen.height * grown }, longest);
@@ -15,10 +15,10 @@ export const large = (screen: Viewport): Viewport => withLongestSide(screen, lar
 export const largest = (screen: Viewport): Viewport => withLongestSide(screen, longestSide);
 export const poster = (screen: Viewport): Viewport => withLongestSide(screen, posterSide);
 
-/** The page itself holds no more; larger ones a worker makes, in bands of rows. */
+/** Whether the page itself can hold the picture. A worker creates larger ones in bands of rows. */
 export const isHeldByPage = ({ width, height }: Viewport): boolean => Math.max(width, height) <= longestSide;
 
-/** Two sides as they were typed; nothing where they are no whole numbers within the bounds. */
+/** Parses the two sides. Returns null if they are not whole numbers within the limits. */
 export function typedSize(width: string, height: string): Viewport | null {
   const side = (text: string) => (/^\d{1,6}$/.test(text.trim()) ? Number(text) : 0);
   const size = { width: side(width), height: side(height) };

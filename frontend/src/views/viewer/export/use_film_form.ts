@@ -43,7 +43,7 @@ interface Faults {
 const firstEntries: FilmEntries = { size: "medium", quality: "quick", seconds: "8", rate: "25", views: [] };
 const noFaults: Faults = { seconds: "", form: "" };
 
-/** The entries of the film form, their faults, and the order that results from them. */
+/** The entries of the film form, their errors, and the resulting order. */
 export function useFilmForm({ session, kind, onExport }: FilmFormProps) {
   const app = useApp();
   const [entries, setEntries] = useState(firstEntries);
@@ -51,7 +51,7 @@ export function useFilmForm({ session, kind, onExport }: FilmFormProps) {
   const [preparing, setPreparing] = useState(false);
   const here = useIsMounted();
   const set = (part: Partial<FilmEntries>) => setEntries((before) => ({ ...before, ...part }));
-  /** Sets an entry that may have been at fault. */
+  /** Sets an entry and clears its error. */
   const correct = (part: Partial<FilmEntries>) => {
     setFaults(noFaults);
     set(part);
@@ -85,7 +85,7 @@ function entryFaults(kind: FilmFormProps["kind"], seconds: number | null, chosen
   return hasWrongViews(kind, chosen) ? { seconds: "", form: t.take.wrongViews(mostKeyViews) } : noFaults;
 }
 
-/** The scenes of the chosen views, where the view without a preset is the scene of the moment. */
+/** The scenes of the chosen views. The one without a preset is the current scene. */
 const keyScenes = (api: Pick<PresetsApi, "get">, chosen: readonly KeyView[], scene: Scene): Promise<Scene[]> =>
   Promise.all(chosen.map(async ({ preset }) => (preset ? await sceneOfPreset(api, preset.id) : scene)));
 

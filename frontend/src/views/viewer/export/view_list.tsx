@@ -11,7 +11,7 @@ export interface ViewListProps {
   readonly onFault: (fault: string) => void;
 }
 
-/** The key views of a tour: which of them it visits, and in which order. */
+/** The key views of a tour and their order. */
 export function ViewList({ dataSetId, views, onViews, onFault }: ViewListProps) {
   useKeyViews(dataSetId, onViews, onFault);
   const text = t.take;
@@ -55,7 +55,7 @@ export function ViewList({ dataSetId, views, onViews, onFault }: ViewListProps) 
   );
 }
 
-/** Reads the saved presets of the scan once, and offers them after the view of the moment. */
+/** Reads the saved presets of the scan once and lists them after the current view. */
 function useKeyViews(dataSetId: string, onViews: ViewListProps["onViews"], onFault: ViewListProps["onFault"]): void {
   const app = useApp();
   const latest = useLatest({ onViews, onFault });

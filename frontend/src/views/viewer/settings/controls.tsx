@@ -13,12 +13,12 @@ export interface WindowProps {
   readonly leads: boolean;
 }
 
-/** Of a window whose things lie in the picture, too. */
+/** For a window that also has handles in the picture. */
 export interface PictureWindowProps extends WindowProps {
   readonly picture: InPicture;
 }
 
-/** `held`: a hand is still on it. */
+/** `held` means that the pointer is still down. */
 export type Changed<Value> = (value: Value, held: boolean) => void;
 
 export interface NumberControlProps {
@@ -26,7 +26,7 @@ export interface NumberControlProps {
   readonly unit?: string;
   readonly value: number;
   readonly limits: Limits;
-  /** Of the slider where it reaches less far than what may be typed. */
+  /** The slider's limits, if they are narrower than those of the number. */
   readonly slide?: Limits;
   readonly logarithmic?: boolean;
   readonly step?: number;
@@ -34,7 +34,7 @@ export interface NumberControlProps {
   readonly rest: () => void;
 }
 
-/** A slider, and beside it the number itself: typed, with its unit and its limits said. */
+/** A slider with an input for the number, its unit and its limits. */
 export function NumberControl({
   label,
   unit = "",
@@ -81,7 +81,7 @@ interface SliderProps {
   readonly rest: () => void;
 }
 
-/** One way of a hand, or of a key that is held, is one step for undoing. */
+/** One drag, or one held key, is one undo step. */
 function Slider({ label, said, at, change, rest }: SliderProps) {
   const keyDown = useRef(false);
   return (
@@ -118,7 +118,10 @@ interface TypedProps {
   readonly commit: (value: number) => void;
 }
 
-/** Text, so that what is no number can be answered in words; taken with Enter or on leaving. */
+/**
+ * A text field, so that invalid input can be explained. The value is applied with Enter or when the field loses the
+ * focus.
+ */
 function Typed({ label, unit, value, limits, commit }: TypedProps) {
   const id = useId();
   const [text, setText] = useState<string | null>(null);
@@ -177,7 +180,7 @@ export interface ColourControlProps {
   readonly rest: () => void;
 }
 
-/** As the device lets one choose a colour. */
+/** The browser's own colour picker. */
 export function ColourControl({ label, value, change, rest }: ColourControlProps) {
   return (
     <label class="control control-colour">
@@ -199,7 +202,7 @@ export interface SelectControlProps<Value extends string> {
   readonly change: (value: Value) => void;
 }
 
-/** One of several values, chosen from the platform's own list. */
+/** A choice of one value from the browser's own list. */
 export function SelectControl<Value extends string>({ label, value, options, change }: SelectControlProps<Value>) {
   return (
     <label class="control">
@@ -225,7 +228,7 @@ export function SelectControl<Value extends string>({ label, value, options, cha
 export interface NameControlProps {
   readonly label: string;
   readonly value: string;
-  /** The greatest number of characters. */
+  /** Maximum number of characters. */
   readonly most: number;
   readonly change: (name: string) => void;
 }
@@ -267,7 +270,7 @@ export function Switch({ label, on, disabled = false, change }: SwitchProps) {
   );
 }
 
-/** Whether what is taken hold of in the picture stays there when its window is closed. */
+/** Whether the handles stay in the picture when their window is closed. */
 export function KeepHandles({ picture, which }: { readonly picture: InPicture; readonly which: HandleSet }) {
   return (
     <Switch

@@ -1,10 +1,10 @@
 import type { Channel } from "../../../protocol/gen/api/proto/scene_pb";
 import { clamp, type Limits } from "../../../scene/numbers";
 
-/** The graph's own units; the page scales it. */
+/** The graph's own units, which the page scales. */
 export const graphWidth = 320;
 export const graphHeight = 150;
-/** Room for the points at the borders. */
+/** Margin for points at the edges. */
 export const graphEdge = 10;
 
 export interface At {
@@ -27,7 +27,7 @@ export const pointsOf = (channel: Channel, range: Limits): At[] =>
 const text = (points: readonly At[]): string => points.map(({ x, y }) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
 export const lineOf = (channel: Channel, range: Limits): string => text(pointsOf(channel, range));
 
-/** Down to the ground at both ends: a channel is closed there. */
+/** Includes the ground at both ends, where a channel is closed. */
 export function areaOf(channel: Channel, range: Limits): string {
   const points = pointsOf(channel, range);
   const first = points[0],
@@ -35,7 +35,9 @@ export function areaOf(channel: Channel, range: Limits): string {
   return first && last ? text([{ x: first.x, y: yOf(0) }, ...points, { x: last.x, y: yOf(0) }]) : "";
 }
 
-/** The point under a finger, or none; of two as near the later one, which is drawn above. */
+/**
+ * Returns the point under the pointer, or null. If two are equally near, returns the later one, which is drawn on top.
+ */
 export function nearestPoint(points: readonly At[], at: At, reach: number): number | null {
   let found: number | null = null,
     least = reach;

@@ -32,7 +32,7 @@ export function EffortPart({ session }: EffortProps) {
   );
 }
 
-/** The number that belongs to the chosen stop condition, where it has one. */
+/** The number of the chosen stop condition, if it has one. */
 function StopLimit({ session }: EffortProps) {
   const text = t.settings.effort;
   const now = session.effort.value;

@@ -1,6 +1,6 @@
 import type { PointActs } from "./point_controls";
 
-/** What a key does to the chosen point of the graph. */
+/** The action of a key on the chosen point of the graph. */
 export type GraphKeyAction =
   | { readonly kind: "choose"; readonly by: number }
   | { readonly kind: "move"; readonly value: number; readonly opacity: number }
@@ -37,11 +37,11 @@ export function graphKeyAction(stroke: KeyStroke, width: number): GraphKeyAction
 }
 
 export interface GraphActs extends PointActs {
-  /** Without a place, the point is added where there is most room. */
+  /** Without a position, the point is added where there is most room. */
   readonly add: (at?: { readonly value: number; readonly opacity: number }) => void;
 }
 
-/** Carries out a key's action on the chosen point. `count` is the number of points. */
+/** Applies a key's action to the chosen point. `count` is the number of points. */
 export function applyGraphKey(
   action: GraphKeyAction,
   chosen: { readonly value: number; readonly opacity: number },

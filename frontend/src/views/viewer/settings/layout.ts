@@ -1,10 +1,12 @@
 import type { Area } from "../../../input/flat";
 
-/** The windows of settings, as plain data: which are open and where each lies. */
+/** The layout of the settings windows as plain data: which ones are open, and where. */
 export const windowNames = ["look", "light", "lens", "cuts"] as const;
 export type WindowName = (typeof windowNames)[number];
 
-/** Docked: at the side, in the order of opening. Free: its upper left corner, in pixels of the page. */
+/**
+ * Docked windows are at the side in the order of opening. A free window has its top left corner in pixels of the page.
+ */
 export type Placement = { readonly docked: true } | { readonly docked: false; readonly x: number; readonly y: number };
 
 export interface Layout {
@@ -13,14 +15,16 @@ export interface Layout {
 }
 
 export const closedLayout: Layout = { open: [], places: {} };
-/** So much of a window stays in the page, so that it can be taken back. */
+/** The part of a window that stays inside the page, so that it can be moved back. */
 const leastSeen = 80;
-/** Of a window's head. */
+/** The height of a window's header. */
 const headHeight = 48;
 
 export const placeIn = (layout: Layout, name: WindowName): Placement => layout.places[name] ?? { docked: true };
 
-/** Of a sheet (`narrow`) there is one at a time, and one at the side: what is free stays. */
+/**
+ * Opens a window. There is at most one sheet (`narrow`) and one docked window at a time, and free windows stay open.
+ */
 export function opened(layout: Layout, name: WindowName, narrow: boolean): Layout {
   const stays = (one: WindowName) =>
     one !== name && !narrow && !(placeIn(layout, one).docked && placeIn(layout, name).docked);
@@ -32,7 +36,7 @@ export const closed = (layout: Layout, name: WindowName): Layout => ({
   open: layout.open.filter((one) => one !== name),
 });
 
-/** Its corner as told, but never out of reach. */
+/** Moves a window, but never out of reach. */
 export function moved(layout: Layout, name: WindowName, x: number, y: number, screen: Area): Layout {
   const place: Placement = {
     docked: false,
@@ -42,7 +46,7 @@ export function moved(layout: Layout, name: WindowName, x: number, y: number, sc
   return { ...layout, places: { ...layout.places, [name]: place } };
 }
 
-/** To the side, from where another that is there goes. */
+/** Docks a window and closes the docked one. */
 export function docked(layout: Layout, name: WindowName): Layout {
   const open = layout.open.filter((one) => one === name || !placeIn(layout, one).docked);
   return { open, places: { ...layout.places, [name]: { docked: true } } };
@@ -51,7 +55,7 @@ export function docked(layout: Layout, name: WindowName): Layout {
 type Store = Pick<Storage, "getItem" | "setItem">;
 const key = "diaphane.windows";
 
-/** As it was in this tab; all closed where nothing is known, or what is known is damaged. */
+/** Restores the layout of this tab. All windows are closed if none is stored or it is damaged. */
 export function rememberedLayout(store: Store): Layout {
   try {
     const value = JSON.parse(store.getItem(key) ?? "null") as { open?: unknown; places?: unknown } | null;

@@ -216,7 +216,7 @@ function GradientScale({ scene, edits }: LensPartProps) {
   );
 }
 
-/** Focuses on the surface that is seen at the chosen place of the picture. */
+/** Focuses on the surface at the chosen point of the picture. */
 function focusPicking(session: ViewerSession): Picking {
   const text = t.settings.lens;
   return {

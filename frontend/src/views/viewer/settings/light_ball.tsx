@@ -11,7 +11,7 @@ export interface LightBallProps extends BallActs {
 
 const half = ballRadius + ballMargin;
 
-/** The direction of a light as a place on a ball. A place beyond the rim is at the back. */
+/** The direction of a light as a point on a ball. A point beyond the rim is on the back. */
 export function LightBall({ direction, others, leads, change, rest }: LightBallProps) {
   const gestures = useBallGestures(direction, leads, { change, rest });
   return (

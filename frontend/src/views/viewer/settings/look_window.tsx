@@ -17,7 +17,7 @@ const scaleKey = "diaphane.histogram";
 type HistogramScale = "logarithmic" | "linear";
 const firstPoint: Selection = { channel: 0, point: 0 };
 
-/** The transfer function: materials by value, each with its opacity and its looks. */
+/** The transfer function: materials by value, each with its opacity and appearance. */
 export function LookWindow({ session, leads }: WindowProps) {
   const text = t.settings.look;
   const scene = session.editor.scene.value;

@@ -82,7 +82,7 @@ function LightDirection({ session, leads, light, index }: LightProps & WindowPro
   );
 }
 
-/** The place of a light in numbers. */
+/** The position of a light in numbers. */
 function LightPlace({ session, light, index }: LightProps) {
   const text = t.settings.light;
   const place = lights.placeOf(light);
@@ -130,7 +130,7 @@ function LightPlace({ session, light, index }: LightProps) {
   );
 }
 
-/** Whether the light turns with the camera. A sky can, as a lamp can. */
+/** Whether the light turns with the camera, which also works for the environment. */
 function CameraLock({ session, light, index }: LightProps) {
   return (
     <Switch
@@ -185,7 +185,7 @@ function RemoveLight({ session, light, index }: LightProps) {
   );
 }
 
-/** The other lights that move in the same way, camera-locked or fixed to the patient. The ball shows them, too. */
+/** The other lights of the same kind, camera-locked or fixed to the patient. The ball shows them, too. */
 const othersOf = (session: ViewerSession, light: Light): lights.Place[] =>
   (session.editor.scene.value?.lights ?? [])
     .filter((one) => one !== light && one.cameraLocked === light.cameraLocked && !one.disabled)

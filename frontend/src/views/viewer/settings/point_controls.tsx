@@ -5,7 +5,7 @@ import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { NumberControl } from "./controls";
 
-/** The chosen point of a channel, and what a hand does with it. */
+/** The chosen point of a channel, and the handlers that change it. */
 export interface PointActs {
   readonly point: number;
   readonly range: Limits;

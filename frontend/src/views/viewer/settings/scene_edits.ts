@@ -7,9 +7,9 @@ export type Editor = Pick<SceneEditor, "change" | "rest">;
 export interface SceneEdits {
   /** Ends the current undo step. */
   readonly rest: () => void;
-  /** Makes the handler of a control that a hand can hold, such as a slider. The control calls `rest` at the end. */
+  /** Returns the handler of a control that can be held, such as a slider. The control calls `rest` at the end. */
   readonly live: <Value>(what: string, edit: (before: Scene, value: Value) => Scene) => Changed<Value>;
-  /** Makes the handler of a control that changes at once, such as a switch. */
+  /** Returns the handler of a control that changes in one step, such as a switch. */
   readonly once: <Value>(what: string, edit: (before: Scene, value: Value) => Scene) => (value: Value) => void;
   /** Applies one complete change. */
   readonly apply: (what: string, edit: (before: Scene) => Scene) => void;

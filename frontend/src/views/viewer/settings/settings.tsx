@@ -16,7 +16,7 @@ export interface SettingsProps {
   readonly session: ViewerSession;
   /** Whether this person may change the scene. */
   readonly leads: boolean;
-  /** Whether they may also change what is cut away of the scan. */
+  /** Whether the user may also change which parts are cut away. */
   readonly cuts: boolean;
   readonly picture: InPicture;
 }
@@ -24,7 +24,7 @@ export interface SettingsProps {
 const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow } as const;
 const narrowPage = "(max-width: 700px), (max-height: 420px)";
 
-/** The menu at the left, and the windows that it opens (thesis, 4.1 and 5.3). */
+/** The menu on the left and the windows that it opens (thesis, 4.1 and 5.3). */
 export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   const narrow = useMedia(narrowPage);
   const menu = useRef<HTMLElement>(null);
@@ -78,7 +78,7 @@ function useUndoKeys(session: ViewerSession, leads: boolean): void {
         !["z", "y"].includes(key)
       )
         return;
-      if (focusedOf(event.target) === "text" || document.querySelector("dialog[open]")) return; // text has an undo of its own
+      if (focusedOf(event.target) === "text" || document.querySelector("dialog[open]")) return; // a text field has its own undo
       event.preventDefault();
       if (key === "z" && !event.shiftKey) session.editor.undo();
       else session.editor.redo();

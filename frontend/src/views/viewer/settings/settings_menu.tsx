@@ -19,7 +19,7 @@ export interface SettingsMenuProps {
   readonly menu: RefObject<HTMLElement | null>;
 }
 
-/** The buttons at the left: undo, redo, and one for each window. */
+/** The buttons on the left: undo, redo, and one per window. */
 export function SettingsMenu({ session, leads, shown, toggle, menu }: SettingsMenuProps) {
   const { editor } = session;
   const { past, future } = editor.steps.value;
@@ -52,7 +52,7 @@ interface StepButtonProps {
   readonly step: () => void;
 }
 
-/** The button keeps the focus when no step is left, so it is not really disabled. */
+/** The button is not really disabled, so that it keeps the focus when no step is left. */
 function StepButton({ icon, possible, step }: StepButtonProps) {
   return (
     <button

@@ -12,25 +12,25 @@ export interface SettingsWindowProps {
   readonly layout: Layout;
   /** On a narrow page the window is a sheet with a fixed place. */
   readonly narrow: boolean;
-  /** Whether it was just opened by hand. If so, it takes the focus. */
+  /** Whether the user just opened it. If so, it takes the focus. */
   readonly fresh: boolean;
   readonly onMove: (x: number, y: number) => void;
   readonly onDock: () => void;
   readonly onClose: () => void;
   readonly onReset: (() => void) | null;
-  /** Why this person can change nothing here, if `onReset` is null. */
+  /** Why the user can change nothing here, if `onReset` is null. */
   readonly whyNot: string;
   readonly children: ComponentChildren;
 }
 
-/** A settings window beside the picture. It is not modal, so the picture stays within reach. */
+/** A settings window next to the picture. It is not modal, so the picture stays usable. */
 export function SettingsWindow(props: SettingsWindowProps) {
   const { name, layout, narrow, fresh, onMove, onClose } = props;
   const frame = useRef<HTMLElement>(null);
   const drag = useWindowDrag(frame, narrow, onMove);
   const place = placeIn(layout, name);
   const free = !narrow && !place.docked;
-  // A layout effect runs before anything else can be pressed. A later one could take the focus from a newer choice.
+  // A layout effect runs before the next input. A later effect could take the focus from a newer choice.
   useLayoutEffect(() => {
     if (fresh) frame.current?.focus();
   }, [fresh]);

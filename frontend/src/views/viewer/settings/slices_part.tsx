@@ -9,7 +9,7 @@ import { sceneEdits } from "./scene_edits";
 export interface SlicesPartProps {
   readonly session: ViewerSession;
   readonly bounds: Box;
-  /** The grey window that the slices begin with. */
+  /** The initial grey window of the slices. */
   readonly grey: cuts.Grey;
 }
 

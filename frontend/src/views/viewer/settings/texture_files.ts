@@ -15,7 +15,7 @@ function painted({ width, height, rgba }: Pixels): OffscreenCanvas {
 
 const made = new Map<TextureName, Promise<Bytes>>();
 
-/** As a PNG file; the same bytes each time, by which it is known again. */
+/** Encodes a pattern as a PNG file. The bytes are the same each time and identify the pattern. */
 export function textureFile(name: TextureName): Promise<Bytes> {
   const file = made.get(name) ?? coded(painted(texturePixels(name)), "image/png");
   made.set(name, file);
@@ -26,7 +26,7 @@ export type ReadPicture = { readonly bytes: Bytes } | { readonly refused: "too_l
 
 const mostFileBytes = 30_000_000;
 
-/** Somebody's own file as a small JPEG: nothing but the picture goes anywhere, not the name nor what a camera wrote into it. */
+/** Reads the user's file as a small JPEG. Only the picture is used, without the file name or the camera's metadata. */
 export async function readPicture(file: Blob): Promise<ReadPicture> {
   if (file.size > mostFileBytes) return { refused: "too_large" };
   let bitmap: ImageBitmap;

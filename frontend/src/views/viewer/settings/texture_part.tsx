@@ -11,7 +11,7 @@ export interface TexturePartProps {
   readonly index: number;
 }
 
-/** What a light shines through: nothing, one of the built-in patterns, or an image of the person's own. */
+/** The pattern of a light: none, a built-in one, or the user's own image. */
 export function TexturePart({ session, light, index }: TexturePartProps) {
   const text = t.settings.light.texture;
   const [fault, setFault] = useState("");
@@ -62,7 +62,7 @@ export function TexturePart({ session, light, index }: TexturePartProps) {
 
 type TextureFiles = ReadonlyMap<TextureName, Uint8Array<ArrayBuffer>>;
 
-/** The built-in patterns as image files; empty until all of them have been made. */
+/** The built-in patterns as image files. Empty until all of them are ready. */
 function useTextureFiles(names: readonly TextureName[]): TextureFiles {
   const [files, setFiles] = useState<TextureFiles>(new Map());
   useEffect(() => {
@@ -83,7 +83,7 @@ interface OwnTextureProps {
   readonly onFault: (fault: string) => void;
 }
 
-/** Reads an image file that the person chooses. */
+/** Reads the image file that the user chooses. */
 function OwnTexture({ chosen, onRead, onFault }: OwnTextureProps) {
   const text = t.settings.light.texture;
   const read = async (input: HTMLInputElement) => {

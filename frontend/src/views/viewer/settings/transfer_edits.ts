@@ -14,7 +14,7 @@ export interface PointPlace {
   readonly opacity: number;
 }
 
-/** Returns the wanted selection, limited to the channels and points that exist. */
+/** Limits the selection to the channels and points that exist. */
 export function clampedSelection(channels: readonly Channel[], wanted: Selection): Selection {
   const channel = Math.min(wanted.channel, channels.length - 1);
   const points = channels[channel]?.opacity.length ?? 1;
@@ -25,7 +25,7 @@ export interface TransferEdits {
   readonly rest: () => void;
   readonly choosePoint: (point: number) => void;
   readonly movePoint: (which: number, value: number, opacity: number, held: boolean) => void;
-  /** Without a place, the point is added where there is most room. */
+  /** Without a position, the point is added where there is most room. */
   readonly addPoint: (at?: PointPlace) => void;
   readonly removePoint: () => void;
   /** `range` is the range of the volume's values. */
@@ -34,7 +34,7 @@ export interface TransferEdits {
   readonly setMaterial: (what: string, material: transfer.Material, held: boolean) => void;
 }
 
-/** The edits of one scene's transfer function at a selection. `select` stores where the selection moves. */
+/** The edits of a scene's transfer function at the selection. `select` stores the new selection. */
 export function transferEdits(
   editor: Editor,
   scene: Scene,

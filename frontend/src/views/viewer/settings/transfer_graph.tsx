@@ -18,7 +18,7 @@ export interface TransferGraphProps extends GraphActs {
   readonly leads: boolean;
 }
 
-/** All channels over the histogram. The points of the active channel can be moved by hand and by keys. */
+/** All channels over the histogram. Mouse, touch and keys can move the points of the active channel. */
 export function TransferGraph(props: TransferGraphProps) {
   const { transfer, range, channel, point, leads } = props;
   const active = transfer.channels[channel];
@@ -82,7 +82,7 @@ interface ChannelCurvesProps {
   readonly range: Limits;
 }
 
-/** The curves of all shown channels. The line of the active one lies over them all. */
+/** The curves of all shown channels. The active one is drawn on top. */
 function ChannelCurves({ channels, active, range }: ChannelCurvesProps) {
   const over = channels[active];
   return (

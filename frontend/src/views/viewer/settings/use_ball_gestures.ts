@@ -15,7 +15,7 @@ export interface BallActs {
 
 const wrapped = (angle: number): number => angle - 360 * Math.round(angle / 360);
 
-/** The direction that an arrow key leads to, in degrees. With Shift the step is longer. */
+/** Returns the direction after an arrow key, in degrees. With Shift, the step is longer. */
 export function steppedDirection(from: Direction, key: string, shift: boolean): Direction | null {
   const arrow = arrowDirections[key];
   if (!arrow) return null;
@@ -23,10 +23,10 @@ export function steppedDirection(from: Direction, key: string, shift: boolean): 
   return { right: wrapped(from.right + step * arrow[0]), up: clamp(from.up - step * arrow[1], -90, 90) };
 }
 
-/** Moves a direction on a ball by hand and by keys. */
+/** Moves a direction on a ball with the pointer and with keys. */
 export function useBallGestures(direction: Direction, leads: boolean, { change, rest }: BallActs) {
   const svg = useRef<SVGSVGElement>(null);
-  /** Whether the held light is at the back of the ball. Null while none is held. */
+  /** Whether the held light is on the back of the ball. Null while none is held. */
   const held = useRef<boolean | null>(null);
   const point = (event: PointerEvent, behind: boolean) => {
     const { x, y } = placeOnBall(svg, event);
@@ -40,7 +40,7 @@ export function useBallGestures(direction: Direction, leads: boolean, { change, 
       const at = unitOf(direction);
       const { x, y } = placeOnBall(svg, event);
       const near = Math.hypot(x - at.x, y + at.y) < 0.25;
-      held.current = near && at.z < 0; // a light that is taken at the back stays at the back
+      held.current = near && at.z < 0; // a light that is picked up on the back stays there
       svg.current?.setPointerCapture(event.pointerId);
       if (!near) point(event, false);
     },
@@ -61,7 +61,7 @@ export function useBallGestures(direction: Direction, leads: boolean, { change, 
   };
 }
 
-/** The place of the pointer in radii from the middle of the ball. */
+/** Returns the position of the pointer in radii from the middle of the ball. */
 function placeOnBall(svg: RefObject<SVGSVGElement | null>, event: PointerEvent) {
   const box = svg.current?.getBoundingClientRect() ?? new DOMRect();
   const scale = (ballRadius + ballMargin) / Math.max(1, box.width / 2);

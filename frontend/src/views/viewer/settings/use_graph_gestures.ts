@@ -4,7 +4,7 @@ import type { Channel } from "../../../protocol/gen/api/proto/scene_pb";
 import { graphHeight, graphWidth, nearestPoint, opacityOf, pointsOf, valueAt, type At } from "./curve";
 import { applyGraphKey, graphKeyAction, type GraphActs } from "./graph_keys";
 
-/** A finger's breadth, in the units of the graph. */
+/** The width of a finger, in the units of the graph. */
 const reach = 16;
 
 /** The gestures and keys that choose, move, add and remove points of the active channel. */
@@ -34,7 +34,7 @@ export function useGraphGestures(active: Channel | undefined, leads: boolean, ac
       if (held.current !== null) acts.rest();
       held.current = null;
     },
-    /** A double click beside all points adds one. */
+    /** A double click away from all points adds one. */
     doubleClick: (event: MouseEvent) => {
       const at = placeInGraph(svg, event);
       if (leads && nearestPoint(points, at, reach / 2) === null) acts.add(placed(at));

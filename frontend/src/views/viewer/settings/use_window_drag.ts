@@ -5,7 +5,7 @@ import { arrowDirections } from "../../../input/arrow_keys";
 /** In CSS pixels. */
 const keyStep = 24;
 
-/** Handlers for the head of a window (`grab`, `move`, `drop`) and for its grip (`key`). */
+/** Handlers for the header of a window (`grab`, `move`, `drop`) and for its grip (`key`). */
 export interface WindowDrag {
   readonly grab: (event: PointerEvent) => void;
   readonly move: (event: PointerEvent) => void;
@@ -13,7 +13,7 @@ export interface WindowDrag {
   readonly key: (event: KeyboardEvent) => void;
 }
 
-/** Moves a window by its head or by arrow keys. `onMove` gets the wanted place of its upper left corner. */
+/** Moves a window by its header or with arrow keys. `onMove` gets the new position of its top left corner. */
 export function useWindowDrag(
   frame: RefObject<HTMLElement | null>,
   fixed: boolean,

@@ -16,7 +16,7 @@ export interface WindowLayout {
   readonly layout: Layout;
   /** The open windows that are shown. A narrow page shows only the last one opened. */
   readonly shown: readonly WindowName[];
-  /** The window that was just opened by hand, which takes the focus. */
+  /** The window that the user just opened, which takes the focus. */
   readonly fresh: WindowName | null;
   readonly toggle: (name: WindowName) => void;
   readonly close: (name: WindowName) => void;

@@ -13,10 +13,10 @@ export interface MarksProps {
   readonly measures: readonly Measure[];
 }
 
-/** Of the crosshair, around its middle: what lies there is to be seen. */
+/** The free area around the middle of the crosshair, so that the content there stays visible. */
 const gap = 9;
 
-/** The crosshair, and what was measured in this slice. */
+/** The crosshair and the measurements in this slice. */
 export function Marks({ stack, placing, area, crosshair, measures }: MarksProps) {
   const onView = (place: Vec3): Point => pointOf(stack, placing, area, spotOf(stack, place));
   const { x, y } = onView(crosshair);

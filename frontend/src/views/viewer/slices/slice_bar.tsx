@@ -15,7 +15,7 @@ interface SliceBarProps {
   readonly volume: VolumeHeader;
 }
 
-/** The tool bar of the slices: the shown views, the tool, and the grey window in numbers. */
+/** The toolbar of the slices: the layout, the tool, and the grey window in numbers. */
 export function SliceBar({ slices, volume }: SliceBarProps) {
   const none = slices.measures.value.length === 0;
   return (
@@ -106,7 +106,7 @@ interface ChoiceProps<Name extends string> {
   readonly choose: (name: Name) => void;
 }
 
-/** One of a few, side by side: radio buttons of the platform that look like a row of buttons. */
+/** A choice of a few values side by side: the browser's radio buttons, styled as a row of buttons. */
 function Choice<Name extends string>({ label, names, texts, titles, chosen, choose }: ChoiceProps<Name>) {
   return (
     <fieldset class="slice-choice">
@@ -128,7 +128,7 @@ interface TypedProps {
   readonly take: (value: number) => void;
 }
 
-/** What is no number within the limits is put back to what it was. */
+/** An invalid number is replaced by the previous one. */
 function Typed({ label, value, limits, take }: TypedProps) {
   return (
     <label class="slice-typed">

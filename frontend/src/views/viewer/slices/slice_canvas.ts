@@ -3,13 +3,16 @@ import { perMm, pointOf, type Placing } from "../../../slices/placing";
 import { pixelSize, type Stack } from "../../../slices/stack";
 import { shade } from "../../../slices/window";
 
-/** Draws slices on a canvas: each voxel a sharp rectangle, however large. */
+/** Draws slices on a canvas. Each voxel is a sharp rectangle at any zoom. */
 export class SliceCanvas {
   private readonly pixels = document.createElement("canvas");
   private values: Int16Array | null = null;
   private table: Uint32Array | null = null;
 
-  /** `area` in CSS pixels; null: there are no values yet, and what was there before is no slice of this place. */
+  /**
+   * `area` is in CSS pixels. With null values, clears the canvas, because the previous slice belongs to another
+   * position.
+   */
   draw(
     canvas: HTMLCanvasElement,
     stack: Stack,
@@ -44,7 +47,7 @@ export class SliceCanvas {
     );
   }
 
-  /** The pixels are gone, with a GPU that was lost. */
+  /** The pixels were lost together with the GPU context. */
   forget(): void {
     this.values = null;
   }

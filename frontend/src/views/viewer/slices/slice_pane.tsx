@@ -8,7 +8,7 @@ import { IconButton } from "../../icon_button";
 import { Marks } from "./marks";
 import { useSlicePane, type SlicePaneProps } from "./use_slice_pane";
 
-/** One slice, drawn from its values, with its marks, its facts and its slider. */
+/** One slice with its marks, its facts and its slider. */
 export function SlicePane(props: SlicePaneProps) {
   const { slices, stack, alone } = props;
   const { canvas, controller, area } = useSlicePane(props);
@@ -61,7 +61,10 @@ export function SlicePane(props: SlicePaneProps) {
   );
 }
 
-/** The letters at the edges, and the title, value and place. A screen reader hears them while keys move the slice. */
+/**
+ * The letters at the edges, and the title, value and position. A screen reader announces them while keys move the
+ * slice.
+ */
 function SliceLabels({ slices, stack, volume, byKey }: SlicePaneProps & { readonly byKey: boolean }) {
   const edges = edgesOf(stack);
   const title = t.slices.title(t.slices.view[stack.plane], slices.index(stack) + 1, stack.slices);
@@ -95,5 +98,5 @@ function valueText(slices: Slices, stack: Stack, volume: VolumeHeader, place: Ve
   return volume.modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
 }
 
-/** The order in which the panes stand beside each other. */
+/** The order of the panes. */
 export const paneOrder: readonly Plane[] = ["axial", "sagittal", "coronal"];

@@ -133,7 +133,7 @@ export class SlicePaneController {
         this.begun = slices.window.value;
         if (slices.tool.value === "ruler" || slices.tool.value === "angle") {
           this.setPoint(this.placeAt(action.at));
-          if (slices.measures.value.at(-1)?.points.length === 1) this.setPoint(this.placeAt(action.at)); // the end, under the hand
+          if (slices.measures.value.at(-1)?.points.length === 1) this.setPoint(this.placeAt(action.at)); // the end point follows the pointer
         }
         break;
       case "drag":
@@ -199,7 +199,7 @@ export class SlicePaneController {
     this.slices.place(stack, zoomed(stack, this.slices.placing(stack), this.area(), factor, at));
   }
 
-  /** In the middle of the slice's thickness. */
+  /** The point in the middle of the slice's thickness. */
   private placeAt(at: Point): Vec3 {
     const stack = this.stack();
     return placeOf(stack, {

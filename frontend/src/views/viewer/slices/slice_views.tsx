@@ -10,7 +10,7 @@ import { paneOrder, SlicePane } from "./slice_pane";
 
 const narrowPage = "(max-width: 700px), (max-height: 480px)";
 
-/** The slices beside the picture, or one of them in its place. */
+/** The slices next to the picture, or a single one instead of it. */
 export function SliceViews({ session }: { readonly session: ViewerSession }) {
   const slices = session.slices;
   const volume = session.volume.value;
@@ -39,7 +39,7 @@ export function SliceViews({ session }: { readonly session: ViewerSession }) {
   );
 }
 
-/** Below the page's head, while slices are shown; on a narrow page also the way between them and the picture. */
+/** The bar below the header while slices are shown. On a narrow page, it also switches between them and the picture. */
 export function SlicesLine({ session }: { readonly session: ViewerSession }) {
   const slices = session.slices;
   const volume = session.volume.value;
@@ -57,7 +57,7 @@ export function SlicesLine({ session }: { readonly session: ViewerSession }) {
   );
 }
 
-/** Between the picture alone and the slices; by the key V as well. */
+/** Switches between the picture alone and the slices, like the key V. */
 export function SlicesButton({ session: { slices } }: { readonly session: ViewerSession }) {
   const narrow = useMedia(narrowPage);
   useEffect(() => {
@@ -83,7 +83,7 @@ export function toggleSlices({ open, available }: Slices): void {
   if (available.value) open.value = !open.value;
 }
 
-/** The view that has the focus alone, or all four again. */
+/** Shows only the focused view, or all four again. */
 export function maximiseFocused(slices: Slices): void {
   if (!slices.open.value) return;
   const plane = document.activeElement?.closest<HTMLElement>(".slice-pane")?.dataset.plane;
