@@ -1,4 +1,4 @@
--- Use a ticket up, whatever follows, and tell the gateway where its session is (docs/contracts.md, "Redis").
+-- Consumes a ticket, even if it turns out to be unusable, and returns where its session is (docs/contracts.md, "Redis").
 --
 -- ARGV: ticket, reservation ms, session s
 -- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width,
@@ -18,16 +18,16 @@ if not s[1] or s[1] ~= ticket[2] then return {'gone'} end
 
 local worker = s[3]
 local w = redis.call('HMGET', keys.worker(worker), 'address', 'incarnation', 'slots', 'visitors')
--- Made with a link that was ended since.
+-- The link was disabled after the ticket had been issued.
 if ticket[5] and ticket[5] ~= '' and redis.call('EXISTS', keys.link(ticket[5])) == 0 then return {'gone'} end
 if not w[1] or w[2] ~= s[4] then return {'worker_lost'} end
 
--- A ticket lives longer than a reservation: its slot may have gone to somebody else meanwhile.
+-- A ticket outlives its reservation, so another session may hold the slot now.
 local now = now_ms()
 local entries = keys.worker_sessions(worker)
 redis.call('ZREMRANGEBYSCORE', entries, '-inf', now)
 local entry = redis.call('ZSCORE', entries, session)
--- Who has an account displaces a visitor (place.lua).
+-- A user with an account displaces a visitor (place.lua).
 local displaced = s[12] == '1' and 0 or tonumber(w[4] or '0')
 if not entry and redis.call('ZCARD', entries) - displaced >= tonumber(w[3]) then return {'worker_lost'} end
 local until_ms = now + tonumber(ARGV[2])

@@ -1,6 +1,6 @@
--- Forget sessions and give their slots back at once; the workers hear of it with their next heartbeat.
+-- Ends sessions and frees their slots immediately. The workers learn of it with their next heartbeat.
 --
--- ARGV: "session", "data_set" or "user", id; or "browser", its id, the id of its user. Returns how many sessions were ended.
+-- ARGV: "session", "data_set" or "user", id; or "browser", its id, the id of its user. Returns the number of ended sessions.
 
 local function finish(session)
   local session_key = keys.session(session)
@@ -14,7 +14,7 @@ local function finish(session)
   end
   redis.call('ZREM', keys.visitors, session)
   redis.call('DEL', session_key, keys.session_links(session))
-  -- For the worker's heartbeats: ended, not lost.
+  -- Tells the worker's heartbeats that the session was ended and not lost.
   redis.call('SET', keys.session_ended(session), '1', 'EX', kEndedS)
   return 1
 end
@@ -22,11 +22,11 @@ end
 if ARGV[1] == 'session' then return finish(ARGV[2]) end
 
 if ARGV[1] == 'browser' then
-  -- place.lua gives this browser no ticket from now on. A request that is still under way is over long before this key expires.
+  -- From now on, place.lua issues no ticket to this browser. Requests in progress finish long before this key expires.
   redis.call('SET', keys.browser_ended(ARGV[2]), '1', 'EX', kEndedS)
   local ended = 0
   for _, session in ipairs(redis.call('ZRANGE', keys.user_sessions(ARGV[3]), 0, -1)) do
-    -- A session without the field was written again by its worker after Redis had lost it. It may be this browser's.
+    -- If the field is missing, the worker restored the session after Redis had lost it. It may belong to this browser.
     local browsers = redis.call('HGET', keys.session(session), 'browsers')
     if not browsers or string.find(browsers, ',' .. ARGV[2] .. ',', 1, true) then ended = ended + finish(session) end
   end

@@ -1,21 +1,21 @@
--- What the workers of fleets said last, whom to tell that it drains, and how much is asked for (docs/contracts.md): of thousands of workers a page, so
--- that who asks for a place waits for a page and not for all.
+-- Returns the last reports of the fleets' workers and the demand, and stores which workers are to drain
+-- (docs/contracts.md). Works in pages, so that with thousands of workers, a placement waits for one page only.
 --
--- ARGV: cursor ("0": from the first), number of fleets, their names, then worker and owner of each RenderWorker that drains
--- Returns {next cursor ("0": that was all), now ms, {refused in the last seconds by each fleet}, {last used ms of each fleet},
---   {{owner, ms since its sample, busy, memory, sessions, used, slots, error, draining, idle since ms}, ...}}. A worker that comes or goes
---   meanwhile may be missing, and any may come twice.
+-- ARGV: cursor ("0" to start), number of fleets, their names, then worker and owner of each draining RenderWorker
+-- Returns {next cursor ("0" at the end), now ms, {recently refused sessions per fleet}, {last used ms per fleet},
+--   {{owner, ms since its sample, busy, memory, sessions, used, slots, error, draining, idle since ms}, ...}}. Workers
+--   that start or stop meanwhile may be missing, and any worker may occur twice.
 local kPage = 256
 
 local now = now_ms()
 
--- For the pod of this owner alone: the next of its name is another.
+-- The order is only for the pod of this owner. A later pod may have the same name.
 local cursor, count = ARGV[1], tonumber(ARGV[2])
 for i = count + 3, #ARGV, 2 do
   redis.call('SET', keys.worker_drain(ARGV[i]), ARGV[i + 1], 'PX', kDrainMs)
 end
 
--- Who found no place wants one of one fleet: where api names none, of the first.
+-- A session that found no slot counts towards its fleet, or towards the first one if api names none.
 local function refused_of(key)
   redis.call('ZREMRANGEBYSCORE', key, '-inf', now - kUnplacedMs)
   return redis.call('ZCARD', key)
@@ -40,7 +40,7 @@ for _, id in ipairs(page[2]) do
   end
 end
 
--- Kept here, so that the next leader knows it too.
+-- Stored in Redis, so that the next leader knows it too.
 local last = {}
 for i = 1, count do
   local fleet = ARGV[i + 2]

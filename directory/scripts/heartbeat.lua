@@ -1,18 +1,18 @@
--- A worker says that it lives, and which sessions it has (docs/contracts.md, Redis). One round trip.
+-- A worker reports that it is alive and which sessions it has, in one round trip (docs/contracts.md, Redis).
 -- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load, 10 volumes,
---       then session id, placement and visitor ("1": a visitor's session or a guest's own camera) of each live session
--- Returns {"beat", {sessions that were ended, or placed on another worker since: this one is to end them},
--- {sessions that are not known here, since Redis was lost: this one may write them again}}, or {"name_taken", address of another live worker}.
+--       then session id, placement and visitor ("1": a visitor's session or a guest's free camera) of each live session
+-- Returns {"beat", {sessions to end, because they were ended or placed on another worker}, {sessions to restore, because
+-- Redis has lost them}}, or {"name_taken", address of another live worker}.
 local worker_key, entries = keys.worker(ARGV[1]), keys.worker_sessions(ARGV[1])
 local now = now_ms()
 
--- Another worker of this name beats: the name is its own for as long as it does. At the same address it is the process
--- before this one, dead, for a port has one owner: this one takes over at once.
+-- A worker with fresh heartbeats owns its name. At the same address it must be the previous process, which has ended
+-- because a port has only one owner, so this worker takes over immediately.
 local stored = redis.call('HMGET', worker_key, 'incarnation', 'address')
 local before = stored[1]
 if before and before ~= ARGV[2] and stored[2] and stored[2] ~= ARGV[3] then return {'name_taken', stored[2]} end
 
--- Sessions of the process before this one died with it; reservations made since are for this one.
+-- The sessions of the previous process ended with it. Reservations made since are for this one.
 if before and before ~= ARGV[2] then
   redis.call('DEL', entries)
 end
@@ -25,7 +25,7 @@ for i = 11, #ARGV, 3 do
   local id, placement, is_visitor = ARGV[i], ARGV[i + 1], ARGV[i + 2] == '1'
   local key = keys.session(id)
   local there = redis.call('HMGET', key, 'worker', 'placement')
-  -- A hash that is merely not there means that Redis was lost: the session goes on.
+  -- If the hash is merely missing, Redis was lost, and the session continues.
   local ended = redis.call('EXISTS', keys.session_ended(id)) == 1
   if ended or there[1] and there[1] ~= ARGV[1] and tonumber(there[2] or 0) > tonumber(placement) then
     redis.call('ZREM', entries, id)
@@ -42,11 +42,11 @@ for i = 11, #ARGV, 3 do
   end
 end
 
--- A session that this worker had (it was told by a heartbeat before) and that ended frees its slot at once;
--- a reservation whose viewer has not come yet stays until it expires.
-local told = redis.call('HGET', worker_key, 'live')
-if told and before == ARGV[2] then
-  for id in string.gmatch(told, '[^,]+') do
+-- A session of the last heartbeat that has ended frees its slot immediately. A reservation whose viewer has not arrived
+-- yet stays until it expires.
+local previous = redis.call('HGET', worker_key, 'live')
+if previous and before == ARGV[2] then
+  for id in string.gmatch(previous, '[^,]+') do
     if not listed[id] then
       redis.call('ZREM', entries, id)
       redis.call('ZREM', keys.visitors, id)

@@ -1,6 +1,6 @@
--- The sessions of a person, or those that look at a data set, oldest first.
+-- Lists the sessions of a user or of a data set, oldest first.
 -- ARGV: "user" or "data_set", id. Returns {{session, user, data set, worker}, ...}.
--- Writes nothing but the removal of entries whose session has expired.
+-- Writes nothing except to remove entries of expired sessions.
 
 local sessions_key = keys.sessions_of(ARGV[1], ARGV[2])
 local found = {}

@@ -1,4 +1,4 @@
--- The workers that live. ARGV: protocol epoch.
+-- Lists the live workers. ARGV: protocol epoch.
 -- Returns {{worker, address, incarnation, slots, used, draining, volumes, engine, device, load}, ...}.
 
 local found = {}

@@ -1,6 +1,6 @@
--- A link by which others may join a session (docs/contracts.md, "Redis"). Only the hash of its token is kept.
--- ARGV: session, user, hash of the token, life in s, most links of a session
--- Returns "made" (also of one that is there), "gone" (no such session of this user), "ended" (that one was) or "too_many".
+-- Creates a link with which others can join a session (docs/contracts.md, "Redis"). Stores only the hash of its token.
+-- ARGV: session, user, hash of the token, lifetime in s, maximum links per session
+-- Returns "made" (also if the link exists), "gone" (the user has no such session), "ended" (it was disabled) or "too_many".
 
 local session_key = keys.session(ARGV[1])
 if redis.call('HGET', session_key, 'user') ~= ARGV[2] then return 'gone' end

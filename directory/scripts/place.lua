@@ -1,23 +1,23 @@
--- Place a session on a worker and give a ticket for it, in one round trip (docs/contracts.md, "Redis").
+-- Places a session on a worker and issues a ticket for it, in one round trip (docs/contracts.md, "Redis").
 --
 -- ARGV: session, user, data set, ticket, protocol epoch, reservation ms, ticket s, session s,
---       most placed sessions of a person, most remembered sessions of a person,
---       then of a guest, or empty of the owner: participant, name, hash of the link;
---       what a session that is new shows first (a serialised Scene), or empty;
---       the fleet that is to grow for who finds no place, or empty;
---       the sign-in (browser) that asks on the owner's behalf, or empty of guests and visitors;
---       what the ticket's holder is to the scan (SessionViewer), and whether its owner lets them have slices (1 or 0);
---       "1" when somebody without an account asks; percent of the slots that such people may hold together;
---       from where that person asks (a hash): from one place at most half of that share is taken
--- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory", "visitors".
--- Nothing is written unless it is placed, but that it was not.
+--       maximum placed sessions per user, maximum remembered sessions per user,
+--       participant, name and hash of the link of a guest (empty for the owner);
+--       first scene of a new session (a serialised Scene), or empty;
+--       fleet to scale up if no slot is free, or empty;
+--       browser session of the owner, or empty for guests and visitors;
+--       relation of the viewer to the scan (SessionViewer), and whether the owner allows slices (1 or 0);
+--       "1" for a viewer without an account; percentage of all slots that such viewers may hold together;
+--       hash of the address of such a viewer: one address may hold at most half of that share
+-- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory",
+-- "visitors". If the session is not placed, writes nothing but that fact.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
 local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])
 local most_placed, most_remembered = tonumber(ARGV[9]), tonumber(ARGV[10])
 local by_visitor, visitor_percent, visitor_from = ARGV[19] == '1', tonumber(ARGV[20] or '0'), ARGV[21] or ''
 
--- A request that was authenticated just before its browser was signed out must not open a stream afterwards.
+-- A request that was authenticated just before its browser was signed out must not open a stream.
 local browser = ARGV[16]
 if browser ~= '' and redis.call('EXISTS', keys.browser_ended(browser)) == 1 then return {'signed_out'} end
 
@@ -26,19 +26,19 @@ local session_key = keys.session(session)
 local user_key = keys.user_sessions(user)
 local data_set_key = keys.data_set_sessions(data_set)
 
--- Of more than kSampledWorkers workers, a session looks at that many random ones, at other ones again while all of them are full, and at the
--- workers of the last sessions on the same data set.
+-- If there are more than kSampledWorkers workers, a session considers that many random ones, further ones while all of
+-- them are full, and the workers of the last sessions on the same data set.
 local kTries, kLookers = 8, 16
--- Added to the score of a worker whose free slots visitors hold: an account holder takes one of those when there is no other.
+-- Added to the score of a worker on which a visitor would be displaced, so that this is the last choice.
 local kDisplaces = 1000
 
--- Is a slot of `worker` still kept for `id`?
+-- Returns whether a slot of `worker` is still reserved for `id`.
 local function is_kept(worker, id)
   local expiry = redis.call('ZSCORE', keys.worker_sessions(worker), id)
   return expiry and tonumber(expiry) > now
 end
 
--- Has `worker` just said that it has no memory for this session?
+-- Returns whether `worker` recently had no memory for this session.
 local function has_refused(worker)
   local until_ms = redis.call('ZSCORE', keys.session_refused(session), worker)
   return until_ms and tonumber(until_ms) > now
@@ -48,7 +48,7 @@ local known = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'in
 if known[1] and (known[1] ~= user or known[2] ~= data_set) then return {'not_yours'} end
 local old_worker = known[3]
 
--- A worker as this script needs it, or nothing when it can take no session.
+-- Returns the facts about a worker that this script needs, or nil if it accepts no sessions.
 local function usable(worker)
   local w = redis.call('HMGET', keys.worker(worker),
                        'incarnation', 'epoch', 'draining', 'slots', 'load', 'volumes', 'expected', 'sessions', 'visitors')
@@ -62,7 +62,8 @@ local function usable(worker)
           visitors = tonumber(w[9]) or 0}
 end
 
--- What a worker's sessions are expected to take of its device (docs/adr/0032); who came since it said so is not known, and takes a slot's share.
+-- Returns the expected load of a worker's device (docs/adr/0032). A session that started after its last report counts as
+-- one slot's share.
 local function expected_of(w, used)
   if not w.expected then return math.max(w.load, used / w.slots) end
   return w.expected + math.max(0, used - w.sessions) / w.slots
@@ -77,7 +78,7 @@ local function better(a, b)
 end
 
 local chosen, placement
-local is_new = false  -- placed anew, not found where it was
+local is_new = false  -- whether the session gets a new placement
 if old_worker then
   local w = usable(old_worker)
   if w and w.incarnation == known[4] and is_kept(old_worker, session) and not has_refused(old_worker) then
@@ -87,7 +88,7 @@ end
 
 if not chosen then
   is_new = true
-  -- The person's other sessions: which still hold a slot, and which of the rest is the oldest.
+  -- The user's other sessions: the number that hold a slot, and the oldest of the rest.
   local placed, remembered, oldest_unplaced = 0, 0, nil
   for _, other in ipairs(redis.call('ZRANGE', user_key, 0, -1)) do
     if other ~= session then
@@ -107,18 +108,18 @@ if not chosen then
   if placed >= most_placed then return {'too_many'} end
 
   local why_not = 'no_worker'
-  local seen = {}
+  local considered = {}
   local workers_seen, slots_seen = 0, 0
   local function consider(worker)
-    if seen[worker] then return end
-    seen[worker] = true
+    if considered[worker] then return end
+    considered[worker] = true
     local w = usable(worker)
     if w then
       redis.call('ZREMRANGEBYSCORE', keys.worker_sessions(worker), '-inf', now)
       local used = redis.call('ZCARD', keys.worker_sessions(worker))
       if redis.call('ZSCORE', keys.worker_sessions(worker), session) then used = used - 1 end
       workers_seen, slots_seen = workers_seen + 1, slots_seen + w.slots
-      -- Whoever has an account displaces a visitor: the worker does it when the new session arrives there.
+      -- A user with an account displaces a visitor. The worker does so when the new session arrives.
       local displaces = used >= w.slots and not by_visitor and used - w.visitors < w.slots
       if has_refused(worker) then
         why_not = 'no_memory'
@@ -138,8 +139,8 @@ if not chosen then
   if count <= kSampledWorkers then
     for _, worker in ipairs(redis.call('SMEMBERS', keys.workers)) do consider(worker) end
   else
-    -- Of thousands a few at random are as evenly loaded as the best of all, and cost no more the more there are. Who has the volume is known
-    -- by who looks at it.
+    -- A few random workers out of thousands balance the load almost as well as the best of all, at a constant cost. The
+    -- sessions on the data set tell which workers have its volume.
     for _, other in ipairs(redis.call('ZREVRANGE', data_set_key, 0, kLookers - 1)) do
       local worker = redis.call('HGET', keys.session(other), 'worker')
       if worker and redis.call('SISMEMBER', keys.workers, worker) == 1 then consider(worker) end
@@ -150,7 +151,7 @@ if not chosen then
     end
   end
   if by_visitor and chosen then
-    -- common/visitor_share.h has the same rule. Where only some workers were looked at, the rest is taken to be like them.
+    -- common/visitor_share.h has the same rule. If only some workers were considered, the others are assumed to be similar.
     redis.call('ZREMRANGEBYSCORE', keys.visitors, '-inf', now)
     local visitors, from_there = 0, 0
     for _, other in ipairs(redis.call('ZRANGE', keys.visitors, 0, -1)) do
@@ -165,10 +166,10 @@ if not chosen then
     local share_from_there = math.min(share, math.max(2, math.floor(share / 2)))
     if visitors >= share or from_there >= share_from_there then chosen, why_not = nil, 'visitors' end
   end
-  -- No fleet grows because the visitors' share is taken: otherwise strangers could run up its costs.
+  -- A fleet does not grow when the visitors' share is used up. Otherwise, strangers could run up its costs.
   if not chosen and why_not == 'visitors' then return {why_not} end
   if not chosen then
-    -- An operator makes room for those who found none: each session once, however often it asks.
+    -- The operator makes room for sessions without a slot. Each session counts once, however often it asks.
     local refused_key = keys.refused(ARGV[15])
     redis.call('ZREMRANGEBYSCORE', refused_key, '-inf', now - kUnplacedMs)
     redis.call('ZADD', refused_key, now, session)
@@ -194,7 +195,8 @@ if not entry or tonumber(entry) < until_ms then
 end
 redis.call('EXPIRE', keys.worker_sessions(chosen.id), kSlotsS)
 
--- Whose slot it is: who has it opened anew decides, and an account holder who comes to a visitor's session makes it his.
+-- Whether the slot counts as a visitor's: a new placement decides it, and a user with an account who joins a visitor's
+-- session takes it over.
 local visitor = known[6] == '1'
 if not by_visitor then visitor = false elseif is_new then visitor = true end
 if visitor then
@@ -206,7 +208,7 @@ end
 redis.call('HSET', session_key, 'user', user, 'data_set', data_set, 'worker', chosen.id,
            'incarnation', chosen.incarnation, 'reserved_until', until_ms, 'visitor', visitor and '1' or '')
 if visitor and is_new then redis.call('HSET', session_key, 'visitor_from', visitor_from) end
--- Every browser that was given a ticket: signing any of them out ends the session.
+-- All browsers that got a ticket. Signing out any of them ends the session.
 if browser ~= '' then
   local browsers = redis.call('HGET', session_key, 'browsers') or ','
   if not string.find(browsers, ',' .. browser .. ',', 1, true) then

@@ -1,7 +1,7 @@
--- Keeps the last scene of a session, so that a lost worker's successor goes on with it.
+-- Stores the last scene of a session, so that the successor of a lost worker can continue with it.
 -- ARGV: 1 session, 2 placement, 3 scene, 4 input_seq, 5 width, 6 height, 7 presenter,
---       8 whether guests may have slices: 1 or 0
--- 1: written. 0: the session is gone, or was placed anew, and the newer worker's scene stays.
+--       8 whether guests may see slices: 1 or 0
+-- Returns 1 if it was written, or 0 if the session has ended or has a newer placement, whose scene stays.
 local session_key = keys.session(ARGV[1])
 local placement = redis.call('HGET', session_key, 'placement')
 if not placement or tonumber(placement) ~= tonumber(ARGV[2]) then return 0 end

@@ -1,5 +1,5 @@
--- A worker had no memory for a session: the place that was kept for it there is given back, and for a while it is placed on
--- others. ARGV: session, worker, placement, ms. Returns 1, or 0 when the session has gone or was placed anew since.
+-- Releases the slot of a session for which the worker had no memory. For a while, the session is placed on other workers.
+-- ARGV: session, worker, placement, ms. Returns 1, or 0 if the session has ended or has a newer placement.
 
 local session, worker, refused_ms = ARGV[1], ARGV[2], tonumber(ARGV[4])
 local session_key = keys.session(session)

@@ -1,4 +1,4 @@
--- What workers have noted for each person since the last time, in milliseconds: {user, ms, ...}. It is gone from here then.
+-- Returns and removes the rendering time that workers have recorded per user, in milliseconds: {user, ms, ...}.
 local spent = redis.call('HGETALL', keys.render_time)
 redis.call('DEL', keys.render_time)
 return spent

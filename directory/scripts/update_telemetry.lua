@@ -1,7 +1,7 @@
 -- Runs after each heartbeat of a worker that the operator created: stores its telemetry and returns the operator's orders
 -- (docs/contracts.md, Redis).
--- ARGV: 1 worker id, 2 incarnation, 3 owner, 4 memory (of the device, 0..1), 5 error (of all its pictures, summed)
--- Returns -1: the worker continues. 0 or more: it drains, and this many sessions fit on other workers now.
+-- ARGV: 1 worker id, 2 incarnation, 3 owner, 4 used device memory (0 to 1), 5 sum of the errors of all its pictures
+-- Returns -1 if the worker continues. Otherwise, it drains, and this many sessions currently fit on other workers.
 local worker_key = keys.worker(ARGV[1])
 local before = redis.call('HMGET', worker_key, 'incarnation', 'used', 'idle_since', 'live')
 if before[1] ~= ARGV[2] then return -1 end
@@ -14,12 +14,12 @@ elseif not before[3] then
   redis.call('HSET', worker_key, 'idle_since', now)
 end
 
--- Told to the pod before this one, it is not meant for this one.
+-- An order for the previous pod does not apply to this one.
 if redis.call('GET', keys.worker_drain(ARGV[1])) ~= ARGV[3] then return -1 end
 redis.call('HSET', worker_key, 'draining', '1')
 local room = 0
 if before[4] and before[4] ~= '' then
-  -- It ends a few each second: who has room among so many is enough, however many there are.
+  -- It moves only a few sessions per second, so the room on this many workers is enough.
   for _, id in ipairs(redis.call('SRANDMEMBER', keys.workers, 64)) do
     if id ~= ARGV[1] then
       local w = redis.call('HMGET', keys.worker(id), 'slots', 'draining')

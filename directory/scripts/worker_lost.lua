@@ -1,5 +1,5 @@
--- Forget a worker that cannot be reached, so that the next placing need not wait for its heartbeat to expire.
--- Only this incarnation: one that was started again meanwhile stays. ARGV: worker, incarnation. Returns 0 or 1.
+-- Removes a worker that cannot be reached, so that the next placement does not wait for its heartbeat to expire.
+-- Applies only to this incarnation: a worker that has restarted stays. ARGV: worker, incarnation. Returns 0 or 1.
 
 local worker_key = keys.worker(ARGV[1])
 if redis.call('HGET', worker_key, 'incarnation') ~= ARGV[2] then return 0 end
