@@ -163,7 +163,7 @@ def test_browsers_are_listed_roughly_and_ended_one_by_one(api):  # noqa: F811
                              "Safari/537.36",
         "Edge on Windows": "Mozilla/5.0 (Windows NT 10.0; Win64; x64) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/130.0.0.0 "
                            "Safari/537.36 Edg/130.0.0.0",
-        "A program": "\x01<script>curl",
+        "Unknown browser": "\x01<script>curl",
     }
     first = Person(api).sign_up()
     signed_in = {}
