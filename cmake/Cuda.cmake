@@ -1,11 +1,11 @@
-# The CUDA compiler, when there is one: sets DIAPHANE_HAVE_CUDA. docs/gpu.md says where it comes from.
+# Finds the CUDA compiler and sets DIAPHANE_HAVE_CUDA. docs/gpu.md describes how to install it.
 # Order: CMAKE_CUDA_COMPILER, CUDACXX, the toolkit that tools/devtool installs into .tools/venv, the PATH.
 include_guard(GLOBAL)
 set(DIAPHANE_HAVE_CUDA OFF)
 if(NOT DIAPHANE_CUDA)
   return()
 endif()
-# CMake before 3.31 asks CUDA 13 for architectures that it no longer has.
+# CMake before 3.31 requests architectures that CUDA 13 no longer supports.
 if(CMAKE_VERSION VERSION_LESS 3.31)
   message(STATUS "CUDA engine: left out, CMake ${CMAKE_VERSION} is older than 3.31 (docs/gpu.md)")
   return()
@@ -21,7 +21,7 @@ if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
   endforeach()
 endif()
 
-# Machine code for Hopper; PTX for whatever else, Ampere on, which the driver compiles at the first start.
+# Machine code for Hopper, and PTX for all other GPUs since Ampere, which the driver compiles on the first start.
 if(NOT CMAKE_CUDA_ARCHITECTURES)
   set(CMAKE_CUDA_ARCHITECTURES 80-virtual 90-real)
 endif()
@@ -33,7 +33,7 @@ if(NOT CMAKE_CUDA_COMPILER)
 endif()
 set(CMAKE_CUDA_STANDARD 20)
 set(CMAKE_CUDA_STANDARD_REQUIRED ON)
-# Static, so that one binary also starts where there is neither toolkit nor driver.
+# Static, so that the same binary also starts without toolkit and driver.
 set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
 enable_language(CUDA)
 find_package(CUDAToolkit 12.8 REQUIRED)

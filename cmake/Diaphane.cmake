@@ -1,5 +1,5 @@
-# What every target of Diaphane shares: language level, warnings, ccache, sanitizers, and four short
-# functions that keep each folder's CMakeLists to what is particular to it.
+# Settings of all targets (language level, warnings, ccache, sanitizers) and four functions that keep the folders'
+# CMakeLists.txt short.
 include_guard(GLOBAL)
 
 set(CMAKE_CXX_STANDARD 20)
@@ -12,15 +12,16 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 # Line tables are enough for backtraces and halve the size of objects (Boost, gRPC and VTK are heavy).
 set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -DNDEBUG")
-# GCC collects garbage from 128 MB on, which costs 10% of the time. The compilers of all jobs have more (tools/devtool/build.py).
+# By default, GCC collects garbage at 128 MB and above, which costs 10% of the time. There is enough memory for more
+# (tools/devtool/build.py).
 add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-expand=300>
                     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(DIAPHANE_CCACHE ccache)
 if(DIAPHANE_CCACHE)
-  # Paths relative to the checkout, so that clones and build directories share what one of them compiled;
-  # the sloppiness is what precompiled headers need (ccache's manual, "Precompiled headers").
+  # Paths are relative to the checkout, so that clones and build directories share cached results. Precompiled headers need
+  # the sloppiness (ccache's manual, "Precompiled headers").
   set(_environment ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
       "CCACHE_IGNOREOPTIONS=--param=ggc-* -Wno-subobject-linkage"
       CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime)
@@ -51,10 +52,10 @@ function(diaphane_library name)
       if(NOT A_BATCH)
         set(A_BATCH 8)
       endif()
-      # Relative paths, so that checkouts share what ccache stored.
+      # Relative paths, so that checkouts share ccache's results.
       set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${A_BATCH} UNITY_BUILD_RELOCATABLE ON)
       set_source_files_properties(${A_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-      # GCC takes what is included for a header, and warns of anonymous namespaces in it.
+      # GCC treats included files as headers and warns about anonymous namespaces in them.
       target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
     endif()
     set(scope PUBLIC)
@@ -89,7 +90,7 @@ function(diaphane_program name)
 endfunction()
 
 # diaphane_test(<name> SOURCES ... LIBS ... [LABELS unit|gpu|...]): a GoogleTest program beside its source.
-# One ctest entry a program; the runner counts the cases from its report.
+# There is one ctest entry per program. The runner counts the cases in its report.
 function(diaphane_test name)
   if(NOT DIAPHANE_TESTS)
     return()

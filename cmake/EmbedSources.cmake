@@ -1,8 +1,8 @@
-# Run by `cmake -P` while building: writes a C++ file that holds source files as string literals.
-#   ROOT    what the names in `#include` are relative to
-#   LIST    a file with one path a line
+# Run by `cmake -P` during the build. Writes a C++ file with source files as string literals.
+#   ROOT    the folder to which the names in `#include` are relative
+#   LIST    a file with one path per line
 #   OUT     the C++ file
-# A file in a folder named `rtc` is included by its bare name: it stands for a header of the system.
+# A file in a folder named `rtc` replaces a system header and is included by its bare name.
 file(STRINGS ${LIST} files)
 set(text "// Written by cmake/EmbedSources.cmake.\n#include \"renderd/engine/cuda/kernel_sources.h\"\n\n")
 string(APPEND text "namespace diaphane::render::cuda {\nnamespace {\n\nconstexpr KernelSourceFile kFiles[] = {\n")
