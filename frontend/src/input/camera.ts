@@ -132,7 +132,7 @@ export function fittedToAspect(pose: CameraPose, aspect: number): CameraPose {
   return { ...pose, eye: add(pose.target, scale(away, 1 / aspect)) };
 }
 
-/** Returns the direction of a patient axis in the picture: x to the right, y up, z towards the viewer. */
+/** Where a unit axis of the patient points in the picture: x to the right, y up, z towards the viewer. */
 export function inPicture(frame: CameraFrame, axis: Vec3): Vec3 {
   return vec3(dot(axis, frame.right), dot(axis, frame.up), dot(axis, frame.back));
 }

@@ -125,7 +125,7 @@ export class SceneEditor {
     this.setScene(scene, { what: "scene", held: false }, true);
   }
 
-  /** Changes the clip of the scene. `rest` means that the drag has ended. */
+  /** The same with another clip, while a hand moves it or (`rest`) has moved it. */
   cutScene(scene: Scene, rest: boolean): void {
     this.setScene(scene, null, rest);
   }

@@ -12,7 +12,7 @@ import { Notice, Shell } from "./shell";
 import { useApp } from "./state";
 import { Viewer } from "./viewer/viewer";
 
-/** Identifies the same visitor after a reload. Another tab is another visit. */
+/** The same visitor after a reload; another tab is another visit. */
 function visitorKey(where: string): string {
   const name = `diaphane.visit.${where.slice(0, 8)}`;
   const known = tab.getItem(name);
@@ -22,7 +22,7 @@ function visitorKey(where: string): string {
   return key;
 }
 
-/** The page that a link to a scan opens: what it is, then the picture. Needs no account. */
+/** Where a link to a scan leads: what it is, and then the picture. No account is needed. */
 export function SharedByLink({ token }: { readonly token: string }) {
   const app = useApp();
   const [leads, setLeads] = useState<{ readonly data_set: DataSet; readonly expires_at: string } | null>(null);

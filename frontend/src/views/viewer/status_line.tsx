@@ -8,11 +8,11 @@ import { PictureTimeOver } from "./picture_time";
 export interface StatusLineProps {
   readonly session: ViewerSession | null;
   readonly fault: string;
-  /** Further content below the message. */
+  /** What else there is to say, below. */
   readonly children: ComponentChildren;
 }
 
-/** Says why there is no picture, or no new one. Screen readers announce it. */
+/** Why there is no picture, or no new one: said in words, and read out. */
 export function StatusLine({ session, fault, children }: StatusLineProps) {
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;

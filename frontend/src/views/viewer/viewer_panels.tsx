@@ -23,7 +23,7 @@ export interface CutTask {
   readonly onConfirm: (region: Region, volumeHash: string) => void;
 }
 
-/** The panels over the picture. They disappear once the rendering time is used up. */
+/** The panels over the picture. There are none once the rendering time is used up. */
 export function ViewerPanels({ session, role, picture, cut, focusPicture }: ViewerPanelsProps) {
   if (session.connection.value.trouble === "time_spent") return null;
   return (
