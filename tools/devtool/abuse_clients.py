@@ -212,7 +212,7 @@ def guest(attack: Attack, number: int) -> None:
                 own.free_camera.on = True
                 viewer.socket_.send(own.SerializeToString())
                 flood_of_a_stream(attack, viewer, "guest", number)
-        except Exception as failed:  # noqa: BLE001 - refused in some way: that is what is wanted of the server
+        except Exception as failed:  # noqa: BLE001 - the server should refuse it in any way
             attack.note(f"guest: {type(failed).__name__}")
         time.sleep(0.5)
 

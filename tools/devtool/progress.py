@@ -83,7 +83,7 @@ class AptProgress:
     began: float = 0.0
 
     def read(self, line: str, now: float) -> bool:
-        """Takes a line of output at a time in seconds. Returns false if the line is no status."""
+        """Takes a line of output at a time in seconds. Returns false if the line does not contain a status."""
         kind, *words = line.split(":", 3)
         if kind not in _APT_PHASES or len(words) < 3 or not re.fullmatch(r"\d+(\.\d+)?", words[1]):
             return False

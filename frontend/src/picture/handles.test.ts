@@ -166,6 +166,6 @@ describe("handles that would lie on each other", () => {
     expect(eye && onScreen(eye, screen, vec3(0, -600, 0))).toBeNull();
     const parallel = eyeOf(setOrthographic(someScene(), true));
     const wide = (y: number) => (parallel && onScreen(parallel, screen, vec3(50, y, 0))?.x) ?? 0;
-    expect(wide(-100)).toBeCloseTo(wide(100), 6); // nearer is no larger
+    expect(wide(-100)).toBeCloseTo(wide(100), 6); // the distance does not change the size
   });
 });

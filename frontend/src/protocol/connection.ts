@@ -10,7 +10,7 @@ export type Phase =
   | "greeting" // hello is sent, the configuration is awaited
   | "live"
   | "waiting" // for the next try
-  | "elsewhere" // another window took the session over; goes on here when asked to
+  | "elsewhere" // another window took over the session; continues here on request
   | "stopped";
 
 /** Why there is no picture, or no new one, as a key of the texts. */

@@ -99,7 +99,7 @@ async function middleSlice(ordered: readonly SliceHeader[], files: readonly Blob
     const { offset, length } = slice.pixels;
     return drawThumbnail(slice, await file.slice(offset, offset + length).arrayBuffer());
   } catch {
-    return null; // a missing thumbnail is no reason to hide a series
+    return null; // a series without a thumbnail is still shown
   }
 }
 

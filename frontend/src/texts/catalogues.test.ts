@@ -5,7 +5,7 @@ import { en } from "./en/en";
 type Node = Readonly<Record<string, unknown>>;
 const isNode = (value: unknown): value is Node => typeof value === "object" && value !== null;
 
-/** Every text by its path, "account.email": what kind of thing it is, and of a function how many things it is told. */
+/** Every text by its path, such as "account.email", with its type and, for a function, the number of its arguments. */
 function leaves(value: unknown, path: string): [string, string][] {
   if (isNode(value))
     return Object.entries(value).flatMap(([key, one]) => leaves(one, path === "" ? key : `${path}.${key}`));
