@@ -14,7 +14,7 @@ function made(): Browsers {
   };
 }
 
-it("keeps for as long as the page stands where the browser blocks storage or has no room", () => {
+it("keeps values until the page closes if the browser blocks storage or it is full", () => {
   for (const browsers of [
     refused,
     () => ({ ...made(), setItem: refused }),
@@ -33,7 +33,7 @@ it("keeps for as long as the page stands where the browser blocks storage or has
   }
 });
 
-it("is the browser's own where that may be used", () => {
+it("uses the browser's storage where it is available", () => {
   const own = made();
   const store = keeping(() => own);
   store.setItem("a", "1");

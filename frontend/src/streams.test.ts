@@ -8,7 +8,7 @@ const packed = async (bytes: Uint8Array<ArrayBuffer>) =>
 const unpacked = (bytes: Uint8Array<ArrayBuffer>, most: number) =>
   readAtMost(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw")), most);
 
-it("reads all, or as much as is wanted, or what came before it broke", async () => {
+it("reads everything, or up to the limit, or what arrived before the stream broke", async () => {
   const bytes = Uint8Array.from({ length: 300_000 }, (_, i) => (i * 2_654_435_761) >>> 24);
   const small = await packed(bytes);
   expect(await unpacked(small, bytes.length)).toEqual({ bytes, end: "whole" });

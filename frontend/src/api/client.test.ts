@@ -30,7 +30,7 @@ const json =
     new Response(JSON.stringify(value), { status, headers });
 
 describe("the REST client", () => {
-  it("sends the token of the sign-in with every unsafe method and with no other", async () => {
+  it("sends the CSRF token with every unsafe method and with no other", async () => {
     answers = [json(me), json({ items: [], next_cursor: null }), () => new Response(null, { status: 204 })];
     const api = new Api();
     await api.signIn("a@example.org", "p");
@@ -45,7 +45,7 @@ describe("the REST client", () => {
     expect(calls[1]?.path).toBe("/v1/data-sets?cursor=a%26b");
   });
 
-  it("turns a problem document into what a page can act upon", async () => {
+  it("turns a problem document into an ApiProblem", async () => {
     answers = [
       json(
         { type: "urn:diaphane:problem:over-quota", title: "t", status: 413, detail: "too much", request_id: "x" },
@@ -57,25 +57,25 @@ describe("the REST client", () => {
     expect(problem).toMatchObject({ status: 413, kind: "over-quota", detail: "too much", retryAfterMs: 3000 });
   });
 
-  it("knows an answer that is not ours, and none at all", async () => {
+  it("recognises a foreign response, and a missing one", async () => {
     answers = [() => new Response("<html>", { status: 502 })];
     await expect(new Api().me()).rejects.toMatchObject({ status: 502, kind: "internal" });
     await expect(new Api().me()).rejects.toBeInstanceOf(ApiProblem);
     await expect(new Api().me()).rejects.toMatchObject({ status: 0, kind: "offline" });
   });
 
-  it("nobody signed in is not an error", async () => {
+  it("does not treat a missing sign-in as an error", async () => {
     answers = [json({ type: "urn:diaphane:problem:unauthenticated", title: "", status: 401, request_id: "" }, 401)];
     expect(await new Api().me()).toBeNull();
   });
 });
 
 describe("an upload", () => {
-  it("checks a part by its SHA-1, as tus names it", async () => {
+  it("has the SHA-1 checksum of each part, as tus specifies", async () => {
     expect(await checksumOf(new Blob(["hello world"]))).toBe("sha1 Kq5sNclPz7QV2+lfQIuc6R7oRu0=");
   });
 
-  it("is remembered by a fingerprint, forgotten by its id, and only the newest twenty", () => {
+  it("is remembered by its fingerprint, forgotten by its ID, and only the newest twenty are kept", () => {
     const kept = new Map<string, string>();
     const store = {
       getItem: (key: string) => kept.get(key) ?? null,

@@ -28,7 +28,7 @@ const fails =
     Promise.reject(new ApiProblem(status, kind, "", [], ms));
 
 describe("the ticket source of a session", () => {
-  it("goes back to the session that was there", async () => {
+  it("returns to the existing session", async () => {
     const { made, calls } = api(() => Promise.resolve(stream("old")));
     expect(await sessionTicketSource(made, "d", "old", () => undefined)(never)).toEqual({
       ok: true,
@@ -37,7 +37,7 @@ describe("the ticket source of a session", () => {
     expect(calls).toEqual(["ticket old"]);
   });
 
-  it("opens a new one where the old one is gone, says so, and goes back to that the next time", async () => {
+  it("opens and reports a new session if the old one is gone, and returns to it later", async () => {
     let gone = true;
     const { made, calls } = api(() => (gone ? fails(404, "not-found")() : Promise.resolve(stream("new"))));
     const told: string[] = [];

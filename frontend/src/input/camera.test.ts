@@ -25,7 +25,7 @@ describe("the turntable camera", () => {
     { eye: vec3(-300, 210, -320), target: vec3(10, 20, -30), up: vec3(0, 0, 1), verticalFovDegrees: 45 },
   ];
 
-  it("is the same camera after going there and back", () => {
+  it("converts to an orbit and back", () => {
     for (const pose of poses) {
       const back = poseOf(orbitOf(pose));
       near(back.eye, pose.eye);
@@ -35,14 +35,14 @@ describe("the turntable camera", () => {
     }
   });
 
-  it("keeps a roll on the way there and back", () => {
+  it("keeps its roll when converted", () => {
     for (const pose of poses) {
       const turned = rolled(orbitOf(pose), 0.7);
       expect(orbitOf(poseOf(turned)).roll).toBeCloseTo(turned.roll, 9);
     }
   });
 
-  it("has a right-handed frame of unit vectors whose up is the head's side", () => {
+  it("has a right-handed orthonormal frame with the head upwards", () => {
     for (const pose of poses) {
       const frame = orbitFrame(orbitOf(pose));
       near(cross(frame.right, frame.up), frame.back);
@@ -51,14 +51,14 @@ describe("the turntable camera", () => {
     }
   });
 
-  it("seen from the front, the patient's left is on the right of the picture", () => {
+  it("shows the patient's left on the right from the front", () => {
     const frame = orbitFrame(orbitOf(front));
     near(inPicture(frame, vec3(1, 0, 0)), vec3(1, 0, 0));
     near(inPicture(frame, vec3(0, 0, 1)), vec3(0, 1, 0));
     near(inPicture(frame, vec3(0, -1, 0)), vec3(0, 0, 1));
   });
 
-  it("a drag to the right takes the near side to the right, a drag down takes it down, at any roll", () => {
+  it("moves the near side with the pointer, at any roll", () => {
     for (const roll of [0, 0.5, Math.PI / 2, Math.PI, -2]) {
       const orbit = rolled(orbitOf(front), roll);
       const nearest = scale(orbitFrame(orbit).back, 80);
@@ -74,7 +74,7 @@ describe("the turntable camera", () => {
     }
   });
 
-  it("never goes over the pole and never changes its distance by turning", () => {
+  it("never passes the pole, and keeps its distance when it rotates", () => {
     let orbit = orbitOf(front);
     for (let i = 0; i < 500; i++) {
       orbit = rotated(orbit, 0.11, i < 250 ? 0.05 : -0.07);
@@ -85,7 +85,7 @@ describe("the turntable camera", () => {
     }
   });
 
-  it("panning by a part of the height moves the target's picture by that part", () => {
+  it("moves the target's picture by the panned fraction of its height", () => {
     for (const roll of [0, 1.1]) {
       const orbit = rolled(orbitOf(poses[1] ?? front), roll);
       const after = poseOf(panned(orbit, 0.1, 0.2));
@@ -95,7 +95,7 @@ describe("the turntable camera", () => {
     }
   });
 
-  it("zooming by a factor and by its inverse changes nothing, and stops at its bounds", () => {
+  it("is unchanged after zooming by a factor and its inverse, and stops at its limits", () => {
     const orbit = orbitOf(front);
     expect(zoomed(zoomed(orbit, 1.3), 1 / 1.3).distance).toBeCloseTo(500, 9);
     expect(zoomed(orbit, 1e9).distance).toBe(5);
@@ -104,14 +104,14 @@ describe("the turntable camera", () => {
     expect(zoomed(orbit, 2).distance).toBeCloseTo(250, 9);
   });
 
-  it("a positive roll turns the picture clockwise", () => {
+  it("turns the picture clockwise with a positive roll", () => {
     const after = poseOf(rolled(orbitOf(front), 0.1));
     const head = projected(after, vec3(0, 0, 50));
     expect(head.x).toBeGreaterThan(0);
     expect(head.y).toBeGreaterThan(0);
   });
 
-  it("a camera straight above keeps the top of its picture", () => {
+  it("keeps the top of the picture from straight above", () => {
     for (const up of [vec3(0, -1, 0), vec3(1, 0, 0)]) {
       for (const z of [400, -400]) {
         const pose: CameraPose = { eye: vec3(0, 0, z), target: vec3(0, 0, 0), up, verticalFovDegrees: 30 };

@@ -21,38 +21,38 @@ const drag = (more: Partial<PointerSample>, to = at(140, 120)) => {
 };
 
 describe("the mouse", () => {
-  it("left rotates, half a turn for the height of the picture", () => {
+  it("rotates with the left button, half a turn for the height of the picture", () => {
     expect(drag({})).toEqual([{ kind: "rotate", right: Math.PI / 10, down: Math.PI / 20 }]);
   });
-  it("middle or Shift+left pans with the hand", () => {
+  it("pans with the middle button or Shift and the left one", () => {
     for (const more of [{ button: 1 }, { shift: true }])
       expect(drag(more)).toEqual([{ kind: "pan", right: 0.1, down: 0.05 }]);
   });
-  it("right zooms, upwards nearer", () => {
+  it("zooms with the right button, upwards to zoom in", () => {
     const [up] = drag({ button: 2 }, at(100, 50));
     expect(up?.kind === "zoom" && up.factor).toBeGreaterThan(1);
   });
-  it("Ctrl+left rolls about the middle, by the shorter way", () => {
+  it("rolls about the middle with Ctrl and the left button, by the shorter way", () => {
     const gestures = new Gestures();
     gestures.down(at(100, 201, { ctrl: true }));
     const [roll] = gestures.move(at(100, 199, { ctrl: true }), area);
     expect(roll?.kind).toBe("roll");
     if (roll?.kind === "roll") expect(roll.angle).toBeCloseTo(2 / 300, 4);
   });
-  it("keeps what it began with, and does nothing when no button is held", () => {
+  it("keeps the gesture that a drag began with, and does nothing without a button", () => {
     const gestures = new Gestures();
     gestures.down(at(0, 0, { shift: true }));
     expect(gestures.move(at(10, 0), area)[0]?.kind).toBe("pan");
     gestures.up(1);
     expect(gestures.move(at(20, 0), area)).toEqual([]);
   });
-  it("that is told the same place twice has moved once", () => {
+  it("reports the same position only once", () => {
     const gestures = new Gestures();
     gestures.down(at(0, 0));
     expect(gestures.move(at(10, 0), area)).toHaveLength(1);
     expect(gestures.move(at(10, 0), area)).toEqual([]);
   });
-  it("wheels there and back to where it was, whatever the unit, and never in one leap", () => {
+  it("zooms back to the same size with the wheel in any unit, and never by too much at once", () => {
     expect(wheelZoom(-120, 0, false) * wheelZoom(120, 0, false)).toBeCloseTo(1, 12);
     expect(wheelZoom(-3, 1, false)).toBeGreaterThan(1);
     expect(wheelZoom(-1e9, 0, false)).toBeLessThan(2);
@@ -60,10 +60,10 @@ describe("the mouse", () => {
 });
 
 describe("touch", () => {
-  it("one finger rotates", () => {
+  it("rotates with one finger", () => {
     expect(drag({ touch: true })[0]?.kind).toBe("rotate");
   });
-  it("two fingers zoom by their distance and pan with their middle", () => {
+  it("zooms and pans with two fingers", () => {
     const gestures = new Gestures();
     gestures.down(at(100, 200, { touch: true }));
     gestures.down(at(300, 200, { touch: true, id: 2 }));
@@ -72,7 +72,7 @@ describe("touch", () => {
       { kind: "zoom", factor: 2 },
     ]);
   });
-  it("a third finger stops it", () => {
+  it("stops with a third finger", () => {
     const gestures = new Gestures();
     for (const id of [1, 2, 3]) gestures.down(at(100 * id, 200, { touch: true, id }));
     expect(gestures.move(at(350, 200, { touch: true, id: 3 }), area)).toEqual([]);
@@ -82,7 +82,7 @@ describe("touch", () => {
 describe("the keys", () => {
   const press = (key: string, more = {}, focused: Focused = "none") =>
     commandOf({ key, shift: false, ctrl: false, alt: false, meta: false, ...more }, focused);
-  it("do what the table says", () => {
+  it("run the documented commands", () => {
     expect(press("ArrowLeft")).toMatchObject({ gesture: { kind: "rotate", down: 0 } });
     expect(press("ArrowUp", { shift: true })).toMatchObject({ gesture: { kind: "pan", right: 0, down: -0.03 } });
     expect(press("ArrowRight", { ctrl: true })).toMatchObject({ gesture: { kind: "roll" } });
@@ -96,7 +96,7 @@ describe("the keys", () => {
     ]);
     expect(press("5")).toEqual({ kind: "preset", index: 4 });
   });
-  it("leave what has the focus its own: text all of them, a row of choices but those of the views", () => {
+  it("leave text fields all keys, and radio buttons all but those of the views", () => {
     expect([press("v")?.kind, press("M")?.kind, press("v", { ctrl: true })]).toEqual(["slices", "alone", null]);
     expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, "choice")?.kind)).toEqual([
       "slices",
@@ -114,7 +114,7 @@ describe("the keys", () => {
         null,
       ]);
   });
-  it("leave the browser its own", () => {
+  it("leave the browser its shortcuts", () => {
     for (const [key, more] of [
       ["r", { ctrl: true }],
       ["s", { meta: true }],

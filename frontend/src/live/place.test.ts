@@ -14,7 +14,7 @@ function store(): Pick<Storage, "getItem" | "setItem"> {
 }
 
 describe("a guest", () => {
-  it("is the same after a reload, and another at another link", () => {
+  it("is the same after a reload, and another one for another link", () => {
     const here = store();
     const guest = newGuest(here, token, "  Ann  ");
     expect(guest).toMatchObject({ name: "Ann" });
@@ -25,7 +25,7 @@ describe("a guest", () => {
     expect(rememberedGuest(here, token)).toBeNull();
   });
 
-  it("is told that a link was ended, and asks again for everything else", async () => {
+  it("learns that a link was disabled, and retries after every other error", async () => {
     const signal = new AbortController().signal;
     const refused = (status: number, kind: string) =>
       guestTicketSource({ join: () => Promise.reject(new ApiProblem(status, kind, "")) }, token, "k", "Ann")(signal);
@@ -52,7 +52,7 @@ describe("the role", () => {
       ],
     });
 
-  it("is the presenter's while nobody else is known, and as the server says it then", () => {
+  it("is the presenter's while alone, and afterwards as the server says", () => {
     expect(roleOf(null)).toMatchObject({ presents: true, follows: false, others: 0 });
     expect(roleOf(audience("ann", "owner"))).toMatchObject({ presents: false, follows: true, others: 1 });
     expect(roleOf(audience("ann", "ann"))).toMatchObject({ presents: true, presenter: { id: "ann" } });

@@ -15,7 +15,7 @@ const seenFrom = (x: number, extinction = 1) =>
 const size = { width: 640, height: 480 };
 
 describe("the recorder", () => {
-  it("keeps a scene once and then where it is seen from, by times from the first", () => {
+  it("records a scene once and then only its camera, with times from the start", () => {
     const recorder = new Recorder();
     recorder.add(seenFrom(1), 1_000_000, size);
     recorder.add(seenFrom(2), 1_000_016.4, size);
@@ -29,13 +29,13 @@ describe("the recorder", () => {
     expect(events[1]?.camera).toMatchObject({ eye: { x: 2 } });
   });
 
-  it("makes a long pause a short one, and no time fall", () => {
+  it("shortens a long pause and never goes back in time", () => {
     const recorder = new Recorder();
     for (const at of [0, 3_600_000, 3_599_000]) recorder.add(seenFrom(at), at, size);
     expect(recorder.take(size)?.events.map((event) => event.at_ms)).toEqual([0, 10_000, 10_000]);
   });
 
-  it("gives what is long in parts, each of which begins with a scene", () => {
+  it("splits a long recording into parts that each start with a scene", () => {
     const recorder = new Recorder();
     const parts = [];
     for (let i = 0; i < 9000; ++i) {
@@ -51,7 +51,7 @@ describe("the recorder", () => {
     }
   });
 
-  it("gives nothing of a picture that was only looked at", () => {
+  it("returns nothing for a picture that was only viewed", () => {
     const recorder = new Recorder();
     expect(recorder.take(size)).toBeNull();
     recorder.add(seenFrom(1), 0, size);

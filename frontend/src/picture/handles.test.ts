@@ -40,7 +40,7 @@ function pulled(scene: Scene, key: string, x: number, y: number): Scene {
 }
 
 describe("handles of the clip box", () => {
-  it("stay under the hand, from any side and with parallel rays", () => {
+  it("follow the pointer from any side, also with parallel rays", () => {
     for (const scene of [someScene(), fromTheLeft(someScene()), setOrthographic(someScene(), true)]) {
       const before = named(cutHandles(scene, someBounds, screen), "z-high");
       const after = named(cutHandles(pulled(scene, "z-high", 0, 60), someBounds, screen), "z-high");
@@ -49,7 +49,7 @@ describe("handles of the clip box", () => {
     }
   });
 
-  it("cut no more than there is, and by keys a mm", () => {
+  it("stay within the volume, and move by one mm per key", () => {
     const scene = pulled(someScene(), "x-high", -5000, 0);
     expect(boxOf(scene, someBounds).high.x).toBeCloseTo(-119, 9);
     const one = named(cutHandles(someScene(), someBounds, screen), "x-low");
@@ -68,7 +68,7 @@ describe("handles of a plane", () => {
     expect(plane?.offset).toBeGreaterThan(30);
   });
 
-  it("tilt it about where it is taken hold of, towards the hand", () => {
+  it("tilt it towards the pointer about the point where it is held", () => {
     const before = drawnPlane(tilted, someBounds, 0);
     const tip = named(cutHandles(tilted, someBounds, screen), "tilt-0");
     const scene = handleDragged(tilted, someBounds, screen, tip, { x: tip.x - 30, y: tip.y - 40 });
@@ -79,7 +79,7 @@ describe("handles of a plane", () => {
     expect(plane.up).toBeGreaterThan(20);
   });
 
-  it("have a place where the plane passes beside the box, too", () => {
+  it("have a position even if the plane does not intersect the box", () => {
     const away = movePlane(tilted, someBounds, 0, { right: 0, up: 0, offset: 190 });
     expect(drawnPlane(away, someBounds, 0)?.polygon).toEqual([]);
     expect(cutHandles(away, someBounds, screen).map(({ key }) => key)).toContain("plane-0");
@@ -87,7 +87,7 @@ describe("handles of a plane", () => {
 });
 
 describe("a plane in a box", () => {
-  it("is a polygon in the plane, in order around", () => {
+  it("is a polygon with its corners in order", () => {
     const normal = normalOf({ right: 33, up: 41 });
     const polygon = planeInBox(someBounds, normal, 12);
     expect(polygon.length).toBeGreaterThanOrEqual(3);
@@ -104,7 +104,7 @@ describe("a plane in a box", () => {
 });
 
 describe("handles of lights", () => {
-  it("stand where the light comes from, and follow the hand", () => {
+  it("are where the light comes from, and follow the pointer", () => {
     for (const [key, index] of [
       ["light-0", 0],
       ["light-1", 1],
@@ -125,7 +125,7 @@ describe("handles of lights", () => {
     }
   });
 
-  it("continue at the back beyond the ball's rim, and the environment has none", () => {
+  it("continue on the back beyond the ball's rim, and do not exist for the environment", () => {
     const r = ballRadius(screen);
     const start = named(lightHandles(someScene(), screen), "light-0");
     const scene = pulled(someScene(), "light-0", 400 - 1.3 * r - start.x, 300 - start.y);
@@ -135,7 +135,7 @@ describe("handles of lights", () => {
     expect(lightHandles(someScene(), screen)).toHaveLength(4);
   });
 
-  it("keep their distance", () => {
+  it("keep the light's distance", () => {
     const far = (scene: Scene) => {
       const { shape } = scene.lights[1] ?? {};
       const centre = shape?.case === "disk" ? shape.value.centre : undefined;
@@ -144,7 +144,7 @@ describe("handles of lights", () => {
     expect(far(pulled(someScene(), "light-1", 90, -50))).toBeCloseTo(400, 6);
   });
 
-  it("turn by keys five degrees", () => {
+  it("rotate by five degrees per key", () => {
     const before = named(lightHandles(someScene(), screen), "light-0");
     expect(
       named(lightHandles(handleStepped(someScene(), someBounds, before, -1, 0), screen), "light-0").now,
@@ -152,14 +152,14 @@ describe("handles of lights", () => {
   });
 });
 
-describe("handles that would lie on each other", () => {
-  it("are one: that with the lowest rank", () => {
+describe("overlapping handles", () => {
+  it("are reduced to the one with the lowest rank", () => {
     const at = (x: number, rank: number) => ({ x, y: 0, rank });
     const rank = (one: { rank: number }) => one.rank;
     expect(apart([at(0, 2), at(20, 1), at(20 + handlePx, 3)], rank)).toEqual([at(20, 1), at(20 + handlePx, 3)]);
   });
 
-  it("are where they are seen", () => {
+  it("are projected to where they are visible", () => {
     const eye = eyeOf(someScene());
     const middle = eye && onScreen(eye, screen, vec3(0, 0, 0));
     expect([middle?.x, middle?.y].map((n) => n?.toFixed(6))).toEqual(["400.000000", "300.000000"]);

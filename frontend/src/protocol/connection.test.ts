@@ -20,7 +20,7 @@ const toLive: ConnectionEvent[] = [
 ];
 
 describe("the connection", () => {
-  it("asks for a ticket, opens, greets and lives", () => {
+  it("gets a ticket, opens, greets and is live", () => {
     expect(run(toLive.slice(0, 1)).effects).toEqual(["ask_ticket", "timer"]);
     expect(run(toLive.slice(0, 2)).effects).toEqual(["open", "timer"]);
     expect(run(toLive.slice(0, 3)).effects).toEqual(["greet", "timer"]);
@@ -30,7 +30,7 @@ describe("the connection", () => {
     });
   });
 
-  it("comes back by itself after any close, always with a new ticket", () => {
+  it("reconnects after any close, always with a new ticket", () => {
     for (const code of [1000, 1001, 1006, 4401, 4404, 4503, 4429, 4400]) {
       const lost = run([...toLive, { kind: "closed", code }]);
       expect(lost.state.phase).toBe("waiting");
@@ -46,20 +46,20 @@ describe("the connection", () => {
     expect(run([...toLive.slice(0, 2), { kind: "again" }]).state.phase).toBe("opening"); // it is still to greet
   });
 
-  it("leaves a session that another window took over alone until asked to continue here", () => {
+  it("leaves a session to another window until the user wants to continue here", () => {
     const taken = run([...toLive, { kind: "closed", code: 4409 }]);
     expect(taken.state).toMatchObject({ phase: "elsewhere", trouble: "taken_over" });
     expect(run([{ kind: "timeout" }, { kind: "wake" }], taken.state).effects).toEqual([]);
     expect(run([{ kind: "start" }], taken.state)).toMatchObject({ state: { phase: "asking", trouble: null } });
   });
 
-  it("does not come back by itself to a place that somebody with an account needs", () => {
+  it("does not reconnect after being displaced by a user with an account", () => {
     const gone = run([...toLive, { kind: "closed", code: 4411 }]);
     expect(gone.state).toMatchObject({ phase: "stopped", trouble: "displaced" });
     expect(run([{ kind: "timeout" }, { kind: "wake" }], gone.state).effects).toEqual([]);
   });
 
-  it("waits longer after each try, and resets only after a picture", () => {
+  it("waits longer after each attempt, and resets only after a picture", () => {
     let state = run(toLive).state;
     for (let i = 1; i <= 4; i++) {
       state = run([{ kind: "closed", code: 4503 }, { kind: "timeout" }, ...toLive.slice(1)], state).state;
@@ -68,33 +68,33 @@ describe("the connection", () => {
     expect(run([{ kind: "picture" }], state).state.attempt).toBe(0);
   });
 
-  it("is back within five seconds of a worker that needs three to come back", () => {
+  it("reconnects within five seconds to a worker that needs three to restart", () => {
     let waited = 0;
     let tries = 0;
     while (waited < 3000) waited += waitMs(tries++, 0.99);
     expect(waited).toBeLessThan(5000);
   });
 
-  it("stops where trying again is no use, and does nothing afterwards", () => {
+  it("stops after a final close, and does nothing afterwards", () => {
     const stopped = run([{ kind: "start" }, { kind: "no_ticket", trouble: "not_found", final: true }]);
     expect(stopped.state).toMatchObject({ phase: "stopped", trouble: "not_found" });
     expect(run([{ kind: "wake" }, { kind: "timeout" }, { kind: "start" }], stopped.state).state).toEqual(stopped.state);
   });
 
-  it("a step that takes too long is a failed try; a wait ends at once when the network is back", () => {
+  it("treats a slow step as failed, and ends a wait when the network is back", () => {
     for (let steps = 1; steps <= 3; steps++)
       expect(run([...toLive.slice(0, steps), { kind: "timeout" }]).state.phase).toBe("waiting");
     const waiting = run([...toLive, { kind: "closed", code: 1006 }]).state;
     expect(run([{ kind: "wake" }], waiting).state.phase).toBe("asking");
   });
 
-  it("a late answer to an earlier step changes nothing", () => {
+  it("ignores a late answer to an earlier step", () => {
     const waiting = run([...toLive, { kind: "closed", code: 1006 }]).state;
     for (const late of [...toLive.slice(1), { kind: "closed", code: 1006 } as const])
       expect(run([late], waiting).state).toEqual(waiting);
   });
 
-  it("honours Retry-After within reason and spreads the tries", () => {
+  it("follows Retry-After within limits and spreads the attempts", () => {
     expect(waitMs(0, 0.5, 3000)).toBe(3000);
     expect(waitMs(0, 0.5, 3_600_000)).toBe(5000);
     expect(waitMs(3, 0)).toBeLessThan(waitMs(3, 0.99));

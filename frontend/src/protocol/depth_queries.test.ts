@@ -25,8 +25,8 @@ function atHand(live = true) {
 const answer = (id: bigint, distance: number | null) =>
   create(DepthSchema, { id, found: distance !== null, distance: distance ?? 0 });
 
-describe("questions how far away something is", () => {
-  it("have each its own answer, in whatever order they come", async () => {
+describe("depth queries", () => {
+  it("get their own answers in any order", async () => {
     const { queries, sent, timers } = atHand();
     const first = queries.ask(0.25, 0.5),
       second = queries.ask(1, 0);
@@ -42,7 +42,7 @@ describe("questions how far away something is", () => {
     expect(timers.size).toBe(0);
   });
 
-  it("are given up with the connection, without one, and after a while", async () => {
+  it("end with the connection, without one, and after a timeout", async () => {
     const none: Answered = { answered: false };
     expect(await atHand(false).queries.ask(0, 0)).toEqual(none);
     const one = atHand();

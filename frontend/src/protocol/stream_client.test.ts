@@ -119,7 +119,7 @@ describe("the stream client", () => {
     });
   });
 
-  it("sends a scene at once, and of those that follow only the newest with the next screen picture", async () => {
+  it("sends a scene immediately, and of the following ones only the newest per screen refresh", async () => {
     await world.live();
     for (const x of [2, 3, 4]) world.client.setScene(scene(x));
     expect(world.updates()).toEqual([{ seq: 1, x: 2 }]);
@@ -137,7 +137,7 @@ describe("the stream client", () => {
     ]);
   });
 
-  it("says that a gesture is over, with its last scene or after it, and not of the next", async () => {
+  it("reports the end of a gesture with its last scene or after it, but not for the next gesture", async () => {
     await world.live();
     const rests = () => world.sent.flatMap(({ body }) => (body.case === "scene" ? [body.value.rest] : []));
     world.client.setScene(scene(2));
@@ -153,7 +153,7 @@ describe("the stream client", () => {
     expect(world.client.inputSeq).toBe(4);
   });
 
-  it("takes the scene of a session that is further than it, and counts on from there", async () => {
+  it("takes over a newer scene of the session and continues its numbering", async () => {
     await world.live(7, 41);
     expect(world.updates()).toEqual([]);
     expect(world.configs).toEqual([7]);
@@ -162,7 +162,7 @@ describe("the stream client", () => {
     expect(world.updates()).toEqual([{ seq: 42, x: 8 }]);
   });
 
-  it("says its scene again to a worker that has not seen it, after a loss and in a new session", async () => {
+  it("sends its scene again after a loss and in a new session", async () => {
     await world.live(1, 0);
     world.client.setScene(scene(9));
     world.screen();
@@ -177,7 +177,7 @@ describe("the stream client", () => {
     expect(world.configs).toEqual([1, 9]);
   });
 
-  it("does not disturb a worker that has seen everything", async () => {
+  it("sends nothing to a worker that has everything", async () => {
     await world.live(1, 0);
     world.client.setScene(scene(9));
     world.screen();
@@ -187,7 +187,7 @@ describe("the stream client", () => {
     expect(world.updates()).toHaveLength(1);
   });
 
-  it("what moved during a lost connection is sent after it returns", async () => {
+  it("sends changes made while disconnected once it is back", async () => {
     await world.live(1, 0);
     world.sockets.at(-1)?.closed(1006);
     world.client.setScene(scene(3));
@@ -197,7 +197,7 @@ describe("the stream client", () => {
     expect(world.updates()).toEqual([{ seq: 1, x: 3 }]);
   });
 
-  it("a remembered scene is said only where it was not seen", async () => {
+  it("sends a remembered scene only to a worker that has not seen it", async () => {
     const again = new World();
     again.client.remember(scene(6), 12);
     again.client.start();
@@ -210,7 +210,7 @@ describe("the stream client", () => {
     expect(anew.updates()).toEqual([{ seq: 13, x: 6 }]);
   });
 
-  it("hears nothing of a socket that it has left", async () => {
+  it("ignores events of an old socket", async () => {
     await world.live();
     const old = world.sockets[0];
     old?.closed(1006);
@@ -228,20 +228,20 @@ describe("the stream client", () => {
     expect(world.client.connection.phase).toBe("live");
   });
 
-  it("a message that cannot be read ends the connection, not the page", async () => {
+  it("ends the connection after an invalid message, but not the page", async () => {
     await world.live();
     world.sockets.at(-1)?.message(new Uint8Array([0xff, 0xff, 0xff, 0xff]));
     expect(world.client.connection).toMatchObject({ phase: "waiting", trouble: "refused" });
   });
 
-  it("a change of size alone carries no scene", async () => {
+  it("sends a change of size without a scene", async () => {
     await world.live();
     world.client.setViewport({ width: 800, height: 600 });
     world.screen();
     expect(world.updates()).toEqual([{ seq: 1, x: undefined }]);
   });
 
-  it("greets with other abilities over a connection of its own, and the worker keeps its scene", async () => {
+  it("changes its abilities over a new connection, and the worker keeps its scene", async () => {
     await world.live(1, 0);
     world.client.setScene(scene(2));
     world.screen();
@@ -253,7 +253,7 @@ describe("the stream client", () => {
     expect(world.updates()).toEqual([{ seq: 1, x: 2 }]);
   });
 
-  it("asks for a key frame only where somebody hears it", async () => {
+  it("requests a key frame only while connected", async () => {
     world.client.needKey();
     await world.live();
     world.client.needKey();
@@ -273,7 +273,7 @@ describe("the stream client", () => {
       }),
     });
 
-  it("says no scene as a follower, not even one of before, and takes the presenter's for its own", async () => {
+  it("sends no scene as a follower, and takes over the presenter's", async () => {
     await world.live(1, 0);
     world.client.setScene(scene(5));
     await Promise.resolve();
@@ -286,7 +286,7 @@ describe("the stream client", () => {
     expect(world.looks).toEqual([10]);
   });
 
-  it("tells each worker how much work is wanted, with and without a scene, and nothing where it is all", async () => {
+  it("sends the effort with and without a scene, but not the full effort", async () => {
     await world.live(1, 0);
     expect(world.updates()).toEqual([]);
     const effort = { smooth: false, stop_error: 0.1, stop_samples: 0, moving_scale: 0.5 };
@@ -310,7 +310,7 @@ describe("the stream client", () => {
     expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1 } });
   });
 
-  it("tells a worker that has its session still what was chosen while nobody heard it", async () => {
+  it("sends an effort that was chosen while disconnected", async () => {
     await world.live(1, 0);
     world.client.setEffort({ ...fullEffort, stop_error: 0.1 });
     world.screen();
@@ -327,7 +327,7 @@ describe("the stream client", () => {
     expect(said.map(({ effort }) => effort?.stopError ?? 0)).toEqual([0]);
   });
 
-  it("speaks again when the presenter's role comes to it, and no more when it goes", async () => {
+  it("sends scenes once it is the presenter, and no longer when the role moves on", async () => {
     await world.live(1, 0);
     world.config(9, 3, true);
     audience("ann");
@@ -342,7 +342,7 @@ describe("the stream client", () => {
     expect(world.sent.at(-1)?.body).toMatchObject({ case: "handover", value: { to: "ann" } });
   });
 
-  it("comes back to its free camera over another connection", async () => {
+  it("returns to its free camera after a reconnection", async () => {
     await world.live(1, 0);
     world.config(9, 3, true);
     world.client.useFreeCamera(true);

@@ -10,7 +10,7 @@ const files = [0, 1, 511, 512, 513, 70_000].map(
 );
 
 describe("the upload bundle", () => {
-  it("is what tar reads: the files in order under plain names, owned by nobody, without a time", async () => {
+  it("is a tar archive of the files in order, with plain names and without owner or time", async () => {
     const folder = mkdtempSync(join(tmpdir(), "bundle-"));
     try {
       const path = join(folder, "b.tar");
@@ -34,13 +34,13 @@ describe("the upload bundle", () => {
     }
   });
 
-  it("is as long as was said before it was made, and holds no name of a file", async () => {
+  it("has the announced length and contains no file name", async () => {
     const bundle = makeBundle(files);
     expect(bundle.size).toBe(bundleSize(files.map((file) => file.size)));
     expect(await bundle.text()).not.toContain("Secret");
   });
 
-  it("is the same from the same files, so that an upload can continue", async () => {
+  it("is the same for the same files, so that an upload can continue", async () => {
     const again = await makeBundle([...files]).arrayBuffer();
     expect(Buffer.from(again).equals(Buffer.from(await makeBundle(files).arrayBuffer()))).toBe(true);
   });

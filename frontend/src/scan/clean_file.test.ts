@@ -23,7 +23,7 @@ async function cleaned(change: MadeSlice, tail = new Uint8Array()): Promise<Blob
   return partBlobs(series.upload, files);
 }
 
-describe("what is sent of a slice", () => {
+describe("the uploaded part of a slice", () => {
   it.each<[string, MadeSlice]>([
     ["explicit", {}],
     ["implicit", { syntax: "1.2.840.10008.1.2" }],
@@ -61,7 +61,7 @@ describe("what is sent of a slice", () => {
     }
   });
 
-  it("is judged as the slices were", async () => {
+  it("is judged like the original slices", async () => {
     const result = await scanFiles(
       await cleaned({}),
       () => undefined,
@@ -70,13 +70,13 @@ describe("what is sent of a slice", () => {
     expect(result.series[0]?.verdict).toMatchObject({ suitable: true, size: [8, 8, 20] });
   });
 
-  it("keeps no word in a coded field that is not known", async () => {
+  it("contains no unknown word of a coded field", async () => {
     const text = await (await cleaned({ imageType: "ORIGINAL\\PRIMARY\\AXIAL\\SECRETNAME" }))[0]?.text();
     expect(text).toContain("ORIGINAL\\PRIMARY\\AXIAL\\OTHER");
     expect(text).not.toContain("SECRETNAME");
   });
 
-  it("ends compressed voxels with their last fragment", async () => {
+  it("ends with the last fragment of compressed voxels", async () => {
     const fragments = Uint8Array.from([
       0xfe, 0xff, 0x00, 0xe0, 0, 0, 0, 0, 0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0, 1, 2, 3, 4, 0xfe, 0xff, 0xdd, 0xe0, 0, 0,
       0, 0,

@@ -4,7 +4,7 @@ import { en } from "../texts/en/en";
 import { correctionsOf, noteOf } from "./corrections";
 
 describe("the corrections of a scan", () => {
-  it("are known by the sentences of ingest", () => {
+  it("are recognised by ingest's sentences", () => {
     expect(correctionsOf(["straightened 18.5 degrees (gantry tilt)"])).toEqual(["tilt"]);
     expect(correctionsOf(["2 slices were missing and filled in from the neighbours"])).toEqual(["missing"]);
     expect(
@@ -22,10 +22,10 @@ describe("the corrections of a scan", () => {
     expect(correctionsOf(["each slice had a scale of its own; all were brought to one scale"])).toEqual(["brightness"]);
     expect(correctionsOf(["the negative was inverted"])).toEqual(["negative"]);
   });
-  it("are named once each, and those that are not known not at all", () => {
+  it("are listed once each, without unknown ones", () => {
     expect(correctionsOf(["1 file was damaged", "2 files were damaged", "something new"])).toEqual(["damaged"]);
   });
-  it("become one sentence for a patient", () => {
+  it("form one sentence for a patient", () => {
     expect(en.scans.repaired(["tilt", "spacing"])).toBe(
       "We corrected this scan: it was tilted and its slices were unevenly spaced.",
     );
@@ -90,7 +90,7 @@ describe("the details of a correction", () => {
     ],
     ["values were halved for storage", "values were halved for storage", "Die Werte wurden zum Speichern halbiert."],
   ];
-  it.each(known)("are worded in German for '%s' and its older form", (now, older, german) => {
+  it.each(known)("are written in German for '%s' and its older form", (now, older, german) => {
     for (const sentence of [now, older]) {
       const note = noteOf(sentence);
       expect(note).not.toBeNull();
@@ -107,7 +107,7 @@ describe("the details of a correction", () => {
         "Slice spacing varied from 1.08 to 7.00 mm and was resampled to 4.00 mm, so small details may be blurred.",
       );
   });
-  it("are unknown for any other sentence, which the page shows as it is", () => {
+  it("do not exist for any other sentence, which the page shows as it is", () => {
     expect(noteOf("something new")).toBeNull();
   });
 });

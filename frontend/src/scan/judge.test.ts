@@ -17,8 +17,8 @@ async function refusal(blobs: readonly Blob[]) {
   return verdict.suitable ? "suitable" : verdict.reason;
 }
 
-describe("what can become a volume", () => {
-  it("takes a regular series and orders it by position, not by name or number", async () => {
+describe("the judgement of a series", () => {
+  it("accepts a regular series and sorts it by position, not by name or number", async () => {
     const blobs = series((i) => ({ z: ((i * 7) % 24) * 1.5 - 10 }));
     const verdict = await judged(blobs);
     expect(verdict).toMatchObject({
@@ -40,7 +40,7 @@ describe("what can become a volume", () => {
     if (verdict.suitable) expect(verdict.sizeMm[2]).toBeCloseTo(30, 6);
   });
 
-  it("allows a jitter of two per cent, and says that more will be resampled", async () => {
+  it("allows a jitter of two per cent, and announces resampling for more", async () => {
     expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.014 })))).toBe("suitable");
     expect(await judged(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toMatchObject({
       suitable: true,
@@ -49,7 +49,7 @@ describe("what can become a volume", () => {
     expect(await refusal(series((i) => ({ z: i < 12 ? i : 12 + (i - 12) * 9 })))).toBe("varying_spacing");
   });
 
-  it("keeps one of two same objects and drops a scout inside a good series", async () => {
+  it("keeps one of two equal objects and skips an overview image in a good series", async () => {
     const blobs = [
       ...series((i) => ({ sopUid: `9.${i}` })),
       new Blob([makeSlice({ z: 3, sopUid: "9.2" })]),
@@ -62,7 +62,7 @@ describe("what can become a volume", () => {
     });
   });
 
-  it("leaves a truncated slice out at the end, and fills it in in the middle", async () => {
+  it("skips a truncated slice at the end, and fills it in in the middle", async () => {
     const cut = (at: number) => series(() => ({})).map((blob, i) => (i === at ? blob.slice(0, blob.size - 40) : blob));
     expect(await judged(cut(23))).toMatchObject({ suitable: true, size: [8, 8, 23], leftOut: { damaged: 1 } });
     const filled = {
@@ -74,7 +74,7 @@ describe("what can become a volume", () => {
     expect(await judged(cut(11))).toMatchObject(filled);
   });
 
-  it("does not hide a series for one file that was cut off in its header, and so no longer says how it is coded", async () => {
+  it("shows a series although one file ends within its header and states no encoding", async () => {
     const blobs = series(() => ({})).map((blob, i) => (i === 23 ? blob.slice(0, blob.size - 160) : blob));
     expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 23], leftOut: { damaged: 1 } });
   });
@@ -85,7 +85,7 @@ describe("what can become a volume", () => {
     expect(await judged(series((i) => (i > 20 ? { spacing: [1, 1] } : {})))).toMatchObject(found);
   });
 
-  it("says by how much a tilted series will be straightened", async () => {
+  it("announces by how much a tilted series will be straightened", async () => {
     const verdict = await judged(
       series((i) => ({ position: [0, i * 1.5 * Math.tan((18.5 * Math.PI) / 180), i * 1.5] })),
     );
@@ -94,7 +94,7 @@ describe("what can become a volume", () => {
       expect(verdict.repairs[0].degrees).toBeCloseTo(18.5, 6);
   });
 
-  it("says before anything is sent that a file or a scan is larger than the server takes", async () => {
+  it("refuses a file or a scan above the server's limits before anything is sent", async () => {
     const found = await headers(series(() => ({})));
     const reason = (change: Partial<SliceHeader>) => {
       const verdict = judge(found.map((slice) => ({ ...slice, ...change })));
@@ -109,7 +109,7 @@ describe("what can become a volume", () => {
     expect([sized(6000, false), sized(12000, false)]).toEqual(["suitable", "too_large"]);
   });
 
-  it("refuses a scale that no scan has", async () => {
+  it("refuses an implausible scale", async () => {
     const found = await headers(series(() => ({})));
     const reason = (change: Partial<SliceHeader>) => {
       const verdict = judge(found.map((slice) => ({ ...slice, ...change })));

@@ -16,11 +16,11 @@ const header = async (blob: Blob) => {
 };
 
 describe("reading a header", () => {
-  it("finds the patient's name in its own character set, for this screen only", async () => {
+  it("decodes the patient's name in its own character set, for display only", async () => {
     expect(await header(new Blob([makeSlice()]))).toMatchObject({ patient: { name: "Müller Änne", id: "4711" } });
   });
 
-  it("reads implicit coding, no preamble, and no meta header at all", async () => {
+  it("supports implicit encoding, a missing preamble and a missing meta header", async () => {
     const want = { seriesUid: "1.2.5", rows: 8, columns: 8, truncated: false };
     expect(await header(new Blob([makeSlice({ syntax: "1.2.840.10008.1.2" })]))).toMatchObject(want);
     expect(await header(new Blob([makeSlice({ preamble: "none" })]))).toMatchObject(want);
@@ -30,7 +30,7 @@ describe("reading a header", () => {
     );
   });
 
-  it("knows where the voxels are, whatever stands before them", async () => {
+  it("finds the voxels, whatever precedes them", async () => {
     for (const made of [
       {},
       { preamble: "none" as const },
@@ -46,7 +46,7 @@ describe("reading a header", () => {
     }
   });
 
-  it("reads more than 8 KB only where the header is that long, and the next file at once as far as that", async () => {
+  it("reads more than 8 KB only for a longer header, and the same length of the next file", async () => {
     const reader = new HeaderReader();
     const reads = async (paddingBytes: number) => {
       const sizes: number[] = [];
@@ -68,7 +68,7 @@ describe("reading a header", () => {
     expect(await reads(10)).toEqual([8]);
   });
 
-  it("inflates a deflated header, within bounds", async () => {
+  it("inflates a deflated header, within limits", async () => {
     const plain = makeSlice({ syntax: "1.2.840.10008.1.2.1.99" });
     const at = plain.length - makeSlice({ preamble: "nothing" }).length;
     const body = makeSlice({ preamble: "nothing", pixels: new Uint8Array(8_000_000), rows: 2000, columns: 2000 });
@@ -77,7 +77,7 @@ describe("reading a header", () => {
     expect(await header(new Blob([bomb]))).toMatchObject({ rows: 2000, transferSyntax: "1.2.840.10008.1.2.1" });
   });
 
-  it("calls other files what they are", async () => {
+  it("recognises other files", async () => {
     expect(await header(new Blob(["%PDF-1.7 and so on, long enough to look at"]))).toBe("not_dicom");
     expect(await header(new Blob([]))).toBe("not_dicom");
     expect(await header(new Blob([new Uint8Array([8, 0, 255, 255, 3, 4]), new Uint8Array(400)]))).toBe("not_dicom");
@@ -87,7 +87,7 @@ describe("reading a header", () => {
 });
 
 describe("scanning a folder", () => {
-  it("never stops at a bad file, and counts it", async () => {
+  it("never stops at a bad file, but counts it", async () => {
     const broken = new Blob(["x"]);
     broken.slice = () => {
       throw new Error("the disc was taken out");
@@ -104,7 +104,7 @@ describe("scanning a folder", () => {
     expect(progress).toEqual(Array.from({ length: 23 }, (_, i) => i + 1));
   });
 
-  it("lists two patients apart, even with one series number between them", async () => {
+  it("separates two patients, even with the same series number", async () => {
     const result = await scan([...makeSeries(20, 1.5), ...makeSeries(18, 1.5, () => ({ patientId: "4712" }))]);
     expect(result.series.map((series) => [series.patient.id, series.slices])).toEqual([
       ["4711", 20],
@@ -112,7 +112,7 @@ describe("scanning a folder", () => {
     ]);
   });
 
-  it("lists what is suitable first and shows nothing of a DICOMDIR", async () => {
+  it("lists suitable series first and ignores a DICOMDIR", async () => {
     const result = await scan([
       new Blob([makeSlice({ sopClass: "1.2.840.10008.1.3.10" })]),
       ...makeSeries(40, 1, () => ({ seriesUid: "1.9", imageType: "ORIGINAL\\PRIMARY\\LOCALIZER" })),
@@ -122,7 +122,7 @@ describe("scanning a folder", () => {
     expect(result.notSlices).toBe(1);
   });
 
-  it("draws the middle slice under its window, as wide as it is in the patient", async () => {
+  it("draws the middle slice under its window with its physical proportions", async () => {
     const pixels = new Uint8Array(new Int16Array(64).fill(1024 + 40).buffer); // 40 HU: the centre of the window
     const result = await scan(
       makeSeries(21, 1.5, (i) => ({ pixels: i === 10 ? pixels : new Uint8Array(128), spacing: [1, 0.5] })),
@@ -132,7 +132,7 @@ describe("scanning a folder", () => {
     expect([...new Set(thumbnail?.gray)]).toEqual([127]);
   });
 
-  it("forgets the bits above the stored ones, signed or not", async () => {
+  it("ignores the bits above the stored ones, signed or not", async () => {
     const stored = new Uint8Array(new Uint16Array(64).fill(0xf000 | 2064).buffer); // 2064 - 1024: white; as 16 bits: far out
     for (const isSigned of [true, false]) {
       const result = await scan(makeSeries(20, 1.5, () => ({ pixels: stored, bitsStored: 12, isSigned })));
@@ -140,7 +140,7 @@ describe("scanning a folder", () => {
     }
   });
 
-  it("gives the same files the same fingerprint, and others another", async () => {
+  it("gives the same files the same fingerprint, and different ones another", async () => {
     const uid = (i: number) => ({ sopUid: `7.${i}` });
     const prints = await Promise.all(
       [makeSeries(20, 1.5, uid), makeSeries(20, 1.5, uid).reverse(), makeSeries(21, 1.5, uid)].map(

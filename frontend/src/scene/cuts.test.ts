@@ -21,14 +21,14 @@ import { withCamera } from "../protocol/messages";
 const grey = { centre: 300, width: 1500 };
 
 describe("the box", () => {
-  it("goes as far as requested, and is absent when the whole is kept", () => {
+  it("has the requested size, and is absent when it is the whole volume", () => {
     const cut = moveFace(someScene(), someBounds, "x", "high", 10);
     expect(boxOf(cut, someBounds).high).toEqual({ ...someBounds.high, x: 10 });
     const whole = moveFace(cut, someBounds, "x", "high", 500);
     expect([whole.clip?.boxLow, whole.clip?.boxHigh]).toEqual([undefined, undefined]);
   });
 
-  it("its faces never pass each other", () => {
+  it("has faces that never pass each other", () => {
     const cut = moveFace(someScene(), someBounds, "z", "high", -50);
     expect(faceLimits(cut, someBounds, "z", "low")).toEqual({ low: -80, high: -51 });
     expect(boxOf(moveFace(cut, someBounds, "z", "low", 70), someBounds).low.z).toBe(-51);
@@ -36,7 +36,7 @@ describe("the box", () => {
 });
 
 describe("light", () => {
-  it("falls on what a new cut lays open, until that is said otherwise", () => {
+  it("passes through a new cut until that is turned off", () => {
     const cut = moveFace(someScene(), someBounds, "y", "low", 0);
     expect(cut.clip?.cutsLight).toBe(true);
     expect(addPlane(someScene()).clip?.cutsLight).toBe(true);
@@ -45,18 +45,18 @@ describe("light", () => {
 });
 
 describe("a plane", () => {
-  it("begins in front and cuts the patient's front away", () => {
+  it("starts in front and cuts away the patient's front", () => {
     const plane = addPlane(someScene()).clip?.planes[0];
     expect(plane?.normal?.y).toBeCloseTo(-1, 12);
   });
 
-  it("is told back as it was set", () => {
+  it("reads back as it was set", () => {
     const scene = movePlane(addPlane(someScene()), someBounds, 0, { right: 40, up: -25, offset: 33 });
     const [plane] = planesOf(scene);
     expect([plane?.right, plane?.up, plane?.offset].map((n) => Number(n?.toFixed(6)))).toEqual([40, -25, 33]);
   });
 
-  it("there are six at most", () => {
+  it("is one of at most six", () => {
     let scene = someScene();
     for (let i = 0; i < 9; i++) scene = addPlane(scene);
     expect(planesOf(scene).length).toBe(6);
@@ -64,12 +64,12 @@ describe("a plane", () => {
 });
 
 describe("slices", () => {
-  it("have the scan's own grey from the first on", () => {
+  it("have the scan's own grey window from the start", () => {
     const scene = setSlice(someScene(), someBounds, grey, "axial", { shown: true });
     expect([scene.slices?.windowCentre, scene.slices?.windowWidth]).toEqual([300, 1500]);
   });
 
-  it("are alone only while there is one: the last one that goes brings the matter back", () => {
+  it("are shown alone only while there is one, and the matter returns with the last one's removal", () => {
     const alone = setAlone(setSlice(someScene(), someBounds, grey, "axial", { shown: true }), grey, true);
     expect(alone.slices?.alone).toBe(true);
     expect(setSlice(alone, someBounds, grey, "axial", { shown: false }).slices?.alone).toBe(false);
@@ -82,11 +82,11 @@ describe("the lens", () => {
     const pose = cameraOf(scene);
     return pose ? heightAtTarget(pose) : 0;
   };
-  it("at any field of view the middle stays as large", () => {
+  it("keeps the size of the target at every field of view", () => {
     for (const fov of [5, 15, 60, 100]) expect(height(setFov(someScene(), fov))).toBeCloseTo(height(), 6);
   });
 
-  it("parallel rays show the middle as large, and zooming zooms them", () => {
+  it("keeps the size of the target with parallel rays, which zoom as well", () => {
     const parallel = setOrthographic(someScene(), true);
     expect(parallel.camera?.orthographicHeight).toBeCloseTo(height(), 9);
     const pose = cameraOf(parallel);
@@ -96,7 +96,7 @@ describe("the lens", () => {
     expect(isOrthographic(setOrthographic(nearer, false))).toBe(false);
   });
 
-  it("is sharp at the middle until told otherwise", () => {
+  it("focuses on the target by default", () => {
     const pose = cameraOf(someScene());
     const distance = pose ? length(subtract(pose.eye, pose.target)) : 0;
     expect(focusOf(someScene())).toEqual({ distance, middle: true });
@@ -104,7 +104,7 @@ describe("the lens", () => {
     expect(focusOf(setFocus(setFocus(someScene(), 300), null)).middle).toBe(true);
   });
 
-  it("stays when the eye moves, and comes back without moving the eye", () => {
+  it("stays when the eye moves, and can be reset without moving the eye", () => {
     const scene = setFocus(someScene(), 300);
     const pose = cameraOf(scene);
     if (!pose) throw new Error("no camera");

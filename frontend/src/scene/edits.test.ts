@@ -64,11 +64,11 @@ function edits(any: () => number, index: number, flag: boolean): ((scene: Scene)
 }
 
 describe("edits", () => {
-  it("the scene to begin with is one that the server takes", () => {
+  it("start from a scene that the server accepts", () => {
     expect(refused(someScene())).toEqual([]);
   });
 
-  it("no sequence of them makes a scene that the server refuses, whatever numbers come in", () => {
+  it("in any order and with any numbers give a scene that the server accepts", () => {
     const next = chance(20261122);
     const any = () =>
       next() < 0.4
@@ -85,7 +85,7 @@ describe("edits", () => {
     }
   });
 
-  it("never touch the scene that they are given", () => {
+  it("never modify the given scene", () => {
     const next = chance(7);
     const scene = someScene();
     const before = JSON.stringify(scene);

@@ -1,13 +1,13 @@
 import { describe, expect, it } from "vitest";
 import { effortFrom, effortText, fullEffort, stopOf, stopping } from "./effort";
 
-describe("what is kept of the effort", () => {
-  it("comes back as it was", () => {
+describe("the stored effort", () => {
+  it("is restored", () => {
     const effort = { smooth: false, stop_error: 0.05, stop_samples: 0, moving_scale: 0.5 };
     expect(effortFrom(effortText(effort))).toEqual(effort);
   });
 
-  it("is all of it where nothing, junk, or what cannot be was kept", () => {
+  it("is the full effort if nothing, damaged text or an invalid value was stored", () => {
     for (const text of [
       null,
       "",
@@ -27,7 +27,7 @@ describe("what is kept of the effort", () => {
   });
 });
 
-it("stops by one thing or the other", () => {
+it("stops at an error or at a number of samples", () => {
   expect(stopOf(fullEffort)).toBe("best");
   const byError = stopping(fullEffort, "error");
   expect(stopOf(byError)).toBe("error");

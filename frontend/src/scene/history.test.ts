@@ -5,7 +5,7 @@ const step = (history: History<number>, before: number, what = "a", nowMs = 0, h
   changed(history, before, { what, held, nowMs });
 
 describe("undo", () => {
-  it("goes back step by step and forth again", () => {
+  it("goes back step by step and forward again", () => {
     const two = step(step(nothingYet, 1, "a"), 2, "b");
     const once = undone(two, 3);
     const twice = once && undone(once.history, once.value);
@@ -16,7 +16,7 @@ describe("undo", () => {
     expect(forth && redone(forth.history, forth.value)?.value).toBe(3);
   });
 
-  it("a drag is one step, however long it takes, and the next drag another", () => {
+  it("treats each drag as one step, however long it takes", () => {
     let history: History<number> = nothingYet;
     for (let i = 0; i < 50; i++) history = step(history, i, "light", i * 5000, true);
     expect(history.past).toEqual([0]);
@@ -24,24 +24,24 @@ describe("undo", () => {
     expect(history.past).toEqual([0, 50]);
   });
 
-  it("keys without a pause are one step, with a pause two, and of two things two", () => {
+  it("combines keys without a pause, but not with a pause or for two settings", () => {
     const near = step(step(nothingYet, 1, "camera", 0), 2, "camera", togetherMs - 1);
     expect(near.past).toEqual([1]);
     expect(step(near, 3, "camera", 3 * togetherMs).past).toEqual([1, 3]);
     expect(step(near, 3, "light", togetherMs).past).toEqual([1, 3]);
   });
 
-  it("what is changed after going back leaves nothing to go forth to", () => {
+  it("discards the undone steps after a new change", () => {
     const back = undone(step(nothingYet, 1), 2);
     expect(back && step(back.history, back.value).future).toEqual([]);
   });
 
-  it("a change right after going back is a step of its own", () => {
+  it("treats a change right after an undo as a step of its own", () => {
     const back = undone(step(step(nothingYet, 1, "a", 0), 2, "b", 1), 3);
     expect(back && step(back.history, back.value, "b", 2).past).toEqual([1, 2]);
   });
 
-  it("keeps a bounded number", () => {
+  it("keeps a limited number of steps", () => {
     let history: History<number> = nothingYet;
     for (let i = 0; i < 3 * mostSteps; i++) history = step(history, i, String(i));
     expect(history.past.length).toBe(mostSteps);

@@ -32,8 +32,8 @@ const directions = [
   { right: 20, up: 89 },
 ];
 
-describe("where a light is", () => {
-  it("it is where it was put, at any shape, and a square looks to the middle", () => {
+describe("the position of a light", () => {
+  it("is where it was put, for every shape, and a square faces the middle", () => {
     for (const index of [0, 1, 2, 3])
       for (const direction of directions) {
         const scene = placeLight(someScene(), index, { ...direction, distance: 700 });
@@ -45,7 +45,7 @@ describe("where a light is", () => {
       }
   });
 
-  it("to the right is to the right of the picture for one that is locked, and the patient's left for one that is not", () => {
+  it("to the right means the picture's right if it is locked, and the patient's left if it is not", () => {
     const locked = light(placeLight(someScene(), 0, { right: 90, up: 0, distance: 100 }), 0);
     expect(locked.shape.case === "rectangle" && (locked.shape.value.corner?.x ?? 0)).toBeGreaterThan(90);
     const free = light(placeLight(someScene(), 1, { right: 90, up: 0, distance: 100 }), 1);
@@ -53,13 +53,13 @@ describe("where a light is", () => {
     expect(free.shape.case === "disk" && free.shape.value.normal?.x).toBeCloseTo(-1, 9);
   });
 
-  it("from straight above it can be turned further", () => {
+  it("can be changed from straight above", () => {
     const scene = placeLight(someScene(), 0, { up: 90, right: 30 });
     expect(placeOf(light(scene, 0))?.up).toBeCloseTo(90, 3);
     expect(facesMiddle(light(scene, 0))).toBe(true);
   });
 
-  it("locked to the camera and let go again it is where it was", () => {
+  it("stays the same after locking and unlocking", () => {
     const pose = cameraOf(someScene());
     if (!pose) throw new Error("no camera");
     for (const index of [1, 2, 3]) {
@@ -73,8 +73,8 @@ describe("where a light is", () => {
   });
 });
 
-describe("what a light gives", () => {
-  it("is the same at any size", () => {
+describe("the strength of a light", () => {
+  it("is the same at every size", () => {
     for (const index of [0, 1, 3]) {
       const scene = someScene();
       const power = (one: Light) => strengthOf(radianceOf(one)) * (sizeOf(one) ?? 0) ** 2;
@@ -84,17 +84,17 @@ describe("what a light gives", () => {
     }
   });
 
-  it("of a point that becomes a ball is what the point gave", () => {
+  it("stays the same when a point becomes a ball", () => {
     const ball = light(sizeLight(someScene(), 2, 20), 2);
     expect(strengthOf(radianceOf(ball)) * Math.PI * 100).toBeCloseTo(5000, 6);
   });
 
-  it("is told as 1 where the scene says nothing, and is never 0, which would mean 1", () => {
+  it("is 1 if the scene does not contain it, and never 0, which would mean 1", () => {
     expect(intensityOf(light(someScene(), 0))).toBe(1);
     expect(light(dimLight(someScene(), 0, 0), 0).intensity).toBeGreaterThan(0);
   });
 
-  it("of an added light lies above to the left of the picture, as bright for any shape", () => {
+  it("is the same for a new light of every shape, which is above on the left", () => {
     for (const shape of ["rectangle", "disk", "sphere"] as const) {
       const scene = addLight(someScene(), shape, "new", 150);
       const added = light(scene, scene.lights.length - 1);
@@ -105,21 +105,21 @@ describe("what a light gives", () => {
     }
   });
 
-  it("keeps its strength in another colour", () => {
+  it("stays the same in another colour", () => {
     const blue = light(colourLight(someScene(), 0, { $typeName: "diaphane.v1.Rgb", r: 0.1, g: 0.1, b: 0.5 }), 0);
     expect(strengthOf(radianceOf(blue))).toBeCloseTo(40, 9);
   });
 });
 
 describe("directions", () => {
-  it("the patient's frame and that of a viewer in front are each other's inverse", () => {
+  it("convert from the patient's frame to that of a viewer in front, and back", () => {
     const v = vec3(1, 2, 3);
     expect(ofPatient(seenFromFront(v))).toEqual(v);
     expect(seenFromFront(vec3(1, 0, 0))).toEqual(vec3(1, 0, -0)); // the patient's left is on the right of the picture
     expect(directionOf(seenFromFront(vec3(0, -1, 0)))).toEqual({ right: 0, up: 0 });
   });
 
-  it("into the camera's frame and out again nothing moves", () => {
+  it("convert to the camera's frame and back", () => {
     const pose = cameraOf(someScene());
     if (!pose) throw new Error("no camera");
     const v = vec3(10, -20, 30);
@@ -127,7 +127,7 @@ describe("directions", () => {
     expect(length(vec3(back.x - v.x, back.y - v.y, back.z - v.z))).toBeLessThan(1e-9);
   });
 
-  it("on the ball: its middle is in front, beyond the rim is behind, at any place a direction", () => {
+  it("on the ball are in front in its middle, behind beyond its rim, and valid everywhere", () => {
     expect(directionOnBall(0, 0, false).direction.up).toBeCloseTo(0, 9);
     expect(directionOnBall(0.5, 0, false).direction.right).toBeCloseTo(30, 6);
     expect(directionOnBall(1.5, 0, false).direction.right).toBeCloseTo(150, 6);

@@ -10,8 +10,8 @@ const kind = async (hash: string) => (await sceneOfLink(hash)).kind;
 const address = (bytes: Uint8Array, version = "1") =>
   `#view=${version}.${Buffer.from(deflateRawSync(bytes)).toString("base64url")}`;
 
-describe("a scene in an address", () => {
-  it("comes back with everything but its names", async () => {
+describe("a scene in a URL", () => {
+  it("is restored with everything but its names", async () => {
     const scene = someScene();
     const back = await sceneOfLink(await link(scene));
     const bare = someScene();
@@ -20,7 +20,7 @@ describe("a scene in an address", () => {
     expect(back.kind === "scene" && equals(SceneSchema, back.scene, bare)).toBe(true);
     expect(scene.lights[0]?.name).toBe("key"); // what is shown stays as it is
   });
-  it("holds no word of a person, and no picture", async () => {
+  it("contains no user's text and no image", async () => {
     const scene = someScene();
     const [channel] = scene.transferFunction?.channels ?? [];
     if (channel) channel.name = "Erika Mustermann";
@@ -29,12 +29,12 @@ describe("a scene in an address", () => {
     const plain = await link(someScene());
     expect(await link(scene)).toBe(plain);
   });
-  it("has only letters that mails and messengers leave alone, and is short", async () => {
+  it("is short and has only characters that mail programs and messengers keep", async () => {
     const hash = await link(someScene());
     expect(hash).toMatch(/^#view=1\.[A-Za-z0-9_-]+$/);
     expect(hash.length).toBeLessThan(2000);
   });
-  it("of too large a scene there is none", async () => {
+  it("is refused if it is too large", async () => {
     const scene = someScene();
     const points = Array.from({ length: 1000 }, (_, n) =>
       create(OpacityPointSchema, { value: n + Math.sin(7 * n) / 3, opacity: Math.abs(Math.sin(n * n)) }),
@@ -45,8 +45,8 @@ describe("a scene in an address", () => {
   });
 });
 
-describe("what stands behind the #", () => {
-  it("may be something else altogether", async () => {
+describe("the fragment of a URL", () => {
+  it("may be unrelated to a scene", async () => {
     for (const hash of ["", "#", "#look=x", "#token=view=1.abc"]) expect(await kind(hash)).toBe("none");
   });
   it("may be of a later version", async () => {
@@ -54,7 +54,7 @@ describe("what stands behind the #", () => {
     expect(await kind(hash.replace("=1.", "=2."))).toBe("newer");
     expect(await kind(hash.replace("=1.", "=9999."))).toBe("newer");
   });
-  it("may be junk, cut off, or of no version that ever was", async () => {
+  it("may be invalid, cut off, or of a version that never existed", async () => {
     const hash = await link(someScene());
     const junk = [
       "#view=",
@@ -70,11 +70,11 @@ describe("what stands behind the #", () => {
     ];
     for (const one of junk) expect(await kind(one), one).toBe("damaged");
   });
-  it("may be sound bytes without a whole scene", async () => {
+  it("may be valid data without a complete scene", async () => {
     expect(await kind(address(new Uint8Array()))).toBe("damaged");
     expect(await kind(address(new TextEncoder().encode("this is not a scene")))).toBe("damaged");
   });
-  it("may unpack to gigabytes, of which no more than a scene's are held", async () => {
+  it("may inflate to gigabytes, of which only as much as a scene is read", async () => {
     expect(await kind(address(new Uint8Array(4_000_000)))).toBe("damaged");
     const scene = someScene();
     for (const light of scene.lights) light.name = " ".repeat(1_000_000);

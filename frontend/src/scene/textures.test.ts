@@ -17,7 +17,7 @@ import { refused, someScene } from "./testing";
 const bytes = (n: number) => new Uint8Array(n).fill(7);
 
 describe("textures of lights", () => {
-  it("are put on any light and taken off again", () => {
+  it("can be set and removed on any light", () => {
     someScene().lights.forEach((_, i) => {
       const scene = setTexture(someScene(), i, bytes(100));
       const light = scene.lights[i];
@@ -29,7 +29,7 @@ describe("textures of lights", () => {
     expect(setTexture(someScene(), 99, bytes(1))).toEqual(someScene());
   });
 
-  it("all of a scene's go into one message", () => {
+  it("of a scene fit into one message together", () => {
     const full = setTexture(someScene(), 0, bytes(mostTextureBytes - 10));
     expect(textureFits(full, 1, 10)).toBe(true);
     expect(textureFits(full, 1, 11)).toBe(false);
@@ -37,7 +37,7 @@ describe("textures of lights", () => {
     expect(textureFits(full, 0, mostTextureBytes)).toBe(true); // in the place of its own
   });
 
-  it("those made here have light and shade, and a sky's are twice as wide as high", () => {
+  it("have light and dark parts, and those of a sky are twice as wide as high", () => {
     for (const name of [...lampTextures, ...skyTextures]) {
       const { width, height, rgba } = texturePixels(name);
       expect(width).toBe((skyTextures as readonly string[]).includes(name) ? 2 * height : height);
@@ -48,14 +48,14 @@ describe("textures of lights", () => {
     }
   });
 
-  it("the sky is bright above, and a sky has those of a sky", () => {
+  it("are bright above for a sky, which offers only sky patterns", () => {
     const { width, height, rgba } = texturePixels("horizon");
     expect(rgba[0]).toBeGreaterThan(200);
     expect(rgba[4 * width * (height - 1)]).toBeLessThan(60);
     for (const light of someScene().lights) expect(textureNames(light)).toBe(isSky(light) ? skyTextures : lampTextures);
   });
 
-  it("one's own keeps its shape", () => {
+  it("keep the shape of the user's own image", () => {
     expect(fitted(4000, 1000, 128)).toEqual({ width: 128, height: 32 });
     expect(fitted(20, 10, 128)).toEqual({ width: 20, height: 10 });
     expect(fitted(10_000, 3, 128)).toEqual({ width: 128, height: 1 });

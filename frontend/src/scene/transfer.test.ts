@@ -30,7 +30,7 @@ describe("points of a channel", () => {
     expect(values(movePoint(someScene(), 1, 1, { value: -99_999 }))).toEqual([180, 181, 3072]);
   });
 
-  it("where they stand closer than a value, they keep their order", () => {
+  it("keep their order if they are less than one value apart", () => {
     const close = shifted(transferOf(someScene()), 0);
     const points = [0, 0.25, 0.5].map((value, i) => ({
       ...(close.channels[0]?.opacity[i] ?? { $typeName: "diaphane.v1.OpacityPoint" as const, opacity: 0 }),
@@ -45,7 +45,7 @@ describe("points of a channel", () => {
     expect(moved[1]).toBeLessThan(0.5);
   });
 
-  it("are added on the curve and taken away again, and two always stay", () => {
+  it("can be added on the curve and removed, except for the last two", () => {
     const scene = someScene();
     const added = addPoint(scene, 1, 300);
     expect(added?.index).toBe(1);
@@ -55,11 +55,11 @@ describe("points of a channel", () => {
     expect(removePoint(two, 1, 0)).toBe(two);
   });
 
-  it("are not added where there is one, or where no number is", () => {
+  it("are not added where one exists or at an invalid value", () => {
     for (const value of [180, 180.4, NaN, Infinity, 1e12]) expect(addPoint(someScene(), 1, value)).toBeNull();
   });
 
-  it("beyond the ends a channel is closed, within it is a line", () => {
+  it("form lines between them and close the channel beyond the ends", () => {
     const [, bone] = channelsOf(someScene());
     expect(bone && [179.9, 180, 300, 420, 3072, 3073].map((v) => Number(opacityAt(bone, v).toFixed(6)))).toEqual([
       0, 0, 0.5, 1, 1, 0,
@@ -67,20 +67,20 @@ describe("points of a channel", () => {
     expect(bone && roomiestValue(bone)).toBe(1746);
   });
 
-  it("have limits that a person can be told", () => {
+  it("have finite limits", () => {
     const [muscle] = channelsOf(someScene());
     expect(muscle && pointLimits(muscle, 1)).toEqual({ low: 6, high: 259 });
   });
 });
 
 describe("the whole function", () => {
-  it("shifts by as much, and back again", () => {
+  it("shifts by the given distance and back again", () => {
     const transfer = transferOf(someScene());
     expect(shifted(shifted(transfer, 123), -123)).toEqual(transfer);
     expect(shifted(transfer, 100).channels[1]?.opacity[0]?.value).toBe(280);
   });
 
-  it("keeps a channel, and adds them in colours of their own", () => {
+  it("keeps at least one channel, and adds channels in new colours", () => {
     let scene = someScene();
     for (let i = 0; i < 100; i++) scene = addChannel(scene, "new", { low: -1000, high: 3000 });
     expect(channelsOf(scene).length).toBe(64);
@@ -88,11 +88,11 @@ describe("the whole function", () => {
     expect(channelsOf(scene).length).toBe(1);
   });
 
-  it("is shown with all of its points and all of the volume's values", () => {
+  it("is shown with all its points and all values of the volume", () => {
     expect(shownRange(transferOf(someScene()), -1024, 2000)).toEqual({ low: -1024, high: 3072 });
   });
 
-  it("comes back as it was by the reset of its part, and nothing else with it", () => {
+  it("is reset together with its part of the scene, and nothing else is", () => {
     const begun = someScene();
     const changed = { ...setMaterial(begun, 0, { name: "flesh", disabled: true }), bounces: 4 };
     const back = resetPart(changed, begun, "look");
@@ -107,7 +107,7 @@ describe("the whole function", () => {
 });
 
 describe("the histogram", () => {
-  it("air does not press all else to the ground, where heights are even", () => {
+  it("is not dwarfed by the air on the linear scale", () => {
     expect(heights([1_000_000, 10, 5, 0], false)).toEqual([1, 1, 0.5, 0]);
     expect(heights([0, 0], false)).toEqual([0, 0]);
     expect(heights([], true)).toEqual([]);
@@ -115,16 +115,16 @@ describe("the histogram", () => {
     expect(log[1]).toBeCloseTo(0.5, 3);
   });
 
-  it("stands where its values are, also when more than them is shown", () => {
+  it("is at its values, also if the shown range is larger", () => {
     const line = outline({ minimum: 0, width: 10, counts: [4, 2] }, { low: -20, high: 80 }, 100, 50, true);
     expect(line.split(" ")[0]).toBe("20.0,50");
     expect(line.split(" ").at(-1)).toBe("40.0,50");
   });
 });
 
-describe("what a person types", () => {
+describe("a typed number", () => {
   const limits = { low: -10, high: 100 };
-  it("is a number within the limits, or nothing", () => {
+  it("is a number within the limits, or null", () => {
     expect(["5", " 7,5 ", "\u22123", "1e1", ".5", "100"].map((text) => typedNumber(text, limits))).toEqual([
       5, 7.5, -3, 10, 0.5, 100,
     ]);
@@ -132,7 +132,7 @@ describe("what a person types", () => {
       expect(typedNumber(text, limits)).toBeNull();
   });
 
-  it("is said back shortly", () => {
+  it("is formatted as short as possible", () => {
     expect([0.1 + 0.2, -0.00001, 12345.678, 300, -0].map((n) => shortNumber(n))).toEqual([
       "0.3",
       "-0.00001",
@@ -144,12 +144,12 @@ describe("what a person types", () => {
 });
 
 describe("a colour", () => {
-  it("is on the screen what it was chosen as", () => {
+  it("is shown as it was chosen", () => {
     for (const hex of ["#000000", "#ffffff", "#0c6a73", "#010203", "#fe8040"]) expect(hexOf(rgbOf(hex))).toBe(hex);
     expect(hexOf(rgb(40, 20, 0))).toBe("#ffff00");
   });
 
-  it("of a light keeps its strength when its hue changes", () => {
+  it("keeps the strength of a light when its hue changes", () => {
     const red = withHue(rgb(40, 38, 36), rgb(1, 0, 0));
     expect([red.r, red.g, red.b]).toEqual([40, 0, 0]);
     expect(hueOf(rgb(0, 0, 0))).toEqual(rgb(1, 1, 1));

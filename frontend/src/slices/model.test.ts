@@ -26,7 +26,7 @@ describe("the slices of a scan", () => {
     return slices;
   };
 
-  it("are asked for only while they are seen", () => {
+  it("are requested only while they are visible", () => {
     const slices = begun();
     expect(frame()).toBeUndefined();
     slices.open.value = true;
@@ -37,14 +37,14 @@ describe("the slices of a scan", () => {
     slices.maximise("coronal");
     expect(slices.view.value).toBe("four");
   });
-  it("go through one place", () => {
+  it("all contain the crosshair", () => {
     const slices = begun();
     slices.pointAt(axial, vec3(-0.6, 0.8, 100));
     expect([axial, sagittal, coronal].map((stack) => slices.index(stack))).toEqual([4, 2, 2]);
     slices.step(axial, 1, -1);
     expect([axial, sagittal, coronal].map((stack) => slices.index(stack))).toEqual([4, 3, 1]);
   });
-  it("come one at a time on a narrow page, and the picture is not asked for behind them", () => {
+  it("are shown one at a time on a narrow page, without requesting the picture behind them", () => {
     const slices = begun();
     slices.narrow.value = true;
     slices.open.value = true;
@@ -65,7 +65,7 @@ describe("the slices of a scan", () => {
     expect(slices.window.value).toEqual({ centre: 40, width: 400 });
     expect(slices.index(axial)).toBe(2);
   });
-  it("are neither asked for nor shown while they are not allowed", () => {
+  it("are neither requested nor shown without permission", () => {
     const slices = new Slices((lacking) => asked.push(lacking));
     slices.configured([axial, sagittal, coronal], header);
     slices.open.value = true;
@@ -79,7 +79,7 @@ describe("the slices of a scan", () => {
     expect(slices.open.value).toBe(false);
     expect(slices.view.value).toBe("picture");
   });
-  it("are asked for again once something else is cut away", () => {
+  it("are requested again after the clip has changed", () => {
     const slices = begun();
     slices.open.value = true;
     frame();
@@ -87,7 +87,7 @@ describe("the slices of a scan", () => {
     slices.stale();
     expect(frame()).toEqual(["axial 2", "sagittal 3", "coronal 2"]);
   });
-  it("are shown to somebody who is not told the volume's hash", () => {
+  it("are shown to viewers who do not get the volume's hash", () => {
     const slices = new Slices((lacking) => asked.push(lacking));
     slices.configured([axial, sagittal, coronal], { ...header, contentHash: "" });
     slices.allow("clipped");

@@ -15,7 +15,7 @@ const at = (x: number, y: number, more: Partial<PointerSample> = {}): PointerSam
 const finger = (id: number, x: number, y: number) => at(x, y, { id, touch: true });
 
 describe("gestures on a slice", () => {
-  it("drag with the tool from where they began, or tap", () => {
+  it("use the tool from where the drag began, or tap", () => {
     const gestures = new SliceGestures();
     expect(gestures.down(at(10, 10))).toEqual([]);
     expect(gestures.move(at(12, 10))).toEqual([]);
@@ -29,14 +29,14 @@ describe("gestures on a slice", () => {
     gestures.move(at(31, 31));
     expect(gestures.up(1)).toMatchObject([{ kind: "tap" }]);
   });
-  it("with Shift move the crosshair, held or not; without only look", () => {
+  it("with Shift move the crosshair, and without it only report the pointer", () => {
     const gestures = new SliceGestures();
     expect(gestures.move(at(5, 6, { shift: true }))).toEqual([{ kind: "cross", at: { x: 5, y: 6 } }]);
     expect(gestures.move(at(7, 8))).toEqual([]);
     expect(gestures.down(at(7, 8, { shift: true }))).toEqual([{ kind: "cross", at: { x: 7, y: 8 } }]);
     expect(gestures.move(at(9, 8))).toEqual([{ kind: "cross", at: { x: 9, y: 8 } }]);
   });
-  it("move it with the middle button and zoom with the right one", () => {
+  it("pan with the middle button and zoom with the right one", () => {
     const gestures = new SliceGestures();
     gestures.down(at(0, 0, { button: 1 }));
     expect(gestures.move(at(3, -2))).toEqual([{ kind: "pan", by: { x: 3, y: -2 } }]);
@@ -45,7 +45,7 @@ describe("gestures on a slice", () => {
     const [zoom] = gestures.move(at(50, 20));
     expect(zoom?.kind === "zoom" && zoom.factor).toBeGreaterThan(1);
   });
-  it("of two fingers move and zoom, and no tool is used before or after", () => {
+  it("with two fingers pan and zoom, without using the tool before or after", () => {
     const gestures = new SliceGestures();
     gestures.down(finger(1, 100, 100));
     gestures.down(finger(2, 200, 100));
@@ -57,7 +57,7 @@ describe("gestures on a slice", () => {
     expect(gestures.move(finger(1, 150, 150))).toEqual([]);
     expect(gestures.up(1)).toEqual([]);
   });
-  it("of three scroll, by a slice for each 12 pixels", () => {
+  it("with three fingers scroll one slice per 12 pixels", () => {
     const gestures = new SliceGestures();
     for (const id of [1, 2, 3]) gestures.down(finger(id, 100 * id, 100));
     const actions = [1, 2, 3].flatMap((id) => gestures.move(finger(id, 100 * id, 130)));
@@ -69,7 +69,7 @@ describe("gestures on a slice", () => {
 });
 
 describe("a wheel", () => {
-  it("turns by a slice a click, however its steps are told, and adds small ones up", () => {
+  it("scrolls one slice per step in any unit, and adds up small steps", () => {
     const wheel = new Wheel();
     expect([wheel.slices(3, 1), wheel.slices(-1, 2), wheel.slices(120, 0), wheel.slices(1e9, 0)]).toEqual([
       1, -1, 1, 1,

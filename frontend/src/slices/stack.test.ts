@@ -3,28 +3,28 @@ import { vec3 } from "../input/vec3";
 import { edgesOf, heldWithin, inSlice, isInside, pixelOf, placeOf, saidPlace, sideOf, spotOf } from "./stack";
 import { axial, coronal, sagittal } from "./testing";
 
-describe("a place", () => {
-  it("is found again in every plane", () => {
+describe("a point", () => {
+  it("maps to a pixel and back in every plane", () => {
     const place = vec3(1.5, -1, 3);
     for (const stack of [axial, coronal, sagittal]) expect(placeOf(stack, spotOf(stack, place))).toEqual(place);
     expect(pixelOf(axial, place)).toEqual({ column: 4, row: 1, slice: 3 });
     expect(pixelOf(coronal, place)).toEqual({ column: 4, row: 1, slice: 1 });
     expect(pixelOf(sagittal, place)).toEqual({ column: 1, row: 1, slice: 4 });
   });
-  it("outside is held at the border, and moves to another slice without moving in it", () => {
+  it("outside is limited to the edge, and keeps its position when it moves to another slice", () => {
     expect(heldWithin(axial, vec3(100, -100, 0))).toEqual(vec3(2.5, -3, 0));
     expect(inSlice(axial, vec3(0.25, 0.5, 0), 4)).toEqual(vec3(0.25, 0.5, 6));
     expect(inSlice(axial, vec3(0, 0, 0), 77).z).toBe(6);
     expect(inSlice(axial, vec3(0, 0, 0), -1).z).toBe(-6);
   });
-  it("is said by the sides of the patient", () => {
+  it("is described by the sides of the patient", () => {
     expect(saidPlace(vec3(-2, 3, -4.5))).toEqual([
       { side: "R", mm: 2 },
       { side: "P", mm: 3 },
       { side: "I", mm: 4.5 },
     ]);
   });
-  it("lies in a turned box or not", () => {
+  it("is inside or outside a rotated box", () => {
     const c = Math.SQRT1_2;
     const box = { size: [10, 10, 2], spacing: [1, 1, 1], direction: [c, -c, 0, c, c, 0, 0, 0, 1] };
     expect(isInside(box, vec3(7, 0, 0))).toBe(true);
@@ -34,7 +34,7 @@ describe("a place", () => {
 });
 
 describe("the letters", () => {
-  it("are those of the radiological convention", () => {
+  it("follow the radiological convention", () => {
     expect(edgesOf(axial)).toEqual({ left: "R", right: "L", top: "A", bottom: "P" });
     expect(edgesOf(coronal)).toEqual({ left: "R", right: "L", top: "S", bottom: "I" });
     expect(edgesOf(sagittal)).toEqual({ left: "A", right: "P", top: "S", bottom: "I" });

@@ -37,20 +37,20 @@ const coming = (seq: number, index: number, more: Partial<Coming> = {}): Coming 
 });
 
 describe("a slice's bytes", () => {
-  it("come back as they were", async () => {
+  it("are decoded to the original values", async () => {
     const values = [-32768, 32767, 0, 5, -1, 300];
     expect([...valuesOf(coded(values), 3, 2)]).toEqual(values);
     const zipped = new Blob([coded(values)]).stream().pipeThrough(new CompressionStream("deflate"));
     const data = new Uint8Array(await new Response(zipped).arrayBuffer());
     expect([...valuesOf(await inflate(data), 3, 2)]).toEqual(values);
   });
-  it("of another size are none", () => {
+  it("are invalid if they have another size", () => {
     expect(() => valuesOf(new Uint8Array(7), 2, 2)).toThrow();
   });
 });
 
-describe("the slices that are kept", () => {
-  it("are requested once per picture, the newest alone, and acknowledged when they come", async () => {
+describe("the slice store", () => {
+  it("requests only the newest slice once per screen refresh, and acknowledges it", async () => {
     const { store, asked, came, frame } = world();
     for (const index of [1, 2, 3]) store.show("axial", index);
     store.show("coronal", 7);
@@ -70,7 +70,7 @@ describe("the slices that are kept", () => {
     frame();
     expect(asked[1]).toEqual({ lacking: [{ plane: "coronal", index: 7 }], taken: 1n });
   });
-  it("are not asked for again while they are there", async () => {
+  it("does not request cached slices again", async () => {
     const { store, asked, frame } = world();
     store.show("axial", 3);
     frame();
@@ -81,7 +81,7 @@ describe("the slices that are kept", () => {
     frame();
     expect(asked.at(-1)?.lacking).toEqual([]);
   });
-  it("are requested again after a lost connection, and what the old one still sends is dropped", async () => {
+  it("requests slices again after a lost connection, and drops those of the old one", async () => {
     let go: (data: Uint8Array<ArrayBuffer>) => void = () => undefined;
     const { store, asked, came, frame } = world(() => new Promise((resolve) => (go = resolve)));
     store.show("axial", 3);
@@ -94,7 +94,7 @@ describe("the slices that are kept", () => {
     frame();
     expect(asked.at(-1)).toEqual({ lacking: [{ plane: "axial", index: 3 }], taken: 0n });
   });
-  it("that come damaged are said to be, and not asked for without end", async () => {
+  it("reports a damaged slice and does not request it endlessly", async () => {
     const { store, asked, frame, damaged } = world();
     store.show("axial", 3);
     frame();
@@ -103,7 +103,7 @@ describe("the slices that are kept", () => {
     expect(damaged()).toBe(1);
     expect(asked.at(-1)?.lacking).toEqual([]);
   });
-  it("are bounded, and what is shown stays", async () => {
+  it("limits its cache and keeps the visible slices", async () => {
     const { store } = world(() => Promise.resolve(new Uint8Array(mostBytes / 2)));
     store.show("axial", 0);
     const half = { columns: mostBytes / 4, rows: 1 };

@@ -4,12 +4,12 @@ import { bounded, dragged, firstWindow, greyOf, shade, tableOf } from "./window"
 const window = { centre: 40, width: 400 };
 
 describe("a window", () => {
-  it("is black below, white above, and linear between", () => {
+  it("maps values below it to black, above it to white, and linearly between", () => {
     expect([-5000, -160, -60, 40, 140, 240, 5000].map((value) => greyOf(value, window))).toEqual([
       0, 0, 64, 128, 191, 255, 255,
     ]);
   });
-  it("has in its table what the formula says, for every value", () => {
+  it("gives the same result in its table as in its formula, for every value", () => {
     const table = tableOf(window);
     const wrong = Array.from({ length: 65536 }, (_, i) => i - 32768).filter(
       (value) => table[value & 0xffff] !== ((255 << 24) | (greyOf(value, window) * 0x10101)) >>> 0,
@@ -19,12 +19,12 @@ describe("a window", () => {
     shade(new Int16Array([-32768, 40, 32767]), table, pixels);
     expect([...pixels]).toEqual([0xff000000, 0xff808080, 0xffffffff]);
   });
-  it("widens to the right, goes down with the hand, and stays a window", () => {
+  it("widens when dragged to the right, moves down when dragged down, and stays valid", () => {
     expect(dragged(window, 0.1, 0.2, 1000)).toEqual({ centre: -160, width: 500 });
     expect(dragged(window, -9, 0, 1000).width).toBe(1);
     expect(bounded({ centre: 1e9, width: 1e9 })).toEqual({ centre: 32767, width: 65535 });
   });
-  it("begins as the scan says, else with nearly all values", () => {
+  it("starts with the scan's own values, or else covers nearly all values", () => {
     const header = {
       windowCenter: 50,
       windowWidth: 300,

@@ -19,27 +19,27 @@ function texts(value: unknown, path = ""): [string, string][] {
 }
 
 describe("the German catalogue", () => {
-  it("has the keys of the English one, also where the keys are data", () => {
+  it("has the same keys as the English one, also where the keys are data", () => {
     expect(shape(de)).toEqual(shape(en));
   });
-  it("leaves no text empty that says something", () => {
+  it("has no empty text where English has one", () => {
     const said = new Map(texts(en));
     expect(texts(de).filter(([path, text]) => (text.trim() === "") !== ((said.get(path) ?? "").trim() === ""))).toEqual(
       [],
     );
   });
-  it("is German: a sentence that is the same in both was forgotten", () => {
+  it("contains no sentence that is still English", () => {
     const said = new Map(texts(en));
     expect(texts(de).filter(([path, text]) => text.split(" ").length > 2 && text === said.get(path))).toEqual([]);
   });
-  it("writes numbers as Germans do, and one thing as one", () => {
+  it("formats numbers as in German, and has a singular", () => {
     expect(de.viewer.seconds(1.5)).toBe("1,5 s");
     expect(de.viewer.percent(0.0123)).toBe("1,2 %");
     expect(de.viewer.lossless(4096)).toBe("Verlustfrei, 4.096 Samples");
     expect(de.add.slices(1)).toBe("1 Schicht");
     expect(de.add.slices(12_345)).toBe("12.345 Schichten");
   });
-  it("says Sie to whom it speaks", () => {
+  it("addresses the user as Sie", () => {
     expect(texts(de).filter(([, text]) => /\b(du|dich|dir|dein|deine|deinen|deinem|deiner)\b/i.test(text))).toEqual([]);
   });
 });

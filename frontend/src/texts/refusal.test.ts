@@ -6,15 +6,15 @@ afterEach(() => loadTexts("en"));
 
 const overQuota = { code: "over_quota", text: "The 3D image of this scan takes 210 MB." };
 
-it("is the server's own sentence in English", () => {
+it("uses the server's sentence in English", () => {
   expect(refusalText(overQuota)).toBe(overQuota.text);
 });
-it("is the reason's text in another language", async () => {
+it("uses the text of the reason in another language", async () => {
   await loadTexts("de");
   expect(refusalText(overQuota)).toContain("Speicherplatz");
   expect(refusalText({ code: "values_out_of_range", text: "x" })).toContain("Werte");
 });
-it("is the sentence where the language has no text, or one that needs a number", async () => {
+it("uses the sentence if the language has no text, or one that needs a number", async () => {
   await loadTexts("de");
   expect(refusalText({ code: "internal", text: "x" })).toBe("x");
   expect(refusalText({ code: "missing_slices", text: "3 slices are missing." })).toBe("3 slices are missing.");

@@ -40,7 +40,7 @@ describe("the size of the canvas", () => {
     expect(reported).toEqual([103]);
   });
 
-  it("is reported now and then while it keeps changing", () => {
+  it("is reported from time to time while it keeps changing", () => {
     const hours = new Hours();
     const reported: number[] = [];
     const debouncer = new ResizeDebouncer({ width: 100, height: 50 }, (size) => reported.push(size.width), hours.clock);
@@ -52,7 +52,7 @@ describe("the size of the canvas", () => {
     expect(reported.length).toBeLessThanOrEqual(Math.ceil(1600 / reportedEveryMs));
   });
 
-  it("there and back is not a change, and the greeting sends the first size", () => {
+  it("is not reported if it returns to the previous one, and the greeting contains the first", () => {
     const hours = new Hours();
     const reported: number[] = [];
     const debouncer = new ResizeDebouncer({ width: 100, height: 50 }, (size) => reported.push(size.width), hours.clock);

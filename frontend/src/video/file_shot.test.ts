@@ -41,8 +41,8 @@ beforeEach(async () => {
   await world.live();
 });
 
-describe("a file to take away", () => {
-  it("is asked for with its views, by a session that renders nothing else", () => {
+describe("an exported file", () => {
+  it("is ordered with its views by a session that renders nothing else", () => {
     expect(world.cases).toEqual(["hello", "visibility", "keyView", "file"]);
     const hello = world.sent[0]?.body;
     expect(hello?.case === "hello" && hello.value.viewport).toMatchObject({ width: 16, height: 16 });
@@ -58,7 +58,7 @@ describe("a file to take away", () => {
       error: 0.05,
     });
   });
-  it("says how far it is, and is put together of its parts", async () => {
+  it("reports its progress and is assembled from its parts", async () => {
     world.say({ case: "fileProgress", value: create(FileProgressSchema, { done: 0.25 }) });
     expect(world.state).toEqual({ kind: "rendering", done: 0.25, waits: null });
     world.part(1n, "one ");
@@ -74,19 +74,19 @@ describe("a file to take away", () => {
     world.part(2n, "two");
     expect(world.sent.flatMap(({ body }) => (body.case === "fileTaken" ? [body.value.seq] : []))).toEqual([1n, 2n]);
   });
-  it("of which a part is missing is none", () => {
+  it("is discarded if a part is missing", () => {
     world.part(1n, "one ");
     world.part(3n, "three", true);
     expect(world.state).toMatchObject({ kind: "failed", trouble: "refused" });
   });
-  it("starts again with another worker", async () => {
+  it("starts again on another worker", async () => {
     world.part(1n, "old");
     world.config();
     expect(world.cases.filter((one) => one === "file")).toHaveLength(2);
     world.part(1n, "new", true);
     expect(world.state?.kind === "done" && (await world.state.file.text())).toBe("new");
   });
-  it("ends when it is given up, and says nothing after it", () => {
+  it("ends when it is cancelled, and reports nothing afterwards", () => {
     world.shot.stop();
     expect(world.state).toMatchObject({ kind: "failed", trouble: "stopped" });
     expect(world.open).toBe(false);
@@ -95,7 +95,7 @@ describe("a file to take away", () => {
     world.part(1n, "one", true);
     expect(world.states).toHaveLength(told);
   });
-  it("ends in words where it is refused", () => {
+  it("ends with a message if it is refused", () => {
     world.problem("too_many", "file");
     expect(world.state).toMatchObject({ kind: "failed", trouble: "busy" });
     const refused = new World();
@@ -110,7 +110,7 @@ describe("a file to take away", () => {
   });
 });
 
-it("a large picture is a PNG of one view", async () => {
+it("orders a large picture as a PNG of one view", async () => {
   const large = new World({ kind: "picture", keys: [someScene()], size: { width: 8192, height: 6144 }, error: 0.02 });
   await large.live();
   const file = large.sent.at(-1)?.body;
@@ -123,13 +123,13 @@ it("a large picture is a PNG of one view", async () => {
   expect(large.state?.kind === "done" && large.state.file.type).toBe("image/png");
 });
 
-it("a tour says all its views in their order", async () => {
+it("orders a tour with all its views in order", async () => {
   const tour = new World({ ...turntable, kind: "tour", keys: [someScene(), someScene(), someScene()] });
   await tour.live();
   expect(tour.sent.flatMap(({ body }) => (body.case === "keyView" ? [body.value.index] : []))).toEqual([0, 1, 2]);
 });
 
-it("for which no time is left says so and ends", async () => {
+it("reports that no rendering time is left, and ends", async () => {
   const spent = new World();
   spent.ticketSource = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
   spent.shot.start();

@@ -68,8 +68,8 @@ class Bench {
   }
 }
 
-describe("the way of a frame that stands alone", () => {
-  it("shows what comes, acknowledges each once and frees each picture", async () => {
+describe("an independent frame", () => {
+  it("is shown, acknowledged once and released", async () => {
     const bench = new Bench();
     for (const seq of [1, 2]) await bench.given(jpeg(seq));
     expect(bench.shown).toEqual([1, 2]);
@@ -77,7 +77,7 @@ describe("the way of a frame that stands alone", () => {
     expect(bench.closed).toBe(2);
   });
 
-  it("of frames that come while one is decoded only the newest waits", async () => {
+  it("waits only if it is the newest, while another is decoded", async () => {
     const bench = new Bench();
     for (const seq of [1, 2, 3, 4]) bench.pipeline.receive(jpeg(seq));
     await bench.decoded();
@@ -95,7 +95,7 @@ describe("the way of a frame that stands alone", () => {
     expect(bench.acks.get(2)).toBe("decoded");
   });
 
-  it("is shown although newer ones come faster than they can be decoded", async () => {
+  it("is shown even if newer ones arrive faster than they can be decoded", async () => {
     const bench = new Bench();
     bench.pipeline.receive(jpeg(1, 1));
     for (let seq = 2; seq < 8; seq++) {
@@ -105,7 +105,7 @@ describe("the way of a frame that stands alone", () => {
     expect(bench.shown).toEqual([1, 2, 3, 4, 5, 6]);
   });
 
-  it("is replaced by the next one where it is damaged", async () => {
+  it("is replaced by the next one if it is damaged", async () => {
     const bench = new Bench();
     bench.pipeline.receive(jpeg(1));
     bench.pipeline.receive(jpeg(2));
@@ -116,7 +116,7 @@ describe("the way of a frame that stands alone", () => {
     expect(bench.keysAsked).toBe(0);
   });
 
-  it("after a reconnection epochs restart and no older frame is shown", async () => {
+  it("is not shown after a reconnection if it is older, because epochs restart", async () => {
     const bench = new Bench();
     bench.pipeline.receive(jpeg(9, 50));
     bench.pipeline.reset();
@@ -128,8 +128,8 @@ describe("the way of a frame that stands alone", () => {
   });
 });
 
-describe("the way of a frame that builds on others", () => {
-  it("no frame is left out before the decoder, whatever else waits", async () => {
+describe("a chained frame", () => {
+  it("always reaches the decoder, whatever else waits", async () => {
     const bench = new Bench();
     for (const seq of [1, 2, 3]) bench.pipeline.receive(h264(seq, seq));
     expect(bench.fed).toEqual([1, 2, 3]);
@@ -138,7 +138,7 @@ describe("the way of a frame that builds on others", () => {
     expect(bench.queues).toEqual([2, 1, 0]);
   });
 
-  it("a queue that grows is left out up to the next key frame, which is asked for once", async () => {
+  it("is skipped up to the next key frame, requested once, if the queue grows too long", async () => {
     const bench = new Bench();
     for (let seq = 1; seq <= longestQueue + 3; seq++) bench.pipeline.receive(h264(seq));
     await bench.rest();
@@ -152,7 +152,7 @@ describe("the way of a frame that builds on others", () => {
     expect(bench.made).toBe(2);
   });
 
-  it("a decoder that fails is replaced, and a key frame restarts the stream", async () => {
+  it("gets a new decoder after a failure, starting with a key frame", async () => {
     const bench = new Bench();
     await bench.given(h264(1));
     await bench.given(h264(2), false);
@@ -165,7 +165,7 @@ describe("the way of a frame that builds on others", () => {
     expect(bench.givenUp).toEqual([]);
   });
 
-  it("a codec that fails for the third time in a row is given up", async () => {
+  it("makes its codec be given up after three failures in a row", async () => {
     const bench = new Bench();
     for (let n = 1; n <= mostFailures; n++) {
       expect(bench.givenUp).toEqual([]);
@@ -175,7 +175,7 @@ describe("the way of a frame that builds on others", () => {
     expect(bench.givenUp).toEqual([Codec.H264]);
   });
 
-  it("failures far from each other are forgiven", async () => {
+  it("may fail now and then", async () => {
     const bench = new Bench();
     for (let n = 0, seq = 1; n < 2 * mostFailures; n++) {
       for (let m = 0; m < forgottenAfter; m++) await bench.given(h264(seq++, 1, m === 0));
@@ -184,7 +184,7 @@ describe("the way of a frame that builds on others", () => {
     expect(bench.givenUp).toEqual([]);
   });
 
-  it("a codec that is not known here is given up too", () => {
+  it("of an unknown codec makes that be given up, too", () => {
     const bench = new Bench();
     for (let seq = 1; seq <= mostFailures; seq++)
       bench.pipeline.receive(create(FrameSchema, { codec: Codec.MPEG1, seq: BigInt(seq) }));

@@ -45,8 +45,8 @@ class Bench {
   });
 }
 
-describe("the lossless end", () => {
-  it("is shown all at once, when the last tile has come, in whatever order", async () => {
+describe("the lossless picture", () => {
+  it("appears at once when the last tile has arrived, in any order", async () => {
     const bench = new Bench();
     for (const tile of [2, 0]) await bench.end.receive(still(tile, 3));
     expect(bench.shown).toEqual([]);
@@ -58,7 +58,7 @@ describe("the lossless end", () => {
     expect(bench.acks).toEqual([3, 1, 2]);
   });
 
-  it("a tile that is not what its hash says is told once, and nothing is shown", async () => {
+  it("is not shown if a tile does not match its hash, which is reported once", async () => {
     const bench = new Bench();
     const wrong = still(1, 2);
     wrong.data = new Uint8Array([7]);
@@ -70,7 +70,7 @@ describe("the lossless end", () => {
     expect(bench.acks).toHaveLength(2);
   });
 
-  it("one level of one colour is enough to be found", async () => {
+  it("is refused if one level of one colour differs", async () => {
     const bench = new Bench();
     const nearly = rgbOf(pixels(0));
     nearly[5] = (nearly[5] ?? 0) + 1;
@@ -78,7 +78,7 @@ describe("the lossless end", () => {
     expect(bench.damaged).toBe(1);
   });
 
-  it("a newer epoch forgets the tiles, also those that are being checked", async () => {
+  it("is discarded by a newer epoch, also while tiles are being verified", async () => {
     const bench = new Bench();
     await bench.end.receive(still(0, 2));
     const late = bench.end.receive(still(1, 2));
@@ -92,7 +92,7 @@ describe("the lossless end", () => {
     expect(bench.end.shows(2n)).toBe(true);
   });
 
-  it("tiles that leave a gap, or are of another size than the canvas, are refused", async () => {
+  it("is refused if its tiles leave a gap or do not have the size of the canvas", async () => {
     const gap = new Bench();
     for (const tile of [0, 2]) await gap.end.receive(create(StillSchema, { ...still(tile, 2) }));
     expect(gap.shown).toEqual([]);
@@ -103,7 +103,7 @@ describe("the lossless end", () => {
     expect(other.damaged).toBe(0);
   });
 
-  it("after a reconnection epochs restart", async () => {
+  it("restarts its epochs after a reconnection", async () => {
     const bench = new Bench();
     await bench.end.receive(still(0, 1, 50));
     bench.end.reset();

@@ -129,7 +129,7 @@ describe("a streamed picture", () => {
     expect(store.curve.value).toHaveLength(1);
   });
 
-  it("after reset, epochs may start again from one", async () => {
+  it("may restart its epochs from one after a reset", async () => {
     await show(frame(9, 50));
     store.reset();
     await show(frame(1, 1));
@@ -154,7 +154,7 @@ describe("convergence", () => {
     expect(store.converged.value).toBe(true);
   });
 
-  it("is taken back when the server says that none has converged, or by a new configuration", async () => {
+  it("ends when the server says that no epoch has converged, or with a new configuration", async () => {
     await show(frame(1));
     store.setConverged(1);
     store.setConverged(null);
@@ -214,7 +214,7 @@ describe("the lossless picture", () => {
     expect(store.picture.value?.samples).toBe(10);
   });
 
-  it("a damaged tile is reported, and the streamed picture stays", async () => {
+  it("is replaced by the streamed picture if a tile is damaged, which is reported", async () => {
     await show(frame(1));
     await showLossless(tile(1, { hash: new Uint8Array(32) }));
     expect(damaged).toBe(1);

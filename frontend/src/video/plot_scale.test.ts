@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { plotOf, withPoint } from "./plot_scale";
 
 describe("the plot of error against time", () => {
-  it("an error that falls with the square root of time is a straight line", () => {
+  it("is a straight line if the error falls with the square root of time", () => {
     const points = [1, 4, 16, 64].map((seconds) => ({ seconds, error: 0.5 / Math.sqrt(seconds) }));
     const way =
       plotOf(points, 190, 74)
@@ -25,7 +25,7 @@ describe("the plot of error against time", () => {
     for (const { at } of plot?.horizontal ?? []) expect(at >= -1e-9 && at <= 74 + 1e-9).toBe(true);
     expect(plot?.vertical).toHaveLength(4);
   });
-  it("does not go back in time for a picture that was tone-mapped faster than the one before", () => {
+  it("does not go back in time for a picture that was tone-mapped faster than the previous one", () => {
     const told = [
       { seconds: 2, error: 0.3 },
       { seconds: 1.5, error: 0.2 },
@@ -39,7 +39,7 @@ describe("the plot of error against time", () => {
       { seconds: 3, error: 0.1 },
     ]);
   });
-  it("has nothing to say of one point, or of errors that are not known", () => {
+  it("is empty for a single point or unknown errors", () => {
     expect(plotOf([{ seconds: 1, error: 0.1 }], 190, 74)).toBeNull();
     expect(
       plotOf(

@@ -86,7 +86,7 @@ describe("SceneEditor.change", () => {
     expect(editor.steps.value.past).toHaveLength(1);
   });
 
-  it("makes one step of everything that a hand does until it rests", () => {
+  it("combines all edits of a drag into one step", () => {
     begin();
     for (const value of [2, 3, 4]) editor.change("density", denser(value), true);
     editor.rest();
@@ -148,7 +148,7 @@ describe("undo and redo", () => {
     expect(sent.map(({ rest }) => rest)).toEqual([false, true, true]);
   });
 
-  it("a new edit discards the undone steps", () => {
+  it("discard the undone steps after a new edit", () => {
     begin();
     editor.change("density", denser(2));
     editor.undo();
@@ -165,7 +165,7 @@ describe("undo and redo", () => {
 });
 
 describe("the camera", () => {
-  it("is moved by a gesture, and reset to where the session began", () => {
+  it("moves with a gesture, and can be reset to the start of the session", () => {
     begin();
     const first = editor.scene.value && cameraOf(editor.scene.value);
     editor.act(orbit);
@@ -192,7 +192,7 @@ describe("presets", () => {
     expect(density(editor)).toBe(1.1);
   });
 
-  it("the active one is the one whose look the scene has, from wherever it is seen", () => {
+  it("are active if the scene has their look, from any camera", () => {
     begin(someScene(), [preset("bone"), glass()]);
     editor.act(orbit);
     expect(editor.activePreset()?.name).toBe("bone");
@@ -202,7 +202,7 @@ describe("presets", () => {
     expect(editor.activePreset()).toBeNull();
   });
 
-  it("beginWith shows a look from its own camera and is not an undo step", () => {
+  it("start with their own camera by beginWith, which is not an undo step", () => {
     begin();
     editor.act(orbit);
     const steps = editor.steps.value.past.length;

@@ -62,14 +62,14 @@ beforeEach(async () => {
   await world.live();
 });
 
-describe("a picture to take away", () => {
-  it("asks for the scene as it was and for its own size", () => {
+describe("an exported picture", () => {
+  it("requests the given scene in its own size", () => {
     const hello = world.sent.find(({ body }) => body.case === "hello")?.body;
     expect(hello?.case === "hello" && hello.value.viewport).toMatchObject(size);
     const scene = world.sent.find(({ body }) => body.case === "scene")?.body;
     expect(scene?.case === "scene" && scene.value.scene?.lights.length).toBe(someScene().lights.length);
   });
-  it("says how far it is, and takes the first frame that is good enough", async () => {
+  it("reports its progress, and uses the first frame that is good enough", async () => {
     await world.frame(0.04);
     expect(world.state).toEqual({ kind: "rendering", done: 0.25, waits: null });
     expect(world.drawn).toEqual([]);
@@ -80,28 +80,28 @@ describe("a picture to take away", () => {
     await world.frame(0.018);
     expect(world.drawn).toEqual(["32 x 16"]);
   });
-  it("takes no frame of the session's first look, or of another size", async () => {
+  it("ignores frames of the session's initial scene or of another size", async () => {
     await world.frame(0.001, { inputSeq: 0n });
     await world.frame(0.001, { width: 16, height: 8 });
     expect(world.drawn).toEqual([]);
   });
-  it("acknowledges every frame, so that more come", async () => {
+  it("acknowledges every frame, so that more arrive", async () => {
     await world.frame(0.5);
     await world.frame(0.001, { width: 16 });
     expect(world.sent.filter(({ body }) => body.case === "ack")).toHaveLength(2);
   });
-  it("ends when it is given up", () => {
+  it("ends when it is cancelled", () => {
     world.shot.stop();
     expect(world.state).toMatchObject({ kind: "failed", trouble: "stopped" });
     expect(world.open).toBe(false);
   });
-  it("ends in the renderer's words where it refuses the scene", () => {
+  it("ends with the renderer's message if it refuses the scene", () => {
     world.say({ case: "problem", value: create(ProblemSchema, { message: "Too many lights." }) });
     expect(world.state).toEqual({ kind: "failed", trouble: "refused_scene", said: "Too many lights." });
   });
 });
 
-it("that is to be lossless waits for its tiles, whatever the frames before say", async () => {
+it("waits for its tiles if it is to be lossless", async () => {
   const exact = new World(0);
   await exact.live();
   await exact.frame(0.009);
@@ -127,7 +127,7 @@ it("that is to be lossless waits for its tiles, whatever the frames before say",
   expect(exact.state).toEqual({ kind: "done", samples: 500, error: 0.009, lossless: true });
 });
 
-it("for which no time is left says so and ends", async () => {
+it("reports that no rendering time is left, and ends", async () => {
   const spent = new World(0.02);
   spent.ticketSource = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
   spent.shot.start();
@@ -135,7 +135,7 @@ it("for which no time is left says so and ends", async () => {
   expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });
 });
 
-it("for which no renderer is free waits, and says so", async () => {
+it("reports that it waits for a free renderer", async () => {
   const busy = new World(0.02);
   busy.ticketSource = () => Promise.resolve({ ok: false, trouble: "no_worker", final: false });
   busy.shot.start();
@@ -143,7 +143,7 @@ it("for which no renderer is free waits, and says so", async () => {
   expect(busy.state).toEqual({ kind: "rendering", done: null, waits: "no_worker" });
 });
 
-it("is done by as much as its noise has fallen", () => {
+it("measures its progress by the noise", () => {
   expect(partDone(0.04, 0.02)).toBe(0.25);
   expect(partDone(0.01, 0.02)).toBe(1);
   expect([partDone(Infinity, 0.02), partDone(NaN, 0.02), partDone(0, 0.02)]).toEqual([null, null, null]);

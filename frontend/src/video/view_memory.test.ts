@@ -10,8 +10,8 @@ const store = {
   setItem: (key: string, value: string) => void kept.set(key, value),
 };
 
-describe("where one was", () => {
-  it("comes back as it was, for its data set alone", () => {
+describe("the remembered view", () => {
+  it("is restored for its data set only", () => {
     const scene = create(SceneSchema, {
       camera: { eye: { x: 1, y: -500.25, z: 3 }, target: {}, up: { z: 1 }, verticalFovDegrees: 30 },
     });
@@ -22,7 +22,7 @@ describe("where one was", () => {
     expect(back.begun).toEqual(back.scene);
     expect(rememberedView(store, "b")).toEqual({ session_id: null, scene: null, begun: null, input_seq: 0 });
   });
-  it("is forgotten without a word where nothing may be kept", () => {
+  it("is silently lost if the browser stores nothing", () => {
     const full = {
       getItem: () => null,
       setItem: () => {
@@ -31,7 +31,7 @@ describe("where one was", () => {
     };
     expect(() => rememberView(full, "a", { session_id: "s", scene: null, begun: null, input_seq: 1 })).not.toThrow();
   });
-  it("is nothing when it is damaged or of another version", () => {
+  it("is ignored if it is damaged or of another version", () => {
     for (const text of ["{", "[]", '{"scene":"{\\"wings\\":2}"}', '{"session_id":5,"input_seq":"x"}']) {
       kept.set("diaphane.view.a", text);
       expect(rememberedView(store, "a")).toEqual({ session_id: null, scene: null, begun: null, input_seq: 0 });

@@ -8,7 +8,7 @@ function studio(r: number, g: number, b: number): [number, number, number] {
 }
 
 describe("MPEG-1's colours", () => {
-  it("come back within what their rounding to whole levels costs", () => {
+  it("are accurate within the rounding to whole levels", () => {
     // Half a level of luma is 0.58 of 255, half a level of a colour plane at most 1.01 (blue), and the result is rounded.
     const most = 0.58 + 1.01 + 0.5;
     for (const colour of [
@@ -36,7 +36,7 @@ describe("MPEG-1's colours", () => {
     }
   });
 
-  it("the planes are larger than the picture, and each colour sample stands for four pixels", () => {
+  it("apply to four pixels each, from planes that are larger than the picture", () => {
     const stride = 16;
     const y = new Uint8ClampedArray(stride * 16).map((_, n) =>
       n % stride < 5 && n < 3 * stride ? 16 + 10 * Math.floor(n / stride) : 235,

@@ -3,7 +3,7 @@ import { loadTexts } from "../texts";
 import { bytesText, dateText, dicomDateText, numberText } from "./format";
 
 describe("texts of numbers", () => {
-  it("bytes are counted as discs are", () => {
+  it("use decimal units for bytes", () => {
     expect([0, 999, 1000, 14_512_128, 2e10].map(bytesText)).toEqual([
       "0 bytes",
       "999 bytes",
@@ -12,7 +12,7 @@ describe("texts of numbers", () => {
       "20.0 GB",
     ]);
   });
-  it("have the decimal sign and the months of the language", async () => {
+  it("have the decimal separator and the month names of the language", async () => {
     expect([numberText(1.23456), numberText(-0.00001), numberText(12345.6), numberText(-0)]).toEqual([
       "1.235",
       "-0.00001",
@@ -25,7 +25,7 @@ describe("texts of numbers", () => {
     expect(dateText("2026-12-01T12:00:00Z")).toMatch(/^01\.12\.2026/);
     await loadTexts("en");
   });
-  it("a date of a scan is a day, whatever the time zone; something else is none", () => {
+  it("format the date of a scan independently of the time zone, and reject an invalid one", () => {
     expect(dicomDateText("19370413")).toMatch(/1937/);
     expect(dicomDateText("1937.04.13")).toBe(dicomDateText("19370413"));
     expect([dicomDateText(""), dicomDateText("yesterday")]).toEqual(["", ""]);

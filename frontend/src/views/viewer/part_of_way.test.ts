@@ -3,17 +3,17 @@ import { fullEffort } from "../../scene/effort";
 import { partOfWay } from "./part_of_way";
 
 describe("the progress of a picture", () => {
-  it("is the share of samples that it has on the way to the renderer's own end", () => {
+  it("is the fraction of the samples that the renderer needs", () => {
     expect(partOfWay({ error: 0.02, samples: 10 }, fullEffort)).toBeCloseTo(0.25);
   });
-  it("is measured by the person's own target where there is one", () => {
+  it("uses the user's own target if there is one", () => {
     expect(partOfWay({ error: 0.1, samples: 10 }, { ...fullEffort, stop_error: 0.05 })).toBeCloseTo(0.25);
     expect(partOfWay({ error: 0.5, samples: 64 }, { ...fullEffort, stop_samples: 256 })).toBeCloseTo(0.25);
   });
   it("is unknown while the error is", () => {
     expect(partOfWay({ error: Infinity, samples: 1 }, fullEffort)).toBeNull();
   });
-  it("never reads as complete before the picture is finished", () => {
+  it("never reads 100% before the picture is finished", () => {
     expect(partOfWay({ error: 0.005, samples: 9000 }, fullEffort)).toBe(0.99);
   });
 });

@@ -6,13 +6,13 @@ import { areaOf, graphWidth, nearestPoint, opacityOf, pointsOf, valueAt, xOf, yO
 const range = shownRange(transferOf(someScene()), -1024, 3071);
 
 describe("the graph", () => {
-  it("a place on it is a value and an opacity, there and back", () => {
+  it("maps a point to a value and an opacity, and back", () => {
     for (const value of [-1024, 0, 55.5, 3072]) expect(valueAt(xOf(value, range), range)).toBeCloseTo(value, 6);
     for (const opacity of [0, 0.25, 1]) expect(opacityOf(yOf(opacity))).toBeCloseTo(opacity, 9);
     expect([opacityOf(-50), opacityOf(1e4)]).toEqual([1, 0]);
   });
 
-  it("a finger takes the nearest point, and none where there is none", () => {
+  it("finds the point nearest to a finger, or none", () => {
     const points = [
       { x: 10, y: 10 },
       { x: 20, y: 10 },
@@ -23,7 +23,7 @@ describe("the graph", () => {
     expect(nearestPoint(points, { x: 60, y: 60 }, 16)).toBeNull();
   });
 
-  it("a channel is closed at both of its ends", () => {
+  it("closes a channel at both ends", () => {
     const [, bone] = channelsOf(someScene());
     if (!bone) throw new Error("no channel");
     const corners = areaOf(bone, range).split(" ");

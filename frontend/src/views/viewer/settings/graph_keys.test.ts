@@ -25,7 +25,7 @@ describe("graphKeyAction", () => {
     expect(graphKeyAction(stroke("ArrowRight"), 3)).toMatchObject({ value: 1 });
   });
 
-  it("leaves the browser's own shortcuts and other keys alone", () => {
+  it("ignores the browser's shortcuts and other keys", () => {
     for (const modifier of ["ctrlKey", "metaKey", "altKey"] as const)
       expect(graphKeyAction(stroke("ArrowRight", { [modifier]: true }), 2000)).toBeNull();
     expect(graphKeyAction(stroke("Tab"), 2000)).toBeNull();
@@ -47,7 +47,7 @@ describe("applyGraphKey", () => {
     return calls;
   };
 
-  it("stays at the first and at the last point", () => {
+  it("stops at the first and at the last point", () => {
     expect(apply({ kind: "choose", by: -1 }, 0)).toEqual(["choose 0"]);
     expect(apply({ kind: "choose", by: 1 }, 1)).toEqual(["choose 2"]);
     expect(apply({ kind: "choose", by: 1 }, 2)).toEqual(["choose 2"]);
@@ -57,7 +57,7 @@ describe("applyGraphKey", () => {
     expect(apply({ kind: "move", value: 5, opacity: -0.25 }, 1)).toEqual(["move 1 60 0.5 false"]);
   });
 
-  it("adds and removes", () => {
+  it("adds and removes points", () => {
     expect(apply({ kind: "add" }, 1)).toEqual(["add"]);
     expect(apply({ kind: "remove" }, 1)).toEqual(["remove"]);
   });

@@ -3,8 +3,8 @@ import { closedLayout, docked, moved, opened, placeIn, rememberLayout, remembere
 
 const screen = { width: 1000, height: 600 };
 
-describe("the windows of settings", () => {
-  it("one lies at the side: another that opens there takes its place, free ones stay", () => {
+describe("the settings windows", () => {
+  it("replace a docked window by a newly opened one, and keep free ones", () => {
     const one = opened(closedLayout, "look", false);
     expect(opened(one, "light", false).open).toEqual(["light"]);
     const free = moved(one, "look", 300, 100, screen);
@@ -12,12 +12,12 @@ describe("the windows of settings", () => {
     expect(docked(opened(free, "light", false), "look").open).toEqual(["look"]);
   });
 
-  it("of sheets there is one", () => {
+  it("show one sheet at a time", () => {
     const free = moved(opened(closedLayout, "look", false), "look", 300, 100, screen);
     expect(opened(free, "lens", true).open).toEqual(["lens"]);
   });
 
-  it("can always be taken hold of again, wherever they are thrown", () => {
+  it("always stay within reach", () => {
     for (const [x, y] of [
       [-1e6, -1e6],
       [1e6, 1e6],
@@ -28,7 +28,7 @@ describe("the windows of settings", () => {
     }
   });
 
-  it("are where they were after a reload", () => {
+  it("keep their layout after a reload", () => {
     const kept = new Map<string, string>();
     const store = {
       getItem: (name: string) => kept.get(name) ?? null,

@@ -17,7 +17,7 @@ describe("a slider", () => {
       }
     }
   });
-  it("rises, and stands where its value is", () => {
+  it("rises monotonically, and is at the position of its value", () => {
     for (const { limits, log, step } of ways)
       for (let at = 10; at < sliderSteps; at += 10) {
         const value = fromSlider(at, limits, log, step);
@@ -25,7 +25,7 @@ describe("a slider", () => {
         expect(Math.abs(toSlider(value, limits, log) - at)).toBeLessThanOrEqual(5);
       }
   });
-  it("stands at an end for what lies beyond, and for nothing at all", () => {
+  it("stops at an end for a value beyond it or an invalid one", () => {
     expect(toSlider(-5, { low: 0, high: 1 }, false)).toBe(0);
     expect(toSlider(0, { low: 0.1, high: 10 }, true)).toBe(0);
     expect(toSlider(1e9, { low: 0.1, high: 10 }, true)).toBe(sliderSteps);

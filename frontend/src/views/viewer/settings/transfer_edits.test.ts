@@ -42,7 +42,7 @@ describe("transferEdits", () => {
     expect(editor.rests).toBe(1);
   });
 
-  it("adds a point without a place where there is most room", () => {
+  it("adds a point without a position where there is most room", () => {
     const { edits, points } = editsAt({ channel: 0, point: 0 });
     edits.addPoint();
     expect(points()).toEqual([5, 55, 158, 260]);
