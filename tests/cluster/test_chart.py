@@ -139,7 +139,7 @@ TALKERS = {"api": "Deployment/it-diaphane-api", "gateway": "Deployment/it-diapha
 
 @pytest.mark.parametrize("choice", ["tls", "plain", "nothing"])
 @pytest.mark.parametrize("program", TALKERS)
-def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, all_stacks, program, choice):
+def test_the_programs_accept_the_tls_settings_of_the_pods(plane, tmp_path, all_stacks, program, choice):
     """The program reads the pod's settings and complains only about the one that is removed, so that it exits."""
     issue(tmp_path, ca="ca.crt", certificate="tls.crt", key="tls.key", names=with_roles(program, names="DNS:renderd.diaphane"))
     objects = pod_specs(rendered(plane, tmp_path, INNER_TLS if choice == "tls" else {}))
@@ -206,7 +206,7 @@ def pod_specs_and_labels(objects: list[dict]) -> list[tuple]:
     return [(one["kind"], one["spec"]["template"]) for one in objects if one["kind"] in ("Deployment", "StatefulSet", "RenderFleet")]
 
 
-def test_what_is_not_used_is_not_there(plane, tmp_path):
+def test_unused_objects_are_not_created(plane, tmp_path):
     kinds = sorted({one["kind"] for one in rendered(plane, tmp_path, CHOICES["little"])})
     assert kinds == ["ConfigMap", "Deployment", "Job", "Service"]     # the job is the helm test
     assert [one["metadata"]["name"] for one in rendered(plane, tmp_path, CHOICES["little"]) if one["kind"] == "Deployment"] == ["it-diaphane-api"]
@@ -359,7 +359,7 @@ MAY_NOT = [("create", "renderfleets"), ("delete", "renderfleets"), ("get", "secr
            ("create", "serviceaccounts/token"), ("create", "roles.rbac.authorization.k8s.io"), ("delete", "leases")]
 
 
-def test_the_operator_may_what_it_needs_and_nothing_else(plane, installed):
+def test_the_operator_has_exactly_the_rights_it_needs(plane, installed):
     token = plane.service_account_token(installed, "it-diaphane-operator")
     who = plane.client(token=token)
 

@@ -61,7 +61,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("spec, words", REFUSED, ids=[words for _, words in REFUSED])
-def test_a_fleet_that_makes_no_sense_is_refused_and_told_why(plane, namespace, spec, words):
+def test_an_invalid_fleet_is_refused_with_the_reason(plane, namespace, spec, words):
     said = create(plane, namespace, fleet(**spec), check=False)
     assert said.code != 0 and words in said.text, said.text
 
@@ -74,7 +74,7 @@ def test_a_name_too_long_for_its_pods_is_refused(plane, namespace):
     create(plane, namespace, named)
 
 
-def test_what_is_left_out_is_filled_in(plane, namespace):
+def test_omitted_fields_get_defaults(plane, namespace):
     made = create(plane, namespace, fleet()).json["spec"]
     made.pop("template")
     assert made == {"sessionsPerWorker": 16, "strategy": "LeastLoaded", "minReplicas": 0, "drainTimeout": "5m",
@@ -100,7 +100,7 @@ def test_it_is_scaled_as_a_deployment_is(plane, namespace):
     assert said.code != 0 and "larger than maxReplicas" in said.text
 
 
-def test_who_changes_the_spec_does_not_change_the_status_nor_the_other_way(plane, namespace):
+def test_spec_and_status_are_changed_separately(plane, namespace):
     create(plane, namespace, {**fleet(), "status": {"replicas": 7}})
     url = f"/apis/diaphane.dev/v1alpha1/namespaces/{namespace}/renderfleets/gpus"
     assert "status" not in plane.api.get(url).json()

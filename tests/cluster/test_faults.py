@@ -47,7 +47,7 @@ def test_a_node_that_is_lost_and_deleted_gives_its_worker_to_another(cluster):
     assert [one["spec"]["nodeName"] for one in cluster.workers()] == [cluster.running()[0]["spec"]["nodeName"]]
 
 
-def test_a_node_that_is_silent_keeps_its_place_until_it_is_said_to_be_out_of_service(cluster):
+def test_a_silent_node_keeps_its_slots_until_it_is_out_of_service(cluster):
     first, second = cluster.nodes(2, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=1)
@@ -73,7 +73,7 @@ def test_a_node_that_is_silent_keeps_its_place_until_it_is_said_to_be_out_of_ser
     assert cluster.running()[0]["spec"]["nodeName"] == (second if lost == first else first)
 
 
-def test_a_write_that_was_overtaken_is_refused_and_made_anew(cluster):
+def test_an_outdated_write_is_refused_and_repeated(cluster):
     """A worker changes constantly, so that the operator's copy of it is never current."""
     first, second = cluster.nodes(2, gpus=1)
     operator = cluster.operator()

@@ -44,7 +44,7 @@ def test_scaling_up_and_down_and_deleting_leaves_nothing(cluster):
     wait_for(lambda: cluster.plane.api.get(f"{GROUP}/namespaces/{cluster.namespace}/renderfleets/skull").status_code == 404, "the fleet's end")
 
 
-def test_more_than_the_nodes_have_is_said_and_never_over_committed(cluster):
+def test_missing_capacity_is_reported_and_never_overcommitted(cluster):
     cluster.nodes(2, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=5)
@@ -73,7 +73,7 @@ def test_a_cordoned_node_is_drained_and_no_session_is_cut(cluster):
     assert cluster.running()[0]["spec"]["nodeName"] == (second if on == first else first)
 
 
-def test_what_is_deleted_or_edited_by_hand_is_put_back(cluster):
+def test_manually_deleted_or_edited_objects_are_restored(cluster):
     cluster.nodes(1, gpus=2)
     cluster.operator()
     cluster.fleet(replicas=1)
@@ -112,7 +112,7 @@ def test_a_template_changed_by_hand_makes_no_pod_of_it(cluster):
     assert now["metadata"]["uid"] != pod["uid"] and now["spec"]["containers"][0]["image"] == "diaphane:test"
 
 
-def test_somebody_elses_pod_with_our_label_and_name_is_left_alone(cluster):
+def test_a_foreign_pod_with_our_label_and_name_is_left_alone(cluster):
     node, = cluster.nodes(1, gpus=2)
     foreign = cluster.fleet_object()["spec"]["template"]["spec"]
     foreign["containers"][0]["resources"] = {"limits": {"nvidia.com/gpu": "1"}}
@@ -149,7 +149,7 @@ def test_a_leader_that_stood_still_past_its_lease_exits_and_harms_nothing(cluste
     assert before <= {one["metadata"]["uid"] for one in cluster.pods()} and cluster.over_committed() == []
 
 
-def test_the_next_leader_goes_on_where_a_killed_one_ended(cluster):
+def test_the_next_leader_continues_the_work_of_a_killed_one(cluster):
     cluster.nodes(2, gpus=4)
     first = cluster.operator()
     cluster.fleet(replicas=8)
@@ -164,7 +164,7 @@ def test_the_next_leader_goes_on_where_a_killed_one_ended(cluster):
     wait_for(lambda: third.ready().get("leader"), "the third leader", timeout=13)
 
 
-def test_what_a_watch_missed_is_listed_again_after_compaction(cluster):
+def test_missed_events_are_listed_again_after_a_compaction(cluster):
     """Its watches are interrupted while it is suspended, and the revision at which they would resume is compacted away (410)."""
     cluster.nodes(1, gpus=4)
     leader = cluster.operator()
@@ -186,7 +186,7 @@ def test_what_a_watch_missed_is_listed_again_after_compaction(cluster):
     assert '"list_again"' in standby.log.read_text(encoding="utf-8")
 
 
-def test_it_lives_through_an_api_server_that_is_away_and_says_so(cluster):
+def test_the_operator_survives_and_reports_an_outage_of_the_api_server(cluster):
     cluster.nodes(1, gpus=4)
     operator = cluster.operator()
     cluster.fleet(replicas=1)

@@ -33,7 +33,7 @@ def test_a_pod_that_is_not_restricted_is_refused(plane, namespace):
     assert said.code != 0 and 'violates PodSecurity "restricted' in said.text
 
 
-def test_who_watches_from_before_a_compaction_is_told_410(plane, namespace):
+def test_a_watch_from_before_a_compaction_gets_410(plane, namespace):
     url = f"/api/v1/namespaces/{namespace}/configmaps"
     first = plane.api.get(url).json()["metadata"]["resourceVersion"]
     for number in range(3):

@@ -365,7 +365,7 @@ def tries(plane, token: str, space: str, given: set[tuple[str, str]]) -> tuple[i
     return count, let_in
 
 
-def test_what_the_operator_is_not_given_is_refused(world):
+def test_rights_that_the_operator_does_not_have_are_refused(world):
     world.with_all("pods", "get")
     given = {(resource, verb) for resource, verb in NEEDED if resource != "leases" or verb == "create"}
     token = world.token_file.read_text(encoding="utf-8")

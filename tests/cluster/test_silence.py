@@ -8,7 +8,7 @@ from conftest import wait_for
 from blackhole_proxy import BlackholeProxy
 
 
-def test_a_watch_that_has_died_without_a_word_is_noticed_and_goes_on(cluster, record_property):
+def test_a_silently_dead_watch_is_noticed_and_restarted(cluster, record_property):
     """The API server sends a bookmark every minute. Without one for a minute and a quarter, the operator watches again from the
     last revision."""
     wire = BlackholeProxy(cluster.plane.server)

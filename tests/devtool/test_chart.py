@@ -53,7 +53,7 @@ def test_a_container_is_given_every_setting_that_its_program_needs(program, file
     assert needed <= set(re.findall(r"name: DIAPHANE_([A-Z_]+)", container))
 
 
-def test_the_schema_says_each_value_and_no_other():
+def test_the_schema_has_exactly_the_values_of_the_chart():
     schema = json.loads((CHART / "values.schema.json").read_text(encoding="utf-8"))
     values = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))
     jsonschema.validate({**values, "publicUrl": "https://a.example", "existingSecret": "x"}, schema)
@@ -73,7 +73,7 @@ def test_the_schema_says_each_value_and_no_other():
     assert missing == []
 
 
-def test_the_fleet_of_the_chart_has_what_the_resource_knows():
+def test_the_charts_fleet_matches_the_resource():
     crd = yaml.safe_load((CHART / "crds" / "renderfleets.yaml").read_text(encoding="utf-8"))
     spec = crd["spec"]["versions"][0]["schema"]["openAPIV3Schema"]["properties"]["spec"]["properties"]
     text = (CHART / "templates" / "fleet.yaml").read_text(encoding="utf-8").partition("\nspec:\n")[2]

@@ -22,7 +22,7 @@ def test_another_choice_of_versions_is_built_beside(monkeypatch):
     assert kubernetes.folder() != one and kubernetes.folder().parent == one.parent
 
 
-def test_what_one_checkout_built_the_next_finds(monkeypatch, tmp_path):
+def test_checkouts_share_builds(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(kubernetes, "folder", lambda: tmp_path / "checkout" / "key")
     assert set(kubernetes.missing()) >= set(kubernetes.PROGRAMS)

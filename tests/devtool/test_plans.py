@@ -38,7 +38,7 @@ def test_a_port_that_another_start_has_chosen_is_taken():
     ports.give_back([port])
 
 
-def test_what_one_start_was_given_no_other_is():
+def test_each_start_gets_its_own_ports():
     given = [port for _ in range(20) for port in ports.random_free().values()]
     assert len(set(given)) == len(given)
     ports.give_back(given)
@@ -119,7 +119,7 @@ def test_every_placeholder_of_the_edges_configuration_is_given(settings):
 
 # Logs
 
-def test_a_log_that_grew_too_large_is_moved_on_and_goes_on_empty(tmp_path):
+def test_a_log_that_is_too_large_is_rotated(tmp_path):
     log = tmp_path / "api.log"
     for generation in ("first", "second", "third", "fourth"):
         log.write_text(generation * 10, encoding="ascii")
@@ -137,7 +137,7 @@ def graph(*links: tuple[str, str], **shapes: str) -> Graph:
     return Graph({name: shapes.get(name, "octagon") for name in names}, frozenset(links))
 
 
-def test_an_allowed_link_is_no_violation():
+def test_an_allowed_link_is_not_a_violation():
     assert linkrules.violations(graph(("a", "b")), {"a": ["b"], "b": []}) == []
 
 
@@ -186,7 +186,7 @@ def test_a_path_of_one_machine_is_found(line):
 
 
 @pytest.mark.parametrize("line", ["${HOME}/ho" "me/x is not one", "https://example.org/ro" "ot/x", "a/wo" "rk/b"])
-def test_what_only_looks_like_one_is_not(line):
+def test_a_lookalike_is_not_a_violation(line):
     assert filelint.violations("a.md", line) == []
 
 
@@ -326,12 +326,12 @@ class Driver:
 @pytest.mark.parametrize("driver, said", [
     (Driver(devices=1), ""), (Driver(devices=0), "found no device"), (Driver(init=100), "failed to initialise (CUDA error 100)"),
     (Driver(count_code=3), "failed to list its devices (CUDA error 3)")])
-def test_the_absence_of_a_gpu_is_said_with_its_reason(driver: Driver, said: str):
+def test_a_missing_gpu_is_reported_with_the_reason(driver: Driver, said: str):
     why = gpu.absence(load=lambda name: driver)
     assert said in why and bool(why) == bool(said)
 
 
-def test_without_a_driver_testing_the_gpu_fails_at_once_and_says_why(monkeypatch, capsys):
+def test_without_a_driver_gpu_tests_fail_with_a_reason(monkeypatch, capsys):
     def no_driver(name: str):
         raise OSError(name)
 

@@ -31,7 +31,7 @@ def test_a_plot_is_well_formed_and_holds_every_point():
     assert max(slopes) - min(slopes) < 0.02, "a power law is a straight line"
 
 
-def test_what_is_infinite_or_absent_is_not_drawn():
+def test_infinite_and_missing_values_are_not_drawn():
     lines = [plot.Line("x", [(1, math.inf), (2, None), (0, 1), (4, 0.5)])]
     drawn = ElementTree.fromstring(plot.svg("t", [plot.Panel("p", "x", "y", lines)], []))
     assert len([e for e in drawn.iter() if e.tag.endswith("circle")]) == 1

@@ -50,7 +50,7 @@ def test_a_step_that_was_not_planned_is_counted():
     ("common/log.cpp:3:1: error: expected unqualified-id", None),
     ("FAILED: common/CMakeFiles/common.dir/log.cpp.o", None),
 ])
-def test_status_lines_of_ninja_are_told_from_what_compilers_print(line, step):
+def test_status_lines_of_ninja_are_distinguished_from_compiler_output(line, step):
     assert progress.ninja_step(line) == step
 
 
@@ -70,7 +70,7 @@ def test_the_packages_to_unpack_belong_to_the_time_that_a_download_takes():
     assert apt.text(52.0) == "unpacking and configuring, 80%, a few seconds left"
 
 
-def test_what_else_apt_prints_is_no_progress():
+def test_other_output_of_apt_is_not_progress():
     apt = progress.AptProgress()
     assert not any(apt.read(line, 0.0) for line in ("E: Unable to locate package libnothing", "dlstatus:", "", "dlstatus:1:many:files"))
 

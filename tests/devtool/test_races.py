@@ -16,7 +16,7 @@ def test_the_programs_are_tests_that_are_built():
     assert set(races.PROGRAMS) <= built
 
 
-def test_what_is_left_out_is_in_a_file_that_is_there():
+def test_excluded_tests_are_in_existing_files():
     suppressions = re.search(r"suppressions=(\S+?)(:|$)", races.sanitizer_options()).group(1)
     assert suppressions.startswith(str(paths.REPO))
     with open(suppressions, encoding="utf-8") as file:
@@ -28,6 +28,6 @@ def test_only_programs_with_grpc_are_blind_to_the_order_of_locks():
         assert ("ignore_noninstrumented_modules" in races.sanitizer_options(name)) == (name in races.WITH_GRPC)
 
 
-def test_a_program_that_is_none_of_them_is_refused():
+def test_an_unknown_program_is_refused():
     with pytest.raises(CliError, match="render_scene_test"):
         races.run(["render_scene_test"])

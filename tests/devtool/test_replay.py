@@ -45,12 +45,12 @@ def test_a_frame_shows_the_newest_scene_that_was_there():
     recording({"at_ms": 0, "scene": {}}, {"at_ms": 5, "camera": {}, "scene": {}}),
     recording({"at_ms": 0, "scene": {}}, {"at_ms": "5", "camera": {}}),
 ])
-def test_what_is_no_recording_is_said_to_be_none(tmp_path, wrong):
+def test_an_invalid_recording_is_refused(tmp_path, wrong):
     with pytest.raises(CliError):
         replay.read(written(tmp_path, wrong))
 
 
 @pytest.mark.parametrize("link", ["", "http://host/view/x", "file:///join#" + "0" * 64, "http://host/join#123"])
-def test_a_link_that_is_none_is_not_asked(link):
+def test_an_invalid_link_is_not_requested(link):
     with pytest.raises(CliError):
         replay.join(link, "Replay")

@@ -72,7 +72,7 @@ def checkouts(tmp_path, monkeypatch) -> tuple[Checkout, Checkout]:
     return Checkout(tmp_path / "a" / "one", system, monkeypatch), Checkout(tmp_path / "z" / "another", system, monkeypatch)
 
 
-def test_what_passed_in_one_checkout_is_passed_over_in_a_fresh_one(checkouts):
+def test_checkouts_share_results(checkouts):
     first, fresh = checkouts
     [key] = first.todo().values()
     (tidy._CACHE / key).touch()

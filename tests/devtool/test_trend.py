@@ -47,7 +47,7 @@ def test_a_leak_that_matters_is_found_and_scatter_is_not():
     assert sum(v.word == "grows" for v in twice) >= 90         # 98 expected
 
 
-def test_a_single_peak_is_no_growth():
+def test_a_single_peak_is_not_growth():
     times, values = series(0, 1, 5)
     values[-20:] = [value + 50 for value in values[-20:]]
     assert not trend_test.judge(times, values, 0, 1).trend
@@ -60,7 +60,7 @@ def test_noise_is_flat_and_a_leak_within_it_grows():
     assert noise.count("flat") >= 93 and [leak.word for leak in leaks].count("grows") >= 93
 
 
-def test_what_is_measured_too_shortly_is_unclear():
+def test_a_measurement_that_is_too_short_is_unclear():
     assert trend_test.judge(*series(0, 30, 2, 40), 0.02, 0).word == "unclear"
 
 
@@ -69,7 +69,7 @@ def test_the_interval_holds_the_truth_as_often_as_it_says():
     assert held >= 975    # 990 expected; fewer has a probability below 1e-4
 
 
-def test_what_never_changes_does_not_grow():
+def test_a_constant_does_not_grow():
     verdict = trend_test.judge([float(t) for t in range(100)], [30.0] * 100, 0, 2)
     assert (verdict.low, verdict.growth, verdict.high, verdict.word) == (0, 0, 0, "flat")
 

@@ -8,19 +8,19 @@ import subprocess
 from devtool import whole_node
 
 
-def test_who_is_not_root_is_told(monkeypatch):
+def test_a_user_other_than_root_gets_a_message(monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     assert whole_node.absence() == "running a node requires root"
 
 
-def test_control_groups_that_are_not_there_are_named(monkeypatch):
+def test_missing_control_groups_are_named(monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     monkeypatch.setattr(whole_node, "cgroup_folders", lambda: [])
     monkeypatch.setattr(whole_node, "CONTROL_GROUPS", whole_node.Path("/nowhere"))
     assert whole_node.absence() == "cgroup controllers are missing below /nowhere: cpu, cpuset, memory"
 
 
-def test_namespaces_that_are_refused_are_told_with_the_reason(monkeypatch):
+def test_refused_namespaces_are_reported_with_the_reason(monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     monkeypatch.setattr(whole_node, "_no_cgroups", lambda: "")
     monkeypatch.setattr(whole_node.Path, "exists", lambda _: True)

@@ -50,7 +50,7 @@ def spoken(connection: bytes) -> bytes:
     return bytes(out)
 
 
-def test_frames_of_a_socket_are_read_as_they_were_meant():
+def test_frames_of_a_socket_are_decoded():
     mask = b"\1\2\3\4"
     frame = b"\x82" + bytes([128 | 126]) + struct.pack(">H", 300) + mask + bytes(b ^ mask[n % 4] for n, b in enumerate(b"word" * 75))
     assert spoken(b"GET / HTTP/1.1\r\nUpgrade: websocket\r\n\r\n" + frame).endswith(b"word" * 75)

@@ -76,7 +76,7 @@ def too_wide(page: Page) -> list[str]:
 
 
 @pytest.mark.parametrize("who", [page_crawler.NOBODY, page_crawler.PERSON, ADMINISTRATOR])
-def test_every_page_fits_at_200_and_400_percent_and_moves_nothing_for_who_wants_it_still(stack: TestStack, browser, shown, who: str):
+def test_every_page_fits_at_200_and_400_percent_and_respects_reduced_motion(stack: TestStack, browser, shown, who: str):
     cookies, data_set = shown
     context = browser.new_context(reduced_motion="reduce")
     context.set_default_timeout(PATIENCE_MS)

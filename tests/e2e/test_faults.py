@@ -26,7 +26,7 @@ def shaken(all_stacks: StackFactory):
 
 
 @pytest.mark.parametrize("program", ["api", "gateway", "redis", "postgres"])
-def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shaken: TestStack, visit, cranium: Path, program: str, request):
+def test_a_killed_program_is_reported_and_the_page_recovers(shaken: TestStack, visit, cranium: Path, program: str, request):
     stack = shaken
     person = Person.arrives(stack, visit(), "anna")
     page = person.page

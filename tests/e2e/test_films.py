@@ -193,7 +193,7 @@ def test_a_picture_larger_than_a_page_holds_is_saved(stack: TestStack, visit, ma
     assert size == [4112, 272]
 
 
-def test_what_was_left_out_is_told_in_plain_words(stack: TestStack, visit, marked: Path, pictures: Path):
+def test_optimisations_are_listed_in_plain_words(stack: TestStack, visit, marked: Path, pictures: Path):
     for phone in (False, True):
         page = visit(phone=phone)
         person = Person.arrives(stack, page, "karla")

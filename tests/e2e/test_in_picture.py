@@ -152,7 +152,7 @@ def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visi
     assert lamp.get_attribute("aria-valuetext") != said
 
 
-def test_what_is_pressed_becomes_sharp(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_the_chosen_point_is_in_focus(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     hands = open_viewer(stack, page, cranium, "fokke", 720, 440)
     lens = hands.window("Lens and quality")
@@ -197,7 +197,7 @@ def test_what_is_pressed_becomes_sharp(stack: TestStack, visit, cranium: Path, p
 
 
 @pytest.mark.nightly
-def test_what_is_undone_gives_the_same_picture_to_the_last_bit(stack: TestStack, visit, cranium: Path):
+def test_undo_restores_the_same_picture_bit_by_bit(stack: TestStack, visit, cranium: Path):
     page = visit(small=True)
     hands = open_viewer(stack, page, cranium, "retour", 320, 240)
     begun = hands.kept()[0]

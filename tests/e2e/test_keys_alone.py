@@ -140,7 +140,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
 
 
 @pytest.mark.nightly
-def test_who_deletes_a_scan_by_keys_is_at_the_title_then(stack: TestStack, visit, cranium: Path):
+def test_deleting_a_scan_by_keys_moves_the_focus_to_the_title(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "keys")
     person.has_scan(cranium, "Unwanted head")

@@ -128,7 +128,7 @@ def test_a_lost_gpu_and_a_window_of_no_size_leave_the_same_picture(stack: TestSt
     turns(stack, page)
 
 
-def test_a_file_that_is_no_preset_is_refused_in_words(stack: TestStack, visit, owner):
+def test_an_invalid_preset_file_is_refused_with_a_message(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner)
     scene = kept_view(page)["scene"]
     dialog = page.get_by_role("dialog")

@@ -144,7 +144,7 @@ def test_an_unconfirmed_address_opens_no_account(stack: TestStack, visit):
     expect(page.get_by_role("alert")).to_contain_text("password is wrong")
 
 
-def test_a_link_works_once_and_says_so_the_second_time(stack: TestStack, visit):
+def test_an_emailed_link_works_once(stack: TestStack, visit):
     page = visit()
     person = Person(stack, page, "twice@example.org")
     person.sign_up()

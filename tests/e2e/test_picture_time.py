@@ -30,7 +30,7 @@ def turn_until(stack: TestStack, page: Page, seen) -> None:
     stack.wait_until(turned, timeout=180, what="the end of the time")
 
 
-def test_the_end_of_the_picture_time_is_said_before_and_when_it_has_come(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_the_end_of_the_render_time_is_announced(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit()
     person = Person.arrives(stack, page, "patient")
     scan = person.has_scan(cranium, "Head")

@@ -124,7 +124,7 @@ def test_each_codec_has_the_right_colours_and_its_end_is_exact(quick: TestStack,
     assert all(abs(cast) < max(MOST_CAST, coarseness) for cast in casts), (casts, coarseness)
 
 
-def test_a_tile_that_came_damaged_is_said_and_the_streamed_picture_stays(quick: TestStack, visit, anna):
+def test_a_damaged_tile_is_reported_and_the_streamed_picture_stays(quick: TestStack, visit, anna):
     page = view(visit, quick, anna, small=True)
     lossless(quick, page)
     page.evaluate("heardStills.spoil = true")

@@ -56,7 +56,7 @@ def live_answers(stack: TestStack, page: Page) -> None:
     stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
 
 
-def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     person = Person.arrives(stack, page, "tanja")
     scan = person.has_scan(cranium, "Erika Mustermann")
@@ -115,7 +115,7 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     wait_for_sessions(stack, page, 1)
 
 
-def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_a_link_shows_the_same_view_only_to_those_with_access(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     person = Person.arrives(stack, page, "linus")
     scan = person.has_scan(cranium, "Erika Mustermann")

@@ -109,7 +109,7 @@ def test_an_upload_survives_the_server_killed_in_the_middle(tus_stack: TestStack
     assert page.evaluate("run.offsets").count(0) == 1  # received parts are not sent again
 
 
-def test_the_page_itself_goes_on_through_the_servers_absence(tus_stack: TestStack, visit, cranium: Path):
+def test_the_page_survives_an_outage_of_the_server(tus_stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(tus_stack, page, "restart")
     parts = []
@@ -127,7 +127,7 @@ def test_the_page_itself_goes_on_through_the_servers_absence(tus_stack: TestStac
     assert person.card("Survivor").count() == 1
 
 
-def test_a_browser_begun_anew_goes_on_where_it_was(tus_stack: TestStack, page: Page):
+def test_a_restarted_browser_resumes_the_upload(tus_stack: TestStack, page: Page):
     length = 2 * PART + 99
     page.evaluate("""(length) => new Promise((resolve) => {
         window.run = begin(length, 9, { onChunkComplete: () => { run.upload.abort(); resolve(); } });
@@ -160,7 +160,7 @@ def test_a_terminated_upload_is_gone(tus_stack: TestStack, page: Page):
     tus_stack.wait_until(lambda: not file_of(tus_stack, url).exists(), what="the file's disposal")
 
 
-def test_an_expired_upload_is_begun_anew(tus_stack: TestStack, page: Page):
+def test_an_expired_upload_starts_again(tus_stack: TestStack, page: Page):
     old = page.evaluate("""() => new Promise((resolve) => {
         window.run = begin(8388608 + 5, 13, { onChunkComplete: () => { run.upload.abort(); resolve(run.upload.url); } });
         run.upload.start();
@@ -184,7 +184,7 @@ def test_an_expired_upload_is_begun_anew(tus_stack: TestStack, page: Page):
     pytest.param("{ uploadDataDuringCreation: true }", 422, id="bytes before they are wanted"),
     pytest.param("{ headers: {} }", 403, id="no token"),
 ])
-def test_what_does_not_fit_is_refused_before_the_first_byte(tus_stack: TestStack, page: Page, options: str, status: int):
+def test_an_upload_over_the_limit_is_refused_before_the_first_byte(tus_stack: TestStack, page: Page, options: str, status: int):
     before = set(os.listdir(tus_stack.data_dir / "uploads"))
     page.evaluate(f"""() => {{
         const options = {options};

@@ -11,7 +11,7 @@ from person import PATIENCE_MS, Person
 from picture import drag, kept_view, last_input, wait_for_samples
 
 
-def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack: TestStack, visit, cranium: Path):
+def test_a_duplicated_window_takes_over_the_picture(stack: TestStack, visit, cranium: Path):
     person = Person.arrives(stack, visit(), "anna")
     person.has_scan(cranium, "Head")
     person.open_scan("Head")

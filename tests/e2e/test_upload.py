@@ -24,7 +24,7 @@ def some_slices(cranium: Path, folder: Path, count: int | None = None) -> list[P
     return [Path(shutil.copy(path, folder)) for path in sorted(cranium.iterdir())[:count]]
 
 
-def test_a_folder_without_dicom_is_refused_in_words(person: Person, tmp_path: Path):
+def test_a_folder_without_dicom_is_refused_with_a_message(person: Person, tmp_path: Path):
     (tmp_path / "letter.pdf").write_bytes(b"%PDF-1.7 not a scan at all, and longer than a preamble" * 10)
     (tmp_path / "lies.dcm").write_text("its name says more than is true")
     person.choose_folder(tmp_path)
@@ -89,7 +89,7 @@ def test_a_tiny_file_that_claims_a_huge_picture_stops_nothing(person: Person, cr
     expect(person.page.get_by_text(re.compile("can be shown|can’t be shown"))).not_to_have_count(0)
 
 
-def test_a_cut_upload_goes_on_by_itself_and_after_a_reload(person: Person, cranium: Path):
+def test_an_interrupted_upload_resumes_also_after_a_reload(person: Person, cranium: Path):
     page = person.page
     offsets = watch_parts(page)
     cut = {"on": True}
@@ -143,7 +143,7 @@ class Dam:
                 pass
 
 
-def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: Path):
+def test_an_upload_can_be_paused_resumed_and_cancelled(person: Person, cranium: Path):
     page, stack = person.page, person.stack
     dam = Dam(page)
     person.upload(cranium, "Paused head")
@@ -180,7 +180,7 @@ def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: P
     stack.wait_until(lambda: not upload.exists(), what="the file's disposal")
 
 
-def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person: Person, cranium: Path, tmp_path: Path):
+def test_several_uploads_run_in_parallel_and_show_in_another_window(person: Person, cranium: Path, tmp_path: Path):
     page = person.page
     dam = Dam(page)
     person.upload(cranium, "First head")
@@ -209,7 +209,7 @@ def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person:
         expect(person.card(title)).to_have_attribute("data-state", "ready")
 
 
-def test_a_full_disk_is_said_and_the_upload_goes_on_when_there_is_room(person: Person, cranium: Path):
+def test_a_full_disk_is_reported_and_the_upload_resumes(person: Person, cranium: Path):
     """A limit on the size of the server's files simulates a full disk: a part is written up to it, then refused."""
     page, stack = person.page, person.stack
     limit_files(stack, "9000000")
@@ -247,7 +247,7 @@ def test_a_scan_is_deleted_after_a_question(person: Person, cranium: Path):
     expect(person.card("Short-lived")).to_have_count(0)
 
 
-def test_a_corrected_scan_says_so_and_gives_the_figures_on_request(person: Person, cranium: Path):
+def test_a_corrected_scan_shows_the_figures_on_request(person: Person, cranium: Path):
     scan = person.has_scan(cranium, "Leaning head")
     person.stack.psql("UPDATE data_sets SET repairs = ARRAY['straightened 18.5 degrees (gantry tilt)'] WHERE id = %s", scan)
     page, card = person.page, person.card("Leaning head")

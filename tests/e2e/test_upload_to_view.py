@@ -120,7 +120,7 @@ def test_names_never_leave_the_browser_and_are_nowhere_on_the_server(stack_facto
     assert [p.name for p in (stack.data_dir / "uploads").iterdir() if p.stat().st_size > 1000] == []
 
 
-def test_a_lost_renderer_is_said_and_mended_to_the_same_picture(stack_factory, visit, cranium: Path):
+def test_a_lost_renderer_is_reported_and_the_picture_returns(stack_factory, visit, cranium: Path):
     stack = stack_factory()
     person = Person.arrives(stack, visit(), "anna")
     person.has_scan(cranium, "Head")

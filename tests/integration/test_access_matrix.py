@@ -23,7 +23,7 @@ def test_every_operation_has_a_row_and_every_row_an_operation():
         assert operation in OPERATIONS and (not state or state in STATES), name
 
 
-def test_nobody_may_what_needs_an_account():
+def test_operations_that_need_an_account_are_refused_without_one():
     """Checks the table itself: an operation that the contract protects admits no visitor."""
     for name, (_, _, operation) in OPERATIONS.items():
         security = operation.get("security", [{"cookie": []}])

@@ -63,7 +63,7 @@ def picture(running, owner, data_set: str):
     return running.wait_until(made, 60, "a picture")
 
 
-def test_nothing_of_what_was_cut_away_is_left_anywhere(running, owner, scan):
+def test_nothing_remains_of_the_parts_cut_away(running, owner, scan):
     data_set, content = scan
     made = owner.http.post(f"/v1/data-sets/{data_set}/presets", json={"name": "mine", "scene": SCENE(owner, data_set)})
     assert made.status_code == 201, made.text
@@ -132,7 +132,7 @@ def difference(one: numpy.ndarray, other: numpy.ndarray) -> float:
 
 
 @pytest.mark.nightly
-def test_a_preset_shows_after_the_cut_what_it_showed_before_and_speaks_of_nothing_that_is_gone(running, owner, scan):
+def test_a_preset_keeps_its_view_after_a_cut_without_removed_parts(running, owner, scan):
     data_set, content = scan
     path = f"/v1/data-sets/{data_set}/presets"
     imported = owner.http.post(f"{path}/xml", content=SLAB_XML, headers={"Content-Type": "application/xml"})
@@ -174,7 +174,7 @@ def SCENE(owner, data_set: str) -> dict:  # noqa: N802
             "lights": [{"environment": {"radiance": {"r": 1, "g": 1, "b": 1}}}], **CAMERA}
 
 
-def test_only_what_was_seen_is_cut_and_only_on_purpose(running, owner, scan):
+def test_a_cut_needs_the_reviewed_volume_and_a_confirmation(running, owner, scan):
     data_set, content = scan
     problem(ask(owner, data_set, "blake2b:" + "0" * 64), 412, "precondition")
     problem(ask(owner, data_set, content, confirm="yes"), 422, "invalid")
@@ -188,7 +188,7 @@ def test_only_what_was_seen_is_cut_and_only_on_purpose(running, owner, scan):
     problem(ask(owner, data_set, content), 412, "precondition")
 
 
-def test_a_cut_that_would_leave_nothing_is_said_and_changes_nothing(running, owner, scan):
+def test_a_cut_that_would_leave_nothing_is_refused(running, owner, scan):
     data_set, content = scan
     assert ask(owner, data_set, content, keep={"box": {"low": [500, 0, 0], "high": [600, 10, 10]}}).status_code == 202
     view = wait_cut(running, owner, data_set)
@@ -203,7 +203,7 @@ def test_nobody_else_may(running, owner, scan):
     problem(owner.http.get(f"/v1/data-sets/{uuid.uuid4()}/anonymise"), 404, "not-found")
 
 
-def test_a_deleted_data_set_is_let_go_by_the_worker_too(running, owner, scan):
+def test_the_worker_releases_a_deleted_data_set(running, owner, scan):
     data_set, _ = scan
     picture(running, owner, data_set)
     running.wait_until(lambda: data_set in loaded(running), 10, "the worker's copy")

@@ -59,7 +59,7 @@ def check_cut(stack, data_set: str) -> None:
     assert holders_of_mark(stack.data_dir) == []
 
 
-def test_what_is_outside_is_gone_and_what_is_inside_is_the_same(stores_and_api, port):
+def test_a_cut_removes_the_outside_and_keeps_the_inside(stores_and_api, port):
     data_set, content = ready_data_set(stores_and_api)
     assert len(holders_of_mark(stores_and_api.data_dir)) == 1, "the search would find nothing anyway"
     order(stores_and_api, data_set, content)
@@ -110,7 +110,7 @@ def test_killed_between_exchange_and_erasing_nothing_stays_although_no_ingestd_c
     check_cut(stores_and_api, data_set)
 
 
-def test_a_cut_that_cannot_be_made_leaves_all_as_it_was_and_says_so(stores_and_api, port):
+def test_a_failed_cut_is_reported_and_changes_nothing(stores_and_api, port):
     for keep, of, words in (({"box": {"low": [0, 0, 90], "high": [9, 9, 99]}}, None, "Too little"),
                             (None, "blake2b:" + "0" * 64, "has changed since you reviewed it")):
         data_set, content = ready_data_set(stores_and_api)

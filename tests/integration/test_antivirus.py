@@ -42,7 +42,7 @@ def with_file(upload: bytes, data: bytes) -> bytes:
     return out.getvalue()
 
 
-def test_what_is_infected_is_refused_and_what_is_not_looked_at_waits(stack_factory, daemon):
+def test_infected_uploads_are_refused_and_unscanned_ones_wait(stack_factory, daemon):
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_ANTIVIRUS": str(daemon.path), "DIAPHANE_ANTIVIRUS_SILENCE_S": "5"})
     clean = CanaryScan().upload()
     assert wait_end(stack, enqueue(stack, clean))[0] == "ready"
@@ -70,7 +70,7 @@ def test_what_is_infected_is_refused_and_what_is_not_looked_at_waits(stack_facto
     assert wait_end(stack, data_set)[0] == "ready", "it resumes by itself"
 
 
-def test_where_it_is_said_so_what_cannot_be_looked_at_passes(stack_factory, tmp_path):
+def test_unscanned_uploads_pass_if_configured(stack_factory, tmp_path):
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_ANTIVIRUS": str(tmp_path / "nobody"), "DIAPHANE_ANTIVIRUS_AWAY": "pass",
                                                     "DIAPHANE_ANTIVIRUS_SILENCE_S": "1"})
     assert wait_end(stack, enqueue(stack, CanaryScan().upload()))[0] == "ready"

@@ -75,7 +75,7 @@ def test_a_reset_looks_the_same_for_every_address(api):  # noqa: F811
     assert got[-1] == 429
 
 
-def test_a_reset_link_is_no_link_for_anything_else_and_grows_old(api):  # noqa: F811
+def test_a_reset_link_is_single_purpose_and_expires(api):  # noqa: F811
     one = signed_up(api)
     token = reset_token(api, one)
     for path, body in (("/v1/accounts/verify", {"password": NEW}), ("/v1/email-change/confirm", {})):
@@ -112,7 +112,7 @@ def test_the_password_is_not_guessed_by_changing_it(api):  # noqa: F811
     assert one.http.post("/v1/me/password", json={"current": PASSWORD, "password": NEW}).status_code == 204
 
 
-def test_another_address_is_confirmed_there_and_told_here(api):  # noqa: F811
+def test_a_new_address_is_confirmed_and_the_old_one_notified(api):  # noqa: F811
     one = signed_up(api)
     old, new = one.email, f"New-{one.email}"
     forget_attempts(api)
@@ -134,7 +134,7 @@ def test_another_address_is_confirmed_there_and_told_here(api):  # noqa: F811
     api.wait_until(lambda: any("address of your Diaphane account was changed" in m["Subject"] for m in api.mails(old)), what="the old one is told again")
 
 
-def test_an_address_that_has_an_account_is_not_told_and_not_taken(api):  # noqa: F811
+def test_an_address_with_an_account_is_neither_revealed_nor_taken(api):  # noqa: F811
     one, other = signed_up(api), signed_up(api)
     forget_attempts(api)
     free = one.http.post("/v1/me/email", json={"email": "free-" + one.email, "password": PASSWORD})
@@ -191,7 +191,7 @@ def pictures(api, *ids: str) -> list[int]:  # noqa: F811
     return [api.redis.exists(f"diaphane:session:{one}") for one in ids]
 
 
-def test_signing_out_ends_what_that_browser_looks_at_and_nothing_else(api):  # noqa: F811
+def test_signing_out_ends_only_the_sessions_of_that_browser(api):  # noqa: F811
     one = signed_up(api)
     phone, laptop = Person(api, one.email).sign_in(), Person(api, one.email).sign_in()
     mine, on_phone, on_laptop = (open_picture(api, each) for each in (one, phone, laptop))
@@ -204,7 +204,7 @@ def test_signing_out_ends_what_that_browser_looks_at_and_nothing_else(api):  # n
     remove_worker(api, "account-changes")
 
 
-def test_a_second_factor_ends_what_other_browsers_look_at(api):  # noqa: F811
+def test_a_second_factor_ends_the_sessions_of_other_browsers(api):  # noqa: F811
     one = signed_up(api)
     other = Person(api, one.email).sign_in()
     mine, theirs = open_picture(api, one), open_picture(api, other)

@@ -181,7 +181,7 @@ def test_strangers_do_not_lock_out_a_browser_that_has_signed_in_before(api):  # 
             assert one.http.post("/v1/me/password", json=wanted).status_code == 204
 
 
-def test_forged_and_expired_cookies_are_nobody(api):  # noqa: F811
+def test_forged_and_expired_cookies_are_rejected(api):  # noqa: F811
     one = signed_up(api)
     for forged in ("0" * 64, "nonsense", one.http.cookies["diaphane"][:-1] + "x", ""):
         other = client(api)

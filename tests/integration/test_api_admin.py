@@ -147,7 +147,7 @@ def test_that_an_administrator_looked_is_in_the_log(api, admin):  # noqa: F811
     assert [e["id"] for e in looks()[:2]][1] == before, "nothing but the look before this one"
 
 
-def test_the_fleet_is_what_redis_says(api, admin):  # noqa: F811
+def test_the_fleet_page_matches_redis(api, admin):  # noqa: F811
     add_worker(api, "fleet-test", slots=7)
     fleet = admin.http.get("/v1/admin/fleet").json()
     [worker] = [w for w in fleet["workers"] if w["id"] == "fleet-test"]
@@ -167,7 +167,7 @@ def spend(stack, one: Person, ms: int) -> None:
     stack.wait_until(lambda: one.http.get("/v1/me").json()["render_time"]["used_ms"] == before + ms, what="the account")
 
 
-def test_render_time_is_counted_and_over_the_quota_refused_in_words_and_ended_after_a_grace(api, admin):  # noqa: F811
+def test_render_time_is_counted_and_limited_after_a_grace_period(api, admin):  # noqa: F811
     one = person(api)
     me = one.id
     made = one.data_set(10)["data_set"]["id"]

@@ -24,7 +24,7 @@ def address(path: str, **ids: str) -> str:
 
 
 @pytest.mark.parametrize("operation", [o for o in OPERATIONS if o[2].get("security", [0]) and {} not in o[2].get("security", [0])], **names)
-def test_who_is_not_signed_in_gets_nowhere(api, operation):  # noqa: F811
+def test_requests_without_a_sign_in_are_refused(api, operation):  # noqa: F811
     path, method, _ = operation
     answer = client(api).request(method, address(path), headers={"Tus-Resumable": "1.0.0"})
     assert answer.status_code == 401
@@ -49,7 +49,7 @@ def caller(one, boss, operation):
 
 
 @pytest.mark.parametrize("operation", [o for o in OPERATIONS if "{" in o[0]], **names)
-def test_what_does_not_exist_is_not_found(api, one, boss, operation):  # noqa: F811
+def test_missing_objects_are_not_found(api, one, boss, operation):  # noqa: F811
     path, method, spec = operation
     one = caller(one, boss, operation)
     xml = CONTRACT.resolve(spec.get("requestBody", {})).get("content", {}).get("application/xml")
@@ -64,7 +64,7 @@ def test_what_does_not_exist_is_not_found(api, one, boss, operation):  # noqa: F
 
 
 @pytest.mark.parametrize("operation", OPERATIONS, **names)
-def test_a_method_that_is_not_in_the_contract_is_said_to_be_none(api, one, operation):  # noqa: F811
+def test_a_method_that_is_not_in_the_contract_is_refused(api, one, operation):  # noqa: F811
     path, _, _ = operation
     known = {method for p, method, _ in OPERATIONS if p == path}
     for method in {"GET", "POST", "PATCH", "DELETE"} - known:
@@ -130,7 +130,7 @@ def test_a_body_that_the_schema_refuses_is_refused_by_field(api, one, boss, oper
 
 
 @pytest.mark.parametrize("operation", WITH_BODY, **names)
-def test_a_body_that_is_no_json_object_is_refused(api, one, boss, operation):  # noqa: F811
+def test_a_body_that_is_not_a_json_object_is_refused(api, one, boss, operation):  # noqa: F811
     path, method, _ = operation
     one = caller(one, boss, operation)
     json_type = {"Content-Type": "application/json"}
@@ -152,7 +152,7 @@ def test_head_is_answered_like_get_but_without_a_body(api, one):  # noqa: F811
     assert one.http.head("/v1/nothing").status_code == 404
 
 
-def test_options_says_what_a_route_allows(api):  # noqa: F811
+def test_options_lists_the_allowed_methods(api):  # noqa: F811
     answer = client(api).options("/v1/me")
     assert answer.status_code == 204 and answer.headers["allow"] == "GET, HEAD, OPTIONS"
 

@@ -32,7 +32,7 @@ def until_well(stack, ask) -> httpx.Response:
     return stack.wait_until(lambda: a if (a := ask()).status_code < 500 else None, what="the recovery")
 
 
-def test_without_postgres_it_says_so_and_recovers_by_itself(stack, one):
+def test_a_lost_postgres_is_reported_and_recovered_from(stack, one):
     data = os.urandom(3000)
     made = one.data_set(len(data))
     assert one.patch(made["upload_url"], 0, data[:1000]).status_code == 204
@@ -146,7 +146,7 @@ def test_one_address_gets_half_of_the_connections_to_the_api_at_most(stack, one)
         assert [connection.recv(4096).split(b" ")[1] for connection in answered] == [b"429"] * 10
 
 
-def test_more_at_once_than_it_can_do_is_refused_in_words(stack, one):
+def test_requests_beyond_capacity_are_refused_with_a_message(stack, one):
     """A flood of sign-ins is limited in memory and time, while an ordinary user is served."""
     def guess(i: int) -> int:
         return httpx.post(stack.url + "/v1/sign-in", timeout=30,

@@ -115,7 +115,7 @@ def test_an_answer_has_the_standard_phrase_of_its_status(stack, path, status_lin
     assert exchange(stack, b"GET " + path + b" HTTP/1.1\r\nHost: x\r\n\r\n").splitlines()[0] == status_line
 
 
-def test_trace_says_nothing_back(stack):
+def test_trace_is_not_echoed(stack):
     answer = exchange(stack, b"TRACE /v1/me HTTP/1.1\r\nHost: x\r\nCookie: diaphane=" + b"a" * 64 + b"\r\n\r\n")
     assert status(answer) == 405 and b"a" * 64 not in answer
 

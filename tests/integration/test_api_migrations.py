@@ -82,7 +82,7 @@ def test_a_migration_that_fails_leaves_nothing_of_itself(stores, database, tmp_p
     assert {row[0] for row in schema(database)} == {"good", "schema_migrations"}
 
 
-def test_mistakes_are_said_with_the_exit_code_for_them(stores, database, tmp_path):
+def test_errors_have_their_exit_codes(stores, database, tmp_path):
     assert migrate(stores, database, "sideways").returncode == 78
     assert migrate(stores, database, "up", "--surprise", "1").returncode == 64
     assert migrate(stores, database, "up", migrations=tmp_path).returncode == 1

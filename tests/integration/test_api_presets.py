@@ -81,7 +81,7 @@ def test_a_change_needs_the_version_that_it_is_about(api, one):  # noqa: F811
     problem(one.http.get(f"/v1/presets/{preset['id']}"), 404, "not-found")
 
 
-def test_of_two_changes_of_one_version_one_is_made(api, one):  # noqa: F811
+def test_only_one_of_two_changes_to_the_same_version_succeeds(api, one):  # noqa: F811
     from concurrent.futures import ThreadPoolExecutor
 
     preset = saved(one, private(api, one))
@@ -90,7 +90,7 @@ def test_of_two_changes_of_one_version_one_is_made(api, one):  # noqa: F811
     assert sorted(answers) == [200] + [412] * 7
 
 
-def test_who_may_only_look_saves_none_and_changes_nobodys(api, one, other):  # noqa: F811
+def test_view_only_users_cannot_save_or_change_presets(api, one, other):  # noqa: F811
     made = private(api, one)
     preset = saved(one, made)
     problem(save(other, made), 404, "not-found")
@@ -132,7 +132,7 @@ def test_the_crowd_votes_once_each_and_the_best_comes_first(api, one, other, thi
     problem(client(api).get(f"/v1/data-sets/{shown}/presets"), 404, "not-found")   # samples are not private to anyone
 
 
-def test_there_are_only_so_many_of_a_person(api, one, other, shown):  # noqa: F811
+def test_presets_per_user_are_limited(api, one, other, shown):  # noqa: F811
     for n in range(20):
         saved(other, shown, f"n{n}")
     problem(save(other, shown), 429, "too-many")
@@ -173,7 +173,7 @@ def import_xml(who, data_set: str, xml: str | bytes, **headers: str):
     return who.http.post(f"/v1/data-sets/{data_set}/presets/xml", content=xml, headers=XML | headers)
 
 
-def test_xml_goes_out_and_comes_in_the_same_and_keeps_what_it_does_not_know(api, one, other, shown):  # noqa: F811
+def test_xml_round_trips_with_unknown_parts(api, one, other, shown):  # noqa: F811
     preset = saved(one, shown, 'Bone & "skin" <1>')
     out = other.http.get(f"/v1/presets/{preset['id']}/xml")
     assert out.headers["content-type"] == "application/xml" and out.headers["etag"] == preset["etag"]
@@ -253,7 +253,7 @@ def picture_of(who, preset: dict, data_set: str | None = None, **headers: str):
     return who.http.get(f"/v1/data-sets/{data_set or preset['data_set_id']}/presets/{preset['id']}/thumbnail", headers=headers)
 
 
-def test_a_picture_is_there_for_whoever_may_read_the_preset_until_either_changes(api, one, other):  # noqa: F811
+def test_everyone_who_may_read_a_preset_gets_its_picture(api, one, other):  # noqa: F811
     made = private(api, one)
     preset = saved(one, made)
     assert preset["pictured_at"] is None
@@ -297,7 +297,7 @@ def test_a_picture_goes_with_the_data_set_and_with_its_authors_account(api, one,
     api.wait_until(lambda: not mine.parent.exists(), what="the end of the data set's")
 
 
-def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, third, shown):  # noqa: F811
+def test_a_scan_opens_with_the_owners_default_preset(api, one, other, third, shown):  # noqa: F811
     """The scene of a new session, as sent to the worker."""
     import secrets
 

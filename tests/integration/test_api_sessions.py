@@ -51,7 +51,7 @@ def test_the_same_idempotency_key_opens_one_session(api, one, ready, worker):  #
     one.http.delete(f"/v1/sessions/{first['session_id']}")
 
 
-def test_without_a_worker_one_is_told_to_come_again(api, one, ready):  # noqa: F811
+def test_without_a_worker_the_response_asks_to_retry(api, one, ready):  # noqa: F811
     problem(one.http.post("/v1/sessions", json={"data_set_id": ready}), 503, "no-worker")
     problem(one.http.get(f"/v1/data-sets/{ready}/thumbnails/skin"), 503, "no-worker")
 
@@ -71,7 +71,7 @@ def test_a_picture_that_is_being_made_holds_a_few_threads_of_the_api_only(api, o
     assert {each.result().status_code for each in asked} == {503}
 
 
-def test_what_is_not_ready_cannot_be_looked_at(api, one, worker):  # noqa: F811
+def test_a_scan_that_is_not_ready_cannot_be_viewed(api, one, worker):  # noqa: F811
     made = one.data_set(100)["data_set"]["id"]
     problem(one.http.post("/v1/sessions", json={"data_set_id": made}), 409, "not-ready")
     problem(one.http.get(f"/v1/data-sets/{made}/thumbnails/skin"), 409, "not-ready")

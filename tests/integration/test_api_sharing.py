@@ -96,7 +96,7 @@ def test_the_owner_describes_it_and_others_do_not(api, one, other):  # noqa: F81
     assert one.http.get(f"/v1/data-sets/{made}").json()["title"] == "My knee"
 
 
-def test_shared_with_somebody_it_is_seen_and_unshared_its_session_ends(api, one, other, worker):  # noqa: F811
+def test_a_shared_scan_is_visible_until_it_is_unshared(api, one, other, worker):  # noqa: F811
     made = ready(api, one, "Shoulder")
     problem(other.http.get(f"/v1/data-sets/{made}"), 404, "not-found")
     share(one, made, other.email.upper())
@@ -166,7 +166,7 @@ def test_an_invitation_names_the_sender_and_their_confirmed_address(api):  # noq
     assert publish(one, made).json()["owner_name"] == ""
 
 
-def test_what_a_disabled_account_shared_does_not_exist_until_it_is_enabled_again(api, worker):  # noqa: F811
+def test_shares_of_a_disabled_account_are_hidden_until_it_is_enabled(api, worker):  # noqa: F811
     owner, friend, other = person(api), person(api), person(api)
     admin = person(api).becomes_administrator()
     public, private = ready(api, owner, "Public", anonymised=True), ready(api, owner, "Private")
@@ -217,7 +217,7 @@ def test_nothing_becomes_public_before_it_was_made_anonymous(api, one):  # noqa:
     problem(publish(one, one.data_set(100)["data_set"]["id"]), 409, "not-ready")
 
 
-def test_a_public_one_is_found_in_the_gallery(api, one, other):  # noqa: F811
+def test_a_public_scan_is_in_the_gallery(api, one, other):  # noqa: F811
     word = uuid.uuid4().hex[:8]
     made = {}
     for title, part in (("Broken shoulder", "arm"), ("Shoulders and neck", "neck"), ("Quiet knee", "leg")):
@@ -246,7 +246,7 @@ def test_a_public_one_is_found_in_the_gallery(api, one, other):  # noqa: F811
     problem(one.http.patch("/v1/me/public-name", json={"public_name": "me@example.org"}), 422, "invalid")
 
 
-def test_made_private_the_others_sessions_end_and_the_owners_go_on(api, one, other, worker):  # noqa: F811
+def test_making_a_scan_private_ends_only_the_sessions_of_others(api, one, other, worker):  # noqa: F811
     made = ready(api, one, anonymised=True)
     publish(one, made)
     third = person(api)
@@ -257,7 +257,7 @@ def test_made_private_the_others_sessions_end_and_the_owners_go_on(api, one, oth
     problem(other.http.get(f"/v1/data-sets/{made}"), 404, "not-found")
 
 
-def test_a_link_lets_anybody_look_until_it_is_ended(api, one, other, worker):  # noqa: F811
+def test_a_link_gives_access_until_it_is_disabled(api, one, other, worker):  # noqa: F811
     made = ready(api, one, "By link")
     link = make_link(one, made)
     assert link["path"] == f"/shared#{link['token']}"
@@ -293,7 +293,7 @@ def test_a_link_expires_and_its_visits_with_it(api, one, worker):  # noqa: F811
         problem(one.http.post(f"/v1/data-sets/{made}/links", json={"hours": hours}), 422, "invalid")
 
 
-def test_there_are_only_so_many_links_and_people(api, one):  # noqa: F811
+def test_links_and_people_are_limited(api, one):  # noqa: F811
     made = ready(api, one)
     for _ in range(10):
         make_link(one, made)
@@ -375,7 +375,7 @@ def test_reported_and_taken_down_it_is_gone_for_all_but_its_owner(api, one, othe
     assert publish(one, made).status_code == 200
 
 
-def test_the_same_idempotency_key_makes_one_link_and_says_its_token_again(api, one, other):  # noqa: F811
+def test_the_same_idempotency_key_returns_the_same_link_and_token(api, one, other):  # noqa: F811
     from api_client import PASSWORD, Person
 
     made = ready(api, one)

@@ -65,7 +65,7 @@ def test_a_damaged_part_is_thrown_away(api, one):  # noqa: F811
     assert one.patch(url, 0, b"a" * 1000, **{"Upload-Checksum": checksum("sha1", b"a" * 1000)}).status_code == 204
 
 
-def test_what_does_not_fit_the_upload_is_refused_and_loses_nothing(api, one):  # noqa: F811
+def test_a_part_that_does_not_fit_is_refused_without_loss(api, one):  # noqa: F811
     made = one.data_set(1000)
     url = made["upload_url"]
     assert one.patch(url, 0, b"a" * 400).status_code == 204
@@ -82,7 +82,7 @@ def test_what_does_not_fit_the_upload_is_refused_and_loses_nothing(api, one):  #
     assert (api.data_dir / "uploads" / f"{made['data_set']['id']}.tar").read_bytes() == b"a" * 400
 
 
-def test_discovery_says_what_is_spoken(api):  # noqa: F811
+def test_discovery_lists_the_supported_features(api):  # noqa: F811
     answer = client(api).options("/v1/uploads")
     assert answer.status_code == 204
     assert answer.headers["tus-version"] == "1.0.0"
@@ -123,13 +123,13 @@ def test_an_upload_is_created_by_tus_alone(api, one):  # noqa: F811
     ({"Upload-Length": str(9 * 2**30)}, 413, "upload-too-large"),
     ({"Upload-Length": "10", "Tus-Resumable": "0.2.2"}, 412, "tus-version"),
 ])
-def test_what_cannot_become_an_upload_is_refused_before_the_first_byte(api, one, headers, status, kind):  # noqa: F811
+def test_an_invalid_upload_is_refused_before_the_first_byte(api, one, headers, status, kind):  # noqa: F811
     before = len(one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"])
     problem(one.http.post("/v1/uploads", headers={**TUS, **headers}), status, kind)
     assert len(one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"]) == before
 
 
-def test_a_full_disk_is_said_and_nothing_is_left_behind(stack_factory):
+def test_a_full_disk_is_reported_and_leaves_nothing_behind(stack_factory):
     """Uses a small file system if possible. Otherwise, a limit on the size of the server's files simulates it."""
     stack = stack_factory(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_DISK_RESERVE_MB": "0"})
     folder = stack.data_dir / "uploads"
@@ -247,7 +247,7 @@ def test_a_list_is_read_page_by_page_without_gaps_or_repeats(api):  # noqa: F811
         problem(many.http.get("/v1/data-sets", params=bad), 422, "invalid")
 
 
-def test_what_is_somebody_elses_does_not_exist_on_any_route(api, one):  # noqa: F811
+def test_other_users_objects_do_not_exist_on_any_route(api, one):  # noqa: F811
     made = one.data_set(1000)
     url, data_set = made["upload_url"], f"/v1/data-sets/{made['data_set']['id']}"
     ready = one.upload(b"x" * 10)["id"]

@@ -62,14 +62,14 @@ def test_a_few_routes_stand_the_whole_list(attacked, ordinary):
 
 
 @pytest.mark.parametrize("path", [b"/v1/sessions", b"/v1/none"])
-def test_a_request_that_came_past_the_edge_would_be_seen(attacked, path):
+def test_a_request_that_bypasses_the_edge_is_detected(attacked, path):
     sent = Sent(attacked)
     assert sent.smuggled() == []
     talk(attacked.ports["api"], b"GET " + path + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
     assert len(sent.smuggled()) == 1
 
 
-def test_what_changes_would_be_seen(attacked, somebody):
+def test_changes_are_detected(attacked, somebody):
     before = state_of(attacked)
     made = somebody.data_set(10)["data_set"]["id"]
     found = changes(before, state_of(attacked))

@@ -35,7 +35,7 @@ def test_growth_has_a_row_for_every_size_and_walk(tmp_path):
     assert "32 x 32 x 32" in done.stdout
 
 
-def test_load_says_where_the_time_goes(tmp_path):
+def test_load_reports_where_the_time_is_spent(tmp_path):
     done = bench("load", "--quick", "--json", str(tmp_path / "results.json"))
     assert done.returncode == 0, done.stdout + done.stderr
     results = {r["name"].partition(": ")[2]: r["value"] for r in json.loads((tmp_path / "results.json").read_text())["results"]}
@@ -58,7 +58,7 @@ def test_nothing_grows_fast_while_fifty_people_come_and_go(tmp_path):
 
 
 @pytest.mark.nightly
-def test_heads_are_told_from_what_is_none_by_kind(tmp_path):
+def test_heads_are_distinguished_from_other_parts_by_kind(tmp_path):
     """One synthetic body of each kind. `./diaphane bench heads` has twenty, and real scans."""
     done = bench("heads", "--quick", "--out", str(tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
@@ -74,7 +74,7 @@ def test_heads_are_told_from_what_is_none_by_kind(tmp_path):
 
 
 @pytest.mark.nightly
-def test_attacks_are_told_by_group_of_routes_and_role(tmp_path):
+def test_attacks_are_reported_by_route_group_and_role(tmp_path):
     done = bench("edge-attacks", "--quick", "--routes", "getMe,/", "--roles", "nobody,owner", "--out", str(tmp_path), "--json", str(tmp_path / "results.json"))
     assert done.returncode == 0, done.stdout + done.stderr
     lines = list(csv.DictReader((tmp_path / "edge-attacks.csv").open()))
@@ -83,7 +83,7 @@ def test_attacks_are_told_by_group_of_routes_and_role(tmp_path):
     assert json.loads((tmp_path / "edge-attacks.json").read_text())["misses"] == []
 
 
-def test_the_contract_is_told_by_phase(tmp_path):
+def test_the_contract_is_reported_by_phase(tmp_path):
     done = bench("contract", "--only", "getMe", "--phases", "coverage", "--json", str(tmp_path / "results.json"))
     assert done.returncode == 0, done.stdout + done.stderr
     results = {r["name"]: r["value"] for r in json.loads((tmp_path / "results.json").read_text())["results"]}

@@ -197,7 +197,7 @@ def test_after_the_end_of_api_in_mid_upload_and_a_cancel(kept, one, scan, search
     nothing_is_left(kept, search)
 
 
-def test_after_the_deletion_of_what_is_being_built(kept, one, scan, search):
+def test_after_deleting_a_scan_that_is_being_built(kept, one, scan, search):
     data_set, child = frozen(kept, one, scan)
     assert one.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
     kept.wait_until(lambda: not upload_path(kept, data_set).exists(), what="the end of the upload")

@@ -88,7 +88,7 @@ def test_headers_that_the_listener_cuts_smuggle_nothing_through_the_edge(edge, o
     assert sessions_listed(edge) == before + 1
 
 
-def test_each_answer_of_the_edge_has_its_security_headers_and_says_what_is_wrong(edge):
+def test_each_response_of_the_edge_has_security_headers_and_a_problem(edge):
     for request, status in ((b"GET //x HTTP/1.1", 400), (b"GET /v1/me?a[b]=1 HTTP/1.1", 400), (b"PUT /v1/me HTTP/1.1", 405), (b"GET /none.js HTTP/1.1", 404)):
         answer = talk(edge.ports["edge"], request + b"\r\nHost: localhost\r\nConnection: close\r\n\r\n")
         assert statuses(answer) == [status]
@@ -102,7 +102,7 @@ def test_each_answer_of_the_edge_has_its_security_headers_and_says_what_is_wrong
 @pytest.mark.parametrize(("line", "allowed"), [
     (b"TRACE /v1/me", [b"GET, HEAD, POST, PATCH, DELETE, OPTIONS"]), (b"PUT /scans", [b"GET, HEAD"]), (b"POST /", [b"GET, HEAD"]), (b"PUT /stream", [b"GET"]),
     (b"POST /v1/me", [b"GET, HEAD"]), (b"GET /none.js", [])])  # the last but one is the REST side's message
-def test_a_method_that_is_not_allowed_is_told_which_are(edge, line, allowed):
+def test_a_405_lists_the_allowed_methods(edge, line, allowed):
     answer = talk(edge.ports["edge"], line + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
     assert statuses(answer) == ([405] if allowed else [404])
     assert [one.partition(b": ")[2] for one in answer.split(b"\r\n") if one.startswith(b"Allow: ")] == allowed
@@ -151,7 +151,7 @@ def test_a_flood_from_one_address_is_limited_and_nobody_else_is(edge, ordinary):
     assert got[:1000] == [401] * 1000, "a hospital behind one address opens its pages at the same minute"
 
 
-def test_parts_of_an_upload_are_not_mistaken_for_a_flood(edge, somebody):
+def test_parts_of_an_upload_do_not_count_as_a_flood(edge, somebody):
     made = somebody.data_set(200 * 10_000)
     for number in range(200):
         answer = somebody.patch(made["upload_url"], number * 10_000, b"x" * 10_000)
@@ -264,7 +264,7 @@ def test_a_body_without_a_length_is_refused(edge, uploader):
     assert statuses(talk(edge.ports["edge"], head + b"f\r\n" + b'{"bytes": 1000}' + b"\r\n0\r\n\r\n")) == [411]
 
 
-def test_nobody_outside_reaches_what_the_edge_asks(edge):
+def test_the_edges_internal_urls_are_unreachable_from_outside(edge):
     for path in (b"/_body_gate", b"/edge/body", b"/v1/../edge/body"):
         answer = talk(edge.ports["edge"], b"GET " + path + b" HTTP/1.1\r\nHost: localhost\r\nX-Original-Method: POST\r\n"
                       b"X-Original-Target: /v1/sign-in\r\nX-Original-Length: 5\r\nConnection: close\r\n\r\n")
@@ -288,7 +288,7 @@ def test_one_account_has_four_parts_on_their_way_at_most(edge, uploader):
     uploader.http.delete(url.replace("uploads", "data-sets"))
 
 
-def test_a_body_that_cannot_be_kept_is_said_and_taken_later(edge, uploader):
+def test_a_body_without_disk_space_is_refused_temporarily(edge, uploader):
     """As with a full disk, for which nginx itself would return 500, which suggests a permanent fault."""
     made = uploader.data_set(200_000)
     folder = edge.data_dir / "run" / "edge-body"
@@ -331,7 +331,7 @@ def test_slow_bodies_are_ended_and_the_others_behind_their_address_served(edge, 
         one.close()
 
 
-def test_slow_and_idle_connections_are_borne_and_ended(edge, ordinary, many_files):
+def test_slow_and_idle_connections_time_out(edge, ordinary, many_files):
     """1,000 slow headers, 1,000 slow bodies and 10,000 silent connections at the same time, from four addresses."""
     port = edge.ports["edge"]
     idle_count = min(10_000, many_files - 2_600)
@@ -400,7 +400,7 @@ def test_the_pages_own_addresses_are_the_page(edge, path):
     assert b"Cache-Control: no-cache" in answer and b"<" in answer
 
 
-def test_a_vanished_api_is_said_and_comes_back(edge):
+def test_an_outage_of_the_api_is_reported_and_recovered_from(edge):
     edge.stop("api")
     answer = talk(edge.ports["edge"], b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
     assert statuses(answer) == [502]

@@ -81,7 +81,7 @@ def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory
     print(f"all sixteen back after {time.monotonic() - begun:.2f} s")
 
 
-def test_a_second_worker_of_a_name_is_refused_and_the_first_goes_on(running, unharmed):
+def test_a_second_worker_with_the_same_name_is_refused(running, unharmed):
     program = running.stack.running_["renderd"].program
     grpc, admin = list(ports.random_free().values())[:2]
     env = {**program.env, "DIAPHANE_GRPC_ADDRESS": "127.0.0.1", "DIAPHANE_GRPC_PORT": str(grpc), "DIAPHANE_ADVERTISE": f"127.0.0.1:{grpc}",

@@ -46,7 +46,7 @@ NO_HANDSHAKES = {
 
 
 @pytest.mark.parametrize("name", NO_HANDSHAKES)
-def test_what_is_no_handshake_is_closed(port, name):
+def test_an_invalid_handshake_is_closed(port, name):
     assert all(400 <= status < 500 for status in statuses(talk(port, NO_HANDSHAKES[name])))
 
 
@@ -104,7 +104,7 @@ MESSAGES = {
 
 
 @pytest.mark.parametrize("name", MESSAGES)
-def test_what_is_no_message_closes_with_a_code(running, port, ticket, name):
+def test_an_invalid_message_closes_with_a_code(running, port, ticket, name):
     data, code = MESSAGES[name]
     with connect(port, timeout=5) as one:
         one.sendall(handshake(running.url, ticket()))

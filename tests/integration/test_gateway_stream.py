@@ -203,7 +203,7 @@ def test_a_worker_that_hangs_is_left(breakable):
         os.kill(pid, signal.SIGCONT)
 
 
-def test_streams_go_on_while_redis_is_away_and_new_sessions_come_when_it_is_back(breakable):
+def test_streams_survive_an_outage_of_redis(breakable):
     stack, somebody, ball = breakable
     _, url = open_session(somebody, ball)
     viewer = Viewer(stack.url, url)

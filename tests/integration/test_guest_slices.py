@@ -155,7 +155,7 @@ def test_a_guest_gets_no_voxel_unless_the_owner_allows_it(running, one, scan):
 
 
 @pytest.mark.parametrize("plane", [None, ((0.3, 0, -0.5), (0.5, -0.8, 0.33))], ids=["box", "box-and-rotated-plane"])
-def test_allowed_slices_hold_only_what_is_inside_the_clip(running, one, scan, plane):
+def test_allowed_slices_contain_only_the_inside_of_the_clip(running, one, scan, plane):
     session, url = open_session(one, scan)
     owner = Viewer(running.url, url)
     clip_to_box(owner, plane=plane)

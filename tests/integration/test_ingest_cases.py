@@ -24,7 +24,7 @@ def rows():
     return run.run(ALL)
 
 
-def test_a_few_cases_become_what_they_must():
+def test_some_cases_give_the_expected_result():
     build.npm_install()
     rows = run.run(FEW)
     assert len(rows) == len(FEW) and not any(row.faults for row in rows)
@@ -32,7 +32,7 @@ def test_a_few_cases_become_what_they_must():
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("number", range(len(ALL)), ids=[f"{case.number or 'real'}: {case.name}" for case in ALL])
-def test_a_case_becomes_what_it_must(rows, number):
+def test_a_case_gives_the_expected_result(rows, number):
     assert not rows[number].faults
 
 

@@ -76,7 +76,7 @@ def test_a_killed_ingestd_takes_its_child_along_and_the_job_is_taken_up_again(in
     assert (volume_path(ingest, data_set) / "voxels.i16").stat().st_size == 256 * 256 * 108 * 2
 
 
-def test_what_a_killed_ingestd_left_in_the_store_is_swept_and_overwritten(ingest, head):
+def test_leftovers_of_a_killed_ingestd_are_removed(ingest, head):
     ingest.stop("ingestd")
     volumes = ingest.data_dir / "volumes"
     data_set = enqueue(ingest, head)

@@ -111,7 +111,7 @@ def test_the_search_for_the_patient_finds_every_form(tmp_path):
         assert hiding_places(place, CANARY), number
 
 
-def test_bad_uploads_are_refused_in_words(ingest, head):
+def test_bad_uploads_are_refused_with_a_message(ingest, head):
     assert refusal(ingest, bundle([]))[0] == "empty"
     assert refusal(ingest, bundle([b"no picture at all " * 50] * 20))[0] == "not_dicom"
     assert refusal(ingest, bundle(head[:3]))[0] == "too_few_slices"
@@ -170,7 +170,7 @@ def test_a_data_set_deleted_while_it_is_built_leaves_nothing(ingest, head):
     nothing_left(ingest, data_set)
 
 
-def test_ingest_goes_on_after_postgres_was_away(ingest, head):
+def test_ingest_continues_after_an_outage_of_postgres(ingest, head):
     ingest.stop("postgres")
     time.sleep(1.5)
     ingest.start("postgres")
@@ -180,7 +180,7 @@ def test_ingest_goes_on_after_postgres_was_away(ingest, head):
     assert ingest.log("ingestd").count("postgres_away") == 2, "each of the two workers says it once"
 
 
-def test_bad_settings_are_said_all_at_once(ingest):
+def test_all_bad_settings_are_reported_together(ingest):
     done = subprocess.run([tool(ingest, "diaphane-ingestd"), "--admin-port", "0", "--upload-dir", "/nowhere"],
                           capture_output=True, text=True)
     assert done.returncode == 78
@@ -188,7 +188,7 @@ def test_bad_settings_are_said_all_at_once(ingest):
         assert f"--{name}" in done.stderr
 
 
-def test_the_sample_goes_the_same_way_as_anybodys_upload(ingest):
+def test_the_sample_is_processed_like_any_upload(ingest):
     url = f"http://127.0.0.1:{ingest.ports['api']}"
     command = [tool(ingest, "diaphane-sample"), "--upload", url, "--token-file", str(ingest.sample_token_file)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)

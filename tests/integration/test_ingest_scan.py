@@ -57,7 +57,7 @@ def test_the_patient_is_not_shown(disc):
         assert CANARY not in scan(str(disc), *arguments).stdout
 
 
-def test_what_is_not_suitable_is_said_in_words(disc, tmp_path):
+def test_the_reason_for_an_unsuitable_series_is_reported(disc, tmp_path):
     for number, file in enumerate(sorted((disc / "DICOM" / "S1").iterdir())[:3]):
         (tmp_path / str(number)).write_bytes(file.read_bytes())
     done = scan(str(tmp_path))
@@ -79,7 +79,7 @@ def test_folders_and_words_that_make_no_sense(tmp_path, disc):
     assert scan("--help").returncode == 0 and "FOLDER" in scan("--help").stdout
 
 
-def test_the_sample_tool_says_what_is_wrong(tmp_path):
+def test_the_sample_tool_reports_errors(tmp_path):
     def sample(*arguments: str) -> subprocess.CompletedProcess:
         return subprocess.run([str(BIN / "diaphane-sample"), *arguments], capture_output=True, text=True)
     assert sample().returncode == 78

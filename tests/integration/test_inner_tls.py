@@ -100,7 +100,7 @@ def restart_with_certificate(stack, folder: Path, program: str, role: str, **mor
     stack.wait_ready(program)
 
 
-def test_each_program_works_with_a_certificate_of_its_role_and_a_wrong_one_is_refused_in_words(stack_factory, ours, redis_port):
+def test_a_certificate_with_the_wrong_role_is_refused_with_a_message(stack_factory, ours, redis_port):
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_REDIS": f"rediss://127.0.0.1:{redis_port}", **settings(ours), **by_port(free_port())})
     for program in ("api", "gateway", "renderd"):
         restart_with_certificate(stack, ours, program, role=program)
@@ -139,7 +139,7 @@ def test_each_program_works_with_a_certificate_of_its_role_and_a_wrong_one_is_re
 
 
 @pytest.mark.parametrize("program", ROLES)
-def test_a_program_whose_certificate_lacks_its_role_says_so_and_does_not_start(all_stacks, ours, program):
+def test_a_program_does_not_start_with_a_certificate_without_its_role(all_stacks, ours, program):
     folder = ours
     other = next(role for role in ROLES if role != program)
     binary = all_stacks.layout().bin / f"diaphane-{program}"
@@ -164,7 +164,7 @@ def test_a_program_whose_certificate_lacks_its_role_says_so_and_does_not_start(a
     ("renderd", "assist", "10.0.0.2:8085"), ("api", "redis", "rediss://127.0.0.1:6379"),
     *((program, "postgres", "postgresql://u:p@db.example.org/d?sslmode=require") for program in ("api", "ingestd", "api migrate up", "api admin list")),
 ])
-def test_another_machine_is_not_reached_without_tls_unless_somebody_says_so(all_stacks, tmp_path, program, setting, value):
+def test_remote_hosts_need_tls_unless_it_is_turned_off(all_stacks, tmp_path, program, setting, value):
     name, *command = program.split()
     binary = all_stacks.layout().bin / f"diaphane-{name}"
 

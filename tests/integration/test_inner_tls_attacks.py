@@ -111,7 +111,7 @@ def tls_stack(stack_factory, ours, redis_port):  # noqa: F811
     assert dict(stack.pids) == pids, "a program ended"
 
 
-def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack, ours, redis_port, foreign):  # noqa: F811
+def test_attacks_on_renderd_and_redis_do_not_disturb_a_stream(tls_stack, ours, redis_port, foreign):  # noqa: F811
     stack, grpc, until_pictures = tls_stack
     right = context(ours, (str(ours / "own.pem"), str(ours / "own.key")))
     doors = {"renderd": (grpc, PREFACE, b"\0\0\0\4"), "redis": (redis_port, b"PING\r\n", b"+PONG")}
@@ -263,7 +263,7 @@ class FalsePostgres(threading.Thread):
                 pass
 
 
-def test_a_false_postgres_is_told_neither_a_name_nor_a_password(all_stacks, ours, foreign):  # noqa: F811
+def test_a_false_postgres_gets_no_credentials(all_stacks, ours, foreign):  # noqa: F811
     layout = all_stacks.layout()
 
     def asked(server: FalsePostgres) -> bytes:

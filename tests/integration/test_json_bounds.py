@@ -69,7 +69,7 @@ def test_deep_nesting_is_refused_before_it_is_read(attacker, name):
     assert "64 levels" in problem(answer, 400, "bad-request")["detail"]
 
 
-def test_deep_nesting_from_somebody_without_an_account_is_refused(stack):
+def test_deep_nesting_is_refused_without_an_account(stack):
     nobody = client(stack)
     for path in ("/v1/accounts", "/v1/accounts/verify", "/v1/sign-in", "/v1/join", "/v1/follow"):
         # Without a session, a body is limited to 16 KB.
@@ -99,7 +99,7 @@ def test_a_flood_of_small_values_is_refused_and_takes_no_memory(stack, attacker,
     assert resident_mb(stack.pids["api"]) - before < 100
 
 
-def test_a_recording_that_grows_when_it_is_kept_is_refused_in_words(attacker):
+def test_a_recording_that_is_too_large_when_stored_is_refused(attacker):
     body = ('{"format": "diaphane-interaction", "version": 1, "viewport": {"width": 64, "height": 64},'
             ' "events": [{"at_ms": 0, "scene": {"x": [' + ",".join(["1e9"] * 100_000) + ']}}]}')
     assert len(body) < 410_000

@@ -11,7 +11,7 @@ def gauge(metrics: str, name: str) -> float:
     return next(float(line.split()[-1]) for line in metrics.splitlines() if line.startswith(f"{name} "))
 
 
-def test_a_neighbour_helps_while_it_idles_and_is_given_back_when_somebody_comes_to_it(stack_factory):
+def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_LEND": "1", "DIAPHANE_MAX_ERROR": "0.0002"})
     somebody = person(stack)
     ball = store_ball(stack, somebody)

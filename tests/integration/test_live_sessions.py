@@ -47,7 +47,7 @@ def hand_over(viewer: Viewer, to: str) -> None:
     viewer.send(message)
 
 
-def test_a_guest_sees_what_the_presenter_turns_and_may_turn_nothing(running, one, session):
+def test_a_guest_follows_the_presenter_and_cannot_change_the_view(running, one, session):
     owner = Viewer(running.url, session[1])
     guest = Guest(running, link_of(one, session[0]), " Ann\u202e ")
     follower = guest.join()
@@ -121,7 +121,7 @@ def test_a_link_is_its_owners_and_opens_nothing_else(running, one, session):
     problem(one.http.post(f"/v1/sessions/{session[0]}/links"), 429, "too-many")
 
 
-def test_a_camera_of_ones_own_follows_the_settings_alone(running, one, session):
+def test_a_free_camera_follows_only_the_settings(running, one, session):
     owner = Viewer(running.url, session[1])
     owner.frame()
     follower = Guest(running, link_of(one, session[0])).join()
@@ -208,7 +208,7 @@ def come_back(viewer_of, seconds: float) -> Viewer:
     raise AssertionError(f"the picture was not back within {seconds} s")
 
 
-def test_a_dead_worker_s_session_goes_on_at_another_with_its_scene_and_its_guests(stack_factory):
+def test_a_dead_workers_session_moves_with_its_scene_and_guests(stack_factory):
     stack = stack_factory(only=PROGRAMS)
     somebody = person(stack)
     ball = store_ball(stack, somebody)
@@ -252,7 +252,7 @@ def test_a_dead_worker_s_session_goes_on_at_another_with_its_scene_and_its_guest
         second.kill()
 
 
-def test_a_redis_that_was_started_empty_is_filled_from_heartbeats(stack_factory):
+def test_an_empty_redis_is_refilled_from_heartbeats(stack_factory):
     stack = stack_factory(only=PROGRAMS)
     somebody = person(stack)
     ball = store_ball(stack, somebody)

@@ -31,7 +31,7 @@ def two_workers(stack_factory):
         worker.kill()
 
 
-def test_a_session_for_which_a_worker_has_no_memory_goes_on_at_another(two_workers):
+def test_a_session_moves_when_a_worker_has_no_memory_for_it(two_workers):
     stack, start_second = two_workers
     somebody = person(stack)
     first, second, third = (store_ball(stack, somebody, SIDE) for _ in range(3))

@@ -33,7 +33,7 @@ def turn_until(running, viewers: list[Viewer], done) -> None:
     running.wait_until(go_on, 120, "it")
 
 
-def test_who_has_used_up_his_time_is_stopped_and_told_why_and_nobody_else_notices(running, one, ball):
+def test_a_user_without_render_time_is_stopped_with_a_message(running, one, ball):
     other = person(running)
     theirs = store_ball(running, other)
     running.psql("UPDATE users SET render_quota_ms = 1500 WHERE email = %s", one.email)
@@ -74,7 +74,7 @@ def test_a_picture_at_rest_ends_too_when_the_grace_is_over(stack_factory):
     problem(who.http.post("/v1/sessions", json={"data_set_id": scan}), 403, "render-time-spent")
 
 
-def test_pictures_of_presets_and_what_visitors_look_at_cost_nobody_and_the_default_is_seen_first(running):
+def test_preset_pictures_and_visitors_use_no_render_time(running):
     owner, payer = person(running), person(running)
     scan = store_ball(running, owner)
     preset = owner.http.post(f"/v1/data-sets/{scan}/presets", json={"name": "Mine", "scene": SCENE}).json()

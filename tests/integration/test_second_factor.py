@@ -120,7 +120,7 @@ def test_codes_are_not_guessed(api):  # noqa: F811
     forget_attempts(api)
 
 
-def test_a_recovery_code_works_once_as_people_type_it_and_is_told_of(api):  # noqa: F811
+def test_a_recovery_code_works_once_and_its_use_is_mailed(api):  # noqa: F811
     one = person(api)
     codes = one.sets_up_second_factor()
     typed = codes[0].upper().replace("-", " ").replace("O", "0").replace("L", "1").replace("B", "8")
@@ -163,7 +163,7 @@ def test_a_new_password_by_mail_does_not_pass_by_the_second_factor(api):  # noqa
     problem(sign_in(api, one, password=new), 401, "code-needed")
 
 
-def test_who_lost_all_of_it_is_let_in_by_a_command_on_the_machine_alone(api):  # noqa: F811
+def test_only_the_command_line_resets_a_lost_second_factor(api):  # noqa: F811
     one = person(api)
     assert command(api, "reset-2fa", one.email).returncode == 1, "there is none"
     one.sets_up_second_factor()
@@ -176,7 +176,7 @@ def test_who_lost_all_of_it_is_let_in_by_a_command_on_the_machine_alone(api):  #
     told(api, one, "Two-factor authentication is now off")
 
 
-def test_an_administrator_is_told_to_set_it_up_and_may_only_do_that(api):  # noqa: F811
+def test_an_administrator_must_set_up_a_second_factor_first(api):  # noqa: F811
     one = person(api)
     done = command(api, "grant", one.email)
     assert "once this user turns on two-factor authentication" in done.stdout

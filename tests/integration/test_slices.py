@@ -32,7 +32,7 @@ def stored(folder: Path) -> np.ndarray:
     return np.fromfile(folder / "voxels.i16", "<i2").reshape(size[::-1])  # z, y, x
 
 
-def test_slices_are_the_stored_voxels_and_the_picture_goes_on(running, one, ball):
+def test_slices_are_the_stored_voxels_and_the_picture_continues(running, one, ball):
     _, url = open_session(one, ball)
     viewer = Viewer(running.url, url)
     voxels = stored(running.data_dir / "volumes" / ball)
@@ -51,7 +51,7 @@ def test_slices_are_the_stored_voxels_and_the_picture_goes_on(running, one, ball
 
 @pytest.mark.parametrize("slices", [[(AXIAL, 48)], [(AXIAL, 2**32 - 1)], [(0, 1)], [(9, 1)], [(AXIAL, 1), (AXIAL, 2)],
                                     [(AXIAL, 0)] * 8000])
-def test_what_is_no_slice_is_refused_in_words_and_all_goes_on(running, one, ball, slices):
+def test_an_invalid_slice_is_refused_and_the_session_continues(running, one, ball, slices):
     _, url = open_session(one, ball)
     viewer = Viewer(running.url, url)
     wish(viewer, *slices)
@@ -64,7 +64,7 @@ def test_what_is_no_slice_is_refused_in_words_and_all_goes_on(running, one, ball
     viewer.leave()
 
 
-def test_who_takes_nothing_gets_three_and_who_takes_all_no_more_than_there_may_be(running, one, ball):
+def test_slices_in_flight_and_per_second_are_limited(running, one, ball):
     _, url = open_session(one, ball)
     viewer = Viewer(running.url, url)
     for index in range(400):

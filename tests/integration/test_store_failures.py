@@ -164,7 +164,7 @@ def test_nothing_that_an_account_asks_for_while_it_is_deleted_is_a_fault(stack, 
     assert {name: f"{a.status_code} {a.text}" for name, a in answers.items() if not is_clear(a)} == {}
 
 
-def test_nothing_that_is_asked_of_a_data_set_while_it_is_deleted_is_a_fault(stack, one):
+def test_requests_during_a_deletion_cause_no_internal_error(stack, one):
     answers = {}
     for name, asked in OF_A_DATA_SET.items():
         data_set = public_data_set(stack, one)
@@ -172,7 +172,7 @@ def test_nothing_that_is_asked_of_a_data_set_while_it_is_deleted_is_a_fault(stac
     assert {name: f"{a.status_code} {a.text}" for name, a in answers.items() if not is_clear(a)} == {}
 
 
-def test_a_data_set_that_is_taken_down_while_it_is_published_is_refused_in_words(stack, one):
+def test_publishing_a_scan_that_is_being_taken_down_is_refused(stack, one):
     data_set = ready_without_upload(stack, one)
     stack.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", data_set)
     answer = asked_meanwhile(stack, one, OF_A_DATA_SET["visibility"], data_set,
@@ -215,7 +215,7 @@ def test_a_frozen_redis_keeps_no_request_waiting(stack, one):
     stack.wait_until(lambda: readiness(stack)["redis"], what="the recovery")
 
 
-def test_ingestd_notices_a_frozen_postgres_and_goes_on_after_it(stack_factory):
+def test_ingestd_notices_a_frozen_postgres_and_continues_after_it(stack_factory):
     stack = stack_factory(only=("postgres", "redis", "api", "ingestd", "edge"))
     who = person(stack)
     with frozen(stack, "postgres"):

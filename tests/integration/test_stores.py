@@ -21,7 +21,7 @@ def test_the_stores_run_as_an_ordinary_user_and_answer(stores):
         assert os.stat(f"/proc/{stores.pids[program]}").st_uid != 0
 
 
-def test_the_programs_role_is_no_superuser(stores):
+def test_the_programs_role_is_not_a_superuser(stores):
     assert stores.psql("SELECT rolsuper FROM pg_roles WHERE rolname = current_user") == [(False,)]
 
 
@@ -32,7 +32,7 @@ def test_a_killed_program_is_started_again(stores):
     assert stores.pids["redis"] != before
 
 
-def test_what_was_written_survives_a_kill_of_the_store(stores):
+def test_writes_survive_a_kill_of_the_store(stores):
     stores.psql("CREATE TABLE IF NOT EXISTS house_test (value int)")
     stores.psql("INSERT INTO house_test VALUES (%s)", 42)
     stores.kill("postgres")

@@ -94,7 +94,7 @@ def test_postgres_is_reached_by_tls_and_only_with_the_right_certificate(stack_fa
     assert refused.returncode == 69 and "certificate verify failed" in refused.stderr
 
 
-def test_the_admin_port_is_open_to_others_only_where_it_is_told_to_be(stack, stack_factory):
+def test_the_admin_port_is_local_unless_configured(stack, stack_factory):
     """In a pod, requests for metrics and health come from another machine. On a single machine, none do."""
     programs = ("api-admin", "gateway-admin", "ingestd-admin", "renderd-admin")
     for program in programs:

@@ -107,7 +107,7 @@ def test_up_down_and_up_again_keeps_everything_and_is_quick(empty_home):
     assert (empty_home.data / "sample.loaded").read_text(encoding="ascii") == sample
 
 
-def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
+def test_the_admin_command_grants_and_revokes_the_role(home):
     assert home.run("admin", "list").returncode == 1
     url_of(home.up())
 
@@ -166,7 +166,7 @@ def test_a_taken_port_is_named_and_the_next_one_used(home):
         assert f"Port {home.port} (edge) is in use. Using " in done.stdout
 
 
-def test_a_second_up_says_where_the_first_is(home):
+def test_a_second_up_reports_the_running_instance(home):
     first = url_of(home.up())
     again = home.up()
     assert again.returncode == 0
@@ -186,7 +186,7 @@ def test_after_a_kill_of_the_supervisor_the_next_up_takes_over_without_remains(h
     assert [i for i in left if i.alive()] == []
 
 
-def test_down_stops_what_a_killed_supervisor_left(home):
+def test_down_stops_the_programs_of_a_killed_supervisor(home):
     url_of(home.up())
     left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
     os.kill(home.record()["supervisor"]["pid"], signal.SIGKILL)

@@ -42,7 +42,7 @@ def counted(port: int, what: str) -> int:
     return int(found.group(1)) if found else 0
 
 
-def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(node):
+def test_a_new_worker_reads_the_copy_and_replaces_a_damaged_one(node):
     stack, folder = node
     somebody, data_set, session = copied(stack, folder)
     admin = stack.ports["renderd-admin"]
@@ -72,14 +72,14 @@ def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(nod
     assert set(copies_of(folder, data_set)[0].read_bytes()) != {0}
 
 
-def test_what_is_deleted_has_no_copy(node):
+def test_a_deleted_scan_has_no_copy(node):
     stack, folder = node
     somebody, data_set, _ = copied(stack, folder)
     assert somebody.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
     stack.wait_until(lambda: not copies_of(folder, data_set), what="the copy's end")
 
 
-def test_what_is_made_anonymous_has_no_older_copy(node):
+def test_an_anonymised_scan_has_no_older_copy(node):
     stack, folder = node
     somebody = person(stack)
     data_set, content = marked_scan(stack, somebody)
@@ -97,7 +97,7 @@ def test_what_is_made_anonymous_has_no_older_copy(node):
     assert new.name != old.name
 
 
-def test_without_a_folder_to_write_to_all_goes_on(node, all_stacks):
+def test_a_worker_runs_without_a_writable_copies_folder(node, all_stacks):
     stack, _ = node
     somebody = person(stack)
     data_set = store_ball(stack, somebody)
