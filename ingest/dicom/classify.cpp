@@ -302,7 +302,8 @@ class Judge {
     Stack stack = arrange(positions, axes_, std::min(pixel[0], pixel[1]));
     if (!stack.is_volume) {
       const bool film = stack.code == "one_position" && first().one_of_frames;
-      if (film) return refuse("cine", "This is a film of a single location, not a 3D scan.");
+      if (film)
+        return refuse("cine", "This is a video of a single place in the body, not a 3D scan.");
       return refuse(stack.code.c_str(), std::move(stack.text));
     }
     const std::size_t slices = stack.sources.empty() ? kept_.size() : stack.sources.size();

@@ -29,7 +29,7 @@ HEAD_VIEWS = {
     "brow and above alone": View((-110, -135, -20), (110, 130, 105)),
     "face without the vault": View((-110, -135, -150), (110, 130, 15), off=4),
     "jaw and neck": View((-110, -135, -190), (110, 130, -60), off=4),
-    "top of the head not in it": View((-110, -135, -150), (110, 130, 45), off=4),
+    "without the top of the head": View((-110, -135, -150), (110, 130, 45), off=4),
     "with the shoulders' height below": View((-140, -150, -300), (140, 150, 115)),
 }
 TRUNK = View((-260, -160, -140), (260, 160, 140), off=20)

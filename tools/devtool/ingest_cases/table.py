@@ -164,7 +164,7 @@ CASES: list[Case] = [
     Case(12, "enhanced CT of two times", "refused: time_series",
          _one_file(_FRAMES, stack() + stack(), [{"time": 1}] * 20 + [{"time": 2}] * 20), "several scans of the same region"),
     Case(12, "enhanced MR, cine", "refused: cine",
-         _one_file(_FRAMES_MR, [replace(one, intercept=0.0) for one in stack([0.0] * 20)]), "a film of a single location"),
+         _one_file(_FRAMES_MR, [replace(one, intercept=0.0) for one in stack([0.0] * 20)]), "a video of a single place"),
     Case(13, "multi-frame with no positions", "refused: no_position", _multi_frame_without_places,
          "does not specify their positions"),
     Case(13, "slices with no position", "refused: no_position", _ct(stack(), extra={"ImagePositionPatient": None}),
