@@ -67,6 +67,20 @@ std::string ds_list(const Array& values) {
   return text;
 }
 
+/// An overlay of 8 x 16 bits with a label.
+void put_overlay(gdcm::DataSet& set) {
+  put(set, 0x6000, 0x0010, "US", us(8));
+  put(set, 0x6000, 0x0011, "US", us(16));
+  put(set, 0x6000, 0x0040, "CS", "G");
+  put(set, 0x6000, 0x0050, "SS", us(1) + us(1));
+  put(set, 0x6000, 0x0100, "US", us(1));
+  put(set, 0x6000, 0x0102, "US", us(0));
+  put(set, 0x6000, 0x1500, "LO", std::string("Label ") + kCanary);
+  std::string bits = kCanary;
+  bits.resize(16);
+  put(set, 0x6000, 0x3000, "OB", bits);
+}
+
 void put_patient(gdcm::DataSet& set) {
   const std::string canary = kCanary;
   const auto text = [&](std::uint16_t group, std::uint16_t element, const char* vr,
@@ -117,17 +131,7 @@ void put_patient(gdcm::DataSet& set) {
   text(0x0009, 0x1001, "LO", "Private ");
   text(0x0009, 0x1002, "UN", "Unknown ");
   put(set, {0x0009, 0x1003, "SQ", "", {{0x0010, 0x0010, "PN", kCanaryName, {}}}});
-  // An overlay of 8 x 16 bits with a label.
-  put(set, 0x6000, 0x0010, "US", us(8));
-  put(set, 0x6000, 0x0011, "US", us(16));
-  put(set, 0x6000, 0x0040, "CS", "G");
-  put(set, 0x6000, 0x0050, "SS", us(1) + us(1));
-  put(set, 0x6000, 0x0100, "US", us(1));
-  put(set, 0x6000, 0x0102, "US", us(0));
-  text(0x6000, 0x1500, "LO", "Label ");
-  std::string bits = canary;
-  bits.resize(16);
-  put(set, 0x6000, 0x3000, "OB", bits);
+  put_overlay(set);
   // Trailing data after the pixels.
   text(0xFFFC, 0xFFFC, "OB", "Tail ");
 }

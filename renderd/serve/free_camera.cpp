@@ -25,6 +25,30 @@ void LiveSession::follow(const v1::Scene& presenters) {
   parts_.runner.wake();
 }
 
+/// Returns false if the private session accepts no viewer. Then this one stays with the group's
+/// picture and learns why.
+bool LiveSession::enter_free_camera(std::uint64_t connection, Receiver& receiver,
+                                    const std::shared_ptr<ClientLink>& link,
+                                    const std::shared_ptr<LiveSession>& made) {
+  const auto there = made->attach(
+      link, {receiver.participant, receiver.name, {}, receiver.viewer, receiver.may_have_slices},
+      made->placement());
+  if (!there) {
+    v1::ServerMessage message;
+    *message.mutable_problem() = problem_of(there.error(), 0, false);
+    send(connection, message);
+    return false;
+  }
+  free_cameras_[connection] = {made, *there};
+  use_free_camera(state_, receiver, true, parts_.clock.now());
+  v1::ClientMessage greeting;
+  *greeting.mutable_hello() = *receiver.hello;
+  made->receive(*there, greeting.SerializeAsString());
+  close_unused_lanes();
+  broadcast_participants();
+  return true;
+}
+
 // The group's lock must not be held while the host creates a session, because the host locks itself
 // and then its sessions.
 void LiveSession::change_camera(std::uint64_t connection, bool own, const Error* why) {
@@ -60,25 +84,7 @@ void LiveSession::change_camera(std::uint64_t connection, bool own, const Error*
                    {ErrorCode::kTooMany,
                     "No slot is free for a camera of your own. Try again later.", "own_camera"});
     } else if (own) {
-      const auto there = (*made)->attach(
-          link->second,
-          {receiver->participant, receiver->name, {}, receiver->viewer, receiver->may_have_slices},
-          (*made)->placement());
-      if (there) {
-        free_cameras_[connection] = {*made, *there};
-        use_free_camera(state_, *receiver, true, parts_.clock.now());
-        v1::ClientMessage greeting;
-        *greeting.mutable_hello() = *receiver->hello;
-        (*made)->receive(*there, greeting.SerializeAsString());
-        close_unused_lanes();
-        broadcast_participants();
-      } else {
-        // The private session accepts no viewer, so this one stays with the group's picture.
-        unused = *made;
-        v1::ServerMessage message;
-        *message.mutable_problem() = problem_of(there.error(), 0, false);
-        send(connection, message);
-      }
+      if (!enter_free_camera(connection, *receiver, link->second, *made)) unused = *made;
     } else {
       // Sent first, so that the page does not request the camera again after the configuration.
       if (why) send_problem(connection, *why);

@@ -242,6 +242,9 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   // Must be called without the lock.
   /// `why` is sent to the viewer whose free camera was withdrawn.
   void change_camera(std::uint64_t connection, bool own, const Error* why = nullptr);
+  bool enter_free_camera(std::uint64_t connection, Receiver& receiver,
+                         const std::shared_ptr<ClientLink>& link,
+                         const std::shared_ptr<LiveSession>& made);
   void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
                  std::unique_lock<std::mutex>& lock);

@@ -124,6 +124,31 @@ void CudaRenderer::set_precedence(unsigned precedence) {
   urgent_ = urgent;
 }
 
+void CudaRenderer::adopt_tables(Tables larger, const PreparedScene& prepared) {
+  if (larger.acceleration.made()) {
+    tables_.acceleration = std::move(larger.acceleration);
+    exact_of_ = nullptr;
+  }
+  adopt(tables_.colour, std::move(larger.colour));
+  adopt(tables_.gloss, std::move(larger.gloss));
+  adopt(tables_.emission, std::move(larger.emission));
+  // These buffers exist only while the scene uses them.
+  if (!prepared.features.has(Feature::kGloss)) tables_.gloss = {};
+  if (!prepared.features.has(Feature::kEmission)) tables_.emission = {};
+  adopt(tables_.lights, std::move(larger.lights));
+  adopt(tables_.maps, std::move(larger.maps));
+  if (prepared.textures) {
+    adopt(tables_.textures, std::move(larger.textures));
+    adopt(tables_.texels, std::move(larger.texels));
+    adopt(tables_.texture_rows, std::move(larger.texture_rows));
+  } else {
+    // These buffers exist only while the scene has textures.
+    tables_.textures = {};
+    tables_.texels = {};
+    tables_.texture_rows = {};
+  }
+}
+
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
   use_device();
   auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
@@ -140,28 +165,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   }
   // Launches of a stopped batch may still read the tables and write to the film.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
-  if (larger->acceleration.made()) {
-    tables_.acceleration = std::move(larger->acceleration);
-    exact_of_ = nullptr;
-  }
-  adopt(tables_.colour, std::move(larger->colour));
-  adopt(tables_.gloss, std::move(larger->gloss));
-  adopt(tables_.emission, std::move(larger->emission));
-  // These buffers exist only while the scene uses them.
-  if (!prepared->features.has(Feature::kGloss)) tables_.gloss = {};
-  if (!prepared->features.has(Feature::kEmission)) tables_.emission = {};
-  adopt(tables_.lights, std::move(larger->lights));
-  adopt(tables_.maps, std::move(larger->maps));
-  if (prepared->textures) {
-    adopt(tables_.textures, std::move(larger->textures));
-    adopt(tables_.texels, std::move(larger->texels));
-    adopt(tables_.texture_rows, std::move(larger->texture_rows));
-  } else {
-    // These buffers exist only while the scene has textures.
-    tables_.textures = {};
-    tables_.texels = {};
-    tables_.texture_rows = {};
-  }
+  adopt_tables(std::move(*larger), *prepared);
   if (film) film_ = std::move(film);
   film_->reshape(canvas);
   film_->set_curve(prepared->curve);

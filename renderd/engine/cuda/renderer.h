@@ -86,6 +86,8 @@ class CudaRenderer : public FrameRenderer {
         method_(method) {}
 
   Result<Tables> grown_tables(const PreparedScene& prepared) const;
+  /// Takes over the tables that grew. Those that only some scenes use exist while they do.
+  void adopt_tables(Tables larger, const PreparedScene& prepared);
   Result<void> upload_tables(const PreparedScene& prepared);
   SceneView<TextureVolume> view() const;
   Result<void> upload_lights(const PreparedScene& prepared);
