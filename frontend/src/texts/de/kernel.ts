@@ -7,7 +7,7 @@ export const kernel: Texts["kernel"] = {
     `Verwendet wird ein Kernel, der in ${number.format(Math.round(ms))} ms für diese Szene kompiliert wurde.`,
   fromCache: "Verwendet wird ein Kernel, der früher für eine ähnliche Szene kompiliert wurde.",
   aheadOfTime: "Verwendet wird ein vorkompilierter, spezialisierter Kernel.",
-  general: "Verwendet wird der allgemeine Kernel.",
+  general: "Verwendet wird der allgemeine Kernel, der alle Funktionen enthält.",
   leftOut: "Weggelassen, weil diese Szene es nicht braucht",
   compiledIn: "Enthalten",
   nothing: "nichts",

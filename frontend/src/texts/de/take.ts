@@ -29,9 +29,9 @@ export const take: Texts["take"] = {
   otherHint: "Der senkrechte Bildausschnitt bleibt gleich. An den Seiten wird beschnitten oder erweitert.",
   quality: "Qualität",
   qualities: {
-    quick: "Entwurf (Rauschen 5 %)",
-    good: "Gut (Rauschen 2 %)",
-    best: "Fertig und verlustfrei (dauert am längsten)",
+    quick: "Entwurf, etwas körnig",
+    good: "Gut, kaum noch körnig",
+    best: "Fertig (dauert am längsten)",
   },
   timeHint: "Das verbraucht Rechenzeit.",
   save: "Bild speichern",

@@ -78,8 +78,7 @@ export const viewer: Texts["viewer"] = {
     "Jeder Bildpunkt ist genau so, wie der Renderer ihn berechnet hat. Dieser Browser hat geprüft, dass bei der Übertragung nichts verloren ging.",
   tileDamaged: "Das fertige Bild wurde bei der Übertragung beschädigt. Stattdessen sehen Sie das gestreamte Bild.",
   refining: (part) => (part === null ? "Wird schärfer …" : `Wird schärfer … ${Math.floor(100 * part)} %`),
-  smoothed: "Vorschau",
-  smoothedHelp: "Die ersten Bilder werden geglättet, weil sie noch körnig sind. Das fertige Bild wird nie geglättet.",
+  smoothedHelp: "Dieses Bild ist entrauscht, weil es sonst noch körnig wäre. Das fertige Bild wird nie entrauscht.",
   seconds: (s) => (s < 1 ? `${(s * 1000).toFixed(0)} ms` : s < 100 ? `${fixed(s, 1)} s` : `${fixed(s / 60, 1)} min`),
   percent: (error) =>
     `${new Intl.NumberFormat("de", { minimumSignificantDigits: 2, maximumSignificantDigits: 2 }).format(100 * error)} %`,

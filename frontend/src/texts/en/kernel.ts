@@ -6,7 +6,7 @@ export const kernel = {
   forThisScene: (ms: number) => `Using a kernel compiled for this scene in ${number.format(Math.round(ms))} ms.`,
   fromCache: "Using a kernel that was compiled earlier for a similar scene.",
   aheadOfTime: "Using a precompiled specialised kernel.",
-  general: "Using the general-purpose kernel.",
+  general: "Using the general-purpose kernel, which includes every feature.",
   leftOut: "Left out because this scene doesn’t need it",
   compiledIn: "Included",
   nothing: "nothing",

@@ -25,9 +25,9 @@ export const take = {
   otherHint: "The vertical field of view stays the same. The sides are cropped or extended.",
   quality: "Quality",
   qualities: {
-    quick: "Draft (noise level 5%)",
-    good: "Good (noise level 2%)",
-    best: "Finished and lossless (takes the longest)",
+    quick: "Draft, a little grainy",
+    good: "Good, hardly any grain",
+    best: "Finished (takes the longest)",
   },
   timeHint: "This uses your rendering time.",
   save: "Save the picture",

@@ -82,8 +82,7 @@ export const viewer = {
     "Every pixel is exactly as the renderer computed it. This browser has checked that nothing was lost in transit.",
   tileDamaged: "The final picture was corrupted in transit. The streamed picture is shown instead.",
   refining: (part: number | null) => (part === null ? "Sharpening…" : `Sharpening… ${Math.floor(100 * part)}%`),
-  smoothed: "Preview",
-  smoothedHelp: "The first pictures are smoothed, because they are still grainy. The finished picture never is.",
+  smoothedHelp: "This picture is denoised, because it would still be grainy. The finished picture never is.",
   seconds: (s: number) =>
     s < 1 ? `${(s * 1000).toFixed(0)} ms` : s < 100 ? `${s.toFixed(1)} s` : `${(s / 60).toFixed(1)} min`,
   percent: (error: number) => `${(100 * error).toPrecision(2)}%`,

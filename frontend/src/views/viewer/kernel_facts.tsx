@@ -40,12 +40,14 @@ function Facts({ report }: { readonly report: KernelReport }) {
   return (
     <>
       <p>{originOf(report)}</p>
-      <dl>
-        <dt>{text.leftOut}</dt>
-        <dd data-fact="left-out">{named(report.leftOut)}</dd>
-        <dt>{text.compiledIn}</dt>
-        <dd data-fact="compiled-in">{named(report.compiledIn)}</dd>
-      </dl>
+      {report.origin === KernelOrigin.GENERAL ? null : ( // it has every feature, whatever the picture needs
+        <dl>
+          <dt>{text.leftOut}</dt>
+          <dd data-fact="left-out">{named(report.leftOut)}</dd>
+          <dt>{text.compiledIn}</dt>
+          <dd data-fact="compiled-in">{named(report.compiledIn)}</dd>
+        </dl>
+      )}
       <p>
         {[
           report.emptyCells === undefined ? "" : text.empty(report.emptyCells),

@@ -7,7 +7,7 @@ import { percentText } from "../format";
 import { Icon } from "../icons";
 import { ErrorPlot } from "./error_plot";
 import { KernelFacts } from "./kernel_facts";
-import { partOfWay } from "./part_of_way";
+import { qualityState, type QualityState } from "./quality_state";
 
 const key = "diaphane.quality";
 const detailsKey = "diaphane.quality.details";
@@ -30,17 +30,14 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
     local.setItem(key, open ? "closed" : "open");
     setOpen(!open);
   };
-  const state = qualityState(session, facts);
+  const finished = session.pictures.converged.value || session.pictures.lossless.value !== null;
+  const state = qualityState(facts, session.effort.value, finished);
   if (!open) return <QualityChip state={state} toggle={toggle} />;
   return (
     <section class="glass quality" aria-label={t.viewer.quality}>
       <div class="quality-head">
         <h2>{t.viewer.quality}</h2>
-        <span
-          class={`chip${state.finished ? " chip-good" : ""}`}
-          data-fact="state"
-          title={facts.smoothed && !state.finished ? t.viewer.smoothedHelp : undefined}
-        >
+        <span class={`chip${state.finished ? " chip-good" : ""}`} data-fact="state">
           {state.text}
         </span>
         <button type="button" class="icon-button" aria-label={t.close} title={t.close} aria-expanded onClick={toggle}>
@@ -50,20 +47,6 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
       <QualityDetails session={session} facts={facts} />
     </section>
   );
-}
-
-interface QualityState {
-  readonly finished: boolean;
-  readonly text: string;
-  /** The part of the samples that is done, where it is known and the picture is still being refined. */
-  readonly part: number | null;
-}
-
-function qualityState(session: ViewerSession, facts: PictureFacts): QualityState {
-  const finished = session.pictures.converged.value || session.pictures.lossless.value !== null;
-  const part = partOfWay(facts, session.effort.value);
-  const text = finished ? t.viewer.finished : facts.smoothed ? t.viewer.smoothed : t.viewer.refining(part);
-  return { finished, text, part: finished || facts.smoothed ? null : part };
 }
 
 /** The closed panel. */
@@ -97,6 +80,11 @@ function QualityDetails({ session, facts }: QualityProps) {
     >
       <summary>{t.viewer.details}</summary>
       <QualityFigures session={session} facts={facts} />
+      {facts.smoothed ? (
+        <p class="quality-help" data-fact="denoised">
+          {t.viewer.smoothedHelp}
+        </p>
+      ) : null}
       {lossless ? (
         <p class="quality-help" data-fact="lossless" title={t.viewer.losslessHelp}>
           {t.viewer.lossless(lossless.samples)}
