@@ -62,3 +62,18 @@ def test_a_killed_program_is_reported_and_the_page_recovers(shaken: TestStack, v
     assert difference(seen, pixels(page)) < 3
     page.get_by_role("link", name="My scans").click()
     expect(person.card("Head")).to_have_attribute("data-state", "ready")
+
+
+def test_a_lost_network_is_reported_within_seconds_and_the_picture_follows_again(stack: TestStack, visit, cranium: Path):
+    person = Person.arrives(stack, visit(), "anna")
+    page = person.page
+    person.has_scan(cranium, "Head")
+    person.open_scan("Head")
+    before = wait_for_samples(stack, page, 2)
+    page.context.set_offline(True)
+    expect(page.get_by_role("status").get_by_text("Until then, the picture stays as it is.")).to_be_visible(timeout=3000)
+    drag(page, -200, 0)
+    page.context.set_offline(False)
+    expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+    wait_for_samples(stack, page, 1, input_seq=before.input_seq + 1)
+    expect(page.get_by_text("Connection lost")).to_have_count(0)

@@ -1,4 +1,5 @@
 import { subprotocol } from "./messages";
+import { probeLimitMs } from "./silence_watch";
 import type { OpenSocket } from "./stream_client";
 
 /** `url` is a path on the page's origin. */
@@ -19,3 +20,13 @@ export const openBrowserSocket: OpenSocket = (url, events) => {
     close: () => socket.close(1000),
   };
 };
+
+/** Any answer will do, even an error: it has come over the network. */
+export async function probeServer(): Promise<boolean> {
+  try {
+    await fetch("/", { method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(probeLimitMs) });
+    return true;
+  } catch {
+    return false;
+  }
+}

@@ -39,6 +39,13 @@ describe("the connection", () => {
     }
   });
 
+  it("treats a server that can't be reached like a closed connection, but only while it is live", () => {
+    const lost = run([...toLive, { kind: "lost" }]);
+    expect(lost.effects).toEqual(["close", "timer"]);
+    expect(lost.state).toMatchObject({ phase: "waiting", trouble: "lost" });
+    expect(run([...toLive.slice(0, 2), { kind: "lost" }]).state.phase).toBe("opening");
+  });
+
   it("greets again over another connection at once when the page asks for it", () => {
     const again = run([...toLive, { kind: "again" }]);
     expect(again.effects).toEqual(["close", "ask_ticket", "timer"]);

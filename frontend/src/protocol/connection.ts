@@ -45,6 +45,7 @@ export type ConnectionEvent =
   | { readonly kind: "configured" }
   | { readonly kind: "picture" }
   | { readonly kind: "closed"; readonly code: number }
+  | { readonly kind: "lost" } // the connection is open, but the server can't be reached
   | { readonly kind: "timeout" } // of a wait, or of a step that took too long
   | { readonly kind: "again" } // this page has reasons of its own to greet anew
   | { readonly kind: "wake" } // the network is back, or the page is looked at again
@@ -128,6 +129,8 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
     case "closed":
       if (state.phase !== "opening" && state.phase !== "greeting" && state.phase !== "live") return stay;
       return afterClose(state, event.code, spread);
+    case "lost":
+      return state.phase === "live" ? retryLater(state, spread, "lost") : stay;
     case "timeout":
       if (state.phase === "waiting") return ask(state);
       if (state.phase === "asking" || state.phase === "opening" || state.phase === "greeting")

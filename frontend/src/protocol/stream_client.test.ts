@@ -1,5 +1,5 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { beforeEach, describe, expect, it } from "vitest";
+import { beforeEach, describe, expect, it, vi } from "vitest";
 import { fullEffort } from "../scene/effort";
 import { SceneSchema, type Scene } from "./gen/api/proto/scene_pb";
 import {
@@ -9,6 +9,7 @@ import {
   ConfigSchema,
   FrameSchema,
   LookSchema,
+  StateSchema,
   ServerMessageSchema,
   StillFormat,
   type ClientMessage,
@@ -29,6 +30,8 @@ class World {
   configs: (number | undefined)[] = [];
   looks: (number | undefined)[] = [];
   tickets = 0;
+  nowMs = 0;
+  reachable = true;
   client: StreamClient;
 
   constructor() {
@@ -42,10 +45,12 @@ class World {
         },
         nextFrame: (task) => this.frames.push(task),
         after: (_ms, task) => {
-          this.timers = [task];
-          return () => (this.timers = []);
+          this.timers.push(task);
+          return () => (this.timers = this.timers.filter((one) => one !== task));
         },
         chance: () => 0.5,
+        nowMs: () => this.nowMs,
+        probe: () => Promise.resolve(this.reachable),
         abilities: { codecs: [Codec.JPEG], stills: [StillFormat.PNG] },
         pixelRatio: () => 2,
       },
@@ -102,6 +107,17 @@ describe("the stream client", () => {
   beforeEach(() => {
     world = new World();
     world.client.start();
+  });
+
+  it("reconnects when nothing answers a drag and the server can't be reached", async () => {
+    await world.live();
+    world.say({ case: "state", value: create(StateSchema, { converged: true }) });
+    world.client.setScene(scene(2));
+    world.reachable = false;
+    world.nowMs = 3000;
+    world.timeout();
+    await vi.waitFor(() => expect(world.client.connection.phase).toBe("waiting"));
+    expect(world.client.connection).toMatchObject({ trouble: "lost", wasLive: true });
   });
 
   it("greets with what it can decode and the size of its picture, before all else", async () => {

@@ -42,6 +42,7 @@ import {
   type FilePart,
   type KernelReport,
 } from "./file_messages";
+import { SilenceWatch } from "./silence_watch";
 import { fullEffort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
 
@@ -72,6 +73,9 @@ export interface StreamDependencies {
   readonly nextFrame: (task: () => void) => void;
   readonly after: (ms: number, task: () => void) => () => void;
   readonly chance: () => number;
+  readonly nowMs: () => number;
+  /** Whether the server can be reached at all, asked without the connection. */
+  readonly probe: () => Promise<boolean>;
   readonly abilities: Abilities;
   readonly pixelRatio: () => number;
 }
@@ -125,6 +129,9 @@ export class StreamClient {
   private leading = true;
   private freeCamera = false;
   private readonly depths: DepthQueries;
+  private readonly silence: SilenceWatch;
+  /** The picture is not finished, so messages are due. */
+  private unfinished = false;
   /** Where the free camera was before the connection was lost. */
   private ownPose: CameraPose | null = null;
 
@@ -136,6 +143,7 @@ export class StreamClient {
     this.viewport = viewport;
     this.abilities = dependencies.abilities;
     this.depths = new DepthQueries({ send: (message) => this.say(message), after: dependencies.after });
+    this.silence = new SilenceWatch({ ...dependencies, lost: () => this.happened({ kind: "lost" }) });
   }
 
   get connection(): ConnectionState {
@@ -158,6 +166,11 @@ export class StreamClient {
   /** Ends the current wait, because the network is back or the page is visible again. */
   wake(): void {
     this.happened({ kind: "wake" });
+  }
+
+  /** The browser has reported that it has no network. */
+  checkNetwork(): void {
+    if (this.state.phase === "live") this.silence.check();
   }
 
   /** Before `start`: what an earlier visit wanted last. Said only to a worker that has seen less. */
@@ -219,6 +232,7 @@ export class StreamClient {
     if (visible === this.visible) return;
     this.visible = visible;
     if (this.state.phase === "live") this.socket?.send(encodeVisibility(visible));
+    this.expectMessages();
   }
 
   /** Reconnects and greets the worker with other abilities. The scene stays. */
@@ -296,7 +310,14 @@ export class StreamClient {
     this.restPending = false;
     this.viewportPending = false;
     this.effortPending = false;
+    this.unfinished = true;
+    this.expectMessages();
     return true;
+  }
+
+  /** A hidden page gets nothing, and neither does one whose picture is finished. */
+  private expectMessages(): void {
+    this.silence.expect(this.state.phase === "live" && this.visible && this.unfinished);
   }
 
   private configured(config: Config): void {
@@ -312,6 +333,8 @@ export class StreamClient {
     // A worker starts with the full effort, so a choice made while disconnected must be sent.
     this.effortPending = this.leading && (this.effortPending || this.effort !== fullEffort);
     if (!this.visible) this.socket?.send(encodeVisibility(false));
+    this.unfinished = true;
+    this.expectMessages();
     this.events.config(this.scene ? { ...config, scene: this.scene } : config);
     this.planFlush();
   }
@@ -354,6 +377,7 @@ export class StreamClient {
       this.happened({ kind: "closed", code: 4400 });
       return;
     }
+    this.silence.heard();
     const body = message.body;
     switch (body.case) {
       case "config":
@@ -372,6 +396,8 @@ export class StreamClient {
         this.events.slicesStale();
         break;
       case "state":
+        this.unfinished = !body.value.converged;
+        this.expectMessages();
         this.events.state(body.value);
         break;
       case "stats":
@@ -411,7 +437,9 @@ export class StreamClient {
     const step = advance(before, event, this.dependencies.chance());
     this.state = step.state;
     for (const effect of step.effects) this.carryOut(effect);
-    if (step.state !== before) this.events.connection(step.state);
+    if (step.state === before) return;
+    this.expectMessages();
+    this.events.connection(step.state);
   }
 
   private carryOut(effect: ConnectionEffect): void {

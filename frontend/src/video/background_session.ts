@@ -64,6 +64,8 @@ export class BackgroundSession<Done, Reason extends string = never> {
         nextFrame: (task) => void parts.after(0, task), // also runs while the page is hidden
         after: parts.after,
         chance: Math.random,
+        nowMs: () => performance.now(),
+        probe: () => Promise.resolve(true), // it takes as long as it takes, and has limits of its own
         abilities: { codecs: [Codec.JPEG], stills }, // each frame stands alone
         pixelRatio: () => 1,
       },

@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import type { Place } from "../live/place";
 import type { Answered } from "../protocol/depth_queries";
 import type { KernelReport } from "../protocol/file_messages";
-import { openBrowserSocket } from "../protocol/browser_socket";
+import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
 import { firstState, type ConnectionState } from "../protocol/connection";
 import {
   comingSlice,
@@ -103,6 +103,8 @@ export class ViewerSession {
         nextFrame: (task) => requestAnimationFrame(task),
         after,
         chance: Math.random,
+        nowMs,
+        probe: probeServer,
         abilities: this.abilities,
         pixelRatio: () => devicePixelRatio,
       },
@@ -184,6 +186,10 @@ export class ViewerSession {
 
   wake(): void {
     this.client.wake();
+  }
+
+  checkNetwork(): void {
+    this.client.checkNetwork();
   }
 
   setVisible(visible: boolean): void {

@@ -22,6 +22,7 @@ export const viewer: Texts["viewer"] = {
     displaced:
       "Diaphane ist ausgelastet, und wer ein Konto hat, hat Vorrang. Melden Sie sich an, oder laden Sie diese Seite in ein paar Minuten neu.",
   },
+  meanwhile: "Bis dahin bleibt das Bild, wie es ist.",
   continueHere: "Hier weitermachen",
   pictureTime: {
     soon: (minutes) =>

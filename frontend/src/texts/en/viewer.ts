@@ -24,6 +24,8 @@ export const viewer = {
     "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 5 choose a look, and the question mark shows all keys.",
   first: "Preparing the picture…",
   troubles,
+  /** Added to a trouble while the last picture is still shown. */
+  meanwhile: "Until then, the picture stays as it is.",
   continueHere: "Continue here",
   pictureTime: {
     soon: (minutes: number) =>

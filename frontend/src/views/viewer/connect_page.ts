@@ -23,5 +23,6 @@ export function connectPage(session: ViewerSession, element: HTMLCanvasElement, 
   const unsubscribe = session.slices.pictureShown.subscribe(updateVisible);
   signal.addEventListener("abort", unsubscribe);
   addEventListener("online", () => session.wake(), { signal });
+  addEventListener("offline", () => session.checkNetwork(), { signal });
   addEventListener("pagehide", () => session.remember(), { signal });
 }

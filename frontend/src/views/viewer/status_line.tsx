@@ -25,6 +25,7 @@ export function StatusLine({ session, fault, children }: StatusLineProps) {
     [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find(
       (line) => line !== "",
     ) ?? "";
+  const meanwhile = shown && trouble && !stopped ? t.viewer.meanwhile : "";
   const over = trouble === "time_spent";
   const waiting = text === "" && shown === null;
   return (
@@ -43,7 +44,7 @@ export function StatusLine({ session, fault, children }: StatusLineProps) {
       ) : text ? (
         <p class={`glass pill${trouble && !stopped ? " pill-warn" : " pill-bad"}`}>
           {trouble && !stopped ? <span class="spinner" /> : <Icon name="alert" />}
-          {text}
+          {[text, meanwhile].filter(Boolean).join(" ")}
           {elsewhere ? (
             <button type="button" class="button" onClick={() => session?.start()}>
               {t.viewer.continueHere}
