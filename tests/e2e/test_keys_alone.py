@@ -65,6 +65,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
 
     # Signing in.
     page.goto(stack.url)
+    press(page, page.get_by_role("link", name="Sign in"))
     go_to(page, page.get_by_label("Email address"))
     page.keyboard.type(person.email)
     go_to(page, page.get_by_label("Password", exact=True))

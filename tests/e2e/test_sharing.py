@@ -182,7 +182,10 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     dialog.get_by_role("button", name="Disable the link").first.click()
     expect(dialog.get_by_text("Link disabled. Everyone using it has been disconnected.")).to_be_visible()
     expect(bert.page.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
-    expect(guest.get_by_text("This link has expired or was disabled")).to_be_visible()
+    expect(guest.get_by_text("the link has expired or was disabled")).to_be_visible()
+    expect(guest.get_by_role("link", name="Create account")).to_be_visible()
+    guest.get_by_role("link", name="Go to the start page").click()
+    expect(guest.get_by_role("heading", name="See your own scan in 3D")).to_be_visible()
     expect(anna.page.locator("canvas[data-samples]")).to_be_visible()
 
     # A sample can be viewed without an account.
@@ -191,7 +194,9 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     nobody.goto(stack.url)
     nobody.get_by_role("link", name="Gallery").click()
     nobody.get_by_role("link", name="View A head to share").click()
-    nobody.get_by_role("button", name="View the scan").click()
     expect(nobody.locator("canvas[data-samples]")).to_be_visible()
+    expect(nobody.get_by_role("heading", name="A head to share")).to_be_visible()
+    expect(nobody.get_by_text("Not for diagnosis")).to_be_visible()
+    expect(nobody.locator(".preset svg, .preset img")).to_have_count(5)  # a colour until the picture has been made
     expect(nobody.get_by_role("button", name="Show the slices (V)")).to_be_visible()  # everyone may use the slices of a sample
     stack.psql("DELETE FROM data_sets WHERE id = %s", scan)  # keeps later tests unaffected

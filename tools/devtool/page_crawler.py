@@ -39,9 +39,9 @@ def places(data_set: str) -> Iterator[Place]:
     """Yields every page as seen by a visitor, then as seen by a signed-in user. `go` tries which form of address a page has."""
     for who in (NOBODY, PERSON):
         for word in first_words():
-            if word == "":
-                continue        # the same page as /scans
-            yield Place(f"{who}-{word}", f"/{word}", who)
+            if word == "" and who == PERSON:
+                continue        # leads to /scans
+            yield Place(f"{who}-{word or 'home'}", f"/{word}", who)
             for part in PARTS.get(word, ()):
                 yield Place(f"{who}-{word}-{part}", f"/{word}/{part}", who)
         yield Place(f"{who}-nothing-here", "/nothing-here", who)

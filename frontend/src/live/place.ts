@@ -8,6 +8,8 @@ export interface Place {
   readonly key: string;
   /** The user's own scan, or null for a guest. */
   readonly data_set_id: string | null;
+  /** The scan whose pictures this person may load; a guest gets those of samples only. */
+  readonly pictured_id: string | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
   /** Called when the user leaves the page. */
   leave(sessionId: string | null): void;
@@ -17,6 +19,7 @@ export function ownPlace(api: Api, dataSetId: string): Place {
   return {
     key: dataSetId,
     data_set_id: dataSetId,
+    pictured_id: dataSetId,
     ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session),
     leave: (sessionId) => {
       if (sessionId !== null) void api.endSession(sessionId).catch(() => undefined);
@@ -28,6 +31,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
   return {
     key: `guest.${token.slice(0, 8)}`,
     data_set_id: null,
+    pictured_id: null,
     ticketSource: () => guestTicketSource(api, token, guest.key, guest.name),
     leave: () => undefined,
   };
@@ -42,6 +46,7 @@ export function visitPlace(
   return {
     key: `visit.${key.slice(0, 8)}`,
     data_set_id: null,
+    pictured_id: "data_set_id" in what ? what.data_set_id : null,
     ticketSource: () => visitTicketSource(api.sharing, what, key),
     leave: () => undefined,
   };

@@ -310,13 +310,13 @@ export class StreamClient {
     this.restPending = false;
     this.viewportPending = false;
     this.effortPending = false;
-    this.unfinished = true;
-    this.expectMessages();
+    this.expectMessages(true);
     return true;
   }
 
   /** A hidden page gets nothing, and neither does one whose picture is finished. */
-  private expectMessages(): void {
+  private expectMessages(unfinished = this.unfinished): void {
+    this.unfinished = unfinished;
     this.silence.expect(this.state.phase === "live" && this.visible && this.unfinished);
   }
 
@@ -333,8 +333,7 @@ export class StreamClient {
     // A worker starts with the full effort, so a choice made while disconnected must be sent.
     this.effortPending = this.leading && (this.effortPending || this.effort !== fullEffort);
     if (!this.visible) this.socket?.send(encodeVisibility(false));
-    this.unfinished = true;
-    this.expectMessages();
+    this.expectMessages(true);
     this.events.config(this.scene ? { ...config, scene: this.scene } : config);
     this.planFlush();
   }
@@ -377,7 +376,6 @@ export class StreamClient {
       this.happened({ kind: "closed", code: 4400 });
       return;
     }
-    this.silence.heard();
     const body = message.body;
     switch (body.case) {
       case "config":
@@ -396,8 +394,7 @@ export class StreamClient {
         this.events.slicesStale();
         break;
       case "state":
-        this.unfinished = !body.value.converged;
-        this.expectMessages();
+        this.expectMessages(!body.value.converged);
         this.events.state(body.value);
         break;
       case "stats":
@@ -494,7 +491,11 @@ export class StreamClient {
     };
     this.socket = this.dependencies.openSocket(url, {
       opened: () => heard(() => this.happened({ kind: "opened" })),
-      message: (data) => heard(() => this.received(data)),
+      message: (data) =>
+        heard(() => {
+          this.silence.heard();
+          this.received(data);
+        }),
       closed: (code) => heard(() => this.happened({ kind: "closed", code })),
     });
   }

@@ -4,6 +4,7 @@ import { add } from "./de/add";
 import { admin } from "./de/admin";
 import { common } from "./de/common";
 import { cut } from "./de/cut";
+import { home } from "./de/home";
 import { kernel } from "./de/kernel";
 import { live } from "./de/live";
 import { myAccount } from "./de/my_account";
@@ -26,6 +27,7 @@ export const de: Texts = {
   add,
   admin,
   cut,
+  home,
   kernel,
   live,
   myAccount,

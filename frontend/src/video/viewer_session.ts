@@ -149,6 +149,11 @@ export class ViewerSession {
     return this.place.data_set_id;
   }
 
+  /** The scan whose pictures may be loaded, if any. */
+  get picturedId(): string | null {
+    return this.place.pictured_id;
+  }
+
   get sessionId(): string | null {
     return this.currentSessionId;
   }

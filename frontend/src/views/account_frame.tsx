@@ -24,7 +24,7 @@ const slices = [
   [18, 8],
 ] as const;
 
-function Art() {
+export function Art() {
   return (
     <svg class="art" viewBox="0 0 100 130" role="img" aria-label={t.account.art}>
       {[...slices].reverse().map(([rx, ry], i) => {

@@ -8,6 +8,7 @@ import { Add } from "./add";
 import { CutPage } from "./cut/cut_page";
 import { ConfirmEmail, Forgot, Reset } from "./forgot";
 import { Gallery } from "./gallery";
+import { Home } from "./home";
 import { Join } from "./join";
 import { MyAccount } from "./my_account";
 import { Loading } from "./loading";
@@ -67,6 +68,8 @@ function openPage(at: Route, me: Me | null): JSX.Element | null {
   switch (at.page) {
     case "sign_up":
       return me === null ? framed(<SignUp />) : null;
+    case "home":
+      return me === null ? framed(<Home />) : null;
     case "gallery":
       return framed(<Gallery />);
     case "sample":

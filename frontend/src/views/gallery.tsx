@@ -7,7 +7,7 @@ import { IconButton } from "./icon_button";
 import { Loading } from "./loading";
 import { ReportDialog } from "./report_dialog";
 import { Link } from "./router";
-import { titleOf } from "./scan_card";
+import { lookOf, titleOf } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
 import { PresetPicture, useThumbnail } from "./thumbnail";
@@ -107,7 +107,7 @@ interface GalleryCardProps {
 }
 
 function GalleryCard({ set, known, onReport }: GalleryCardProps) {
-  const url = useThumbnail(set.id, "bone", true);
+  const url = useThumbnail(set.id, lookOf(set), true);
   const title = titleOf(set);
   const text = t.sharing.gallery;
   return (

@@ -14,7 +14,7 @@ export function Join({ token }: { readonly token: string }) {
   const [guest, setGuest] = useState(() => rememberedGuest(tab, token));
   const [name, setName] = useState("");
   const place = useMemo(() => (guest ? guestPlace(app.api, token, guest) : null), [app, token, guest]);
-  if (place) return <Viewer place={place} title={t.live.guestTitle} />;
+  if (place) return <Viewer place={place} title={t.live.guestTitle} visitor={{ kind: "session" }} />;
   return (
     <Shell>
       <AccountFrame title={t.live.joinTitle} lead={t.live.joinLead}>

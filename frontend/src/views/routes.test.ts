@@ -26,3 +26,8 @@ test("parts of the administration are known", () => {
 test("every first word is one word of a path", () => {
   for (const word of firstWords) expect(word).toMatch(/^[a-z-]*$/);
 });
+
+test("there is a front page of its own", () => {
+  expect(routeOf("/", "")).toEqual({ page: "home" });
+  expect(routeOf("/scans", "")).toEqual({ page: "scans" });
+});

@@ -3,7 +3,7 @@
 export type Route =
   | {
       readonly page:
-        "scans" | "add" | "sign_in" | "sign_up" | "forgot" | "account" | "gallery" | "reports" | "not_found";
+        "home" | "scans" | "add" | "sign_in" | "sign_up" | "forgot" | "account" | "gallery" | "reports" | "not_found";
     }
   | { readonly page: "admin"; readonly part: AdminPart }
   | { readonly page: "verify" | "join" | "shared" | "reset" | "confirm_email"; readonly token: string }
@@ -26,7 +26,7 @@ const tokenIn = (hash: string): string => new URLSearchParams(hash).get("token")
 
 /** By the first segment of the path. Returns null if the rest of the URL is invalid. */
 const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
-  "": () => ({ page: "scans" }),
+  "": () => ({ page: "home" }),
   scans: () => ({ page: "scans" }),
   add: () => ({ page: "add" }),
   "sign-in": () => ({ page: "sign_in" }),

@@ -1,4 +1,4 @@
-import type { DataSet } from "../api/types";
+import type { DataSet, PresetName } from "../api/types";
 import { isOpen, timeLeft, type UploadView } from "../api/upload_view";
 import { correctionsOf, noteOf } from "../scan/corrections";
 import { t } from "../texts";
@@ -10,6 +10,9 @@ import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
 
 export const titleOf = (set: DataSet): string => set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitled);
+
+/** The look that suits the kind of scan. Only a CT tells bone apart. */
+export const lookOf = (set: DataSet): PresetName => (set.volume && set.volume.modality !== "CT" ? "skin" : "bone");
 
 export interface ScanCardProps {
   readonly set: DataSet;
@@ -71,7 +74,7 @@ const pictureOfState = {
 
 function Picture({ set }: { readonly set: DataSet }) {
   const ready = set.state === "ready";
-  const url = useThumbnail(set.id, "bone", ready);
+  const url = useThumbnail(set.id, lookOf(set), ready);
   const working =
     set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null);
   return (

@@ -10,16 +10,31 @@ import { dateText } from "./format";
 import { titleOf } from "./scan_card";
 import { Notice, Shell } from "./shell";
 import { useApp } from "./state";
+import { useSamples } from "./use_samples";
 import { Viewer } from "./viewer/viewer";
+
+const keyName = (where: string) => `diaphane.visit.${where.slice(0, 8)}`;
 
 /** The same visitor after a reload; another tab is another visit. */
 function visitorKey(where: string): string {
-  const name = `diaphane.visit.${where.slice(0, 8)}`;
-  const known = tab.getItem(name);
+  const known = tab.getItem(keyName(where));
   if (known !== null && /^[0-9a-f]{64}$/.test(known)) return known;
   const key = randomKey() + randomKey();
-  tab.setItem(name, key);
+  tab.setItem(keyName(where), key);
   return key;
+}
+
+/** The place of a visit, and a way to begin another visit once it is over. */
+function useVisit(what: { readonly token: string } | { readonly data_set_id: string }, where: string) {
+  const app = useApp();
+  const [key, setKey] = useState(() => visitorKey(where));
+  // eslint-disable-next-line react-hooks/exhaustive-deps -- `what` is made anew with each render and says the same as `where`
+  const place = useMemo(() => visitPlace(app.api, what, key), [app, where, key]);
+  const again = () => {
+    tab.removeItem(keyName(where));
+    setKey(visitorKey(where));
+  };
+  return { place, again };
 }
 
 /** Where a link to a scan leads: what it is, and then the picture. No account is needed. */
@@ -28,13 +43,14 @@ export function SharedByLink({ token }: { readonly token: string }) {
   const [leads, setLeads] = useState<{ readonly data_set: DataSet; readonly expires_at: string } | null>(null);
   const [fault, setFault] = useState("");
   const [looking, setLooking] = useState(false);
-  const place = useMemo(() => visitPlace(app.api, { token }, visitorKey(token)), [app, token]);
+  const { place, again } = useVisit({ token }, token);
   useEffect(() => {
     app.api.sharing.follow(token).then(setLeads, (thrown: unknown) => {
       setFault(thrown instanceof ApiProblem && thrown.status === 404 ? t.sharing.visit.gone : app.explain(thrown));
     });
   }, [app, token]);
-  if (looking && leads) return <Viewer place={place} title={titleOf(leads.data_set)} />;
+  if (looking && leads)
+    return <Viewer key={place.key} place={place} title={titleOf(leads.data_set)} visitor={{ kind: "link", again }} />;
   const text = t.sharing.visit;
   return (
     <Shell>
@@ -62,17 +78,14 @@ export function SharedByLink({ token }: { readonly token: string }) {
 
 /** A sample, for visitors without an account. */
 export function SharedSample({ dataSetId }: { readonly dataSetId: string }) {
-  const app = useApp();
-  const [looking, setLooking] = useState(false);
-  const place = useMemo(() => visitPlace(app.api, { data_set_id: dataSetId }, visitorKey(dataSetId)), [app, dataSetId]);
-  if (looking) return <Viewer place={place} title={t.scans.sampleTitle} />;
+  const { place, again } = useVisit({ data_set_id: dataSetId }, dataSetId);
+  const sample = useSamples()?.find(({ id }) => id === dataSetId);
   return (
-    <Shell>
-      <AccountFrame title={t.sharing.visit.sampleTitle} lead={t.sharing.visit.sampleLead}>
-        <button type="button" class="button button-main button-wide" onClick={() => setLooking(true)}>
-          {t.sharing.visit.look}
-        </button>
-      </AccountFrame>
-    </Shell>
+    <Viewer
+      key={place.key}
+      place={place}
+      title={sample ? titleOf(sample) : t.scans.sampleTitle}
+      visitor={{ kind: "sample", again }}
+    />
   );
 }

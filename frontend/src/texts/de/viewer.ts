@@ -38,6 +38,21 @@ export const viewer: Texts["viewer"] = {
     hide: "Diese Meldung ausblenden",
     account: "Verbrauch ansehen",
   },
+  notMedical: "Kein Medizinprodukt. Nicht zur Diagnose.",
+  visitor: {
+    back: "Zurück",
+    invite: "Konto erstellen",
+    over: "Ihr Besuch ist zu Ende",
+    overText: {
+      sample: "Ein Beispiel können Sie jeweils 20 Minuten lang ansehen, damit auch andere an die Reihe kommen.",
+      link: "Die Zeit für diesen Besuch ist um, oder der Link ist abgelaufen oder wurde deaktiviert. Wenn er sich nicht mehr öffnen lässt, bitten Sie die Person, die ihn geteilt hat, um einen neuen.",
+      session:
+        "Dieser Link ist abgelaufen oder wurde deaktiviert. Bitten Sie die Person, die ihn geteilt hat, um einen neuen.",
+    },
+    inviteText: "Mit einem eigenen Konto können Sie Ihre eigenen Aufnahmen ansehen, so lange Sie möchten.",
+    again: "Noch einmal ansehen",
+    toSamples: "Zurück zu den Beispielen",
+  },
   hints: {
     title: (n, all) => `Tipp ${n} von ${all}`,
     all: [

@@ -3,6 +3,7 @@ import { admin } from "./admin";
 import { add } from "./add";
 import { common } from "./common";
 import { cut } from "./cut";
+import { home } from "./home";
 import { kernel } from "./kernel";
 import { live } from "./live";
 import { presets } from "./presets";
@@ -25,6 +26,7 @@ export const en = {
   admin,
   add,
   cut,
+  home,
   kernel,
   live,
   presets,

@@ -40,6 +40,20 @@ export const viewer = {
     hide: "Hide this message",
     account: "See your usage",
   },
+  notMedical: "Not a medical device. Not for diagnosis.",
+  visitor: {
+    back: "Back",
+    invite: "Create an account",
+    over: "Your visit has ended",
+    overText: {
+      sample: "You can view a sample for 20 minutes at a time, so that others get their turn.",
+      link: "The time for this visit is over, or the link has expired or was disabled. If it doesn’t open again, ask the person who shared it for a new one.",
+      session: "This link has expired or was disabled. Ask the person who shared it for a new one.",
+    },
+    inviteText: "With an account of your own, you can view your own scans for as long as you like.",
+    again: "View it again",
+    toSamples: "Back to the samples",
+  },
   hints: {
     title: (n: number, all: number) => `Tip ${n} of ${all}`,
     all: [

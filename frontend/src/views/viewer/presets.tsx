@@ -2,6 +2,7 @@ import { presetNames, type PresetName } from "../../api/types";
 import { Modality, type Preset } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { lookColour } from "../../scene/look_colour";
 import { useThumbnail } from "../thumbnail";
 
 /** The built-in looks, each as a picture of this scan. */
@@ -31,7 +32,9 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
   const name = isKnown(preset.name) ? preset.name : null;
   const isCt = session.volume.value?.modality === Modality.CT;
   const shown = (isCt ? t.viewer.lookOfCt : t.viewer.lookOfOther)[preset.name] ?? preset.name;
-  const url = useThumbnail(session.dataSetId ?? "", name ?? "skin", name !== null && session.dataSetId !== null);
+  const pictured = session.picturedId;
+  const url = useThumbnail(pictured ?? "", name ?? "skin", name !== null && pictured !== null);
+  const colour = lookColour(preset.scene);
   return (
     <button
       type="button"
@@ -42,9 +45,23 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
       onClick={() => session.editor.applyPreset(preset)}
     >
       <span class="preset-picture">
-        {url ? <img src={url} alt="" width={320} height={320} draggable={false} /> : null}
+        {url ? (
+          <img src={url} alt="" width={320} height={320} draggable={false} />
+        ) : colour ? (
+          <Swatch colour={colour} />
+        ) : null}
       </span>
       <span class="preset-name">{shown}</span>
     </button>
+  );
+}
+
+/** Stands for a look that has no picture yet, or none that a guest may load. */
+function Swatch({ colour }: { readonly colour: string }) {
+  return (
+    <svg class="preset-swatch" viewBox="0 0 44 44" aria-hidden="true">
+      <circle cx={22} cy={22} r={15} fill={colour} />
+      <circle cx={17} cy={16} r={5} fill="#ffffff" fill-opacity={0.28} />
+    </svg>
   );
 }

@@ -22,6 +22,7 @@ import { ViewerDialogs, type OpenDialog } from "./viewer_dialogs";
 import { ViewerHeader } from "./viewer_header";
 import { ViewerPanels } from "./viewer_panels";
 import { ViewerStage } from "./viewer_stage";
+import type { Visitor } from "./visitor";
 import { WantedPreset } from "./wanted_preset";
 
 /** The viewer for a scan that the user's account may open. */
@@ -40,6 +41,8 @@ export interface ViewerProps {
   readonly title: string;
   /** The facts about the scan, which only users with an account get. */
   readonly set?: DataSet | null;
+  /** Given if this person looks without opening the scan with an account. */
+  readonly visitor?: Visitor;
   readonly onChange?: (set: DataSet) => void;
   /** Set if the scan is to be cut. Called with the region to keep and the hash of the volume that it belongs to. */
   readonly onCut?: (region: Region, volumeHash: string) => void;
@@ -47,7 +50,7 @@ export interface ViewerProps {
 
 const ignore = () => undefined;
 
-export function Viewer({ place, title, set = null, onChange = ignore, onCut }: ViewerProps) {
+export function Viewer({ place, title, set = null, onChange = ignore, onCut, visitor }: ViewerProps) {
   const page = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const { session, fault } = useViewerSession(place, canvas);
@@ -72,9 +75,10 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut }: V
   return (
     <div class="viewer" ref={page} data-slices={session?.slices.open.value ? session.slices.view.value : undefined}>
       <ViewerStage canvas={canvas} session={session} role={role} picture={picture} cutting={cutting} />
-      <ViewerHeader {...common} title={title} cutting={cutting} obey={obey} open={setOpen} />
+      <ViewerHeader {...common} title={title} visitor={visitor} cutting={cutting} obey={obey} open={setOpen} />
+      <footer class="not-medical">{t.viewer.notMedical}</footer>
       {session ? <SlicesLine session={session} /> : null}
-      <StatusLine session={session} fault={fault}>
+      <StatusLine session={session} fault={fault} visitor={visitor}>
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
       </StatusLine>

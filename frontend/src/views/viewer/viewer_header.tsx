@@ -8,6 +8,7 @@ import { Icon, type IconName } from "../icons";
 import { Link } from "../router";
 import { ThemeSwitch } from "../shell";
 import { SlicesButton } from "./slices/slice_views";
+import { Invitation, wayBack, type Visitor } from "./visitor";
 import type { OpenDialog } from "./viewer_dialogs";
 
 export interface ViewerHeaderProps {
@@ -17,6 +18,7 @@ export interface ViewerHeaderProps {
   /** Whether the scan belongs to the user or is shared with them, so that they have an account. */
   readonly own: boolean;
   readonly set: DataSet | null;
+  readonly visitor: Visitor | undefined;
   readonly cutting: boolean;
   readonly obey: (command: KeyCommand) => void;
   readonly open: (dialog: OpenDialog) => void;
@@ -27,12 +29,15 @@ export function ViewerHeader(props: ViewerHeaderProps) {
   return (
     <header class="viewer-top">
       <div class="glass viewer-title">
-        {props.own ? (
-          <Link href="/scans" class="icon-button" label={t.viewer.back}>
-            <Icon name="back" />
-          </Link>
-        ) : null}
+        <Link
+          href={props.visitor ? wayBack(props.visitor) : "/scans"}
+          class="icon-button"
+          label={props.visitor ? t.viewer.visitor.back : t.viewer.back}
+        >
+          <Icon name="back" />
+        </Link>
         <h1>{props.title}</h1>
+        {props.visitor ? <Invitation /> : null}
       </div>
       <ViewerTools {...props} />
     </header>

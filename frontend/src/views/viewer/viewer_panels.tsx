@@ -23,9 +23,10 @@ export interface CutTask {
   readonly onConfirm: (region: Region, volumeHash: string) => void;
 }
 
-/** The panels over the picture. There are none once the rendering time is used up. */
+/** The panels over the picture. There are none once the rendering time is used up, or a visit is over. */
 export function ViewerPanels({ session, role, picture, cut, focusPicture }: ViewerPanelsProps) {
-  if (session.connection.value.trouble === "time_spent") return null;
+  const { trouble } = session.connection.value;
+  if (trouble === "time_spent" || trouble === "link_ended") return null;
   return (
     <>
       <OrientationCube session={session} />

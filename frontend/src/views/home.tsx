@@ -1,0 +1,54 @@
+import type { DataSet } from "../api/types";
+import { t } from "../texts";
+import { Art } from "./account_frame";
+import { Link } from "./router";
+import { lookOf, titleOf } from "./scan_card";
+import { PageTitle } from "./shell";
+import { useThumbnail } from "./thumbnail";
+import { useSamples } from "./use_samples";
+
+/** The front page for people who are not signed in: what this is and is not, and a sample at one press. */
+export function Home() {
+  const samples = useSamples();
+  const sample = samples?.[0] ?? null;
+  const text = t.home;
+  return (
+    <div class="home">
+      <section class="home-text">
+        <PageTitle text={text.title} />
+        <p class="lead">{text.what}</p>
+        <p class="lead">{text.privacy}</p>
+        <p class="home-ways">
+          {sample ? (
+            <Link href={`/sample/${sample.id}`} class="button button-main">
+              {text.sample}
+            </Link>
+          ) : null}
+          <Link href="/sign-up" class={`button${sample ? "" : " button-main"}`}>
+            {t.account.signUp}
+          </Link>
+        </p>
+        <p class="home-notice">{text.notMedical}</p>
+      </section>
+      {sample ? <SamplePicture sample={sample} /> : <HomeArt />}
+    </div>
+  );
+}
+
+function SamplePicture({ sample }: { readonly sample: DataSet }) {
+  const url = useThumbnail(sample.id, lookOf(sample), true);
+  if (url === null) return <HomeArt />;
+  return (
+    <figure class="home-picture">
+      <img src={url} alt={t.scans.picture(titleOf(sample))} width={320} height={320} />
+    </figure>
+  );
+}
+
+function HomeArt() {
+  return (
+    <div class="home-picture" aria-hidden="true">
+      <Art />
+    </div>
+  );
+}

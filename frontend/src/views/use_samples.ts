@@ -1,0 +1,21 @@
+import { useEffect, useState } from "preact/hooks";
+import type { DataSet } from "../api/types";
+import { useApp } from "./state";
+import { wholeGallery } from "./use_gallery_search";
+
+/** The samples of this installation, or null until they are known. An installation may have none. */
+export function useSamples(): readonly DataSet[] | null {
+  const app = useApp();
+  const [samples, setSamples] = useState<readonly DataSet[] | null>(null);
+  useEffect(() => {
+    const leaving = new AbortController();
+    app.api.sharing.gallery(wholeGallery, null, leaving.signal).then(
+      ({ items }) => setSamples(items.filter((set) => set.is_sample)),
+      () => {
+        if (!leaving.signal.aborted) setSamples([]); // the page is whole without them
+      },
+    );
+    return () => leaving.abort();
+  }, [app]);
+  return samples;
+}
