@@ -1,5 +1,16 @@
 import { describe, expect, it } from "vitest";
-import { fittedToAspect, inPicture, orbitFrame, orbitOf, panned, poseOf, rolled, rotated, zoomed } from "./camera";
+import {
+  fittedToAspect,
+  inPicture,
+  orbitFrame,
+  orbitOf,
+  panned,
+  poseOf,
+  refitted,
+  rolled,
+  rotated,
+  zoomed,
+} from "./camera";
 import type { CameraPose } from "./camera";
 import { add, cross, dot, length, scale, subtract, vec3, type Vec3 } from "./vec3";
 
@@ -118,6 +129,14 @@ describe("the turntable camera", () => {
         near(poseOf(orbitOf(pose)).up, up, 0.02);
       }
     }
+  });
+
+  it("keeps the subject in the picture when the window becomes narrow, and goes back when it widens", () => {
+    const narrow = refitted(front, 1.6, 0.5);
+    expect(projected(narrow, vec3(60, 0, 0)).x).toBeCloseTo(projected(front, vec3(60, 0, 0)).x / 2, 9);
+    near(refitted(narrow, 0.5, 1.6).eye, front.eye);
+    expect(refitted(front, 1.6, 1.2)).toBe(front);
+    expect(refitted(front, 1.6, 0)).toBe(front);
   });
 
   it("a narrow picture sees as much across as a square one", () => {

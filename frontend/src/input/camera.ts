@@ -132,6 +132,14 @@ export function fittedToAspect(pose: CameraPose, aspect: number): CameraPose {
   return { ...pose, eye: add(pose.target, scale(away, 1 / aspect)) };
 }
 
+/** Shows as much in another picture: by height in a wide one, by width in one that is narrower than high. */
+export function refitted(pose: CameraPose, aspectBefore: number, aspect: number): CameraPose {
+  if (!(aspectBefore > 0) || !(aspect > 0)) return pose;
+  const factor = Math.max(1, 1 / aspect) / Math.max(1, 1 / aspectBefore);
+  if (factor === 1) return pose;
+  return { ...pose, eye: add(pose.target, scale(subtract(pose.eye, pose.target), factor)) };
+}
+
 /** Where a unit axis of the patient points in the picture: x to the right, y up, z towards the viewer. */
 export function inPicture(frame: CameraFrame, axis: Vec3): Vec3 {
   return vec3(dot(axis, frame.right), dot(axis, frame.up), dot(axis, frame.back));

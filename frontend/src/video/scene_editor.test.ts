@@ -53,6 +53,20 @@ describe("SceneEditor.configured", () => {
     expect(editor.steps.value.past).toEqual([]);
   });
 
+  it("moves the camera back when the window becomes upright, without a step to undo", () => {
+    begin();
+    const eye = () => cameraOf(editor.scene.value ?? someScene())?.eye.y ?? 0;
+    const before = eye();
+    editor.resized({ width: 400, height: 300 }, { width: 200, height: 400 });
+    expect(eye()).toBeCloseTo(2 * before, 6);
+    editor.resized({ width: 200, height: 400 }, { width: 400, height: 300 });
+    expect(eye()).toBeCloseTo(before, 6);
+    expect(editor.steps.value.past).toEqual([]);
+    leads = false;
+    editor.resized({ width: 400, height: 300 }, { width: 200, height: 400 });
+    expect(eye()).toBeCloseTo(before, 6);
+  });
+
   it("keeps the undo steps when a reconnection brings the same scene", () => {
     begin();
     editor.change("density", denser(2));

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { applyGesture } from "../input/apply_gesture";
-import { fittedToAspect, type CameraPose } from "../input/camera";
+import { fittedToAspect, refitted, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
 import {
   cameraOf,
@@ -123,6 +123,15 @@ export class SceneEditor {
   /** Replaces the whole scene: look, lights, cuts and camera. */
   showScene(scene: Scene): void {
     this.setScene(scene, { what: "scene", held: false }, true);
+  }
+
+  /** Keeps the subject in the picture when the window, or what lies beside the picture, changes its shape. No step to undo. */
+  resized(before: Viewport, after: Viewport): void {
+    const scene = this.scene.value;
+    const pose = scene && cameraOf(scene);
+    if (!scene || !pose) return;
+    const fitted = refitted(pose, before.width / before.height, after.width / after.height);
+    if (fitted !== pose) this.setScene(withCamera(scene, fitted), null, true);
   }
 
   /** The same with another clip, while a hand moves it or (`rest`) has moved it. */

@@ -277,9 +277,11 @@ export class ViewerSession {
   }
 
   private resized(size: Viewport): void {
+    const before = this.canvasSize;
     this.canvasSize = size;
     this.pictures.resize(size);
     this.client.setViewport(size);
+    this.editor.resized(before, size);
   }
 
   private configured(config: Config): void {

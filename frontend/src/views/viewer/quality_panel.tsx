@@ -11,7 +11,7 @@ import { qualityState, type QualityState } from "./quality_state";
 
 const key = "diaphane.quality";
 const detailsKey = "diaphane.quality.details";
-const smallScreen = () => matchMedia("(max-width: 700px), (max-height: 480px)").matches;
+const smallScreen = () => matchMedia("(max-width: 900px), (max-height: 480px)").matches;
 
 interface QualityProps {
   readonly session: ViewerSession;
@@ -24,15 +24,23 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
     const stored = local.getItem(key);
     return stored === null ? !smallScreen() : stored === "open";
   });
+  // Beside the slices the picture is small, so that the panel is closed there until somebody opens it.
+  const [openBesideSlices, setOpenBesideSlices] = useState(false);
+  const besideSlices = session.slices.open.value;
+  const shown = besideSlices ? openBesideSlices : open;
   const facts = session.pictures.picture.value;
   if (!facts) return null;
   const toggle = () => {
+    if (besideSlices) {
+      setOpenBesideSlices(!shown);
+      return;
+    }
     local.setItem(key, open ? "closed" : "open");
     setOpen(!open);
   };
   const finished = session.pictures.converged.value || session.pictures.lossless.value !== null;
   const state = qualityState(facts, session.effort.value, finished);
-  if (!open) return <QualityChip state={state} toggle={toggle} />;
+  if (!shown) return <QualityChip state={state} toggle={toggle} />;
   return (
     <section class="glass quality" aria-label={t.viewer.quality}>
       <div class="quality-head">

@@ -1,4 +1,4 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 import type { Place } from "../../../live/place";
 import type { FileOrder } from "../../../protocol/file_messages";
 import { t } from "../../../texts";
@@ -9,6 +9,8 @@ import { browserBackgroundParts } from "../../../video/background_session";
 import { percentText } from "../../format";
 import { Icon } from "../../icons";
 import { saveFile } from "./save_file";
+
+const savedShownMs = 8000;
 
 export type ExportOrder = ({ readonly kind: "still" } & ShotOrder) | FileOrder;
 
@@ -41,6 +43,7 @@ export function useShot(place: Place): Shot {
     },
     [],
   );
+  const hide = useCallback(() => setState(null), []);
   const take = async (order: ExportOrder) => {
     if (taking.current) return;
     taking.current = true;
@@ -59,7 +62,7 @@ export function useShot(place: Place): Shot {
     film,
     take: (order) => void take(order),
     stop: () => work.current?.stop(),
-    hide: () => setState(null),
+    hide,
   };
 }
 
@@ -108,6 +111,12 @@ async function still(order: ShotOrder, place: Place, tell: (state: ShotState) =>
 /** The progress of the picture. */
 export function ShotLine({ shot: { state, film, stop, hide } }: { readonly shot: Shot }) {
   const text = film ? t.take.ofFilm : t.take.ofPicture;
+  const done = state?.kind === "done";
+  useEffect(() => {
+    if (!done) return;
+    const timer = setTimeout(hide, savedShownMs); // it would cover what lies under it
+    return () => clearTimeout(timer);
+  }, [done, hide]);
   if (state === null) return null;
   if (state.kind === "rendering") {
     const percent = state.done === null ? "" : percentText(Math.floor(100 * state.done) / 100);
