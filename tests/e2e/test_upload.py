@@ -289,3 +289,26 @@ def watch_parts(page: Page) -> list[str]:
     page.on("request", lambda request: offsets.append(request.headers.get("upload-offset", ""))
             if request.method == "PATCH" else None)
     return offsets
+
+
+def test_a_dropped_file_leads_to_the_reader_and_a_card_is_renamed(person: Person, cranium: Path):
+    page = person.page
+    page.goto(person.stack.url + "/scans")
+    expect(page.get_by_text("No scans yet")).to_be_visible()
+    page.evaluate("""() => {
+        const data = new DataTransfer();
+        data.items.add(new File(["PK"], "disc.zip"));
+        const event = new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true });
+        document.body.dispatchEvent(event);
+        if (!event.defaultPrevented) throw new Error("the browser would leave the page");
+    }""")
+    expect(page.get_by_text("This is a ZIP file")).to_be_visible()
+    person.choose_folder(cranium)
+    # The description of this series names the patient, so the suggestion has only the kind of scan and the date.
+    expect(page.get_by_label("Your name for this scan")).to_have_value(re.compile(r"^CT, .*2018$"))
+    page.get_by_role("button", name="Upload", exact=True).click()
+    page.locator("article.card").get_by_role("button", name="Rename CT").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Title").fill("My head in spring")
+    dialog.get_by_role("button", name="Save").click()
+    expect(person.card("My head in spring")).to_be_visible()

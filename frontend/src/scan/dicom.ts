@@ -9,6 +9,7 @@ export type HeaderRead =
   | { readonly kind: "headers"; readonly headers: readonly SliceHeader[] } // one header per frame of an enhanced file
   | { readonly kind: "more" } // the header continues after these bytes
   | { readonly kind: "not_dicom" }
+  | { readonly kind: "directory" } // the list of contents of a disc
   | { readonly kind: "unreadable" };
 
 const explicitLittle = "1.2.840.10008.1.2.1";
@@ -16,6 +17,7 @@ const implicitLittle = "1.2.840.10008.1.2";
 const bigEndian = "1.2.840.10008.1.2.2";
 const deflatedLittle = "1.2.840.10008.1.2.1.99";
 const pixelData = "x7fe00010";
+const mediaDirectory = "1.2.840.10008.1.3.10";
 const lossySyntaxes = new Set(["50", "51", "81", "91"].map((leaf) => `1.2.840.10008.1.2.4.${leaf}`));
 
 /**
@@ -34,12 +36,14 @@ export function readHeader(bytes: Uint8Array, file: number, fileBytes: number): 
       ...(form.syntax ? { TransferSyntaxUID: form.syntax } : {}),
     });
   } catch (thrown) {
-    if (!complete) return { kind: "more" };
     const partial = (thrown as { dataSet?: DataSet } | null)?.dataSet;
+    if (partial?.string("x00020002") === mediaDirectory) return { kind: "directory" };
+    if (!complete) return { kind: "more" };
     if (!partial?.elements.x0020000e) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
     cutOff = true;
     data = partial; // the file ends after the required elements: a damaged slice of a known series
   }
+  if (data.string("x00020002") === mediaDirectory) return { kind: "directory" };
   if (!complete && !data.elements[pixelData]) return { kind: "more" };
   const header = headerOf(data, form, file, fileBytes, cutOff);
   if (!header) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
@@ -126,6 +130,7 @@ function headerOf(data: DataSet, form: Form, file: number, fileBytes: number, cu
     seriesNumber: finite(data.intString("x00200011")),
     description: text("x0008103e"),
     bodyPart: string("x00180015"),
+    date: string("x00080021") || string("x00080020"),
     ...format,
     ...valuesOf(data),
     pixelSpacing: numbers(data, "x00280030", 2) as [number, number] | null,

@@ -137,6 +137,7 @@ describe("the judgement of a series", () => {
     ["one_position", series(() => ({ z: 5 }))],
     ["time_series", series((i) => ({ z: (i % 12) * 2 }))],
     ["repeated_position", series((i) => ({ z: Math.min(i, 20) * 2 }))],
+    ["no_spacing", series(() => ({ spacing: [1e-30, 1e30] }))],
     ["mixed", series((i) => (i % 2 ? { rows: 4 } : {}))],
     ["mixed", series((i) => (i > 18 ? { orientation: [0, 1, 0, 0, 0, -1] } : {}))],
     ["mixed", series((i) => (i % 2 ? { spacing: [1, 1] } : {}))],

@@ -100,7 +100,9 @@ function withoutDoubles(slices: readonly SliceHeader[]): SliceHeader[] | null {
 
 function judgeGeometry(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen | Unsuitable {
   if (slices.some((s) => !s.position || !s.orientation)) return refuse("no_position", slices.length);
-  if (slices.some((s) => !s.pixelSpacing || !(Math.min(...s.pixelSpacing) > 0) || s.rows === 0 || s.columns === 0))
+  if (
+    slices.some((s) => !s.pixelSpacing || !s.pixelSpacing.every(isPlausibleSpacing) || s.rows === 0 || s.columns === 0)
+  )
     return refuse("no_spacing", slices.length);
   if (slices.some((s) => !axesOf(s.orientation))) return refuse("bad_orientation", slices.length);
   const turned = groupsOf(slices, (a, b) => near(a.orientation, b.orientation, 4e-3));
@@ -116,6 +118,9 @@ function judgeGeometry(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen
   if (unscaled) return unscaled;
   return judgeStack(even, { ...leftOut, scouts: leftOut.scouts + strangers, others });
 }
+
+/** In mm. Pixels of scanners lie far within these bounds. */
+const isPlausibleSpacing = (mm: number): boolean => mm >= 1e-3 && mm <= 100;
 
 /** Up to this many images in another direction are unmarked overview images. More are a separate series. */
 const mostStrangers = 3;

@@ -104,6 +104,17 @@ describe("scanning a folder", () => {
     expect(progress).toEqual(Array.from({ length: 23 }, (_, i) => i + 1));
   });
 
+  it("ignores the directory of a disc, which is neither a slice nor damaged", async () => {
+    const directory = new Blob([makeSlice({ sopClass: "1.2.840.10008.1.3.10", seriesUid: "" })]);
+    const found = await scanFiles(
+      [...makeSeries(20, 2), directory],
+      () => undefined,
+      () => false,
+    );
+    expect(found).toMatchObject({ unreadable: 0, notDicom: 0, notSlices: 0 });
+    expect(found.series).toHaveLength(1);
+  });
+
   it("separates two patients, even with the same series number", async () => {
     const result = await scan([...makeSeries(20, 1.5), ...makeSeries(18, 1.5, () => ({ patientId: "4712" }))]);
     expect(result.series.map((series) => [series.patient.id, series.slices])).toEqual([
@@ -119,7 +130,7 @@ describe("scanning a folder", () => {
       ...makeSeries(20, 1.5),
     ]);
     expect(result.series.map((series) => series.verdict.suitable)).toEqual([true, false]);
-    expect(result.notSlices).toBe(1);
+    expect(result.notSlices).toBe(0);
   });
 
   it("draws the middle slice under its window with its physical proportions", async () => {

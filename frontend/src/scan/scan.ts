@@ -34,7 +34,7 @@ export async function scanFiles(
       const read = await reader.read(file, index);
       if (read.kind === "headers") headers.push(...read.headers);
       else if (read.kind === "not_dicom") notDicom += 1;
-      else unreadable += 1;
+      else if (read.kind === "unreadable") unreadable += 1;
       progress(++done, total);
     }
   };
@@ -71,6 +71,7 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], files: read
     key,
     description: first?.description ?? "",
     bodyPart: first?.bodyPart ?? "",
+    date: first?.date ?? "",
     modality: first?.modality ?? "",
     seriesNumber: first?.seriesNumber ?? null,
     patient: first?.patient ?? { name: "", id: "", birthDate: "" },

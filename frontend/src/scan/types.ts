@@ -20,6 +20,8 @@ export interface SliceHeader {
   readonly seriesNumber: number | null;
   readonly description: string;
   readonly bodyPart: string;
+  /** Of the series, or of the study: yyyymmdd, or empty. */
+  readonly date: string;
   readonly rows: number;
   readonly columns: number;
   /** More than 1 if the file has several frames without positions. */
@@ -182,6 +184,8 @@ export interface Series {
   readonly key: string;
   readonly description: string;
   readonly bodyPart: string;
+  /** yyyymmdd, or empty. */
+  readonly date: string;
   readonly modality: string;
   readonly seriesNumber: number | null;
   readonly patient: Patient;

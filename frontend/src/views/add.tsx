@@ -1,11 +1,13 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { droppedFiles } from "../scan/picked_files";
 import { scanInWorker } from "../scan/scan_client";
 import type { ScanResult } from "../scan/types";
 import { t } from "../texts";
 import { Icon } from "./icons";
 import { SeriesList } from "./series_list";
+import { takeFilesForAdd } from "./files_for_add";
 import { Bar, Notice, PageTitle, useFocusKept } from "./shell";
+import { useDroppedFiles } from "./use_dropped_files";
+import { useLatest } from "./use_latest";
 
 type Stage =
   | { readonly kind: "choose"; readonly fault?: string }
@@ -36,6 +38,12 @@ export function Add() {
       setStage({ kind: "choose", fault: t.add.failed });
     }
   };
+
+  const begin = useLatest(scan);
+  useEffect(() => {
+    const files = takeFilesForAdd();
+    if (files) void begin.current(files);
+  }, [begin]);
 
   return (
     <div class="page page-narrow">
@@ -68,21 +76,10 @@ export function Add() {
 function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
   const [over, setOver] = useState(false);
   const input = useRef<HTMLInputElement>(null);
-  useEffect(() => {
-    // Files dropped outside the field count too. Otherwise, the browser would leave the page and show the file.
-    const allow = (event: DragEvent) => event.preventDefault();
-    const take = (event: DragEvent) => {
-      event.preventDefault();
-      setOver(false);
-      if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(onFiles);
-    };
-    addEventListener("dragover", allow);
-    addEventListener("drop", take);
-    return () => {
-      removeEventListener("dragover", allow);
-      removeEventListener("drop", take);
-    };
-  }, [onFiles]);
+  useDroppedFiles((files) => {
+    setOver(false);
+    onFiles(files);
+  });
   return (
     <div
       class={`drop${over ? " drop-over" : ""}`}

@@ -52,6 +52,10 @@ export const dateText = (instant: string): string =>
 /** The time of day of a timestamp in milliseconds since 1970. */
 export const timeText = (atMs: number): string => new Intl.DateTimeFormat(place(), { timeStyle: "short" }).format(atMs);
 
+/** The day of an instant, short. */
+export const dayShortText = (instant: string): string =>
+  new Intl.DateTimeFormat(place(), { dateStyle: "medium" }).format(new Date(instant));
+
 /** The date of a server timestamp in the user's format. */
 export const dayText = (time: string): string =>
   new Intl.DateTimeFormat(place(), { dateStyle: "long" }).format(new Date(time));

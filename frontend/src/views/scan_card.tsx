@@ -3,13 +3,17 @@ import { isOpen, timeLeft, type UploadView } from "../api/upload_view";
 import { correctionsOf, noteOf } from "../scan/corrections";
 import { t } from "../texts";
 import { refusalText } from "../texts/refusal";
+import { dateText, dayShortText } from "./format";
+import { IconButton } from "./icon_button";
 import { Icon, type IconName } from "./icons";
 import { Link } from "./router";
 import { Bar } from "./shell";
 import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
 
-export const titleOf = (set: DataSet): string => set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitled);
+/** Scans without a title are told apart by when they were added. */
+export const titleOf = (set: DataSet): string =>
+  set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitledOn(dateText(set.created_at)));
 
 /** The look that suits the kind of scan. Only a CT tells bone apart. */
 export const lookOf = (set: DataSet): PresetName => (set.volume && set.volume.modality !== "CT" ? "skin" : "bone");
@@ -18,9 +22,10 @@ export interface ScanCardProps {
   readonly set: DataSet;
   readonly upload: UploadView | null;
   readonly onRemove: () => void;
+  readonly onRename: () => void;
 }
 
-export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
+export function ScanCard({ set, upload, onRemove, onRename }: ScanCardProps) {
   const ready = set.state === "ready";
   const title = titleOf(set);
   const remove = upload && isOpen(upload) ? t.scans.cancelUpload(title) : t.scans.remove(title);
@@ -54,9 +59,10 @@ export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
         <Details set={set} upload={upload} />
       </div>
       {set.owned ? (
-        <button type="button" class="icon-button card-remove" aria-label={remove} title={remove} onClick={onRemove}>
-          <Icon name="trash" />
-        </button>
+        <div class="card-tools">
+          <IconButton icon="pencil" label={t.scans.rename(title)} onClick={onRename} />
+          <IconButton icon="trash" label={remove} onClick={onRemove} />
+        </div>
       ) : null}
     </article>
   );
@@ -97,6 +103,7 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
       <>
         <p class="muted">
           {t.add.slices(set.volume.size[2])} · {t.add.size(x, y, z)}
+          {set.owned ? ` · ${t.scans.addedOn(dayShortText(set.created_at))}` : ""}
         </p>
         {set.volume.repairs.length > 0 ? <Corrections sentences={set.volume.repairs} /> : null}
       </>

@@ -4,13 +4,16 @@ import type { UploadView } from "../api/upload_view";
 import { t } from "../texts";
 import { Dialog } from "./dialog";
 import { bytesText } from "./format";
+import { addFiles } from "./files_for_add";
 import { Icon } from "./icons";
 import { Loading } from "./loading";
 import { Link } from "./router";
+import { RenameDialog } from "./rename_dialog";
 import { ScanCard, titleOf } from "./scan_card";
 import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 import { useWarmThumbnails } from "./thumbnail";
+import { useDroppedFiles } from "./use_dropped_files";
 import { useScans } from "./use_scans";
 
 /** The number of newest scans whose pictures are prepared before they are opened. */
@@ -18,9 +21,11 @@ const warmed = 4;
 
 export function Scans() {
   const app = useApp();
-  const { sets, fault, remove } = useScans();
+  const { sets, fault, remove, rename } = useScans();
   const [removing, setRemoving] = useState<DataSet | null>(null);
+  const [renaming, setRenaming] = useState<DataSet | null>(null);
   useFocusKept(sets?.length);
+  useDroppedFiles(addFiles);
   return (
     <div class="page">
       <div class="page-head">
@@ -35,7 +40,10 @@ export function Scans() {
       </div>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       {sets === null && !fault ? <Loading /> : null}
-      {sets ? <List sets={sets} uploads={app.uploads.views.value} onRemove={setRemoving} /> : null}
+      {sets ? (
+        <List sets={sets} uploads={app.uploads.views.value} onRemove={setRemoving} onRename={setRenaming} />
+      ) : null}
+      {renaming ? <RenameDialog set={renaming} rename={rename} onClose={() => setRenaming(null)} /> : null}
       {removing ? (
         <RemoveDialog
           set={removing}
@@ -90,9 +98,10 @@ interface ListProps {
   readonly sets: readonly DataSet[];
   readonly uploads: ReadonlyMap<string, UploadView>;
   readonly onRemove: (set: DataSet) => void;
+  readonly onRename: (set: DataSet) => void;
 }
 
-function List({ sets, uploads, onRemove }: ListProps) {
+function List({ sets, uploads, onRemove, onRename }: ListProps) {
   useWarmThumbnails(
     sets
       .filter((set) => set.state === "ready")
@@ -104,7 +113,12 @@ function List({ sets, uploads, onRemove }: ListProps) {
   const samples = sets.filter((set) => !set.owned && set.is_sample);
   const card = (set: DataSet) => (
     <li key={set.id}>
-      <ScanCard set={set} upload={uploads.get(set.id) ?? null} onRemove={() => onRemove(set)} />
+      <ScanCard
+        set={set}
+        upload={uploads.get(set.id) ?? null}
+        onRemove={() => onRemove(set)}
+        onRename={() => onRename(set)}
+      />
     </li>
   );
   return (

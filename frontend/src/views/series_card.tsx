@@ -1,38 +1,52 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { proposedTitle } from "../scan/propose_title";
+import type { Recommendation } from "../scan/recommend";
 import type { Series, Suitable, Thumbnail } from "../scan/types";
 import { t } from "../texts";
 import { Field } from "./field";
 import { bytesText, dicomDateText } from "./format";
 import { Icon } from "./icons";
+import { Link } from "./router";
 import { Notice } from "./shell";
 import { useSeriesUpload } from "./use_series_upload";
 
 export interface SeriesCardProps {
   readonly series: Series;
+  readonly name: string;
   readonly verdict: Suitable;
   readonly files: readonly File[];
+  /** Nothing else can be uploaded from this folder. */
+  readonly only: boolean;
+  /** Given if this series is recommended among several. */
+  readonly best: Recommendation["why"] | null;
 }
 
 /** A series that can be uploaded: its facts, and the form for uploading it. */
-export function SeriesCard({ series, verdict, files }: SeriesCardProps) {
-  const upload = useSeriesUpload(series, files);
+export function SeriesCard({ series, name, verdict, files, only, best }: SeriesCardProps) {
+  const upload = useSeriesUpload(series, files, only);
   return (
     <article class="series-card">
       <Preview thumbnail={series.thumbnail} />
       <div class="series-text">
-        <SeriesFacts series={series} verdict={verdict} bytes={upload.bytes} />
-        <UploadForm upload={upload} />
+        <SeriesFacts series={series} name={name} verdict={verdict} bytes={upload.bytes} best={best} />
+        {upload.begun ? (
+          <Notice kind="good">
+            {t.add.begun} <Link href="/scans">{t.titles.scans}</Link>
+          </Notice>
+        ) : (
+          <UploadForm series={series} upload={upload} />
+        )}
         {upload.fault ? <Notice kind="bad">{upload.fault}</Notice> : null}
       </div>
     </article>
   );
 }
 
-interface SeriesFactsProps extends Pick<SeriesCardProps, "series" | "verdict"> {
+interface SeriesFactsProps extends Pick<SeriesCardProps, "series" | "name" | "verdict" | "best"> {
   readonly bytes: number;
 }
 
-function SeriesFacts({ series, verdict, bytes }: SeriesFactsProps) {
+function SeriesFacts({ series, name, verdict, bytes, best }: SeriesFactsProps) {
   const [x, y, z] = verdict.sizeMm;
   const born = dicomDateText(series.patient.birthDate);
   const facts = [
@@ -44,11 +58,13 @@ function SeriesFacts({ series, verdict, bytes }: SeriesFactsProps) {
   ];
   return (
     <>
-      <h3>{series.description || t.add.seriesUntitled}</h3>
+      <h3>{name}</h3>
       <p class="chips">
+        {best ? <span class="chip chip-good">{t.add.best}</span> : null}
         {series.modality ? <span class="chip">{series.modality}</span> : null}
         {series.bodyPart ? <span class="chip">{series.bodyPart}</span> : null}
       </p>
+      {best ? <p class="muted">{t.add.bestWhy[best.kind](best.mm)}</p> : null}
       <p class="series-patient">
         <Icon name="shield" />
         <span>
@@ -62,9 +78,14 @@ function SeriesFacts({ series, verdict, bytes }: SeriesFactsProps) {
   );
 }
 
+interface UploadFormProps {
+  readonly series: Series;
+  readonly upload: ReturnType<typeof useSeriesUpload>;
+}
+
 /** Asks for a title, unless an interrupted upload of the same files is resumed. */
-function UploadForm({ upload }: { readonly upload: ReturnType<typeof useSeriesUpload> }) {
-  const [title, setTitle] = useState("");
+function UploadForm({ series, upload }: UploadFormProps) {
+  const [title, setTitle] = useState(() => proposedTitle(series, dicomDateText(series.date)));
   const { busy, interruptedAt } = upload;
   return (
     <form

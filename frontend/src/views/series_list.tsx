@@ -1,5 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
-import type { ScanResult } from "../scan/types";
+import type { ScanResult, Series } from "../scan/types";
+import { recommend } from "../scan/recommend";
+import { seriesNames } from "../scan/series_names";
 import { t } from "../texts";
 import { SeriesCard } from "./series_card";
 import { Notice } from "./shell";
@@ -14,6 +16,9 @@ export interface SeriesListProps {
 export function SeriesList({ files, result, onAgain }: SeriesListProps) {
   const suitable = result.series.filter((series) => series.verdict.suitable);
   const hidden = result.series.filter((series) => !series.verdict.suitable);
+  const best = recommend(suitable);
+  const names = seriesNames(result.series, t.add.seriesUntitled);
+  suitable.sort((a, b) => Number(b.key === best?.key) - Number(a.key === best?.key));
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => heading.current?.focus(), []);
   return (
@@ -27,40 +32,58 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
         </button>
       </div>
       {suitable.length > 0 ? (
-        <Notice kind="info">{t.add.privacyShort}</Notice>
+        <Notice kind="info">
+          {t.add.privacyShort} {suitable.length > 1 ? t.add.several : ""}
+        </Notice>
       ) : (
-        <Nothing result={result} hidden={hidden.length} />
+        <Nothing files={files} result={result} hidden={hidden.length} />
       )}
       <ul class="series">
         {suitable.map((series) =>
           series.verdict.suitable ? (
             <li key={series.key}>
-              <SeriesCard series={series} verdict={series.verdict} files={files} />
+              <SeriesCard
+                series={series}
+                name={names.get(series.key) ?? ""}
+                verdict={series.verdict}
+                files={files}
+                only={suitable.length === 1}
+                best={series.key === best?.key ? best.why : null}
+              />
             </li>
           ) : null,
         )}
       </ul>
-      {hidden.length > 0 ? (
-        <details class="hidden-series" open={suitable.length === 0}>
-          <summary>{t.add.hidden(hidden.length)}</summary>
-          <ul>
-            {hidden.map((series) =>
-              series.verdict.suitable ? null : (
-                <li key={series.key} data-reason={series.verdict.reason}>
-                  <strong>{series.description || t.add.seriesUntitled}</strong>
-                  <span class="muted">
-                    {" "}
-                    · {[series.modality, t.add.slices(series.slices)].filter(Boolean).join(" · ")}
-                  </span>
-                  <p>{t.add.reasons[series.verdict.reason](series.verdict.count)}</p>
-                </li>
-              ),
-            )}
-          </ul>
-        </details>
-      ) : null}
+      <HiddenSeries hidden={hidden} names={names} open={suitable.length === 0} />
       {suitable.length > 0 || hidden.length > 0 ? <Rest result={result} /> : null}
     </>
+  );
+}
+
+interface HiddenSeriesProps {
+  readonly hidden: readonly Series[];
+  readonly names: ReadonlyMap<string, string>;
+  readonly open: boolean;
+}
+
+/** What can't be shown, and why. */
+function HiddenSeries({ hidden, names, open }: HiddenSeriesProps) {
+  if (hidden.length === 0) return null;
+  return (
+    <details class="hidden-series" open={open}>
+      <summary>{t.add.hidden(hidden.length)}</summary>
+      <ul>
+        {hidden.map((series) =>
+          series.verdict.suitable ? null : (
+            <li key={series.key} data-reason={series.verdict.reason}>
+              <strong>{names.get(series.key)}</strong>
+              <span class="muted"> · {[series.modality, t.add.slices(series.slices)].filter(Boolean).join(" · ")}</span>
+              <p>{t.add.reasons[series.verdict.reason](series.verdict.count)}</p>
+            </li>
+          ),
+        )}
+      </ul>
+    </details>
   );
 }
 
@@ -73,7 +96,13 @@ function Rest({ result }: { readonly result: ScanResult }) {
   return lines.length > 0 ? <p class="muted">{lines.join(" ")}</p> : null;
 }
 
-function Nothing({ result, hidden }: { readonly result: ScanResult; readonly hidden: number }) {
+interface NothingProps extends Pick<SeriesListProps, "files" | "result"> {
+  readonly hidden: number;
+}
+
+function Nothing({ files, result, hidden }: NothingProps) {
+  if (files.length > 0 && files.every(({ name }) => /\.zip$/i.test(name)))
+    return <Notice kind="bad">{t.add.zip}</Notice>;
   if (result.files === 0) return <Notice kind="bad">{t.add.nothingEmpty}</Notice>;
   if (hidden > 0) return <Notice kind="bad">{t.add.nothingHint}</Notice>;
   if (result.notSlices > 0) return <Notice kind="bad">{t.add.onlyReports}</Notice>;

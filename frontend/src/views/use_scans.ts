@@ -32,6 +32,12 @@ export function useScans() {
       }
       timer = setTimeout(() => void load(), wait);
     };
+    // A lost network is reported at once, and the list is read again when it is back.
+    const loadNow = () => {
+      clearTimeout(timer);
+      void load();
+    };
+    for (const event of ["online", "offline"]) addEventListener(event, loadNow, { signal: leaving.signal });
     void load();
     return () => {
       leaving.abort();
@@ -47,7 +53,12 @@ export function useScans() {
     }
     setRound(round + 1);
   };
-  return { sets, fault, remove };
+  /** Rejects with what is wrong. */
+  const rename = async (set: DataSet, title: string) => {
+    const changed = await app.api.sharing.describe(set.id, { title });
+    setSets((before) => before?.map((one) => (one.id === set.id ? changed : one)) ?? null);
+  };
+  return { sets, fault, remove, rename };
 }
 
 const isChanging = (set: DataSet, app: AppState): boolean =>

@@ -9,11 +9,15 @@ import { bytesText } from "./format";
 import { navigate } from "./router";
 import { useApp } from "./state";
 
-/** The upload of one series: its size, whether it was interrupted before, and what prevents it. */
-export function useSeriesUpload(series: Series, files: readonly File[]) {
+/**
+ * The upload of one series: its size, whether it was interrupted before, and what prevents it. The list stays open for
+ * the others, unless it is the `only` one.
+ */
+export function useSeriesUpload(series: Series, files: readonly File[], only: boolean) {
   const app = useApp();
   const [busy, setBusy] = useState(false);
   const [fault, setFault] = useState("");
+  const [begun, setBegun] = useState(false);
   // The size is computed without making the parts. A disc has thousands, and only an upload needs them.
   const bytes = useMemo(() => bundleSize(sizesOf(series.upload)), [series]);
   const interruptedAt = useInterruption(series.fingerprint, bytes);
@@ -25,13 +29,14 @@ export function useSeriesUpload(series: Series, files: readonly File[]) {
     setFault("");
     try {
       await app.uploads.start(await partBlobs(series.upload, files), title, series.fingerprint);
-      navigate("/scans");
+      if (only) navigate("/scans");
+      else setBegun(true);
     } catch (thrown) {
       setFault(uploadFault(thrown, bytes, free) ?? app.explain(thrown));
       setBusy(false);
     }
   };
-  return { bytes, busy, interruptedAt, fault: fault || tooMuch, start };
+  return { bytes, busy, begun, interruptedAt, fault: fault || tooMuch, start };
 }
 
 /** How many percent of these files an interrupted upload has sent, or null if there is none. */

@@ -35,6 +35,7 @@ export const add: Texts["add"] = {
     n === 1
       ? "1 Datei ist keine DICOM-Datei und wurde nicht berücksichtigt."
       : `${number.format(n)} Dateien sind keine DICOM-Dateien und wurden nicht berücksichtigt.`,
+  zip: "Das ist eine ZIP-Datei. Entpacken Sie sie zuerst, und wählen Sie dann den entpackten Ordner.",
   unreadable: (n) => `${count(n, "Datei konnte", "Dateien konnten")} nicht gelesen werden.`,
   seriesUntitled: "Serie ohne Namen",
   slices: (n) => count(n, "Schicht", "Schichten"),
@@ -45,8 +46,15 @@ export const add: Texts["add"] = {
   noThumbnail: "Keine Vorschau, weil die Bilder komprimiert sind",
   title: "Ihr Name für diese Aufnahme",
   titleHint:
-    "Freiwillig. Alle, mit denen Sie die Aufnahme teilen, können ihn sehen. Verwenden Sie deshalb keinen Personennamen.",
+    "Ein Vorschlag aus der Aufnahme, den Sie beliebig ändern können. Verwenden Sie keinen Personennamen: Zuerst sehen nur Sie ihn, später auch alle, mit denen Sie die Aufnahme teilen.",
   titleExample: "Kopf, Frühjahr",
+  best: "Am besten für ein 3D-Bild",
+  bestWhy: {
+    thinnest: (mm) => `Ihre Schichten sind die dünnsten (${fixed(mm, 1)} mm), darum wird das Bild am glattesten.`,
+    largest: (mm) => `Sie zeigt am meisten vom Körper (${mm} mm).`,
+  },
+  several: "Laden Sie so viele davon hoch, wie Sie möchten. Diese Liste bleibt geöffnet.",
+  begun: "Der Upload hat begonnen. Sie finden ihn unter „Meine Aufnahmen“.",
   upload: "Hochladen",
   starting: "Wird gestartet …",
   leftOut: (left) =>

@@ -9,7 +9,8 @@ export const reasons: Texts["add"]["reasons"] = {
   not_original: () =>
     "Diese Bilder wurden aus einer Aufnahme berechnet. Nur die ursprünglichen Schichten können angezeigt werden.",
   no_position: () => "In den Dateien steht nicht, an welche Stelle im Körper jedes Bild gehört.",
-  no_spacing: () => "In den Dateien steht nicht, wie groß die Bilder in Millimetern sind.",
+  no_spacing: () =>
+    "In den Dateien steht nicht, wie groß die Bilder in Millimetern sind, oder die Angabe kann nicht stimmen.",
   bad_orientation: () => "Die Dateien enthalten unmögliche Angaben zur Lage der Bilder im Körper.",
   one_position: () =>
     "Alle Bilder zeigen dieselbe Stelle zu verschiedenen Zeiten. Es gibt also keine Tiefe, die sich zeigen ließe.",

@@ -13,7 +13,8 @@ export const sharing: Texts["sharing"] = {
   details: {
     title: "Über diese Aufnahme",
     name: "Titel",
-    nameHint: "Andere können den Titel sehen. Verwenden Sie keinen Personennamen.",
+    nameHint:
+      "Alle, mit denen Sie die Aufnahme teilen, können den Titel sehen. Verwenden Sie deshalb keinen Personennamen.",
     text: "Beschreibung",
     textHint: "Beschreiben Sie in eigenen Worten, was zu sehen ist.",
     bodyPart: "Körperteil",

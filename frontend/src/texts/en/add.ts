@@ -28,6 +28,7 @@ export const add = {
     n === 1
       ? "1 file is not a DICOM file and was ignored."
       : `${number.format(n)} files are not DICOM files and were ignored.`,
+  zip: "This is a ZIP file. Unpack it first, then choose the unpacked folder.",
   unreadable: (n: number) => `${count(n, "file", "files")} couldn’t be read.`,
   seriesUntitled: "Untitled series",
   slices: (n: number) => count(n, "slice", "slices"),
@@ -37,8 +38,16 @@ export const add = {
   thumbnail: "Middle slice",
   noThumbnail: "No preview because the images are compressed",
   title: "Your name for this scan",
-  titleHint: "Optional. Anyone you share the scan with can see it, so don’t include a person’s name.",
+  titleHint:
+    "Suggested from the scan. Change it as you like, but don’t include a person’s name: only you can see it at first, and later anyone you share the scan with.",
   titleExample: "Head, spring",
+  best: "Best for a 3D picture",
+  bestWhy: {
+    thinnest: (mm: number) => `Its slices are the thinnest (${mm.toFixed(1)} mm), so the picture is the smoothest.`,
+    largest: (mm: number) => `It shows the most of the body (${mm} mm).`,
+  },
+  several: "Upload as many of them as you like. This list stays open.",
+  begun: "The upload has started. You can follow it under “My scans”.",
   upload: "Upload",
   starting: "Starting…",
   leftOut: (left: LeftOut) =>

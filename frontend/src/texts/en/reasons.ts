@@ -9,7 +9,7 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   views_not_slices: () => "These images show a scan from many sides. They are not slices.",
   not_original: () => "These images were computed from a scan. Only the original slices can be shown.",
   no_position: () => "The files don’t say where in the body each image belongs.",
-  no_spacing: () => "The files don’t say how large the images are in millimetres.",
+  no_spacing: () => "The files don’t say how large the images are in millimetres, or what they say can’t be right.",
   bad_orientation: () => "The files contain impossible information about how the images lie in the body.",
   one_position: () => "All images show the same place at different times, so there is no depth to show.",
   cine: () => "This is a video of a single place in the body, so there is no depth to show.",

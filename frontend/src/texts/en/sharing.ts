@@ -11,7 +11,7 @@ export const sharing = {
   details: {
     title: "About this scan",
     name: "Title",
-    nameHint: "Other people can see the title. Don’t include a person’s name.",
+    nameHint: "Anyone you share the scan with can see the title. Don’t include a person’s name.",
     text: "Description",
     textHint: "Describe in your own words what can be seen.",
     bodyPart: "Body part",

@@ -1,0 +1,21 @@
+import type { Series } from "./types";
+
+/**
+ * A name for each series, by its key. Series with the same description are told apart by their numbers, and phases of
+ * one series by their order.
+ */
+export function seriesNames(
+  series: readonly Pick<Series, "key" | "description" | "seriesNumber">[],
+  untitled: string,
+): ReadonlyMap<string, string> {
+  const nameOf = ({ description }: Pick<Series, "description">) => description.trim() || untitled;
+  const names = new Map<string, string>();
+  for (const one of series) {
+    const alike = series.filter((other) => nameOf(other) === nameOf(one));
+    const numbers = new Set(alike.map(({ seriesNumber }) => seriesNumber));
+    const numbered = numbers.size === alike.length && one.seriesNumber !== null;
+    const mark = alike.length === 1 ? "" : numbered ? ` (${one.seriesNumber})` : ` (${alike.indexOf(one) + 1})`;
+    names.set(one.key, nameOf(one) + mark);
+  }
+  return names;
+}

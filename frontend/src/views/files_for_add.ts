@@ -1,0 +1,16 @@
+import { navigate } from "./router";
+
+let waiting: readonly File[] | null = null;
+
+/** Opens the page that adds a scan with files that were dropped on another page. */
+export function addFiles(files: readonly File[]): void {
+  waiting = files;
+  navigate("/add");
+}
+
+/** The files that the page was opened with, once. */
+export function takeFilesForAdd(): readonly File[] | null {
+  const files = waiting;
+  waiting = null;
+  return files;
+}
