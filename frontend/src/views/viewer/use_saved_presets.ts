@@ -1,9 +1,10 @@
-import { useCallback, useEffect, useState } from "preact/hooks";
+import { useCallback, useEffect, useMemo, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import type { DataSet, PresetInfo } from "../../api/types";
 import { sceneToJson } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { oneAtATime } from "../one_at_a_time";
 import { Said, useApp } from "../state";
 
 const mostFileBytes = 256 * 1024;
@@ -21,17 +22,21 @@ export function useSavedPresets(set: DataSet) {
   useEffect(() => {
     reload().catch((thrown: unknown) => setFault(app.explain(thrown)));
   }, [app, reload]);
-  const act: ActOnPresets = (work) => {
-    setSaid("");
-    setFault("");
-    void work()
-      .then(setSaid, (thrown: unknown) => {
-        const stale = thrown instanceof ApiProblem && thrown.status === 412;
-        setFault(stale ? t.presets.changed : app.explain(thrown));
-      })
-      .then(reload)
-      .catch(() => undefined);
-  };
+  const act = useMemo<ActOnPresets>(
+    () =>
+      oneAtATime((work) => {
+        setSaid("");
+        setFault("");
+        return work()
+          .then(setSaid, (thrown: unknown) => {
+            const stale = thrown instanceof ApiProblem && thrown.status === 412;
+            setFault(stale ? t.presets.changed : app.explain(thrown));
+          })
+          .then(reload)
+          .catch(() => undefined);
+      }),
+    [app, reload],
+  );
   const importFile = (file: File) =>
     act(async () => {
       if (file.size > mostFileBytes) return t.presets.tooLarge;
