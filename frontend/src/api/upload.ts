@@ -2,7 +2,15 @@ import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpSta
 
 /** The only file that uses tus-js-client (docs/adr/0021). */
 
-export const partBytes = 8 * 1024 * 1024;
+export const partBounds = { first: 1 << 20, least: 1 << 18, most: 8 << 20 } as const;
+/** What a part takes at most: a pause or a closed window loses the part that is on its way. */
+const partMs = 2000;
+
+/** The size of the next part, after one of `bytes` took `ms`. */
+export function nextPartBytes(bytes: number, ms: number): number {
+  const wanted = (bytes * partMs) / Math.max(1, ms);
+  return Math.round(Math.min(partBounds.most, Math.max(partBounds.least, wanted)));
+}
 
 /** How an upload ended: it is complete, or the server rejected it permanently with this status. */
 export type UploadEnd = { readonly kind: "done" } | { readonly kind: "refused"; readonly status: number };
@@ -32,23 +40,28 @@ const triesWithOldToken = 4;
 export function startUpload(bundle: Blob, url: string, csrfToken: () => string, events: UploadEvents): RunningUpload {
   let sending = false;
   let failures = 0;
+  let partBegan = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
   const goOn = () => {
     clearTimeout(timer);
     if (sending) return;
     sending = true;
+    partBegan = performance.now();
     upload.start();
   };
   const upload = new Upload(bundle, {
     uploadUrl: url,
-    chunkSize: partBytes,
-    retryDelays: null, // our own retries also handle restarts of the server
-    storeFingerprintForResuming: false, // the library would store more than a number
+    chunkSize: partBounds.first,
+    retryDelays: null, // ours know of restarts of the server, too
+    storeFingerprintForResuming: false, // the library's own would keep more than a number
     httpStack: new ChecksumStack(),
     onBeforeRequest: (request) => request.setHeader("X-CSRF-Token", csrfToken()),
     onProgress: (sent, total) => events.progress(sent, total),
-    onChunkComplete: () => {
+    onChunkComplete: (bytes) => {
       failures = 0;
+      const now = performance.now();
+      upload.options.chunkSize = nextPartBytes(bytes, now - partBegan);
+      partBegan = now;
     },
     onSuccess: () => {
       sending = false;
