@@ -14,6 +14,7 @@ export const take: Texts["take"] = {
   pictureLead:
     "Wir berechnen das Bild in der gewählten Größe neu, und Sie können inzwischen weitermachen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
   pictureNow: "Speichert das Bild so, wie es auf dem Bildschirm zu sehen ist. Die Datei enthält keinen Namen.",
+  saveNow: "Speichern, was jetzt zu sehen ist",
   size: "Größe",
   sizes: {
     screen: (width, height) => `Wie auf dem Bildschirm, ${width} × ${height}`,

@@ -10,6 +10,7 @@ export const take = {
   pictureLead:
     "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
   pictureNow: "Saves the picture as it is on the screen, without any name in the file.",
+  saveNow: "Save what is on the screen now",
   size: "Size",
   sizes: {
     screen: (width: number, height: number) => `Same as the screen, ${width} × ${height}`,

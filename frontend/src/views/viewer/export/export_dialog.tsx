@@ -34,9 +34,8 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
             onChoose={(kind) => setWhat(kind as typeof what)}
           />
         ) : null}
-        {!rendered ? (
-          <PictureNow session={session} />
-        ) : what === "picture" ? (
+        {!rendered || what === "picture" ? <PictureNow session={session} main={!rendered} /> : null}
+        {!rendered ? null : what === "picture" ? (
           <PictureForm session={session} busy={busy} onExport={onExport} />
         ) : (
           <FilmForm key={what} session={session} kind={what} busy={busy} onExport={onExport} />
@@ -58,17 +57,17 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
 }
 
 /** The picture on the screen. In another person's session nothing else can be exported. */
-function PictureNow({ session }: Pick<ExportDialogProps, "session">) {
+function PictureNow({ session, main }: Pick<ExportDialogProps, "session"> & { readonly main: boolean }) {
   return (
     <>
       <p class="muted">{t.take.pictureNow}</p>
       <p>
         <button
           type="button"
-          class="button button-main"
+          class={`button${main ? " button-main" : ""}`}
           onClick={() => void session.pictures.png().then((png) => png && saveFile(png))}
         >
-          {t.take.save}
+          {main ? t.take.save : t.take.saveNow}
         </button>
       </p>
     </>
