@@ -205,7 +205,10 @@ export function Verify({ token }: { readonly token: string }) {
         label={t.account.password}
         button={t.account.verifySubmit}
         redeem={(mailed, password) => app.api.verify(mailed, password)}
-        onDone={() => setDone(true)}
+        onDone={() => {
+          history.replaceState(null, "", "/sign-in"); // a reload has no token to redeem again
+          setDone(true);
+        }}
       />
       <p class="muted">
         <Link href="/sign-in">{t.account.toSignIn}</Link>

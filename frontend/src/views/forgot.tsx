@@ -89,6 +89,7 @@ export function Reset({ token }: { readonly token: string }) {
         redeem={(mailed, password) => app.api.resetPassword(mailed, password)}
         onDone={() => {
           app.me.value = null;
+          history.replaceState(null, "", "/sign-in"); // a reload has no token to redeem again
           setDone(true);
         }}
       />
@@ -105,6 +106,7 @@ export function ConfirmEmail({ token }: { readonly token: string }) {
   const outcome = useMailedToken(token, "/confirm-email", async (mailed) => {
     await app.api.confirmEmail(mailed);
     void app.load();
+    history.replaceState(null, "", "/account"); // a reload has no token to redeem again
     return t.account.emailChanged;
   });
   if (!outcome)

@@ -29,7 +29,8 @@ export const account: Texts["account"] = {
   verifySubmit: "Adresse bestätigen und Passwort festlegen",
   verified: "Ihre Adresse ist bestätigt und Ihr Passwort festgelegt. Sie können sich jetzt anmelden.",
   verifiedTitle: "Willkommen",
-  verifyNoToken: "Dieser Link ist unvollständig. Kopieren Sie den ganzen Link aus der E-Mail.",
+  verifyNoToken:
+    "Dieser Link ist unvollständig. Öffnen Sie den Link in der E-Mail noch einmal, oder kopieren Sie ihn ganz.",
   verifyFailed: "Ihre Adresse konnte nicht bestätigt werden",
   forgot: "Passwort vergessen?",
   forgotLead:

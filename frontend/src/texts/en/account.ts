@@ -27,7 +27,7 @@ export const account = {
   verifySubmit: "Confirm address and set password",
   verified: "Your address is confirmed and your password is set. You can sign in now.",
   verifiedTitle: "Welcome",
-  verifyNoToken: "This link is incomplete. Copy the whole link from the email.",
+  verifyNoToken: "This link is incomplete. Open the link in the email again, or copy all of it.",
   verifyFailed: "We couldn’t confirm your address",
   forgot: "Forgot your password?",
   forgotLead: "Enter your email address and we’ll send you a link to set a new password.",
