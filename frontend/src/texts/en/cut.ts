@@ -29,13 +29,15 @@ export const cut = {
   confirmLead:
     "What you cut away will be permanently deleted from our disks: from the scan itself, from every picture made of it, and for everyone who is looking at it now. Nobody can restore it, neither you nor we. Your disc at home stays as it is.",
   confirmNothing:
-    "You haven’t cut anything away. The whole scan stays as it is, and once you confirm, you can make it public.",
-  confirmAfter: "You can make the scan public only after this step. It stays private until you do.",
+    "You haven’t cut anything away. The whole scan stays as it is, and after this you can show it to everyone.",
+  confirmAfter: "You can add the scan to the gallery only after this step. It isn’t added until you do so.",
   understood: "I have looked at it from all sides, and I understand that this can’t be undone.",
   confirm: "Cut permanently",
   working: "Cutting the scan. This takes a few seconds.",
   doneTitle: "The cut is finished",
-  done: "What you cut away has been permanently deleted. The scan is still private.",
+  done: "What you cut away has been permanently deleted.",
+  donePrivate: "The scan is still private.",
+  doneShared: "The scan is not in the gallery, but the people and links that you shared it with can still open it.",
   look: "View and share the scan",
   failed: "The scan couldn’t be cut, and nothing has been changed. Try again.",
   back: "Back to my scans",

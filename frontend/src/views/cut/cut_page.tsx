@@ -31,7 +31,7 @@ export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
   return (
     <Shell>
       <div class="page page-narrow">
-        <CutOutcome stage={stage} dataSetId={dataSetId} />
+        <CutOutcome stage={stage} dataSetId={dataSetId} shared={set?.shared ?? null} />
       </div>
     </Shell>
   );
@@ -67,9 +67,10 @@ function useCut(dataSetId: string, set: DataSet | null) {
 interface CutOutcomeProps {
   readonly stage: Exclude<Stage, "choosing">;
   readonly dataSetId: string;
+  readonly shared: DataSet["shared"];
 }
 
-function CutOutcome({ stage, dataSetId }: CutOutcomeProps) {
+function CutOutcome({ stage, dataSetId, shared }: CutOutcomeProps) {
   if (stage === "working")
     return (
       <>
@@ -82,7 +83,9 @@ function CutOutcome({ stage, dataSetId }: CutOutcomeProps) {
     return (
       <>
         <PageTitle text={t.cut.doneTitle} />
-        <Notice kind="good">{t.cut.done}</Notice>
+        <Notice kind="good">
+          {t.cut.done} {shared && shared.people + shared.links > 0 ? t.cut.doneShared : t.cut.donePrivate}
+        </Notice>
         <p>
           <Link href={`/view/${dataSetId}`} class="button button-main">
             {t.cut.look}
