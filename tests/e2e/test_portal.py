@@ -92,7 +92,7 @@ def test_a_disc_becomes_a_picture_loses_its_face_is_found_and_goes(stack: TestSt
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("Current password").fill(PASSWORD)
     dialog.get_by_role("button", name="Delete account").click()
-    expect(page.get_by_role("heading", name="Create your account")).to_be_visible()
+    expect(page.get_by_text("Your account and all its data have been deleted.")).to_be_visible()
     expect(bert.page.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
     stack.wait_until(lambda: not (stack.data_dir / "volumes" / data_set).exists(), what="the volume's end")
     stack.wait_until(lambda: not (stack.data_dir / "cache" / "thumbnails" / data_set).exists(), what="the pictures' end")

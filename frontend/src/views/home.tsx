@@ -1,9 +1,11 @@
+import { useEffect } from "preact/hooks";
 import type { DataSet } from "../api/types";
 import { t } from "../texts";
 import { Art } from "./account_frame";
 import { Link } from "./router";
 import { lookOf, titleOf } from "./scan_card";
-import { PageTitle } from "./shell";
+import { Notice, PageTitle } from "./shell";
+import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
 import { useSamples } from "./use_samples";
 
@@ -12,9 +14,12 @@ export function Home() {
   const samples = useSamples();
   const sample = samples?.[0] ?? null;
   const text = t.home;
+  const app = useApp();
+  useEffect(() => () => void (app.farewell.value = ""), [app]);
   return (
     <div class="home">
       <section class="home-text">
+        {app.farewell.value ? <Notice kind="good">{app.farewell.value}</Notice> : null}
         <PageTitle text={text.title} />
         <p class="lead">{text.what}</p>
         <p class="lead">{text.privacy}</p>

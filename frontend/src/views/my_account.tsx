@@ -1,7 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { exportPath } from "../api/client";
 import type { BrowserSession, Export, Me } from "../api/types";
-import { tab } from "../storage";
 import { t } from "../texts";
 import { looksLikeEmail } from "./account";
 import { Dialog } from "./dialog";
@@ -341,9 +340,8 @@ function Removal() {
     try {
       app.uploads.stopAll();
       await app.api.deleteAccount(password);
-      tab.clear();
-      app.me.value = null;
-      navigate("/sign-up");
+      app.leave(t.myAccount.removed);
+      navigate("/");
     } catch (thrown) {
       setFaults(faultsOf(thrown, ["password"], (what) => app.explain(what)));
       setBusy(false);

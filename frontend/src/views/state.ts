@@ -20,6 +20,8 @@ export class AppState {
   readonly me = signal<Me | null | undefined>(undefined);
   /** The first request has failed so far and is repeated. */
   readonly unreachable = signal(false);
+  /** Said once on the front page: what has just been done. */
+  readonly farewell = signal("");
   private again: ReturnType<typeof setTimeout> | undefined;
 
   async load(): Promise<void> {
@@ -47,7 +49,14 @@ export class AppState {
     }
   }
 
-  /** Returns a message for an error. An expired session leads to the sign-in page. */
+  /** Nobody is signed in any more. `farewell` is said on the front page. */
+  leave(farewell: string): void {
+    tab.clear();
+    this.farewell.value = farewell;
+    this.me.value = null;
+  }
+
+  /** A sentence for what went wrong. A session that has ended leads to the sign-in. */
   explain(thrown: unknown): string {
     if (thrown instanceof Said) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;
