@@ -14,9 +14,13 @@ it("uses the text of the reason in another language", async () => {
   expect(refusalText(overQuota)).toContain("Speicherplatz");
   expect(refusalText({ code: "values_out_of_range", text: "x" })).toContain("Werte");
 });
-it("uses the sentence if the language has no text, or one that needs a number", async () => {
+it("takes the number that the reason's text needs from the sentence", async () => {
+  await loadTexts("de");
+  expect(refusalText({ code: "missing_slices", text: "3 slices are missing." })).toContain("3 Schichten");
+});
+it("is the sentence where the language has no text, or no number for it", async () => {
   await loadTexts("de");
   expect(refusalText({ code: "internal", text: "x" })).toBe("x");
-  expect(refusalText({ code: "missing_slices", text: "3 slices are missing." })).toBe("3 slices are missing.");
+  expect(refusalText({ code: "missing_slices", text: "Slices are missing." })).toBe("Slices are missing.");
   expect(refusalText({ code: "constructor", text: "x" })).toBe("x");
 });

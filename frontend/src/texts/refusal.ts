@@ -6,5 +6,6 @@ export function refusalText({ code, text }: NonNullable<DataSet["refusal"]>): st
   if (language.value === "en") return text;
   const reasons: Readonly<Record<string, (n: number) => string>> = t.add.reasons;
   const reason = Object.hasOwn(reasons, code) ? reasons[code] : undefined;
-  return reason?.length === 0 ? reason(0) : text; // Only the server's text contains the number.
+  const count = /\d+/.exec(text)?.[0]; // how many, only the sentence says
+  return reason && (reason.length === 0 || count !== undefined) ? reason(Number(count ?? 0)) : text;
 }

@@ -22,6 +22,7 @@ import { Slices, type Access } from "../slices/model";
 import type { Part } from "../scene/parts";
 import { StreamClient, type StreamEvents } from "../protocol/stream_client";
 import { t } from "../texts";
+import { serverSentence } from "../texts/problem_text";
 import { tab } from "../storage";
 import { ResizeDebouncer } from "./canvas_size";
 import type { Painter } from "./painter";
@@ -269,7 +270,7 @@ export class ViewerSession {
             ? t.live.noFreeCamera
             : field === "own_camera_taken"
               ? t.live.freeCameraTaken
-              : message),
+              : serverSentence(message, t.problems.notTaken)),
       fileProgress: () => undefined,
       filePart: () => undefined,
       kernel: (report) => (this.kernel.value = report),

@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import type { Me } from "../api/types";
 import { t } from "../texts";
+import { problemText } from "../texts/problem_text";
 import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
 import { Field } from "./field";
@@ -154,7 +155,7 @@ function SignInCode({ email, password, onBack }: SignInCodeProps) {
       enter(app, await app.api.signIn(email, password, code.trim()));
     } catch (thrown) {
       const wrong = thrown instanceof ApiProblem && thrown.kind === "wrong-code";
-      setFaults(wrong ? { code: thrown.detail } : faultsOf(thrown, ["code"], (what) => app.explain(what)));
+      setFaults(wrong ? { code: problemText(thrown) } : faultsOf(thrown, ["code"], (what) => app.explain(what)));
       setBusy(false);
     }
   };

@@ -6,6 +6,7 @@ import type { Me } from "../api/types";
 import { Uploads } from "../api/uploads";
 import { tab } from "../storage";
 import { t } from "../texts";
+import { problemText } from "../texts/problem_text";
 
 const askedAgainAfterMs = 2000;
 
@@ -62,31 +63,6 @@ export class AppState {
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;
     if (thrown.kind === "unauthenticated") this.me.value = null;
     return problemText(thrown);
-  }
-}
-
-export function problemText(problem: ApiProblem): string {
-  switch (problem.kind) {
-    case "offline":
-      return t.problems.offline;
-    case "wrong-credentials":
-      return t.problems.wrongCredentials;
-    case "disabled":
-      return t.problems.disabled;
-    case "link-expired":
-      return t.problems.linkExpired;
-    case "too-many-attempts":
-    case "too-many":
-      return problem.detail || t.problems.tooMany;
-    case "busy":
-    case "unavailable":
-      return t.problems.busy;
-    case "outcome-unknown":
-      return t.problems.outcomeUnknown;
-    case "internal":
-      return t.problems.internal;
-    default:
-      return problem.errors[0]?.message ?? (problem.detail || t.problems.internal);
   }
 }
 

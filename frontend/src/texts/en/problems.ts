@@ -1,13 +1,40 @@
 /** Connection and server errors that can occur on any page. */
 export const problems = {
-  offline: "We couldn’t reach Diaphane. Check your connection and try again.",
   unreachable: "We can’t reach Diaphane. Trying again…",
-  busy: "Diaphane is busy at the moment. Try again shortly.",
-  outcomeUnknown:
-    "The connection was lost while your change was being saved. Reload the page to see whether it was saved.",
   internal: "Something went wrong on our side. Try again in a moment.",
-  wrongCredentials: "The email address or password is wrong. Check both and try again.",
-  disabled: "An administrator has disabled this account. Contact the people who run this Diaphane server.",
-  tooMany: "Too many attempts. Wait a while, then try again.",
-  linkExpired: "This link has expired or has already been used. Request a new one.",
+  notTaken: "The server didn’t accept this change.",
+  /** By the kind of a problem: said instead of the server’s own sentence. */
+  always: {
+    offline: "We couldn’t reach Diaphane. Check your connection and try again.",
+    "wrong-credentials": "The email address or password is wrong. Check both and try again.",
+    disabled: "An administrator has disabled this account. Contact the people who run this Diaphane server.",
+    "link-expired": "This link has expired or has already been used. Request a new one.",
+    busy: "Diaphane is busy at the moment. Try again shortly.",
+    unavailable: "Diaphane is busy at the moment. Try again shortly.",
+    "outcome-unknown":
+      "The connection was lost while your change was being saved. Reload the page to see whether it was saved.",
+    internal: "Something went wrong on our side. Try again in a moment.",
+  },
+  /** By the kind of a problem: said where the server’s sentence is in another language, or missing. */
+  kinds: {
+    invalid: "Check what you have entered.",
+    unauthenticated: "You are signed out. Sign in again.",
+    "wrong-code": "This code is wrong or has expired. Try the next one.",
+    forbidden: "You don’t have permission to do this.",
+    "second-factor-required": "Set up two-factor authentication first.",
+    "not-found": "This no longer exists, or you don’t have access to it.",
+    conflict: "This isn’t possible at the moment. Reload the page and try again.",
+    "not-ready": "This scan is still being prepared. Try again shortly.",
+    "not-anonymised": "First cut away anything that could identify the person.",
+    precondition: "This was changed in another window. Reload the page and try again.",
+    "over-quota": "You don’t have enough storage left. Delete a scan first.",
+    "too-many-data-sets": "You have as many scans as an account can hold. Delete one first.",
+    "render-time-spent": "You have used up your rendering time for this month.",
+    "upload-too-large": "This scan is larger than the server accepts.",
+    "body-too-large": "This is larger than the server accepts.",
+    "storage-full": "The server has run out of space. Try again later.",
+    "too-many": "Too many attempts. Wait a while, then try again.",
+    "too-many-attempts": "Too many attempts. Wait a while, then try again.",
+    "no-worker": "All rendering servers are busy. Try again shortly.",
+  },
 } as const;

@@ -4,6 +4,7 @@ import type { DataSet } from "../../api/types";
 import { toBody, type Region } from "../../cut/region";
 import { ownPlace } from "../../live/place";
 import { t } from "../../texts";
+import { problemText, serverSentence } from "../../texts/problem_text";
 import { Link } from "../router";
 import { titleOf } from "../scan_card";
 import { Bar, Notice, PageTitle, Shell } from "../shell";
@@ -44,7 +45,7 @@ function useCut(dataSetId: string, set: DataSet | null) {
   const carryOut = (region: Region, volumeHash: string) => {
     setStage("working");
     app.api.anonymise.cut(dataSetId, toBody(region), volumeHash).catch((thrown: unknown) => {
-      setStage({ failed: thrown instanceof ApiProblem ? thrown.detail : "" });
+      setStage({ failed: thrown instanceof ApiProblem ? problemText(thrown) : "" });
     });
   };
   useEffect(() => {
@@ -53,7 +54,7 @@ function useCut(dataSetId: string, set: DataSet | null) {
       app.api.anonymise.look(dataSetId).then(
         (now) => {
           if (now.state !== "ready") return;
-          if (now.problem !== null) setStage({ failed: now.problem });
+          if (now.problem !== null) setStage({ failed: serverSentence(now.problem, "") });
           else if (now.anonymised_at !== (set?.anonymised_at ?? null)) setStage("done");
         },
         () => undefined, // the next poll may succeed

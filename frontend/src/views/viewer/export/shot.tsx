@@ -2,6 +2,7 @@ import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 import type { Place } from "../../../live/place";
 import type { FileOrder } from "../../../protocol/file_messages";
 import { t } from "../../../texts";
+import { serverSentence } from "../../../texts/problem_text";
 import { FileShot, type FileState } from "../../../video/file_shot";
 import { browserParts, renderersError, StillShot, type ShotOrder, type ShotState } from "../../../video/still_shot";
 import { probeStills } from "../../../video/tile_pixels";
@@ -156,7 +157,7 @@ function saidOf(
     case "stopped":
       return text.stopped;
     case "refused_scene":
-      return state.said || text.failed;
+      return serverSentence(state.said, text.failed);
     case "busy":
       return t.take.busy;
     case "refused":

@@ -1,0 +1,29 @@
+import { afterEach, describe, expect, it } from "vitest";
+import { loadTexts } from ".";
+import { problemText, serverSentence } from "./problem_text";
+
+afterEach(() => loadTexts("en"));
+
+const problem = (kind: string, detail = "", message = "") => ({
+  kind,
+  detail,
+  errors: message === "" ? [] : [{ field: "name", message }],
+});
+
+describe("a problem of the server", () => {
+  it("is told in the server's own sentence in English", () => {
+    expect(problemText(problem("conflict", "Somebody is quicker."))).toBe("Somebody is quicker.");
+    expect(problemText(problem("invalid", "Wrong.", "must be shorter"))).toBe("must be shorter");
+    expect(serverSentence("", "Try again.")).toBe("Try again.");
+  });
+  it("is told in German on the German page, by its kind", async () => {
+    await loadTexts("de");
+    expect(problemText(problem("invalid", "Wrong.", "must be shorter"))).toContain("Eingabe");
+    expect(problemText(problem("too-many-data-sets", "You have too many scans."))).toContain("Aufnahmen");
+    expect(problemText(problem("of-a-later-version", "Something new."))).toBe(problemText(problem("internal")));
+    expect(problemText(problem("constructor", "x"))).toBe(problemText(problem("internal")));
+  });
+  it("has the page's own words where they are better than the server's", () => {
+    expect(problemText(problem("offline", "x"))).toContain("connection");
+  });
+});
