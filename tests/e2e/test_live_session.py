@@ -180,7 +180,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     owner.get_by_role("button", name="Disable link").click()
     expect(follower.get_by_role("status").filter(has_text="This link has expired or was disabled")).to_be_visible()
     expect(owner.locator("[data-participant]")).to_have_count(1)
-    owner.get_by_role("button", name="Present again").click()
+    owner.get_by_role("dialog").get_by_role("button", name="Present again").click()
     expect(owner.get_by_text("presenting", exact=True)).to_be_visible()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     epoch = facts(owner).epoch

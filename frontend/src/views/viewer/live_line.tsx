@@ -1,14 +1,22 @@
 import type { Role } from "../../live/role";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
-import { shownName } from "./share_dialog";
+import { shownName, TakeBack } from "./share_dialog";
 
-/** For a follower: shows who is presenting, and the switch to a free camera. */
-export function LiveLine({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
+export interface LiveLineProps {
+  readonly session: ViewerSession;
+  readonly role: Role;
+  /** Whether the scan is this person's, who may present again once nobody does. */
+  readonly owner: boolean;
+}
+
+/** For a follower: who turns the picture, and the way to a camera of one's own. */
+export function LiveLine({ session, role, owner }: LiveLineProps) {
   const presenter = role.presenter;
   return (
     <div class="glass live-line">
       <p role="status">{presenter ? t.live.presents(shownName(presenter)) : t.live.presenterAway}</p>
+      {owner && presenter === null ? <TakeBack session={session} you={role.you} /> : null}
       <button
         type="button"
         class="button"

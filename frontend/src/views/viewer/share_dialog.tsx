@@ -50,7 +50,11 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
         ))}
       </ul>
       {role.presents && !role.guest && role.others > 0 ? <p class="field-hint">{t.live.handOverHint}</p> : null}
-      {owner && role.follows && role.presenter === null ? <TakeBack session={session} you={role.you} /> : null}
+      {owner && role.follows && role.presenter === null ? (
+        <p>
+          <TakeBack session={session} you={role.you} />
+        </p>
+      ) : null}
       {session.problem.value && role.presenter !== null ? (
         <p class="field-fault" role="alert">
           {session.problem.value}
@@ -68,7 +72,7 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
 const askedAgainEveryMs = 1000;
 
 /** The server gives the role back once the presenter has been away for longer than a reload takes. */
-function TakeBack({ session, you }: { readonly session: ViewerSession; readonly you: string }) {
+export function TakeBack({ session, you }: { readonly session: ViewerSession; readonly you: string }) {
   const [taking, setTaking] = useState(false);
   useEffect(() => {
     if (!taking) return;
@@ -77,11 +81,9 @@ function TakeBack({ session, you }: { readonly session: ViewerSession; readonly 
     return () => clearInterval(timer);
   }, [taking, session, you]);
   return (
-    <p>
-      <button type="button" class="button" disabled={taking} onClick={() => setTaking(true)}>
-        {taking ? t.live.takingBack : t.live.takeBack}
-      </button>
-    </p>
+    <button type="button" class="button" disabled={taking} onClick={() => setTaking(true)}>
+      {taking ? t.live.takingBack : t.live.takeBack}
+    </button>
   );
 }
 

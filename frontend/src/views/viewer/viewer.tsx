@@ -82,7 +82,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
       </StatusLine>
-      {session && role.follows ? <LiveLine session={session} role={role} /> : null}
+      {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}
       {session ? (
         <ViewerPanels session={session} role={role} picture={picture} cut={cut} focusPicture={focusPicture} />
       ) : null}
