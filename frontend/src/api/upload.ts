@@ -52,8 +52,8 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
   const upload = new Upload(bundle, {
     uploadUrl: url,
     chunkSize: partBounds.first,
-    retryDelays: null, // ours know of restarts of the server, too
-    storeFingerprintForResuming: false, // the library's own would keep more than a number
+    retryDelays: null, // our own retries also handle restarts of the server
+    storeFingerprintForResuming: false, // the library would store more than a number
     httpStack: new ChecksumStack(),
     onBeforeRequest: (request) => request.setHeader("X-CSRF-Token", csrfToken()),
     onProgress: (sent, total) => events.progress(sent, total),

@@ -42,7 +42,7 @@ import {
   type FilePart,
   type KernelReport,
 } from "./file_messages";
-import { SilenceWatch } from "./silence_watch";
+import { SilenceWatch, type SilenceDependencies } from "./silence_watch";
 import { fullEffort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
 
@@ -66,16 +66,13 @@ export interface SocketEvents {
 }
 export type OpenSocket = (url: string, events: SocketEvents) => Socket;
 
-export interface StreamDependencies {
+export interface StreamDependencies extends Pick<SilenceDependencies, "nowMs" | "probe"> {
   readonly ticketSource: TicketSource;
   readonly openSocket: OpenSocket;
   /** Runs `task` once before the next screen refresh. */
   readonly nextFrame: (task: () => void) => void;
   readonly after: (ms: number, task: () => void) => () => void;
   readonly chance: () => number;
-  readonly nowMs: () => number;
-  /** Whether the server can be reached at all, asked without the connection. */
-  readonly probe: () => Promise<boolean>;
   readonly abilities: Abilities;
   readonly pixelRatio: () => number;
 }

@@ -6,6 +6,6 @@ export function refusalText({ code, text }: NonNullable<DataSet["refusal"]>): st
   if (language.value === "en") return text;
   const reasons: Readonly<Record<string, (n: number) => string>> = t.add.reasons;
   const reason = Object.hasOwn(reasons, code) ? reasons[code] : undefined;
-  const count = /\d+/.exec(text)?.[0]; // how many, only the sentence says
+  const count = /\d+/.exec(text)?.[0]; // Only the server's text contains the number.
   return reason && (reason.length === 0 || count !== undefined) ? reason(Number(count ?? 0)) : text;
 }

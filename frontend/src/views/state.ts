@@ -57,7 +57,7 @@ export class AppState {
     this.me.value = null;
   }
 
-  /** A sentence for what went wrong. A session that has ended leads to the sign-in. */
+  /** Returns a message for an error. An expired session leads to the sign-in page. */
   explain(thrown: unknown): string {
     if (thrown instanceof Said) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;

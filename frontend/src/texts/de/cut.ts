@@ -33,12 +33,13 @@ export const cut: Texts["cut"] = {
   confirmLead:
     "Was Sie wegschneiden, wird endgültig von unseren Festplatten gelöscht: aus der Aufnahme selbst, aus jedem Bild davon und für alle, die sie gerade ansehen. Niemand kann es wiederherstellen, weder Sie noch wir. Ihre CD zu Hause bleibt, wie sie ist.",
   confirmNothing:
-    "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und danach können Sie sie allen zeigen.",
+    "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und nach der Bestätigung können Sie sie öffentlich machen.",
   confirmAfter:
     "Erst nach diesem Schritt können Sie die Aufnahme in die Galerie stellen. Von selbst kommt sie nicht dorthin.",
-  understood: "Ich habe sie von allen Seiten angesehen und verstanden, dass sich das nicht rückgängig machen lässt.",
-  confirm: "Endgültig schneiden",
-  working: "Die Aufnahme wird geschnitten. Das dauert ein paar Sekunden.",
+  understood:
+    "Ich habe sie mir von allen Seiten angesehen, und mir ist klar, dass sich das nicht rückgängig machen lässt.",
+  confirm: "Endgültig zuschneiden",
+  working: "Die Aufnahme wird zugeschnitten. Das dauert ein paar Sekunden.",
   doneTitle: "Der Schnitt ist fertig",
   done: "Was Sie weggeschnitten haben, ist endgültig gelöscht.",
   donePrivate: "Die Aufnahme ist weiterhin privat.",

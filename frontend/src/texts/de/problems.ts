@@ -9,7 +9,7 @@ export const problems: Texts["problems"] = {
     "wrong-credentials":
       "Die E-Mail-Adresse oder das Passwort ist falsch. Prüfen Sie beides und versuchen Sie es noch einmal.",
     disabled:
-      "Dieses Konto wurde von der Verwaltung gesperrt. Wenden Sie sich an die Stelle, die diesen Diaphane-Server betreibt.",
+      "Dieses Konto wurde von der Administration gesperrt. Wenden Sie sich an die Stelle, die diesen Diaphane-Server betreibt.",
     "link-expired": "Dieser Link ist abgelaufen oder wurde schon benutzt. Fordern Sie einen neuen an.",
     busy: "Diaphane ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",
     unavailable: "Diaphane ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",

@@ -29,7 +29,7 @@ export const cut = {
   confirmLead:
     "What you cut away will be permanently deleted from our disks: from the scan itself, from every picture made of it, and for everyone who is looking at it now. Nobody can restore it, neither you nor we. Your disc at home stays as it is.",
   confirmNothing:
-    "You haven’t cut anything away. The whole scan stays as it is, and after this you can show it to everyone.",
+    "You haven’t cut anything away. The whole scan stays as it is, and once you confirm, you can make it public.",
   confirmAfter: "You can add the scan to the gallery only after this step. It isn’t added until you do so.",
   understood: "I have looked at it from all sides, and I understand that this can’t be undone.",
   confirm: "Cut permanently",

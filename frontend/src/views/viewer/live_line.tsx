@@ -10,7 +10,7 @@ export interface LiveLineProps {
   readonly owner: boolean;
 }
 
-/** For a follower: who turns the picture, and the way to a camera of one's own. */
+/** For a follower: shows who is presenting, and the switch to a free camera. */
 export function LiveLine({ session, role, owner }: LiveLineProps) {
   const presenter = role.presenter;
   return (
