@@ -1,16 +1,11 @@
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
+#include "api/handlers/route_parts.h"
 #include "api/handlers/routes.h"
 #include "common/try.h"
 
 namespace diaphane::api {
 namespace {
-
-/// Responds with the status on success, otherwise with the problem of `done`.
-Outcome<Response> answer(const Outcome<void>& done, int status) {
-  DIAPHANE_TRY(done);
-  return empty_response(status);
-}
 
 Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
   const auto found = changes.browser_sessions(who);
@@ -26,9 +21,7 @@ Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
   return json_response(200, {{"items", std::move(items)}});
 }
 
-}  // namespace
-
-std::vector<Route> account_change_routes(AccountChanges& changes, const RequestRouter& router) {
+std::vector<Route> password_routes(AccountChanges& changes) {
   const auto ask_reset = [&changes](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -41,7 +34,7 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const RequestR
     const std::string token = in.text("token", 1, 200);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.reset(token, password, who.language), 204);
+    return answer(changes.reset(token, password, who.language));
   };
   const auto change_password = [&changes](const Request& request,
                                           const Principal& who) -> Outcome<Response> {
@@ -49,8 +42,16 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const RequestR
     const std::string current = in.secret("current", kPasswordBytes);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.change_password(who, current, password), 204);
+    return answer(changes.change_password(who, current, password));
   };
+  return {
+      {"POST", "/v1/password-reset", "requestPasswordReset", Access::kAnyone, ask_reset, {}},
+      {"POST", "/v1/password-reset/confirm", "resetPassword", Access::kAnyone, reset, {}},
+      {"POST", "/v1/me/password", "changePassword", Access::kPerson, change_password, {}},
+  };
+}
+
+std::vector<Route> email_routes(AccountChanges& changes) {
   const auto ask_email = [&changes](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -64,14 +65,22 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const RequestR
     Fields in(request);
     const std::string token = in.text("token", 1, 200);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.confirm_email(who, token), 204);
+    return answer(changes.confirm_email(who, token));
   };
+  constexpr auto kPerson = Access::kPerson;
+  return {
+      {"POST", "/v1/me/email", "requestEmailChange", kPerson, ask_email, {}},
+      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kPerson, confirm_email, {}},
+  };
+}
+
+std::vector<Route> browser_session_routes(AccountChanges& changes, const RequestRouter& router) {
   const auto browsers = [&changes](const Request&, const Principal& who) {
     return list_browsers(changes, who);
   };
   const auto end_one = [&changes](const Request& request,
                                   const Principal& who) -> Outcome<Response> {
-    return answer(changes.end_browser_session(who, request.parameter("browser_session_id")), 204);
+    return answer(changes.end_browser_session(who, request.parameter("browser_session_id")));
   };
   const auto end_all = [&changes, &router](const Request&,
                                            const Principal& who) -> Outcome<Response> {
@@ -80,18 +89,19 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const RequestR
     return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
   const std::string all = "/v1/me/browser-sessions";
-  constexpr auto kAnyone = Access::kAnyone;
   constexpr auto kPerson = Access::kPerson;
   return {
-      {"POST", "/v1/password-reset", "requestPasswordReset", kAnyone, ask_reset, {}},
-      {"POST", "/v1/password-reset/confirm", "resetPassword", kAnyone, reset, {}},
-      {"POST", "/v1/me/password", "changePassword", kPerson, change_password, {}},
-      {"POST", "/v1/me/email", "requestEmailChange", kPerson, ask_email, {}},
-      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kPerson, confirm_email, {}},
       {"GET", all, "listBrowserSessions", kPerson, browsers, {}},
       {"DELETE", all, "signOutEverywhere", kPerson, end_all, {}},
       {"DELETE", all + "/{browser_session_id}", "endBrowserSession", kPerson, end_one, {}},
   };
+}
+
+}  // namespace
+
+std::vector<Route> account_change_routes(AccountChanges& changes, const RequestRouter& router) {
+  return join(
+      {password_routes(changes), email_routes(changes), browser_session_routes(changes, router)});
 }
 
 }  // namespace diaphane::api

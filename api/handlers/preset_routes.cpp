@@ -1,6 +1,7 @@
 #include "api/handlers/preset_format.h"
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
+#include "api/handlers/route_parts.h"
 #include "api/handlers/routes.h"
 #include "common/try.h"
 
@@ -26,6 +27,17 @@ Outcome<Response> create_preset(Presets& presets, const Request& request, const 
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto saved = presets.add(who, request.parameter("data_set_id"), std::move(preset), *key);
+  DIAPHANE_TRY(saved);
+  return made(*saved);
+}
+
+Outcome<Response> import_preset(Presets& presets, const Request& request, const Principal& who) {
+  const auto key = idempotency_key(request);
+  DIAPHANE_TRY(key);
+  DIAPHANE_TRY(check_size(request));
+  auto preset = read_preset_xml(request);
+  DIAPHANE_TRY(preset);
+  const auto saved = presets.add(who, request.parameter("data_set_id"), *std::move(preset), *key);
   DIAPHANE_TRY(saved);
   return made(*saved);
 }
@@ -74,9 +86,7 @@ std::vector<Route> routes_of_one(Presets& presets) {
     DIAPHANE_TRY(presets.find(who, id));
     const auto version = version_in_if_match(request);
     DIAPHANE_TRY(version);
-    const auto done = presets.remove(who, id, *version);
-    DIAPHANE_TRY(done);
-    return empty_response(204);
+    return answer(presets.remove(who, id, *version));
   };
   const auto vote = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -96,9 +106,7 @@ std::vector<Route> routes_of_one(Presets& presets) {
   };
 }
 
-}  // namespace
-
-std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
+std::vector<Route> routes_of_data_set(Presets& presets, PresetPictures& pictures) {
   const auto list = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = presets.list(who, request.parameter("data_set_id"));
     DIAPHANE_TRY(found);
@@ -110,25 +118,15 @@ std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
   const auto add = [&presets](const Request& request, const Principal& who) {
     return create_preset(presets, request, who);
   };
-  const auto import = [&presets](const Request& request,
-                                 const Principal& who) -> Outcome<Response> {
-    const auto key = idempotency_key(request);
-    DIAPHANE_TRY(key);
-    DIAPHANE_TRY(check_size(request));
-    auto preset = read_preset_xml(request);
-    DIAPHANE_TRY(preset);
-    const auto saved = presets.add(who, request.parameter("data_set_id"), *std::move(preset), *key);
-    DIAPHANE_TRY(saved);
-    return made(*saved);
+  const auto import = [&presets](const Request& request, const Principal& who) {
+    return import_preset(presets, request, who);
   };
   const auto set_default = [&presets](const Request& request,
                                       const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string id = in.is_null("preset_id") ? "" : in.text("preset_id", 1, 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = presets.set_default(who, request.parameter("data_set_id"), id);
-    DIAPHANE_TRY(done);
-    return empty_response(204);
+    return answer(presets.set_default(who, request.parameter("data_set_id"), id));
   };
   const auto thumbnail = [&pictures](const Request& request,
                                      const Principal& who) -> Outcome<Response> {
@@ -139,7 +137,7 @@ std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
   };
   const std::string of_data_set = "/v1/data-sets/{data_set_id}";
   const std::string all = of_data_set + "/presets";
-  std::vector<Route> routes{
+  return {
       {"GET", all, "listPresets", Access::kAnyoneOrPerson, list, {}},
       {"POST", all, "createPreset", Access::kPerson, add, {}},
       {"POST", all + "/xml", "importPreset", Access::kPerson, import, {}},
@@ -156,9 +154,12 @@ std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
        set_default,
        {}},
   };
-  const auto more = routes_of_one(presets);
-  routes.insert(routes.end(), more.begin(), more.end());
-  return routes;
+}
+
+}  // namespace
+
+std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
+  return join({routes_of_data_set(presets, pictures), routes_of_one(presets)});
 }
 
 }  // namespace diaphane::api

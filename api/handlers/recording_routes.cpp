@@ -1,30 +1,37 @@
 #include "api/handlers/recording_format.h"
 #include "api/handlers/representations.h"
+#include "api/handlers/route_parts.h"
 #include "api/handlers/routes.h"
 #include "common/try.h"
 
 namespace diaphane::api {
 
+namespace {
+
+Outcome<Response> list_recordings(Recordings& recordings, const Principal& who) {
+  const auto mine = recordings.list(who);
+  DIAPHANE_TRY(mine);
+  nlohmann::ordered_json body{{"consent", mine->consent},
+                              {"items", nlohmann::ordered_json::array()}};
+  for (const Recording& one : mine->recordings) {
+    body["items"].push_back({{"id", one.id},
+                             {"events", one.events},
+                             {"duration_ms", one.duration_ms},
+                             {"created_at", rfc3339(one.created_at)},
+                             {"expires_at", rfc3339(one.expires_at)}});
+  }
+  return json_response(200, body);
+}
+
+}  // namespace
+
 std::vector<Route> recording_routes(Recordings& recordings) {
-  const auto list = [&recordings](const Request&, const Principal& who) -> Outcome<Response> {
-    const auto mine = recordings.list(who);
-    DIAPHANE_TRY(mine);
-    nlohmann::ordered_json body{{"consent", mine->consent},
-                                {"items", nlohmann::ordered_json::array()}};
-    for (const Recording& one : mine->recordings) {
-      body["items"].push_back({{"id", one.id},
-                               {"events", one.events},
-                               {"duration_ms", one.duration_ms},
-                               {"created_at", rfc3339(one.created_at)},
-                               {"expires_at", rfc3339(one.expires_at)}});
-    }
-    return json_response(200, body);
+  const auto list = [&recordings](const Request&, const Principal& who) {
+    return list_recordings(recordings, who);
   };
   const auto consent = [&recordings](bool given) {
-    return [&recordings, given](const Request&, const Principal& who) -> Outcome<Response> {
-      const auto done = recordings.give_consent(who, given);
-      DIAPHANE_TRY(done);
-      return empty_response(204);
+    return [&recordings, given](const Request&, const Principal& who) {
+      return answer(recordings.give_consent(who, given));
     };
   };
   const auto add = [&recordings](const Request& request,
@@ -46,11 +53,8 @@ std::vector<Route> recording_routes(Recordings& recordings) {
     response.body = found->body;
     return response;
   };
-  const auto remove = [&recordings](const Request& request,
-                                    const Principal& who) -> Outcome<Response> {
-    const auto done = recordings.remove(who, request.parameter("recording_id"));
-    DIAPHANE_TRY(done);
-    return empty_response(204);
+  const auto remove = [&recordings](const Request& request, const Principal& who) {
+    return answer(recordings.remove(who, request.parameter("recording_id")));
   };
   const std::string one = "/v1/recordings/{recording_id}";
   return {

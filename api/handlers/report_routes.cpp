@@ -1,109 +1,121 @@
-#include <functional>
-
 #include "api/handlers/representations.h"
 #include "api/handlers/request_fields.h"
+#include "api/handlers/route_parts.h"
 #include "api/handlers/routes.h"
 #include "common/try.h"
 
 namespace diaphane::api {
+namespace {
 
-std::vector<Route> report_routes(Reports& reports) {
-  // Reports the data set or preset that the path names, with the reason and the words of the
-  // request.
-  using Note = std::function<Outcome<void>(const Request&, const Principal&, const std::string&,
-                                           const std::string&)>;
-  const auto reported = [](const Note& note) {
-    return [note](const Request& request, const Principal& who) -> Outcome<Response> {
-      Fields in(request);
-      const std::string reason = in.choice("reason", kReportReasons);
-      const std::string words = in.prose_or("words", "", 1000);
-      if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-      const auto done = note(request, who, reason, words);
-      DIAPHANE_TRY(done);
-      return empty_response(204);
-    };
+constexpr auto kAdmin = Access::kAdministrator;
+
+/// What a user says about the data set or preset that the path names.
+struct Complaint {
+  std::string reason, words;
+};
+
+Outcome<Complaint> read_complaint(const Request& request) {
+  Fields in(request);
+  Complaint complaint;
+  complaint.reason = in.choice("reason", kReportReasons);
+  complaint.words = in.prose_or("words", "", 1000);
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  return complaint;
+}
+
+/// Reads an administrator's reason for taking something down.
+Outcome<std::string> read_reason(const Request& request) {
+  Fields in(request);
+  std::string reason = in.text("reason", 1, 500);
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  return reason;
+}
+
+nlohmann::ordered_json to_json(const Report& report) {
+  return {{"id", report.id},
+          {"data_set_id", report.data_set_id},
+          {"title", report.title},
+          {"preset_id", report.preset_id.empty() ? nlohmann::ordered_json()
+                                                 : nlohmann::ordered_json(report.preset_id)},
+          {"preset_name", report.preset_name},
+          {"reason", report.reason},
+          {"words", report.words},
+          {"taken_down", report.taken_down},
+          {"created_at", rfc3339(report.created_at)}};
+}
+
+std::vector<Route> routes_of_data_set(Reports& reports) {
+  const auto report = [&reports](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    const auto complaint = read_complaint(request);
+    DIAPHANE_TRY(complaint);
+    return answer(
+        reports.report(who, request.parameter("data_set_id"), complaint->reason, complaint->words));
   };
-  const auto report = reported([&reports](const Request& request, const Principal& who,
-                                          const std::string& reason, const std::string& words) {
-    return reports.report(who, request.parameter("data_set_id"), reason, words);
-  });
-  const auto report_preset =
-      reported([&reports](const Request& request, const Principal& who, const std::string& reason,
-                          const std::string& words) {
-        return reports.report_preset(who, request.parameter("preset_id"), reason, words);
-      });
+  const auto take_down = [&reports](const Request& request,
+                                    const Principal& who) -> Outcome<Response> {
+    const auto reason = read_reason(request);
+    DIAPHANE_TRY(reason);
+    return answer(reports.take_down(who, request.parameter("data_set_id"), *reason));
+  };
+  const auto restore = [&reports](const Request& request, const Principal& who) {
+    return answer(reports.restore(who, request.parameter("data_set_id")));
+  };
+  const std::string one = "/v1/data-sets/{data_set_id}";
+  return {
+      {"POST", one + "/reports", "reportDataSet", Access::kPerson, report, {}},
+      {"POST", one + "/take-down", "takeDownDataSet", kAdmin, take_down, {}},
+      {"DELETE", one + "/take-down", "restoreDataSet", kAdmin, restore, {}},
+  };
+}
+
+std::vector<Route> routes_of_preset(Reports& reports) {
+  const auto report = [&reports](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    const auto complaint = read_complaint(request);
+    DIAPHANE_TRY(complaint);
+    return answer(reports.report_preset(who, request.parameter("preset_id"), complaint->reason,
+                                        complaint->words));
+  };
+  const auto take_down = [&reports](const Request& request,
+                                    const Principal& who) -> Outcome<Response> {
+    const auto reason = read_reason(request);
+    DIAPHANE_TRY(reason);
+    return answer(reports.take_down_preset(who, request.parameter("preset_id"), *reason));
+  };
+  const auto restore = [&reports](const Request& request, const Principal& who) {
+    return answer(reports.restore_preset(who, request.parameter("preset_id")));
+  };
+  const std::string one = "/v1/presets/{preset_id}";
+  return {
+      {"POST", one + "/reports", "reportPreset", Access::kPerson, report, {}},
+      {"POST", one + "/take-down", "takeDownPreset", kAdmin, take_down, {}},
+      {"DELETE", one + "/take-down", "restorePreset", kAdmin, restore, {}},
+  };
+}
+
+std::vector<Route> routes_of_reports(Reports& reports) {
   const auto list = [&reports](const Request&, const Principal& who) -> Outcome<Response> {
     const auto open = reports.open(who);
     DIAPHANE_TRY(open);
     nlohmann::ordered_json body;
     body["items"] = nlohmann::ordered_json::array();
-    for (const Report& one : *open) {
-      body["items"].push_back(
-          {{"id", one.id},
-           {"data_set_id", one.data_set_id},
-           {"title", one.title},
-           {"preset_id", one.preset_id.empty() ? nlohmann::ordered_json()
-                                               : nlohmann::ordered_json(one.preset_id)},
-           {"preset_name", one.preset_name},
-           {"reason", one.reason},
-           {"words", one.words},
-           {"taken_down", one.taken_down},
-           {"created_at", rfc3339(one.created_at)}});
-    }
+    for (const Report& one : *open) body["items"].push_back(to_json(one));
     return json_response(200, body);
   };
-  const auto dismiss = [&reports](const Request& request,
-                                  const Principal& who) -> Outcome<Response> {
-    const auto done = reports.close(who, request.parameter("report_id"));
-    DIAPHANE_TRY(done);
-    return empty_response(204);
+  const auto dismiss = [&reports](const Request& request, const Principal& who) {
+    return answer(reports.close(who, request.parameter("report_id")));
   };
-  using Judge =
-      std::function<Outcome<void>(const Request&, const Principal&, const std::string& reason)>;
-  const auto taken_down = [](const Judge& judge) {
-    return [judge](const Request& request, const Principal& who) -> Outcome<Response> {
-      Fields in(request);
-      const std::string reason = in.text("reason", 1, 500);
-      if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-      const auto done = judge(request, who, reason);
-      DIAPHANE_TRY(done);
-      return empty_response(204);
-    };
-  };
-  const auto take_down = taken_down(
-      [&reports](const Request& request, const Principal& who, const std::string& reason) {
-        return reports.take_down(who, request.parameter("data_set_id"), reason);
-      });
-  const auto take_down_preset = taken_down(
-      [&reports](const Request& request, const Principal& who, const std::string& reason) {
-        return reports.take_down_preset(who, request.parameter("preset_id"), reason);
-      });
-  const auto restore = [&reports](const Request& request,
-                                  const Principal& who) -> Outcome<Response> {
-    const auto done = reports.restore(who, request.parameter("data_set_id"));
-    DIAPHANE_TRY(done);
-    return empty_response(204);
-  };
-  const auto restore_preset = [&reports](const Request& request,
-                                         const Principal& who) -> Outcome<Response> {
-    const auto done = reports.restore_preset(who, request.parameter("preset_id"));
-    DIAPHANE_TRY(done);
-    return empty_response(204);
-  };
-  const std::string of_data_set = "/v1/data-sets/{data_set_id}";
-  const std::string down = of_data_set + "/take-down";
-  const std::string preset = "/v1/presets/{preset_id}";
-  constexpr auto kAdmin = Access::kAdministrator;
   return {
-      {"POST", of_data_set + "/reports", "reportDataSet", Access::kPerson, report, {}},
-      {"POST", down, "takeDownDataSet", kAdmin, take_down, {}},
-      {"DELETE", down, "restoreDataSet", kAdmin, restore, {}},
-      {"POST", preset + "/reports", "reportPreset", Access::kPerson, report_preset, {}},
-      {"POST", preset + "/take-down", "takeDownPreset", kAdmin, take_down_preset, {}},
-      {"DELETE", preset + "/take-down", "restorePreset", kAdmin, restore_preset, {}},
       {"GET", "/v1/reports", "listReports", kAdmin, list, {}},
       {"DELETE", "/v1/reports/{report_id}", "dismissReport", kAdmin, dismiss, {}},
   };
+}
+
+}  // namespace
+
+std::vector<Route> report_routes(Reports& reports) {
+  return join({routes_of_data_set(reports), routes_of_preset(reports), routes_of_reports(reports)});
 }
 
 }  // namespace diaphane::api

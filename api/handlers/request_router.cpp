@@ -4,6 +4,8 @@
 #include <charconv>
 #include <chrono>
 #include <exception>
+#include <map>
+#include <optional>
 
 #include "api/handlers/problem_document.h"
 #include "api/handlers/request_fields.h"
@@ -47,6 +49,65 @@ std::int64_t body_limit_of(const Route& route) {
                                          : route.body_limit;
 }
 
+/// The routes with the path of a request.
+struct PathMatch {
+  const Route* route = nullptr;  ///< with the method of the request, too
+  std::map<std::string, std::string> parameters;
+  std::string allowed;  ///< the methods of all these routes
+
+  void allow(const std::string& method) { allowed += (allowed.empty() ? "" : ", ") + method; }
+};
+
+PathMatch match_routes(const std::vector<Route>& routes, const std::string& method,
+                       const std::string& path) {
+  PathMatch match;
+  for (const Route& route : routes) {
+    auto parameters = match_path(route.pattern, path);
+    if (!parameters) continue;
+    match.allow(route.method);
+    if (route.method == "GET") match.allow("HEAD");
+    // HEAD is answered as GET, without the body, where it has no route of its own.
+    const bool fits = route.method == method || (method == "HEAD" && route.method == "GET");
+    if (!fits || match.route) continue;
+    match.route = &route;
+    match.parameters = *std::move(parameters);
+  }
+  return match;
+}
+
+std::optional<Problem> problem_of_query(const Route& route, const Request& request) {
+  for (const auto& [name, value] : request.query) {
+    if (std::find(route.query.begin(), route.query.end(), name) != route.query.end()) continue;
+    return Problem{ProblemKind::kInvalid,
+                   "The request contains invalid values.",
+                   {{"query", "contains an unknown parameter"}},
+                   {}};
+  }
+  return std::nullopt;
+}
+
+std::optional<Problem> problem_of_length(const Route& route, const Request& request) {
+  // The edge buffers bodies and sends their length, so chunked bodies never arrive here.
+  if (!request.header("transfer-encoding").empty()) {
+    return Problem{
+        ProblemKind::kBadRequest, "A request with a body needs a Content-Length header.", {}, {}};
+  }
+  const std::string_view text = request.header("content-length");
+  if (text.empty()) return std::nullopt;
+  std::int64_t length = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+  if (error != std::errc() || end != text.data() + text.size() || length < 0) {
+    return Problem{ProblemKind::kBadRequest, "Content-Length is not a valid number.", {}, {}};
+  }
+  if (const std::int64_t limit = body_limit_of(route); length > limit) {
+    return Problem{ProblemKind::kBodyTooLarge,
+                   "The body has at most " + std::to_string(limit) + " bytes here.",
+                   {},
+                   {}};
+  }
+  return std::nullopt;
+}
+
 bool is_header_text(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
 }
@@ -85,68 +146,29 @@ RequestRouter::Admission RequestRouter::admit_request(Head head) const {
   if (!target) return refusal(target.error(), request);
   request.query = std::move(target->query);
 
-  const bool head_request = request.method == "HEAD";
-  const Route* chosen = nullptr;
-  std::string allowed;
-  const auto allow = [&](const std::string& method) {
-    allowed += (allowed.empty() ? "" : ", ") + method;
-  };
-  for (const Route& route : routes_) {
-    auto parameters = match_path(route.pattern, target->path);
-    if (!parameters) continue;
-    allow(route.method);
-    if (route.method == "GET") allow("HEAD");
-    // HEAD is answered as GET, without the body, where it has no route of its own.
-    const bool fits = route.method == request.method || (head_request && route.method == "GET");
-    if (!fits || chosen) continue;
-    chosen = &route;
-    request.parameters = *std::move(parameters);
-  }
-  if (allowed.empty()) {
+  PathMatch match = match_routes(routes_, request.method, target->path);
+  if (match.allowed.empty()) {
     return refusal({ProblemKind::kNotFound, "There is nothing at this URL.", {}, {}}, request);
   }
-  if (!chosen && request.method == "OPTIONS") {
-    allow("OPTIONS");
+  request.parameters = std::move(match.parameters);
+  if (!match.route && request.method == "OPTIONS") {
+    match.allow("OPTIONS");
     Response response;
     response.status = 204;
-    return finish(std::move(response).with("Allow", allowed), request);
+    return finish(std::move(response).with("Allow", match.allowed), request);
   }
-  if (!chosen) {
-    return refusal({ProblemKind::kMethodNotAllowed, "Allowed here: " + allowed + ".", {}, {}},
+  if (!match.route) {
+    return refusal({ProblemKind::kMethodNotAllowed, "Allowed here: " + match.allowed + ".", {}, {}},
                    request)
-        .with("Allow", allowed);
+        .with("Allow", match.allowed);
   }
-  for (const auto& [name, value] : request.query) {
-    if (std::find(chosen->query.begin(), chosen->query.end(), name) != chosen->query.end())
-      continue;
-    return refusal({ProblemKind::kInvalid,
-                    "The request contains invalid values.",
-                    {{"query", "contains an unknown parameter"}},
-                    {}},
-                   request);
+  if (const auto problem = problem_of_query(*match.route, request)) {
+    return refusal(*problem, request);
   }
-  // The edge buffers bodies and sends their length, so chunked bodies never arrive here.
-  if (!request.header("transfer-encoding").empty()) {
-    return refusal(
-        {ProblemKind::kBadRequest, "A request with a body needs a Content-Length header.", {}, {}},
-        request);
+  if (const auto problem = problem_of_length(*match.route, request)) {
+    return refusal(*problem, request);
   }
-  if (const std::string_view text = request.header("content-length"); !text.empty()) {
-    std::int64_t length = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
-    if (error != std::errc() || end != text.data() + text.size() || length < 0) {
-      return refusal({ProblemKind::kBadRequest, "Content-Length is not a valid number.", {}, {}},
-                     request);
-    }
-    if (const std::int64_t limit = body_limit_of(*chosen); length > limit) {
-      return refusal({ProblemKind::kBodyTooLarge,
-                      "The body has at most " + std::to_string(limit) + " bytes here.",
-                      {},
-                      {}},
-                     request);
-    }
-  }
-  return Admitted{chosen, std::move(request), false};
+  return Admitted{match.route, std::move(request), false};
 }
 
 Outcome<void> RequestRouter::check_origin(const Request& request) const {
