@@ -1,0 +1,90 @@
+#include "api/background_tasks.h"
+
+#include <algorithm>
+
+#include "volume/store.h"
+
+namespace diaphane::api {
+
+using namespace std::chrono_literals;
+
+BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTransport& transport,
+                                 RequestMetrics& metrics)
+    : settings_(on.settings),
+      clock_(on.clock),
+      stores_(on.stores),
+      services_(services),
+      metrics_(metrics),
+      mailer_(stores_.mails, transport, clock_),
+      disposer_(stores_.data_sets, services.data_set.files, services.picture.thumbnails,
+                services.picture.preset_pictures, settings_.volume_dir,
+                export_directory(settings_)),
+      send_mails_("mail", at_most(2s),
+                  [this] {
+                    const auto [sent, failed] = mailer_.send_due();
+                    metrics_.mails(sent, failed);
+                  }),
+      make_pictures_("preset thumbnails", at_most(5s),
+                     [this] {
+                       while (services_.picture.preset_pictures.make_next()) {
+                       }
+                     }),
+      dispose_("disposal", at_most(5s), [this] { delete_disposed(); }),
+      end_visits_("visits", at_most(5s), [this] { services_.shared.visits.expire(); }),
+      end_browsers_("expired web sessions", at_most(5s),
+                    [this] { services_.account.changes.end_expired_browsers(); }),
+      tidy_("tidying", 10min,
+            [this] {
+              (void)stores_.accounts.tidy(clock_.wall());
+              (void)services_.shared.recording_store.expire(clock_.wall());
+            }),
+      count_render_time_("rendering time", at_most(2s),
+                         [this] { services_.session.render_time.poll(); }),
+      make_exports_("exports", at_most(2s), [this] { services_.privacy.exports.poll(); }) {
+  bind_account_services();
+  bind_data_services();
+}
+
+void BackgroundTasks::delete_disposed() {
+  (void)stores_.data_sets.expire_uploads(clock_.wall());
+  const int gone = disposer_.dispose();
+  metrics_.disposed(gone);
+  // a picture may have waited for its predecessor's deletion
+  if (gone > 0) make_pictures_.wake();
+  // Removes partial volumes that a killed ingestd left behind, even while no ingestd runs.
+  (void)volume::sweep_unfinished(settings_.volume_dir);
+}
+
+void BackgroundTasks::bind_account_services() {
+  const auto end_browsers = [this] { services_.account.changes.end_expired_browsers(); };
+  const auto send_mails = [this] { send_mails_.wake(); };
+  services_.privacy.exports.on_request([this] { make_exports_.wake(); });
+  services_.privacy.deletion.on_removal([this] {
+    dispose_.wake();
+    send_mails_.wake();
+  });
+  services_.account.accounts.on_mail(send_mails);
+  services_.account.accounts.on_sign_out(end_browsers);
+  services_.account.second_factors.on_sign_out(end_browsers);
+  services_.account.changes.on_mail(send_mails);
+  services_.account.code_check.on_mail(send_mails);
+  services_.account.second_factors.on_mail(send_mails);
+}
+
+void BackgroundTasks::bind_data_services() {
+  const auto dispose = [this] { dispose_.wake(); };
+  services_.shared.sharing.on_mail([this] { send_mails_.wake(); });
+  services_.data_set.data_sets.on_disposal(dispose);
+  services_.picture.anonymise.on_disposal(dispose);
+  services_.shared.presets.on_picture([this] {
+    dispose_.wake();
+    make_pictures_.wake();
+  });
+  services_.data_set.uploads.on_disposal(dispose);
+}
+
+std::chrono::milliseconds BackgroundTasks::at_most(std::chrono::milliseconds period) const {
+  return std::min(period, settings_.background);
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "api/http/request_metrics.h"
+#include "api/service/housekeeping.h"
+#include "api/services.h"
+
+namespace diaphane::api {
+
+/// The work that no request waits for: emails, preset thumbnails, deletions, exports and expiry.
+/// Services wake a task when they leave something to do for it.
+class BackgroundTasks {
+ public:
+  /// All arguments must outlive this object.
+  BackgroundTasks(const Backends& on, Services& services, MailTransport& transport,
+                  RequestMetrics& metrics);
+
+ private:
+  void delete_disposed();
+  void bind_account_services();
+  void bind_data_services();
+  std::chrono::milliseconds at_most(std::chrono::milliseconds period) const;
+
+  const Settings& settings_;
+  const Clock& clock_;
+  Stores& stores_;
+  Services& services_;
+  RequestMetrics& metrics_;
+  Mailer mailer_;
+  Disposer disposer_;
+  Periodic send_mails_;
+  Periodic make_pictures_;
+  Periodic dispose_;
+  Periodic end_visits_;
+  Periodic end_browsers_;
+  Periodic tidy_;
+  Periodic count_render_time_;
+  Periodic make_exports_;
+};
+
+}  // namespace diaphane::api

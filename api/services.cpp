@@ -1,0 +1,99 @@
+#include "api/services.h"
+
+#include "api/archive/zip_writer.h"
+#include "api/handlers/preset_format.h"
+#include "volume/store.h"
+#include "volume/volume.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr int kConnections = 12;
+constexpr int kHashingSlots = 2;
+
+}  // namespace
+
+Stores::Stores(const std::string& postgres) : database(postgres, kConnections) {}
+
+AccountServices::AccountServices(const Backends& on)
+    : hasher(kHashingSlots),
+      factor_store(on.stores.database),
+      code_check(factor_store, on.stores.accounts, on.settings.factor_key.value(), on.clock,
+                 {.public_url = on.settings.public_url}),
+      accounts(on.stores.accounts, hasher, code_check, on.settings.factor_key.value(), on.clock,
+               {.public_url = on.settings.public_url}),
+      second_factors(factor_store, accounts, code_check, on.settings.factor_key.value(), on.clock,
+                     {}),
+      changes(on.stores.account_changes, on.stores.accounts, accounts, hasher, on.placed, on.clock,
+              {.public_url = on.settings.public_url}) {}
+
+DataSetServices::DataSetServices(const Backends& on)
+    : files(on.settings.upload_dir),
+      data_sets(on.stores.data_sets, on.placed, on.clock, on.settings.data_sets,
+                [this] { return files.free_bytes(); }),
+      // Uploads that were announced before the disk filled up may use half of the reserve.
+      uploads(on.stores.data_sets, files, on.clock, on.settings.data_sets.upload_life,
+              on.settings.data_sets.reserve_bytes / 2) {}
+
+SessionServices::SessionServices(const Backends& on, DataSets& data_sets)
+    : render_time(on.stores.render_time, on.placed, on.placed, on.clock),
+      preset_store(on.stores.database),
+      sessions(data_sets, on.placed, render_time,
+               [this](const std::string& data_set) { return first_scene(data_set); }),
+      administration(on.stores.administration, on.placed, on.placed, on.clock) {}
+
+/// Uses the owner's default preset. If there is none or it is unavailable, uses the volume's
+/// default appearance.
+std::string SessionServices::first_scene(const std::string& data_set) {
+  const auto scene = preset_store.default_scene(data_set);
+  return scene && !scene->empty() ? scene_bytes(*scene) : std::string();
+}
+
+PrivacyServices::PrivacyServices(const Backends& on, Accounts& accounts)
+    : exports(on.stores.privacy, ZipWriter::create, on.clock,
+              {.volumes = on.settings.volume_dir,
+               .pictures = on.settings.cache_dir + "/presets",
+               .exports = export_directory(on.settings),
+               .reserve_bytes = on.settings.data_sets.reserve_bytes,
+               .total_bytes = on.settings.export_total_bytes}),
+      deletion(on.stores.privacy, accounts, on.placed, on.clock) {}
+
+SharedServices::SharedServices(const Backends& on, DataSets& data_sets, SessionServices& sessions)
+    : link_store(on.redis),
+      recording_store(on.stores.database),
+      recordings(recording_store, on.clock),
+      sharing_store(on.stores.database),
+      parts{data_sets, sharing_store, on.stores.accounts, on.placed, on.clock},
+      sharing(parts, {.public_url = on.settings.public_url}),
+      visits(parts, {},
+             [&sessions](const std::string& data_set) { return sessions.first_scene(data_set); }),
+      presets(data_sets, sessions.preset_store, on.clock),
+      report_store(on.stores.database),
+      reports(data_sets, presets, report_store, on.stores.accounts, on.clock,
+              [this](const std::string& data_set) { sharing.end_lost_sessions(data_set); }),
+      live_links(data_sets, on.placed, link_store, on.stores.accounts, on.clock, {}) {}
+
+PictureServices::PictureServices(const Backends& on, DataSets& data_sets, Presets& presets,
+                                 PresetRepository& preset_store)
+    : stills(on.placed, on.settings.tls),
+      thumbnails(data_sets, stills, on.settings.cache_dir),
+      preset_pictures(data_sets, presets, preset_store, stills, on.clock, on.settings.cache_dir,
+                      scene_bytes),
+      cut_store(on.stores.database),
+      anonymise(data_sets, cut_store, thumbnails, on.placed, on.clock,
+                [&settings = on.settings](const std::string& id) {
+                  const auto header = volume::read_header(settings.volume_dir + "/" + id);
+                  return header ? header->content_hash : std::string();
+                }) {}
+
+Services::Services(const Backends& on)
+    : account(on),
+      data_set(on),
+      session(on, data_set.data_sets),
+      privacy(on, account.accounts),
+      shared(on, data_set.data_sets, session),
+      picture(on, data_set.data_sets, shared.presets, session.preset_store) {}
+
+std::string export_directory(const Settings& settings) { return settings.cache_dir + "/exports"; }
+
+}  // namespace diaphane::api

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <string>
+
+#include "api/postgres/account_change_repository.h"
+#include "api/postgres/account_repository.h"
+#include "api/postgres/administration_repository.h"
+#include "api/postgres/anonymise_repository.h"
+#include "api/postgres/data_set_repository.h"
+#include "api/postgres/preset_repository.h"
+#include "api/postgres/privacy_repository.h"
+#include "api/postgres/recording_repository.h"
+#include "api/postgres/report_repository.h"
+#include "api/postgres/second_factor_repository.h"
+#include "api/postgres/sharing_repository.h"
+#include "api/service/account_changes.h"
+#include "api/service/account_deletion.h"
+#include "api/service/accounts.h"
+#include "api/service/administration.h"
+#include "api/service/anonymise.h"
+#include "api/service/data_sets.h"
+#include "api/service/exports.h"
+#include "api/service/live_links.h"
+#include "api/service/preset_pictures.h"
+#include "api/service/presets.h"
+#include "api/service/recordings.h"
+#include "api/service/render_time.h"
+#include "api/service/reports.h"
+#include "api/service/second_factor.h"
+#include "api/service/sessions.h"
+#include "api/service/sharing.h"
+#include "api/service/thumbnails.h"
+#include "api/service/uploads.h"
+#include "api/settings.h"
+#include "api/stream/worker_stills.h"
+#include "common/clock.h"
+#include "directory/client.h"
+#include "directory/links.h"
+#include "directory/sessions.h"
+
+/// The services of the REST API with their adapters. The members of each group are constructed in
+/// order, because they refer to earlier ones, and destroyed in reverse. Nothing can be copied.
+namespace diaphane::api {
+
+/// The repositories that several groups use.
+struct Stores {
+  explicit Stores(const std::string& postgres);
+
+  Database database;
+  AccountRepository accounts{database};
+  DataSetRepository data_sets{database};
+  AccountChangeRepository account_changes{database};
+  AdministrationRepository administration{database};
+  RenderTimeRepository render_time{database};
+  PrivacyRepository privacy{database};
+  MailRepository mails{database};
+};
+
+/// What all services are built on. Everything must outlive them.
+struct Backends {
+  const Settings& settings;
+  const Clock& clock;
+  directory::Client& redis;
+  directory::Sessions& placed;
+  Stores& stores;
+};
+
+struct AccountServices {
+  explicit AccountServices(const Backends& on);
+  AccountServices(const AccountServices&) = delete;
+
+  PasswordHasher hasher;
+  SecondFactorRepository factor_store;
+  CodeCheck code_check;
+  Accounts accounts;
+  SecondFactors second_factors;
+  AccountChanges changes;
+};
+
+struct DataSetServices {
+  explicit DataSetServices(const Backends& on);
+  DataSetServices(const DataSetServices&) = delete;
+
+  UploadFiles files;
+  DataSets data_sets;
+  Uploads uploads;
+};
+
+struct SessionServices {
+  SessionServices(const Backends& on, DataSets& data_sets);
+  SessionServices(const SessionServices&) = delete;
+  std::string first_scene(const std::string& data_set);
+
+  RenderTime render_time;
+  PresetRepository preset_store;
+  Sessions sessions;
+  Administration administration;
+};
+
+struct PrivacyServices {
+  PrivacyServices(const Backends& on, Accounts& accounts);
+  PrivacyServices(const PrivacyServices&) = delete;
+
+  Exports exports;
+  AccountDeletion deletion;
+};
+
+/// What people show to others.
+struct SharedServices {
+  SharedServices(const Backends& on, DataSets& data_sets, SessionServices& sessions);
+  SharedServices(const SharedServices&) = delete;
+
+  directory::Links link_store;
+  RecordingRepository recording_store;
+  Recordings recordings;
+  SharingRepository sharing_store;
+  const SharingParts parts;
+  Sharing sharing;
+  Visits visits;
+  Presets presets;
+  ReportRepository report_store;
+  Reports reports;
+  LiveLinks live_links;
+};
+
+struct PictureServices {
+  PictureServices(const Backends& on, DataSets& data_sets, Presets& presets,
+                  PresetRepository& preset_store);
+  PictureServices(const PictureServices&) = delete;
+
+  stream::WorkerStills stills;
+  Thumbnails thumbnails;
+  PresetPictures preset_pictures;
+  CutRepository cut_store;
+  Anonymise anonymise;
+};
+
+struct Services {
+  explicit Services(const Backends& on);
+
+  AccountServices account;
+  DataSetServices data_set;
+  SessionServices session;
+  PrivacyServices privacy;
+  SharedServices shared;
+  PictureServices picture;
+};
+
+/// The directory of finished exports, which the reverse proxy sends.
+std::string export_directory(const Settings& settings);
+
+}  // namespace diaphane::api

@@ -1,0 +1,104 @@
+#include "api/settings.h"
+
+#include <fstream>
+
+#include "common/postgres/address.h"
+
+namespace diaphane::api {
+namespace {
+
+void read_databases(ConfigReader& in, Settings& s) {
+  s.redis = in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
+  s.fleet = in.text("fleet", "RenderFleet to scale up when no slot is free", "");
+  s.visitor_percent = static_cast<int>(in.integer(
+      "visitor-share", "maximum percentage of all slots that visitors without an account may use",
+      0, 100, kVisitorPercent));
+  s.tls = wire::read_inner_tls(in, wire::Role::kApi);
+  wire::check_address(in, "redis", s.redis, s.tls);
+  s.postgres = postgres::read_url(in, s.tls.plain_allowed);
+}
+
+void read_ports_and_origin(ConfigReader& in, Settings& s) {
+  s.api_port = in.port("api-port",
+                       "port of the REST API; listens on 127.0.0.1 only, behind the reverse proxy");
+  s.admin_port = in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
+  s.admin_address =
+      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  s.public_url = in.text("public-url", "origin that browsers use, such as https://host[:port]");
+}
+
+void read_directories(ConfigReader& in, Settings& s) {
+  s.upload_dir = in.directory("upload-dir", "directory for uploads");
+  s.volume_dir = in.directory("volume-dir", "directory of the volume store");
+  s.cache_dir =
+      in.directory("cache-dir", "directory of the cached images that the reverse proxy serves");
+}
+
+void read_mail(ConfigReader& in, Settings& s) {
+  s.mail = in.text("mail", "where emails go: file:DIRECTORY or smtp://[user:password@]host:port");
+  s.mail_from = in.text("mail-from", "sender of the emails: address or Name <address>");
+}
+
+void read_limits(ConfigReader& in, Settings& s) {
+  s.data_sets.max_upload_bytes =
+      in.integer("max-upload-mb", "maximum size of an upload, in MiB", 1, 1'000'000, 8192) << 20;
+  s.data_sets.upload_life = std::chrono::seconds(
+      in.integer("upload-expiry-s", "time after which an inactive upload expires, in seconds", 1,
+                 30 * 86400, 86400));
+  s.data_sets.reserve_bytes =
+      in.integer("disk-reserve-mb", "disk space that uploads must leave free, in MiB", 0, 1'000'000,
+                 1024)
+      << 20;
+  s.data_sets.limits.unprocessed = static_cast<int>(in.integer(
+      "most-unprocessed", "maximum number of unprocessed scans per account", 1, 100'000, 50));
+  s.data_sets.limits.all = static_cast<int>(
+      in.integer("most-data-sets", "maximum number of scans per account", 1, 1'000'000, 2000));
+  s.export_total_bytes =
+      in.integer("exports-mb", "maximum disk space for all exports together, in MiB", 1, 10'000'000,
+                 20'480)
+      << 20;
+}
+
+void read_secrets(ConfigReader& in, Settings& s) {
+  const std::string token_file =
+      in.text("sample-token", "file with the token that allows uploading the public sample", "");
+  if (!token_file.empty()) {
+    std::ifstream file(token_file);
+    if (!(file >> s.sample_token) || s.sample_token.size() < 32) {
+      in.mistake("--sample-token: the file does not exist or has fewer than 32 characters");
+    }
+  }
+  const std::string key_file = in.text(
+      "factor-key", "file with the 64 hexadecimal digits of the key that encrypts TOTP secrets");
+  if (auto key = SealingKey::read(key_file)) {
+    s.factor_key = *std::move(key);
+  } else if (!key_file.empty()) {
+    in.mistake("--factor-key: " + key.error().message);
+  }
+}
+
+void check_origin(ConfigReader& in, const std::string& public_url) {
+  const bool origin = public_url.starts_with("http://") || public_url.starts_with("https://");
+  if (!public_url.empty() && (!origin || public_url.ends_with('/'))) {
+    in.mistake("--public-url: must be an origin without a path, such as https://host[:port]");
+  }
+}
+
+}  // namespace
+
+Settings read_settings(ConfigReader& in) {
+  Settings s;
+  read_databases(in, s);
+  read_ports_and_origin(in, s);
+  read_directories(in, s);
+  read_mail(in, s);
+  read_limits(in, s);
+  s.background = std::chrono::milliseconds(
+      in.integer("background-ms", "maximum time between two runs of a background task, in ms", 50,
+                 5000, 5000));
+  read_secrets(in, s);
+  check_origin(in, s.public_url);
+  return s;
+}
+
+}  // namespace diaphane::api

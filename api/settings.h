@@ -1,0 +1,31 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "api/service/data_sets.h"
+#include "api/service/secrets.h"
+#include "common/config.h"
+#include "common/visitor_share.h"
+#include "common/wire/inner_tls.h"
+
+namespace diaphane::api {
+
+/// Settings of the REST API.
+struct Settings {
+  std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
+  std::string sample_token, admin_address, fleet;
+  std::optional<SealingKey> factor_key;
+  std::uint16_t api_port = 0, admin_port = 0;
+  DataSets::Options data_sets;
+  std::int64_t export_total_bytes = 0;
+  std::chrono::milliseconds background{5000};
+  int visitor_percent = kVisitorPercent;
+  wire::InnerTls tls;
+};
+
+Settings read_settings(ConfigReader& in);
+
+}  // namespace diaphane::api
