@@ -30,6 +30,36 @@ tl::unexpected<Error> unexpected_answer() {
   return fail(ErrorCode::kInternal, "A session script returned an unexpected reply.");
 }
 
+/// Explains why a session was not placed.
+tl::unexpected<Error> not_placed(const std::string& what) {
+  if (what == "not_yours") return no_session();
+  if (what == "signed_out") {
+    return fail(ErrorCode::kUnauthenticated,
+                "You have been signed out in this browser. Sign in again.");
+  }
+  if (what == "too_many") {
+    return fail(ErrorCode::kTooMany,
+                "You have reached the maximum number of open sessions. Close one, or try again in "
+                "a moment.");
+  }
+  if (what == "full") {
+    return fail(ErrorCode::kUnavailable,
+                "All render slots are in use. Please try again in a moment.");
+  }
+  if (what == "visitors") {
+    return fail(ErrorCode::kTooLarge, "All guest places are taken.");
+  }
+  if (what == "no_memory") {
+    return fail(
+        ErrorCode::kUnavailable,
+        "No renderer has enough memory for this scan right now. Please try again in a moment.");
+  }
+  if (what == "no_worker") {
+    return fail(ErrorCode::kUnavailable, "No renderer is running. Please try again in a moment.");
+  }
+  return unexpected_answer();
+}
+
 }  // namespace
 
 Result<Placed> Sessions::place(const PlaceRequest& request) {
@@ -70,32 +100,7 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   if (what == "placed") {
     return Placed{ticket, reply->at(1), number<std::uint64_t>(reply->at(2))};
   }
-  if (what == "not_yours") return no_session();
-  if (what == "signed_out") {
-    return fail(ErrorCode::kUnauthenticated,
-                "You have been signed out in this browser. Sign in again.");
-  }
-  if (what == "too_many") {
-    return fail(ErrorCode::kTooMany,
-                "You have reached the maximum number of open sessions. Close one, or try again in "
-                "a moment.");
-  }
-  if (what == "full") {
-    return fail(ErrorCode::kUnavailable,
-                "All render slots are in use. Please try again in a moment.");
-  }
-  if (what == "visitors") {
-    return fail(ErrorCode::kTooLarge, "All guest places are taken.");
-  }
-  if (what == "no_memory") {
-    return fail(
-        ErrorCode::kUnavailable,
-        "No renderer has enough memory for this scan right now. Please try again in a moment.");
-  }
-  if (what == "no_worker") {
-    return fail(ErrorCode::kUnavailable, "No renderer is running. Please try again in a moment.");
-  }
-  return unexpected_answer();
+  return not_placed(what);
 }
 
 Result<SessionInfo> Sessions::find(std::string_view session_id) {
