@@ -123,6 +123,40 @@ bool was_killed(const ChildEnd& end) {
   return end.how == ChildEnd::How::kCrashed && end.signal == SIGKILL;
 }
 
+/// Whether the child's end allows a verdict. Otherwise sets the flag of `build` that says why not,
+/// or returns the temporary condition.
+Result<bool> gives_verdict(const ChildEnd& end, Build& build) {
+  build.stopped = end.how == ChildEnd::How::kStopped;
+  build.killed = was_killed(end);
+  build.delayed = end.how == ChildEnd::How::kDelayed;
+  if (build.stopped || build.killed || build.delayed) return false;
+  // The child ended before it read a byte, so the machine ended it, for example for lack of memory
+  // at its start.
+  if (end.how == ChildEnd::How::kCrashed && end.report.empty()) {
+    return fail(ErrorCode::kInternal, "the child ended before it read its input");
+  }
+  if (end.how != ChildEnd::How::kExited) return true;
+  constexpr int kNoProgram = 127;
+  switch (end.exit_code) {
+    case kChildNoSandbox:
+    case kNoProgram:  // no sandbox on this machine, or too little memory to start
+      return fail(ErrorCode::kInternal, "cannot start the child process");
+    case kChildNoRoom:
+      return no_room();
+    case kChildDiskFails:
+      return fail(ErrorCode::kUnavailable,
+                  "the child process cannot read its input or write its output");
+    case kChildNoMemory:
+      build.no_memory = true;
+      return false;
+    case kChildTooLarge:
+      build.too_large = true;
+      return false;
+    default:
+      return true;
+  }
+}
+
 }  // namespace
 
 /// Counts both disks, because the voxels are in the scratch directory until the volume is stored.
@@ -198,44 +232,9 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   DIAPHANE_TRY(end);
   build.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   build.peak_bytes = end->peak_bytes;
-  if (end->how == ChildEnd::How::kStopped) {
-    build.stopped = true;
-    return build;
-  }
-  if (was_killed(*end)) {
-    build.killed = true;
-    return build;
-  }
-  if (end->how == ChildEnd::How::kDelayed) {
-    build.delayed = true;
-    return build;
-  }
-  // The child ended before it read a byte, so the machine ended it, for example for lack of memory
-  // at its start.
-  if (end->how == ChildEnd::How::kCrashed && end->report.empty()) {
-    return fail(ErrorCode::kInternal, "the child ended before it read its input");
-  }
-  constexpr int kNoProgram = 127;
-  if (end->how == ChildEnd::How::kExited) {
-    switch (end->exit_code) {
-      case kChildNoSandbox:
-      case kNoProgram:  // no sandbox on this machine, or too little memory to start
-        return fail(ErrorCode::kInternal, "cannot start the child process");
-      case kChildNoRoom:
-        return no_room();
-      case kChildDiskFails:
-        return fail(ErrorCode::kUnavailable,
-                    "the child process cannot read its input or write its output");
-      case kChildNoMemory:
-        build.no_memory = true;
-        return build;
-      case kChildTooLarge:
-        build.too_large = true;
-        return build;
-      default:
-        break;
-    }
-  }
+  const auto verdict = gives_verdict(*end, build);
+  DIAPHANE_TRY(verdict);
+  if (!*verdict) return build;
   build.verdict = verdict_of(*end);
   if (build.verdict.ready) {
     DIAPHANE_TRY(take_volume(output.get(), options_.quota_mb * kMb / 2, build));

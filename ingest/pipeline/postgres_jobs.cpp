@@ -57,8 +57,6 @@ std::string array_of(const std::vector<std::string>& texts) {
   return array + "}";
 }
 
-}  // namespace
-
 /// Bytes that the quota of $1's owner leaves for $1, counted as in `api` (lock_quota): volumes, and
 /// the full length of uploads in progress. Returns no row without an owner.
 constexpr const char* kQuotaLeft = R"sql(
@@ -69,6 +67,66 @@ constexpr const char* kQuotaLeft = R"sql(
              FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
             WHERE d.owner_id = o.id AND d.id <> $1), 0))::bigint
     FROM users o WHERE o.id = (SELECT owner_id FROM data_sets WHERE id = $1))sql";
+
+/// Leases the next job to $1 for $2 seconds. $3 is the size of the largest upload that it may take
+/// (0: any), and $4 what the names of all claimers of this process begin with.
+///
+/// A suspect was interrupted more than once. After ten minutes it is overdue, and no other job is
+/// claimed before it.
+constexpr const char* kClaimNext = R"sql(
+  WITH held AS (
+    SELECT interruptions FROM ingest_jobs
+     WHERE leased_until > now() AND starts_with(leased_by, $4)),
+  overdue AS (
+    SELECT FROM ingest_jobs
+     WHERE leased_by IS NULL AND interruptions > 1 AND not_before < now() - interval '10 minutes'),
+  next AS (
+    SELECT j.data_set_id, d.owner_id
+      FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
+      LEFT JOIN uploads u ON u.id = j.upload_id
+      LEFT JOIN ingest_turns t ON t.user_id = d.owner_id
+     WHERE j.not_before <= now() AND j.leased_by IS NULL
+       AND NOT EXISTS (SELECT FROM held WHERE interruptions > 1)
+       AND CASE WHEN j.interruptions > 1 THEN NOT EXISTS (SELECT FROM held)
+                ELSE NOT EXISTS (SELECT FROM overdue) END
+       AND ($3::bigint = 0 OR (NOT j.large AND COALESCE(u.length, d.volume_bytes, 0) <= $3::bigint))
+       AND NOT EXISTS (SELECT FROM ingest_jobs r JOIN data_sets o ON o.id = r.data_set_id
+                        WHERE r.leased_until > now() AND o.owner_id = d.owner_id)
+     ORDER BY j.interruptions > 1, t.served_at NULLS FIRST, j.created_at
+     LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
+  building AS (
+    UPDATE data_sets d SET state = 'building', updated_at = now() FROM next
+     WHERE d.id = next.data_set_id),
+  turn AS (
+    INSERT INTO ingest_turns (user_id, served_at)
+    SELECT owner_id, clock_timestamp() FROM next WHERE owner_id IS NOT NULL
+    ON CONFLICT (user_id) DO UPDATE SET served_at = excluded.served_at)
+  UPDATE ingest_jobs j
+     SET leased_by = $1, leased_until = now() + make_interval(secs => $2)
+    FROM next WHERE j.data_set_id = next.data_set_id
+  RETURNING j.data_set_id, COALESCE(j.upload_id::text, ''), j.attempts,
+            j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''), j.waits,
+            j.interruptions)sql";
+
+/// Reads a row of kClaimNext.
+Job job_of(const pqxx::row& row) {
+  Job job;
+  job.data_set_id = row[0].as<std::string>();
+  job.upload_id = row[1].as<std::string>();
+  job.attempts = row[2].as<int>();
+  job.waits = row[6].as<int>();
+  job.interruptions = row[7].as<int>();
+  if (!row[3].is_null()) {
+    auto region = volume::region_from_json(row[3].as<std::string>());
+    // `api` validated the region with the same code. A region that is now invalid keeps nothing,
+    // so the cut is refused.
+    job.cut = CutOrder{region.value_or(volume::Region{}), row[4].as<std::string>(),
+                       row[5].as<std::string>()};
+  }
+  return job;
+}
+
+}  // namespace
 
 struct PostgresJobs::Impl {
   explicit Impl(Options options)
@@ -218,60 +276,11 @@ Result<std::optional<Job>> PostgresJobs::claim() {
     // Serialises claims, so that two workers never take jobs of one account at the same time.
     transaction.exec("SELECT pg_advisory_xact_lock(hashtext('diaphane ingest claim'))");
     impl_->put_back_interrupted(transaction);
-    // A suspect was interrupted more than once. After ten minutes it is overdue, and no other job
-    // is claimed before it.
-    const auto rows = transaction.exec_params(
-        R"sql(
-        WITH held AS (
-          SELECT interruptions FROM ingest_jobs
-           WHERE leased_until > now() AND starts_with(leased_by, $4)),
-        overdue AS (
-          SELECT FROM ingest_jobs
-           WHERE leased_by IS NULL AND interruptions > 1 AND not_before < now() - interval '10 minutes'),
-        next AS (
-          SELECT j.data_set_id, d.owner_id
-            FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
-            LEFT JOIN uploads u ON u.id = j.upload_id
-            LEFT JOIN ingest_turns t ON t.user_id = d.owner_id
-           WHERE j.not_before <= now() AND j.leased_by IS NULL
-             AND NOT EXISTS (SELECT FROM held WHERE interruptions > 1)
-             AND CASE WHEN j.interruptions > 1 THEN NOT EXISTS (SELECT FROM held)
-                      ELSE NOT EXISTS (SELECT FROM overdue) END
-             AND ($3::bigint = 0 OR (NOT j.large AND COALESCE(u.length, d.volume_bytes, 0) <= $3::bigint))
-             AND NOT EXISTS (SELECT FROM ingest_jobs r JOIN data_sets o ON o.id = r.data_set_id
-                              WHERE r.leased_until > now() AND o.owner_id = d.owner_id)
-           ORDER BY j.interruptions > 1, t.served_at NULLS FIRST, j.created_at
-           LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
-        building AS (
-          UPDATE data_sets d SET state = 'building', updated_at = now() FROM next
-           WHERE d.id = next.data_set_id),
-        turn AS (
-          INSERT INTO ingest_turns (user_id, served_at)
-          SELECT owner_id, clock_timestamp() FROM next WHERE owner_id IS NOT NULL
-          ON CONFLICT (user_id) DO UPDATE SET served_at = excluded.served_at)
-        UPDATE ingest_jobs j
-           SET leased_by = $1, leased_until = now() + make_interval(secs => $2)
-          FROM next WHERE j.data_set_id = next.data_set_id
-        RETURNING j.data_set_id, COALESCE(j.upload_id::text, ''), j.attempts,
-                  j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''), j.waits,
-                  j.interruptions)sql",
-        impl_->claimer, impl_->lease_seconds, impl_->light_bytes, impl_->process);
+    const auto rows = transaction.exec_params(kClaimNext, impl_->claimer, impl_->lease_seconds,
+                                              impl_->light_bytes, impl_->process);
     if (rows.empty()) return std::nullopt;
-    const pqxx::row row = rows[0];
-    Job job;
-    job.data_set_id = row[0].as<std::string>();
-    job.upload_id = row[1].as<std::string>();
-    job.attempts = row[2].as<int>();
-    job.waits = row[6].as<int>();
-    job.interruptions = row[7].as<int>();
-    if (!row[3].is_null()) {
-      auto region = volume::region_from_json(row[3].as<std::string>());
-      // `api` validated the region with the same code. A region that is now invalid keeps nothing,
-      // so the cut is refused.
-      job.cut = CutOrder{region.value_or(volume::Region{}), row[4].as<std::string>(),
-                         row[5].as<std::string>()};
-      return job;
-    }
+    Job job = job_of(rows[0]);
+    if (job.cut) return job;
     const auto left = transaction.exec_params(kQuotaLeft, job.data_set_id);
     if (!left.empty()) job.quota_left = left[0][0].as<std::uint64_t>();
     return job;
