@@ -16,6 +16,7 @@
 #include <sstream>
 #include <vector>
 
+#include "common/try.h"
 #include "volume/header.h"
 
 namespace diaphane::ingest {
@@ -76,6 +77,53 @@ std::vector<double> numbers(std::string text) {
 
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+struct VoxelType {
+  const char* name;
+  std::size_t bytes;
+};
+
+/// Returns the type that an NRRD calls `name`.
+std::optional<VoxelType> voxel_type(const std::string& name) {
+  static const std::map<std::string, VoxelType> kTypes{
+      {"short", {"int16", 2}},   {"int16", {"int16", 2}},
+      {"int16_t", {"int16", 2}}, {"signed short", {"int16", 2}},
+      {"ushort", {"uint16", 2}}, {"unsigned short", {"uint16", 2}},
+      {"uint16", {"uint16", 2}}, {"uint16_t", {"uint16", 2}},
+      {"uchar", {"uint8", 1}},   {"unsigned char", {"uint8", 1}},
+      {"uint8", {"uint8", 1}},   {"uint8_t", {"uint8", 1}},
+      {"int8", {"int8", 1}},     {"signed char", {"int8", 1}},
+      {"float", {"float", 4}},   {"double", {"double", 8}}};
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end()) return std::nullopt;
+  return found->second;
+}
+
+/// Decompresses `bytes` bytes with gzip from an offset of a file.
+Result<std::vector<char>> unpack(const std::string& path, std::uint64_t offset,
+                                 std::uint64_t bytes) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0 || lseek(fd, static_cast<off_t>(offset), SEEK_SET) < 0) {
+    if (fd >= 0) close(fd);
+    return fail(ErrorCode::kNotFound, "the file cannot be read");
+  }
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzdopen(fd, "rb"), gzclose);
+  std::vector<char> unpacked;
+  try {
+    unpacked.resize(bytes);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "the image does not fit in memory");
+  }
+  constexpr std::uint64_t kAtOnce = 1 << 26;
+  for (std::uint64_t at = 0; at < bytes;) {
+    const auto want = static_cast<unsigned>(std::min(kAtOnce, bytes - at));
+    if (in == nullptr || gzread(in.get(), unpacked.data() + at, want) != static_cast<int>(want)) {
+      return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
+    }
+    at += want;
+  }
+  return unpacked;
 }
 
 }  // namespace
@@ -164,30 +212,17 @@ Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path) {
   const HeaderText header(path, ':', "");
   const std::string encoding = header.get("encoding").value_or("");
   if (encoding != "gzip" && encoding != "gz") return std::nullopt;
-  struct Type {
-    const char* name;
-    std::size_t bytes;
-  };
-  static const std::map<std::string, Type> kTypes{
-      {"short", {"int16", 2}},   {"int16", {"int16", 2}},
-      {"int16_t", {"int16", 2}}, {"signed short", {"int16", 2}},
-      {"ushort", {"uint16", 2}}, {"unsigned short", {"uint16", 2}},
-      {"uint16", {"uint16", 2}}, {"uint16_t", {"uint16", 2}},
-      {"uchar", {"uint8", 1}},   {"unsigned char", {"uint8", 1}},
-      {"uint8", {"uint8", 1}},   {"uint8_t", {"uint8", 1}},
-      {"int8", {"int8", 1}},     {"signed char", {"int8", 1}},
-      {"float", {"float", 4}},   {"double", {"double", 8}}};
-  const auto type = kTypes.find(header.get("type").value_or(""));
+  const auto type = voxel_type(header.get("type").value_or(""));
   const std::vector<double> sizes = numbers(header.get("sizes").value_or(""));
-  if (type == kTypes.end() || sizes.size() != 3 || header.get("endian") == "big" ||
-      header.get("data file") || header.get("datafile")) {
+  if (!type || sizes.size() != 3 || header.get("endian") == "big" || header.get("data file") ||
+      header.get("datafile")) {
     return fail(ErrorCode::kUnsupported,
                 "compressed NRRD files must be single little-endian files with three dimensions "
                 "and 8-bit, 16-bit or floating-point voxels");
   }
   PackedNrrd packed;
-  packed.type = type->second.name;
-  std::uint64_t bytes = type->second.bytes;
+  packed.type = type->name;
+  std::uint64_t bytes = type->bytes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(sizes[axis] >= 1) || sizes[axis] > volume::kMaxSide) {
       return fail(ErrorCode::kTooLarge, "the image is empty or too large");
@@ -199,26 +234,9 @@ Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path) {
   for (std::size_t axis = 0; axis < 3 && spacing.size() == 3; ++axis)
     packed.spacing[axis] = spacing[axis];
   if (bytes > 8 * volume::kMaxVoxels) return fail(ErrorCode::kTooLarge, "the image is too large");
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0 || lseek(fd, static_cast<off_t>(header.end()), SEEK_SET) < 0) {
-    if (fd >= 0) close(fd);
-    return fail(ErrorCode::kNotFound, "the file cannot be read");
-  }
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzdopen(fd, "rb"), gzclose);
-  try {
-    packed.voxels.resize(bytes);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "the image does not fit in memory");
-  }
-  constexpr std::uint64_t kAtOnce = 1 << 26;
-  for (std::uint64_t at = 0; at < bytes;) {
-    const auto want = static_cast<unsigned>(std::min(kAtOnce, bytes - at));
-    if (in == nullptr ||
-        gzread(in.get(), packed.voxels.data() + at, want) != static_cast<int>(want)) {
-      return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
-    }
-    at += want;
-  }
+  auto voxels = unpack(path, header.end(), bytes);
+  DIAPHANE_TRY(voxels);
+  packed.voxels = *std::move(voxels);
   return packed;
 }
 

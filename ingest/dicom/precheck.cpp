@@ -296,6 +296,38 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
   result.unpacked_bytes = std::max(result.unpacked_bytes, bytes);
 }
 
+/// Decompresses a deflated data set if its size is allowed.
+void inflate_within(const Limits& limits, Bytes data, Precheck& result) {
+  const std::uint64_t most = limits.inflated_free + times(limits.inflated_ratio, data.size());
+  Inflated inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
+  result.unpacked_bytes = inflated.data.size();
+  result.state = inflated.state;
+  if (inflated.state == FileState::kFit) {
+    result.inflated = std::move(inflated.data);
+  } else {
+    result.text = inflated.state == FileState::kTooLarge
+                      ? "the decompressed file is larger than allowed"
+                      : "the file cannot be decompressed";
+  }
+}
+
+/// Takes what a volume needs from a fit data set.
+void take_contents(Bytes data, const Walked& walked, Precheck& result) {
+  result.has_lookup_table = walked.has_lookup_table;
+  if (result.syntax.deflated)
+    result.syntax = *find_syntax(kExplicitLittle);  // because `plain` is inflated
+  result.plain = plain_file(data, walked.kept, result.syntax.uid, result.elements);
+  result.encapsulated = walked.encapsulated;
+  const auto bytes_of = [&](const Range& at) { return data.subspan(at.begin, at.end - at.begin); };
+  if (walked.has_pixels && !walked.encapsulated) result.pixels.push_back(bytes_of(walked.native));
+  for (std::size_t i = 1; i < walked.fragments.size(); ++i) {
+    result.pixels.push_back(bytes_of(walked.fragments[i]));
+  }
+  result.has_groups = walked.has_groups;
+  result.shared = texts_of(data, walked.shared);
+  for (const auto& frame : walked.each) result.each.push_back(texts_of(data, frame));
+}
+
 }  // namespace
 
 Precheck precheck(Bytes file, const Limits& limits) {
@@ -331,35 +363,15 @@ Precheck precheck(Bytes file, const Limits& limits) {
     return refusal;
   };
   if (syntax->deflated) {
-    const std::uint64_t most = limits.inflated_free + times(limits.inflated_ratio, data.size());
-    Inflated inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
-    result.unpacked_bytes = inflated.data.size();
-    if (inflated.state == FileState::kTooLarge) {
-      return give_up(FileState::kTooLarge, "the decompressed file is larger than allowed");
-    }
-    if (inflated.state != FileState::kFit) {
-      return give_up(FileState::kDamaged, "the file cannot be decompressed");
-    }
-    result.inflated = std::move(inflated.data);
+    inflate_within(limits, data, result);
+    if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
     data = result.inflated;
   }
   const Walked walked = walk(data, syntax->explicit_vr, syntax->big_endian, limits);
   if (walked.state != FileState::kFit) return give_up(walked.state, walked.text);
   check_pixels(data, walked, limits, result);
   if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
-  result.has_lookup_table = walked.has_lookup_table;
-  if (syntax->deflated)
-    result.syntax = *find_syntax(kExplicitLittle);  // because `plain` is inflated
-  result.plain = plain_file(data, walked.kept, result.syntax.uid, result.elements);
-  result.encapsulated = walked.encapsulated;
-  const auto bytes_of = [&](const Range& at) { return data.subspan(at.begin, at.end - at.begin); };
-  if (walked.has_pixels && !walked.encapsulated) result.pixels.push_back(bytes_of(walked.native));
-  for (std::size_t i = 1; i < walked.fragments.size(); ++i) {
-    result.pixels.push_back(bytes_of(walked.fragments[i]));
-  }
-  result.has_groups = walked.has_groups;
-  result.shared = texts_of(data, walked.shared);
-  for (const auto& frame : walked.each) result.each.push_back(texts_of(data, frame));
+  take_contents(data, walked, result);
   return result;
 }
 
