@@ -143,26 +143,24 @@ std::string check_folder_of(const std::string& path) {
   return {};
 }
 
-}  // namespace
+/// Values that are converted after or while they are parsed.
+struct Texts {
+  std::string size, engine = "auto", walk, points, mis;
+};
 
-std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
-  Options options;
-  ::CLI::App app(kAbout, "diaphane-render");
-  app.footer(kFooter);
-  app.get_formatter()->column_width(34);
-  app.option_defaults()->multi_option_policy(::CLI::MultiOptionPolicy::Throw);
-
+void add_input(::CLI::App& app, Options& options, Texts& texts) {
   app.add_option("INPUT", options.input, "the scan")->required();
   auto* scene =
       app.add_option("--scene", options.scene_file, "scene file (JSON)")->type_name("FILE");
-  auto* preset =
-      app.add_option("--preset", options.preset, "preset: skin, muscle, vessels, bone or airways")
-          ->type_name("NAME")
-          ->excludes(scene);
-  std::string size;
-  app.add_option("--size", size, "size of the picture in pixels (default: 512x512)")
+  app.add_option("--preset", options.preset, "preset: skin, muscle, vessels, bone or airways")
+      ->type_name("NAME")
+      ->excludes(scene);
+  app.add_option("--size", texts.size, "size of the picture in pixels (default: 512x512)")
       ->type_name("WxH")
-      ->check([&](const std::string& text) { return parse_size(text, options.canvas); }, "");
+      ->check([&options](const std::string& text) { return parse_size(text, options.canvas); }, "");
+}
+
+void add_stop_rule(::CLI::App& app, Options& options) {
   app.add_option("--samples", options.samples,
                  "maximum samples per pixel (default: 64, or no limit with --error or --seconds)")
       ->type_name("N")
@@ -175,12 +173,15 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
                  "stop after this many seconds of rendering (but not before the first sample)")
       ->type_name("S")
       ->check(positive_number(1e6), "");
+}
+
+void add_engine(::CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--bounces", options.bounces,
                  "maximum collisions per light path, 1 to 1024 (default: the scene's value)")
       ->type_name("N")
       ->check(whole_number(1, 1024), "");
-  std::string engine = "auto";
-  app.add_option("--engine", engine, "auto, cpu or cuda; auto uses CUDA if a device is available")
+  app.add_option("--engine", texts.engine,
+                 "auto, cpu or cuda; auto uses CUDA if a device is available")
       ->type_name("NAME")
       ->check(engine_name, "");
   app.add_option("--threads", options.threads,
@@ -190,17 +191,20 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   app.add_option("--seed", options.seed, "seed of the random numbers (default: 1)")
       ->type_name("N")
       ->check(whole_number(0, ~std::uint64_t{0}), "");
-  std::string walk, points, mis;
+}
+
+void add_method(::CLI::App& app, Options& options, Texts& texts) {
   app.add_option(
-         "--estimator", walk,
+         "--estimator", texts.walk,
          "how collisions and shadows are found: auto, exact or tracking; all converge to the "
          "same picture")
       ->type_name("NAME")
       ->check(one_of(kWalks, options.method.walk), "");
-  app.add_option("--points", points, "sample points: low-discrepancy (default) or independent")
+  app.add_option("--points", texts.points,
+                 "sample points: low-discrepancy (default) or independent")
       ->type_name("NAME")
       ->check(one_of(kPoints, options.method.low_discrepancy), "");
-  app.add_option("--mis", mis, "how direct light is sampled: light, scatter or both")
+  app.add_option("--mis", texts.mis, "how direct light is sampled: light, scatter or both")
       ->type_name("NAME")
       ->check(one_of(kMis, options.method.mis), "");
   app.add_flag("--show-table", options.show_table,
@@ -208,6 +212,9 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   app.add_flag("--stored-slices", options.stored_slices,
                "render the stored slices alone; by default, further ones are interpolated where "
                "they are far apart");
+}
+
+void add_output(::CLI::App& app, Options& options) {
   app.add_option("--out", options.picture,
                  "output picture: .png or .ppm (8 bits, tone-mapped), or .exr (linear radiance, "
                  "32-bit float)")
@@ -221,13 +228,37 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   app.add_flag("--denoise", options.denoise,
                "denoise the picture, as the server does with the first pictures of a session");
   app.add_flag("--quiet", options.quiet, "show no progress on standard error");
+}
+
+EngineChoice engine_choice(const std::string& name) {
+  return name == "cuda"  ? EngineChoice::kCuda
+         : name == "cpu" ? EngineChoice::kCpu
+                         : EngineChoice::kAuto;
+}
+
+}  // namespace
+
+std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
+  Options options;
+  ::CLI::App app(kAbout, "diaphane-render");
+  app.footer(kFooter);
+  app.get_formatter()->column_width(34);
+  app.option_defaults()->multi_option_policy(::CLI::MultiOptionPolicy::Throw);
+
+  // The help shows the options in this order.
+  Texts texts;
+  add_input(app, options, texts);
+  add_stop_rule(app, options);
+  add_engine(app, options, texts);
+  add_method(app, options, texts);
+  add_output(app, options);
 
   try {
     app.parse(argc, argv);
-    options.engine = engine == "cuda"  ? EngineChoice::kCuda
-                     : engine == "cpu" ? EngineChoice::kCpu
-                                       : EngineChoice::kAuto;
-    if (!*scene && !*preset) throw ::CLI::RequiredError("--scene or --preset");
+    options.engine = engine_choice(texts.engine);
+    if (app.count("--scene") == 0 && app.count("--preset") == 0) {
+      throw ::CLI::RequiredError("--scene or --preset");
+    }
   } catch (const ::CLI::ParseError& error) {
     std::ostringstream out, err;
     if (app.exit(error, out, err) == 0) return EarlyExit{0, out.str()};

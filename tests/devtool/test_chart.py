@@ -28,7 +28,7 @@ def test_rules_and_dashboard_ask_for_metrics_that_there_are():
 
 
 def test_templates_set_only_settings_that_programs_read():
-    programs = {"api.yaml": ("api/main.cpp", "api/settings.cpp", "api/gateway_main.cpp"), "migrate.yaml": ("api/main.cpp",), "ingest.yaml": ("ingest/main.cpp",), "fleet.yaml": ("renderd/main.cpp",)}
+    programs = {"api.yaml": ("api/main.cpp", "api/settings.cpp", "api/gateway_main.cpp"), "migrate.yaml": ("api/main.cpp",), "ingest.yaml": ("ingest/main.cpp",), "fleet.yaml": ("renderd/settings.cpp",)}
     if (REPO / "operator" / "main.cpp").exists():
         programs["operator.yaml"] = programs["retire.yaml"] = ("operator/main.cpp",)
     for template, files in programs.items():
@@ -92,7 +92,7 @@ def test_limits_of_the_chart_reach_the_programs_with_their_defaults_and_bounds(s
     default = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))
     for name in value:
         schema, default = schema["properties"][name], default[name]
-    read = re.search(rf'"{setting}",\s*(?:"[^"]*"\s*)+,\s*(\d+),\s*([\d <]+),\s*([\w >]+)\)', (REPO / "renderd" / "main.cpp").read_text(encoding="utf-8"))
+    read = re.search(rf'"{setting}",\s*(?:"[^"]*"\s*)+,\s*(\d+),\s*([\d <]+),\s*([\w >]+)\)', (REPO / "renderd" / "settings.cpp").read_text(encoding="utf-8"))
     constants = {"kVisitorPercent": ("common/visitor_share.h", r"kVisitorPercent = (\d+)"), "kTextureMemory": ("renderd/scene/texture_store.h", r"kTextureMemory = std::size_t\{(1)\} << 30")}
     constant = read[3].split()[0]
     file, pattern = constants[constant]
