@@ -78,6 +78,142 @@ void weigh(NodeView& node, const std::vector<const WorkerView*>& workers,
       expected && world.now - newest > kExcluded && world.now - world.listening_since > kExcluded;
 }
 
+/// Links the objects of the world to each other.
+class ViewBuilder {
+ public:
+  explicit ViewBuilder(const ClusterState& world) : world_(world) {}
+
+  View build() && {
+    view_.now = world_.now;
+    add_nodes();
+    add_fleets();
+    add_workers();
+    add_pods();
+    add_telemetry();
+    const auto workers_by_node = link_workers();
+    assess_workers();
+    for (std::size_t i = 0; i < view_.nodes.size(); ++i) {
+      weigh(view_.nodes[i], workers_by_node[i], world_);
+    }
+    return std::move(view_);
+  }
+
+ private:
+  using Index = std::unordered_map<std::string_view, std::size_t>;
+
+  void add_nodes();
+  void add_fleets();
+  void add_workers();
+  void add_pods();
+  void add_telemetry();
+  std::vector<std::vector<const WorkerView*>> link_workers();
+  void assess_workers();
+
+  NodeView* node_of(const std::string& name) {
+    const auto found = nodes_.find(name);
+    return found == nodes_.end() ? nullptr : &view_.nodes[found->second];
+  }
+  FleetView* fleet_of(const Worker& worker) {
+    const auto found = fleets_.find(worker.fleet_uid);
+    return found == fleets_.end() ? nullptr : &view_.fleets[found->second];
+  }
+
+  const ClusterState& world_;
+  View view_;
+  Index nodes_, workers_by_name_;
+  Index fleets_, workers_by_uid_;
+};
+
+void ViewBuilder::add_nodes() {
+  for (const Node* node : by_name(world_.nodes)) {
+    nodes_.emplace(node->name, view_.nodes.size());
+    view_.nodes.push_back({.node = node});
+  }
+}
+
+void ViewBuilder::add_fleets() {
+  for (const Fleet* fleet : by_name(world_.fleets)) {
+    fleets_.emplace(fleet->uid, view_.fleets.size());
+    view_.fleets.emplace_back().fleet = fleet;
+  }
+  for (const Demand& demand : world_.demand) {
+    for (FleetView& fleet : view_.fleets) {
+      if (fleet.fleet->name == demand.fleet) fleet.demand = &demand;
+    }
+  }
+}
+
+void ViewBuilder::add_workers() {
+  view_.workers.reserve(world_.workers.size());
+  for (const Worker* worker : by_name(world_.workers)) {
+    workers_by_uid_.emplace(worker->uid, view_.workers.size());
+    workers_by_name_.emplace(worker->name, view_.workers.size());
+    view_.names.insert(worker->name);
+    view_.workers.push_back({.worker = worker});
+  }
+}
+
+void ViewBuilder::add_pods() {
+  for (const Pod& pod : world_.pods) {
+    view_.names.insert(pod.name);
+    const auto owner = pod.owned ? workers_by_uid_.find(pod.owner_uid) : workers_by_uid_.end();
+    // A pod with another name is not the worker's pod, whatever its owner reference says, but its
+    // GPU is in use.
+    if (owner != workers_by_uid_.end() && view_.workers[owner->second].worker->name == pod.name) {
+      view_.workers[owner->second].pod = &pod;
+      continue;
+    }
+    if (const auto found = workers_by_name_.find(pod.name); found != workers_by_name_.end()) {
+      view_.workers[found->second].name_conflict = &pod;
+    }
+    if (!pod.owned || pod.finished()) continue;
+    if (NodeView* node = node_of(pod.node)) ++node->reserved;
+  }
+}
+
+void ViewBuilder::add_telemetry() {
+  for (const Telemetry& sample : world_.telemetry) {
+    const auto found = workers_by_uid_.find(sample.worker_uid);
+    if (found == workers_by_uid_.end()) continue;
+    WorkerView& worker = view_.workers[found->second];
+    // Ignore delayed or repeated samples of an earlier pod of the worker.
+    if (worker.pod ? sample.epoch != worker.pod->epoch || sample.sampled < worker.pod->created
+                   : sample.epoch < worker.worker->status.epoch) {
+      continue;
+    }
+    worker.telemetry = &sample;
+    worker.heartbeat_fresh = world_.now - sample.sampled <= kHeartbeat;
+  }
+}
+
+/// Links the workers to their nodes and fleets. Returns the workers of each node.
+std::vector<std::vector<const WorkerView*>> ViewBuilder::link_workers() {
+  std::vector<std::vector<const WorkerView*>> on(view_.nodes.size());
+  for (WorkerView& worker : view_.workers) {
+    if (NodeView* node = node_of(worker.worker->node)) {
+      worker.node = node->node;
+      ++node->reserved;
+      on[static_cast<std::size_t>(node - view_.nodes.data())].push_back(&worker);
+    }
+    if (FleetView* fleet = fleet_of(*worker.worker)) {
+      worker.fleet = fleet->fleet;
+      fleet->workers.push_back(&worker);
+    }
+  }
+  return on;
+}
+
+void ViewBuilder::assess_workers() {
+  for (FleetView& fleet : view_.fleets) fleet.metrics_fresh = fresh(fleet, world_);
+  for (WorkerView& worker : view_.workers) {
+    const FleetView* fleet = fleet_of(*worker.worker);
+    const bool metrics = !fleet || fleet->metrics_fresh;
+    worker.heartbeat_age = silence(worker, world_);
+    worker.heartbeat_overdue = metrics && worker.heartbeat_age > patience(worker, world_);
+    worker.health = judge(worker, world_);
+  }
+}
+
 }  // namespace
 
 std::optional<double> load_of(const Telemetry& sample, Seconds now) {
@@ -95,86 +231,6 @@ bool out_of_service(const Node& node) {
   });
 }
 
-View build_view(const ClusterState& world) {
-  View view;
-  view.now = world.now;
-  std::unordered_map<std::string_view, std::size_t> nodes;
-  for (const Node* node : by_name(world.nodes)) {
-    nodes.emplace(node->name, view.nodes.size());
-    view.nodes.push_back({.node = node});
-  }
-  std::unordered_map<std::string_view, std::size_t> fleets;  // by uid
-  for (const Fleet* fleet : by_name(world.fleets)) {
-    fleets.emplace(fleet->uid, view.fleets.size());
-    view.fleets.emplace_back().fleet = fleet;
-  }
-  for (const Demand& demand : world.demand) {
-    for (FleetView& fleet : view.fleets) {
-      if (fleet.fleet->name == demand.fleet) fleet.demand = &demand;
-    }
-  }
-  std::unordered_map<std::string_view, std::size_t> owners;  // by uid
-  std::unordered_map<std::string_view, std::size_t> named;
-  view.workers.reserve(world.workers.size());
-  for (const Worker* worker : by_name(world.workers)) {
-    owners.emplace(worker->uid, view.workers.size());
-    named.emplace(worker->name, view.workers.size());
-    view.names.insert(worker->name);
-    view.workers.push_back({.worker = worker});
-  }
-  const auto node_of = [&](const std::string& name) -> NodeView* {
-    const auto found = nodes.find(name);
-    return found == nodes.end() ? nullptr : &view.nodes[found->second];
-  };
-  for (const Pod& pod : world.pods) {
-    view.names.insert(pod.name);
-    const auto owner = pod.owned ? owners.find(pod.owner_uid) : owners.end();
-    // A pod with another name is not the worker's pod, whatever its owner reference says, but its
-    // GPU is in use.
-    if (owner != owners.end() && view.workers[owner->second].worker->name == pod.name) {
-      view.workers[owner->second].pod = &pod;
-      continue;
-    }
-    if (const auto found = named.find(pod.name); found != named.end()) {
-      view.workers[found->second].name_conflict = &pod;
-    }
-    if (!pod.owned || pod.finished()) continue;
-    if (NodeView* node = node_of(pod.node)) ++node->reserved;
-  }
-  for (const Telemetry& sample : world.telemetry) {
-    const auto found = owners.find(sample.worker_uid);
-    if (found == owners.end()) continue;
-    WorkerView& worker = view.workers[found->second];
-    // Ignore delayed or repeated samples of an earlier pod of the worker.
-    if (worker.pod ? sample.epoch != worker.pod->epoch || sample.sampled < worker.pod->created
-                   : sample.epoch < worker.worker->status.epoch) {
-      continue;
-    }
-    worker.telemetry = &sample;
-    worker.heartbeat_fresh = world.now - sample.sampled <= kHeartbeat;
-  }
-  std::vector<std::vector<const WorkerView*>> on(view.nodes.size());
-  for (WorkerView& worker : view.workers) {
-    if (NodeView* node = node_of(worker.worker->node)) {
-      worker.node = node->node;
-      ++node->reserved;
-      on[static_cast<std::size_t>(node - view.nodes.data())].push_back(&worker);
-    }
-    const auto fleet = fleets.find(worker.worker->fleet_uid);
-    if (fleet == fleets.end()) continue;
-    worker.fleet = view.fleets[fleet->second].fleet;
-    view.fleets[fleet->second].workers.push_back(&worker);
-  }
-  for (FleetView& fleet : view.fleets) fleet.metrics_fresh = fresh(fleet, world);
-  for (WorkerView& worker : view.workers) {
-    const auto fleet = fleets.find(worker.worker->fleet_uid);
-    const bool metrics = fleet == fleets.end() || view.fleets[fleet->second].metrics_fresh;
-    worker.heartbeat_age = silence(worker, world);
-    worker.heartbeat_overdue = metrics && worker.heartbeat_age > patience(worker, world);
-    worker.health = judge(worker, world);
-  }
-  for (std::size_t i = 0; i < view.nodes.size(); ++i) weigh(view.nodes[i], on[i], world);
-  return view;
-}
+View build_view(const ClusterState& world) { return ViewBuilder(world).build(); }
 
 }  // namespace diaphane::fleet
