@@ -117,72 +117,99 @@ void add(Measurements& all, const Measurements& one) {
   all.pixels += one.pixels;
 }
 
-}  // namespace
+// The people of one run and what they need.
+class Crowd {
+ public:
+  Crowd(const CrowdOptions& options, Placement& placement)
+      : options_(options), placement_(placement), threads_(io_, options.threads) {}
 
-Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
-                              const std::function<void(bool)>& measured) {
-  CrowdResult result;
-  boost::asio::io_context io;
-  Threads threads(io, options.threads);
-  Openings openings;
-  std::vector<std::shared_ptr<Person>> people;
-  std::vector<std::string> sessions;
+  void open(CrowdResult& result);
+  void move_and_measure(const std::function<void(bool)>& measured);
+  void end();
+  // Only after end(), because it reads without locks.
+  void collect(CrowdResult& result) const;
 
-  const auto opening_until = Clock::now() + duration_of(options.opening_seconds);
-  for (std::size_t i = 0; i < options.sessions; ++i) {
-    openings.wait_below(kOpeningAtOnce, opening_until);
+ private:
+  const CrowdOptions& options_;
+  Placement& placement_;
+  boost::asio::io_context io_;
+  Threads threads_;
+  Openings openings_;
+  std::vector<std::shared_ptr<Person>> people_;
+  std::vector<std::string> sessions_;
+};
+
+void Crowd::open(CrowdResult& result) {
+  const auto until = Clock::now() + duration_of(options_.opening_seconds);
+  for (std::size_t i = 0; i < options_.sessions; ++i) {
+    openings_.wait_below(kOpeningAtOnce, until);
     // A separate user per session, because a user may have only a few sessions.
     const std::string id = new_id();
-    const auto placed = placement.place({id, new_id(), options.data_set});
+    const auto placed = placement_.place({id, new_id(), options_.data_set});
     if (!placed) {
       ++result.refused;
       continue;
     }
-    sessions.push_back(id);
-    people.push_back(std::make_shared<Person>(io, options.viewer, options.preset));
-    openings.begun();
-    people.back()->enter(placed->ticket, [&openings](bool ready) { openings.ended(ready); });
+    sessions_.push_back(id);
+    people_.push_back(std::make_shared<Person>(io_, options_.viewer, options_.preset));
+    openings_.begun();
+    people_.back()->enter(placed->ticket, [this](bool ready) { openings_.ended(ready); });
   }
-  openings.wait_below(1, opening_until);
-  result.opened = openings.ready();
+  openings_.wait_below(1, until);
+  result.opened = openings_.ready();
+}
 
-  const auto end_all = [&] {
-    for (const auto& person : people) person->leave();
-    for (const std::string& id : sessions) (void)placement.end(id);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    threads.stop();
-  };
-  if (result.opened == 0) {
-    end_all();
-    return fail(ErrorCode::kUnavailable,
-                "No session shows a picture. See the logs of the programs.");
-  }
-
+void Crowd::move_and_measure(const std::function<void(bool)>& measured) {
   // Enough gestures for a long run. A session repeats its gestures from the first after the last.
-  const auto trace = render::bench::make_trace("interactive", people.size(), 120, options.seed);
-  const auto conductor = std::make_shared<Conductor>(Hands(trace, options.moving), people);
+  const auto trace = render::bench::make_trace("interactive", people_.size(), 120, options_.seed);
+  const auto conductor = std::make_shared<Conductor>(Hands(trace, options_.moving), people_);
   conductor->begin();
-  std::this_thread::sleep_for(duration_of(options.warm_up_seconds));
+  std::this_thread::sleep_for(duration_of(options_.warm_up_seconds));
   const TimePoint from = Clock::now();
-  const TimePoint until = from + duration_of(options.seconds);
-  for (const auto& person : people) person->measure(from, until);
+  const TimePoint until = from + duration_of(options_.seconds);
+  for (const auto& person : people_) person->measure(from, until);
   measured(false);
   std::this_thread::sleep_until(until);
   measured(true);
   conductor->stop();
   // Answers to the last requests may still arrive.
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  result.seconds = options.seconds;
-  end_all();
+}
 
+void Crowd::end() {
+  for (const auto& person : people_) person->leave();
+  for (const std::string& id : sessions_) (void)placement_.end(id);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  threads_.stop();
+}
+
+void Crowd::collect(CrowdResult& result) const {
   const TimePoint now = Clock::now();
-  for (const auto& person : people) {
+  for (const auto& person : people_) {
     person->give_up(now);
     add(result.measurements, person->measurements());
     result.problems += person->problems();
     if (person->close_code() >= 0) ++result.closed[person->close_code()];
     if (const auto opening = person->opening_seconds()) result.opening_seconds.push_back(*opening);
   }
+}
+
+}  // namespace
+
+Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
+                              const std::function<void(bool)>& measured) {
+  CrowdResult result;
+  Crowd crowd(options, placement);
+  crowd.open(result);
+  if (result.opened == 0) {
+    crowd.end();
+    return fail(ErrorCode::kUnavailable,
+                "No session shows a picture. See the logs of the programs.");
+  }
+  crowd.move_and_measure(measured);
+  result.seconds = options.seconds;
+  crowd.end();
+  crowd.collect(result);
   return result;
 }
 

@@ -5,7 +5,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <thread>
 
 #include "common/ids.h"
@@ -38,15 +37,28 @@ Result<std::unique_ptr<Stage>> Stage::set(Options options) {
 }
 
 Result<void> Stage::start_all(const Options& options) {
+  DIAPHANE_TRY(copy_volume(options.volume_dir));
+  DIAPHANE_TRY(claim_ports());
+  start_by_ = std::chrono::steady_clock::now() + options.start;
+  DIAPHANE_TRY(start_redis(options));
+  DIAPHANE_TRY(start_renderd(options));
+  return start_gateway(options);
+}
+
+Result<void> Stage::copy_volume(const std::string& volume_dir) {
   std::error_code wrong;
   volume_id_ = new_id();
-  const std::string store = folder_ + "/volumes";
-  fs::create_directories(store, wrong);
+  const std::string copy = store() + "/" + volume_id_;
+  fs::create_directories(store(), wrong);
   fs::create_directories(log_dir_, wrong);
-  fs::copy(options.volume_dir, store + "/" + volume_id_, wrong);
-  if (wrong || !fs::exists(store + "/" + volume_id_ + "/volume.json")) {
-    return fail(ErrorCode::kInvalid, options.volume_dir + " does not contain a volume");
+  fs::copy(volume_dir, copy, wrong);
+  if (wrong || !fs::exists(copy + "/volume.json")) {
+    return fail(ErrorCode::kInvalid, volume_dir + " does not contain a volume");
   }
+  return {};
+}
+
+Result<void> Stage::claim_ports() {
   for (std::uint16_t* port : {&stream_port_, &gateway_admin_, &renderd_admin_}) {
     auto claimed = ClaimedPort::take();
     DIAPHANE_TRY(claimed);
@@ -54,60 +66,57 @@ Result<void> Stage::start_all(const Options& options) {
     ports_.push_back(*std::move(claimed));
   }
   origin_ = "http://localhost:" + std::to_string(stream_port_);
+  return {};
+}
 
-  const auto log = [&](const char* name) { return log_dir_ + "/" + name + ".log"; };
-  const auto add = [&](const std::string& program, const std::vector<std::string>& arguments,
-                       const char* name) -> Result<void> {
-    auto child = Child::start(program, arguments, {}, log(name));
-    DIAPHANE_TRY(child);
-    children_.push_back(std::move(*child));
-    return {};
-  };
-  const auto until = std::chrono::steady_clock::now() + options.start;
-  const auto wait = [&](const std::function<bool()>& done, const char* name) -> Result<void> {
-    while (!done()) {
-      if (!children_.back().running() || std::chrono::steady_clock::now() > until) {
-        return fail(ErrorCode::kUnavailable,
-                    std::string(name) + " did not start:\n" + end_of(log(name)));
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+Result<void> Stage::start(const char* name, const std::string& program,
+                          const std::vector<std::string>& arguments,
+                          const std::function<bool()>& is_ready) {
+  const std::string log = log_dir_ + "/" + name + ".log";
+  auto child = Child::start(program, arguments, {}, log);
+  DIAPHANE_TRY(child);
+  children_.push_back(std::move(*child));
+  while (!is_ready()) {
+    if (!children_.back().running() || std::chrono::steady_clock::now() > start_by_) {
+      return fail(ErrorCode::kUnavailable, std::string(name) + " did not start:\n" + end_of(log));
     }
-    return {};
-  };
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return {};
+}
 
-  const std::string own_redis = options.bin_dir + "/redis-server";
-  const std::string redis_program =
-      ::access(own_redis.c_str(), X_OK) == 0 ? own_redis : "redis-server";
+Result<void> Stage::start_redis(const Options& options) {
+  const std::string own = options.bin_dir + "/redis-server";
+  const std::string program = ::access(own.c_str(), X_OK) == 0 ? own : "redis-server";
   auto client = directory::Client::create({.address = redis()});
   DIAPHANE_TRY(client);
   directory::Sessions sessions(**client);
-  auto done = add(redis_program,
-                  {"--port", "0", "--unixsocket", folder_ + "/redis.sock", "--save", "",
-                   "--appendonly", "no", "--dir", folder_},
-                  "redis")
-                  .and_then([&] { return wait([&] { return sessions.reachable(); }, "redis"); });
-  if (!done) return done;
+  return start("redis", program,
+               {"--port", "0", "--unixsocket", folder_ + "/redis.sock", "--save", "",
+                "--appendonly", "no", "--dir", folder_},
+               [&] { return sessions.reachable(); });
+}
 
+Result<void> Stage::start_renderd(const Options& options) {
   const std::string socket = "unix:" + folder_ + "/renderd.sock";
-  std::vector<std::string> renderd{"--worker-id=load",
-                                   "--redis=" + redis(),
-                                   "--grpc-address=" + socket,
-                                   "--advertise=" + socket,
-                                   "--admin-port=" + std::to_string(renderd_admin_),
-                                   "--volume-dir=" + store,
-                                   "--engine=" + options.engine,
-                                   "--slots=" + std::to_string(options.slots)};
-  renderd.insert(renderd.end(), options.renderd_options.begin(), options.renderd_options.end());
-  done = add(options.bin_dir + "/diaphane-renderd", renderd, "renderd").and_then([&] {
-    return wait([&] { return ready(renderd_admin_); }, "renderd");
-  });
-  if (!done) return done;
+  std::vector<std::string> arguments{"--worker-id=load",
+                                     "--redis=" + redis(),
+                                     "--grpc-address=" + socket,
+                                     "--advertise=" + socket,
+                                     "--admin-port=" + std::to_string(renderd_admin_),
+                                     "--volume-dir=" + store(),
+                                     "--engine=" + options.engine,
+                                     "--slots=" + std::to_string(options.slots)};
+  arguments.insert(arguments.end(), options.renderd_options.begin(), options.renderd_options.end());
+  return start("renderd", options.bin_dir + "/diaphane-renderd", arguments,
+               [&] { return ready(renderd_admin_); });
+}
 
-  return add(options.bin_dir + "/diaphane-gateway",
-             {"--redis=" + redis(), "--stream-port=" + std::to_string(stream_port_),
-              "--admin-port=" + std::to_string(gateway_admin_), "--public-url=" + origin_},
-             "gateway")
-      .and_then([&] { return wait([&] { return ready(gateway_admin_); }, "gateway"); });
+Result<void> Stage::start_gateway(const Options& options) {
+  return start("gateway", options.bin_dir + "/diaphane-gateway",
+               {"--redis=" + redis(), "--stream-port=" + std::to_string(stream_port_),
+                "--admin-port=" + std::to_string(gateway_admin_), "--public-url=" + origin_},
+               [&] { return ready(gateway_admin_); });
 }
 
 Stage::~Stage() {

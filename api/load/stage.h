@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,11 +50,22 @@ class Stage {
  private:
   Stage() = default;
   Result<void> start_all(const Options& options);
+  Result<void> copy_volume(const std::string& volume_dir);
+  Result<void> claim_ports();
+  Result<void> start_redis(const Options& options);
+  Result<void> start_renderd(const Options& options);
+  Result<void> start_gateway(const Options& options);
+  /// Starts a program and waits until `is_ready` returns true.
+  Result<void> start(const char* name, const std::string& program,
+                     const std::vector<std::string>& arguments,
+                     const std::function<bool()>& is_ready);
+  std::string store() const { return folder_ + "/volumes"; }
 
   std::string folder_, log_dir_, volume_id_, origin_;
   std::uint16_t stream_port_ = 0, gateway_admin_ = 0, renderd_admin_ = 0;
   std::vector<ClaimedPort> ports_;
-  std::vector<Child> children_;  // Redis, renderd, gateway
+  std::vector<Child> children_;                     // Redis, renderd, gateway
+  std::chrono::steady_clock::time_point start_by_;  // time limit for all programs
 };
 
 }  // namespace diaphane::api::load
