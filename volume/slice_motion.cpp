@@ -17,7 +17,7 @@ constexpr int kRadius = 5;
 /// Squared gradient that counts as noise: where the picture has less structure than this, the
 /// motion stays near zero.
 constexpr float kNoise = 4e-3F;
-constexpr float kLargestStep = 1;
+constexpr float kStepRange = 1;
 // These values have the smallest errors on the scans of `./diaphane bench slice-interpolation`.
 
 /// Averages over a square of 2 `radius` + 1 pixels. Pixels beyond the border count as zero.
@@ -141,8 +141,8 @@ void step(const Sums& sums, Motion& motion) {
     const float scale = 1 / (xx * yy - xy * xy);  // at least kNoise squared, by Cauchy and Schwarz
     const float dx = scale * (xy * yz - yy * xz);
     const float dy = scale * (xy * xz - xx * yz);
-    motion.x.values[i] += std::clamp(dx, -kLargestStep, kLargestStep);
-    motion.y.values[i] += std::clamp(dy, -kLargestStep, kLargestStep);
+    motion.x.values[i] += std::clamp(dx, -kStepRange, kStepRange);
+    motion.y.values[i] += std::clamp(dy, -kStepRange, kStepRange);
   }
 }
 

@@ -190,6 +190,16 @@ def test_a_lookalike_is_not_a_violation(line):
     assert filelint.violations("a.md", line) == []
 
 
+def test_a_long_function_is_found_in_product_code_alone():
+    body = "".join(f"  call({n});\n" for n in range(filelint.LONGEST_FUNCTION - 1))
+    free = f"int f(int a,\n      int b) {{\n{body}}}\n"
+    method = "class C {\n  int f() {\n" + body.replace("  ", "    ") + "  }\n};\n"
+    short = f"int f() {{\n{body}".rsplit("\n", 2)[0] + "\n}\n"
+    assert [where.split(": ")[0] for where in filelint.long_functions("api/a.cpp", short + free + method)] == ["api/a.cpp:61", "api/a.cpp:124"]
+    assert filelint.long_functions("api/a.cpp", short) == []
+    assert filelint.long_functions("api/a_test.cpp", free) == []
+
+
 def test_an_operation_that_does_not_say_how_it_fails_is_found():
     whole = {"operationId": "a", "summary": "s", "responses": {"200": {}, "default": {}}}
     assert contracts.style({"paths": {"/a": {"get": whole}}}) == []

@@ -42,7 +42,8 @@ def shown(stack: TestStack, browser, cranium: Path):
 
 # Each theme and each kind of window at least once, without all combinations.
 LOOKS = [pytest.param({"viewport": {"width": 1440, "height": 900}, "color_scheme": "light"}, id="desk-light"),
-         pytest.param({"viewport": {"width": 390, "height": 844}, "color_scheme": "dark", "is_mobile": True, "has_touch": True}, id="phone-dark")]
+         pytest.param({"viewport": {"width": 390, "height": 844}, "color_scheme": "dark", "is_mobile": True, "has_touch": True}, id="phone-dark",
+                      marks=pytest.mark.nightly)]
 
 
 @pytest.mark.parametrize("look", LOOKS)
@@ -75,7 +76,8 @@ def too_wide(page: Page) -> list[str]:
             .filter((e) => e.getBoundingClientRect().right > innerWidth + 1).slice(0, 3).map((e) => e.outerHTML.slice(0, 80))]""")
 
 
-@pytest.mark.parametrize("who", [page_crawler.NOBODY, page_crawler.PERSON, ADMINISTRATOR])
+@pytest.mark.parametrize("who", [
+    pytest.param(page_crawler.NOBODY, marks=pytest.mark.nightly), page_crawler.PERSON, pytest.param(ADMINISTRATOR, marks=pytest.mark.nightly)])
 def test_every_page_fits_at_200_and_400_percent_and_respects_reduced_motion(stack: TestStack, browser, shown, who: str):
     cookies, data_set = shown
     context = browser.new_context(reduced_motion="reduce")

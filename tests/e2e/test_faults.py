@@ -25,7 +25,7 @@ def shaken(all_stacks: StackFactory):
     all_stacks.shut(stack)
 
 
-@pytest.mark.parametrize("program", ["api", "gateway", "redis", "postgres"])
+@pytest.mark.parametrize("program", ["api", pytest.param("gateway", marks=pytest.mark.nightly), pytest.param("redis", marks=pytest.mark.nightly), "postgres"])
 def test_a_killed_program_is_reported_and_the_page_recovers(shaken: TestStack, visit, cranium: Path, program: str, request):
     stack = shaken
     person = Person.arrives(stack, visit(), "anna")

@@ -34,6 +34,7 @@ def open_viewer(stack: TestStack, page: Page, cranium: Path, name: str, width: i
 def test_the_headrest_is_hidden_and_one_switch_shows_it(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit()
     hands = open_viewer(stack, page, cranium, "headrest", 640, 480)
+    expect(page.get_by_text("The table, headrest or frame is hidden.").first).to_be_visible()
     cuts = hands.window("Cuts and slices")  # leaves less room for the picture
     expect(cuts).to_be_focused()
     body = hands.picture()
@@ -50,6 +51,10 @@ def test_the_headrest_is_hidden_and_one_switch_shows_it(stack: TestStack, visit,
     hands.act(cuts.get_by_role("button", name="Remove all cuts and slices").click)
     expect(switch).not_to_be_checked()
     assert difference(body, hands.picture()) < ALIKE
+    # The note shows it, too.
+    hands.act(page.get_by_role("button", name="Show it").click)
+    expect(switch).to_be_checked()
+    assert covered(hands.picture()) > 1.1 * covered(body)
 
 
 def covered(picture: bytes) -> float:
@@ -152,6 +157,7 @@ def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visi
     assert lamp.get_attribute("aria-valuetext") != said
 
 
+@pytest.mark.nightly
 def test_the_chosen_point_is_in_focus(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     hands = open_viewer(stack, page, cranium, "fokke", 720, 440)
@@ -264,6 +270,7 @@ def look_focus_and_share_by_taps(hands: Hands) -> None:
     expect(share).to_have_count(0)
 
 
+@pytest.mark.nightly
 def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(phone=True)
     hands = open_viewer(stack, page, cranium, "vinger", 390, 844)

@@ -73,7 +73,8 @@ def next_code(stack: TestStack, person: Person, device: pyotp.TOTP) -> str:
     return device.now()
 
 
-@pytest.mark.parametrize("look", [{}, {"phone": True, "dark": True}], ids=["desk", "phone-dark"])
+@pytest.mark.parametrize("look", [
+    pytest.param({}, id="desk"), pytest.param({"phone": True, "dark": True}, id="phone-dark", marks=pytest.mark.nightly)])
 def test_it_is_set_up_asked_for_and_a_recovery_code_does_too(stack: TestStack, visit, pictures: Path, look: dict):
     page, blank = visit(**look), visit()
     anna = Person.arrives(stack, page, "anna")

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Callable
 
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
@@ -83,6 +84,7 @@ def look_from_the_front(hands: Hands) -> None:
     assert y < 0 and math.hypot(x, z) < 0.01 * abs(y), camera
 
 
+@pytest.mark.nightly
 def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     person = Person.arrives(stack, page, "wilma")

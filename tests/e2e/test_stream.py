@@ -138,6 +138,7 @@ def test_a_damaged_tile_is_reported_and_the_streamed_picture_stays(quick: TestSt
     lossless(quick, page, before.input_seq + 2)
 
 
+@pytest.mark.nightly
 def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStack, visit, anna):
     """As when a graphics driver fails: the test frame is decoded, and later frames are not."""
     scan, cookies = anna
@@ -159,6 +160,7 @@ def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStac
     lossless(quick, page, 1)
 
 
+@pytest.mark.nightly
 def test_far_away_the_picture_follows_a_hand_and_its_end_is_exact(quick: TestStack, browser: Browser, anna):
     """100 ms round trip and 2 Mbit/s, as a browser sees it. For measurements: tests/integration/test_slow_network.py."""
     scan, cookies = anna

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
@@ -11,6 +12,7 @@ from person import PATIENCE_MS, Person
 from picture import drag, kept_view, last_input, wait_for_samples
 
 
+@pytest.mark.nightly
 def test_a_duplicated_window_takes_over_the_picture(stack: TestStack, visit, cranium: Path):
     person = Person.arrives(stack, visit(), "anna")
     person.has_scan(cranium, "Head")

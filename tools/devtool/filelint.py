@@ -10,6 +10,10 @@ from . import paths
 from .console import warn
 
 LIMIT = 500
+LONGEST_FUNCTION = 60
+# May be longer: a list with a line or two per item, and kernels, whose parts share registers and barriers.
+_LONG = ("ProblemForm form_of(ProblemKind kind)", "__launch_bounds__(kCameraBlock", "__launch_bounds__(kLightBlock")
+_NOT_PRODUCT = re.compile(r"_test\.|/test_|/bench/|fake|^tests/|phantom|simulat")
 # Assembled from parts, so that this file passes its own rule.
 _MACHINE = re.compile(r"(?<![\w.$}-])/(?:%s)/[\w.]" % "|".join(("ro" "ot", "ho" "me", "wo" "rk", "Us" "ers")))
 _RESOLVED = '"resolved"' + ":"
@@ -44,6 +48,25 @@ def giants(name: str, text: str) -> list[str]:
     return [f"{name} has {lines} lines, more than the recommended {LIMIT}. Consider splitting it"]
 
 
+def long_functions(name: str, text: str) -> list[str]:
+    """Returns the C++ functions of product code that have too many lines. Relies on clang-format: a function ends with a brace
+    below the first character of its first line."""
+    if not name.endswith((".cpp", ".h", ".cu", ".cuh")) or _NOT_PRODUCT.search(name):
+        return []
+    found = []
+    outermost, member = (0, ""), (0, "")    # the last lines that began a function or a class, and a member of it
+    for number, line in enumerate(text.splitlines(), 1):
+        if re.match(r"[^\s}#/]", line):
+            outermost = number, line
+        elif re.match(r"  [^\s}#/]", line):
+            member = number, line
+        in_class = re.match(r"(template.*|class|struct)\b", outermost[1]) is not None
+        begin = outermost if line == "}" else member if line == "  }" and in_class else None
+        if begin and number - begin[0] >= LONGEST_FUNCTION and not any(one in begin[1] for one in _LONG):
+            found.append(f"{name}:{begin[0]}: a function of {number - begin[0] + 1} lines, more than {LONGEST_FUNCTION}: {begin[1].strip()}")
+    return found
+
+
 def check() -> list[str]:
     found = []
     for path in files():
@@ -51,7 +74,7 @@ def check() -> list[str]:
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
         name = str(path.relative_to(paths.REPO))
-        found += violations(name, text)
+        found += violations(name, text) + long_functions(name, text)
         for warning in giants(name, text):
             warn(warning)
     return found

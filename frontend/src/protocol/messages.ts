@@ -51,6 +51,7 @@ export type {
   State,
   Stats,
   Still,
+  Treatment,
 } from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
 export { VolumeHeader_Modality as Modality, type VolumeHeader } from "./gen/api/proto/volume_pb";

@@ -15,6 +15,7 @@ import {
   type Config,
   type Histogram,
   type Viewport,
+  type Treatment,
   type VolumeHeader,
 } from "../protocol/messages";
 import { effortFrom, effortText, fullEffort, type Effort } from "../scene/effort";
@@ -52,6 +53,8 @@ export class ViewerSession {
   /** The kernel that renders the picture, after a request. */
   readonly kernel = signal<KernelReport | null>(null);
   readonly volume = signal<VolumeHeader | null>(null);
+  /** How pictures differ from the stored scan. */
+  readonly treatment = signal<Treatment | null>(null);
   /** The histogram of the volume, if the worker has sent it. */
   readonly histogram = signal<Histogram | null>(null);
   /** The participants, once they are known. */
@@ -290,6 +293,7 @@ export class ViewerSession {
     this.device.value = config.device;
     this.kernel.value = null;
     this.volume.value = config.volume ?? null;
+    this.treatment.value = config.treatment ?? null;
     this.slices.configured(stacksOf(config.sliceStacks), config.volume);
     this.histogram.value = config.histogram ?? null;
     this.editor.configured(config, !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0);

@@ -24,6 +24,13 @@ export const viewer: Texts["viewer"] = {
   },
   meanwhile: "Bis dahin bleibt das Bild, wie es ist.",
   continueHere: "Hier weitermachen",
+  treatment: {
+    tableHidden: "Liege, Kopfstütze oder Rahmen sind ausgeblendet.",
+    showTable: "Einblenden",
+    close: "Diesen Hinweis schließen",
+    interpolated: (between) =>
+      `Die Schichten dieser Aufnahme liegen weit auseinander. Das Bild zeigt zwischen je zwei Schichten ${between === 1 ? "eine berechnete" : `${between} berechnete`}.`,
+  },
   pictureTime: {
     soon: (minutes) =>
       `Sie haben in diesem Monat noch ${minutes > 1 ? `etwa ${count(minutes, "Minute", "Minuten")}` : "weniger als eine Minute"} Rechenzeit. Fertige Bilder verbrauchen keine Rechenzeit.`,

@@ -27,6 +27,13 @@ export const viewer = {
   /** Added to a trouble while the last picture is still shown. */
   meanwhile: "Until then, the picture stays as it is.",
   continueHere: "Continue here",
+  treatment: {
+    tableHidden: "The table, headrest or frame is hidden.",
+    showTable: "Show it",
+    close: "Close this note",
+    interpolated: (between: number) =>
+      `The slices of this scan are far apart, so the picture shows ${between === 1 ? "a computed slice" : `${between} computed slices`} between every two of them.`,
+  },
   pictureTime: {
     soon: (minutes: number) =>
       `You have ${minutes > 1 ? `about ${count(minutes, "minute", "minutes")}` : "less than a minute"} of rendering time left this month. Finished pictures use no rendering time.`,

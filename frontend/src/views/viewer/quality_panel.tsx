@@ -8,6 +8,7 @@ import { Icon } from "../icons";
 import { ErrorPlot } from "./error_plot";
 import { KernelFacts } from "./kernel_facts";
 import { qualityState, type QualityState } from "./quality_state";
+import { TreatmentFacts } from "./treatment";
 
 const key = "diaphane.quality";
 const detailsKey = "diaphane.quality.details";
@@ -98,6 +99,7 @@ function QualityDetails({ session, facts }: QualityProps) {
           {t.viewer.lossless(lossless.samples)}
         </p>
       ) : null}
+      <TreatmentFacts session={session} />
       <ErrorPlot points={session.pictures.curve.value} />
       <KernelFacts session={session} />
       <p class="quality-device muted">{session.device.value}</p>

@@ -18,6 +18,7 @@ import { SlicesLine } from "./slices/slice_views";
 import { StatusLine } from "./status_line";
 import { useKeyCommands } from "./use_key_commands";
 import { useViewerSession } from "./use_viewer_session";
+import { HiddenTable } from "./treatment";
 import { ViewerDialogs, type OpenDialog } from "./viewer_dialogs";
 import { ViewerHeader } from "./viewer_header";
 import { ViewerPanels } from "./viewer_panels";
@@ -81,6 +82,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       <StatusLine session={session} fault={fault} visitor={visitor}>
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
+        {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}
       {session ? (
