@@ -88,7 +88,6 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
   version_ = 1;
   stats_since_ = parts_.clock.now();
   state_.detached_since = stats_since_;
-  state_.audience.presenter_left = stats_since_;
 }
 
 Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,

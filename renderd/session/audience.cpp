@@ -48,8 +48,7 @@ bool is_watching(const Receiver& receiver, TimePoint now) {
   return receiver.flight.unacknowledged() == 0 || now - receiver.heard_at < kStalledAfter;
 }
 
-Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to,
-                       TimePoint now) {
+Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to) {
   const Receiver* next = audience.of(to);
   if (!next || !next->greeted) {
     return fail(ErrorCode::kNotFound, "That person has left the session.", "to");
@@ -57,14 +56,10 @@ Result<void> hand_over(Audience& audience, const Receiver& from, std::string_vie
   if (next->free_camera) {
     return fail(ErrorCode::kConflict, "That person is using their own camera.", "to");
   }
-  const bool orphaned =
-      !audience.of(audience.presenter) && now - audience.presenter_left >= kPresenterAway;
-  const bool takes = from.participant == kOwner && to == kOwner && orphaned;
-  if (!audience.presents(from) && !takes) {
-    return fail(ErrorCode::kForbidden,
-                from.participant == kOwner
-                    ? "The presenter is still here or may come back in a moment."
-                    : "Only the presenter can hand the session over.");
+  // The scan is the owner's, so nobody can keep control of it against their will.
+  const bool takes_back = from.participant == kOwner && to == kOwner;
+  if (!audience.presents(from) && !takes_back) {
+    return fail(ErrorCode::kForbidden, "Only the presenter can hand the session over.");
   }
   audience.presenter = to;
   return {};

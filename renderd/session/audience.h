@@ -31,9 +31,6 @@ inline constexpr std::chrono::seconds kStalledAfter{15};
 inline constexpr std::chrono::seconds kPaceFor{1};
 /// A connection that sends no Hello within this time is closed, because it blocks a slot.
 inline constexpr std::chrono::seconds kGreetingWithin{10};
-/// The owner may take the presenter's role when the presenter has been disconnected for this long,
-/// which exceeds the reload of a page.
-inline constexpr std::chrono::seconds kPresenterAway{5};
 /// Minimum time between key frames that viewers of an inter-coded stream request after a loss,
 /// because each costs as much as many other frames.
 inline constexpr std::chrono::milliseconds kKeyEvery{500};
@@ -94,7 +91,6 @@ struct Coding {
 struct Audience {
   std::vector<Receiver> receivers;  ///< in the order of arrival
   std::string presenter{kOwner};    ///< a participant, connected or not
-  TimePoint presenter_left{};       ///< valid while the presenter is not connected
   std::uint64_t connections = 0;    ///< total so far
   /// Numbers that replace missing names, by participant.
   std::map<std::string, std::uint64_t> guests;
@@ -125,9 +121,9 @@ bool has_room(const Receiver& receiver);
 /// Whether the viewer has greeted, is visible, and acknowledges what is sent.
 bool is_watching(const Receiver& receiver, TimePoint now);
 
-/// Hands the presenter's role over on request of `from`. kForbidden, kNotFound.
-Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to,
-                       TimePoint now);
+/// Hands the presenter's role over on request of `from`: the presenter, or the owner, who may take
+/// it back at any time. kForbidden, kNotFound, kConflict.
+Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to);
 
 /// Returns the participants as `receiver` may see them.
 diaphane::v1::Audience audience_for(const Audience& audience, const Receiver& receiver);

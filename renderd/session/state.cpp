@@ -226,11 +226,10 @@ Outcome receive_kernel_wanted(SessionState& state, Receiver& receiver, TimePoint
   return outcome;
 }
 
-Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Handover& handover,
-                         TimePoint now) {
+Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Handover& handover) {
   Outcome outcome;
   const std::string before = state.audience.presenter;
-  if (const auto given = hand_over(state.audience, receiver, handover.to(), now); !given) {
+  if (const auto given = hand_over(state.audience, receiver, handover.to()); !given) {
     outcome.problem = problem_of(given.error(), 0, false);
     return outcome;
   }
@@ -355,7 +354,6 @@ void detach(SessionState& state, std::uint64_t connection, TimePoint now) {
   Audience& audience = state.audience;
   const Receiver* leaving = audience.find(connection);
   if (!leaving) return;
-  if (audience.presents(*leaving)) audience.presenter_left = now;
   std::erase_if(audience.receivers, [&](const auto& one) { return one.connection == connection; });
   if (audience.receivers.empty()) state.detached_since = now;
 }
@@ -441,7 +439,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
     case v1::ClientMessage::kVisibility:
       return receive_visibility(state, *receiver, message.visibility().visible());
     case v1::ClientMessage::kHandover:
-      return receive_handover(state, *receiver, message.handover(), now);
+      return receive_handover(state, *receiver, message.handover());
     case v1::ClientMessage::kFreeCamera:
       return receive_free_camera(state, *receiver, message.free_camera().on());
     case v1::ClientMessage::kDepthQuery:

@@ -21,7 +21,8 @@ export const live: Texts["live"] = {
   presenting: "präsentiert",
   withFreeCamera: "mit eigener Ansicht",
   handOver: "Präsentation übergeben",
-  handOverHint: "Wer präsentiert, kann alles am Bild ändern. Was Sie weggeschnitten haben, bleibt weggeschnitten.",
+  handOverHint:
+    "Wer präsentiert, kann alles am Bild ändern. Was Sie weggeschnitten haben, bleibt weggeschnitten. Sie können jederzeit wieder selbst präsentieren.",
   letPresent: (name) => `Präsentation an ${name} übergeben`,
   takeBack: "Wieder selbst präsentieren",
   takingBack: "Einen Moment …",

@@ -20,7 +20,8 @@ export const live = {
   presenting: "presenting",
   withFreeCamera: "in their own view",
   handOver: "Make presenter",
-  handOverHint: "The presenter can change everything in the picture except what you have cut away.",
+  handOverHint:
+    "The presenter can change everything in the picture except what you have cut away. You can present again at any time.",
   letPresent: (name: string) => `Make ${name} presenter`,
   takeBack: "Present again",
   takingBack: "One moment…",

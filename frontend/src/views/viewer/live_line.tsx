@@ -6,7 +6,7 @@ import { shownName, TakeBack } from "./share_dialog";
 export interface LiveLineProps {
   readonly session: ViewerSession;
   readonly role: Role;
-  /** Whether the scan is this person's, who may present again once nobody does. */
+  /** Whether the scan is this person's, who may present again at any time. */
   readonly owner: boolean;
 }
 
@@ -16,7 +16,7 @@ export function LiveLine({ session, role, owner }: LiveLineProps) {
   return (
     <div class="glass live-line">
       <p role="status">{presenter ? t.live.presents(shownName(presenter)) : t.live.presenterAway}</p>
-      {owner && presenter === null ? <TakeBack session={session} you={role.you} /> : null}
+      {owner ? <TakeBack session={session} role={role} /> : null}
       <button
         type="button"
         class="button"

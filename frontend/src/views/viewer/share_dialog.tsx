@@ -22,7 +22,7 @@ export interface ShareDialogProps {
 export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps) {
   return (
     <Dialog title={t.live.title} onClose={onClose}>
-      {owner ? <LinkPart session={session} /> : <p>{t.live.guestLead}</p>}
+      {owner ? <LinkPart session={session} role={role} /> : <p>{t.live.guestLead}</p>}
       <h3>{t.live.here}</h3>
       <ul class="people">
         {role.people.map((one) => (
@@ -50,12 +50,12 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
         ))}
       </ul>
       {role.presents && !role.guest && role.others > 0 ? <p class="field-hint">{t.live.handOverHint}</p> : null}
-      {owner && role.follows && role.presenter === null ? (
+      {owner && role.follows ? (
         <p>
-          <TakeBack session={session} you={role.you} />
+          <TakeBack session={session} role={role} />
         </p>
       ) : null}
-      {session.problem.value && role.presenter !== null ? (
+      {session.problem.value ? (
         <p class="field-fault" role="alert">
           {session.problem.value}
         </p>
@@ -69,17 +69,19 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
   );
 }
 
-const askedAgainEveryMs = 1000;
+const againAfterMs = 3000;
 
-/** The server gives the role back once the presenter has been away for longer than a reload takes. */
-export function TakeBack({ session, you }: { readonly session: ViewerSession; readonly you: string }) {
+/** Only the owner has it. From a camera of their own, they return to the picture that they will present. */
+export function TakeBack({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const [taking, setTaking] = useState(false);
+  const { you, freeCamera } = role;
   useEffect(() => {
     if (!taking) return;
-    session.handOver(you);
-    const timer = setInterval(() => session.handOver(you), askedAgainEveryMs);
-    return () => clearInterval(timer);
-  }, [taking, session, you]);
+    if (freeCamera) session.useFreeCamera(false);
+    else session.handOver(you);
+    const timer = setTimeout(() => setTaking(false), againAfterMs);
+    return () => clearTimeout(timer);
+  }, [taking, freeCamera, session, you]);
   return (
     <button type="button" class="button" disabled={taking} onClick={() => setTaking(true)}>
       {taking ? t.live.takingBack : t.live.takeBack}
@@ -91,8 +93,12 @@ export function TakeBack({ session, you }: { readonly session: ViewerSession; re
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
 /** The link with which others join, and what they may see. */
-function LinkPart({ session }: { readonly session: ViewerSession }) {
-  const { url, said, busy, make, end, copy } = useGuestLink(session.sessionId ?? "");
+function LinkPart({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
+  // Nobody whom the link let in presents any longer.
+  const ended = () => {
+    if (role.follows && !role.freeCamera) session.handOver(role.you);
+  };
+  const { url, said, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);
   return (
     <div class="share-link">
       <p>{t.live.lead}</p>
@@ -126,7 +132,7 @@ function LinkPart({ session }: { readonly session: ViewerSession }) {
 }
 
 /** The link to a session, or null, and the actions on it. */
-function useGuestLink(sessionId: string) {
+function useGuestLink(sessionId: string, ended: () => void) {
   const app = useApp();
   const [path, setPath] = useState(() => tab.getItem(memory(sessionId)));
   const [said, setSaid] = useState("");
@@ -151,6 +157,7 @@ function useGuestLink(sessionId: string) {
       tab.removeItem(memory(sessionId));
       setPath(null);
       setSaid(t.live.ended);
+      ended();
     });
   const copy = () =>
     act(async () => {
