@@ -396,7 +396,8 @@ class Judge {
                     stack.jitter);
       result_.repairs.emplace_back(text);
     }
-    if (first().photometric == "MONOCHROME1")
+    const bool has_units = result_.modality == volume::Modality::kCt || result_.unit > 0;
+    if (shows_negative(first()) && !has_units)
       result_.repairs.emplace_back("the inverted (negative) image was converted back");
   }
 

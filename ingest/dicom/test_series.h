@@ -60,14 +60,14 @@ inline Options plain_ct() {
 }
 
 /// Returns the stored pixels of slice z in the layout of `series` (8 or 16 bits), inverted for
-/// MONOCHROME1.
+/// MONOCHROME1 unless it is a CT.
 inline std::vector<std::uint8_t> pixels_of(const Options& options, const SeriesSpec& series,
                                            int z) {
   std::vector<std::uint8_t> pixels;
   for (int y = 0; y < options.rows; ++y) {
     for (int x = 0; x < options.columns; ++x) {
       long stored = std::lround((value_at(x, y, z) - series.intercept) / series.slope);
-      if (series.photometric == "MONOCHROME1") {
+      if (series.photometric == "MONOCHROME1" && series.modality != "CT") {
         stored = series.is_signed ? -1 - stored : (1L << series.bits_stored) - 1 - stored;
       }
       const int shift = series.high_bit + 1 - series.bits_stored;

@@ -18,9 +18,9 @@ Values to_values(std::span<const std::byte> raw, const PixelLayout& layout, cons
   const unsigned shift = layout.high_bit + 1u - layout.bits_stored;
   const std::uint32_t mask = (1u << layout.bits_stored) - 1;
   const std::uint32_t sign = layout.is_signed ? 1u << (layout.bits_stored - 1) : 0;
-  const bool invert = slice.photometric == "MONOCHROME1";
   const bool is_ct = slice.modality == volume::Modality::kCt;
   const bool scaled = is_ct || unit > 0;
+  const bool invert = shows_negative(slice) && !scaled;
   const double divisor = unit > 0 ? unit : 1;
   const double slope = slice.rescale.slope / divisor, intercept = slice.rescale.intercept / divisor;
   Values result;

@@ -28,11 +28,14 @@ struct Values {
   std::size_t padded = 0;  ///< number of values set to air because the pixel was padding
 };
 
+/// Whether low values are to be displayed bright.
+inline bool shows_negative(const Slice& slice) { return slice.photometric == "MONOCHROME1"; }
+
 /// Converts decoded pixels (little endian, packed according to `layout`) to values:
 /// - It clears bits beyond those stored, where overlays may be, and extends the sign from the
 /// highest stored bit.
-/// - It inverts MONOCHROME1 within the range of the stored bits, before any rescale, because these
-/// files hold the negative of the image.
+/// - It inverts MONOCHROME1 within the range of the stored bits, but not where values have physical
+/// units. There, the attribute says how to display the values and not what they mean.
 /// - Padding pixels become air.
 /// - For CT, value = round(slope x stored + intercept). For other modalities, stored units are
 /// kept. If `unit` is above 0, because each slice has its own scale, value = round((slope x stored

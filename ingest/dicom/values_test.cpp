@@ -113,7 +113,7 @@ TEST(Values, RefusesUnsupportedPixelLayouts) {
   }
 }
 
-TEST(Values, InvertsMonochrome1) {
+TEST(Values, KeepsTheHounsfieldUnitsOfMonochrome1) {
   for (const int is_signed : {0, 1}) {
     Options options = plain_ct();
     options.series.photometric = "MONOCHROME1";
@@ -121,6 +121,23 @@ TEST(Values, InvertsMonochrome1) {
     options.series.intercept = is_signed ? 0 : -1024;
     expect_the_picture(options, "MONOCHROME1");
   }
+}
+
+TEST(Values, InvertsMonochrome1WithoutUnits) {
+  Slice slice;
+  slice.rows = 1;
+  slice.columns = 2;
+  slice.modality = volume::Modality::kMr;
+  slice.photometric = "MONOCHROME1";
+  const std::uint16_t raw[] = {0, 0x0FFF};
+  const auto bytes = std::as_bytes(std::span(raw));
+  EXPECT_EQ(to_values(bytes, {16, 12, 11, false}, slice).values,
+            (std::vector<std::int32_t>{4095, 0}));
+  EXPECT_EQ(to_values(bytes, {16, 12, 11, true}, slice).values, (std::vector<std::int32_t>{-1, 0}));
+  slice.rescale = {1, 0, true};
+  EXPECT_EQ(to_values(bytes, {16, 12, 11, false}, slice, 1).values,
+            (std::vector<std::int32_t>{0, 4095}))
+      << "with a scale for each slice, values have units";
 }
 
 TEST(Values, EveryTransferSyntaxGivesTheSameImage) {

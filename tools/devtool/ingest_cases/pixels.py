@@ -57,11 +57,19 @@ def dirty_bits(slices: list[Slice], signed: bool) -> Make:
 
 
 
-def negative(slices: list[Slice]) -> Make:
+def displayed_inverted(slices: list[Slice]) -> Make:
+    """A CT that asks for an inverted display. Its values are Hounsfield units all the same."""
+    def change(ds: Dataset, stored: np.ndarray) -> np.ndarray:
+        ds.PhotometricInterpretation = "MONOCHROME1"
+        return stored
+    return _changed(slices, change)
+
+
+def negative(series: Series, slices: list[Slice]) -> Make:
     def change(ds: Dataset, stored: np.ndarray) -> np.ndarray:
         ds.PhotometricInterpretation = "MONOCHROME1"
         return (65535 - stored.astype(np.int64)).astype(np.uint16)
-    return _changed(slices, change)
+    return _changed(slices, change, series)
 
 
 def coloured(slices: list[Slice], photometric: str) -> Make:

@@ -183,7 +183,9 @@ CASES: list[Case] = [
     Case(17, "signed", "built", _ct(_each(stack(), lambda i: {"intercept": 0.0}), signed=True)),
     Case(17, "12 of 16 bits, overlays above them", "built", pixels.dirty_bits(stack(), signed=False)),
     Case(17, "12 of 16 bits, signed", "built", pixels.dirty_bits(stack(), signed=True)),
-    Case(18, "MONOCHROME1", "built", pixels.negative(stack()), "the inverted (negative) image was converted back"),
+    Case(18, "MONOCHROME1 in CT", "built", pixels.displayed_inverted(stack())),
+    Case(18, "MONOCHROME1 in MR", "built", pixels.negative(Series(MR, values=lifted), [replace(o, intercept=0.0) for o in stack()]),
+         "the inverted (negative) image was converted back", truth=lifted, air=0),
     *[Case(18, kind, "refused: screenshots", pixels.coloured(stack(), kind), "screenshots")
       for kind in ("RGB", "YBR_FULL", "PALETTE COLOR")],
     *[Case(19, name, "built", make, tolerance=tolerance, browser=browser)
