@@ -34,6 +34,7 @@ def open_viewer(stack: TestStack, page: Page, cranium: Path, name: str, width: i
 def test_the_headrest_is_hidden_and_one_switch_shows_it(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit()
     hands = open_viewer(stack, page, cranium, "headrest", 640, 480)
+    page.get_by_role("button", name="Hide the tips").click()
     expect(page.get_by_text("The table, headrest or frame is hidden.").first).to_be_visible()
     cuts = hands.window("Cuts and slices")  # leaves less room for the picture
     expect(cuts).to_be_focused()

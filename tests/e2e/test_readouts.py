@@ -45,7 +45,7 @@ def check_plot(hands: Hands) -> None:
     expect(panel.locator("[data-fact=error]")).to_contain_text("%")
     expect(panel.locator("[data-fact=time]")).to_contain_text(re.compile(r"\d (ms|s|min)$"))
     panel.get_by_role("button", name="Noise level?").click()
-    expect(panel.get_by_text("Four times as many samples halve it.")).to_be_visible()
+    expect(panel.get_by_text("Four times as many samples halve the noise level")).to_be_visible()
 
 
 def check_histogram(page: Page, look) -> None:

@@ -123,7 +123,8 @@ def test_the_page_survives_an_outage_of_the_server(tus_stack: TestStack, visit, 
     expect(person.card("Survivor")).to_contain_text("The upload will resume automatically")
     tus_stack.start("api")
     expect(person.card("Survivor")).to_have_attribute("data-state", "queued")
-    assert parts.count("0") == 1 and parts.count(str(PART)) >= 2
+    # What had arrived is not sent again, and the part that was under way is.
+    assert parts.count("0") == 1 and max(map(parts.count, parts)) >= 2
     assert person.card("Survivor").count() == 1
 
 

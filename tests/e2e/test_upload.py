@@ -67,7 +67,7 @@ def test_a_scan_over_the_quota_is_refused_with_both_sizes(person: Person, craniu
     person.choose_folder(cranium)
     page.get_by_role("button", name="Upload", exact=True).click()
     expect(page.get_by_role("alert")).to_have_text(
-        re.compile(r"This scan needs \d+(\.\d)? MB, but you have only 5(\.0)? MB of storage left\. Delete a scan first\."))
+        re.compile(r"This scan needs \d+(\.\d)? MB of storage, but you have only 5(\.0)? MB left\. Delete another scan first\."))
     page.goto(person.stack.url + "/scans")
     expect(page.get_by_text("No scans yet")).to_be_visible()
 
@@ -234,7 +234,7 @@ def test_each_part_carries_its_checksum(person: Person, cranium: Path):
     person.page.on("request", lambda request: checksums.append(request.headers.get("upload-checksum", ""))
                    if request.method == "PATCH" else None)
     person.uploads_scan(cranium, "Checked head")
-    assert len(checksums) == 2
+    assert len(checksums) >= 2
     assert all(re.fullmatch(r"sha1 [A-Za-z0-9+/]{27}=", checksum) for checksum in checksums)
 
 
