@@ -47,32 +47,32 @@ class Refiner {
 
   /// Makes all slices between the centres of the stored slices `pair` and `pair` + 1.
   void fill(std::uint32_t pair) const {
-    const Plane2 first = slice(pair), second = slice(pair + 1);
+    const SliceImage first = slice(pair), second = slice(pair + 1);
     const Motion motion = motion_between(first, second);
-    for (std::uint32_t z = 0; z < stored_.header.size[2] * refinement_; ++z) {
+    for (std::uint32_t i = 0; i < refinement_; ++i) {
+      const std::uint32_t z = first_beyond(pair) + i;
       const double at = (z + 0.5) / refinement_ - 0.5 - pair;
-      if (at >= 0 && at < 1) interpolate(first, second, motion, static_cast<float>(at), z);
+      interpolate(first, second, motion, static_cast<float>(at), z);
     }
   }
 
-  /// Fills the slices beyond the centre of the first and of the last stored one with those.
+  /// Fills the slices before the centre of the first stored one, and from that of the last one on,
+  /// with those.
   void fill_ends() const {
-    const std::uint32_t slices = stored_.header.size[2], most = slices * refinement_;
-    for (std::uint32_t z = 0; z < refinement_; ++z) {
-      if ((z + 0.5) / refinement_ < 0.5) {
-        copy(0, z);
-        copy(slices - 1, most - 1 - z);
-      }
-    }
-    // Without rounding errors, the centre of the last slice would belong to no pair either.
-    if (refinement_ % 2 == 1) copy(slices - 1, most - 1 - refinement_ / 2);
+    const std::uint32_t last = stored_.header.size[2] - 1;
+    for (std::uint32_t z = 0; z < first_beyond(0); ++z) copy(0, z);
+    for (std::uint32_t z = first_beyond(last); z < (last + 1) * refinement_; ++z) copy(last, z);
   }
 
  private:
+  /// Returns the first refined slice that does not lie before the centre of a stored one.
+  std::uint32_t first_beyond(std::uint32_t stored) const {
+    return (2 * stored + 1) * refinement_ / 2;
+  }
   std::size_t pixels() const { return static_cast<std::size_t>(width_) * height_; }
 
-  Plane2 slice(std::uint32_t z) const {
-    Plane2 plane(width_, height_);
+  SliceImage slice(std::uint32_t z) const {
+    SliceImage plane(width_, height_);
     const std::int16_t* const from = stored_.voxels.data() + pixels() * z;
     std::copy(from, from + pixels(), plane.values.begin());
     return plane;
@@ -80,8 +80,8 @@ class Refiner {
 
   /// Maps the values between the header's percentiles to [0, 1], so that single bright voxels and
   /// the scale of the modality do not matter, and averages squares of `factor_` pixels.
-  Plane2 normalised(const Plane2& slice) const {
-    Plane2 plane(width_ / factor_, height_ / factor_);
+  SliceImage normalised(const SliceImage& slice) const {
+    SliceImage plane(width_ / factor_, height_ / factor_);
     const float share = 1.F / static_cast<float>(factor_ * factor_);
     for (int y = 0; y < plane.height * factor_; ++y) {
       float* const to = plane.row(y / factor_);
@@ -94,10 +94,10 @@ class Refiner {
   }
 
   /// In pixels of the stored slices.
-  Motion motion_between(const Plane2& first, const Plane2& second) const {
+  Motion motion_between(const SliceImage& first, const SliceImage& second) const {
     const Motion found = estimate_motion(normalised(first), normalised(second));
     if (factor_ == 1) return found;
-    Motion motion{Plane2(width_, height_), Plane2(width_, height_)};
+    Motion motion{SliceImage(width_, height_), SliceImage(width_, height_)};
     const float scale = static_cast<float>(factor_);
     for (int y = 0; y < height_; ++y) {
       const float fy = (static_cast<float>(y) + 0.5F) / scale - 0.5F;
@@ -110,8 +110,8 @@ class Refiner {
     return motion;
   }
 
-  void interpolate(const Plane2& first, const Plane2& second, const Motion& motion, float at,
-                   std::uint32_t z) const {
+  void interpolate(const SliceImage& first, const SliceImage& second, const Motion& motion,
+                   float at, std::uint32_t z) const {
     std::int16_t* to = refined_ + pixels() * z;
     for (int y = 0; y < height_; ++y) {
       const float* const mx = motion.x.row(y);

@@ -211,7 +211,7 @@ TEST(SliceInterpolation, HandlesVolumesWithoutContentAndVerySmallOnes) {
 
 TEST(SliceMotion, FindsHowFarASquareMoved) {
   const auto square = [](double left) {
-    Plane2 plane(96, 96);
+    SliceImage plane(96, 96);
     for (int y = 20; y < 60; ++y) {
       for (int x = 0; x < 96; ++x) {
         const double inside = std::min(x + 0.5 - left, left + 40 - x - 0.5);

@@ -21,7 +21,7 @@ constexpr float kStepRange = 1;
 // These values have the smallest errors on the scans of `./diaphane bench slice-interpolation`.
 
 /// Averages over a square of 2 `radius` + 1 pixels. Pixels beyond the border count as zero.
-void blur(Plane2& plane, int radius, std::vector<float>& scratch) {
+void blur(SliceImage& plane, int radius, std::vector<float>& scratch) {
   const int width = plane.width, height = plane.height;
   const float share = 1.F / static_cast<float>((2 * radius + 1) * (2 * radius + 1));
   scratch.resize(plane.values.size());
@@ -50,8 +50,8 @@ void blur(Plane2& plane, int radius, std::vector<float>& scratch) {
   }
 }
 
-Plane2 halved(const Plane2& plane) {
-  Plane2 half(plane.width / 2, plane.height / 2);
+SliceImage halved(const SliceImage& plane) {
+  SliceImage half(plane.width / 2, plane.height / 2);
   for (int y = 0; y < half.height; ++y) {
     const float* const upper = plane.row(2 * y);
     const float* const lower = plane.row(2 * y + 1);
@@ -62,8 +62,8 @@ Plane2 halved(const Plane2& plane) {
   return half;
 }
 
-std::vector<Plane2> pyramid(const Plane2& finest) {
-  std::vector<Plane2> levels{finest};
+std::vector<SliceImage> pyramid(const SliceImage& finest) {
+  std::vector<SliceImage> levels{finest};
   while (static_cast<int>(levels.size()) < kLevels &&
          std::min(levels.back().width, levels.back().height) >= 2 * kSmallest) {
     levels.push_back(halved(levels.back()));
@@ -72,8 +72,8 @@ std::vector<Plane2> pyramid(const Plane2& finest) {
 }
 
 /// The motion at a level of the pyramid, as a first estimate for the level of the given size.
-Plane2 doubled(const Plane2& plane, int width, int height) {
-  Plane2 twice(width, height);
+SliceImage doubled(const SliceImage& plane, int width, int height) {
+  SliceImage twice(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       twice.row(y)[x] = 2 * sample(plane, 0.5F * static_cast<float>(x) - 0.25F,
@@ -85,7 +85,7 @@ Plane2 doubled(const Plane2& plane, int width, int height) {
 
 /// The sums over the window of products of gradients g in space (x, y) and along the slices (z).
 struct Sums {
-  Plane2 xx, xy, yy, xz, yz;
+  SliceImage xx, xy, yy, xz, yz;
 
   Sums(int width, int height)
       : xx(width, height),
@@ -97,8 +97,8 @@ struct Sums {
 
 /// Computes `mean` and `change` of both slices, each moved by half the motion, so that they would
 /// be equal if the motion were right.
-void compare(const Plane2& first, const Plane2& second, const Motion& motion, Plane2& mean,
-             Plane2& change) {
+void compare(const SliceImage& first, const SliceImage& second, const Motion& motion,
+             SliceImage& mean, SliceImage& change) {
   for (int y = 0; y < first.height; ++y) {
     const float* const mx = motion.x.row(y);
     const float* const my = motion.y.row(y);
@@ -113,7 +113,7 @@ void compare(const Plane2& first, const Plane2& second, const Motion& motion, Pl
   }
 }
 
-void multiply_gradients(const Plane2& mean, const Plane2& change, Sums& sums) {
+void multiply_gradients(const SliceImage& mean, const SliceImage& change, Sums& sums) {
   const int width = mean.width, height = mean.height;
   for (int y = 0; y < height; ++y) {
     const float* const here = mean.row(y);
@@ -146,15 +146,15 @@ void step(const Sums& sums, Motion& motion) {
   }
 }
 
-void improve(const Plane2& first, const Plane2& second, Motion& motion) {
+void improve(const SliceImage& first, const SliceImage& second, Motion& motion) {
   const int width = first.width, height = first.height;
-  Plane2 mean(width, height), change(width, height);
+  SliceImage mean(width, height), change(width, height);
   Sums sums(width, height);
   std::vector<float> scratch;
   for (int i = 0; i < kIterations; ++i) {
     compare(first, second, motion, mean, change);
     multiply_gradients(mean, change, sums);
-    for (Plane2* plane : {&sums.xx, &sums.xy, &sums.yy, &sums.xz, &sums.yz}) {
+    for (SliceImage* plane : {&sums.xx, &sums.xy, &sums.yy, &sums.xz, &sums.yz}) {
       blur(*plane, kRadius, scratch);
       blur(*plane, kRadius, scratch);
     }
@@ -164,12 +164,12 @@ void improve(const Plane2& first, const Plane2& second, Motion& motion) {
 
 }  // namespace
 
-Motion estimate_motion(const Plane2& first, const Plane2& second) {
-  const std::vector<Plane2> before = pyramid(first), after = pyramid(second);
-  Motion motion{Plane2(before.back().width, before.back().height),
-                Plane2(before.back().width, before.back().height)};
+Motion estimate_motion(const SliceImage& first, const SliceImage& second) {
+  const std::vector<SliceImage> before = pyramid(first), after = pyramid(second);
+  Motion motion{SliceImage(before.back().width, before.back().height),
+                SliceImage(before.back().width, before.back().height)};
   for (std::size_t level = before.size(); level-- > 0;) {
-    const Plane2& size = before[level];
+    const SliceImage& size = before[level];
     if (level + 1 < before.size()) {
       motion = {doubled(motion.x, size.width, size.height),
                 doubled(motion.y, size.width, size.height)};

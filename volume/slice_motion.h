@@ -6,12 +6,12 @@
 namespace diaphane::volume {
 
 /// A picture of floating-point numbers in rows.
-struct Plane2 {
+struct SliceImage {
   int width = 0, height = 0;
   std::vector<float> values;
 
-  Plane2() = default;
-  Plane2(int columns, int rows)
+  SliceImage() = default;
+  SliceImage(int columns, int rows)
       : width(columns), height(rows), values(static_cast<std::size_t>(columns) * rows) {}
   float* row(int y) { return values.data() + static_cast<std::size_t>(y) * width; }
   const float* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
@@ -19,7 +19,7 @@ struct Plane2 {
 
 /// Returns the value at column x and row y, interpolated between the four pixels around it. Beyond
 /// the border, the pixels of the border continue.
-inline float sample(const Plane2& plane, float x, float y) {
+inline float sample(const SliceImage& plane, float x, float y) {
   const float most_x = static_cast<float>(plane.width - 1);
   const float most_y = static_cast<float>(plane.height - 1);
   x = x > 0 ? (x < most_x ? x : most_x) : 0;
@@ -36,10 +36,10 @@ inline float sample(const Plane2& plane, float x, float y) {
 
 /// In pixels: what lies at p - motion / 2 in the first slice lies at p + motion / 2 in the second.
 struct Motion {
-  Plane2 x, y;
+  SliceImage x, y;
 };
 
 /// Estimates the motion between two slices of equal size whose values are mostly in [0, 1].
-Motion estimate_motion(const Plane2& first, const Plane2& second);
+Motion estimate_motion(const SliceImage& first, const SliceImage& second);
 
 }  // namespace diaphane::volume

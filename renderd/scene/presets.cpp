@@ -11,8 +11,9 @@ namespace {
 
 namespace v1 = diaphane::v1;
 
-/// Height of the picture, as a multiple of the height of what it shows.
-constexpr double kMargin = 1.35;
+/// Height of the picture, as a multiple of the height of what it shows. In a low window, the page's
+/// controls cover a third of it, and the handles of the volume's box must stay clear of them.
+constexpr double kMargin = 1.65;
 
 struct Vector {
   double x, y, z;

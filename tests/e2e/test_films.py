@@ -21,10 +21,12 @@ from test_take_away import chunks, live_answers, wait_for_sessions
 
 @pytest.fixture(scope="module")
 def marked(tmp_path_factory) -> Path:
-    """A volume with one ball at the patient's left (x rises to the left) and nothing else."""
+    """A volume with a large ball at the patient's left (x rises to the left) and a small one at the right. Without the small one,
+    the picture would be framed on the large one alone."""
     folder = tmp_path_factory.mktemp("marked")
     places = slices(20, 2.0, origin=(-16.8, -17.2, -20.0), rows=44, columns=48, intercept=-2000.0)
-    write(folder, [dataset(Series(values=markers((9.0, 0.0, 0.0), radius=4.0)), one) for one in places])
+    left, right = markers((9.0, 0.0, 0.0), radius=4.0), markers((-9.0, 0.0, 0.0), radius=2.0)
+    write(folder, [dataset(Series(values=lambda at: np.maximum(left(at), right(at))), one) for one in places])
     return folder
 
 

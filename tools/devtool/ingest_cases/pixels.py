@@ -58,7 +58,7 @@ def dirty_bits(slices: list[Slice], signed: bool) -> Make:
 
 
 def displayed_inverted(slices: list[Slice]) -> Make:
-    """A CT that asks for an inverted display. Its values are Hounsfield units all the same."""
+    """A CT that asks for an inverted display. Its values are Hounsfield units anyway."""
     def change(ds: Dataset, stored: np.ndarray) -> np.ndarray:
         ds.PhotometricInterpretation = "MONOCHROME1"
         return stored

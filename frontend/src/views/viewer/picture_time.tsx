@@ -1,4 +1,4 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { askedAgainMs, pictureTime } from "../../api/picture_time";
 import type { Me } from "../../api/types";
 import { t } from "../../texts";
@@ -6,6 +6,7 @@ import { dayText, timeText } from "../format";
 import { Icon } from "../icons";
 import { Link } from "../router";
 import { useApp } from "../state";
+import { OverPanel } from "./over_panel";
 
 const unansweredAgainMs = 30_000;
 
@@ -49,27 +50,25 @@ export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
 
 /** Replaces the picture when there is no rendering time left. */
 export function PictureTimeOver() {
-  const heading = useRef<HTMLHeadingElement>(null);
-  useEffect(() => heading.current?.focus(), []);
   const renewedAt = useApp().me.value?.render_time.renewed_at;
   const text = t.viewer.pictureTime;
   return (
-    <section class="glass time-over" aria-labelledby="time-over">
-      <Icon name="clock" />
-      <h2 id="time-over" ref={heading} tabIndex={-1}>
-        {text.over}
-      </h2>
-      <p>{renewedAt ? text.overText(dayText(renewedAt)) : text.overBefore}</p>
-      <p class="muted">{text.more}</p>
-      <p class="time-over-ways">
-        <Link href="/scans" class="button button-main">
-          {t.viewer.back}
-        </Link>
-        <Link href="/account" class="button">
-          {text.account}
-        </Link>
-      </p>
-    </section>
+    <OverPanel
+      heading={text.over}
+      text={
+        <>
+          <p>{renewedAt ? text.overText(dayText(renewedAt)) : text.overBefore}</p>
+          <p class="muted">{text.more}</p>
+        </>
+      }
+    >
+      <Link href="/scans" class="button button-main">
+        {t.viewer.back}
+      </Link>
+      <Link href="/account" class="button">
+        {text.account}
+      </Link>
+    </OverPanel>
   );
 }
 

@@ -1,8 +1,7 @@
-import { useEffect, useRef } from "preact/hooks";
 import { t } from "../../texts";
-import { Icon } from "../icons";
 import { Link } from "../router";
 import { useApp } from "../state";
+import { OverPanel } from "./over_panel";
 
 /** Somebody who looks without opening the scan with an account: at a sample, by a link, or in another person's session. */
 export interface Visitor {
@@ -27,33 +26,31 @@ export function Invitation() {
 
 /** In place of a picture, when the time of a visitor is over: what happened, and what to press. */
 export function VisitOver({ visitor }: { readonly visitor: Visitor }) {
-  const heading = useRef<HTMLHeadingElement>(null);
-  useEffect(() => heading.current?.focus(), []);
   const known = useApp().me.value !== null;
   const text = t.viewer.visitor;
   return (
-    <section class="glass time-over" aria-labelledby="visit-over">
-      <Icon name="clock" />
-      <h2 id="visit-over" ref={heading} tabIndex={-1}>
-        {text.over}
-      </h2>
-      <p>{text.overText[visitor.kind]}</p>
-      {known ? null : <p class="muted">{text.inviteText}</p>}
-      <p class="time-over-ways">
-        {visitor.again ? (
-          <button type="button" class="button button-main" onClick={visitor.again}>
-            {text.again}
-          </button>
-        ) : null}
-        {known ? null : (
-          <Link href="/sign-up" class={`button${visitor.again ? "" : " button-main"}`}>
-            {t.account.signUp}
-          </Link>
-        )}
-        <Link href={wayBack(visitor)} class="button">
-          {visitor.kind === "sample" ? text.toSamples : t.toStart}
+    <OverPanel
+      heading={text.over}
+      text={
+        <>
+          <p>{text.overText[visitor.kind]}</p>
+          {known ? null : <p class="muted">{text.inviteText}</p>}
+        </>
+      }
+    >
+      {visitor.again ? (
+        <button type="button" class="button button-main" onClick={visitor.again}>
+          {text.again}
+        </button>
+      ) : null}
+      {known ? null : (
+        <Link href="/sign-up" class={`button${visitor.again ? "" : " button-main"}`}>
+          {t.account.signUp}
         </Link>
-      </p>
-    </section>
+      )}
+      <Link href={wayBack(visitor)} class="button">
+        {visitor.kind === "sample" ? text.toSamples : t.toStart}
+      </Link>
+    </OverPanel>
   );
 }
