@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { settledAfterMs, ResizeDebouncer, reportedEveryMs } from "./canvas_size";
+import { settledAfterMs, ResizeDebouncer, reportedEveryMs, snapped } from "./canvas_size";
 
 class Hours {
   now = 0;
@@ -61,5 +61,13 @@ describe("the size of the canvas", () => {
     debouncer.changed({ width: 100, height: 50 });
     hours.pass(1000);
     expect(reported).toEqual([]);
+  });
+});
+
+describe("the device pixels of a box", () => {
+  it("are counted between its edges, each on the nearest pixel", () => {
+    // 438.4 pixels high, from 67.2 to 505.6: 439 rows.
+    expect(snapped({ left: 0, right: 960, top: 67.2, bottom: 505.6 }, 1)).toEqual({ width: 960, height: 439 });
+    expect(snapped({ left: 0.3, right: 100.3, top: 0.3, bottom: 50.3 }, 2)).toEqual({ width: 200, height: 100 });
   });
 });

@@ -63,8 +63,13 @@ export function watchDevicePixels(element: HTMLElement, changed: (size: Viewport
   signal.addEventListener("abort", () => observer.disconnect());
 }
 
-/** Before the first observation, returns the size that the layout suggests. */
+/** Before the first observation, returns the size that the layout suggests, as the observer will report it. */
 export function devicePixels(element: HTMLElement): Viewport {
-  const ratio = devicePixelRatio;
-  return { width: Math.round(element.clientWidth * ratio), height: Math.round(element.clientHeight * ratio) };
+  return snapped(element.getBoundingClientRect(), devicePixelRatio);
+}
+
+/** Returns the device pixels that a box covers: browsers move each of its edges to the nearest pixel. */
+export function snapped(box: Pick<DOMRectReadOnly, "left" | "right" | "top" | "bottom">, ratio: number): Viewport {
+  const between = (from: number, to: number): number => Math.round(to * ratio) - Math.round(from * ratio);
+  return { width: between(box.left, box.right), height: between(box.top, box.bottom) };
 }
