@@ -9,7 +9,7 @@ namespace diaphane::api {
 
 struct StillRequest {
   std::string data_set_id;
-  std::string preset;      ///< "skin", "muscle", "vessels", "bone", "airways"; or
+  std::string preset;      ///< name of a built-in preset; or
   std::string scene = {};  ///< a serialised diaphane.v1.Scene
   std::uint32_t width = 320, height = 320;
   std::uint32_t samples = 64;  ///< maximum per pixel

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 class ThumbnailsTest : public DataSetFixture {
  protected:
   std::string path_of(const std::string& preset) const {
-    return "thumbnails/" + id + "/" + preset + ".3.jpg";
+    return "thumbnails/" + id + "/" + preset + ".4.jpg";
   }
   Refusal get(const std::string& preset = "bone") {
     return refusal(thumbnails.get(owner, id, preset));
@@ -33,7 +33,8 @@ TEST_F(ThumbnailsTest, ThoseWhoMayViewAScanGetItsThumbnails) {
 }
 
 TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
-  for (const char* preset : {"skin", "muscle", "vessels", "bone", "airways"}) {
+  const auto presets = {"skin", "muscle", "vessels", "bone", "through", "dense", "airways"};
+  for (const char* preset : presets) {
     EXPECT_EQ(thumbnails.get(owner, id, preset).value(), path_of(preset));
     EXPECT_EQ(thumbnails.get(shared, id, preset).value(), path_of(preset));
     EXPECT_EQ(stills.requests().back().preset, preset);
@@ -41,7 +42,7 @@ TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
     EXPECT_FALSE(stills.requests().back().background) << "somebody waits for it";
     EXPECT_EQ(cache.read(path_of(preset)), "image of " + id + " " + preset);
   }
-  EXPECT_EQ(stills.requests().size(), 5u);
+  EXPECT_EQ(stills.requests().size(), presets.size());
 }
 
 TEST_F(ThumbnailsTest, AThumbnailOfEarlierLooksIsNotShownAndGoes) {

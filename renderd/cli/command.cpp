@@ -10,10 +10,12 @@
 #include <sstream>
 #include <thread>
 
+#include "common/try.h"
 #include "renderd/cli/input.h"
 #include "renderd/cli/picture_file.h"
 #include "renderd/cli/report.h"
 #include "renderd/cli/stop_rule.h"
+#include "renderd/scene/contrast_agent.h"
 #include "renderd/scene/presets.h"
 #include "volume/slice_interpolation.h"
 
@@ -56,6 +58,18 @@ Result<diaphane::v1::Scene> scene_of_preset(const std::string& name, const volum
   // An unknown preset is not a missing file.
   if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
   return preset->scene();
+}
+
+/// Prints the presets that the scan can show, one per line.
+Result<void> list_presets(const Options& options) {
+  auto input = read_input(options.input);
+  DIAPHANE_TRY(input);
+  if (!options.show_table) DIAPHANE_TRY(show_only_body(*input));
+  const bool contrast_agent = shows_contrast_agent(*input);
+  for (const auto& preset : presets_for(input->header, visible_part(*input), contrast_agent)) {
+    std::cout << preset.name() << '\n';
+  }
+  return {};
 }
 
 struct Ending {
@@ -179,6 +193,10 @@ int complain(const Error& error, int exit_code) {
 }  // namespace
 
 int run(const Options& options) {
+  if (options.list_presets) {
+    const auto listed = list_presets(options);
+    return listed ? 0 : complain(listed.error(), exit_code_of(listed.error().code));
+  }
   auto rendered = render(options);
   if (!rendered) return complain(rendered.error(), exit_code_of(rendered.error().code));
   if (auto done = write_file(options.picture, rendered->picture); !done) {

@@ -56,6 +56,18 @@ class Command : public testing::Test {
   fs::path folder_;
 };
 
+TEST_F(Command, ListsThePresetsOfTheScanAndRendersNothing) {
+  Options o = options();
+  o.list_presets = true;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(run(o), 0);
+  const std::string listed = testing::internal::GetCapturedStdout();
+  EXPECT_TRUE(listed.starts_with("skin\nmuscle\n")) << listed;
+  EXPECT_FALSE(fs::exists(o.picture));
+  o.input = folder_ / "missing";
+  EXPECT_EQ(run(o), kExitNoInput);
+}
+
 TEST_F(Command, StopsAtTheRequestedError) {
   Options o = options();
   o.error = 0.05;

@@ -152,8 +152,12 @@ void add_input(::CLI::App& app, Options& options, Texts& texts) {
   app.add_option("INPUT", options.input, "the scan")->required();
   auto* scene =
       app.add_option("--scene", options.scene_file, "scene file (JSON)")->type_name("FILE");
-  app.add_option("--preset", options.preset, "preset: skin, muscle, vessels, bone or airways")
+  app.add_option("--preset", options.preset,
+                 "preset: skin, muscle, vessels, bone or airways, and for a CT through or dense")
       ->type_name("NAME")
+      ->excludes(scene);
+  app.add_flag("--list-presets", options.list_presets,
+               "print the names of the presets that this scan can show, and render nothing")
       ->excludes(scene);
   app.add_option("--size", texts.size, "size of the picture in pixels (default: 512x512)")
       ->type_name("WxH")
@@ -218,7 +222,6 @@ void add_output(::CLI::App& app, Options& options) {
   app.add_option("--out", options.picture,
                  "output picture: .png or .ppm (8 bits, tone-mapped), or .exr (linear radiance, "
                  "32-bit float)")
-      ->required()
       ->type_name("FILE")
       ->check(check_picture, "")
       ->check(check_folder_of, "");
@@ -256,8 +259,11 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
     options.engine = engine_choice(texts.engine);
-    if (app.count("--scene") == 0 && app.count("--preset") == 0) {
-      throw ::CLI::RequiredError("--scene or --preset");
+    if (!options.list_presets) {
+      if (app.count("--scene") == 0 && app.count("--preset") == 0) {
+        throw ::CLI::RequiredError("--scene or --preset");
+      }
+      if (app.count("--out") == 0) throw ::CLI::RequiredError("--out");
     }
   } catch (const ::CLI::ParseError& error) {
     std::ostringstream out, err;

@@ -39,6 +39,7 @@ struct Options {
   std::string picture;         ///< .png, .exr or .ppm
   std::string report;          ///< path for JSON; "-" is standard output; empty: none
   bool denoise = false;
+  bool list_presets = false;  ///< prints the presets that the scan can show, and renders nothing
   bool quiet = false;
 
   StopRule stop_rule() const;

@@ -55,6 +55,12 @@ TEST(RenderOptions, ErrorOrTimeLimitReplacesTheDefaultSampleCount) {
   EXPECT_EQ(rule_of({"--seconds", "3", "--samples", "5"}).samples, 5u);
 }
 
+TEST(RenderOptions, ListingPresetsNeedsNoPicture) {
+  const auto parsed = parse_words({"scan", "--list-presets"});
+  ASSERT_TRUE(std::holds_alternative<Options>(parsed));
+  EXPECT_TRUE(std::get<Options>(parsed).list_presets);
+}
+
 TEST(RenderOptions, RefusesInvalidOptionsByName) {
   expect_refused({"scan", "--preset", "bone"}, "--out");
   expect_refused({"--preset", "bone", "--out", "a.ppm"}, "INPUT");

@@ -66,7 +66,7 @@ TEST(Framing, ShowsTheWholeBoxOfAScanWithoutABody) {
 TEST(Framing, BringsTheCameraOfEveryPresetToTheBody) {
   const volume::Volume volume = ct(block);
   const Framing framing = visible_part(volume);
-  for (const auto& preset : presets_for(volume.header, framing)) {
+  for (const auto& preset : presets_for(volume.header, framing, true)) {
     const auto& camera = preset.scene().camera();
     EXPECT_NEAR(camera.target().x(), framing.centre[0], 1e-9) << preset.name();
     EXPECT_NEAR(camera.target().y(), framing.centre[1], 1e-9) << preset.name();

@@ -148,8 +148,8 @@ TEST(Presets, AreValidAndShowTheWholeBoxForEveryVolume) {
   const volume::Volume others[] = {ct, test::constant_volume(1, 0),
                                    test::constant_volume(5, -32768), volume_of(turned_header())};
   for (const volume::Volume& v : others) {
-    const auto presets = presets_for(v.header, whole_box(v.header));
-    ASSERT_EQ(presets.size(), 5u);
+    const auto presets = presets_for(v.header, whole_box(v.header), true);
+    ASSERT_GE(presets.size(), 4u);
     for (const auto& preset : presets) {
       const auto checked = check_scene(preset.scene());
       EXPECT_TRUE(checked) << preset.name() << ": " << (checked ? "" : checked.error().message);
@@ -171,9 +171,10 @@ TEST(Presets, AirwaysPresetShowsTranslucentAirWalls) {
   for (const double unseen : {-1000.0, -950.0, -100.0, 0.0, 50.0, 400.0, 1500.0}) {
     EXPECT_EQ(extinction_at(unseen), 0) << unseen;
   }
-  EXPECT_GT(extinction_at(-550), 0.1);
   constexpr double kWall = 2;  // mm
-  EXPECT_GT(std::exp(-2 * kWall * extinction_at(-550)), 0.4) << "the interior is visible";
+  const double through_wall = std::exp(-kWall * extinction_at(-550));
+  EXPECT_LT(through_wall, 0.9) << "a wall is visible";
+  EXPECT_GT(through_wall * through_wall, 0.4) << "the interior is visible";
 }
 
 }  // namespace

@@ -57,12 +57,14 @@ struct LookMaterial {
 };
 
 struct Look {
-  const char* name;
+  std::string_view name;
   double extinction_per_mm;
   int bounces;
   double exposure;
   std::initializer_list<LookMaterial> materials;
 };
+
+constexpr std::string_view kVessels = "vessels", kDense = "dense", kAirways = "airways";
 
 /// The gradient of the opacity, per mm, at which two thirds of the collisions are with a surface:
 /// low, so that all borders of organs are surfaces.
@@ -72,14 +74,17 @@ constexpr double kGradientScale = 0.05;
 // darker and more saturated.
 constexpr Matter kSkin{"skin", {0.82, 0.49, 0.36}, 0.030, 0.42};
 constexpr Matter kFat{"fat", {0.92, 0.74, 0.42}, 0.040, 0.55};
-constexpr Matter kMuscle{"muscle", {0.66, 0.19, 0.13}, 0.050, 0.62};
+constexpr Matter kMuscle{"muscle", {0.58, 0.13, 0.11}, 0.050, 0.62};
 constexpr Matter kVessel{"vessels", {0.74, 0.07, 0.05}, 0.060, 0.70};
 constexpr Matter kSpongyBone{"spongy bone", {0.90, 0.79, 0.60}, 0.040, 0.45};
 constexpr Matter kBone{"bone", {0.95, 0.90, 0.80}, 0.045, 0.55};
+constexpr Matter kEnamel{"enamel", {0.97, 0.94, 0.88}, 0.055, 0.75};
 constexpr Matter kLining{"airways", {0.55, 0.82, 0.93}, 0.060, 0.70};
 constexpr Matter kSurface{"surface", {0.83, 0.55, 0.43}, 0.030, 0.42};
 constexpr Matter kMiddle{"middle", {0.82, 0.50, 0.40}, 0.040, 0.55};
 constexpr Matter kBright{"bright", {0.94, 0.86, 0.74}, 0.040, 0.55};
+
+constexpr double kInAirways = -650, kHardBone = 1300;
 
 // Hounsfield units: air -1000, lung -850 to -700, fat -100, water 0, muscle 50, contrast 150 to
 // 400, spongy bone from 200, compact bone from 600.
@@ -97,12 +102,11 @@ const Look kCtLooks[] = {
      2.0,
      2,
      0.2,
-     {{kFat, {{-140, 0}, {-80, 0.03}, {-20, 0}}, false},
-      {kMuscle, {{5, 0}, {55, 0.75}, {180, 0.9}, {260, 0}}, false},
+     {{kMuscle, {{-20, 0}, {60, 0.8}, {180, 0.9}, {260, 0}}, false},
       {kBone, {{180, 0}, {420, 1}}, true}}},
     // Where values rise from tissue to bone, they pass those of vessels within half a millimetre.
     // This must not redden the bone, so vessels are thin matter, opaque only over some millimetres.
-    {"vessels",
+    {kVessels,
      2.5,
      2,
      0.2,
@@ -114,9 +118,24 @@ const Look kCtLooks[] = {
      0.2,
      {{kSpongyBone, {{140, 0}, {260, 0.35}, {500, 0.9}, {900, 0}}, false},
       {kBone, {{450, 0}, {900, 1}}, true}}},
+    // Skin like glass around the bone. Thin matter keeps its shape visible, since it is densest
+    // where the line of sight touches it.
+    {"through",
+     2.5,
+     2,
+     0.2,
+     {{kSkin, {{-480, 0}, {-300, 0.02}, {-130, 0.02}, {-60, 0}}, false},
+      {kBone, {{220, 0}, {450, 1}}, true}}},
+    // Teeth, and the hard bone around the inner ear, within the rest of the bone.
+    {kDense,
+     2.5,
+     2,
+     0.2,
+     {{kSpongyBone, {{200, 0}, {400, 0.01}, {1000, 0.01}, {1300, 0}}, false},
+      {kEnamel, {{1300, 0}, {1700, 1}}, true}}},
     // The values between air and tissue. They are thin, because the skin has such values as well
     // and must not hide the walls within, which appear one behind the other.
-    {"airways", 1.4, 1, 0, {{kLining, {{-900, 0}, {-650, 0.08}, {-450, 0.08}, {-250, 0}}, false}}},
+    {kAirways, 1.4, 1, 0, {{kLining, {{-900, 0}, {-650, 0.05}, {-450, 0.05}, {-250, 0}}, false}}},
 };
 
 // Values of other modalities: 0 is the least, 1 is tissue, 2 the brightest (see value_of()).
@@ -134,9 +153,9 @@ const Look kOtherLooks[] = {
      0.2,
      {{kMiddle, {{0.40, 0}, {0.60, 0.5}, {0.80, 0.8}, {0.92, 0}}, false},
       {kBright, {{0.84, 0}, {1.0, 1}}, true}}},
-    {"vessels", 2.0, 2, 0.2, {{kVessel, {{1.2, 0}, {1.5, 0.9}}, true}}},
+    {kVessels, 2.0, 2, 0.2, {{kVessel, {{1.2, 0}, {1.5, 0.9}}, true}}},
     {"bone", 2.0, 2, 0.2, {{kBright, {{0.75, 0}, {1.0, 1}}, true}}},
-    {"airways", 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
+    {kAirways, 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
 /// Half the diagonal of the box around what is framed, mm.
@@ -145,14 +164,31 @@ double radius_of(const Framing& framing) {
   return std::hypot(half[0], half[1], half[2]);
 }
 
-/// A value of kOtherLooks. Tissue is what is brighter than nine tenths of the volume, unless most
-/// of the volume is air.
-double value_of(const volume::Header& header, double level) {
+/// The values of a scan that is not a CT.
+struct Brightness {
+  double least, tissue, most;
+};
+
+/// Tissue is what is brighter than nine tenths of the volume, unless most of the volume is air.
+Brightness brightness_of(const volume::Header& header) {
   const auto& at = header.percentiles;
   const double least = at[0], most = at[7] > least ? at[7] : least + 1;
   const double tissue = std::max(at[5], least + 0.6 * (at[6] - least));
   const double span = std::clamp(tissue - least, 0.05 * (most - least), 0.9 * (most - least));
-  return level <= 1 ? least + level * span : least + span + (level - 1) * (most - least - span);
+  return {least, least + span, most};
+}
+
+/// A value of kOtherLooks.
+double value_of(const volume::Header& header, double level) {
+  const auto [least, tissue, most] = brightness_of(header);
+  return level <= 1 ? least + level * (tissue - least) : tissue + (level - 1) * (most - tissue);
+}
+
+/// Whether some parts are so much brighter than tissue as blood is in angiography.
+bool has_bright_vessels(const volume::Header& header) {
+  constexpr double kTimesTissue = 2.5;
+  const auto [least, tissue, most] = brightness_of(header);
+  return most - least > kTimesTissue * (tissue - least);
 }
 
 void fill_channel(const volume::Header& header, const LookMaterial& material,
@@ -270,6 +306,22 @@ v1::Scene scene_of(const volume::Header& header, const Framing& framing, const L
   return scene;
 }
 
+v1::Preset preset_of(const volume::Header& header, const Framing& framing, const Look& look) {
+  v1::Preset preset;
+  preset.set_name(std::string(look.name));
+  *preset.mutable_scene() = scene_of(header, framing, look);
+  return preset;
+}
+
+bool can_show(const volume::Header& header, std::string_view look, bool contrast_agent) {
+  const bool ct = header.modality == volume::Modality::kCt;
+  if (look == kVessels) return ct ? contrast_agent : has_bright_vessels(header);
+  // A thousandth of a head is a few millilitres, less than its teeth.
+  if (look == kDense) return header.percentiles[7] > kHardBone;
+  if (look == kAirways && ct) return header.minimum < kInAirways;
+  return true;
+}
+
 std::span<const Look> looks_for(const volume::Header& header) {
   if (header.modality == volume::Modality::kCt) return kCtLooks;
   return kOtherLooks;
@@ -277,20 +329,20 @@ std::span<const Look> looks_for(const volume::Header& header) {
 
 }  // namespace
 
-std::vector<v1::Preset> presets_for(const volume::Header& header, const Framing& framing) {
+std::vector<v1::Preset> presets_for(const volume::Header& header, const Framing& framing,
+                                    bool contrast_agent) {
   std::vector<v1::Preset> presets;
   for (const Look& look : looks_for(header)) {
-    v1::Preset& preset = presets.emplace_back();
-    preset.set_name(look.name);
-    *preset.mutable_scene() = scene_of(header, framing, look);
+    if (!can_show(header, look.name, contrast_agent)) continue;
+    presets.push_back(preset_of(header, framing, look));
   }
   return presets;
 }
 
 Result<v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
                               std::string_view name) {
-  for (auto& preset : presets_for(header, framing)) {
-    if (preset.name() == name) return preset;
+  for (const Look& look : looks_for(header)) {
+    if (look.name == name) return preset_of(header, framing, look);
   }
   return fail(ErrorCode::kNotFound, "there is no preset with this name", "preset");
 }

@@ -11,11 +11,16 @@
 
 namespace diaphane::render {
 
-/// Returns the presets (skin, muscle, vessels, bone, airways) fitted to a volume. The camera looks
-/// at the patient's face from slightly above and from their left, and the framed ellipsoid fits the
-/// picture. Lights scale with it. Ranges are in Hounsfield units for CT and by percentiles
-/// otherwise. Whoever changes a look also raises the version in api/service/thumbnails.cpp.
-std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header, const Framing& framing);
+/// Returns the presets that a volume can show, fitted to it: of skin, muscle, vessels, bone,
+/// through, dense and airways in a CT, and of skin, muscle, vessels, bone and airways otherwise.
+/// The camera looks at the patient's face from slightly above and from their left, and the framed
+/// ellipsoid fits the picture. Lights scale with it. Ranges are in Hounsfield units for CT and by
+/// percentiles otherwise. A CT needs contrast agent for vessels (shows_contrast_agent()), teeth or
+/// similar bone for dense, and air for airways; other scans need parts much brighter than tissue
+/// for vessels. Whoever changes a look also raises the version in api/service/thumbnails.cpp.
+std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header, const Framing& framing,
+                                              bool contrast_agent);
+/// Returns one preset, even if the volume can't show it well.
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
                                         std::string_view name);
 

@@ -62,7 +62,7 @@ class Assist : public testing::Test {
     const auto volume = volume::read(store_.path + "/" + volume_, false);
     ASSERT_TRUE(volume);
     loaded_ = *engine_->load(*volume);
-    scene_ = presets_for(loaded_->header(), whole_box(loaded_->header())).front().scene();
+    scene_ = presets_for(loaded_->header(), whole_box(loaded_->header()), true).front().scene();
     renderer_ = *engine_->renderer(loaded_, 5, 0, kLiveMethod);
     ASSERT_TRUE(renderer_->set_scene(scene_, kCanvas));
   }

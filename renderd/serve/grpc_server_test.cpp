@@ -220,7 +220,7 @@ TEST_F(GrpcTest, RendersStillWithErrorAndLimits) {
   header.size = {24, 24, 24};
   header.spacing = {4, 4, 4};
   header.modality = volume::Modality::kCt;
-  *request.mutable_scene() = presets_for(header, whole_box(header)).front().scene();
+  *request.mutable_scene() = presets_for(header, whole_box(header), true).front().scene();
   request.set_samples(4096);
   request.set_error(0.2);
   request.set_background(true);

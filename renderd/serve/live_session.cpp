@@ -114,7 +114,8 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   auto renderer = renderer_of(volume);
   if (!renderer) return failed(renderer.error());
   std::vector<v1::Preset> presets =
-      presets_for((*volume)->header(), parts_.stats.framing_of(**volume));
+      presets_for((*volume)->header(), parts_.stats.framing_of(**volume),
+                  parts_.stats.of(**volume).contrast_agent);
   if (presets.empty()) {
     return failed({ErrorCode::kUnsupported, "This type of scan can't be displayed.", {}});
   }

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "renderd/scene/contrast_agent.h"
 #include "renderd/session/histogram.h"
 #include "volume/labels.h"
 
@@ -10,7 +11,7 @@ namespace diaphane::render {
 
 VolumeStats stats_of(const volume::Volume& volume) {
   return {histogram_of(volume), coarse_of(volume), volume::has_support(volume),
-          visible_part(volume)};
+          visible_part(volume), shows_contrast_agent(volume)};
 }
 
 void VolumeStatsCache::add(const std::shared_ptr<const DeviceVolume>& volume, VolumeStats stats) {

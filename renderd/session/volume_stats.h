@@ -18,6 +18,7 @@ struct VolumeStats {
   std::shared_ptr<const CoarseVolume> coarse;
   bool has_support = false;        ///< volume::has_support()
   std::optional<Framing> framing;  ///< visible_part()
+  bool contrast_agent = false;     ///< shows_contrast_agent()
 };
 VolumeStats stats_of(const volume::Volume& volume);
 

@@ -168,7 +168,7 @@ def test_one_looks_around_by_mouse_by_keys_and_by_touch(stack: TestStack, visit,
 
     # The looks: by mouse, by touch, by digit.
     for choose, name in ((lambda: page.locator("[data-preset=bone]").click(), "bone"), (lambda: page.locator("[data-preset=muscle]").tap(), "muscle"),
-                         (lambda: page.keyboard.press("1"), "skin"), (lambda: page.keyboard.press("5"), "airways")):
+                         (lambda: page.keyboard.press("1"), "skin"), (lambda: page.keyboard.press("6"), "airways")):
         old = hands.picture()
         hands.act(choose)
         expect(page.locator(f"[data-preset={name}]")).to_have_attribute("aria-pressed", "true")

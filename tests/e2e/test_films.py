@@ -19,6 +19,10 @@ from picture import drag, facts, wait_for_samples
 from test_take_away import chunks, live_answers, wait_for_sessions
 
 
+#: Two cores that other tests keep busy take minutes for ten frames.
+FILM_PATIENCE_MS = 400_000
+
+
 @pytest.fixture(scope="module")
 def marked(tmp_path_factory) -> Path:
     """A volume with a large ball at the patient's left (x rises to the left) and a small one at the right. Without the small one,
@@ -74,7 +78,7 @@ def ask_for_ten_frames(dialog) -> None:
 
 
 def saved_film(page: Page, dialog, to: Path) -> Path:
-    with page.expect_download() as download:
+    with page.expect_download(timeout=FILM_PATIENCE_MS) as download:
         dialog.get_by_role("button", name="Save the video").click()
         expect(page.locator("[data-shot=rendering]")).to_be_visible()
     assert re.fullmatch(r"diaphane-[\d-]+\.mp4", download.value.suggested_filename)

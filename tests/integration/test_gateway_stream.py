@@ -26,7 +26,7 @@ def breakable(stack_factory):
 def test_a_scene_changes_the_picture_and_the_epoch(running, session):
     viewer = Viewer(running.url, session[1])
     assert viewer.config.session_id == session[0]
-    assert {preset.name for preset in viewer.config.presets} == {"skin", "muscle", "vessels", "bone", "airways"}
+    assert {preset.name for preset in viewer.config.presets} == {"skin", "muscle", "bone", "through", "airways"}
     first = viewer.frame()
     assert first.data[:2] == b"\xff\xd8" and first.width == first.height == 96
     seq = viewer.turn(40)

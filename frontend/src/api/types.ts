@@ -220,8 +220,8 @@ export interface ProblemBody {
   readonly errors?: readonly { readonly field: string; readonly message: string }[];
 }
 
-export type PresetName = "skin" | "muscle" | "vessels" | "bone" | "airways";
-export const presetNames: readonly PresetName[] = ["skin", "muscle", "vessels", "bone", "airways"];
+export const presetNames = ["skin", "muscle", "vessels", "bone", "through", "dense", "airways"] as const;
+export type PresetName = (typeof presetNames)[number];
 
 export interface RecordingInfo {
   readonly id: string;

@@ -72,7 +72,15 @@ export const viewer: Texts["viewer"] = {
     hide: "Tipps ausblenden",
   },
   presets: "Darstellungen",
-  lookOfCt: { skin: "Haut", muscle: "Muskeln", vessels: "Gefäße", bone: "Knochen", airways: "Luftwege" },
+  lookOfCt: {
+    skin: "Haut",
+    muscle: "Muskeln",
+    vessels: "Gefäße",
+    bone: "Knochen",
+    through: "Durchsichtig",
+    dense: "Zähne",
+    airways: "Luftwege",
+  },
   lookOfOther: {
     skin: "Oberfläche",
     muscle: "Weichgewebe",

@@ -74,9 +74,15 @@ export const viewer = {
   },
   presets: "Looks",
   /** Names of the built-in looks. Only CT values distinguish skin, muscle, bone and air. */
-  lookOfCt: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone", airways: "Airways" } as Readonly<
-    Record<string, string>
-  >,
+  lookOfCt: {
+    skin: "Skin",
+    muscle: "Muscle",
+    vessels: "Vessels",
+    bone: "Bone",
+    through: "See-through",
+    dense: "Teeth",
+    airways: "Airways",
+  } as Readonly<Record<string, string>>,
   lookOfOther: {
     skin: "Surface",
     muscle: "Soft tissue",
