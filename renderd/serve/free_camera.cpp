@@ -30,9 +30,10 @@ void LiveSession::follow(const v1::Scene& presenters) {
 bool LiveSession::enter_free_camera(std::uint64_t connection, Receiver& receiver,
                                     const std::shared_ptr<ClientLink>& link,
                                     const std::shared_ptr<LiveSession>& made) {
+  const SessionStatus status = made->status();
   const auto there = made->attach(
       link, {receiver.participant, receiver.name, {}, receiver.viewer, receiver.may_have_slices},
-      made->placement());
+      {status.placement, status.visitor});
   if (!there) {
     v1::ServerMessage message;
     *message.mutable_problem() = problem_of(there.error(), 0, false);
@@ -103,7 +104,7 @@ bool LiveSession::take_camera_back(const std::string& session) {
     const std::lock_guard lock(mutex_);
     const auto found =
         std::find_if(free_cameras_.begin(), free_cameras_.end(),
-                     [&](const auto& one) { return one.second.session->id() == session; });
+                     [&](const auto& one) { return one.second.session->facts().id == session; });
     if (found == free_cameras_.end()) return false;
     connection = found->first;
   }

@@ -10,6 +10,7 @@
 #include "common/log.h"
 #include "common/try.h"
 #include "renderd/scene/presets.h"
+#include "renderd/serve/session_client.h"
 #include "renderd/serve/session_lane.h"
 #include "volume/header.h"
 #include "volume/slice_interpolation.h"
@@ -60,25 +61,20 @@ std::uint64_t random_seed() {
 
 LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended)
     : parts_(std::move(parts)),
-      id_(start.id),
-      volume_id_(start.volume_id),
-      user_id_(std::move(start.user_id)),
-      charged_to_(std::move(start.charged_to)),
-      link_(std::move(start.link)),
-      camera_only_(start.camera_only),
-      group_(std::move(start.group)),
+      facts_(std::move(start.facts)),
       created_(parts_.clock.now()),
       visitor_(start.visitor),
-      on_ended_(std::move(ended)) {
-  state_.id = std::move(start.id);
-  state_.volume_id = std::move(start.volume_id);
+      on_ended_(std::move(ended)),
+      client_(std::make_shared<Client>(*this)) {
+  state_.id = facts_.id;
+  state_.volume_id = facts_.volume_id;
   state_.placement = start.placement;
   with_table_ = start.scene && start.scene->show_table();
   state_.wanted.scene = std::move(start.scene);
   state_.wanted.viewport = start.viewport;
   state_.wanted.input_seq = start.input_seq;
   state_.wanted.version = 1;
-  state_.camera_only = start.camera_only;
+  state_.camera_only = facts_.camera_only;
   state_.audience.guest_slices = start.guest_slices;
   if (!start.presenter.empty()) state_.audience.presenter = std::move(start.presenter);
   state_.codecs.clear();
@@ -91,7 +87,8 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
 }
 
 Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
-                                          std::uint64_t placement) {
+                                          Opening opening) {
+  visitor_ = opening.visitor;
   const std::lock_guard lock(mutex_);
   const auto attached = render::attach(state_, join, parts_.clock.now());
   DIAPHANE_TRY(attached);
@@ -100,7 +97,7 @@ Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, cons
                 {ErrorCode::kConflict, "This session was opened in another window.", {}}, true);
   }
   links_.emplace(attached->connection, std::move(link));
-  state_.placement = placement;
+  state_.placement = opening.placement;
   return attached->connection;
 }
 
@@ -110,7 +107,14 @@ Result<std::unique_ptr<FrameRenderer>> LiveSession::renderer_of(
   return parts_.engine.renderer(*volume, random_seed(), 0, kLiveMethod);
 }
 
-void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume) {
+void LiveSession::start() {
+  parts_.volumes.get({facts_.volume_id, with_table_},
+                     [self = shared_from_this()](Result<VolumeCache::Handle> volume) {
+                       self->volume_ready(std::move(volume));
+                     });
+}
+
+void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   auto renderer = renderer_of(volume);
   if (!renderer) return failed(renderer.error());
   std::vector<v1::Preset> presets =
@@ -133,7 +137,8 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   }
   if (!state_.wanted.scene) state_.wanted.scene = first_look();
   runner_handle_ =
-      parts_.runner.add(shared_from_this(), std::move(*renderer), first_epoch(state_.placement));
+      parts_.runner.add(std::shared_ptr<RenderClient>(shared_from_this(), client_.get()),
+                        std::move(*renderer), first_epoch(state_.placement));
   for (const Receiver& receiver : state_.audience.receivers) {
     if (receiver.greeted) send_config(receiver.connection);
   }
@@ -241,12 +246,9 @@ void LiveSession::end(const Error& why) {
   if (handle != 0) parts_.runner.remove(handle);
 }
 
-void LiveSession::tick() {
+void LiveSession::tick(std::size_t sessions) {
   Lanes poked;
   std::vector<std::uint64_t> delayed;  // with slice requests over their limit
-  // The host locks itself and then its sessions, so it must not be called under this session's
-  // lock.
-  const std::size_t sessions = parts_.session_count();
   {
     const std::lock_guard lock(mutex_);
     const TimePoint now = parts_.clock.now();
@@ -286,24 +288,16 @@ void LiveSession::tick() {
   send_tiles();
 }
 
-double LiveSession::device_seconds() const {
+SessionStatus LiveSession::status() const {
   const std::lock_guard lock(mutex_);
-  return device_seconds_;
-}
-
-std::uint64_t LiveSession::placement() const {
-  const std::lock_guard lock(mutex_);
-  return state_.placement;
-}
-
-std::optional<std::chrono::steady_clock::duration> LiveSession::abandoned_for() const {
-  const std::lock_guard lock(mutex_);
-  if (!state_.audience.receivers.empty()) return std::nullopt;
-  return parts_.clock.now() - state_.detached_since;
+  const TimePoint now = parts_.clock.now();
+  SessionStatus status{state_.placement, device_seconds_, visitor_, now - created_, std::nullopt};
+  if (state_.audience.receivers.empty()) status.abandoned_for = now - state_.detached_since;
+  return status;
 }
 
 LiveSession::Saved LiveSession::saved() const {
-  return Saved{id_,
+  return Saved{facts_.id,
                state_.placement,
                state_.wanted.scene->SerializeAsString(),
                state_.wanted.input_seq,
@@ -321,12 +315,13 @@ std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
 
 std::optional<LiveSession::RecoveryRecord> LiveSession::recovery_record() const {
   const std::lock_guard lock(mutex_);
-  if (ended_ || !state_.wanted.scene || user_id_.empty()) return std::nullopt;
+  if (ended_ || !state_.wanted.scene || facts_.user_id.empty()) return std::nullopt;
   std::set<std::string> links;
   for (const Receiver& receiver : state_.audience.receivers) {
     if (!receiver.link.empty()) links.insert(receiver.link);
   }
-  return RecoveryRecord{saved(), user_id_, volume_id_, {links.begin(), links.end()}, visitor_};
+  return RecoveryRecord{
+      saved(), facts_.user_id, facts_.volume_id, {links.begin(), links.end()}, visitor_};
 }
 
 void LiveSession::mark_unsaved() {
@@ -334,51 +329,8 @@ void LiveSession::mark_unsaved() {
   state_.unsaved = true;
 }
 
-ViewRequest LiveSession::wanted() {
-  const std::lock_guard lock(mutex_);
-  const TimePoint now = parts_.clock.now();
-  if (textures_ready() && volume_fits()) ready_ = state_.wanted;
-  version_.store(ready_.version, std::memory_order_relaxed);
-  ViewRequest wanted = ready_;
-  if (visitor_) wanted.viewport = visitor_canvas(wanted.viewport);
-  wanted.picture_again = state_.wanted.picture_again;
-  wanted.kernel_report = state_.wanted.kernel_report;
-  wanted.visible = watched(state_, now);
-  wanted.room = std::any_of(lanes_.begin(), lanes_.end(), [&](const auto& lane) {
-    return lane->slot->slot_free() && has_room(state_, lane->codec, now);
-  });
-  // The request of a hidden viewer is kept until the viewer returns.
-  if (wanted.visible) state_.wanted.picture_again = false;
-  return wanted;
-}
-
-std::uint64_t LiveSession::version() const noexcept {
-  return version_.load(std::memory_order_relaxed);
-}
-
-void LiveSession::began(std::uint64_t epoch, const ViewRequest& wanted) {
-  const std::lock_guard lock(mutex_);
-  render::began(state_, epoch, wanted);
-  last_.reset();
-}
-
-void LiveSession::refused(const ViewRequest& wanted, const Error& why) {
-  std::unique_lock lock(mutex_);
-  const Outcome outcome = render::refused(state_, wanted, why);
-  answer_presenter(outcome, lock);
-}
-
-void LiveSession::rendered(const Batch& batch) {
-  parts_.metrics.rendered(batch.samples, batch.seconds, batch.dropped_samples);
-  parts_.gpu_time.add(charged_to_, batch.seconds + batch.helped_seconds);
-  const std::lock_guard lock(mutex_);
-  device_seconds_ += batch.seconds;
-  samples_since_ += batch.samples;
-  dropped_samples_ += batch.dropped_samples;
-}
-
 void LiveSession::failed(const Error& why) {
-  log::warning("session_failed", {{"session", id_}, {"code", to_string(why.code)}});
+  log::warning("session_failed", {{"session", facts_.id}, {"code", to_string(why.code)}});
   end(why);
   on_ended_(why);
 }
@@ -395,7 +347,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   v1::Config& config = *message.mutable_config();
   const EngineInfo engine = parts_.engine.info();
   config.set_protocol(1);
-  config.set_session_id(id_);
+  config.set_session_id(facts_.id);
   config.set_codec(receiver->codec);
   config.set_engine(engine.engine);
   config.set_device(engine.device);

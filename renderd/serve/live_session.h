@@ -54,6 +54,29 @@ struct SliceParts {
   EncodePool& pool;     ///< holds at most one slice per viewer
 };
 
+/// What never changes about a session.
+struct SessionFacts {
+  std::string id;
+  std::string volume_id;
+  std::string user_id;       ///< owner of the session
+  std::string charged_to;    ///< user whose render time is charged; empty: nobody's
+  bool camera_only = false;  ///< a follower's free camera
+  std::string link = {};     ///< of a guest's free camera: the link by which they joined
+  std::weak_ptr<LiveSession> group = {};  ///< of a follower's free camera
+};
+
+/// What the host asks about a session at one moment.
+struct SessionStatus {
+  std::uint64_t placement = 0;
+  double device_seconds = 0;  ///< used by its samples
+  /// Of a user without an account, within the visitors' share. May change when the session is
+  /// opened again with or without an account.
+  bool visitor = false;
+  std::chrono::steady_clock::duration age{};  ///< how long the session has held its slot
+  /// How long the session has had no viewers; nullopt if it has one.
+  std::optional<std::chrono::steady_clock::duration> abandoned_for;
+};
+
 /// What a session needs from the process. Everything outlives the session.
 struct SessionParts {
   Engine& engine;
@@ -61,7 +84,6 @@ struct SessionParts {
   EncodePool& encoders;
   Metrics& metrics;
   const Clock& clock;
-  std::function<std::size_t()> session_count;
   /// Creates a session for a follower's free camera, in a separate slot. kTooMany: no slot is free.
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group,
                                                      const FreeCameraStart&)>
@@ -80,23 +102,17 @@ struct SessionParts {
 /// One session. It connects the pure state machine to the runner, the encoders and the connections
 /// of all viewers: one render, one encoder per codec in use, many receivers. Thread-safe: called by
 /// the connections, the runner, the encoders and the host's clock.
-class LiveSession final : public RenderClient, public std::enable_shared_from_this<LiveSession> {
+class LiveSession final : public std::enable_shared_from_this<LiveSession> {
  public:
   struct Start {
-    std::string id;
-    std::string volume_id;
+    SessionFacts facts;
     std::uint64_t placement = 0;
     std::shared_ptr<const diaphane::v1::Scene> scene;  ///< null: the volume's first preset
     std::uint64_t input_seq = 0;
     Canvas viewport{512, 512};
-    std::string presenter;     ///< a participant; empty: the owner
-    std::string user_id;       ///< owner of the session
-    std::string charged_to;    ///< user whose render time is charged; empty: nobody's
-    bool camera_only = false;  ///< a follower's free camera
+    std::string presenter;  ///< a participant; empty: the owner
     bool guest_slices = false;
-    bool visitor = false;   ///< of a user without an account, within the visitors' share
-    std::string link = {};  ///< of a guest's free camera: the link by which they joined
-    std::weak_ptr<LiveSession> group = {};  ///< of a follower's free camera
+    bool visitor = false;
   };
   /// State in Redis from which another worker can resume the session.
   struct Saved {
@@ -116,16 +132,22 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::vector<std::string> links;  ///< by which guests joined
     bool visitor = false;
   };
+  /// The placement by which a viewer comes.
+  struct Opening {
+    std::uint64_t placement = 0;
+    bool visitor = false;
+  };
 
   /// `ended` is called once, without a lock, when the session has ended on its own.
   LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended);
 
+  /// Loads the volume that the first scene needs. If that fails, the session ends with a fatal
+  /// Problem. To be called once.
+  void start();
   /// Adds a viewer and ends a previous connection of the same participant. Returns the number of
   /// the connection, or kTooMany.
   Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
-                               std::uint64_t placement);
-  /// Provides the volume. If it could not be loaded, the session ends with a fatal Problem.
-  void volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume);
+                               Opening opening);
   /// Handles a serialised ClientMessage. Ignores messages of connections that have ended.
   void receive(std::uint64_t connection, const std::string& bytes);
   void closed(std::uint64_t connection);
@@ -133,53 +155,23 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void end(const Error& why);
   /// Ends a session that is no longer needed. Calls `ended` without notifying viewers.
   void dismiss();
-  /// Stops sending. The session keeps running until dismissed.
-  void silence();
   /// Returns a follower to the presenter's view after their own session, given by its id, gave up
   /// its slot. Returns false if no viewer uses it.
   bool take_camera_back(const std::string& session);
-  bool has_ended() const;
-  /// Applies the presenter's settings (sessions for a free camera only).
-  void follow(const diaphane::v1::Scene& presenters);
-  /// To be called at least once per second.
-  void tick();
+  /// To be called at least once per second with the number of sessions on this worker.
+  void tick(std::size_t sessions);
 
-  const std::string& id() const { return id_; }
-  const std::string& volume_id() const { return volume_id_; }
-  /// Returns the volume that the session's first scene needs.
-  VolumeKey shown_volume() const { return {volume_id_, with_table_}; }
-  const std::string& charged_to() const { return charged_to_; }
-  bool camera_only() const { return camera_only_; }
-  const std::string& link() const { return link_; }
-  std::shared_ptr<LiveSession> group() const { return group_.lock(); }
-  bool visitor() const { return visitor_; }
-  /// May change when the session is opened again with or without an account.
-  void set_visitor(bool visitor) { visitor_ = visitor; }
-  /// Returns how long the session has held its slot.
-  std::chrono::steady_clock::duration age() const { return parts_.clock.now() - created_; }
-  std::uint64_t placement() const;
-  /// Returns the GPU seconds used by its samples.
-  double device_seconds() const;
-  /// Returns how long the session has had no viewers, or nullopt if it has one.
-  std::optional<std::chrono::steady_clock::duration> abandoned_for() const;
+  const SessionFacts& facts() const { return facts_; }
+  SessionStatus status() const;
   /// Returns the scene if Redis has an older one. mark_unsaved() makes it due again.
   std::optional<Saved> take_unsaved();
   void mark_unsaved();
   /// Empty until a scene is set and the owner is known.
   std::optional<RecoveryRecord> recovery_record() const;
 
-  // RenderClient
-  bool of_visitor() const override { return visitor_; }
-  ViewRequest wanted() override;
-  std::uint64_t version() const noexcept override;
-  void began(std::uint64_t epoch, const ViewRequest& wanted) override;
-  void refused(const ViewRequest& wanted, const Error& why) override;
-  void rendered(const Batch& batch) override;
-  void picture(RenderedPicture picture) override;
-  void kernel(const KernelReport& report) override;
-  void failed(const Error& why) override;
-
  private:
+  /// The session as the runner sees it (session_client.h).
+  class Client;
   /// A codec in use: the slot of its encoder, and its link to this session.
   class Lane;
   using Lanes = std::vector<std::shared_ptr<Lane>>;
@@ -235,6 +227,11 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   /// Returns the volume's default look with the clip of the scene that it replaces, so that removed
   /// parts stay hidden. Precondition: the volume is loaded.
   std::shared_ptr<const diaphane::v1::Scene> first_look() const;
+  /// Stops sending. The session keeps running until dismissed.
+  void silence();
+  /// Applies the presenter's settings (sessions for a free camera only).
+  void follow(const diaphane::v1::Scene& presenters);
+  bool has_ended() const;
   void update_free_cameras();
   void notify_stale_slices();
   std::shared_ptr<LiveSession> take_free_camera(std::uint64_t connection);
@@ -250,13 +247,15 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
                  std::unique_lock<std::mutex>& lock);
   /// Carries out what concerns the presenter.
   void answer_presenter(const Outcome& outcome, std::unique_lock<std::mutex>& lock);
-  Lanes lanes() const;
   Saved saved() const;  // requires the lock
 
   // Showing or hiding the table needs another copy of the volume, which is loaded before the runner
   // receives the scene (session_volume.cpp). Requires the lock:
   bool volume_fits();
   // Must be called without the lock:
+  void volume_ready(Result<VolumeCache::Handle> volume);
+  /// Ends the session, because it cannot continue.
+  void failed(const Error& why);
   Result<std::unique_ptr<FrameRenderer>> renderer_of(const Result<VolumeCache::Handle>& volume);
   void other_volume_ready(bool with_table, Result<VolumeCache::Handle> loaded);
 
@@ -269,16 +268,11 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
                         Result<std::shared_ptr<const PreparedTextures>> decoded);
 
   SessionParts parts_;
-  const std::string id_;
-  const std::string volume_id_;
-  const std::string user_id_;
-  const std::string charged_to_;
-  const std::string link_;
-  const bool camera_only_;
-  const std::weak_ptr<LiveSession> group_;
+  const SessionFacts facts_;
   const TimePoint created_;
   std::atomic<bool> visitor_;
   const std::function<void(const Error&)> on_ended_;
+  const std::shared_ptr<Client> client_;
 
   mutable std::mutex mutex_;
   SessionState state_;

@@ -104,7 +104,7 @@ Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connecti
   DIAPHANE_TRY(renderer);
   auto link = std::make_shared<FileLink>(weak_from_this(), connection);
   // The work owns the reservation, also while a lane still holds the work.
-  auto took = [&meter = parts_.gpu_time, user = charged_to_,
+  auto took = [&meter = parts_.gpu_time, user = facts_.charged_to,
                place = std::move(place)](double seconds) { meter.add(user, seconds); };
   auto work = std::make_shared<FileWork>(parts_.runner, parts_.encoders, std::move(*renderer),
                                          std::move(*maker), link, std::move(took));

@@ -26,14 +26,14 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   if (!is_id(open.volume_id()))
     return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
   LiveSession::Start start;
-  start.id = open.session_id();
-  start.volume_id = open.volume_id();
+  start.facts.id = open.session_id();
+  start.facts.volume_id = open.volume_id();
   start.placement = open.placement();
   start.input_seq = open.input_seq();
   start.presenter = open.presenter();
   start.guest_slices = open.guest_slices();
   start.visitor = open.visitor();
-  if (is_id(open.user_id())) start.user_id = start.charged_to = open.user_id();
+  if (is_id(open.user_id())) start.facts.user_id = start.facts.charged_to = open.user_id();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
     // The saved viewport may be unusable. The browser's Hello contains the current one.
@@ -92,8 +92,8 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
   DIAPHANE_TRY(start);
   const auto join = join_request_of(open);
   DIAPHANE_TRY(join);
-  const std::string id = start->id;
-  const std::string volume_id = start->volume_id;
+  const std::string id = start->facts.id;
+  const std::string volume_id = start->facts.volume_id;
 
   Session session;
   Session evicted;
@@ -104,10 +104,10 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
     if (refusing_) return tl::unexpected(stopping());
     if (const auto found = sessions_.find(id); found != sessions_.end()) {
       session = found->second;
-      if (open.placement() < session->placement()) {
+      if (open.placement() < session->status().placement) {
         return fail(ErrorCode::kConflict, "The session has since moved to another worker.");
       }
-      if (session->volume_id() != volume_id) {
+      if (session->facts().volume_id != volume_id) {
         return fail(ErrorCode::kInvalid, "The session belongs to a different volume.", "volume_id");
       }
     } else {
@@ -127,17 +127,15 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
       sessions_.emplace(id, session);
       metrics_.sessions(sessions_.size());
     }
-    session->set_visitor(open.visitor());
-    const auto attached = session->attach(std::move(link), *join, open.placement());
+    const auto attached =
+        session->attach(std::move(link), *join, {open.placement(), open.visitor()});
     DIAPHANE_TRY(attached);
     connection = *attached;
   }
   if (evicted) end_evicted(evicted);
   if (is_new) {
     log::info("session_opened", {{"session", id}, {"volume", volume_id}});
-    volumes_.get(session->shown_volume(), [session](Result<VolumeCache::Handle> volume) {
-      session->volume_ready(std::move(volume));
-    });
+    session->start();
   }
   return Attachment(std::move(session), connection);
 }
@@ -148,7 +146,6 @@ SessionParts SessionHost::parts() {
           encoders_,
           metrics_,
           clock_,
-          [this] { return used(); },
           [this](const LiveSession& group, const FreeCameraStart& camera) {
             return open_free_camera(group, camera);
           },
@@ -166,19 +163,20 @@ SessionParts SessionHost::parts() {
 Result<SessionHost::Session> SessionHost::open_free_camera(const LiveSession& group,
                                                            const FreeCameraStart& camera) {
   LiveSession::Start start;
-  start.id = new_id();
-  start.volume_id = group.volume_id();
-  start.placement = group.placement();
-  start.charged_to = group.charged_to();
+  const SessionStatus of_group = group.status();
+  start.facts.id = new_id();
+  start.facts.volume_id = group.facts().volume_id;
+  start.facts.charged_to = group.facts().charged_to;
+  start.facts.camera_only = true;
+  start.facts.link = camera.link;
+  start.facts.group = camera.group;
+  start.placement = of_group.placement;
   start.scene = camera.scene;
   start.viewport = camera.viewport;
   start.presenter = camera.participant;
-  start.camera_only = true;
   const bool by_guest = camera.participant != kOwner;
-  start.visitor = by_guest || group.visitor();
-  start.link = camera.link;
-  start.group = camera.group;
-  const std::string id = start.id;
+  start.visitor = by_guest || of_group.visitor;
+  const std::string id = start.facts.id;
   Session session;
   Session evicted;
   {
@@ -196,17 +194,16 @@ Result<SessionHost::Session> SessionHost::open_free_camera(const LiveSession& gr
     metrics_.sessions(sessions_.size());
   }
   if (evicted) end_evicted(evicted);
-  volumes_.get(session->shown_volume(), [session](Result<VolumeCache::Handle> volume) {
-    session->volume_ready(std::move(volume));
-  });
+  session->start();
   return session;
 }
 
 SessionHost::Session SessionHost::evict(bool for_visitor) {
   std::vector<SlotHolder> holders;
   for (const auto& [id, session] : sessions_) {
+    const SessionStatus status = session->status();
     holders.push_back(
-        {id, session->visitor(), session->camera_only(), session->abandoned_for(), session->age()});
+        {id, status.visitor, session->facts().camera_only, status.abandoned_for, status.age});
   }
   const auto chosen = to_evict(holders, for_visitor);
   if (!chosen) return nullptr;
@@ -214,31 +211,34 @@ SessionHost::Session SessionHost::evict(bool for_visitor) {
 }
 
 std::size_t SessionHost::visitors() const {
-  return static_cast<std::size_t>(std::count_if(
-      sessions_.begin(), sessions_.end(), [](const auto& one) { return one.second->visitor(); }));
+  return static_cast<std::size_t>(
+      std::count_if(sessions_.begin(), sessions_.end(),
+                    [](const auto& one) { return one.second->status().visitor; }));
 }
 
 std::size_t SessionHost::cameras_of(const std::string& link) const {
   return static_cast<std::size_t>(
       std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& one) {
-        return one.second->camera_only() && one.second->visitor() && one.second->link() == link;
+        const SessionFacts& facts = one.second->facts();
+        return facts.camera_only && one.second->status().visitor && facts.link == link;
       }));
 }
 
 void SessionHost::end_evicted(const Session& session) {
-  const bool abandoned = session->abandoned_for().has_value();
-  log::info(
-      "session_evicted",
-      {{"session", session->id()}, {"visitor", session->visitor()}, {"abandoned", abandoned}});
+  const SessionFacts& facts = session->facts();
+  const SessionStatus status = session->status();
+  const bool abandoned = status.abandoned_for.has_value();
+  log::info("session_evicted",
+            {{"session", facts.id}, {"visitor", status.visitor}, {"abandoned", abandoned}});
   // A guest who loses their free camera follows the presenter again.
-  if (const auto group = session->group()) {
-    if (group->take_camera_back(session->id())) return;
+  if (const auto group = facts.group.lock()) {
+    if (group->take_camera_back(facts.id)) return;
     // The guest may be about to connect to it, and is notified in that case too.
     session->dismiss();
-    (void)group->take_camera_back(session->id());
+    (void)group->take_camera_back(facts.id);
     return;
   }
-  session->end(session->visitor() && !abandoned ? displaced() : stopping());
+  session->end(status.visitor && !abandoned ? displaced() : stopping());
 }
 
 void SessionHost::forget(const std::string& id, const LiveSession* session) {
@@ -281,19 +281,20 @@ void SessionHost::freed() {
 }
 
 void SessionHost::tick() {
+  const std::size_t sessions = used();
   for (const Session& session : all()) {
-    session->tick();
-    const auto abandoned = session->abandoned_for();
+    session->tick(sessions);
+    const auto abandoned = session->status().abandoned_for;
     if (!abandoned || *abandoned < options_.keep_abandoned) continue;
     {
       // The viewer may have returned before the lock was taken.
       const std::lock_guard lock(mutex_);
-      if (!session->abandoned_for()) continue;
-      sessions_.erase(session->id());
+      if (!session->status().abandoned_for) continue;
+      sessions_.erase(session->facts().id);
       freed();
     }
     session->end(stopping());
-    log::info("session_dropped", {{"session", session->id()}});
+    log::info("session_dropped", {{"session", session->facts().id}});
   }
   metrics_.volumes(volumes_.bytes());
 }
@@ -346,7 +347,7 @@ void SessionHost::volume_gone(const std::string& volume_id) {
   {
     const std::lock_guard lock(mutex_);
     for (auto entry = sessions_.begin(); entry != sessions_.end();) {
-      if (entry->second->volume_id() != volume_id) {
+      if (entry->second->facts().volume_id != volume_id) {
         ++entry;
         continue;
       }
@@ -370,8 +371,8 @@ std::vector<SessionHost::Session> SessionHost::all() const {
 std::vector<SessionHost::Live> SessionHost::live() const {
   std::vector<Live> live;
   for (const Session& session : all()) {
-    live.push_back(
-        {session->id(), session->placement(), session->device_seconds(), session->visitor()});
+    const SessionStatus status = session->status();
+    live.push_back({session->facts().id, status.placement, status.device_seconds, status.visitor});
   }
   return live;
 }

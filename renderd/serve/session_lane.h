@@ -28,7 +28,7 @@ class LiveSession::Lane final : public FrameSink {
   }
   bool gives_way() const override {
     const auto session = session_.lock();
-    return session && session->visitor();
+    return session && session->visitor_;
   }
 
   const v1::Codec codec;

@@ -3,59 +3,11 @@
 
 #include "common/log.h"
 #include "common/try.h"
-#include "renderd/encode/frame_mark.h"
 #include "renderd/serve/session_lane.h"
 
-// LiveSession: pictures from the runner through the encoders to the viewers.
+// LiveSession: pictures through the encoders to the viewers.
 
 namespace diaphane::render {
-namespace {
-
-v1::KernelReport::Origin to_proto(KernelOrigin origin) {
-  switch (origin) {
-    case KernelOrigin::kGeneral:
-      return v1::KernelReport::GENERAL;
-    case KernelOrigin::kAheadOfTime:
-      return v1::KernelReport::AHEAD_OF_TIME;
-    case KernelOrigin::kForThisScene:
-      return v1::KernelReport::FOR_THIS_SCENE;
-  }
-  return v1::KernelReport::ORIGIN_UNSPECIFIED;
-}
-
-}  // namespace
-
-void LiveSession::picture(RenderedPicture picture) {
-  if (parts_.mark_frames) draw_frame_mark(picture.picture, picture.info.input_seq);
-  keep_if_last(picture);
-  const Lanes all = lanes();
-  for (std::size_t i = 0; i + 1 < all.size(); ++i) all[i]->slot->submit(picture);
-  if (!all.empty()) all.back()->slot->submit(std::move(picture));
-}
-
-void LiveSession::kernel(const KernelReport& report) {
-  v1::ServerMessage message;
-  v1::KernelReport& out = *message.mutable_kernel();
-  out.mutable_compiled_in()->Assign(report.compiled_in.begin(), report.compiled_in.end());
-  out.mutable_left_out()->Assign(report.left_out.begin(), report.left_out.end());
-  out.set_origin(to_proto(report.origin));
-  out.set_compile_milliseconds(report.compile_milliseconds);
-  out.set_from_cache(report.from_cache);
-  if (report.registers) out.set_registers(static_cast<std::uint32_t>(*report.registers));
-  const std::lock_guard lock(mutex_);
-  state_.wanted.kernel_report = false;
-  for (Receiver& receiver : state_.audience.receivers) {
-    if (!std::exchange(receiver.kernel_wanted, false)) continue;
-    // It describes the whole scan, not only what is shown.
-    if (receiver.viewer == ViewerKind::kGuest) {
-      out.clear_empty_cells();
-    } else {
-      out.set_empty_cells(report.empty_cells);
-    }
-    send(receiver.connection, message);
-  }
-}
-
 Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {
   const std::lock_guard lock(mutex_);
   if (!in_use(lane)) return {};
@@ -170,7 +122,7 @@ void LiveSession::send_outgoing(const OutgoingFrame& outgoing, const v1::ServerM
 }
 
 void LiveSession::dropped(const Lane& lane, const Error& why) {
-  log::error("encode_failed", {{"session", id_}, {"code", to_string(why.code)}});
+  log::error("encode_failed", {{"session", facts_.id}, {"code", to_string(why.code)}});
   const std::lock_guard lock(mutex_);
   if (in_use(lane)) release(state_, lane.codec);
 }
@@ -204,11 +156,6 @@ void LiveSession::close_unused_lanes() {
 bool LiveSession::in_use(const Lane& lane) const {
   return std::any_of(lanes_.begin(), lanes_.end(),
                      [&](const auto& one) { return one.get() == &lane; });
-}
-
-LiveSession::Lanes LiveSession::lanes() const {
-  const std::lock_guard lock(mutex_);
-  return lanes_;
 }
 
 }  // namespace diaphane::render

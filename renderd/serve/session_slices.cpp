@@ -48,7 +48,7 @@ void LiveSession::load_voxels() {
   parts_.slices.pool.post(EncodePool::Urgency::kNow, [weak = weak_from_this()] {
     const auto session = weak.lock();
     if (!session) return;
-    session->parts_.slices.voxels.get({session->volume_id_},
+    session->parts_.slices.voxels.get({session->facts_.volume_id},
                                       [weak](Result<VolumeCache::Handle> loaded) {
                                         if (const auto alive = weak.lock())
                                           alive->voxels_ready(std::move(loaded));
@@ -69,7 +69,7 @@ void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {
       if (!receiver.slices.waiting()) continue;
       connections.push_back(receiver.connection);
       if (same) continue;
-      log::warning("slices_failed", {{"session", id_}});
+      log::warning("slices_failed", {{"session", facts_.id}});
       receiver.slices = {};
       send_problem(receiver.connection,
                    {loaded ? ErrorCode::kUnavailable : loaded.error().code,

@@ -15,15 +15,16 @@ bool LiveSession::textures_ready() {
   }
   if (decoding_) return false;
   // A free camera has the presenter's textures, which are loaded already.
-  const bool bounded = visitor_ && !camera_only_;
+  const bool bounded = visitor_ && !facts_.camera_only;
   decoding_ = true;
-  parts_.textures.post(EncodePool::Urgency::kLater, [self = shared_from_this(), scene, bounded,
-                                                     before = textures_] {
-    const std::vector<TextureFile> to_decode = texture_files(*scene);
-    const auto small = bounded ? check_visitors_textures(to_decode) : Result<void>();
-    self->textures_decoded(scene, small ? prepare_textures_for(self->charged_to_, to_decode, before)
-                                        : tl::unexpected(small.error()));
-  });
+  parts_.textures.post(
+      EncodePool::Urgency::kLater, [self = shared_from_this(), scene, bounded, before = textures_] {
+        const std::vector<TextureFile> to_decode = texture_files(*scene);
+        const auto small = bounded ? check_visitors_textures(to_decode) : Result<void>();
+        self->textures_decoded(
+            scene, small ? prepare_textures_for(self->facts_.charged_to, to_decode, before)
+                         : tl::unexpected(small.error()));
+      });
   return false;
 }
 

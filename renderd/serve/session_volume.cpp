@@ -14,7 +14,7 @@ bool LiveSession::volume_fits() {
   if (!std::exchange(loading_other_, true)) {
     // The cache may answer at once, which must not happen under the lock.
     parts_.textures.post(EncodePool::Urgency::kLater, [self = shared_from_this(), with_table] {
-      self->parts_.volumes.get({self->volume_id_, with_table},
+      self->parts_.volumes.get({self->facts_.volume_id, with_table},
                                [self, with_table](Result<VolumeCache::Handle> loaded) {
                                  self->other_volume_ready(with_table, std::move(loaded));
                                });
