@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <set>
 
 #include "common/log.h"
 #include "common/try.h"
 #include "renderd/scene/presets.h"
 #include "renderd/serve/session_client.h"
 #include "renderd/serve/session_lane.h"
+#include "renderd/serve/session_turn.h"
 #include "volume/header.h"
 #include "volume/slice_interpolation.h"
 
@@ -89,8 +89,8 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
 Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
                                           Opening opening) {
   visitor_ = opening.visitor;
-  const std::lock_guard lock(mutex_);
-  const auto attached = render::attach(state_, join, parts_.clock.now());
+  const Turn turn(*this);
+  const auto attached = render::attach(state_, join, turn.now);
   DIAPHANE_TRY(attached);
   if (attached->replaced) {
     finish_link(*attached->replaced,
@@ -124,10 +124,10 @@ void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
     return failed({ErrorCode::kUnsupported, "This type of scan can't be displayed.", {}});
   }
 
-  const std::lock_guard lock(mutex_);
+  const Turn turn(*this);
   if (ended_) return;
   volume_ = std::move(*volume);
-  stacks_ = stacks_of(volume::stored_header(volume_->header()));
+  apply(slices_.handle(SlicesKnown{stacks_of(volume::stored_header(volume_->header()))}));
   presets_ = std::move(presets);
   // This program may reject a scene that an older version wrote. A default look is better than no
   // picture.
@@ -142,7 +142,7 @@ void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   for (const Receiver& receiver : state_.audience.receivers) {
     if (receiver.greeted) send_config(receiver.connection);
   }
-  update_free_cameras();
+  apply(cameras_.handle(SceneChanged{}, state_));
   broadcast_participants();
 }
 
@@ -157,43 +157,43 @@ std::shared_ptr<const v1::Scene> LiveSession::first_look() const {
 
 void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   v1::ClientMessage message;
-  const bool sound = message.ParseFromString(bytes);
-  std::unique_lock lock(mutex_);
+  if (message.ParseFromString(bytes)) return take(connection, message);
+  const Turn turn(*this);
   if (!links_.contains(connection)) return;
-  if (!sound) {
-    finish_link(connection, {ErrorCode::kInvalid, "The page sent an invalid message.", {}}, true);
-    return leave(connection);
-  }
+  finish_link(connection, {ErrorCode::kInvalid, "The page sent an invalid message.", {}}, true);
+  leave(connection);
+}
+
+void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& message) {
+  const Turn turn(*this);
+  if (!links_.contains(connection)) return;
   if (auto refused = refused_request(state_, connection, message)) {
     Outcome outcome;
     outcome.problem = std::move(*refused);
-    return carry_out(outcome, connection, lock);
+    return apply(outcome, connection);
   }
-  if (message.has_slices()) {
-    lock.unlock();
-    return receive_slices(connection, message.slices());
+  switch (message.body_case()) {
+    case v1::ClientMessage::kSlices:
+      return apply(slices_.handle(SlicesAsked{connection, message.slices()}, state_, turn.now));
+    case v1::ClientMessage::kKeyView:
+      return apply(files_.handle(KeyViewSent{connection, message.key_view()}, state_));
+    case v1::ClientMessage::kFile:
+      return apply(
+          files_.handle(FileAsked{connection, message.file(), ended_ ? nullptr : volume_}, state_));
+    case v1::ClientMessage::kFileTaken:
+      return apply(files_.handle(FileTaken{connection, message.file_taken().seq()}, state_));
+    default:
+      break;
   }
-  if (message.has_key_view() || message.has_file() || message.has_file_taken()) {
-    lock.unlock();
-    return receive_file(connection, message);
+  if (const auto* own = cameras_.of(connection); own && concerns_picture(message)) {
+    return apply(Effects{effect::ForwardToCamera{own->session, own->connection, message}});
   }
-  if (const auto own = free_cameras_.find(connection); own != free_cameras_.end()) {
-    // Messages about the picture go to the session that this viewer sees.
-    if (message.has_scene() || message.has_ack() || message.has_need_key() ||
-        message.has_visibility() || message.has_depth_query() || message.has_kernel()) {
-      const FreeCamera camera = own->second;
-      lock.unlock();
-      return camera.session->receive(camera.connection, bytes);
-    }
-  }
-  const Outcome outcome = render::receive(state_, connection, message, parts_.clock.now());
-  carry_out(outcome, connection, lock);
-  if (outcome.free_camera) change_camera(connection, *outcome.free_camera);
-  if (outcome.depth) answer(*outcome.depth, connection);
+  apply(render::receive(state_, connection, message, turn.now), connection);
 }
 
 // A ray through a scene takes milliseconds, so the lock is released meanwhile.
-void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) {
+void LiveSession::carry_out(const effect::FindDepth& effect) {
+  const v1::DepthQuery& query = effect.query;
   std::unique_lock lock(mutex_);
   if (!volume_) return;
   const std::shared_ptr<const v1::Scene> scene = state_.shown.scene;
@@ -213,79 +213,59 @@ void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) 
     depth.mutable_place()->set_z(visible->place.z);
   }
   lock.lock();
-  send(connection, message);
+  send(effect.connection, message);
 }
 
 void LiveSession::closed(std::uint64_t connection) {
-  std::shared_ptr<LiveSession> camera;
-  {
-    const std::lock_guard lock(mutex_);
-    camera = take_free_camera(connection);
-    if (links_.erase(connection) != 0) leave(connection);
-  }
-  if (camera) camera->dismiss();
-  parts_.runner.wake();
+  const Turn turn(*this);
+  apply(cameras_.handle(ViewerLeft{connection}));
+  if (links_.erase(connection) != 0) leave(connection);
+  apply(Effects{effect::WakeRunner{}});
 }
 
 void LiveSession::end(const Error& why) {
-  std::uint64_t handle = 0;
-  std::vector<std::shared_ptr<LiveSession>> cameras;
-  {
-    const std::lock_guard lock(mutex_);
-    if (ended_) return;
-    ended_ = true;
-    while (!free_cameras_.empty()) {
-      cameras.push_back(take_free_camera(free_cameras_.begin()->first));
-    }
-    while (!links_.empty()) finish_link(links_.begin()->first, why, true);
-    handle = std::exchange(runner_handle_, 0);
-    voxels_.reset();
-    give_up_file();
+  const Turn turn(*this);
+  if (ended_.exchange(true)) return;
+  apply(cameras_.handle(SessionEnded{}));
+  while (!links_.empty()) finish_link(links_.begin()->first, why, true);
+  apply(slices_.handle(AllViewersLeft{}));
+  apply(files_.handle(SessionEnded{}));
+  if (const auto handle = std::exchange(runner_handle_, 0); handle != 0) {
+    apply(Effects{effect::LeaveRunner{handle}});
   }
-  for (const auto& camera : cameras) camera->dismiss();
-  if (handle != 0) parts_.runner.remove(handle);
 }
 
 void LiveSession::tick(std::size_t sessions) {
-  Lanes poked;
-  std::vector<std::uint64_t> delayed;  // with slice requests over their limit
-  {
-    const std::lock_guard lock(mutex_);
-    const TimePoint now = parts_.clock.now();
-    for (const std::uint64_t silent : overdue_greetings(state_, now)) {
-      finish_link(silent, {ErrorCode::kInvalid, "The page did not send a greeting in time.", {}},
-                  true);
-      leave(silent);
-    }
-    poked = lanes_;
-    for (const Receiver& receiver : state_.audience.receivers) {
-      if (receiver.slices.waiting()) delayed.push_back(receiver.connection);
-    }
-    const double seconds = std::chrono::duration<double>(now - stats_since_).count();
-    if (seconds >= 1) {
-      std::uint64_t skipped = skipped_before_;
-      for (const auto& lane : lanes_) skipped += lane->slot->skipped();
-      parts_.metrics.frames_skipped(skipped - skipped_reported_);
-      skipped_reported_ = skipped;
-      if (samples_since_ > 0) {
-        v1::ServerMessage message;
-        v1::Stats& stats = *message.mutable_stats();
-        stats.set_samples_per_second(static_cast<double>(samples_since_) / seconds);
-        stats.set_sessions(static_cast<std::uint32_t>(sessions));
-        stats.set_dropped_samples(dropped_samples_);
-        stats.set_frames_skipped(skipped);
-        for (const Receiver& receiver : state_.audience.receivers) {
-          if (is_watching(receiver, now)) send(receiver.connection, message);
-        }
-      }
-      stats_since_ = now;
-      samples_since_ = 0;
-    }
+  const Turn turn(*this);
+  for (const std::uint64_t silent : overdue_greetings(state_, turn.now)) {
+    finish_link(silent, {ErrorCode::kInvalid, "The page did not send a greeting in time.", {}},
+                true);
+    leave(silent);
   }
+  if (turn.now - stats_since_ >= std::chrono::seconds(1)) report_stats(sessions, turn.now);
   // The presenter may have stalled, or a key frame may be due, without any message.
-  for (const auto& lane : poked) lane->slot->poke();
-  for (const std::uint64_t connection : delayed) send_slices(connection);
-  send_tiles();
+  apply(Effects{effect::PokeEncoders{}});
+  apply(slices_.handle(SlicesTicked{}, state_, turn.now));
+}
+
+void LiveSession::report_stats(std::size_t sessions, TimePoint now) {
+  std::uint64_t skipped = skipped_before_;
+  for (const auto& lane : lanes_) skipped += lane->slot->skipped();
+  parts_.metrics.frames_skipped(skipped - skipped_reported_);
+  skipped_reported_ = skipped;
+  const double seconds = std::chrono::duration<double>(now - stats_since_).count();
+  const auto samples = static_cast<double>(std::exchange(samples_since_, 0));
+  stats_since_ = now;
+  if (samples == 0) return;
+  v1::ServerMessage message;
+  v1::Stats& stats = *message.mutable_stats();
+  stats.set_samples_per_second(samples / seconds);
+  stats.set_sessions(static_cast<std::uint32_t>(sessions));
+  stats.set_dropped_samples(dropped_samples_);
+  stats.set_frames_skipped(skipped);
+  for (const Receiver& receiver : state_.audience.receivers) {
+    if (is_watching(receiver, now)) send(receiver.connection, message);
+  }
 }
 
 SessionStatus LiveSession::status() const {
@@ -296,32 +276,15 @@ SessionStatus LiveSession::status() const {
   return status;
 }
 
-LiveSession::Saved LiveSession::saved() const {
-  return Saved{facts_.id,
-               state_.placement,
-               state_.wanted.scene->SerializeAsString(),
-               state_.wanted.input_seq,
-               state_.wanted.viewport,
-               state_.audience.presenter,
-               state_.audience.guest_slices};
+std::optional<SavedSession> LiveSession::take_unsaved() {
+  const std::lock_guard lock(mutex_);
+  return render::take_unsaved(state_);
 }
 
-std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
+std::optional<RecoveryRecord> LiveSession::recovery_record() const {
   const std::lock_guard lock(mutex_);
-  if (!state_.unsaved || !state_.wanted.scene) return std::nullopt;
-  state_.unsaved = false;
-  return saved();
-}
-
-std::optional<LiveSession::RecoveryRecord> LiveSession::recovery_record() const {
-  const std::lock_guard lock(mutex_);
-  if (ended_ || !state_.wanted.scene || facts_.user_id.empty()) return std::nullopt;
-  std::set<std::string> links;
-  for (const Receiver& receiver : state_.audience.receivers) {
-    if (!receiver.link.empty()) links.insert(receiver.link);
-  }
-  return RecoveryRecord{
-      saved(), facts_.user_id, facts_.volume_id, {links.begin(), links.end()}, visitor_};
+  if (ended_ || facts_.user_id.empty()) return std::nullopt;
+  return render::recovery_record(state_, facts_.user_id, visitor_);
 }
 
 void LiveSession::mark_unsaved() {
@@ -360,7 +323,8 @@ void LiveSession::send_config(std::uint64_t connection) {
   if (stats.histogram.counts_size() > 0 && receiver->viewer != ViewerKind::kGuest) {
     *config.mutable_histogram() = std::move(stats.histogram);
   }
-  for (const volume::SliceStack& stack : *stacks_) *config.add_slice_stacks() = to_proto(stack);
+  for (const volume::SliceStack& stack : *slices_.stacks())
+    *config.add_slice_stacks() = to_proto(stack);
   if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;
   config.set_input_seq(state_.wanted.input_seq);
   for (const v1::Preset& preset : presets_) *config.add_presets() = preset;
@@ -392,8 +356,7 @@ void LiveSession::broadcast_participants() {
   }
 }
 
-void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
-                            std::unique_lock<std::mutex>& lock) {
+void LiveSession::apply(const Outcome& outcome, std::uint64_t connection) {
   publish_version();
   if (outcome.problem) {
     v1::ServerMessage message;
@@ -404,32 +367,76 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
       leave(connection);
     }
   }
-  if (outcome.configure) {
-    const Receiver* receiver = state_.audience.find(connection);
-    if (const auto opened = open_lane(receiver->codec); !opened) {
-      finish_link(connection, opened.error(), true);
-      leave(connection);
-    } else if (volume_) {  // before the volume is loaded, volume_ready() sends it
-      send_config(connection);
-    }
-  }
-  update_free_cameras();
-  notify_stale_slices();
+  if (outcome.configure) carry_out(effect::Configure{connection});
+  apply(cameras_.handle(SceneChanged{}, state_));
+  apply(slices_.handle(SceneChanged{}, state_));
   if (outcome.audience) broadcast_participants();
   if (outcome.presenter) {
     const Receiver* presenter = state_.audience.of(state_.audience.presenter);
     if (presenter) send_look(presenter->connection);
   }
-  const Lanes poked = outcome.room ? lanes_ : Lanes{};
-  lock.unlock();
-  for (const auto& lane : poked) lane->slot->poke();
-  if (outcome.room) send_tiles();
-  if (outcome.wake) parts_.runner.wake();
+  if (outcome.room) apply(Effects{effect::PokeEncoders{}});
+  if (outcome.wake) apply(Effects{effect::WakeRunner{}});
+  if (outcome.free_camera) {
+    apply(cameras_.handle(CameraAsked{connection, *outcome.free_camera}, state_));
+  }
+  if (outcome.depth) apply(Effects{effect::FindDepth{connection, *outcome.depth}});
 }
 
-void LiveSession::answer_presenter(const Outcome& outcome, std::unique_lock<std::mutex>& lock) {
+void LiveSession::apply_to_presenter(const Outcome& outcome) {
   const Receiver* presenter = state_.audience.of(state_.audience.presenter);
-  carry_out(outcome, presenter ? presenter->connection : 0, lock);
+  apply(outcome, presenter ? presenter->connection : 0);
+}
+
+void LiveSession::apply(Effects effects) {
+  for (Effect& one : effects) {
+    std::visit(
+        [this](auto& asked) {
+          if constexpr (kSendsOnly<std::decay_t<decltype(asked)>>) {
+            carry_out(asked);
+          } else {
+            pending_.emplace_back(std::move(asked));
+          }
+        },
+        one);
+  }
+}
+
+void LiveSession::carry_out(const effect::Send& effect) {
+  if (effect.message.has_slice()) parts_.metrics.slice_sent(effect.message.slice().data().size());
+  send(effect.connection, effect.message);
+}
+
+void LiveSession::carry_out(const effect::Configure& effect) {
+  const Receiver* const receiver = state_.audience.find(effect.connection);
+  if (const auto opened = open_lane(receiver->codec); !opened) {
+    finish_link(effect.connection, opened.error(), true);
+    leave(effect.connection);
+  } else if (volume_) {  // before the volume is loaded, volume_ready() sends it
+    send_config(effect.connection);
+  }
+}
+
+void LiveSession::carry_out(const effect::TellParticipants&) { broadcast_participants(); }
+
+void LiveSession::carry_out(const effect::Warn& effect) {
+  log::warning(effect.event, {{"session", facts_.id}});
+}
+
+void LiveSession::carry_out(const effect::WakeRunner&) { parts_.runner.wake(); }
+
+void LiveSession::carry_out(const effect::LeaveRunner& effect) {
+  parts_.runner.remove(effect.handle);
+}
+
+void LiveSession::carry_out(const effect::PokeEncoders&) {
+  Lanes poked;
+  {
+    const std::lock_guard lock(mutex_);
+    poked = lanes_;
+  }
+  for (const auto& lane : poked) lane->slot->poke();
+  send_tiles();
 }
 
 void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool with_problem) {
@@ -442,13 +449,13 @@ void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool w
   }
   link->second->finish(why);
   links_.erase(link);
-  give_up_file_of(connection);
+  apply(files_.handle(ViewerLeft{connection}));
 }
 
 void LiveSession::leave(std::uint64_t connection) {
   render::detach(state_, connection, parts_.clock.now());
-  give_up_file_of(connection);
-  if (state_.audience.receivers.empty()) voxels_.reset();
+  apply(files_.handle(ViewerLeft{connection}));
+  if (state_.audience.receivers.empty()) apply(slices_.handle(AllViewersLeft{}));
   close_unused_lanes();
   broadcast_participants();
 }

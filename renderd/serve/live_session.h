@@ -18,9 +18,11 @@
 #include "renderd/serve/file_work.h"
 #include "renderd/serve/gpu_time_meter.h"
 #include "renderd/serve/metrics.h"
-#include "renderd/session/host_volume.h"
+#include "renderd/session/files.h"
+#include "renderd/session/free_cameras.h"
 #include "renderd/session/pictures.h"
-#include "renderd/session/slice_request_queue.h"
+#include "renderd/session/saving.h"
+#include "renderd/session/slices.h"
 #include "renderd/session/volume_cache.h"
 #include "renderd/session/volume_stats.h"
 
@@ -99,9 +101,16 @@ struct SessionParts {
   EncodePool& textures;
 };
 
-/// One session. It connects the pure state machine to the runner, the encoders and the connections
-/// of all viewers: one render, one encoder per codec in use, many receivers. Thread-safe: called by
-/// the connections, the runner, the encoders and the host's clock.
+/// One session. It connects the rules in renderd/session to the runner, the encoders and the
+/// connections of all viewers: one render, one encoder per codec in use, many receivers.
+/// Thread-safe: called by the connections, the runner, the encoders and the host's clock.
+///
+/// Each call is one turn: under the lock the rules decide, and what they ask for is carried out
+/// after the lock is released. So this session's lock is held while neither the host nor another
+/// session is called, and may be taken under the host's. Only messages to viewers are sent under
+/// it, because a ClientLink neither blocks nor calls back, and so each viewer receives them in the
+/// order of the turns. A strand of its own would need that order too, but the runner and the
+/// encoders need answers at once (RenderClient::wanted, FrameSink::admit).
 class LiveSession final : public std::enable_shared_from_this<LiveSession> {
  public:
   struct Start {
@@ -112,24 +121,6 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
     Canvas viewport{512, 512};
     std::string presenter;  ///< a participant; empty: the owner
     bool guest_slices = false;
-    bool visitor = false;
-  };
-  /// State in Redis from which another worker can resume the session.
-  struct Saved {
-    std::string id;
-    std::uint64_t placement = 0;
-    std::string scene;  ///< serialised
-    std::uint64_t input_seq = 0;
-    Canvas viewport;
-    std::string presenter;  ///< a participant
-    bool guest_slices = false;
-  };
-  /// State with which Redis can restore the session after it lost all data.
-  struct RecoveryRecord {
-    Saved saved;
-    std::string user_id;
-    std::string volume_id;
-    std::vector<std::string> links;  ///< by which guests joined
     bool visitor = false;
   };
   /// The placement by which a viewer comes.
@@ -164,7 +155,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   const SessionFacts& facts() const { return facts_; }
   SessionStatus status() const;
   /// Returns the scene if Redis has an older one. mark_unsaved() makes it due again.
-  std::optional<Saved> take_unsaved();
+  std::optional<SavedSession> take_unsaved();
   void mark_unsaved();
   /// Empty until a scene is set and the owner is known.
   std::optional<RecoveryRecord> recovery_record() const;
@@ -185,38 +176,55 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void send_tiles();
   void keep_if_last(RenderedPicture& picture);
 
-  // Exact slices: the first request loads the voxels, and slices are encoded one by one.
-  void receive_slices(std::uint64_t connection, const diaphane::v1::SliceRequest& request);
-  void voxels_ready(Result<VolumeCache::Handle> loaded);
-  void send_slices(std::uint64_t connection);
-  /// A slice that is being made, and the clip in effect. nullopt: the whole slice.
-  struct SliceOrder {
-    SliceDue due;
-    std::optional<diaphane::v1::Clip> clip;
-  };
-  void slice_coded(std::uint64_t connection, const SliceOrder& order, Result<std::string> coded);
-  /// Requires the lock. Returns nullopt if this viewer may not receive slices.
-  std::optional<SliceOrder> order_of(const Receiver& receiver, const SliceDue& due) const;
+  /// One event (session_turn.h).
+  class Turn;
+  // What the rules ask for (session/effects.h). These require the lock:
+  void apply(Effects effects);
+  void apply(const Outcome& outcome, std::uint64_t connection);
+  /// Applies what concerns the presenter.
+  void apply_to_presenter(const Outcome& outcome);
+  void carry_out(const effect::Send& effect);
+  void carry_out(const effect::Configure& effect);
+  void carry_out(const effect::TellParticipants& effect);
+  // These must be called without the lock:
+  void carry_out(const effect::Warn& effect);
+  void carry_out(const effect::WakeRunner& effect);
+  void carry_out(const effect::LeaveRunner& effect);
+  void carry_out(const effect::FindDepth& effect);
+  void carry_out(const effect::PokeEncoders& effect);
+  void carry_out(const effect::LoadVoxels& effect);
+  void carry_out(effect::CodeSlice& effect);
+  void carry_out(effect::StartFile& effect);
+  void carry_out(const effect::AcknowledgeFile& effect);
+  void carry_out(const effect::StopFile& effect);
+  void carry_out(const effect::OpenCamera& effect);
+  void carry_out(const effect::EnterCamera& effect);
+  void carry_out(const effect::ForwardToCamera& effect);
+  void carry_out(const effect::FollowPresenter& effect);
+  void carry_out(const effect::SilenceCamera& effect);
+  void carry_out(const effect::DismissCamera& effect);
 
-  // Files for download (docs/adr/0031).
+  void voxels_ready(Result<VolumeCache::Handle> loaded);
+  void slice_coded(std::uint64_t connection, SliceOrder order, Result<std::string> coded);
+
   class FileLink;
-  void receive_file(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
-  Result<std::shared_ptr<FileWork>> begin_file(std::uint64_t connection,
-                                               const diaphane::v1::FileRequest& request);
-  void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message, bool last);
-  // Require the lock.
-  void give_up_file();
-  void give_up_file_of(std::uint64_t connection);
+  /// The work on the file that `files_` knows.
+  struct File {
+    std::uint64_t id = 0;
+    std::shared_ptr<FileLink> link;
+    std::shared_ptr<FileWork> work;
+  };
+  Result<File> begin_file(effect::StartFile& effect);
+  void file_said(std::uint64_t file, diaphane::v1::ServerMessage message, bool last);
 
   // All of these require the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
-  void send_problem(std::uint64_t connection, const Error& why);
-  void load_voxels();
   void send_tile(const TileDue& due, const CodedTile& coded, const OutgoingFrame& outgoing);
   /// Sends a frame or a tile, and the messages that follow it.
   void send_outgoing(const OutgoingFrame& outgoing, const diaphane::v1::ServerMessage& message);
   void send_look(std::uint64_t connection);
+  void report_stats(std::size_t sessions, TimePoint now);
   void broadcast_participants();
   void finish_link(std::uint64_t connection, const Error& why, bool with_problem);
   void leave(std::uint64_t connection);
@@ -227,27 +235,15 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   /// Returns the volume's default look with the clip of the scene that it replaces, so that removed
   /// parts stay hidden. Precondition: the volume is loaded.
   std::shared_ptr<const diaphane::v1::Scene> first_look() const;
-  /// Stops sending. The session keeps running until dismissed.
-  void silence();
-  /// Applies the presenter's settings (sessions for a free camera only).
-  void follow(const diaphane::v1::Scene& presenters);
-  bool has_ended() const;
-  void update_free_cameras();
-  void notify_stale_slices();
-  std::shared_ptr<LiveSession> take_free_camera(std::uint64_t connection);
 
   // Must be called without the lock.
-  /// `why` is sent to the viewer whose free camera was withdrawn.
-  void change_camera(std::uint64_t connection, bool own, const Error* why = nullptr);
-  bool enter_free_camera(std::uint64_t connection, Receiver& receiver,
-                         const std::shared_ptr<ClientLink>& link,
-                         const std::shared_ptr<LiveSession>& made);
-  void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
-  void carry_out(const Outcome& outcome, std::uint64_t connection,
-                 std::unique_lock<std::mutex>& lock);
-  /// Carries out what concerns the presenter.
-  void answer_presenter(const Outcome& outcome, std::unique_lock<std::mutex>& lock);
-  Saved saved() const;  // requires the lock
+  void take(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
+  /// Stops sending. The session keeps running until dismissed.
+  void silence();
+  /// Applies the presenter's settings (sessions for a free camera only), unless newer ones are
+  /// known.
+  void follow(const diaphane::v1::Scene& presenters, std::uint64_t number);
+  std::shared_ptr<LiveSession> camera(const std::string& session) const;
 
   // Showing or hiding the table needs another copy of the volume, which is loaded before the runner
   // receives the scene (session_volume.cpp). Requires the lock:
@@ -279,14 +275,12 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::atomic<std::uint64_t> version_{0};
   std::map<std::uint64_t, std::shared_ptr<ClientLink>> links_;  // by connection
   Lanes lanes_;
-  struct FreeCamera {
-    std::shared_ptr<LiveSession> session;
-    std::uint64_t connection = 0;  // connection number in that session
-  };
-  // By connection to this session. Lock order: this session's lock, then theirs.
-  std::map<std::uint64_t, FreeCamera> free_cameras_;
-  std::shared_ptr<const diaphane::v1::Scene> led_;     // the scene that they follow
-  std::shared_ptr<const diaphane::v1::Scene> sliced_;  // the scene whose clip applies to slices
+  Effects pending_;  // to be carried out at the end of the turn
+  Slices slices_;
+  Files files_;
+  FreeCameras cameras_;
+  std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
+  std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   /// The converged picture of the current epoch.
   struct Last {
     FrameInfo info;
@@ -294,20 +288,9 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   };
   std::optional<Last> last_;
   std::shared_ptr<const DeviceVolume> volume_;
-  bool with_table_ = false;            ///< of `volume_`, or of the one that is awaited first
-  bool loading_other_ = false;         ///< the one with the other value of `with_table_`
-  std::optional<SliceStacks> stacks_;  // set once the volume is loaded
-  // kept while a viewer who requested slices is connected
-  std::shared_ptr<const HostVolume> voxels_;
-  bool loading_voxels_ = false;
-  /// The file that is being made or sent, with the connection that requested it.
-  struct File {
-    std::uint64_t connection = 0;
-    std::shared_ptr<FileLink> link;
-    std::shared_ptr<FileWork> work;
-  };
+  bool with_table_ = false;     ///< of `volume_`, or of the one that is awaited first
+  bool loading_other_ = false;  ///< the one with the other value of `with_table_`
   std::optional<File> file_;
-  std::vector<diaphane::v1::Scene> key_views_;
   std::vector<diaphane::v1::Preset> presets_;
   std::optional<diaphane::v1::Clip> fallback_clip_;  // clip of a scene that could not be shown
   /// The request whose textures are all decoded, which the runner sees.
@@ -315,7 +298,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::shared_ptr<const PreparedTextures> textures_;  // for `ready_`
   bool decoding_ = false;
   std::uint64_t runner_handle_ = 0;
-  bool ended_ = false;
+  std::atomic<bool> ended_{false};
 
   // For Stats.
   TimePoint stats_since_{};

@@ -19,7 +19,7 @@ constexpr milliseconds kNameMayBeTaken{5000};
 
 static_assert(kNameMayBeTaken.count() > directory::kHeartbeatMs);
 
-directory::SavedScene record_of(const LiveSession::Saved& saved) {
+directory::SavedScene record_of(const SavedSession& saved) {
   return {.placement = saved.placement,
           .scene = saved.scene,
           .input_seq = saved.input_seq,
@@ -199,7 +199,7 @@ void Registry::refused_name(const std::string& holder) {
 }
 
 bool Registry::save_scenes() {
-  std::vector<LiveSession::Saved> unsaved = host_.take_unsaved();
+  std::vector<SavedSession> unsaved = host_.take_unsaved();
   for (std::size_t i = 0; i < unsaved.size(); ++i) {
     if (directory_.save_scene(unsaved[i].id, record_of(unsaved[i]))) continue;
     for (; i < unsaved.size(); ++i) host_.mark_unsaved(unsaved[i].id);

@@ -5,6 +5,7 @@
 
 #include "renderd/encode/frame_mark.h"
 #include "renderd/serve/session_lane.h"
+#include "renderd/serve/session_turn.h"
 
 namespace diaphane::render {
 namespace {
@@ -24,8 +25,8 @@ v1::KernelReport::Origin to_proto(KernelOrigin origin) {
 }  // namespace
 
 ViewRequest LiveSession::Client::wanted() {
-  const std::lock_guard lock(session_.mutex_);
-  const TimePoint now = session_.parts_.clock.now();
+  const Turn turn(session_);
+  const TimePoint now = turn.now;
   if (session_.textures_ready() && session_.volume_fits()) session_.ready_ = session_.state_.wanted;
   session_.version_.store(session_.ready_.version, std::memory_order_relaxed);
   ViewRequest wanted = session_.ready_;
@@ -48,9 +49,8 @@ void LiveSession::Client::began(std::uint64_t epoch, const ViewRequest& wanted) 
 }
 
 void LiveSession::Client::refused(const ViewRequest& wanted, const Error& why) {
-  std::unique_lock lock(session_.mutex_);
-  const Outcome outcome = render::refused(session_.state_, wanted, why);
-  session_.answer_presenter(outcome, lock);
+  const Turn turn(session_);
+  session_.apply_to_presenter(render::refused(session_.state_, wanted, why));
 }
 
 void LiveSession::Client::rendered(const Batch& batch) {

@@ -377,8 +377,8 @@ std::vector<SessionHost::Live> SessionHost::live() const {
   return live;
 }
 
-std::vector<LiveSession::Saved> SessionHost::take_unsaved() {
-  std::vector<LiveSession::Saved> unsaved;
+std::vector<SavedSession> SessionHost::take_unsaved() {
+  std::vector<SavedSession> unsaved;
   for (const Session& session : all()) {
     if (auto saved = session->take_unsaved()) unsaved.push_back(std::move(*saved));
   }
@@ -391,8 +391,7 @@ void SessionHost::mark_unsaved(const std::string& id) {
     found->second->mark_unsaved();
 }
 
-std::optional<LiveSession::RecoveryRecord> SessionHost::recovery_record(
-    const std::string& id) const {
+std::optional<RecoveryRecord> SessionHost::recovery_record(const std::string& id) const {
   Session session;
   {
     const std::lock_guard lock(mutex_);

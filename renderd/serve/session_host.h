@@ -85,9 +85,9 @@ class SessionHost {
   void volume_gone(const std::string& volume_id);
 
   std::vector<Live> live() const;
-  std::vector<LiveSession::Saved> take_unsaved();
+  std::vector<SavedSession> take_unsaved();
   void mark_unsaved(const std::string& id);
-  std::optional<LiveSession::RecoveryRecord> recovery_record(const std::string& id) const;
+  std::optional<RecoveryRecord> recovery_record(const std::string& id) const;
   /// Time of users with sessions on this worker.
   GpuTimeMeter& gpu_time() { return gpu_time_; }
   std::size_t used() const;

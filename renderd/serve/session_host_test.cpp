@@ -250,8 +250,7 @@ TEST_F(HostTest, SecondConnectionTakesOverFilmAndScene) {
   // The old connection's last messages no longer count.
   one.say(scene_message(6, config->config().scene()));
   one.attachment->closed();
-  for (const LiveSession::Saved& saved : worker->host().take_unsaved())
-    EXPECT_EQ(saved.input_seq, 5U);
+  for (const SavedSession& saved : worker->host().take_unsaved()) EXPECT_EQ(saved.input_seq, 5U);
   two.say(ack_message(1));
   EXPECT_EQ(worker->host().used(), 1U);
   EXPECT_FALSE(two.link->inbox.ended(50ms));

@@ -1,7 +1,7 @@
 // Decodes textures of a scene in a separate thread before the runner receives the scene, because
 // the runner's thread renders the pictures of all sessions.
 #include "renderd/scene/texture_store.h"
-#include "renderd/serve/live_session.h"
+#include "renderd/serve/session_turn.h"
 
 namespace diaphane::render {
 
@@ -36,7 +36,7 @@ void LiveSession::publish_version() {
 
 void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene,
                                    Result<std::shared_ptr<const PreparedTextures>> decoded) {
-  std::unique_lock lock(mutex_);
+  const Turn turn(*this);
   decoding_ = false;
   if (ended_) return;
   Outcome outcome;
@@ -56,7 +56,7 @@ void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene
     ++state_.wanted.version;
   }
   outcome.wake = true;
-  answer_presenter(outcome, lock);
+  apply_to_presenter(outcome);
 }
 
 }  // namespace diaphane::render

@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "renderd/serve/live_session.h"
+#include "renderd/serve/session_turn.h"
 
 // LiveSession: the volume with or without what surrounds the body.
 
@@ -25,7 +25,7 @@ bool LiveSession::volume_fits() {
 
 void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle> loaded) {
   auto renderer = renderer_of(loaded);
-  std::unique_lock lock(mutex_);
+  const Turn turn(*this);
   loading_other_ = false;
   if (ended_) return;
   Outcome outcome;
@@ -38,7 +38,7 @@ void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle
     ++state_.wanted.version;
   }
   outcome.wake = true;
-  answer_presenter(outcome, lock);
+  apply_to_presenter(outcome);
 }
 
 }  // namespace diaphane::render

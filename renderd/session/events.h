@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+
+// Events that several machines of a session handle (effects.h).
+
+namespace diaphane::render {
+
+/// The session may have another scene.
+struct SceneChanged {};
+struct ViewerLeft {
+  std::uint64_t connection = 0;
+};
+struct SessionEnded {};
+
+}  // namespace diaphane::render

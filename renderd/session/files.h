@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "renderd/session/effects.h"
+#include "renderd/session/events.h"
+#include "renderd/session/state.h"
+
+namespace diaphane::render {
+
+struct KeyViewSent {
+  std::uint64_t connection = 0;
+  const diaphane::v1::KeyView& view;
+};
+/// A request without a kind gives the current file up.
+struct FileAsked {
+  std::uint64_t connection = 0;
+  const diaphane::v1::FileRequest& request;
+  std::shared_ptr<const DeviceVolume> volume;  ///< null: not loaded yet
+};
+struct FileTaken {
+  std::uint64_t connection = 0;
+  std::uint64_t seq = 0;
+};
+/// The work on a file has a message for the viewer who asked for it.
+struct FileSaid {
+  std::uint64_t file = 0;
+  diaphane::v1::ServerMessage message;
+  bool last = false;
+};
+struct FileRefused {
+  std::uint64_t file = 0;
+  Error why;
+  std::vector<diaphane::v1::Scene> keys;  ///< not used, so that they serve the next request
+};
+
+/// The film or large picture that a session makes for download (docs/adr/0031), one at a time.
+class Files {
+ public:
+  Effects handle(const KeyViewSent& event, const SessionState& state);
+  Effects handle(FileAsked event, const SessionState& state);
+  Effects handle(const FileTaken& event, const SessionState& state);
+  Effects handle(FileSaid event);
+  Effects handle(FileRefused event);
+  Effects handle(const ViewerLeft& event);
+  Effects handle(SessionEnded event);
+
+  /// Whether this file is still wanted.
+  bool makes(std::uint64_t file) const { return file_ && file_->id == file; }
+
+ private:
+  Effects give_up();
+
+  /// The file that is being made or sent.
+  struct File {
+    std::uint64_t id = 0;
+    std::uint64_t connection = 0;  ///< that asked for it
+  };
+  std::optional<File> file_;
+  std::uint64_t files_ = 0;  // so far
+  std::vector<diaphane::v1::Scene> key_views_;
+};
+
+}  // namespace diaphane::render

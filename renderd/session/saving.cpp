@@ -1,0 +1,37 @@
+#include "renderd/session/saving.h"
+
+#include <set>
+
+namespace diaphane::render {
+namespace {
+
+SavedSession saved(const SessionState& state) {
+  return {state.id,
+          state.placement,
+          state.wanted.scene->SerializeAsString(),
+          state.wanted.input_seq,
+          state.wanted.viewport,
+          state.audience.presenter,
+          state.audience.guest_slices};
+}
+
+}  // namespace
+
+std::optional<SavedSession> take_unsaved(SessionState& state) {
+  if (!state.unsaved || !state.wanted.scene) return std::nullopt;
+  state.unsaved = false;
+  return saved(state);
+}
+
+std::optional<RecoveryRecord> recovery_record(const SessionState& state, const std::string& user_id,
+                                              bool visitor) {
+  if (!state.wanted.scene) return std::nullopt;
+  std::set<std::string> links;
+  for (const Receiver& receiver : state.audience.receivers) {
+    if (!receiver.link.empty()) links.insert(receiver.link);
+  }
+  return RecoveryRecord{
+      saved(state), user_id, state.volume_id, {links.begin(), links.end()}, visitor};
+}
+
+}  // namespace diaphane::render

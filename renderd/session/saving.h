@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderd/session/state.h"
+
+namespace diaphane::render {
+
+/// State in Redis from which another worker can resume the session.
+struct SavedSession {
+  std::string id;
+  std::uint64_t placement = 0;
+  std::string scene;  ///< serialised
+  std::uint64_t input_seq = 0;
+  Canvas viewport;
+  std::string presenter;  ///< a participant
+  bool guest_slices = false;
+};
+
+/// State with which Redis can restore the session after it lost all data.
+struct RecoveryRecord {
+  SavedSession saved;
+  std::string user_id;
+  std::string volume_id;
+  std::vector<std::string> links;  ///< by which guests joined
+  bool visitor = false;
+};
+
+/// Returns the scene if Redis has an older one, and marks it as saved.
+std::optional<SavedSession> take_unsaved(SessionState& state);
+/// Returns nullopt until a scene is set. `visitor`: of a user without an account.
+std::optional<RecoveryRecord> recovery_record(const SessionState& state, const std::string& user_id,
+                                              bool visitor);
+
+}  // namespace diaphane::render

@@ -1,0 +1,165 @@
+#include "renderd/session/slices.h"
+
+#include <google/protobuf/util/message_differencer.h>
+
+#include <utility>
+
+namespace diaphane::render {
+namespace {
+
+bool same_clip(const std::optional<v1::Clip>& a, const std::optional<v1::Clip>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return google::protobuf::util::MessageDifferencer::Equals(*a, *b);
+}
+
+/// Returns nullopt if this viewer may not receive slices.
+std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& receiver,
+                                   const SliceDue& due) {
+  switch (slice_access(state.audience.standing(receiver))) {
+    case SliceAccess::kNone:
+      break;
+    case SliceAccess::kClipped:
+      // The newest clip, even if no picture shows it yet.
+      if (state.wanted.scene) return SliceOrder{due, state.wanted.scene->clip()};
+      break;
+    case SliceAccess::kWhole:
+      return SliceOrder{due, std::nullopt};
+  }
+  return std::nullopt;
+}
+
+v1::ServerMessage message_of(const volume::SliceStack& stack, std::uint32_t index,
+                             std::uint64_t seq, std::string data) {
+  v1::ServerMessage message;
+  v1::ExactSlice& slice = *message.mutable_slice();
+  slice.set_seq(seq);
+  slice.set_plane(to_proto(stack.plane));
+  slice.set_index(index);
+  slice.set_columns(stack.columns);
+  slice.set_rows(stack.rows);
+  slice.set_data(std::move(data));
+  return message;
+}
+
+}  // namespace
+
+effect::Send problem_to(std::uint64_t connection, const Error& why) {
+  effect::Send send{connection, {}};
+  *send.message.mutable_problem() = problem_of(why, 0, false);
+  return send;
+}
+
+Effects Slices::handle(const SlicesKnown& event) {
+  stacks_ = event.stacks;
+  return {};
+}
+
+Effects Slices::handle(const SlicesAsked& event, SessionState& state, TimePoint now) {
+  Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver || !stacks_) return {};  // pages do not ask before they are told of slices
+  if (const auto noted = receiver->slices.replace(event.request, *stacks_); !noted) {
+    return {problem_to(event.connection, noted.error())};
+  }
+  if (!voxels_ && receiver->slices.waiting()) {
+    if (std::exchange(loading_, true)) return {};
+    return {effect::LoadVoxels{}};
+  }
+  Effects effects;
+  take_next(effects, state, event.connection, now);
+  return effects;
+}
+
+Effects Slices::handle(const VoxelsLoaded& event, SessionState& state, TimePoint now) {
+  Effects effects;
+  loading_ = false;
+  auto host = event.loaded ? std::dynamic_pointer_cast<const HostVolume>(*event.loaded) : nullptr;
+  // If the volume was replaced in the store, the session is about to be notified.
+  const bool same = host && host->header().content_hash == event.shown_hash;
+  if (same) voxels_ = std::move(host);
+  for (Receiver& receiver : state.audience.receivers) {
+    if (!receiver.slices.waiting()) continue;
+    if (same) {
+      take_next(effects, state, receiver.connection, now);
+      continue;
+    }
+    receiver.slices = {};
+    effects.emplace_back(effect::Warn{"slices_failed"});
+    effects.emplace_back(
+        problem_to(receiver.connection,
+                   {event.loaded ? ErrorCode::kUnavailable : event.loaded.error().code,
+                    "The slices can't be shown right now. The 3D view continues.", "slices"}));
+  }
+  return effects;
+}
+
+void Slices::take_next(Effects& effects, SessionState& state, std::uint64_t connection,
+                       TimePoint now) const {
+  Receiver* const receiver = state.audience.find(connection);
+  if (!receiver || !voxels_ || !receiver->slices.ready()) return;
+  const bool guest = receiver->viewer == ViewerKind::kGuest;
+  // Over the limit, SlicesTicked tries again.
+  if (!state.audience.slice_allowances.take(receiver->participant, guest, now)) return;
+  const auto due = receiver->slices.take();
+  if (!due) return;
+  auto order = order_of(state, *receiver, *due);
+  if (!order) {
+    receiver->slices.give_up();
+    return receiver->slices.forget();
+  }
+  effects.emplace_back(
+      effect::CodeSlice{connection, *std::move(order), (*stacks_)[due->plane], voxels_, guest});
+}
+
+Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
+  Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver) return {};
+  if (!event.coded) {
+    receiver->slices.give_up();
+    return {problem_to(event.connection, event.coded.error())};
+  }
+  Effects effects;
+  const SliceOrder& order = event.order;
+  // Meanwhile slices may have been switched off, or the clip may have changed.
+  const auto still = order_of(state, *receiver, order.due);
+  if (!still) {
+    receiver->slices.give_up();
+  } else if (!same_clip(still->clip, order.clip)) {
+    receiver->slices.put_back();
+  } else {
+    receiver->has_clipped_slices = order.clip.has_value();
+    effects.emplace_back(effect::Send{
+        event.connection, message_of((*stacks_)[order.due.plane], order.due.index,
+                                     receiver->slices.depart(), *std::move(event.coded))});
+  }
+  take_next(effects, state, event.connection, now);
+  return effects;
+}
+
+Effects Slices::handle(SlicesTicked, SessionState& state, TimePoint now) {
+  Effects effects;
+  for (const Receiver& receiver : state.audience.receivers) {
+    if (receiver.slices.waiting()) take_next(effects, state, receiver.connection, now);
+  }
+  return effects;
+}
+
+Effects Slices::handle(SceneChanged, SessionState& state) {
+  if (clipped_by_ == state.wanted.scene) return {};
+  const auto before = std::exchange(clipped_by_, state.wanted.scene);
+  if (before && clipped_by_ && same_clip(before->clip(), clipped_by_->clip())) return {};
+  Effects effects;
+  for (Receiver& receiver : state.audience.receivers) {
+    if (!std::exchange(receiver.has_clipped_slices, false)) continue;
+    effect::Send stale{receiver.connection, {}};
+    stale.message.mutable_slices_stale();
+    effects.emplace_back(std::move(stale));
+  }
+  return effects;
+}
+
+Effects Slices::handle(AllViewersLeft) {
+  voxels_.reset();
+  return {};
+}
+
+}  // namespace diaphane::render
