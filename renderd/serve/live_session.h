@@ -12,7 +12,6 @@
 #include "api/proto/stream.pb.h"
 #include "common/clock.h"
 #include "renderd/encode/encode_lane.h"
-#include "renderd/encode/tile_source.h"
 #include "renderd/scene/light_textures.h"
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/file_work.h"
@@ -20,6 +19,7 @@
 #include "renderd/serve/metrics.h"
 #include "renderd/session/files.h"
 #include "renderd/session/free_cameras.h"
+#include "renderd/session/lossless_tiles.h"
 #include "renderd/session/pictures.h"
 #include "renderd/session/saving.h"
 #include "renderd/session/slices.h"
@@ -172,8 +172,8 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void coded(const Lane& lane, const FrameInfo& frame, CodedFrame data, double seconds);
   void dropped(const Lane& lane, const Error& why);
 
-  /// Lossless tiles: sends encoded tiles to viewers with room, and starts encoding the next ones.
   void send_tiles();
+  void tile_coded(const effect::CodeTile& of, std::optional<diaphane::v1::Still> coded);
   void keep_if_last(RenderedPicture& picture);
 
   /// One event (session_turn.h).
@@ -194,6 +194,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void carry_out(const effect::PokeEncoders& effect);
   void carry_out(const effect::LoadVoxels& effect);
   void carry_out(effect::CodeSlice& effect);
+  void carry_out(effect::CodeTile& effect);
   void carry_out(effect::StartFile& effect);
   void carry_out(const effect::AcknowledgeFile& effect);
   void carry_out(const effect::StopFile& effect);
@@ -220,9 +221,6 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   // All of these require the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
-  void send_tile(const TileDue& due, const CodedTile& coded, const OutgoingFrame& outgoing);
-  /// Sends a frame or a tile, and the messages that follow it.
-  void send_outgoing(const OutgoingFrame& outgoing, const diaphane::v1::ServerMessage& message);
   void send_look(std::uint64_t connection);
   void report_stats(std::size_t sessions, TimePoint now);
   void broadcast_participants();
@@ -277,16 +275,11 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   Lanes lanes_;
   Effects pending_;  // to be carried out at the end of the turn
   Slices slices_;
+  LosslessTiles tiles_;
   Files files_;
   FreeCameras cameras_;
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
-  /// The converged picture of the current epoch.
-  struct Last {
-    FrameInfo info;
-    std::shared_ptr<TileSource> tiles;
-  };
-  std::optional<Last> last_;
   std::shared_ptr<const DeviceVolume> volume_;
   bool with_table_ = false;     ///< of `volume_`, or of the one that is awaited first
   bool loading_other_ = false;  ///< the one with the other value of `with_table_`

@@ -45,7 +45,7 @@ ViewRequest LiveSession::Client::wanted() {
 void LiveSession::Client::began(std::uint64_t epoch, const ViewRequest& wanted) {
   const std::lock_guard lock(session_.mutex_);
   render::began(session_.state_, epoch, wanted);
-  session_.last_.reset();
+  session_.tiles_.handle(EpochBegan{});
 }
 
 void LiveSession::Client::refused(const ViewRequest& wanted, const Error& why) {

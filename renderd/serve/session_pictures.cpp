@@ -3,7 +3,9 @@
 
 #include "common/log.h"
 #include "common/try.h"
+#include "renderd/encode/tiles.h"
 #include "renderd/serve/session_lane.h"
+#include "renderd/serve/session_turn.h"
 
 // LiveSession: pictures through the encoders to the viewers.
 
@@ -41,7 +43,12 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     for (const OutgoingFrame& outgoing : outgoing_frames.frames) {
       if (outgoing.look) send_look(outgoing.connection);
       out.set_seq(outgoing.seq);
-      send_outgoing(outgoing, message);
+      send(outgoing.connection, message);
+      if (outgoing.state) {
+        v1::ServerMessage after;
+        *after.mutable_state() = *outgoing.state;
+        send(outgoing.connection, after);
+      }
       parts_.metrics.frame_sent(bytes);
     }
     if (outgoing_frames.input_to_frame) {
@@ -54,71 +61,45 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
 
 void LiveSession::keep_if_last(RenderedPicture& picture) {
   if (!picture.info.converged) return;
-  const std::lock_guard lock(mutex_);
-  FrameInfo& info = picture.info;
+  const Turn turn(*this);
   // A reduced moving picture can converge too, but the final picture has the size of the viewport.
-  info.converged = picture.picture.size == state_.shown.viewport;
-  if (!info.converged || info.moving) return;  // a resting picture follows in settled quality
-  if (last_ && last_->info.epoch == info.epoch && last_->info.samples == info.samples) return;
-  const auto& receivers = state_.audience.receivers;
-  const bool wanted = std::any_of(receivers.begin(), receivers.end(), [](const Receiver& one) {
-    return one.stills != v1::STILL_FORMAT_UNSPECIFIED;
-  });
-  if (!wanted) return;
-  last_ = Last{info, std::make_shared<TileSource>(parts_.encoders, picture.picture,
-                                                  [weak = weak_from_this()] {
-                                                    if (const auto session = weak.lock())
-                                                      session->send_tiles();
-                                                  })};
+  picture.info.converged = picture.picture.size == state_.shown.viewport;
+  const auto tiles = static_cast<std::uint32_t>(plan_tiles(picture.picture.size).size());
+  apply(tiles_.handle(PictureFinished{picture.info, picture.picture, tiles}, state_));
 }
 
 void LiveSession::send_tiles() {
-  const std::lock_guard lock(mutex_);
-  if (!last_) return;
-  TileSource& source = *last_->tiles;
-  const TimePoint now = parts_.clock.now();
-  const auto tiles = static_cast<std::uint32_t>(source.tiles().size());
-  for (bool sent = true; sent;) {
-    sent = false;
-    for (const TileDue& due : tiles_due(state_, last_->info, tiles, now)) {
-      const auto coded = source.get(due.tile, due.format);
-      // encodes the next tile while this one is in transit
-      (void)source.get(due.tile + 1, due.format);
-      if (!coded) continue;
-      send_tile(due, *coded, depart_tile(state_, due, tiles, coded->data.size(), now));
-      sent = true;
-    }
-  }
+  const Turn turn(*this);
+  apply(tiles_.handle(RoomForTiles{}, state_, turn.now));
 }
 
-void LiveSession::send_tile(const TileDue& due, const CodedTile& coded,
-                            const OutgoingFrame& outgoing) {
-  const auto& tiles = last_->tiles->tiles();
-  const Tile& tile = tiles[due.tile];
-  v1::ServerMessage message;
-  v1::Still& out = *message.mutable_still();
-  out.set_epoch(last_->info.epoch);
-  out.set_tile(due.tile);
-  out.set_tiles(static_cast<std::uint32_t>(tiles.size()));
-  out.set_x(tile.x);
-  out.set_y(tile.y);
-  out.set_width(tile.width);
-  out.set_height(tile.height);
-  out.set_data(coded.data);
-  out.set_hash(coded.hash);
-  out.set_format(coded.format);
-  out.set_seq(outgoing.seq);
-  out.set_iteration(last_->info.samples);
-  out.set_error(last_->info.error);
-  send_outgoing(outgoing, message);
+void LiveSession::carry_out(effect::CodeTile& effect) {
+  parts_.encoders.post(EncodePool::Urgency::kLater,
+                       [weak = weak_from_this(), effect = std::move(effect)] {
+                         const auto pixels = effect.pixels.lock();
+                         if (!pixels) return;
+                         const Tile tile = plan_tiles(pixels->size)[effect.tile];
+                         auto coded = encode_tile(*pixels, tile, effect.format);
+                         if (!coded)
+                           log::error("tile_failed", {{"code", to_string(coded.error().code)}});
+                         const auto session = weak.lock();
+                         if (!session) return;
+                         if (!coded) return session->tile_coded(effect, std::nullopt);
+                         v1::Still still;
+                         still.set_x(tile.x);
+                         still.set_y(tile.y);
+                         still.set_width(tile.width);
+                         still.set_height(tile.height);
+                         still.set_data(std::move(coded->data));
+                         still.set_hash(coded->hash);
+                         still.set_format(coded->format);
+                         session->tile_coded(effect, std::move(still));
+                       });
 }
 
-void LiveSession::send_outgoing(const OutgoingFrame& outgoing, const v1::ServerMessage& message) {
-  send(outgoing.connection, message);
-  if (!outgoing.state) return;
-  v1::ServerMessage after;
-  *after.mutable_state() = *outgoing.state;
-  send(outgoing.connection, after);
+void LiveSession::tile_coded(const effect::CodeTile& of, std::optional<v1::Still> coded) {
+  const Turn turn(*this);
+  apply(tiles_.handle(TileCoded{of.picture, of.tile, std::move(coded)}, state_, turn.now));
 }
 
 void LiveSession::dropped(const Lane& lane, const Error& why) {

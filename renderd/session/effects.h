@@ -66,6 +66,14 @@ struct CodeSlice {
   bool for_guest = false;
 };
 
+/// To be answered with TileCoded, unless nobody needs the picture any more.
+struct CodeTile {
+  std::uint64_t picture = 0;
+  std::weak_ptr<const PictureRgb8> pixels;
+  std::uint32_t tile = 0;
+  diaphane::v1::StillFormat format = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
+};
+
 /// To be answered with FileSaid, or with FileRefused if the file cannot be begun.
 struct StartFile {
   std::uint64_t file = 0;
@@ -126,9 +134,10 @@ struct DismissCamera {
 using Effect =
     std::variant<effect::Send, effect::Configure, effect::TellParticipants, effect::Warn,
                  effect::WakeRunner, effect::LeaveRunner, effect::FindDepth, effect::PokeEncoders,
-                 effect::LoadVoxels, effect::CodeSlice, effect::StartFile, effect::AcknowledgeFile,
-                 effect::StopFile, effect::OpenCamera, effect::EnterCamera, effect::ForwardToCamera,
-                 effect::FollowPresenter, effect::SilenceCamera, effect::DismissCamera>;
+                 effect::LoadVoxels, effect::CodeSlice, effect::CodeTile, effect::StartFile,
+                 effect::AcknowledgeFile, effect::StopFile, effect::OpenCamera, effect::EnterCamera,
+                 effect::ForwardToCamera, effect::FollowPresenter, effect::SilenceCamera,
+                 effect::DismissCamera>;
 using Effects = std::vector<Effect>;
 
 /// Tells a viewer about an error that does not end the connection.
