@@ -106,11 +106,11 @@ struct SessionParts {
 /// Thread-safe: called by the connections, the runner, the encoders and the host's clock.
 ///
 /// Each call is one turn: under the lock the rules decide, and what they ask for is carried out
-/// after the lock is released. So this session's lock is held while neither the host nor another
-/// session is called, and may be taken under the host's. Only messages to viewers are sent under
-/// it, because a ClientLink neither blocks nor calls back, and so each viewer receives them in the
-/// order of the turns. A strand of its own would need that order too, but the runner and the
-/// encoders need answers at once (RenderClient::wanted, FrameSink::admit).
+/// after the lock is released. So neither the host nor another session is called while this
+/// session's lock is held, and the host may call a session under its own lock. Only messages to
+/// viewers are sent under the lock, because a ClientLink neither blocks nor calls back, and so each
+/// viewer receives them in the order of the turns. A strand would not do, because the runner and
+/// the encoders need answers at once (RenderClient::wanted, FrameSink::admit).
 class LiveSession final : public std::enable_shared_from_this<LiveSession> {
  public:
   struct Start {

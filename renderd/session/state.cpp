@@ -448,7 +448,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_kernel_wanted(state, *receiver, now);
     case v1::ClientMessage::kGuestSlices:
       return receive_guest_slices(state, message.guest_slices().on());
-    // LiveSession handles voxels and files.
+    // Slices and Files handle these.
     case v1::ClientMessage::kSlices:
     case v1::ClientMessage::kKeyView:
     case v1::ClientMessage::kFile:
