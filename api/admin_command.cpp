@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "api/postgres/administration_repository.h"
-#include "api/postgres/second_factor_repository.h"
-#include "api/service/account_mails.h"
-#include "api/service/password.h"
+#include "api/accounts/account_mails.h"
+#include "api/accounts/password.h"
+#include "api/accounts/second_factor_repository.h"
+#include "api/administration/administration_repository.h"
 #include "common/clock.h"
 #include "common/postgres/address.h"
 #include "common/wire/inner_tls.h"

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "api/accounts/mailer.h"
 #include "api/http/request_metrics.h"
-#include "api/service/housekeeping.h"
+#include "api/privacy/disposer.h"
 #include "api/services.h"
+#include "api/shared/periodic.h"
 
 namespace diaphane::api {
 

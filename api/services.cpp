@@ -1,7 +1,7 @@
 #include "api/services.h"
 
 #include "api/archive/zip_writer.h"
-#include "api/handlers/preset_format.h"
+#include "api/presets/preset_format.h"
 #include "volume/store.h"
 #include "volume/volume.h"
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "api/service/data_sets.h"
-#include "api/service/secrets.h"
+#include "api/scans/data_sets.h"
+#include "api/shared/secrets.h"
 #include "common/config.h"
 #include "common/visitor_share.h"
 #include "common/wire/inner_tls.h"

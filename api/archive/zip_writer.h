@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "api/service/exports.h"
+#include "api/privacy/exports.h"
 
 namespace diaphane::api {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "api/handlers/request_router.h"
 #include "api/http/executor.h"
+#include "api/routing/request_router.h"
 #include "common/result.h"
 
 namespace diaphane::api {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "api/handlers/problem_document.h"
+#include "api/routing/problem_document.h"
 
 namespace diaphane::api {
 namespace {

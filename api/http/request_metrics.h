@@ -6,7 +6,7 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 
-#include "api/handlers/request_router.h"
+#include "api/routing/request_router.h"
 
 namespace diaphane::api {
 

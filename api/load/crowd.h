@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "api/load/person.h"
-#include "api/service/placement.h"
+#include "api/shared/placement.h"
 #include "common/result.h"
 
 namespace diaphane::api::load {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "api/load/viewer.h"
-#include "api/service/placement.h"
+#include "api/shared/placement.h"
 
 namespace diaphane::api::load {
 

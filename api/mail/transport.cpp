@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "api/service/password.h"
+#include "api/accounts/password.h"
 #include "common/ids.h"
 
 namespace diaphane::api {

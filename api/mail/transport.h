@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "api/service/housekeeping.h"
+#include "api/accounts/mailer.h"
 #include "common/result.h"
 
 namespace diaphane::api {

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/service/placement.h"
+#include "api/shared/placement.h"
 #include "api/stream/close_code.h"
 #include "api/stream/hub.h"
 #include "api/stream/worker_link.h"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "api/proto/worker.grpc.pb.h"
-#include "api/service/placement.h"
-#include "api/service/workers.h"
+#include "api/shared/placement.h"
+#include "api/shared/workers.h"
 #include "common/ids.h"
 
 // Replacements for Redis and renderd in tests of the gateway, which produce faults on demand.

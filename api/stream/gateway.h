@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "api/service/placement.h"
-#include "api/service/workers.h"
+#include "api/shared/placement.h"
+#include "api/shared/workers.h"
 #include "common/result.h"
 #include "common/wire/inner_tls.h"
 

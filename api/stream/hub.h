@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "api/service/placement.h"
-#include "api/service/workers.h"
+#include "api/shared/placement.h"
+#include "api/shared/workers.h"
 #include "api/stream/gateway_metrics.h"
 #include "api/stream/worker_channels.h"
 

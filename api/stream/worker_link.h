@@ -10,7 +10,7 @@
 #include <string>
 
 #include "api/proto/worker.grpc.pb.h"
-#include "api/service/placement.h"
+#include "api/shared/placement.h"
 
 namespace diaphane::api::stream {
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "api/service/placement.h"
-#include "api/service/workers.h"
+#include "api/shared/placement.h"
+#include "api/shared/workers.h"
 #include "api/stream/worker_channels.h"
 
 namespace diaphane::api::stream {

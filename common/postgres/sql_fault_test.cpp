@@ -10,7 +10,7 @@ TEST(SqlFault, ReportsStateConstraintAndStatementWithoutValues) {
       "ERROR:  duplicate key value violates unique constraint \"users_email_key_key\"\n"
       "DETAIL:  Key (email_key)=(somebody@example.org) already exists.\n",
       "\n  UPDATE users SET email = 'somebody@example.org' WHERE id = $1", "23505");
-  const std::string text = SqlFault(error, {"api/postgres/some_repository.cpp", 12}).what();
+  const std::string text = SqlFault(error, {"api/scans/some_repository.cpp", 12}).what();
   EXPECT_EQ(text,
             "SQLSTATE 23505, constraint users_email_key_key, statement UPDATE users SET, "
             "transaction some_repository.cpp:12");

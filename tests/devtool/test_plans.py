@@ -175,7 +175,31 @@ def test_a_header_outside_the_folder_that_owns_it_is_found():
     owners = {"cpprest/": ["api/http"]}
     text = '#include <cpprest/json.h>\n'
     assert linkrules.header_violations({"api/http/a.cpp": text}, owners) == []
-    assert len(linkrules.header_violations({"api/service/a.cpp": text}, owners)) == 1
+    assert len(linkrules.header_violations({"api/scans/a.cpp": text}, owners)) == 1
+
+
+@pytest.mark.parametrize("name, header, part", [
+    ("api/scans/uploads.cpp", "api/scans/data_set_repository.h", "layer 'service'"),
+    ("api/scans/uploads.cpp", "api/routing/message.h", "layer 'service'"),
+    ("api/scans/scan_routes.cpp", "api/shared/database.h", "layer 'routes'"),
+    ("api/scans/data_set_repository.cpp", "api/scans/data_set_format.h", "layer 'repository'"),
+    ("api/accounts/accounts.h", "api/scans/uploads.h", "api/accounts may include only: api/shared"),
+    ("api/shared/secrets.h", "api/accounts/accounts.h", "api/shared may include only: nothing"),
+])
+def test_an_include_against_the_order_of_layers_or_features_is_found(name, header, part):
+    book = linkrules.rules()
+    found = linkrules.layer_violations({name: f'#include "{header}"\n'}, book["layers"], book["features"])
+    assert len(found) == 1 and part in found[0]
+
+
+@pytest.mark.parametrize("name, header", [
+    ("api/scans/uploads.h", "api/accounts/accounts.h"), ("api/scans/uploads_test.cpp", "api/sharing/sharing.h"),
+    ("api/accounts/account_routes.cpp", "api/sessions/render_time.h"), ("api/scans/data_set_repository.h", "api/shared/database.h"),
+    ("api/main.cpp", "api/scans/data_set_repository.h"), ("api/mail/transport.h", "api/accounts/mailer.h"),
+])
+def test_an_include_in_the_order_of_layers_and_features_is_allowed(name, header):
+    book = linkrules.rules()
+    assert linkrules.layer_violations({name: f'#include "{header}"\n'}, book["layers"], book["features"]) == []
 
 
 # Files and contracts

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "api/handlers/problem_document.h"
+#include "api/routing/problem_document.h"
 #include "common/bounded_json.h"
 #include "tests/fuzz/requests.h"
 #include "volume/region.h"

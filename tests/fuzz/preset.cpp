@@ -1,7 +1,7 @@
 // Any bytes as a preset in JSON or XML. An accepted preset can be stored, shown and returned.
 #include <google/protobuf/stubs/logging.h>
 
-#include "api/handlers/preset_format.h"
+#include "api/presets/preset_format.h"
 #include "scene/scene.h"
 #include "scene/scene_xml.h"
 #include "tests/fuzz/requests.h"

@@ -1,5 +1,5 @@
 // Any bytes as a recorded interaction. An accepted one fits where it is stored and can be returned.
-#include "api/handlers/recording_format.h"
+#include "api/presets/recording_format.h"
 #include "tests/fuzz/requests.h"
 
 using namespace diaphane;

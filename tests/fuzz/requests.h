@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/handlers/request_fields.h"
+#include "api/routing/request_fields.h"
 #include "common/utf8.h"
 #include "tests/fuzz/must.h"
 

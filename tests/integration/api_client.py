@@ -222,7 +222,7 @@ def ready_without_upload(stack: TestStack, owner: Person) -> str:
 
 
 def put_thumbnail(stack: TestStack, data_set_id: str) -> None:
-    """Puts a thumbnail where the API keeps those that it rendered (api/service/thumbnails.cpp)."""
+    """Puts a thumbnail where the API keeps those that it rendered (api/scans/thumbnails.cpp)."""
     folder = stack.data_dir / "cache" / "thumbnails" / data_set_id
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "bone.4.jpg"

@@ -6,6 +6,7 @@ import re
 import subprocess
 import tomllib
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Iterable
 
@@ -70,6 +71,30 @@ def header_violations(sources: dict[str, str], owners: dict[str, list[str]]) -> 
     return found
 
 
+def layer_violations(sources: dict[str, str], layers: dict[str, dict], features: dict[str, list[str]]) -> list[str]:
+    """Returns includes between files of api's features that the order of layers or of features forbids."""
+    found = []
+    for name, text in sorted(sources.items()):
+        layer, feature = _layer(name, layers, features), name.rpartition("/")[0]
+        if layer is None or _is_trial(name.rpartition(".")[0]):
+            continue
+        for header in _INCLUDE.findall(text):
+            other, owner = _layer(header, layers, features), header.rpartition("/")[0]
+            if other is None:
+                continue
+            if other not in layers[layer]["includes"]:
+                found.append(f"{name} includes {header}, but the layer '{layer}' may include only: {', '.join(layers[layer]['includes'])}")
+            elif layer != "routes" and owner != feature and owner not in features[feature]:
+                found.append(f"{name} includes {header}, but {feature} may include only: {', '.join(features[feature]) or 'nothing'}")
+    return found
+
+
+def _layer(name: str, layers: dict[str, dict], features: dict[str, list[str]]) -> str | None:
+    if name.rpartition("/")[0] not in features:
+        return None
+    return next((layer for layer, rule in layers.items() if any(fnmatch(name, pattern) for pattern in rule["files"])), None)
+
+
 def prefix_violations(sources: Iterable[str], limits: dict[str, int]) -> list[str]:
     """Returns files with a prefix that a folder should express."""
     found = []
@@ -103,7 +128,7 @@ def check() -> list[str]:
     pages = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8") for path in filelint.files()
              if path.suffix in (".ts", ".tsx") and path.is_relative_to(paths.FRONTEND)}
     return (violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
-            + prefix_violations(sources, book["prefixes"])
+            + layer_violations(sources, book["layers"], book["features"]) + prefix_violations(sources, book["prefixes"])
             + [f"cycle: {', '.join(part)}" for graph in (cycles.includes(sources), cycles.imports(pages)) for part in cycles.cycles(graph)])
 
 

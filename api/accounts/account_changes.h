@@ -1,0 +1,133 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/accounts/accounts.h"
+#include "api/shared/placement.h"
+
+namespace diaphane::api {
+
+/// A signed-in browser, as shown to its user.
+struct BrowserSession {
+  std::string id;
+  std::string browser;  ///< for example "Firefox on Windows"; empty if unknown
+  Time created_at, used_at;
+};
+
+/// A web session that has ended by sign-out or by expiry.
+struct ExpiredBrowser {
+  std::string id, user_id;
+};
+
+/// The purpose of an emailed token.
+struct TokenBearer {
+  std::string user_id;
+  std::string email;      ///< current address of the account
+  std::string new_email;  ///< for the purpose "change"
+};
+
+struct EmailRequest {
+  std::string user_id;
+  std::string new_email, new_email_key;
+  std::string token_hash;
+  Time token_expires_at;
+  Mail confirm;  ///< sent to the new address
+  Mail taken;    ///< sent to the new address if it already has an account
+  Mail to_old;
+};
+
+/// Every function returns kUnavailable if the database is unavailable. Each is one transaction,
+/// which includes its entry in the audit log.
+class AccountChangeStore {
+ public:
+  virtual ~AccountChangeStore() = default;
+  /// Does the same work whether or not the address has an account: one statement and one email.
+  virtual Result<void> request_reset(const std::string& email_key, const std::string& token_hash,
+                                     Time expires_at, const Mail& known, const Mail& unknown) = 0;
+  /// Does not consume the token. Returns nothing if it is unknown, used, expired or for another
+  /// purpose.
+  virtual Result<std::optional<TokenBearer>> find_token(const std::string& token_hash,
+                                                        const std::string& purpose, Time now) = 0;
+  /// Consumes the token, ends all web sessions and deletes other tokens. Returns false if the token
+  /// no longer exists.
+  virtual Result<bool> reset(const std::string& token_hash, const std::string& password_hash,
+                             const Mail& told, Time now) = 0;
+  /// Ends all other web sessions and deletes tokens.
+  virtual Result<void> change_password(const std::string& user_id, const std::string& password_hash,
+                                       const std::string& kept_session, const Mail& told,
+                                       Time now) = 0;
+  virtual Result<void> request_email(const EmailRequest& request, Time now) = 0;
+  /// Returns false if the token no longer exists or the address has been taken in the meantime.
+  virtual Result<bool> confirm_email(const std::string& token_hash,
+                                     const std::string& new_email_key, const Mail& to_old,
+                                     Time now) = 0;
+  virtual Result<std::vector<BrowserSession>> browser_sessions(const std::string& user_id,
+                                                               Time now) = 0;
+  /// Returns false if there is no session with this ID.
+  virtual Result<bool> end_browser_session(const std::string& user_id, const std::string& id) = 0;
+  virtual Result<void> end_browser_sessions(const std::string& user_id, Time now) = 0;
+  /// Returns at most `limit` sessions, oldest first. They are kept until they are forgotten.
+  virtual Result<std::vector<ExpiredBrowser>> expired_browsers(Time now, int limit) = 0;
+  virtual Result<void> forget_browser(const std::string& id) = 0;
+};
+
+/// Changes that users make to their own accounts. Thread-safe.
+class AccountChanges {
+ public:
+  struct Options {
+    std::string public_url;
+    std::chrono::seconds reset_life = std::chrono::hours(1);
+    std::chrono::seconds change_life = std::chrono::hours(48);
+    std::chrono::seconds window = std::chrono::minutes(15);
+    int resets_by_address = 30;  ///< in `window`
+    int mails_by_recipient = 4;  ///< in `window`
+  };
+
+  AccountChanges(AccountChangeStore& store, AccountStore& attempts, Accounts& accounts,
+                 PasswordHasher& hasher, Placement& placement, const Clock& clock, Options options);
+
+  /// Succeeds after the same work whether or not the account exists. `address` is the peer's.
+  /// `language` is that of the email.
+  Outcome<void> request_reset(const std::string& email, const std::string& address,
+                              Language language = Language::kEnglish);
+  /// Signs out everywhere. Returns kLinkExpired for an invalid token.
+  Outcome<void> reset(const std::string& token, const std::string& password,
+                      Language language = Language::kEnglish);
+  Outcome<void> change_password(const Principal& who, const std::string& current,
+                                const std::string& password);
+  /// Sends a link to the new address and notifies the old one.
+  Outcome<void> request_email(const Principal& who, const std::string& new_email,
+                              const std::string& password);
+  /// Works only for the account that requested the change, so that nobody assigns their address to
+  /// a stranger's account (docs/adr/0034). Returns kLinkExpired or kForbidden.
+  Outcome<void> confirm_email(const Principal& who, const std::string& token);
+
+  Outcome<std::vector<BrowserSession>> browser_sessions(const Principal& who);
+  Outcome<void> end_browser_session(const Principal& who, const std::string& id);
+  /// Also signs out this browser and ends all open sessions.
+  Outcome<void> sign_out_everywhere(const Principal& who);
+
+  /// Ends the streams of browsers whose web sessions are over, then deletes those sessions. Retries
+  /// in a later call if Redis is unavailable.
+  void end_expired_browsers();
+
+  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
+
+ private:
+  void end_pictures(const std::string& user_id);
+  std::string forgot_url() const { return options_.public_url + "/forgot"; }
+
+  AccountChangeStore& store_;
+  AccountStore& attempts_;
+  Accounts& accounts_;
+  PasswordHasher& hasher_;
+  Placement& placement_;
+  const Clock& clock_;
+  Options options_;
+  std::function<void()> wake_mailer_ = [] {};
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,96 @@
+#include "api/accounts/routes.h"
+#include "api/routing/representations.h"
+#include "api/routing/request_fields.h"
+#include "common/try.h"
+
+namespace diaphane::api {
+namespace {
+
+/// The approximate browser name that the edge derives from User-Agent, which it does not forward.
+std::string browser_of(const Request& request) {
+  std::string name(request.header("x-browser").substr(0, 60));
+  std::erase_if(name, [](char c) { return c < 0x20 || c > 0x7e; });
+  return name;
+}
+
+Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principal& who) {
+  const auto quota = accounts.quota_of(who.user_id);
+  DIAPHANE_TRY(quota);
+  const auto time = render_time.account(who.user_id);
+  DIAPHANE_TRY(time);
+  nlohmann::ordered_json spent{{"quota_ms", time->quota_ms},
+                               {"used_ms", time->used_ms},
+                               {"renewed_at", rfc3339(time->next_month)},
+                               {"pictures_end_at", nullptr}};
+  if (time->spent() && time->warned_at) {
+    spent["pictures_end_at"] = rfc3339(*time->warned_at + RenderTime::kGrace);
+  }
+  return json_response(200, {{"id", who.user_id},
+                             {"email", who.email},
+                             {"csrf_token", who.csrf_token},
+                             {"administrator", who.administrator || who.administrator_waits},
+                             {"second_factor", who.second_factor},
+                             {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}},
+                             {"render_time", std::move(spent)}});
+}
+
+}  // namespace
+
+std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
+                                  const RequestRouter& router) {
+  const auto sign_up = [&accounts](const Request& request,
+                                   const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string email = in.text("email", 3, 254);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = accounts.sign_up(email, request.address, who.language);
+    DIAPHANE_TRY(done);
+    return empty_response(202);
+  };
+  const auto verify = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string token = in.text("token", 1, 200);
+    const std::string password = in.secret("password", kPasswordBytes);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = accounts.verify(token, password);
+    DIAPHANE_TRY(done);
+    return empty_response(204);
+  };
+  const auto sign_in = [&accounts, &render_time, &router](
+                           const Request& request, const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string email = in.text("email", 3, 254);
+    const std::string password = in.secret("password", kPasswordBytes);
+    const std::string code = in.text_or("code", "", kCodeCharacters);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto opened =
+        accounts.sign_in(email, password, code, request.address, browser_of(request),
+                         router.known_browser_of(request), who.language);
+    DIAPHANE_TRY(opened);
+    auto response = me(accounts, render_time, opened->principal);
+    if (response) {
+      response->with("Set-Cookie", router.cookie(opened->token));
+      // The HTTP library would join two Set-Cookie headers into one, so the edge sends this one.
+      response->with("X-Known-Browser", router.browser_cookie(opened->known_browser));
+    }
+    return response;
+  };
+  const auto sign_out = [&accounts, &router](const Request& request,
+                                             const Principal&) -> Outcome<Response> {
+    const auto done = accounts.sign_out(router.token_of(request));
+    DIAPHANE_TRY(done);
+    return empty_response(204).with("Set-Cookie", router.cookie(""));
+  };
+  const auto get_me = [&accounts, &render_time](const Request&, const Principal& who) {
+    return me(accounts, render_time, who);
+  };
+  return {
+      {"POST", "/v1/accounts", "signUp", Access::kAnyone, sign_up, {}},
+      {"POST", "/v1/accounts/verify", "verifyAccount", Access::kAnyone, verify, {}},
+      {"POST", "/v1/sign-in", "signIn", Access::kAnyone, sign_in, {}},
+      {"POST", "/v1/sign-out", "signOut", Access::kPerson, sign_out, {}},
+      {"GET", "/v1/me", "getMe", Access::kPerson, get_me, {}},
+  };
+}
+
+}  // namespace diaphane::api

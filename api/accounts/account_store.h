@@ -1,0 +1,123 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/shared/time.h"
+#include "common/result.h"
+
+namespace diaphane::api {
+
+struct Mail {
+  std::string recipient;
+  std::string subject;
+  std::string body;  ///< plain text, UTF-8, lines ended by \n
+};
+
+struct SignUp {
+  std::string user_id;
+  std::string email;
+  std::string email_key;
+  std::string token_hash;  ///< secrets.h, blake2b
+  Time token_expires_at;
+  Mail welcome;        ///< with the link
+  Mail already_there;  ///< for an address that already has a verified account
+};
+
+struct Account {
+  std::string id;
+  std::string email;
+  std::string password_hash;  ///< empty until the address is confirmed
+  bool verified = false;
+  bool disabled = false;
+};
+
+struct WebSession {
+  std::string token_hash;
+  std::string user_id;
+  std::string csrf_token;
+  Time created_at;
+  Time expires_at;
+  std::string id = {};       ///< public ID, shown to its user
+  std::string browser = {};  ///< approximate name, for example "Firefox on Windows"
+};
+
+struct SignedIn {
+  WebSession session;
+  std::string email;
+  bool administrator = false;
+  Time used_at = {};
+  bool second_factor = false;  ///< whether two-factor authentication is on
+};
+
+struct Quota {
+  std::int64_t bytes = 0;
+  std::int64_t used = 0;
+};
+
+/// Allows at most `count` attempts for `key` within `window`.
+struct AttemptLimit {
+  std::string key_hash;  ///< secrets.h, blake2b
+  int count = 0;
+  std::chrono::seconds window{0};
+};
+
+/// Storage of accounts. Every function returns kUnavailable if the database is unavailable. Each is
+/// one transaction. `now` comes from the caller's Clock.
+class AccountStore {
+ public:
+  virtual ~AccountStore() = default;
+
+  /// An address without a verified account gets an additional token and the welcome email. An
+  /// address with one gets only an email that says so. Both cases take the same work.
+  virtual Result<void> sign_up(const SignUp& sign_up, Time now) = 0;
+  /// Returns the address that the token was sent to, without consuming the token. Returns nothing
+  /// if the token is unknown, used or expired.
+  virtual Result<std::optional<std::string>> find_sign_up(const std::string& token_hash,
+                                                          Time now) = 0;
+  /// Confirms the address, sets the password and consumes all tokens of the account. Returns false
+  /// if the token is unknown, used or expired.
+  virtual Result<bool> verify(const std::string& token_hash, const std::string& password_hash,
+                              Time now) = 0;
+  virtual Result<std::optional<Account>> find_by_email(const std::string& email_key) = 0;
+  virtual Result<std::optional<Account>> find_by_id(const std::string& user_id) = 0;
+
+  virtual Result<void> open_session(const WebSession& session) = 0;
+  /// Also returns nothing for an account that is disabled or was never verified.
+  virtual Result<std::optional<SignedIn>> find_session(const std::string& token_hash, Time now) = 0;
+  virtual Result<void> extend_session(const std::string& token_hash, Time expires_at) = 0;
+  virtual Result<void> touch_session(const std::string& token_hash, Time used_at) = 0;
+  virtual Result<void> close_session(const std::string& token_hash) = 0;
+
+  virtual Result<Quota> quota_of(const std::string& user_id) = 0;
+
+  /// Records an attempt for every key. If a key is at its limit, records nothing and returns the
+  /// time until the next attempt is allowed.
+  virtual Result<std::optional<std::chrono::seconds>> note_attempt(
+      const std::vector<AttemptLimit>& limits, Time now) = 0;
+  /// Deletes all attempts for the key, or only the one recorded at `at`.
+  virtual Result<void> forget_attempts(const std::string& key_hash, std::optional<Time> at) = 0;
+
+  /// Removes expired data: old attempts, tokens, keys and accounts that were never verified.
+  virtual Result<void> tidy(Time now) = 0;
+};
+
+/// The queue of outgoing email.
+class MailStore {
+ public:
+  struct Queued {
+    std::int64_t id = 0;
+    int attempts = 0;
+    Mail mail;
+  };
+  virtual ~MailStore() = default;
+  /// Returns the next due email and leases it to the caller for `lease`.
+  virtual Result<std::optional<Queued>> claim_mail(Time now, std::chrono::seconds lease) = 0;
+  virtual Result<void> mail_sent(std::int64_t id) = 0;
+  virtual Result<void> mail_failed(std::int64_t id, Time not_before) = 0;
+};
+
+}  // namespace diaphane::api

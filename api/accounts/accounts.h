@@ -1,0 +1,127 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/accounts/account_store.h"
+#include "api/accounts/code_check.h"
+#include "api/accounts/language.h"
+#include "api/accounts/password.h"
+#include "api/shared/problem.h"
+#include "api/shared/secrets.h"
+#include "common/clock.h"
+
+namespace diaphane::api {
+
+/// The author of a request: a user, the operator of the sample, or nobody.
+struct Principal {
+  std::string user_id;
+  bool sample_operator = false;
+  std::string email;
+  std::string csrf_token;       ///< of the web session
+  bool renewed = false;         ///< the session was extended, so the cookie needs a new age
+  bool administrator = false;   ///< has the role and two-factor authentication
+  std::string session_id = {};  ///< public ID of the web session
+  bool second_factor = false;   ///< the account has one
+  /// Has the administrator role without two-factor authentication. Until it is on, `administrator`
+  /// is false.
+  bool administrator_waits = false;
+  Language language = Language::kEnglish;  ///< of the request, with or without an account
+};
+
+/// Sign-up, sign-in and sign-out. Thread-safe.
+class Accounts {
+ public:
+  struct Options {
+    std::string public_url;  ///< origin of links in emails, such as "http://127.0.0.1:8080"
+    std::chrono::seconds link_life = std::chrono::hours(48);
+    std::chrono::seconds session_life = std::chrono::hours(24 * 14);   ///< maximum idle time
+    std::chrono::seconds session_limit = std::chrono::hours(24 * 30);  ///< maximum lifetime
+    /// For users with the administrator role (ASVS 3.3.2, level 2).
+    std::chrono::seconds administrator_idle = std::chrono::minutes(30);
+    std::chrono::seconds administrator_limit = std::chrono::hours(12);
+    std::chrono::seconds window = std::chrono::minutes(15);
+    /// In `window`; counted for strangers and for each known browser.
+    int failures_by_account = 10;
+    int failures_by_address = 50;  ///< in `window`
+    int sign_ups_by_address = 30;  ///< in `window`
+    /// Sign-up emails to one address in `window`. Each contains a valid link.
+    int mails_by_recipient = 4;
+  };
+
+  struct Opened {
+    std::string token;  ///< for the cookie; never stored
+    Principal principal;
+    /// Value of the cookie that shows that this browser has signed in to this account before. It is
+    /// never stored and becomes invalid when the password changes.
+    std::string known_browser;
+  };
+
+  /// `key` signs the cookies of known browsers.
+  Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const SealingKey& key,
+           const Clock& clock, Options options);
+
+  /// Sends a link. Returns kInvalid only for errors that reveal no account and otherwise succeeds,
+  /// whether or not the account exists. `address` is the peer's, for the rate limit.
+  /// `language` is that of the email.
+  Outcome<void> sign_up(const std::string& email, const std::string& address,
+                        Language language = Language::kEnglish);
+  /// Only the holder of the emailed token can choose the password, because the token proves access
+  /// to the mailbox (docs/adr/0034). Returns kLinkExpired for an unknown, used or expired token.
+  Outcome<void> verify(const std::string& token, const std::string& password);
+  /// Returns kWrongCredentials (also while the address is not confirmed), kDisabled or
+  /// kTooManyAttempts. With the correct password of an account that has two-factor authentication,
+  /// returns kCodeNeeded without a code and kWrongCode for a wrong one. `browser` is an approximate
+  /// name. If `known_browser` shows that this browser has signed in to this account before, its
+  /// failures are counted separately, so that the failures of strangers do not lock it out.
+  /// `language` is that of emails about the code.
+  Outcome<Opened> sign_in(const std::string& email, const std::string& password,
+                          const std::string& code, const std::string& address,
+                          const std::string& browser = "", const std::string& known_browser = "",
+                          Language language = Language::kEnglish);
+  /// Asks for the password again before an irreversible action. A wrong one is reported for
+  /// `field`. Failures are counted only for this web session.
+  Outcome<void> confirm_password(const Principal& who, const std::string& field,
+                                 const std::string& password);
+  Outcome<void> sign_out(const std::string& token);
+  /// Whether to record the use of a session and to extend its expiry.
+  enum class Renewal { kYes, kNo };
+  /// Extends the expiry. Returns kUnauthenticated if the cookie is forged, unknown or expired.
+  Outcome<Principal> authenticate(const std::string& token, Renewal renewal = Renewal::kYes);
+  Outcome<Quota> quota_of(const std::string& user_id);
+
+  std::chrono::seconds session_life() const { return options_.session_life; }
+  /// Called after an email was queued, so that it need not wait for the next poll of the queue.
+  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
+  /// Called after a browser was signed out, to end its streams.
+  void on_sign_out(std::function<void()> call) { signed_out_ = std::move(call); }
+
+ private:
+  /// Returns kCodeNeeded, kWrongCode, or nothing if no code is needed or the code is correct.
+  Outcome<void> check_code(const Account& account, const std::string& code, Language language);
+  /// The keys for which a password attempt is counted.
+  struct Counters {
+    std::string whole;                   ///< reset after a correct password
+    std::optional<std::string> address;  ///< of the peer; keeps its other failures
+  };
+  /// Whether the password is correct. No response may depend on whether `account` exists.
+  Outcome<bool> is_right(const std::optional<Account>& account, const Counters& counters,
+                         const std::string& password, Time now);
+  /// Returns the random half of the cookie if it was issued to this browser for this account.
+  std::optional<std::string> known(const std::optional<Account>& account,
+                                   const std::string& cookie) const;
+  std::string browser_token(const Account& account, const std::string& nonce) const;
+
+  AccountStore& store_;
+  PasswordHasher& hasher_;
+  CodeCheck& codes_;
+  const SealingKey& key_;
+  const Clock& clock_;
+  Options options_;
+  std::function<void()> wake_mailer_ = [] {};
+  std::function<void()> signed_out_ = [] {};
+};
+
+}  // namespace diaphane::api

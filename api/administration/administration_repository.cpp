@@ -1,0 +1,213 @@
+#include "api/administration/administration_repository.h"
+
+#include "api/accounts/account_repository.h"
+#include "api/shared/audit_repository.h"
+
+namespace diaphane::api {
+namespace {
+
+// $1 is the current time. Bytes are counted as in `lock_quota`.
+constexpr const char* kSelectUser = R"sql(
+  SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint,
+         (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id),
+         u.verified_at IS NOT NULL, u.disabled_at IS NOT NULL, u.is_administrator, u.quota_bytes,
+         COALESCE((SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
+                                   WHEN d.state IN ('uploading', 'queued', 'building')
+                                   THEN COALESCE(up.length, d.volume_bytes) END)
+                     FROM data_sets d LEFT JOIN uploads up ON up.data_set_id = d.id
+                    WHERE d.owner_id = u.id), 0)::bigint,
+         u.render_quota_ms,
+         COALESCE((SELECT r.device_ms FROM render_time r
+                    WHERE r.user_id = u.id
+                      AND r.month = date_trunc('month', to_timestamp($1::bigint / 1e6) AT TIME ZONE 'UTC')::date), 0),
+         (SELECT count(*) FROM data_sets d WHERE d.owner_id = u.id)::int
+    FROM users u)sql";
+
+UserRecord read_user(const pqxx::row& row) {
+  UserRecord user;
+  user.id = row[0].as<std::string>();
+  user.email = row[1].as<std::string>();
+  user.created_at = from_us(row[2].as<std::int64_t>());
+  if (!row[3].is_null()) user.used_at = from_us(row[3].as<std::int64_t>());
+  user.verified = row[4].as<bool>();
+  user.disabled = row[5].as<bool>();
+  user.administrator = row[6].as<bool>();
+  user.storage = {row[7].as<std::int64_t>(), row[8].as<std::int64_t>()};
+  user.render_quota_ms = row[9].as<std::int64_t>();
+  user.render_used_ms = row[10].as<std::int64_t>();
+  user.data_sets = row[11].as<int>();
+  return user;
+}
+
+std::string text_or_empty(const pqxx::field& field) {
+  return field.is_null() ? std::string() : field.as<std::string>();
+}
+
+}  // namespace
+
+Result<std::vector<UserRecord>> AdministrationRepository::users(const std::string& part,
+                                                                const std::optional<Cursor>& after,
+                                                                int limit, Time now) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<UserRecord>> {
+    std::vector<UserRecord> users;
+    for (const pqxx::row& row :
+         transaction.exec_params(std::string(kSelectUser) + R"sql(
+              WHERE ($2 = '' OR strpos(u.email_key, lower($2)) > 0 OR u.id::text = lower($2))
+                AND ($5::bool OR (u.created_at, u.id) < (to_timestamp($3::bigint / 1e6), $4::uuid))
+              ORDER BY u.created_at DESC, u.id DESC LIMIT $6)sql",
+                                 to_us(now), part, after ? after->created_us : std::int64_t{0},
+                                 after ? after->id.c_str() : nullptr, !after.has_value(), limit)) {
+      users.push_back(read_user(row));
+    }
+    return users;
+  });
+}
+
+Result<std::optional<UserRecord>> AdministrationRepository::user(const std::string& id, Time now) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<UserRecord>> {
+    const pqxx::result found = transaction.exec_params(
+        std::string(kSelectUser) + " WHERE u.id = $2::uuid", to_us(now), id);
+    if (found.empty()) return std::nullopt;
+    return read_user(found[0]);
+  });
+}
+
+Result<bool> AdministrationRepository::change(const std::string& administrator_id,
+                                              const std::string& id, const UserChange& change,
+                                              Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    const pqxx::result before = transaction.exec_params(R"sql(
+        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL FROM users
+         WHERE id = $1::uuid FOR UPDATE)sql",
+                                                        id);
+    if (before.empty()) return false;
+    const auto note = [&](std::string action, std::vector<AuditDetail> details) {
+      note_in_audit_log(transaction,
+                        {AuditActor::kAdministrator, administrator_id, std::move(action), "account",
+                         id, std::move(details)},
+                        now);
+    };
+    const auto old_bytes = before[0][0].as<std::int64_t>();
+    const auto old_ms = before[0][1].as<std::int64_t>();
+    if (change.quota_bytes && *change.quota_bytes != old_bytes) {
+      transaction.exec_params0("UPDATE users SET quota_bytes = $2 WHERE id = $1::uuid", id,
+                               *change.quota_bytes);
+      note("account.storage-quota-changed", {{"from", old_bytes}, {"to", *change.quota_bytes}});
+    }
+    if (change.render_quota_ms && *change.render_quota_ms != old_ms) {
+      transaction.exec_params0("UPDATE users SET render_quota_ms = $2 WHERE id = $1::uuid", id,
+                               *change.render_quota_ms);
+      // A new quota resets the warning about the old one.
+      transaction.exec_params0("UPDATE render_time SET warned_at = NULL WHERE user_id = $1::uuid",
+                               id);
+      note("account.render-quota-changed", {{"from", old_ms}, {"to", *change.render_quota_ms}});
+    }
+    if (change.disabled && *change.disabled != before[0][2].as<bool>()) {
+      transaction.exec_params0(R"sql(
+          UPDATE users SET disabled_at = CASE WHEN $2 THEN to_timestamp($3::bigint / 1e6) END
+           WHERE id = $1::uuid)sql",
+                               id, *change.disabled, to_us(now));
+      if (*change.disabled) {
+        expire_sessions(transaction, id);
+        transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1::uuid", id);
+      }
+      note(*change.disabled ? "account.disabled" : "account.enabled", {});
+    }
+    return true;
+  });
+}
+
+Result<bool> AdministrationRepository::set_administrator(const std::string& email_key, bool given,
+                                                         Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    const pqxx::result changed = transaction.exec_params(
+        R"sql(
+        UPDATE users SET is_administrator = $2 WHERE email_key = $1 AND verified_at IS NOT NULL
+        RETURNING id)sql",
+        email_key, given);
+    if (changed.empty()) return false;
+    note_in_audit_log(transaction,
+                      {AuditActor::kMachine,
+                       "",
+                       given ? "administrator.granted" : "administrator.revoked",
+                       "account",
+                       changed[0][0].as<std::string>(),
+                       {}},
+                      now);
+    return true;
+  });
+}
+
+Result<std::vector<Administrator>> AdministrationRepository::administrators() {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Administrator>> {
+    std::vector<Administrator> all;
+    for (const pqxx::row& row : transaction.exec(R"sql(
+             SELECT u.email, f.confirmed_at IS NOT NULL
+               FROM users u LEFT JOIN second_factors f ON f.user_id = u.id
+              WHERE u.is_administrator ORDER BY u.email)sql")) {
+      all.push_back({row[0].as<std::string>(), row[1].as<bool>()});
+    }
+    return all;
+  });
+}
+
+Result<void> AdministrationRepository::note(const AuditEntry& entry, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<std::vector<AuditRecord>> AdministrationRepository::audit(const AuditFilter& filter) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<AuditRecord>> {
+    const auto us = [](const std::optional<Time>& time, std::int64_t otherwise) {
+      return time ? to_us(*time) : otherwise;
+    };
+    std::vector<AuditRecord> records;
+    for (const pqxx::row& row : transaction.exec_params(
+             R"sql(
+             SELECT a.id, (extract(epoch FROM a.happened_at) * 1000000)::bigint, a.actor, a.actor_id,
+                    a.action, a.subject, a.subject_id, a.details::text, by.email, of.email
+               FROM audit_log a
+               LEFT JOIN users by ON by.id = a.actor_id
+               LEFT JOIN users of ON of.id = a.subject_id
+              WHERE ($1::uuid IS NULL OR a.actor_id = $1::uuid OR a.subject_id = $1::uuid)
+                AND starts_with(a.action, $2)
+                AND a.happened_at >= to_timestamp($3::bigint / 1e6)
+                AND a.happened_at < to_timestamp($4::bigint / 1e6)
+                AND a.id < $5::bigint
+              ORDER BY a.id DESC LIMIT $6)sql",
+             filter.account_id.empty() ? nullptr : filter.account_id.c_str(), filter.action,
+             us(filter.from, 0), us(filter.until, std::int64_t{32503680000} * 1'000'000),
+             filter.before_id.value_or(INT64_MAX), filter.limit)) {
+      records.push_back({row[0].as<std::int64_t>(), from_us(row[1].as<std::int64_t>()),
+                         row[2].as<std::string>(), text_or_empty(row[3]), row[4].as<std::string>(),
+                         row[5].as<std::string>(), text_or_empty(row[6]), row[7].as<std::string>(),
+                         text_or_empty(row[8]), text_or_empty(row[9])});
+    }
+    return records;
+  });
+}
+
+Result<std::vector<std::string>> AdministrationRepository::ready_data_sets(
+    const std::string& user_id) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+    std::vector<std::string> found;
+    for (const pqxx::row& row : transaction.exec_params(
+             "SELECT id FROM data_sets WHERE owner_id = $1::uuid AND state = 'ready'", user_id)) {
+      found.push_back(row[0].as<std::string>());
+    }
+    return found;
+  });
+}
+
+Result<IngestQueue> AdministrationRepository::ingest_queue() {
+  return database_.read([&](pqxx::work& transaction) -> Result<IngestQueue> {
+    const pqxx::row row = transaction.exec1(R"sql(
+        SELECT count(*) FILTER (WHERE state = 'queued')::int, count(*) FILTER (WHERE state = 'building')::int
+          FROM data_sets WHERE state IN ('queued', 'building'))sql");
+    return IngestQueue{row[0].as<int>(), row[1].as<int>()};
+  });
+}
+
+}  // namespace diaphane::api

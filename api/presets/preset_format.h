@@ -1,0 +1,38 @@
+#pragma once
+
+#include "api/presets/presets.h"
+#include "api/routing/message.h"
+#include "api/routing/request_fields.h"
+
+/// Serialisation of presets (docs/presets.md): JSON, and XML for exchange.
+namespace diaphane::api {
+
+inline constexpr int kPresetVersion = 1;
+inline constexpr std::size_t kMostPresetBytes = 256 * 1024;  ///< maximum size of a request
+
+/// Returns kBodyTooLarge. Checked after the body was received, because a listener that refuses a
+/// body halfway resets the connection, and the edge may lose the response.
+Outcome<void> check_size(const Request& request);
+
+/// Parses `scene` strictly and validates it like the stream does. Reports errors with their path
+/// ("scene.camera.eye.x"). Returns the JSON to store.
+std::string read_scene(Fields& in);
+/// Checks the format `version`, if present. A newer one is refused.
+void read_format_version(Fields& in);
+/// Returns name, scene and, if it contains more, the document. Returns kInvalid or kMediaType.
+Outcome<Preset> read_preset_xml(const Request& request);
+
+/// Returns the version that a change is based on. Returns kPreconditionRequired without If-Match
+/// and kPrecondition for a value that cannot match any version.
+Outcome<int> version_in_if_match(const Request& request);
+std::string etag_of(const Preset& preset);
+
+/// Omits the scene, for lists.
+nlohmann::ordered_json to_json(const Preset& preset);
+nlohmann::ordered_json with_scene(const Preset& preset);
+std::string to_xml(const Preset& preset);
+
+/// Serialises a stored scene, or returns an empty string if it cannot be parsed.
+std::string scene_bytes(const std::string& scene);
+
+}  // namespace diaphane::api

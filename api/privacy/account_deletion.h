@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "api/accounts/accounts.h"
+#include "api/shared/placement.h"
+
+namespace diaphane::api {
+
+class AccountDeletionStore {
+ public:
+  virtual ~AccountDeletionStore() = default;
+  /// In one transaction, deletes all rows of the account, queues its files for deletion, removes
+  /// its ID from the audit log and queues a last email. Returns the IDs of its data sets, or
+  /// kUnavailable.
+  virtual Result<std::vector<std::string>> remove_account(
+      const std::string& user_id, const std::string& email,
+      const std::vector<std::string>& attempt_keys, const Mail& told, Time now) = 0;
+};
+
+/// Deletes an account and all its data immediately. Thread-safe.
+class AccountDeletion {
+ public:
+  AccountDeletion(AccountDeletionStore& store, Accounts& accounts, Placement& placement,
+                  const Clock& clock)
+      : store_(store), accounts_(accounts), placement_(placement), clock_(clock) {}
+
+  /// Requires the password, like Accounts::confirm_password.
+  Outcome<void> remove(const Principal& who, const std::string& password);
+  /// Called after files were queued for deletion and an email was queued.
+  void on_removal(std::function<void()> wake) { wake_ = std::move(wake); }
+
+ private:
+  AccountDeletionStore& store_;
+  Accounts& accounts_;
+  Placement& placement_;
+  const Clock& clock_;
+  std::function<void()> wake_ = [] {};
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,92 @@
+#include "api/privacy/account_deletion.h"
+
+#include <gmock/gmock.h>
+
+#include "api/accounts/account_fixture.h"
+
+namespace diaphane::api {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+class FakeAccountDeletionStore final : public AccountDeletionStore, public Fake {
+ public:
+  std::vector<std::string> removed, attempt_keys;
+  std::vector<Mail> mails;
+
+  Result<std::vector<std::string>> remove_account(const std::string& user_id, const std::string&,
+                                                  const std::vector<std::string>& keys,
+                                                  const Mail& told, Time) override {
+    DIAPHANE_TRY(enter("remove_account"));
+    removed.push_back(user_id);
+    attempt_keys = keys;
+    mails.push_back(told);
+    return std::vector<std::string>{"a", "b"};
+  }
+};
+
+class AccountDeletionTest : public AccountFixture {
+ protected:
+  AccountDeletionTest() {
+    deletion.on_removal([this] { ++woken; });
+  }
+
+  FakeAccountDeletionStore store;
+  int woken = 0;
+  AccountDeletion deletion{store, accounts, placement, clock};
+};
+
+TEST_F(AccountDeletionTest, AnAccountIsDeletedOnlyWithItsPassword) {
+  EXPECT_EQ(invalid_field(deletion.remove(who, "wrong wrong")), "password");
+  EXPECT_EQ(invalid_field(deletion.remove(who, "")), "password");
+  EXPECT_THAT(store.removed, IsEmpty());
+  EXPECT_THAT(placement.ended, IsEmpty());
+  EXPECT_EQ(woken, 0);
+  ASSERT_TRUE(deletion.remove(who, password));
+  EXPECT_THAT(store.removed, ElementsAre(who.user_id));
+  EXPECT_EQ(woken, 1) << "files and an email are queued";
+}
+
+TEST_F(AccountDeletionTest, APasswordIsNotGuessed) {
+  for (int i = 0; i < 10; ++i) deletion.remove(who, "wrong wrong");
+  EXPECT_EQ(refusal(deletion.remove(who, password)), ProblemKind::kTooManyAttempts);
+  EXPECT_THAT(store.removed, IsEmpty());
+}
+
+TEST_F(AccountDeletionTest, TheUserIsToldAndNothingIsCountedAgainstTheAddressAnyMore) {
+  ASSERT_TRUE(deletion.remove(who, password));
+  ASSERT_EQ(store.mails.size(), 1u);
+  EXPECT_EQ(store.mails[0].recipient, who.email);
+  const std::string address = "anna@example.org";
+  EXPECT_THAT(
+      store.attempt_keys,
+      UnorderedElementsAre(attempt_key("account", address), attempt_key(kSignUpMails, address),
+                           attempt_key(kResetMails, address), attempt_key(kChangeMails, address),
+                           attempt_key("change", who.user_id)));
+}
+
+TEST_F(AccountDeletionTest, TheSessionsOfTheUserAndOnTheirScansEnd) {
+  ASSERT_TRUE(deletion.remove(who, password));
+  EXPECT_THAT(placement.ended, ElementsAre("by " + who.user_id, "of a", "of b"));
+}
+
+TEST_F(AccountDeletionTest, AnAccountIsDeletedEvenIfItsSessionsCannotBeEnded) {
+  placement.break_function("end_all_by");
+  ASSERT_TRUE(deletion.remove(who, password));
+  EXPECT_THAT(placement.ended, ElementsAre("of a", "of b"));
+  EXPECT_EQ(woken, 1);
+}
+
+TEST_F(AccountDeletionTest, NoSessionEndsIfTheAccountStays) {
+  expect_unavailable({
+      {attempts, "find_by_id", [&] { return refusal(deletion.remove(who, password)); }},
+      {store, "remove_account", [&] { return refusal(deletion.remove(who, password)); }},
+  });
+  EXPECT_THAT(placement.ended, IsEmpty());
+  EXPECT_EQ(woken, 0);
+}
+
+}  // namespace
+}  // namespace diaphane::api

@@ -1,0 +1,95 @@
+#include "api/privacy/disposer.h"
+
+#include <gmock/gmock.h>
+
+#include "api/presets/fake_preset_store.h"
+#include "api/scans/data_set_fixture.h"
+#include "api/shared/fake_stills.h"
+#include "api/shared/temporary_directory.h"
+
+namespace diaphane::api {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::IsEmpty;
+
+class DisposerTest : public DataSetFixture {
+ protected:
+  void queue(Disposal::Kind kind, const std::string& of) {
+    data_set_store.due.push_back({kind, of});
+  }
+
+  const TemporaryDirectory disk;
+  UploadFiles files{disk.path()};
+  FakeStills stills;
+  FakePresetStore preset_store;
+  Presets presets{data_sets, preset_store, clock};
+  Thumbnails thumbnails{data_sets, stills, disk.path()};
+  PresetPictures pictures{
+      data_sets, presets, preset_store, stills, clock, disk.path(), [](const std::string& scene) {
+        return scene;
+      }};
+  Disposer disposer{data_set_store,          files, thumbnails, pictures, disk.path() + "/volumes",
+                    disk.path() + "/exports"};
+};
+
+TEST_F(DisposerTest, EachKindOfDataIsDeletedWithAllItsFilesAndNoOthers) {
+  struct Case {
+    Disposal::Kind kind;
+    std::vector<std::string> deleted;
+  };
+  const std::string upload = id + ".tar", volume = "volumes/" + id + "/voxels.i16",
+                    thumbnail = "thumbnails/" + id + "/bone.jpg",
+                    archive = "exports/" + id + ".zip", preset = "presets/" + id + "/picture.jpg";
+  const std::vector<std::string> all{upload, volume, thumbnail, archive, preset};
+  for (const Case& one :
+       {Case{Disposal::Kind::kUpload, {upload}}, Case{Disposal::Kind::kVolume, {volume, thumbnail}},
+        Case{Disposal::Kind::kPictures, {thumbnail}}, Case{Disposal::Kind::kExport, {archive}},
+        Case{Disposal::Kind::kPreset, {preset}}}) {
+    for (const std::string& file : all) disk.write(file, "data");
+    queue(one.kind, id);
+    EXPECT_EQ(disposer.dispose(), 1);
+    EXPECT_THAT(data_set_store.due, IsEmpty());
+    for (const std::string& file : all) {
+      const bool deleted =
+          std::find(one.deleted.begin(), one.deleted.end(), file) != one.deleted.end();
+      EXPECT_EQ(disk.has(file), !deleted) << file;
+    }
+  }
+}
+
+TEST_F(DisposerTest, WhatIsGoneAlreadyIsNoError) {
+  for (const auto kind :
+       {Disposal::Kind::kUpload, Disposal::Kind::kVolume, Disposal::Kind::kPictures,
+        Disposal::Kind::kExport, Disposal::Kind::kPreset}) {
+    queue(kind, new_id());
+  }
+  EXPECT_EQ(disposer.dispose(), 5);
+  EXPECT_THAT(data_set_store.due, IsEmpty());
+}
+
+TEST_F(DisposerTest, WhatCannotBeDeletedStaysInTheQueueAndHoldsNothingUp) {
+  const std::string stuck = new_id();
+  disk.write("exports/" + stuck + ".zip/file", "a directory where the file belongs");
+  queue(Disposal::Kind::kExport, stuck);
+  queue(Disposal::Kind::kVolume, "../volumes");
+  queue(Disposal::Kind::kUpload, id);
+  disk.write("volumes/a", "kept");
+  EXPECT_EQ(disposer.dispose(), 1);
+  EXPECT_EQ(data_set_store.due.size(), 2u);
+  EXPECT_TRUE(disk.has("volumes/a")) << "an ID that is a path is never followed";
+  std::filesystem::remove_all(disk.path() + "/exports");
+  EXPECT_EQ(disposer.dispose(), 1);
+}
+
+TEST_F(DisposerTest, WithoutTheDatabaseNothingIsCountedAsDeleted) {
+  queue(Disposal::Kind::kUpload, id);
+  data_set_store.break_function("disposed");
+  EXPECT_EQ(disposer.dispose(), 0);
+  data_set_store.break_function("disposals");
+  EXPECT_EQ(disposer.dispose(), 0);
+  EXPECT_EQ(data_set_store.due.size(), 1u);
+}
+
+}  // namespace
+}  // namespace diaphane::api

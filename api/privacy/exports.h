@@ -1,0 +1,129 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/accounts/accounts.h"
+#include "common/clock.h"
+
+namespace diaphane::api {
+
+/// An export of all data about a user as one zip file. A job creates it, and it is kept for a day.
+struct Export {
+  enum class State { kQueued, kReady, kFailed };
+  std::string id;
+  State state = State::kQueued;
+  std::int64_t bytes = 0;  ///< size, once it is ready
+  Time created_at, expires_at;
+  bool waiting = false;  ///< in state kQueued: there is not enough disk space at the moment
+};
+
+/// The rows of one table as a JSON array.
+struct ExportSection {
+  std::string name;
+  std::string json;
+};
+
+/// Every function returns kUnavailable if the database is unavailable.
+class ExportStore {
+ public:
+  struct Job {
+    std::string id, user_id;
+    int waits = 0;  ///< number of consecutive waits
+  };
+  /// The sizes that decide whether an export fits.
+  struct Sizes {
+    /// Size of the user's volumes, which make up nearly all of the export.
+    std::int64_t volumes = 0;
+    std::int64_t kept = 0;  ///< size of all exports that are ready
+  };
+  virtual ~ExportStore() = default;
+  /// Replaces the existing export. Returns nothing if that one is in progress or was created after
+  /// `not_since`.
+  virtual Result<bool> request(const std::string& user_id, const Export& wanted,
+                               Time not_since) = 0;
+  virtual Result<std::optional<Export>> find(const std::string& user_id, Time now) = 0;
+  /// Returns false if there was none.
+  virtual Result<bool> remove(const std::string& user_id, Time now) = 0;
+  /// Leases the next export to create for `lease`. It fails permanently after three attempts.
+  virtual Result<std::optional<Job>> claim(Time now, std::chrono::seconds lease) = 0;
+  /// Returns all database records about the user, table by table, without secrets.
+  virtual Result<std::vector<ExportSection>> sections(const std::string& user_id) = 0;
+  virtual Result<std::vector<std::string>> volumes(const std::string& user_id) = 0;
+  /// Returns the presets by any author that have a thumbnail of the user's own data sets.
+  struct Picture {
+    std::string data_set_id, preset_id;
+  };
+  virtual Result<std::vector<Picture>> pictures(const std::string& user_id) = 0;
+  /// Returns false if the export is no longer requested.
+  virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
+  virtual Result<Sizes> sizes(const std::string& user_id) = 0;
+  /// Returns it to the queue until `not_before`, unless it is ready. The attempt does not count.
+  virtual Result<void> wait(const std::string& id, Time not_before) = 0;
+  virtual Result<void> expire(Time now) = 0;
+  /// Returns the IDs of all exports.
+  virtual Result<std::vector<std::string>> ids() = 0;
+};
+
+class ExportFile {
+ public:
+  virtual ~ExportFile() = default;
+  virtual Result<void> add(const std::string& name, std::string_view text) = 0;
+  virtual Result<void> add_file(const std::string& name, const std::string& path) = 0;
+  /// Returns its size.
+  virtual Result<std::int64_t> finish() = 0;
+};
+
+/// Thread-safe.
+class Exports {
+ public:
+  using MakeFile = std::function<Result<std::unique_ptr<ExportFile>>(const std::string& path)>;
+  static constexpr std::chrono::hours kLife{24};
+  static constexpr std::chrono::minutes kPause{10};  ///< minimum time between two exports of a user
+  static constexpr std::chrono::minutes kLease{30};
+  static constexpr std::chrono::seconds kFirstPause{2};  ///< doubled with each wait
+  static constexpr std::chrono::seconds kLongestPause{120};
+
+  struct Options {
+    std::string volumes;             ///< directory
+    std::string pictures;            ///< directory with one folder per preset
+    std::string exports;             ///< directory
+    std::int64_t reserve_bytes = 0;  ///< space to keep free on the disk of `exports`
+    std::int64_t total_bytes = 0;    ///< maximum size of all exports; a single one may be larger
+  };
+  Exports(ExportStore& store, MakeFile make_file, const Clock& clock, Options options);
+
+  /// Returns kTooMany soon after another request.
+  Outcome<Export> request(const Principal& who);
+  /// Returns kNotFound if there is none.
+  Outcome<Export> find(const Principal& who);
+  Outcome<void> remove(const Principal& who);
+  /// Returns the file name in the export directory, kNotReady or kNotFound.
+  Outcome<std::string> file(const Principal& who);
+
+  /// Creates due exports and deletes old ones. An export without enough disk space waits, and its
+  /// partial file is removed.
+  void poll();
+  void on_request(std::function<void()> wake) { wake_ = std::move(wake); }
+
+ private:
+  Result<void> make(const ExportStore::Job& job);
+  /// Deletes files whose export no longer exists. Returns false if the exports are unknown because
+  /// the database did not answer.
+  bool sweep();
+  Result<void> check_room(const ExportStore::Job& job) const;
+  Result<std::int64_t> write(const ExportStore::Job& job, const std::string& path);
+
+  ExportStore& store_;
+  MakeFile make_file_;
+  const Clock& clock_;
+  Options options_;
+  Time next_sweep_{};
+  std::function<void()> wake_ = [] {};
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "api/scans/data_set_store.h"
+
+/// The schema DataSet of api/openapi.yaml.
+namespace diaphane::api {
+
+nlohmann::ordered_json to_json(const DataSet& data_set);
+
+}  // namespace diaphane::api

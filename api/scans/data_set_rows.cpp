@@ -1,0 +1,120 @@
+#include "api/scans/data_set_rows.h"
+
+#include <utility>
+
+#include "common/names.h"
+
+namespace diaphane::api {
+
+// Data sets of a disabled account are invisible to everyone, and its owner sees no data sets at
+// all. A deleted owner is never mistaken for the operator, because the rows are deleted with the
+// owner and samples are selected by is_sample.
+const char* const kSelectDataSet = R"sql(
+  SELECT d.id, d.title, d.state, r.role, d.visibility = 'public', d.is_sample,
+         COALESCE(d.refusal_code, ''), COALESCE(d.refusal_text, ''), COALESCE(d.modality, ''),
+         COALESCE(d.size_x, 0), COALESCE(d.size_y, 0), COALESCE(d.size_z, 0),
+         COALESCE(d.spacing_x, 0), COALESCE(d.spacing_y, 0), COALESCE(d.spacing_z, 0),
+         COALESCE(d.volume_bytes, 0), d.repairs,
+         (extract(epoch FROM d.created_at) * 1000000)::bigint,
+         (extract(epoch FROM d.updated_at) * 1000000)::bigint,
+         u.length, u.received, (extract(epoch FROM u.expires_at) * 1000000)::bigint,
+         d.description, COALESCE(d.body_part, ''), d.taken_down_at IS NOT NULL,
+         COALESCE(d.taken_down_reason, ''), COALESCE(o.public_name, ''),
+         (extract(epoch FROM d.published_at) * 1000000)::bigint,
+         (extract(epoch FROM d.anonymised_at) * 1000000)::bigint,
+         CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_people p WHERE p.data_set_id = d.id) ELSE 0 END,
+         CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_links l WHERE l.data_set_id = d.id AND l.expires_at > now()) ELSE 0 END,
+         CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END,
+         d.public_slices
+    FROM data_sets d
+    LEFT JOIN ingest_jobs j ON j.data_set_id = d.id
+    LEFT JOIN uploads u ON u.data_set_id = d.id
+    LEFT JOIN users o ON o.id = d.owner_id
+    LEFT JOIN users v ON v.id = $1::uuid
+    LEFT JOIN data_set_people s ON s.data_set_id = d.id AND s.user_id = $1::uuid
+    CROSS JOIN LATERAL (SELECT CASE
+        WHEN d.owner_id = $1::uuid OR ($2::bool AND d.is_sample AND d.owner_id IS NULL) THEN 'owner'
+        WHEN s.may_save THEN 'shared-edit'
+        WHEN NOT s.may_save THEN 'shared-view'
+        WHEN v.id IS NULL THEN 'nobody'
+        WHEN v.verified_at IS NULL THEN 'unverified'
+        ELSE 'other' END AS role) r
+   WHERE v.disabled_at IS NULL
+     AND (r.role = 'owner'
+          OR (d.state = 'ready'
+              AND ((o.disabled_at IS NULL
+                    AND (d.visibility = 'public'
+                         OR (d.taken_down_at IS NULL AND r.role IN ('shared-edit', 'shared-view'))))
+                   OR ($3::bool AND d.taken_down_at IS NOT NULL)))))sql";
+
+namespace {
+
+std::vector<std::string> read_texts(const pqxx::field& field) {
+  std::vector<std::string> texts;
+  auto parser = field.as_array();
+  for (auto next = parser.get_next(); next.first != pqxx::array_parser::done;
+       next = parser.get_next()) {
+    if (next.first == pqxx::array_parser::string_value) texts.push_back(next.second);
+  }
+  return texts;
+}
+
+std::optional<Time> time_or_nothing(const pqxx::field& field) {
+  if (field.is_null()) return std::nullopt;
+  return from_us(field.as<std::int64_t>());
+}
+
+}  // namespace
+
+std::string shown_name(std::string name) {
+  return is_plain_name(name) ? std::move(name) : std::string();
+}
+
+DataSet read_data_set(const pqxx::row& row) {
+  DataSet d;
+  d.id = row[0].as<std::string>();
+  d.title = row[1].as<std::string>();
+  d.state = data_set_state_of(row[2].as<std::string>());
+  d.role = role_of(row[3].as<std::string>()).value_or(Role::kNobody);
+  d.is_public = row[4].as<bool>();
+  d.is_sample = row[5].as<bool>();
+  d.refusal_code = row[6].as<std::string>();
+  d.refusal_text = row[7].as<std::string>();
+  d.modality = row[8].as<std::string>();
+  d.size = {row[9].as<int>(), row[10].as<int>(), row[11].as<int>()};
+  d.spacing = {row[12].as<double>(), row[13].as<double>(), row[14].as<double>()};
+  d.volume_bytes = row[15].as<std::int64_t>();
+  d.repairs = read_texts(row[16]);
+  d.created_at = from_us(row[17].as<std::int64_t>());
+  d.updated_at = from_us(row[18].as<std::int64_t>());
+  if (d.owned() && d.state == DataSetState::kUploading && !row[19].is_null()) {
+    d.upload = Upload{d.id, row[19].as<std::int64_t>(), row[20].as<std::int64_t>(),
+                      from_us(row[21].as<std::int64_t>()), d.state};
+  }
+  d.description = row[22].as<std::string>();
+  d.body_part = row[23].as<std::string>();
+  d.taken_down = row[24].as<bool>();
+  d.taken_down_reason = row[25].as<std::string>();
+  d.owner_name = shown_name(row[26].as<std::string>());
+  d.published_at = time_or_nothing(row[27]);
+  d.anonymised_at = time_or_nothing(row[28]);
+  d.people = row[29].as<int>();
+  d.links = row[30].as<int>();
+  d.waiting_for = row[31].as<std::string>();
+  d.public_slices = row[32].as<bool>();
+  return d;
+}
+
+void accept_invitations(pqxx::work& transaction, const std::string& user_id) {
+  // A person who was invited at an old and at a new address keeps the first invitation.
+  transaction.exec_params0(R"sql(
+      UPDATE data_set_people p SET user_id = u.id
+        FROM users u
+       WHERE u.id = $1::uuid AND u.verified_at IS NOT NULL AND p.user_id IS NULL
+         AND p.email_key = u.email_key
+         AND NOT EXISTS (SELECT 1 FROM data_set_people q
+                          WHERE q.data_set_id = p.data_set_id AND q.user_id = u.id))sql",
+                           user_id);
+}
+
+}  // namespace diaphane::api

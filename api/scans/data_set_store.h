@@ -1,0 +1,156 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/accounts/account_store.h"
+#include "api/scans/access.h"
+#include "api/shared/cursor.h"
+#include "api/shared/idempotency.h"
+#include "common/result.h"
+
+namespace diaphane::api {
+
+/// The owner of a data set: a user, or empty for a sample, which belongs to nobody.
+struct Owner {
+  std::string user_id;
+};
+
+/// The requester, as far as lists and lookups need it. Nobody is neither a user nor the operator.
+struct Viewer {
+  std::string user_id;
+  bool sample_operator = false;
+  bool administrator = false;
+};
+
+/// The states of migrations/0002. The text is the same in the API and in the database.
+enum class DataSetState { kUploading, kQueued, kBuilding, kReady, kRefused, kExpired };
+std::string_view to_string(DataSetState state);
+DataSetState data_set_state_of(std::string_view text);
+
+/// An upload has the ID of its data set.
+struct Upload {
+  std::string id;
+  std::int64_t length = 0;    ///< bytes
+  std::int64_t received = 0;  ///< bytes
+  Time expires_at;
+  DataSetState state = DataSetState::kUploading;
+};
+
+struct DataSet {
+  std::string id;
+  std::string title;
+  DataSetState state = DataSetState::kUploading;
+  std::string description;
+  std::string body_part;      ///< one of kBodyParts, or empty if unknown
+  Role role = Role::kNobody;  ///< role of the requester
+  bool is_public = false;     ///< also true for samples
+  bool is_sample = false;
+  bool public_slices = false;  ///< while it is public, viewers can get exact slices
+  bool taken_down = false;     ///< hidden by an administrator
+  std::string taken_down_reason;
+  std::string owner_name;     ///< chosen by the owner, or empty
+  int people = 0, links = 0;  ///< number of people and links with access; visible to the owner
+  std::optional<Time> published_at, anonymised_at;
+  std::string refusal_code, refusal_text;  ///< state kRefused
+  /// In state kQueued and visible to the owner: "room", "memory" or "service" if it waits for that
+  /// in addition to its turn, or empty.
+  std::string waiting_for;
+  // State kReady:
+  std::string modality;
+  std::array<int, 3> size{};
+  std::array<double, 3> spacing{};  ///< mm
+  std::int64_t volume_bytes = 0;
+  std::vector<std::string> repairs;
+  std::optional<Upload> upload;  ///< state kUploading, and owned
+  Time created_at;               ///< exact to the microsecond
+  Time updated_at;
+
+  bool owned() const { return role == Role::kOwner; }
+  /// Everyone can get slices of a sample. For a public data set, its owner decides.
+  bool slices_for_everybody() const { return is_sample || (is_public && public_slices); }
+  Exposure exposure() const {
+    if (taken_down) return Exposure::kTakenDown;
+    if (is_sample) return Exposure::kSample;
+    return is_public ? Exposure::kPublic : Exposure::kPrivate;
+  }
+};
+
+inline constexpr std::array<std::string_view, 10> kBodyParts{
+    "head", "neck", "chest", "abdomen", "pelvis", "spine", "arm", "leg", "whole", "other"};
+inline constexpr std::array<std::string_view, 4> kModalities{"CT", "MR", "PT", "OTHER"};
+
+/// Changes to the description of a data set. Absent fields stay unchanged.
+struct Description {
+  std::optional<std::string> title, text, body_part;  ///< an empty `body_part` means none
+};
+
+struct NewDataSet {
+  std::string id;
+  Owner owner;
+  std::string title;
+  std::int64_t bytes = 0;
+  Time expires_at;
+};
+
+struct OverQuota {
+  Quota quota;
+};
+
+/// Maximum number of data sets per account: unprocessed ones, and in total.
+struct DataSetLimits {
+  int unprocessed = 0;
+  int all = 0;
+};
+
+struct TooManyDataSets {
+  bool unprocessed = false;  ///< whether the limit of unprocessed ones was reached
+};
+
+/// Data that must be deleted from disk.
+struct Disposal {
+  /// kPictures are images of a volume that was replaced. kPreset is the thumbnail of a preset.
+  enum class Kind { kUpload, kVolume, kPictures, kExport, kPreset } kind = Kind::kUpload;
+  std::string id;
+};
+
+/// Data sets, their uploads and pending deletions. Every function returns kUnavailable if the
+/// database is unavailable. Each is one transaction and never finds data of other users.
+class DataSetStore {
+ public:
+  virtual ~DataSetStore() = default;
+
+  using Creation = std::variant<Created, OverQuota, TooManyDataSets, KeyReused>;
+  virtual Result<Creation> create(const NewDataSet& data_set, const DataSetLimits& limits,
+                                  const std::optional<IdempotencyKey>& key, Time now) = 0;
+  /// Lists the viewer's data sets in any state, and shared ones and samples that are ready, newest
+  /// first, starting after `after`. Also accepts pending invitations of the viewer's address.
+  virtual Result<std::vector<DataSet>> list(const Viewer& viewer, std::optional<Cursor> after,
+                                            int limit) = 0;
+  /// Finds a data set that the viewer has a role for: one of `list`, a public one that is ready or,
+  /// for an administrator, one that was taken down. Otherwise returns kNotFound.
+  virtual Result<DataSet> find(const Viewer& viewer, const std::string& id) = 0;
+  virtual Result<void> describe(const std::string& id, const Description& what, Time now) = 0;
+  /// Deletes an own data set and queues its files for deletion. Returns kNotFound.
+  virtual Result<void> remove(const Owner& owner, const std::string& id, Time now) = 0;
+
+  virtual Result<Upload> find_upload(const Owner& owner, const std::string& id) = 0;
+  /// Advances an upload from `from` to `to` bytes. At the full length, queues the data set and
+  /// notifies ingestd. Returns kConflict if it is no longer at `from` in state kUploading.
+  virtual Result<void> advance_upload(const std::string& id, std::int64_t from, std::int64_t to,
+                                      Time expires_at, Time now) = 0;
+  /// Deletes an own data set in state kUploading. Returns kNotFound, or kConflict in a later state.
+  virtual Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) = 0;
+  /// Marks inactive uploads as expired, queues their files for deletion and returns their number.
+  virtual Result<int> expire_uploads(Time now) = 0;
+
+  virtual Result<std::vector<Disposal>> disposals(int limit) = 0;
+  virtual Result<void> disposed(const Disposal& disposal) = 0;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/accounts/accounts.h"
+#include "api/scans/data_set_store.h"
+#include "api/shared/placement.h"
+#include "api/shared/problem.h"
+#include "common/clock.h"
+
+namespace diaphane::api {
+
+/// Announcing, listing and deleting data sets. Thread-safe.
+class DataSets {
+ public:
+  struct Options {
+    std::int64_t max_upload_bytes = std::int64_t{8} << 30;
+    std::chrono::seconds upload_life = std::chrono::hours(24);  ///< time since the last part
+    /// Disk space to keep free in addition to announced uploads, for their volumes and the
+    /// database.
+    std::int64_t reserve_bytes = std::int64_t{1} << 30;
+    DataSetLimits limits{50, 2000};  ///< per account
+  };
+  struct Announcement {
+    std::string title;
+    std::int64_t bytes = 0;
+    std::string idempotency_key;  ///< empty means none
+  };
+  struct Page {
+    std::vector<DataSet> items;
+    std::optional<Cursor> next;
+  };
+
+  /// `free_bytes` returns the free space of the upload directory.
+  DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
+           std::function<std::int64_t()> free_bytes);
+
+  /// Returns kOverQuota, kTooMany, kTooManyDataSets, kUploadTooLarge, kIdempotencyKeyReused or
+  /// kStorageFull.
+  Outcome<DataSet> announce(const Principal& who, const Announcement& announcement);
+  Outcome<Page> list(const Principal& who, std::optional<Cursor> after, int limit);
+  /// The permission check of every route. Returns the data set if the user may perform the action,
+  /// kNotFound if they must not know of it, or kForbidden if only this action is not allowed.
+  Outcome<DataSet> authorise(const Principal& who, const std::string& id, Action action);
+  Outcome<DataSet> find(const Principal& who, const std::string& id);
+  /// Finds a data set to view. Returns kNotReady if it is not ready.
+  Outcome<DataSet> find_ready(const Principal& who, const std::string& id);
+  Outcome<DataSet> describe(const Principal& who, const std::string& id, const Description& what);
+  Outcome<void> remove(const Principal& who, const std::string& id);
+
+  const Options& options() const { return options_; }
+  /// Called after files were queued for deletion.
+  void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
+
+ private:
+  DataSetStore& store_;
+  Placement& placement_;
+  const Clock& clock_;
+  Options options_;
+  std::function<std::int64_t()> free_bytes_;
+  std::function<void()> wake_ = [] {};
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "api/accounts/accounts.h"
+#include "api/shared/placement.h"
+#include "directory/workers.h"
+
+namespace diaphane::api {
+
+/// Rendering time of an account this month (UTC): its quota and its use.
+struct RenderAccount {
+  std::int64_t quota_ms = 0, used_ms = 0;
+  std::optional<Time> warned_at;  ///< when the quota was used up
+  Time month{};                   ///< the start of the month
+  Time next_month{};
+  bool spent() const { return used_ms >= quota_ms; }
+};
+
+using directory::SpentRenderTime;
+
+class RenderTimeStore {
+ public:
+  virtual ~RenderTimeStore() = default;
+  /// Adds to this month's use and skips unknown accounts. Marks accounts without time left as
+  /// warned at `now` unless they already are. Returns the IDs of accounts that were warned at
+  /// `ended_if_warned_by` or earlier, whose grace period is over.
+  virtual Result<std::vector<std::string>> add(
+      const std::vector<std::pair<std::string, std::int64_t>>& spent, Time now,
+      Time ended_if_warned_by) = 0;
+  /// Marks accounts as warned at `now` if a lower quota left them without time. Returns the IDs of
+  /// all accounts warned in this range, because idle sessions report no time and must end as well.
+  virtual Result<std::vector<std::string>> warned(Time now, Time from, Time until) = 0;
+  virtual Result<RenderAccount> account(const std::string& user_id, Time now) = 0;
+};
+
+/// Enforces the quota of rendering time. An account without time left can open no sessions. Its
+/// open sessions, idle ones included, end after a grace period with a notice. Thread-safe.
+class RenderTime {
+ public:
+  static constexpr std::chrono::minutes kGrace{2};
+  /// For this long after the grace period, ending the sessions is retried.
+  static constexpr std::chrono::minutes kLookedFor{15};
+
+  RenderTime(RenderTimeStore& store, SpentRenderTime& spent, Placement& placement,
+             const Clock& clock)
+      : store_(store), spent_(spent), placement_(placement), clock_(clock) {}
+
+  Outcome<RenderAccount> account(const std::string& user_id);
+  /// Returns kRenderTimeSpent for a new session if no time is left.
+  Outcome<void> may_open(const Principal& who);
+  /// Does the same for an open session after the grace period.
+  Outcome<void> may_go_on(const Principal& who);
+  /// Charges the reported time to the accounts and ends sessions. Call it every few seconds.
+  void poll();
+
+ private:
+  RenderTimeStore& store_;
+  SpentRenderTime& spent_;
+  Placement& placement_;
+  const Clock& clock_;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,196 @@
+#include "api/sessions/sessions.h"
+
+#include "api/scans/data_set_fixture.h"
+#include "api/sessions/fake_render_time_store.h"
+
+namespace diaphane::api {
+namespace {
+
+using namespace std::chrono_literals;
+
+class SessionsTest : public DataSetFixture {
+ protected:
+  FakeRenderTimeStore render_time_store;
+  FakeSpentRenderTime spent;
+  RenderTime render_time{render_time_store, spent, placement, clock};
+  Sessions sessions{data_sets, placement, render_time,
+                    [](const std::string& data_set_id) { return "scene of " + data_set_id; }};
+};
+
+TEST_F(SessionsTest, OpenAsksForTheScanItsFirstSceneAndTheBrowserOfItsUser) {
+  const auto opened = sessions.open(owner, id, "");
+  ASSERT_TRUE(opened);
+  EXPECT_TRUE(is_id(opened->session_id));
+  EXPECT_EQ(opened->stream_url, "/stream?ticket=ticket1");
+  ASSERT_EQ(placement.requests.size(), 1u);
+  const PlaceRequest& request = placement.requests[0];
+  EXPECT_EQ(request.session_id, opened->session_id);
+  EXPECT_EQ(request.user_id, owner.user_id);
+  EXPECT_EQ(request.data_set_id, id);
+  EXPECT_EQ(request.first_scene, "scene of " + id);
+  EXPECT_EQ(request.browser, owner.session_id);
+  EXPECT_FALSE(request.visitor);
+}
+
+TEST_F(SessionsTest, OnlyThoseWhoMayViewAScanOpenASessionOnIt) {
+  expect_permission(Action::kLook,
+                    [&](const Principal& who) { return refusal(sessions.open(who, id, "")); });
+}
+
+TEST_F(SessionsTest, TheWorkerLearnsHowTheViewerIsRelatedToTheScan) {
+  expose(Exposure::kPublic);
+  for (const auto& [role, viewer] : {std::pair(Role::kOwner, SessionViewer::kOwner),
+                                     std::pair(Role::kSharedView, SessionViewer::kShared),
+                                     std::pair(Role::kSharedEdit, SessionViewer::kShared),
+                                     std::pair(Role::kOther, SessionViewer::kPublic),
+                                     std::pair(Role::kAdministrator, SessionViewer::kPublic)}) {
+    ASSERT_TRUE(sessions.open(as(role), id, ""));
+    EXPECT_EQ(placement.requests.back().viewer, viewer) << to_string(role);
+  }
+}
+
+TEST_F(SessionsTest, ExactSlicesAreForEverybodyOnlyIfTheOwnerPublishedThem) {
+  const auto slices = [&] {
+    EXPECT_TRUE(sessions.open(owner, id, ""));
+    return placement.requests.back().slices;
+  };
+  scan().public_slices = true;
+  EXPECT_FALSE(slices()) << "it is not public";
+  expose(Exposure::kPublic);
+  EXPECT_TRUE(slices());
+  scan().public_slices = false;
+  EXPECT_FALSE(slices());
+  expose(Exposure::kSample);
+  EXPECT_TRUE(slices());
+}
+
+TEST_F(SessionsTest, AScanThatIsNotReadyHasNoSessions) {
+  scan().state = DataSetState::kBuilding;
+  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kNotReady);
+  EXPECT_TRUE(placement.requests.empty());
+}
+
+TEST_F(SessionsTest, NobodyOpensASessionWithoutRenderingTime) {
+  render_time_store.accounts[owner.user_id] = {.quota_ms = 1000, .used_ms = 1000};
+  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kRenderTimeSpent);
+  EXPECT_TRUE(placement.requests.empty());
+}
+
+TEST_F(SessionsTest, ARepeatedRequestWithItsKeyOpensTheSameSession) {
+  const auto first = sessions.open(owner, id, "key");
+  const auto again = sessions.open(owner, id, "key");
+  ASSERT_TRUE(first && again);
+  EXPECT_EQ(again->session_id, first->session_id);
+  EXPECT_NE(again->stream_url, first->stream_url) << "a ticket works once";
+  EXPECT_NE(sessions.open(owner, id, "other key")->session_id, first->session_id);
+  EXPECT_NE(sessions.open(owner, id, "")->session_id, sessions.open(owner, id, "")->session_id);
+}
+
+TEST_F(SessionsTest, AKeyIsForOneScanOfOneUser) {
+  const auto first = sessions.open(owner, id, "key");
+  EXPECT_EQ(refusal(sessions.open(owner, add_scan(), "key")), ProblemKind::kIdempotencyKeyReused);
+  const auto other = sessions.open(shared, id, "key");
+  ASSERT_TRUE(other);
+  EXPECT_NE(other->session_id, first->session_id);
+}
+
+TEST_F(SessionsTest, EachFailureOfThePlacementIsReportedAsWhatItIs) {
+  for (const auto& [code, kind] :
+       {std::pair(ErrorCode::kUnavailable, ProblemKind::kNoWorker),
+        std::pair(ErrorCode::kNotFound, ProblemKind::kNotFound),
+        std::pair(ErrorCode::kUnauthenticated, ProblemKind::kUnauthenticated),
+        std::pair(ErrorCode::kTooMany, ProblemKind::kTooMany),
+        std::pair(ErrorCode::kInternal, ProblemKind::kInternal)}) {
+    placement.break_function("place", code);
+    EXPECT_EQ(refusal(sessions.open(owner, id, "")), kind);
+  }
+  placement.break_function("place");
+  EXPECT_EQ(sessions.open(owner, id, "").error().retry_after, 2s);
+  placement.is_reachable = false;
+  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kUnavailable)
+      << "without Redis, nobody knows whether there are workers";
+}
+
+TEST_F(SessionsTest, ASessionEndsIfItsScanWasTakenAwayWhileItWasPlaced) {
+  placement.before("place", [&] { data_set_store.data_sets.erase(id); });
+  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kNotFound);
+  ASSERT_EQ(placement.requests.size(), 1u);
+  EXPECT_EQ(placement.ended, std::vector{placement.requests[0].session_id});
+}
+
+TEST_F(SessionsTest, AListHasTheSessionsOfItsUserOnly) {
+  const std::string mine = sessions.open(owner, id, "")->session_id;
+  ASSERT_TRUE(sessions.open(shared, id, ""));
+  const auto found = sessions.list(owner);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->size(), 1u);
+  EXPECT_EQ((*found)[0].id, mine);
+}
+
+TEST_F(SessionsTest, SessionsOfOthersAreNotFound) {
+  const std::string mine = sessions.open(owner, id, "")->session_id;
+  EXPECT_EQ(sessions.find(owner, mine)->data_set_id, id);
+  for (const std::string& other : {std::string("no id"), new_id()}) {
+    EXPECT_EQ(refusal(sessions.find(owner, other)), ProblemKind::kNotFound);
+  }
+  for (const Principal& who : {shared, administrator}) {
+    EXPECT_EQ(refusal(sessions.find(who, mine)), ProblemKind::kNotFound);
+    EXPECT_EQ(refusal(sessions.end(who, mine)), ProblemKind::kNotFound);
+    EXPECT_EQ(refusal(sessions.ticket(who, mine)), ProblemKind::kNotFound);
+  }
+  EXPECT_TRUE(placement.ended.empty());
+  ASSERT_TRUE(sessions.end(owner, mine));
+  EXPECT_EQ(placement.ended, std::vector{mine});
+}
+
+TEST_F(SessionsTest, ATicketIsForTheSameSessionOnWhateverWorker) {
+  const auto opened = sessions.open(owner, id, "");
+  const auto again = sessions.ticket(owner, opened->session_id);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->session_id, opened->session_id);
+  EXPECT_EQ(again->stream_url, "/stream?ticket=ticket2");
+}
+
+TEST_F(SessionsTest, ThereIsNoTicketForAScanThatIsGoneOrNotReady) {
+  const std::string session = sessions.open(owner, id, "")->session_id;
+  scan().state = DataSetState::kQueued;
+  EXPECT_EQ(refusal(sessions.ticket(owner, session)), ProblemKind::kNotReady);
+  data_set_store.data_sets.erase(id);
+  const auto refused = sessions.ticket(owner, session);
+  ASSERT_EQ(refusal(refused), ProblemKind::kNotFound);
+  EXPECT_EQ(refused.error().detail, "Session not found.");
+  EXPECT_EQ(placement.requests.size(), 1u);
+}
+
+TEST_F(SessionsTest, AnOpenSessionGoesOnThroughTheGracePeriodOfItsUser) {
+  const std::string session = sessions.open(owner, id, "")->session_id;
+  render_time_store.accounts[owner.user_id] = {
+      .quota_ms = 1000, .used_ms = 1000, .warned_at = clock.wall()};
+  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kRenderTimeSpent);
+  EXPECT_TRUE(sessions.ticket(owner, session));
+  clock.advance(2min);
+  EXPECT_EQ(refusal(sessions.ticket(owner, session)), ProblemKind::kRenderTimeSpent);
+}
+
+TEST_F(SessionsTest, AStoreThatIsAwayIsReportedAsSuch) {
+  const std::string session = sessions.open(owner, id, "")->session_id;
+  const auto open = [&] { return refusal(sessions.open(owner, id, "key")); };
+  const auto ticket = [&] { return refusal(sessions.ticket(owner, session)); };
+  placement.is_reachable = false;
+  expect_unavailable({
+      {data_set_store, "find", open},
+      {render_time_store, "account", open},
+      {placement, "find", open},
+      {placement, "place", open},
+      {placement, "sessions_of", [&] { return refusal(sessions.list(owner)); }},
+      {placement, "find", [&] { return refusal(sessions.find(owner, session)); }},
+      {placement, "end", [&] { return refusal(sessions.end(owner, session)); }},
+      {placement, "find", ticket},
+      {data_set_store, "find", ticket},
+      {render_time_store, "account", ticket},
+      {placement, "place", ticket},
+  });
+}
+
+}  // namespace
+}  // namespace diaphane::api

@@ -1,0 +1,102 @@
+#include "api/sharing/live_links.h"
+
+#include "api/shared/secrets.h"
+#include "common/ids.h"
+#include "common/try.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr std::chrono::minutes kJoinWindow{15};
+
+tl::unexpected<Problem> no_own_session() {
+  return refuse(ProblemKind::kNotFound, "Session not found.");
+}
+
+tl::unexpected<Problem> no_such_live_link() {
+  return refuse(ProblemKind::kNotFound, "This link is invalid or has been disabled.");
+}
+
+}  // namespace
+
+Outcome<std::string> LiveLinks::check_owner(const Principal& who, const std::string& session_id) {
+  if (!is_id(session_id)) return no_own_session();
+  const auto session = placement_.find(session_id);
+  if (!session && session.error().code != ErrorCode::kNotFound) return refuse(session.error());
+  if (!session || session->user_id != who.user_id) return no_own_session();
+  return session->data_set_id;
+}
+
+Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id,
+                                     const IdempotencyScope& once) {
+  const auto mine = check_owner(who, session_id);
+  DIAPHANE_TRY(mine);
+  // People with whom a scan is shared must not share it further.
+  DIAPHANE_TRY(data_sets_.authorise(who, *mine, Action::kInvite));
+  std::string token = token_for("live link\n" + session_id, once);
+  const auto made = links_.make(session_id, who.user_id, blake2b(token));
+  if (!made && made.error().code == ErrorCode::kNotFound) return no_own_session();
+  if (!made && made.error().code == ErrorCode::kConflict) {
+    return refuse(
+        ProblemKind::kConflict,
+        "The link created with this Idempotency-Key has been disabled. Create a new link.");
+  }
+  if (!made) return refuse(made.error());
+  return token;
+}
+
+Outcome<void> LiveLinks::end(const Principal& who, const std::string& session_id) {
+  DIAPHANE_TRY(check_owner(who, session_id));
+  if (auto done = links_.end_links(session_id); !done) return refuse(done.error());
+  return {};
+}
+
+Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::string& key,
+                                           const std::string& name, const std::string& address) {
+  if (!is_token(token)) return no_such_live_link();
+  const std::string hash = blake2b(token);
+  const auto session = links_.follow(hash);
+  if (!session && session.error().code == ErrorCode::kNotFound) return no_such_live_link();
+  if (!session) return refuse(session.error());
+  const auto wait =
+      accounts_.note_attempt({{blake2b("join:" + address), options_.by_address, kJoinWindow},
+                              {blake2b("join link:" + hash), options_.by_link, kJoinWindow}},
+                             clock_.wall());
+  if (!wait) return refuse(wait.error());
+  if (*wait) {
+    return refuse(ProblemKind::kTooManyAttempts,
+                  "Too many people are joining from your network. Try again later.", **wait);
+  }
+  // The owner may have lost access to the data set. Then guests must not see it either.
+  Principal owner;
+  owner.user_id = session->user_id;
+  if (const auto seen = data_sets_.find_ready(owner, session->data_set_id); !seen) {
+    const ProblemKind kind = seen.error().kind;
+    if (kind == ProblemKind::kNotFound || kind == ProblemKind::kNotReady)
+      return no_such_live_link();
+    return tl::unexpected(seen.error());
+  }
+
+  const std::string participant = id_from("participant\n" + session->id + "\n" + key);
+  PlaceRequest request{session->id, session->user_id, session->data_set_id, participant, name,
+                       hash};
+  // If the owner has left and the session has lost its slot, the session takes a slot of the
+  // visitors' share.
+  request.visitor = true;
+  request.visitor_from = hash;
+  const auto placed = placement_.place(request);
+  if (!placed && placed.error().code == ErrorCode::kTooLarge) {
+    return refuse(ProblemKind::kBusy,
+                  "All guest places are taken. Try again in a few minutes, or when the person who "
+                  "shared the link is back.",
+                  std::chrono::seconds(30));
+  }
+  if (placed) return Joined{participant, "/stream?ticket=" + placed->ticket};
+  if (placed.error().code == ErrorCode::kNotFound) return no_such_live_link();
+  if (placed.error().code == ErrorCode::kUnavailable && placement_.reachable()) {
+    return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
+  }
+  return refuse(placed.error());
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,137 @@
+#include "api/sharing/report_repository.h"
+
+#include "api/shared/audit_repository.h"
+
+namespace diaphane::api {
+Result<void> ReportRepository::report(const Report& report, const std::string& reporter_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const std::string about =
+        report.preset_id.empty()
+            ? "(data_set_id, reporter_id) WHERE closed_at IS NULL AND preset_id IS NULL"
+            : "(preset_id, reporter_id) WHERE closed_at IS NULL AND preset_id IS NOT NULL";
+    transaction.exec_params0(
+        R"sql(
+        INSERT INTO reports (id, data_set_id, preset_id, reporter_id, reason, words, created_at)
+        SELECT $1, d.id, $7::uuid, $3, $4, $5, to_timestamp($6::bigint / 1e6) FROM data_sets d
+         WHERE d.id = $2 AND ($7::uuid IS NULL OR EXISTS (SELECT 1 FROM presets WHERE id = $7::uuid))
+        ON CONFLICT )sql" +
+            about + " DO UPDATE SET reason = excluded.reason, words = excluded.words",
+        report.id, report.data_set_id, reporter_id, report.reason, report.words,
+        to_us(report.created_at), report.preset_id.empty() ? nullptr : report.preset_id.c_str());
+    return {};
+  });
+}
+
+Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& entry, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Report>> {
+    // Administrators must not see a data set that has become private, not even its title.
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT r.id, d.id, CASE WHEN s.shown THEN d.title ELSE '' END, COALESCE(p.id::text, ''),
+               CASE WHEN s.shown THEN COALESCE(p.name, '') ELSE '' END, r.reason, r.words,
+               (CASE WHEN p.id IS NULL THEN d.taken_down_at ELSE p.taken_down_at END) IS NOT NULL,
+               (extract(epoch FROM r.created_at) * 1000000)::bigint
+          FROM reports r JOIN data_sets d ON d.id = r.data_set_id LEFT JOIN presets p ON p.id = r.preset_id
+          CROSS JOIN LATERAL (SELECT d.visibility = 'public' OR d.taken_down_at IS NOT NULL AS shown) s
+         WHERE r.closed_at IS NULL ORDER BY r.created_at, r.id LIMIT $1)sql",
+        limit);
+    std::vector<Report> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<std::string>(),
+                       row[3].as<std::string>(), row[4].as<std::string>(), row[5].as<std::string>(),
+                       row[6].as<std::string>(), row[7].as<bool>(),
+                       from_us(row[8].as<std::int64_t>())});
+    }
+    note_in_audit_log(transaction, entry, now);
+    return found;
+  });
+}
+
+Result<void> ReportRepository::close(const std::string& report_id, const AuditEntry& entry,
+                                     Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result closed = transaction.exec_params(
+        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
+               WHERE id = $1 AND closed_at IS NULL RETURNING 1)sql",
+        report_id, to_us(now));
+    if (closed.empty()) return fail(ErrorCode::kNotFound, "Report not found.");
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::take_down(const std::string& data_set_id, const std::string& reason,
+                                         const AuditEntry& entry, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result taken = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets SET visibility = 'private', published_at = NULL, taken_down_reason = $2,
+                             taken_down_at = to_timestamp($3::bigint / 1e6),
+                             updated_at = to_timestamp($3::bigint / 1e6)
+         WHERE id = $1 RETURNING 1)sql",
+        data_set_id, reason, to_us(now));
+    if (taken.empty()) return fail(ErrorCode::kNotFound, "Scan not found.");
+    transaction.exec_params0("DELETE FROM data_set_people WHERE data_set_id = $1", data_set_id);
+    transaction.exec_params0("DELETE FROM data_set_links WHERE data_set_id = $1", data_set_id);
+    transaction.exec_params0(
+        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
+               WHERE data_set_id = $1 AND closed_at IS NULL)sql",
+        data_set_id, to_us(now));
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::restore(const std::string& data_set_id, const AuditEntry& entry,
+                                       Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result lifted = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets SET taken_down_at = NULL, taken_down_reason = NULL,
+                             visibility = CASE WHEN is_sample THEN 'public' ELSE 'private' END,
+                             published_at = CASE WHEN is_sample THEN created_at END,
+                             updated_at = to_timestamp($2::bigint / 1e6)
+         WHERE id = $1 AND taken_down_at IS NOT NULL RETURNING 1)sql",
+        data_set_id, to_us(now));
+    if (lifted.empty()) return {};
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::take_down_preset(const std::string& preset_id,
+                                                const std::string& reason, const AuditEntry& entry,
+                                                Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result taken = transaction.exec_params(
+        R"sql(
+        UPDATE presets SET taken_down_reason = $2, taken_down_at = to_timestamp($3::bigint / 1e6)
+         WHERE id = $1 RETURNING 1)sql",
+        preset_id, reason, to_us(now));
+    if (taken.empty()) return fail(ErrorCode::kNotFound, "Preset not found.");
+    transaction.exec_params0(
+        "UPDATE data_sets SET default_preset_id = NULL WHERE default_preset_id = $1", preset_id);
+    transaction.exec_params0(
+        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
+               WHERE preset_id = $1 AND closed_at IS NULL)sql",
+        preset_id, to_us(now));
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::restore_preset(const std::string& preset_id, const AuditEntry& entry,
+                                              Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result lifted = transaction.exec_params(
+        R"sql(
+        UPDATE presets SET taken_down_at = NULL, taken_down_reason = NULL
+         WHERE id = $1 AND taken_down_at IS NOT NULL RETURNING 1)sql",
+        preset_id);
+    if (lifted.empty()) return {};
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,327 @@
+#include "api/sharing/sharing_repository.h"
+
+#include "api/accounts/account_repository.h"
+#include "api/scans/data_set_rows.h"
+#include "api/shared/idempotency_rows.h"
+
+namespace diaphane::api {
+namespace {
+
+/// Serialises concurrent additions, so that each is counted, and prevents additions to a data set
+/// that is being deleted.
+bool lock_data_set(pqxx::work& transaction, const std::string& id) {
+  return !transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", id).empty();
+}
+
+}  // namespace
+
+Result<std::vector<SharedPerson>> SharingRepository::people(const std::string& data_set_id) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<SharedPerson>> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT id, email_key, may_save, (extract(epoch FROM created_at) * 1000000)::bigint
+          FROM data_set_people WHERE data_set_id = $1 ORDER BY created_at, email_key)sql",
+        data_set_id);
+    std::vector<SharedPerson> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<bool>(),
+                       from_us(row[3].as<std::int64_t>())});
+    }
+    return found;
+  });
+}
+
+Result<bool> SharingRepository::share_with(const std::string& data_set_id,
+                                           const SharedPerson& person, int most, const Mail& mail) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    if (!lock_data_set(transaction, data_set_id))
+      return fail(ErrorCode::kNotFound, "Scan not found.");
+    const pqxx::result known = transaction.exec_params(
+        R"sql(
+        UPDATE data_set_people SET may_save = $3 WHERE data_set_id = $1 AND email_key = $2
+        RETURNING 1)sql",
+        data_set_id, person.email_key, person.may_save);
+    if (!known.empty()) return false;
+    const auto count = transaction.exec_params1(
+        "SELECT count(*) FROM data_set_people WHERE data_set_id = $1", data_set_id);
+    if (count[0].as<int>() >= most) {
+      return fail(ErrorCode::kTooMany,
+                  "You have reached the maximum number of people for this scan.");
+    }
+    transaction.exec_params0(R"sql(
+        INSERT INTO data_set_people (id, data_set_id, email_key, may_save, created_at)
+        VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6)))sql",
+                             person.id, data_set_id, person.email_key, person.may_save,
+                             to_us(person.created_at));
+    // Grants access to the current owner of the address.
+    const pqxx::result there =
+        transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
+    if (!there.empty()) accept_invitations(transaction, there[0][0].as<std::string>());
+    queue_mail(transaction, mail, person.created_at);
+    return true;
+  });
+}
+
+Result<void> SharingRepository::unshare(const std::string& data_set_id,
+                                        const std::string& person_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result gone = transaction.exec_params(
+        "DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
+        person_id);
+    if (gone.empty())
+      return fail(ErrorCode::kNotFound, "This scan is not shared with this person.");
+    return {};
+  });
+}
+
+Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& data_set_id,
+                                                          Time now) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSetLink>> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
+               (extract(epoch FROM expires_at) * 1000000)::bigint, slices
+          FROM data_set_links WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6)
+         ORDER BY created_at, id)sql",
+        data_set_id, to_us(now));
+    std::vector<DataSetLink> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row[0].as<std::string>(), from_us(row[1].as<std::int64_t>()),
+                       from_us(row[2].as<std::int64_t>()), row[3].as<bool>()});
+    }
+    return found;
+  });
+}
+
+Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
+    const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
+    int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) {
+  using Answer = std::variant<DataSetLink, KeyReused>;
+  return database_.transact([&](pqxx::work& transaction) -> Result<Answer> {
+    if (const auto before = made_before(transaction, owner_id, key)) {
+      if (std::holds_alternative<KeyReused>(*before)) return KeyReused{};
+      const pqxx::result there = transaction.exec_params(
+          R"sql(
+          SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
+                 (extract(epoch FROM expires_at) * 1000000)::bigint, slices
+            FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
+          std::get<Created>(*before).id, token_hash);
+      if (there.empty()) return fail(ErrorCode::kConflict, "The link can't be shown again.");
+      return DataSetLink{there[0][0].as<std::string>(), from_us(there[0][1].as<std::int64_t>()),
+                         from_us(there[0][2].as<std::int64_t>()), there[0][3].as<bool>()};
+    }
+    if (!lock_data_set(transaction, data_set_id))
+      return fail(ErrorCode::kNotFound, "Scan not found.");
+    const auto count = transaction.exec_params1(
+        R"sql(SELECT count(*) FROM data_set_links
+               WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
+        data_set_id, to_us(link.created_at));
+    if (count[0].as<int>() >= most) {
+      return fail(ErrorCode::kTooMany,
+                  "This scan has reached its link limit. Disable a link first.");
+    }
+    // A key whose record has expired still derives the token of its original link.
+    const pqxx::result made = transaction.exec_params(
+        R"sql(
+        INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at, slices)
+        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6), $6)
+        ON CONFLICT (token_hash) DO NOTHING RETURNING 1)sql",
+        link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at),
+        link.slices);
+    if (made.empty()) return fail(ErrorCode::kConflict, "The link can't be created again.");
+    note_made(transaction, owner_id, key, link.id, link.created_at);
+    return link;
+  });
+}
+
+Result<void> SharingRepository::end_link(const std::string& data_set_id,
+                                         const std::string& link_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result gone = transaction.exec_params(
+        "DELETE FROM data_set_links WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
+        link_id);
+    if (gone.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
+    return {};
+  });
+}
+
+Result<SharingStore::Followed> SharingRepository::follow(const std::string& token_hash, Time now) {
+  return database_.read([&](pqxx::work& transaction) -> Result<Followed> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT l.id, (extract(epoch FROM l.created_at) * 1000000)::bigint,
+               (extract(epoch FROM l.expires_at) * 1000000)::bigint, d.id, d.owner_id, l.slices
+          FROM data_set_links l JOIN data_sets d ON d.id = l.data_set_id
+         WHERE l.token_hash = $1 AND l.expires_at > to_timestamp($2::bigint / 1e6)
+           AND d.state = 'ready' AND d.taken_down_at IS NULL)sql",
+        token_hash, to_us(now));
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
+    const pqxx::result data_set =
+        transaction.exec_params(std::string(kSelectDataSet) + " AND d.id = $4", rows[0][4].c_str(),
+                                false, false, rows[0][3].as<std::string>());
+    if (data_set.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
+    Followed followed{{rows[0][0].as<std::string>(), from_us(rows[0][1].as<std::int64_t>()),
+                       from_us(rows[0][2].as<std::int64_t>()), rows[0][5].as<bool>()},
+                      read_data_set(data_set[0])};
+    followed.data_set.role = Role::kSharedView;
+    return followed;
+  });
+}
+
+Result<bool> SharingRepository::publish(const std::string& data_set_id, bool slices, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    const pqxx::result done = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET visibility = 'public', published_at = COALESCE(published_at, to_timestamp($2::bigint / 1e6)),
+               updated_at = to_timestamp($2::bigint / 1e6), public_slices = $3
+         WHERE id = $1 AND state = 'ready' AND anonymised_at IS NOT NULL AND taken_down_at IS NULL
+        RETURNING 1)sql",
+        data_set_id, to_us(now), slices);
+    return !done.empty();
+  });
+}
+
+Result<void> SharingRepository::make_private(const std::string& data_set_id, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0(R"sql(
+        UPDATE data_sets SET visibility = 'private', published_at = NULL, public_slices = false,
+                             updated_at = to_timestamp($2::bigint / 1e6)
+         WHERE id = $1 AND NOT is_sample AND visibility = 'public')sql",
+                             data_set_id, to_us(now));
+    return {};
+  });
+}
+
+Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
+                                                        const GalleryQuery& query) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
+    const auto& after = query.after;
+    // Each word is a prefix. Spaces and punctuation separate words, so none can be an operator.
+    const pqxx::result rows = transaction.exec_params(
+        std::string(kSelectDataSet) + R"sql(
+           AND d.visibility = 'public' AND d.state = 'ready' AND ($4::bool IS FALSE OR d.is_sample)
+           AND ($5 = '' OR d.words @@
+                (SELECT to_tsquery('simple', string_agg(quote_literal(word) || ':*', ' & '))
+                   FROM regexp_split_to_table($5, '[[:space:][:punct:]]+') AS word WHERE word <> ''))
+           AND ($6 = '' OR d.body_part = $6) AND ($7 = '' OR d.modality = $7)
+           AND ($8::bool OR (d.published_at, d.id) < (to_timestamp($9::bigint / 1e6), $10::uuid))
+         ORDER BY d.published_at DESC, d.id DESC LIMIT $11)sql",
+        viewer_or_null(viewer), viewer.sample_operator, viewer.administrator, query.samples_only,
+        query.words, query.body_part, query.modality, !after.has_value(),
+        after ? after->created_us : std::int64_t{0}, after ? after->id.c_str() : nullptr,
+        query.limit);
+    std::vector<DataSet> found;
+    for (const pqxx::row& row : rows) found.push_back(read_data_set(row));
+    return found;
+  });
+}
+
+Result<std::string> SharingRepository::public_name(const std::string& user_id) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::string> {
+    const pqxx::result rows =
+        transaction.exec_params("SELECT public_name FROM users WHERE id = $1", user_id);
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
+    return shown_name(rows[0][0].as<std::string>());
+  });
+}
+
+Result<void> SharingRepository::set_public_name(const std::string& user_id,
+                                                const std::string& name) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("UPDATE users SET public_name = $2 WHERE id = $1", user_id, name);
+    return {};
+  });
+}
+
+Result<Visit> SharingRepository::note_visit(const Visit& visit, const VisitLimits& limits,
+                                            Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Visit> {
+    // Serialises the counting, so that the limit also holds for concurrent visitors.
+    transaction.exec("LOCK TABLE visits IN SHARE ROW EXCLUSIVE MODE");
+    const pqxx::result known = transaction.exec_params(
+        R"sql(SELECT (extract(epoch FROM expires_at) * 1000000)::bigint FROM visits
+               WHERE session_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
+        visit.session_id, to_us(now));
+    Visit noted = visit;
+    if (!known.empty()) {
+      noted.expires_at = from_us(known[0][0].as<std::int64_t>());
+      return noted;
+    }
+    const auto count = transaction.exec_params1(
+        R"sql(
+        SELECT count(*), count(*) FILTER (WHERE address_hash = $2),
+               count(*) FILTER (WHERE link_id = $3::uuid)
+          FROM visits WHERE expires_at > to_timestamp($1::bigint / 1e6))sql",
+        to_us(now), visit.address_hash, visit.link_id.empty() ? nullptr : visit.link_id.c_str());
+    if (count[0].as<int>() >= limits.most) {
+      return fail(ErrorCode::kTooMany, "The limit of visits is reached.");
+    }
+    if (count[1].as<int>() >= limits.by_address) {
+      return fail(ErrorCode::kTooMany, "The limit of visits per address is reached.", "address");
+    }
+    if (count[2].as<int>() >= limits.by_link) {
+      return fail(ErrorCode::kTooMany, "The limit of visits per link is reached.", "link");
+    }
+    transaction.exec_params0(
+        R"sql(
+        INSERT INTO visits (session_id, data_set_id, link_id, expires_at, address_hash)
+        SELECT $1, d.id, $3::uuid, to_timestamp($4::bigint / 1e6), $5 FROM data_sets d
+         WHERE d.id = $2 AND ($3::uuid IS NULL OR EXISTS (SELECT 1 FROM data_set_links WHERE id = $3::uuid))
+        ON CONFLICT (session_id) DO UPDATE SET expires_at = excluded.expires_at)sql",
+        visit.session_id, visit.data_set_id,
+        visit.link_id.empty() ? nullptr : visit.link_id.c_str(), to_us(visit.expires_at),
+        visit.address_hash);
+    return noted;
+  });
+}
+
+Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time now) {
+  return database_.read([&](pqxx::work& transaction) -> Result<Visit> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT v.data_set_id, COALESCE(v.link_id::text, ''),
+               (extract(epoch FROM v.expires_at) * 1000000)::bigint
+          FROM visits v JOIN data_sets d ON d.id = v.data_set_id
+          LEFT JOIN users o ON o.id = d.owner_id
+         WHERE v.session_id = $1 AND v.expires_at > to_timestamp($2::bigint / 1e6)
+           AND d.taken_down_at IS NULL AND o.disabled_at IS NULL)sql",
+        session_id, to_us(now));
+    if (rows.empty()) return fail(ErrorCode::kNotFound, "Visit not found.");
+    return Visit{session_id, rows[0][0].as<std::string>(), rows[0][1].as<std::string>(),
+                 from_us(rows[0][2].as<std::int64_t>())};
+  });
+}
+
+Result<std::vector<std::string>> SharingRepository::expired_visits(Time now) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+    std::vector<std::string> over;
+    for (const pqxx::row& row : transaction.exec_params(
+             "SELECT session_id FROM visits WHERE expires_at <= to_timestamp($1::bigint / 1e6)",
+             to_us(now))) {
+      over.push_back(row[0].as<std::string>());
+    }
+    return over;
+  });
+}
+
+Result<void> SharingRepository::forget_visit(const std::string& session_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("DELETE FROM visits WHERE session_id = $1", session_id);
+    return {};
+  });
+}
+
+Result<void> SharingRepository::expire_links(Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    // Links with visits are removed later, after their sessions have ended.
+    transaction.exec_params0(R"sql(
+        DELETE FROM data_set_links l
+         WHERE expires_at <= to_timestamp($1::bigint / 1e6)
+           AND NOT EXISTS (SELECT 1 FROM visits v WHERE v.link_id = l.id))sql",
+                             to_us(now));
+    return {};
+  });
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "api/scans/data_set_store.h"
+
+namespace diaphane::api {
+
+/// A person with access to a data set, with the address as its owner typed it. Does not reveal
+/// whether an account exists.
+struct SharedPerson {
+  std::string id;  ///< ID of the permission, not of an account
+  std::string email_key;
+  bool may_save = false;  ///< may save presets; otherwise view only
+  Time created_at;
+};
+
+/// A link, without its token, of which only a hash is stored.
+struct DataSetLink {
+  std::string id;
+  Time created_at;
+  Time expires_at;
+  bool slices = false;  ///< visitors can get exact slices
+};
+
+struct GalleryQuery {
+  std::string words;      ///< prefixes of words in title and description; empty matches all
+  std::string body_part;  ///< one of kBodyParts, or empty
+  std::string modality;   ///< one of kModalities, or empty
+  bool samples_only = false;
+  std::optional<Cursor> after;  ///< sorted by time of publication
+  int limit = 0;
+};
+
+/// A session of a visitor without an account.
+struct Visit {
+  std::string session_id;
+  std::string data_set_id;
+  std::string link_id;  ///< empty for a sample
+  Time expires_at;
+  std::string address_hash = {};  ///< hash of the visitor's address
+};
+
+/// Maximum number of simultaneous visits: in total, per address and per link.
+struct VisitLimits {
+  int most = 0, by_address = 0, by_link = 0;
+};
+
+/// Storage of permissions and links. Every function returns kUnavailable if the database is
+/// unavailable. Each is one transaction. The caller checks permissions first (access.h).
+class SharingStore {
+ public:
+  virtual ~SharingStore() = default;
+
+  virtual Result<std::vector<SharedPerson>> people(const std::string& data_set_id) = 0;
+  /// Adds a person or changes the permission of an existing one. Queues the email for a new person.
+  /// Returns kTooMany if there are already `most`, and false for an existing person.
+  virtual Result<bool> share_with(const std::string& data_set_id, const SharedPerson& person,
+                                  int most, const Mail& mail) = 0;
+  /// kNotFound.
+  virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id) = 0;
+
+  virtual Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) = 0;
+  /// `key` is a key of the user `owner_id`. If the key has created a link before, returns that
+  /// link, or kConflict if it no longer exists or has another token. Returns kTooMany if there are
+  /// already `most` links.
+  virtual Result<std::variant<DataSetLink, KeyReused>> make_link(
+      const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
+      int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) = 0;
+  /// Also deletes its visits. Returns kNotFound.
+  virtual Result<void> end_link(const std::string& data_set_id, const std::string& link_id) = 0;
+  struct Followed {
+    DataSetLink link;
+    DataSet data_set;  ///< ready; the role is kSharedView
+  };
+  /// Returns kNotFound if the link is unknown or expired, or its data set is not visible.
+  virtual Result<Followed> follow(const std::string& token_hash, Time now) = 0;
+
+  /// Makes the data set public, or changes an already public one. With `slices`, viewers may get
+  /// exact slices. Returns false if the data set is not anonymised, not ready, or taken down.
+  virtual Result<bool> publish(const std::string& data_set_id, bool slices, Time now) = 0;
+  virtual Result<void> make_private(const std::string& data_set_id, Time now) = 0;
+  virtual Result<std::vector<DataSet>> gallery(const Viewer& viewer, const GalleryQuery& query) = 0;
+
+  virtual Result<std::string> public_name(const std::string& user_id) = 0;
+  virtual Result<void> set_public_name(const std::string& user_id, const std::string& name) = 0;
+
+  /// Records the visit. A repeated call returns the existing one unchanged. Returns kTooMany if a
+  /// limit is reached. Then `field` names it: "address", "link" or empty for the total.
+  virtual Result<Visit> note_visit(const Visit& visit, const VisitLimits& limits, Time now) = 0;
+  /// Returns kNotFound if there is none or it has expired.
+  virtual Result<Visit> find_visit(const std::string& session_id, Time now) = 0;
+  /// Returns the sessions to end and then forget.
+  virtual Result<std::vector<std::string>> expired_visits(Time now) = 0;
+  virtual Result<void> forget_visit(const std::string& session_id) = 0;
+  virtual Result<void> expire_links(Time now) = 0;
+};
+
+}  // namespace diaphane::api
