@@ -41,8 +41,13 @@ BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTra
       count_render_time_("rendering time", at_most(2s),
                          [this] { services_.session.render_time.poll(); }),
       make_exports_("exports", at_most(2s), [this] { services_.privacy.exports.poll(); }) {
-  bind_account_services();
-  bind_data_services();
+  on.signals.subscribe(Signal::kMail, [this] { send_mails_.wake(); });
+  on.signals.subscribe(Signal::kDisposal, [this] { dispose_.wake(); });
+  on.signals.subscribe(Signal::kPicture, [this] { make_pictures_.wake(); });
+  on.signals.subscribe(Signal::kExport, [this] { make_exports_.wake(); });
+  // At once, so that the pictures have stopped when the request is answered.
+  on.signals.subscribe(Signal::kSignOut,
+                       [this] { services_.account.changes.end_expired_browsers(); });
 }
 
 void BackgroundTasks::delete_disposed() {
@@ -53,34 +58,6 @@ void BackgroundTasks::delete_disposed() {
   if (gone > 0) make_pictures_.wake();
   // Removes partial volumes that a killed ingestd left behind, even while no ingestd runs.
   (void)volume::sweep_unfinished(settings_.volume_dir);
-}
-
-void BackgroundTasks::bind_account_services() {
-  const auto end_browsers = [this] { services_.account.changes.end_expired_browsers(); };
-  const auto send_mails = [this] { send_mails_.wake(); };
-  services_.privacy.exports.on_request([this] { make_exports_.wake(); });
-  services_.privacy.deletion.on_removal([this] {
-    dispose_.wake();
-    send_mails_.wake();
-  });
-  services_.account.accounts.on_mail(send_mails);
-  services_.account.accounts.on_sign_out(end_browsers);
-  services_.account.second_factors.on_sign_out(end_browsers);
-  services_.account.changes.on_mail(send_mails);
-  services_.account.code_check.on_mail(send_mails);
-  services_.account.second_factors.on_mail(send_mails);
-}
-
-void BackgroundTasks::bind_data_services() {
-  const auto dispose = [this] { dispose_.wake(); };
-  services_.shared.sharing.on_mail([this] { send_mails_.wake(); });
-  services_.data_set.data_sets.on_disposal(dispose);
-  services_.picture.anonymise.on_disposal(dispose);
-  services_.shared.presets.on_picture([this] {
-    dispose_.wake();
-    make_pictures_.wake();
-  });
-  services_.data_set.uploads.on_disposal(dispose);
 }
 
 std::chrono::milliseconds BackgroundTasks::at_most(std::chrono::milliseconds period) const {

@@ -9,7 +9,7 @@
 namespace diaphane::api {
 
 /// The work that no request waits for: emails, preset thumbnails, deletions, exports and expiry.
-/// Services wake a task when they leave something to do for it.
+/// Signals wake a task when a service leaves something to do for it.
 class BackgroundTasks {
  public:
   /// All arguments must outlive this object.
@@ -18,8 +18,6 @@ class BackgroundTasks {
 
  private:
   void delete_disposed();
-  void bind_account_services();
-  void bind_data_services();
   std::chrono::milliseconds at_most(std::chrono::milliseconds period) const;
 
   const Settings& settings_;

@@ -123,8 +123,13 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   if (!admin) return failed(admin.error(), kExitUnavailable);
   RequestMetrics metrics((*admin)->registry());
 
-  const Backends backends{
-      .settings = settings, .clock = clock, .redis = **redis, .placed = placed, .stores = stores};
+  Signals signals;
+  const Backends backends{.settings = settings,
+                          .clock = clock,
+                          .redis = **redis,
+                          .placed = placed,
+                          .stores = stores,
+                          .signals = signals};
   Services services(backends);
   const BackgroundTasks tasks(backends, services, **transport, metrics);
   Executor executor(kWorkers, kWaiting);

@@ -19,20 +19,20 @@ AccountServices::AccountServices(const Backends& on)
     : hasher(kHashingSlots),
       factor_store(on.stores.database),
       code_check(factor_store, on.stores.accounts, on.settings.factor_key.value(), on.clock,
-                 {.public_url = on.settings.public_url}),
+                 on.signals, {.public_url = on.settings.public_url}),
       accounts(on.stores.accounts, hasher, code_check, on.settings.factor_key.value(), on.clock,
-               {.public_url = on.settings.public_url}),
+               on.signals, {.public_url = on.settings.public_url}),
       second_factors(factor_store, accounts, code_check, on.settings.factor_key.value(), on.clock,
-                     {}),
+                     on.signals, {}),
       changes(on.stores.account_changes, on.stores.accounts, accounts, hasher, on.placed, on.clock,
-              {.public_url = on.settings.public_url}) {}
+              on.signals, {.public_url = on.settings.public_url}) {}
 
 DataSetServices::DataSetServices(const Backends& on)
     : files(on.settings.upload_dir),
-      data_sets(on.stores.data_sets, on.placed, on.clock, on.settings.data_sets,
+      data_sets(on.stores.data_sets, on.placed, on.clock, on.signals, on.settings.data_sets,
                 [this] { return files.free_bytes(); }),
       // Uploads that were announced before the disk filled up may use half of the reserve.
-      uploads(on.stores.data_sets, files, on.clock, on.settings.data_sets.upload_life,
+      uploads(on.stores.data_sets, files, on.clock, on.signals, on.settings.data_sets.upload_life,
               on.settings.data_sets.reserve_bytes / 2) {}
 
 SessionServices::SessionServices(const Backends& on, DataSets& data_sets)
@@ -50,24 +50,24 @@ std::string SessionServices::first_scene(const std::string& data_set) {
 }
 
 PrivacyServices::PrivacyServices(const Backends& on, Accounts& accounts)
-    : exports(on.stores.privacy, ZipWriter::create, on.clock,
+    : exports(on.stores.privacy, ZipWriter::create, on.clock, on.signals,
               {.volumes = on.settings.volume_dir,
                .pictures = on.settings.cache_dir + "/presets",
                .exports = export_directory(on.settings),
                .reserve_bytes = on.settings.data_sets.reserve_bytes,
                .total_bytes = on.settings.export_total_bytes}),
-      deletion(on.stores.privacy, accounts, on.placed, on.clock) {}
+      deletion(on.stores.privacy, accounts, on.placed, on.clock, on.signals) {}
 
 SharedServices::SharedServices(const Backends& on, DataSets& data_sets, SessionServices& sessions)
     : link_store(on.redis),
       recording_store(on.stores.database),
       recordings(recording_store, on.clock),
       sharing_store(on.stores.database),
-      parts{data_sets, sharing_store, on.stores.accounts, on.placed, on.clock},
+      parts{data_sets, sharing_store, on.stores.accounts, on.placed, on.clock, on.signals},
       sharing(parts, {.public_url = on.settings.public_url}),
       visits(parts, {},
              [&sessions](const std::string& data_set) { return sessions.first_scene(data_set); }),
-      presets(data_sets, sessions.preset_store, on.clock),
+      presets(data_sets, sessions.preset_store, on.clock, on.signals),
       report_store(on.stores.database),
       reports(data_sets, presets, report_store, on.stores.accounts, on.clock,
               [this](const std::string& data_set) { sharing.end_lost_sessions(data_set); }),
@@ -80,7 +80,7 @@ PictureServices::PictureServices(const Backends& on, DataSets& data_sets, Preset
       preset_pictures(data_sets, presets, preset_store, stills, on.clock, on.settings.cache_dir,
                       scene_bytes),
       cut_store(on.stores.database),
-      anonymise(data_sets, cut_store, thumbnails, on.placed, on.clock,
+      anonymise(data_sets, cut_store, thumbnails, on.placed, on.clock, on.signals,
                 [&settings = on.settings](const std::string& id) {
                   const auto header = volume::read_header(settings.volume_dir + "/" + id);
                   return header ? header->content_hash : std::string();

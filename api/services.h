@@ -28,6 +28,7 @@
 #include "api/sessions/render_time_repository.h"
 #include "api/sessions/sessions.h"
 #include "api/settings.h"
+#include "api/shared/signals.h"
 #include "api/sharing/live_links.h"
 #include "api/sharing/report_repository.h"
 #include "api/sharing/reports.h"
@@ -64,6 +65,7 @@ struct Backends {
   directory::Client& redis;
   directory::Sessions& placed;
   Stores& stores;
+  Signals& signals;
 };
 
 struct AccountServices {

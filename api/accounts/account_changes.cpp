@@ -20,13 +20,14 @@ tl::unexpected<Problem> too_old() {
 
 AccountChanges::AccountChanges(AccountChangeStore& store, AccountStore& attempts,
                                Accounts& accounts, PasswordHasher& hasher, Placement& placement,
-                               const Clock& clock, Options options)
+                               const Clock& clock, const Signals& signals, Options options)
     : store_(store),
       attempts_(attempts),
       accounts_(accounts),
       hasher_(hasher),
       placement_(placement),
       clock_(clock),
+      signals_(signals),
       options_(std::move(options)) {}
 
 void AccountChanges::end_pictures(const std::string& user_id) {
@@ -56,7 +57,7 @@ Outcome<void> AccountChanges::request_reset(const std::string& email, const std:
       mails::reset(language, email, options_.public_url + "/reset#token=" + token),
       mails::no_account(language, email, options_.public_url + "/sign-up"));
   if (!done) return refuse(done.error());
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 
@@ -82,7 +83,7 @@ Outcome<void> AccountChanges::reset(const std::string& token, const std::string&
   // guessed.
   (void)attempts_.forget_attempts(attempt_key("account", email_key(person.email)), std::nullopt);
   end_pictures(person.user_id);
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 
@@ -99,7 +100,7 @@ Outcome<void> AccountChanges::change_password(const Principal& who, const std::s
       mails::password_changed(who.language, who.email, forgot_url()), clock_.wall());
   if (!done) return refuse(done.error());
   end_pictures(who.user_id);
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 
@@ -131,7 +132,7 @@ Outcome<void> AccountChanges::request_email(const Principal& who, const std::str
       mails::new_address_taken(who.language, new_email, options_.public_url + "/"),
       mails::address_asked_to_change(who.language, who.email, forgot_url())};
   if (const auto done = store_.request_email(request, now); !done) return refuse(done.error());
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 
@@ -152,7 +153,7 @@ Outcome<void> AccountChanges::confirm_email(const Principal& who, const std::str
                            mails::address_changed(who.language, (*bearer)->email), now);
   if (!done) return refuse(done.error());
   if (!*done) return too_old();
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "api/accounts/accounts.h"
 #include "api/shared/placement.h"
+#include "api/shared/signals.h"
 
 namespace diaphane::api {
 
@@ -87,7 +87,8 @@ class AccountChanges {
   };
 
   AccountChanges(AccountChangeStore& store, AccountStore& attempts, Accounts& accounts,
-                 PasswordHasher& hasher, Placement& placement, const Clock& clock, Options options);
+                 PasswordHasher& hasher, Placement& placement, const Clock& clock,
+                 const Signals& signals, Options options);
 
   /// Succeeds after the same work whether or not the account exists. `address` is the peer's.
   /// `language` is that of the email.
@@ -114,8 +115,6 @@ class AccountChanges {
   /// in a later call if Redis is unavailable.
   void end_expired_browsers();
 
-  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
-
  private:
   void end_pictures(const std::string& user_id);
   std::string forgot_url() const { return options_.public_url + "/forgot"; }
@@ -126,8 +125,8 @@ class AccountChanges {
   PasswordHasher& hasher_;
   Placement& placement_;
   const Clock& clock_;
+  const Signals& signals_;
   Options options_;
-  std::function<void()> wake_mailer_ = [] {};
 };
 
 }  // namespace diaphane::api

@@ -108,7 +108,7 @@ class AccountChangesTest : public AccountFixture {
  protected:
   AccountChangesTest() {
     store.account = {who.user_id, who.email, ""};
-    changes.on_mail([this] { ++woken; });
+    signals.subscribe(Signal::kMail, [this] { ++woken; });
   }
   static std::string token_in(const Mail& mail) {
     return mail.body.substr(mail.body.find("#token=") + 7, 64);
@@ -127,8 +127,8 @@ class AccountChangesTest : public AccountFixture {
   const std::string new_password = "another quiet password";
   FakeAccountChangeStore store;
   int woken = 0;
-  AccountChanges changes{
-      store, attempts, accounts, hasher, placement, clock, {.public_url = "https://see.example"}};
+  AccountChanges changes{store,     attempts, accounts, hasher,
+                         placement, clock,    signals,  {.public_url = "https://see.example"}};
 };
 
 TEST_F(AccountChangesTest, AResetIsAnsweredTheSameWhetherOrNotTheAccountExists) {

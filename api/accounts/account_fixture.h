@@ -35,13 +35,15 @@ class AccountFixture : public testing::Test {
   const std::string password = "a long and quiet password";
   Principal who;
   ManualClock clock;
+  Signals signals;
   PasswordHasher hasher{2};
   FakeAccountStore attempts;
   FakeSecondFactorStore factors;
   FakePlacement placement;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
-  CodeCheck codes{factors, attempts, key, clock, {}};
-  Accounts accounts{attempts, hasher, codes, key, clock, {.public_url = "https://see.example"}};
+  CodeCheck codes{factors, attempts, key, clock, signals, {}};
+  Accounts accounts{
+      attempts, hasher, codes, key, clock, signals, {.public_url = "https://see.example"}};
 };
 
 }  // namespace diaphane::api

@@ -18,12 +18,14 @@ constexpr std::size_t kNonceDigits = 32;
 }  // namespace
 
 Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes,
-                   const SealingKey& key, const Clock& clock, Options options)
+                   const SealingKey& key, const Clock& clock, const Signals& signals,
+                   Options options)
     : store_(store),
       hasher_(hasher),
       codes_(codes),
       key_(key),
       clock_(clock),
+      signals_(signals),
       options_(std::move(options)) {}
 
 std::string Accounts::browser_token(const Account& account, const std::string& nonce) const {
@@ -69,7 +71,7 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& add
       mails::already_there(language, email, options_.public_url + "/")};
   const auto done = store_.sign_up(sign_up, now);
   if (!done) return refuse(done.error());
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 
@@ -186,7 +188,7 @@ Outcome<void> Accounts::confirm_password(const Principal& who, const std::string
 Outcome<void> Accounts::sign_out(const std::string& token) {
   const auto done = store_.close_session(blake2b(token));
   if (!done) return refuse(done.error());
-  signed_out_();
+  signals_.raise(Signal::kSignOut);
   return {};
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include "api/accounts/password.h"
 #include "api/shared/problem.h"
 #include "api/shared/secrets.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -61,7 +61,7 @@ class Accounts {
 
   /// `key` signs the cookies of known browsers.
   Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const SealingKey& key,
-           const Clock& clock, Options options);
+           const Clock& clock, const Signals& signals, Options options);
 
   /// Sends a link. Returns kInvalid only for errors that reveal no account and otherwise succeeds,
   /// whether or not the account exists. `address` is the peer's, for the rate limit.
@@ -93,10 +93,7 @@ class Accounts {
   Outcome<Quota> quota_of(const std::string& user_id);
 
   std::chrono::seconds session_life() const { return options_.session_life; }
-  /// Called after an email was queued, so that it need not wait for the next poll of the queue.
-  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
   /// Called after a browser was signed out, to end its streams.
-  void on_sign_out(std::function<void()> call) { signed_out_ = std::move(call); }
 
  private:
   /// Returns kCodeNeeded, kWrongCode, or nothing if no code is needed or the code is correct.
@@ -119,9 +116,8 @@ class Accounts {
   CodeCheck& codes_;
   const SealingKey& key_;
   const Clock& clock_;
+  const Signals& signals_;
   Options options_;
-  std::function<void()> wake_mailer_ = [] {};
-  std::function<void()> signed_out_ = [] {};
 };
 
 }  // namespace diaphane::api

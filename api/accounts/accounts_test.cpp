@@ -36,11 +36,13 @@ class AccountsTest : public testing::Test {
 
   FakeAccountStore store;
   ManualClock clock;
+  Signals signals;
   PasswordHasher hasher{2};
   FakeSecondFactorStore factors;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
-  CodeCheck codes{factors, store, key, clock, {}};
-  Accounts accounts{store, hasher, codes, key, clock, {.public_url = "https://see.example"}};
+  CodeCheck codes{factors, store, key, clock, signals, {}};
+  Accounts accounts{
+      store, hasher, codes, key, clock, signals, {.public_url = "https://see.example"}};
 };
 
 TEST_F(AccountsTest, StoredDataDoesNotAuthenticate) {
@@ -227,7 +229,7 @@ TEST_F(AccountsTest, LimitsSignUpsPerAddressToThirtyPerQuarterHour) {
 TEST_F(AccountsTest, SigningOutEndsTheSessionAndItsStreams) {
   sign_up_and_verify();
   int ended = 0;
-  accounts.on_sign_out([&] { ++ended; });
+  signals.subscribe(Signal::kSignOut, [&] { ++ended; });
   const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
   ASSERT_TRUE(accounts.sign_out(token));
   EXPECT_EQ(ended, 1);

@@ -57,8 +57,13 @@ std::vector<std::string> new_recovery_codes() {
 }
 
 CodeCheck::CodeCheck(SecondFactorStore& store, AccountStore& attempts, const SealingKey& key,
-                     const Clock& clock, Options options)
-    : store_(store), attempts_(attempts), key_(key), clock_(clock), options_(std::move(options)) {}
+                     const Clock& clock, const Signals& signals, Options options)
+    : store_(store),
+      attempts_(attempts),
+      key_(key),
+      clock_(clock),
+      signals_(signals),
+      options_(std::move(options)) {}
 
 Outcome<bool> CodeCheck::needed(const std::string& user_id) {
   const auto factor = store_.find(user_id);
@@ -92,7 +97,7 @@ Outcome<bool> CodeCheck::was_used(const std::string& user_id, const std::string&
   const auto noted =
       store_.note_reuse(user_id, mails::code_reused(language, email, account_url()), now);
   if (!noted) return refuse(noted.error());
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return false;
 }
 
@@ -105,7 +110,7 @@ Outcome<bool> CodeCheck::is_right(const std::string& user_id, const std::string&
     const auto taken = store_.take_recovery_code(
         user_id, *hash, mails::recovery_code_used(language, email, account_url()), now);
     if (!taken) return refuse(taken.error());
-    if (*taken) wake_mailer_();
+    if (*taken) signals_.raise(Signal::kMail);
     return *taken;
   }
   const auto secret = key_.open((*factor)->sealed_secret, user_id);

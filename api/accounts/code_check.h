@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include "api/accounts/language.h"
 #include "api/shared/problem.h"
 #include "api/shared/secrets.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -70,7 +70,7 @@ class CodeCheck {
   };
 
   CodeCheck(SecondFactorStore& store, AccountStore& attempts, const SealingKey& key,
-            const Clock& clock, Options options);
+            const Clock& clock, const Signals& signals, Options options);
 
   /// Whether signing in requires a code.
   Outcome<bool> needed(const std::string& user_id);
@@ -80,7 +80,6 @@ class CodeCheck {
                      Language language);
 
   std::string account_url() const { return options_.public_url + "/account"; }
-  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
   /// Returns false for a reused code, and logs and reports the reuse.
@@ -93,8 +92,8 @@ class CodeCheck {
   AccountStore& attempts_;
   const SealingKey& key_;
   const Clock& clock_;
+  const Signals& signals_;
   Options options_;
-  std::function<void()> wake_mailer_ = [] {};
 };
 
 }  // namespace diaphane::api

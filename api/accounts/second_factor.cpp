@@ -27,12 +27,14 @@ tl::unexpected<Problem> not_begun() {
 }  // namespace
 
 SecondFactors::SecondFactors(SecondFactorStore& store, Accounts& accounts, CodeCheck& codes,
-                             const SealingKey& key, const Clock& clock, Options options)
+                             const SealingKey& key, const Clock& clock, const Signals& signals,
+                             Options options)
     : store_(store),
       accounts_(accounts),
       codes_(codes),
       key_(key),
       clock_(clock),
+      signals_(signals),
       options_(options) {}
 
 Outcome<SecondFactorState> SecondFactors::state(const Principal& who) {
@@ -77,8 +79,8 @@ Outcome<std::vector<std::string>> SecondFactors::confirm(const Principal& who,
       mails::second_factor_added(who.language, who.email, codes_.account_url()), now);
   if (!done) return refuse(done.error());
   if (!*done) return not_begun();
-  signed_out_();
-  wake_mailer_();
+  signals_.raise(Signal::kSignOut);
+  signals_.raise(Signal::kMail);
   return codes;
 }
 
@@ -105,7 +107,7 @@ Outcome<std::vector<std::string>> SecondFactors::renew_recovery_codes(const Prin
       who.user_id, hashes_of(codes),
       mails::recovery_codes_renewed(who.language, who.email, codes_.account_url()), clock_.wall());
   if (!done) return refuse(done.error());
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return codes;
 }
 
@@ -116,7 +118,7 @@ Outcome<void> SecondFactors::remove(const Principal& who, const std::string& pas
       who.user_id, mails::second_factor_removed(who.language, who.email, codes_.account_url()),
       clock_.wall());
   if (!done) return refuse(done.error());
-  wake_mailer_();
+  signals_.raise(Signal::kMail);
   return {};
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include "api/accounts/account_store.h"
 #include "api/accounts/accounts.h"
 #include "api/accounts/code_check.h"
+#include "api/shared/signals.h"
 
 namespace diaphane::api {
 
@@ -35,7 +35,7 @@ class SecondFactors {
   };
 
   SecondFactors(SecondFactorStore& store, Accounts& accounts, CodeCheck& codes,
-                const SealingKey& key, const Clock& clock, Options options);
+                const SealingKey& key, const Clock& clock, const Signals& signals, Options options);
 
   Outcome<SecondFactorState> state(const Principal& who);
   /// Creates a new secret, which replaces an unconfirmed one. Returns kConflict if two-factor
@@ -52,10 +52,7 @@ class SecondFactors {
                                                          const std::string& code);
   /// Returns the same errors as renew_recovery_codes.
   Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
-
-  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
   /// Called after other browsers were signed out, to end their streams.
-  void on_sign_out(std::function<void()> call) { signed_out_ = std::move(call); }
 
  private:
   /// Requires password and code again before a change that weakens the account.
@@ -67,9 +64,8 @@ class SecondFactors {
   CodeCheck& codes_;
   const SealingKey& key_;
   const Clock& clock_;
+  const Signals& signals_;
   Options options_;
-  std::function<void()> wake_mailer_ = [] {};
-  std::function<void()> signed_out_ = [] {};
 };
 
 }  // namespace diaphane::api

@@ -146,11 +146,13 @@ class SecondFactorTest : public testing::Test {
   FakeAccountStore store;
   FakeSecondFactorStore factors;
   ManualClock clock;
+  Signals signals;
   PasswordHasher hasher{1};
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
-  CodeCheck check{factors, store, key, clock, {.public_url = "https://see.example"}};
-  Accounts accounts{store, hasher, check, key, clock, {.public_url = "https://see.example"}};
-  SecondFactors second{factors, accounts, check, key, clock, {}};
+  CodeCheck check{factors, store, key, clock, signals, {.public_url = "https://see.example"}};
+  Accounts accounts{
+      store, hasher, check, key, clock, signals, {.public_url = "https://see.example"}};
+  SecondFactors second{factors, accounts, check, key, clock, signals, {}};
   Principal who;
 };
 
@@ -230,8 +232,8 @@ TEST_F(SecondFactorTest, RemovalRequiresPasswordAndCode) {
 
 TEST_F(SecondFactorTest, ConfirmingItEndsOtherBrowsersAndSendsAMail) {
   int signed_out = 0, woken = 0;
-  second.on_sign_out([&] { ++signed_out; });
-  second.on_mail([&] { ++woken; });
+  signals.subscribe(Signal::kSignOut, [&] { ++signed_out; });
+  signals.subscribe(Signal::kMail, [&] { ++woken; });
   ASSERT_TRUE(second.begin(who, kPassword));
   EXPECT_EQ(invalid_field(second.confirm(who, "123456")), "code");
   EXPECT_EQ(signed_out + woken, 0);
@@ -289,7 +291,7 @@ TEST_F(SecondFactorTest, EachStepThatFailsIsReportedAsUnavailable) {
 TEST_F(SecondFactorTest, WithAnotherKeyCodesCannotBeCheckedButRecoveryCodesCan) {
   const auto codes = set_up();
   const SealingKey other = SealingKey::of_hex(std::string(64, '2')).value();
-  CodeCheck blind{factors, store, other, clock, {}};
+  CodeCheck blind{factors, store, other, clock, signals, {}};
   EXPECT_EQ(blind.take(who.user_id, kEmail, code(1), Language::kEnglish).error().kind,
             ProblemKind::kInternal);
   EXPECT_TRUE(blind.take(who.user_id, kEmail, codes[0], Language::kEnglish).value());

@@ -30,7 +30,7 @@ class PresetPicturesTest : public DataSetFixture {
   const TemporaryDirectory cache;
   FakePresetStore store;
   FakeStills stills;
-  Presets presets{data_sets, store, clock};
+  Presets presets{data_sets, store, clock, signals};
   PresetPictures pictures{
       data_sets, presets, store, stills, clock, cache.path(), [](const std::string& scene) {
         return scene == "of another version" ? "" : "bytes of " + scene;

@@ -77,7 +77,8 @@ Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_i
     return refuse(ProblemKind::kIdempotencyKeyReused,
                   "This Idempotency-Key was already used with a different request.");
   }
-  wake_();
+  signals_.raise(Signal::kDisposal);
+  signals_.raise(Signal::kPicture);
   auto found = find(who, std::get<Created>(*made).id);
   if (!found && found.error().kind == ProblemKind::kNotFound) {
     return refuse(ProblemKind::kConflict,
@@ -94,7 +95,8 @@ Outcome<Preset> Presets::change(const Principal& who, const std::string& id, int
   DIAPHANE_TRY(data_sets_.authorise(who, preset->data_set_id, Action::kSavePreset));
   const auto done = store_.change(id, version, what, clock_.wall());
   if (!done) return from_store(done.error());
-  wake_();
+  signals_.raise(Signal::kDisposal);
+  signals_.raise(Signal::kPicture);
   return find(who, id);
 }
 

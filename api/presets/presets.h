@@ -8,6 +8,7 @@
 
 #include "api/scans/data_sets.h"
 #include "api/shared/idempotency.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -93,8 +94,8 @@ class PresetStore {
 /// Thread-safe.
 class Presets {
  public:
-  Presets(DataSets& data_sets, PresetStore& store, const Clock& clock)
-      : data_sets_(data_sets), store_(store), clock_(clock) {}
+  Presets(DataSets& data_sets, PresetStore& store, const Clock& clock, const Signals& signals)
+      : data_sets_(data_sets), store_(store), clock_(clock), signals_(signals) {}
 
   Outcome<std::vector<Preset>> list(const Principal& who, const std::string& data_set_id);
   Outcome<Preset> find(const Principal& who, const std::string& id);
@@ -111,14 +112,11 @@ class Presets {
   Outcome<void> set_default(const Principal& who, const std::string& data_set_id,
                             const std::string& preset_id);
 
-  /// Called when a thumbnail may need rendering.
-  void on_picture(std::function<void()> wake) { wake_ = std::move(wake); }
-
  private:
   DataSets& data_sets_;
   PresetStore& store_;
   const Clock& clock_;
-  std::function<void()> wake_ = [] {};
+  const Signals& signals_;
 };
 
 }  // namespace diaphane::api

@@ -9,7 +9,8 @@ namespace {
 class PresetsTest : public DataSetFixture {
  protected:
   PresetsTest() {
-    presets.on_picture([this] { ++woken; });
+    signals.subscribe(Signal::kDisposal, [this] { ++disposals; });
+    signals.subscribe(Signal::kPicture, [this] { ++pictures; });
     reset();
   }
   /// Restores the preset of `editor`.
@@ -33,9 +34,9 @@ class PresetsTest : public DataSetFixture {
 
   const Principal editor = as(Role::kSharedEdit);
   const std::string preset_id = new_id();
-  int woken = 0;
+  int disposals = 0, pictures = 0;
   FakePresetStore store;
-  Presets presets{data_sets, store, clock};
+  Presets presets{data_sets, store, clock, signals};
 };
 
 TEST_F(PresetsTest, ThoseWhoMayViewAScanSeeItsPresets) {
@@ -79,7 +80,8 @@ TEST_F(PresetsTest, APresetBelongsToWhoeverSavesIt) {
   EXPECT_EQ(made->created_at, clock.wall());
   EXPECT_EQ(made->scene, "scene");
   EXPECT_EQ(made->kept_xml, "<xml/>");
-  EXPECT_EQ(woken, 1) << "its preview image is due";
+  EXPECT_EQ(disposals, 1);
+  EXPECT_EQ(pictures, 1) << "its preview image is due";
 }
 
 TEST_F(PresetsTest, SavingNeedsItsPermission) {
@@ -106,7 +108,7 @@ TEST_F(PresetsTest, ARepeatedRequestWithItsKeySavesNothing) {
 TEST_F(PresetsTest, AFullListOfPresetsIsReported) {
   store.break_function("add", ErrorCode::kTooMany);
   EXPECT_EQ(refusal(presets.add(editor, id, named("Skin"), "")), ProblemKind::kTooMany);
-  EXPECT_EQ(woken, 0);
+  EXPECT_EQ(disposals + pictures, 0);
 }
 
 TEST_F(PresetsTest, OnlyItsAuthorChangesAPreset) {
@@ -119,7 +121,8 @@ TEST_F(PresetsTest, OnlyItsAuthorChangesAPreset) {
   ASSERT_TRUE(changed);
   EXPECT_EQ(changed->name, "Skull");
   EXPECT_EQ(changed->updated_at, clock.wall());
-  EXPECT_EQ(woken, 1);
+  EXPECT_EQ(disposals, 1);
+  EXPECT_EQ(pictures, 1);
 }
 
 TEST_F(PresetsTest, AnAuthorWhoMayOnlyViewTheScanNowChangesNothing) {
@@ -131,7 +134,7 @@ TEST_F(PresetsTest, AnAuthorWhoMayOnlyViewTheScanNowChangesNothing) {
 TEST_F(PresetsTest, NobodyOverwritesAVersionThatTheyHaveNotSeen) {
   EXPECT_EQ(refusal(presets.change(editor, preset_id, 2, {})), ProblemKind::kPrecondition);
   EXPECT_EQ(refusal(presets.remove(editor, preset_id, 2)), ProblemKind::kPrecondition);
-  EXPECT_EQ(woken, 0);
+  EXPECT_EQ(disposals + pictures, 0);
   store.break_function("change", ErrorCode::kNotFound);
   EXPECT_EQ(refusal(presets.change(editor, preset_id, 3, {})), ProblemKind::kNotFound);
 }

@@ -21,7 +21,8 @@ Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& p
   bool ended = placement_.end_all_by(who.user_id).has_value();
   for (const std::string& id : *data_sets) ended = placement_.end_all_of(id).has_value() && ended;
   if (!ended) log::warning("failed to end a deleted account's sessions");
-  wake_();
+  signals_.raise(Signal::kDisposal);
+  signals_.raise(Signal::kMail);
   return {};
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "api/accounts/accounts.h"
 #include "api/shared/placement.h"
+#include "api/shared/signals.h"
 
 namespace diaphane::api {
 
@@ -24,20 +24,22 @@ class AccountDeletionStore {
 class AccountDeletion {
  public:
   AccountDeletion(AccountDeletionStore& store, Accounts& accounts, Placement& placement,
-                  const Clock& clock)
-      : store_(store), accounts_(accounts), placement_(placement), clock_(clock) {}
+                  const Clock& clock, const Signals& signals)
+      : store_(store),
+        accounts_(accounts),
+        placement_(placement),
+        clock_(clock),
+        signals_(signals) {}
 
   /// Requires the password, like Accounts::confirm_password.
   Outcome<void> remove(const Principal& who, const std::string& password);
-  /// Called after files were queued for deletion and an email was queued.
-  void on_removal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:
   AccountDeletionStore& store_;
   Accounts& accounts_;
   Placement& placement_;
   const Clock& clock_;
-  std::function<void()> wake_ = [] {};
+  const Signals& signals_;
 };
 
 }  // namespace diaphane::api

@@ -30,12 +30,13 @@ class FakeAccountDeletionStore final : public AccountDeletionStore, public Fake 
 class AccountDeletionTest : public AccountFixture {
  protected:
   AccountDeletionTest() {
-    deletion.on_removal([this] { ++woken; });
+    signals.subscribe(Signal::kDisposal, [this] { ++disposals; });
+    signals.subscribe(Signal::kMail, [this] { ++mails; });
   }
 
   FakeAccountDeletionStore store;
-  int woken = 0;
-  AccountDeletion deletion{store, accounts, placement, clock};
+  int disposals = 0, mails = 0;
+  AccountDeletion deletion{store, accounts, placement, clock, signals};
 };
 
 TEST_F(AccountDeletionTest, AnAccountIsDeletedOnlyWithItsPassword) {
@@ -43,10 +44,11 @@ TEST_F(AccountDeletionTest, AnAccountIsDeletedOnlyWithItsPassword) {
   EXPECT_EQ(invalid_field(deletion.remove(who, "")), "password");
   EXPECT_THAT(store.removed, IsEmpty());
   EXPECT_THAT(placement.ended, IsEmpty());
-  EXPECT_EQ(woken, 0);
+  EXPECT_EQ(disposals + mails, 0);
   ASSERT_TRUE(deletion.remove(who, password));
   EXPECT_THAT(store.removed, ElementsAre(who.user_id));
-  EXPECT_EQ(woken, 1) << "files and an email are queued";
+  EXPECT_EQ(disposals, 1);
+  EXPECT_EQ(mails, 1);
 }
 
 TEST_F(AccountDeletionTest, APasswordIsNotGuessed) {
@@ -76,7 +78,8 @@ TEST_F(AccountDeletionTest, AnAccountIsDeletedEvenIfItsSessionsCannotBeEnded) {
   placement.break_function("end_all_by");
   ASSERT_TRUE(deletion.remove(who, password));
   EXPECT_THAT(placement.ended, ElementsAre("of a", "of b"));
-  EXPECT_EQ(woken, 1);
+  EXPECT_EQ(disposals, 1);
+  EXPECT_EQ(mails, 1);
 }
 
 TEST_F(AccountDeletionTest, NoSessionEndsIfTheAccountStays) {
@@ -85,7 +88,7 @@ TEST_F(AccountDeletionTest, NoSessionEndsIfTheAccountStays) {
       {store, "remove_account", [&] { return refusal(deletion.remove(who, password)); }},
   });
   EXPECT_THAT(placement.ended, IsEmpty());
-  EXPECT_EQ(woken, 0);
+  EXPECT_EQ(disposals + mails, 0);
 }
 
 }  // namespace

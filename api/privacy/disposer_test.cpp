@@ -23,7 +23,7 @@ class DisposerTest : public DataSetFixture {
   UploadFiles files{disk.path()};
   FakeStills stills;
   FakePresetStore preset_store;
-  Presets presets{data_sets, preset_store, clock};
+  Presets presets{data_sets, preset_store, clock, signals};
   Thumbnails thumbnails{data_sets, stills, disk.path()};
   PresetPictures pictures{
       data_sets, presets, preset_store, stills, clock, disk.path(), [](const std::string& scene) {

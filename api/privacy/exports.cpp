@@ -40,10 +40,12 @@ tl::unexpected<Problem> none() {
 
 }  // namespace
 
-Exports::Exports(ExportStore& store, MakeFile make_file, const Clock& clock, Options options)
+Exports::Exports(ExportStore& store, MakeFile make_file, const Clock& clock, const Signals& signals,
+                 Options options)
     : store_(store),
       make_file_(std::move(make_file)),
       clock_(clock),
+      signals_(signals),
       options_(std::move(options)) {}
 
 Outcome<Export> Exports::request(const Principal& who) {
@@ -56,7 +58,7 @@ Outcome<Export> Exports::request(const Principal& who) {
                   "You already have a recent export. You can request another one in ten minutes.",
                   kPause);
   }
-  wake_();
+  signals_.raise(Signal::kExport);
   return wanted;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/accounts/accounts.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -95,7 +96,8 @@ class Exports {
     std::int64_t reserve_bytes = 0;  ///< space to keep free on the disk of `exports`
     std::int64_t total_bytes = 0;    ///< maximum size of all exports; a single one may be larger
   };
-  Exports(ExportStore& store, MakeFile make_file, const Clock& clock, Options options);
+  Exports(ExportStore& store, MakeFile make_file, const Clock& clock, const Signals& signals,
+          Options options);
 
   /// Returns kTooMany soon after another request.
   Outcome<Export> request(const Principal& who);
@@ -108,7 +110,6 @@ class Exports {
   /// Creates due exports and deletes old ones. An export without enough disk space waits, and its
   /// partial file is removed.
   void poll();
-  void on_request(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:
   Result<void> make(const ExportStore::Job& job);
@@ -121,9 +122,9 @@ class Exports {
   ExportStore& store_;
   MakeFile make_file_;
   const Clock& clock_;
+  const Signals& signals_;
   Options options_;
   Time next_sweep_{};
-  std::function<void()> wake_ = [] {};
 };
 
 }  // namespace diaphane::api

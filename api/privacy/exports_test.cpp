@@ -129,7 +129,7 @@ class ExportsTest : public testing::Test {
  protected:
   ExportsTest() {
     anna.user_id = "anna";
-    exports->on_request([this] { ++woken; });
+    signals.subscribe(Signal::kExport, [this] { ++woken; });
   }
   /// Queues the export with this ID, with a number of earlier waits, and creates it.
   void poll(int waits = 0) {
@@ -147,7 +147,7 @@ class ExportsTest : public testing::Test {
   }
   std::unique_ptr<Exports> with(std::int64_t reserve, std::int64_t total) {
     return std::make_unique<Exports>(
-        store, [this](const std::string& path) { return archives.make(path); }, clock,
+        store, [this](const std::string& path) { return archives.make(path); }, clock, signals,
         Exports::Options{disk.path() + "/volumes", disk.path() + "/pictures",
                          disk.path() + "/exports", reserve, total});
   }
@@ -156,6 +156,7 @@ class ExportsTest : public testing::Test {
   const std::string id = new_id();
   const TemporaryDirectory disk;
   ManualClock clock;
+  Signals signals;
   FakeExportStore store;
   FakeArchives archives;
   int woken = 0;

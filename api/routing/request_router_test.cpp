@@ -81,11 +81,13 @@ class RequestRouterTest : public testing::Test {
   const std::string kCookie = "other=1; __Host-diaphane=" + kToken;
   FakeAccountStore store;
   ManualClock clock;
+  Signals signals;
   PasswordHasher hasher{1};
   FakeSecondFactorStore factors;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
-  CodeCheck codes{factors, store, key, clock, {}};
-  Accounts accounts{store, hasher, codes, key, clock, {.public_url = "https://see.example"}};
+  CodeCheck codes{factors, store, key, clock, signals, {}};
+  Accounts accounts{
+      store, hasher, codes, key, clock, signals, {.public_url = "https://see.example"}};
   RequestRouter router{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
   int served = 0;
   std::string checked;

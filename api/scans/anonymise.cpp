@@ -44,7 +44,7 @@ Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string&
                  {{"data_set", id}});
   }
   (void)thumbnails_.remove(id);
-  wake_();
+  signals_.raise(Signal::kDisposal);
   return get(who, id);
 }
 

@@ -7,6 +7,7 @@
 #include "api/scans/data_sets.h"
 #include "api/scans/thumbnails.h"
 #include "api/shared/placement.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -48,12 +49,14 @@ class Anonymise {
   /// `stored_hash` returns the content hash of a stored volume, or an empty string if there is
   /// none.
   Anonymise(DataSets& data_sets, CutStore& store, Thumbnails& thumbnails, Placement& placement,
-            const Clock& clock, std::function<std::string(const std::string& id)> stored_hash)
+            const Clock& clock, const Signals& signals,
+            std::function<std::string(const std::string& id)> stored_hash)
       : data_sets_(data_sets),
         store_(store),
         thumbnails_(thumbnails),
         placement_(placement),
         clock_(clock),
+        signals_(signals),
         stored_hash_(std::move(stored_hash)) {}
 
   Outcome<View> get(const Principal& who, const std::string& id);
@@ -61,8 +64,6 @@ class Anonymise {
   /// kPrecondition if `volume_hash` does not match the volume.
   Outcome<View> cut(const Principal& who, const std::string& id, const std::string& region,
                     const std::string& volume_hash);
-  /// Called after files were queued for deletion.
-  void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:
   DataSets& data_sets_;
@@ -70,8 +71,8 @@ class Anonymise {
   Thumbnails& thumbnails_;
   Placement& placement_;
   const Clock& clock_;
+  const Signals& signals_;
   const std::function<std::string(const std::string& id)> stored_hash_;
-  std::function<void()> wake_ = [] {};
 };
 
 }  // namespace diaphane::api

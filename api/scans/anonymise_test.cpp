@@ -31,7 +31,7 @@ class FakeCutStore final : public CutStore, public Fake {
 class AnonymiseTest : public DataSetFixture {
  protected:
   AnonymiseTest() {
-    anonymise.on_disposal([this] { ++woken; });
+    signals.subscribe(Signal::kDisposal, [this] { ++woken; });
   }
   Refusal cut(const std::string& hash = "hash") {
     return refusal(anonymise.cut(owner, id, "region", hash));
@@ -43,13 +43,10 @@ class AnonymiseTest : public DataSetFixture {
   Thumbnails thumbnails{data_sets, stills, cache.path()};
   std::string stored_hash = "hash";
   int woken = 0;
-  Anonymise anonymise{data_sets,
-                      store,
-                      thumbnails,
-                      placement,
-                      clock,
-                      [this](const std::string& of) {
-        return of == id ? stored_hash : "of another scan"; }};
+  Anonymise anonymise{
+      data_sets, store, thumbnails, placement, clock, signals, [this](const std::string& of) {
+        return of == id ? stored_hash : "of another scan";
+      }};
 };
 
 TEST_F(AnonymiseTest, OnlyTheOwnerAnonymises) {

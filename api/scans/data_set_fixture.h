@@ -76,11 +76,12 @@ class DataSetFixture : public testing::Test {
   const Principal administrator = as(Role::kAdministrator);
   const std::string id = new_id();
   ManualClock clock;
+  Signals signals;
   FakeDataSetStore data_set_store;
   FakePlacement placement;
   FakeAccountStore accounts;
   std::int64_t free_bytes = std::int64_t{1} << 40;
-  DataSets data_sets{data_set_store, placement, clock, {}, [this] { return free_bytes; }};
+  DataSets data_sets{data_set_store, placement, clock, signals, {}, [this] { return free_bytes; }};
 };
 
 }  // namespace diaphane::api

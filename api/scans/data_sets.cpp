@@ -57,11 +57,13 @@ DataSetState data_set_state_of(std::string_view text) {
   return DataSetState::kExpired;
 }
 
-DataSets::DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
+DataSets::DataSets(DataSetStore& store, Placement& placement, const Clock& clock,
+                   const Signals& signals, Options options,
                    std::function<std::int64_t()> free_bytes)
     : store_(store),
       placement_(placement),
       clock_(clock),
+      signals_(signals),
       options_(options),
       free_bytes_(std::move(free_bytes)) {}
 
@@ -167,7 +169,7 @@ Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
   const auto done = store_.remove({who.user_id}, id, clock_.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return not_found();
   if (!done) return refuse(done.error());
-  wake_();
+  signals_.raise(Signal::kDisposal);
   // The rows are deleted, so nobody can open the data set any more. Its sessions are ended if
   // possible.
   if (const auto ended = placement_.end_all_of(id); !ended) {

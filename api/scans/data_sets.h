@@ -9,6 +9,7 @@
 #include "api/scans/data_set_store.h"
 #include "api/shared/placement.h"
 #include "api/shared/problem.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -35,8 +36,8 @@ class DataSets {
   };
 
   /// `free_bytes` returns the free space of the upload directory.
-  DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
-           std::function<std::int64_t()> free_bytes);
+  DataSets(DataSetStore& store, Placement& placement, const Clock& clock, const Signals& signals,
+           Options options, std::function<std::int64_t()> free_bytes);
 
   /// Returns kOverQuota, kTooMany, kTooManyDataSets, kUploadTooLarge, kIdempotencyKeyReused or
   /// kStorageFull.
@@ -52,16 +53,14 @@ class DataSets {
   Outcome<void> remove(const Principal& who, const std::string& id);
 
   const Options& options() const { return options_; }
-  /// Called after files were queued for deletion.
-  void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:
   DataSetStore& store_;
   Placement& placement_;
   const Clock& clock_;
+  const Signals& signals_;
   Options options_;
   std::function<std::int64_t()> free_bytes_;
-  std::function<void()> wake_ = [] {};
 };
 
 }  // namespace diaphane::api

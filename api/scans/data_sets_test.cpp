@@ -185,7 +185,7 @@ TEST_F(DataSetsTest, OnlyTheOwnerDeletesAScan) {
 
 TEST_F(DataSetsTest, DeletingAScanEndsItsSessionsAndDeletesItsFilesAtOnce) {
   int woken = 0;
-  data_sets.on_disposal([&] { ++woken; });
+  signals.subscribe(Signal::kDisposal, [&] { ++woken; });
   ASSERT_TRUE(data_sets.remove(owner, id));
   EXPECT_EQ(placement.ended, std::vector{"of " + id});
   EXPECT_EQ(woken, 1);
@@ -199,7 +199,7 @@ TEST_F(DataSetsTest, AScanCanBeDeletedWithoutTheSessionDirectory) {
 
 TEST_F(DataSetsTest, NothingIsEndedIfAnotherRequestDeletedTheScanFirst) {
   int woken = 0;
-  data_sets.on_disposal([&] { ++woken; });
+  signals.subscribe(Signal::kDisposal, [&] { ++woken; });
   data_set_store.break_function("remove", ErrorCode::kNotFound);
   EXPECT_EQ(refusal(data_sets.remove(owner, id)), ProblemKind::kNotFound);
   EXPECT_TRUE(placement.ended.empty());

@@ -33,10 +33,12 @@ bool is_gone(const Problem& problem) {
 }  // namespace
 
 Uploads::Uploads(DataSetStore& store, UploadFiles& files, const Clock& clock,
-                 std::chrono::seconds upload_life, std::int64_t reserve_bytes)
+                 const Signals& signals, std::chrono::seconds upload_life,
+                 std::int64_t reserve_bytes)
     : store_(store),
       files_(files),
       clock_(clock),
+      signals_(signals),
       upload_life_(upload_life),
       reserve_bytes_(reserve_bytes) {}
 
@@ -130,7 +132,7 @@ Outcome<void> Uploads::terminate(const Principal& who, const std::string& id) {
                   "This upload is already complete. Delete the data set instead.");
   }
   if (!done) return refuse(done.error());
-  wake_();
+  signals_.raise(Signal::kDisposal);
   return {};
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <string_view>
 
@@ -9,6 +8,7 @@
 #include "api/scans/tus.h"
 #include "api/scans/upload_files.h"
 #include "api/shared/problem.h"
+#include "api/shared/signals.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -17,7 +17,7 @@ namespace diaphane::api {
 class Uploads {
  public:
   /// Uploads leave `reserve_bytes` of the disk free, because the database uses the same disk.
-  Uploads(DataSetStore& store, UploadFiles& files, const Clock& clock,
+  Uploads(DataSetStore& store, UploadFiles& files, const Clock& clock, const Signals& signals,
           std::chrono::seconds upload_life, std::int64_t reserve_bytes);
 
   /// Returns kNotFound, also for another user's upload, or kUploadExpired.
@@ -34,18 +34,15 @@ class Uploads {
   /// Also deletes its data set. Returns kUploadComplete if all data has arrived.
   Outcome<void> terminate(const Principal& who, const std::string& id);
 
-  /// Called after a file was queued for deletion.
-  void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
-
  private:
   Outcome<tus::Part> plan(const Upload& upload, const tus::PartRequest& request) const;
 
   DataSetStore& store_;
   UploadFiles& files_;
   const Clock& clock_;
+  const Signals& signals_;
   std::chrono::seconds upload_life_;
   std::int64_t reserve_bytes_;
-  std::function<void()> wake_ = [] {};
 };
 
 }  // namespace diaphane::api

@@ -14,7 +14,7 @@ class UploadsTest : public DataSetFixture {
   UploadsTest() {
     upload() = {id, 10, 4, clock.wall() + 24h, DataSetState::kUploading};
     directory.write(file, "abcd");
-    uploads.on_disposal([this] { ++woken; });
+    signals.subscribe(Signal::kDisposal, [this] { ++woken; });
   }
   Upload& upload() { return data_set_store.uploads[id]; }
   Refusal append(const std::string& offset, const std::string& bytes,
@@ -29,7 +29,7 @@ class UploadsTest : public DataSetFixture {
   const std::string file = id + ".tar";
   UploadFiles files{directory.path()};
   int woken = 0;
-  Uploads uploads{data_set_store, files, clock, 24h, 0};
+  Uploads uploads{data_set_store, files, clock, signals, 24h, 0};
 };
 
 TEST_F(UploadsTest, PartsAreWrittenWhereTheyBelong) {
@@ -120,7 +120,7 @@ TEST_F(UploadsTest, ACorruptedPartIsDiscarded) {
 }
 
 TEST_F(UploadsTest, TheReserveOfTheDiskIsNeverUploaded) {
-  Uploads reserved(data_set_store, files, clock, 24h, std::int64_t{1} << 60);
+  Uploads reserved(data_set_store, files, clock, signals, 24h, std::int64_t{1} << 60);
   const auto refused = reserved.check_part(owner, id, "4", "", 1);
   ASSERT_EQ(refusal(refused), ProblemKind::kStorageFull);
   EXPECT_EQ(refused.error().retry_after, 1min);

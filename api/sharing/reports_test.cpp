@@ -73,7 +73,7 @@ class ReportsTest : public DataSetFixture {
   const std::string preset_id = new_id();
   FakeReportStore store;
   FakePresetStore preset_store;
-  Presets presets{data_sets, preset_store, clock};
+  Presets presets{data_sets, preset_store, clock, signals};
   std::vector<std::string> ended;  ///< data sets whose lost sessions were ended
   Reports reports{data_sets, presets,
                   store,     accounts,

@@ -69,7 +69,7 @@ Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
       id, {new_id(), key, may_save, now}, options_.people,
       mails::invitation(email, *name, who.email, options_.public_url + "/scans"));
   if (!added) return refuse(added.error());
-  if (*added) wake_mailer_();
+  if (*added) parts_.signals.raise(Signal::kMail);
   return {};
 }
 

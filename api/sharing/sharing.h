@@ -9,6 +9,7 @@
 #include "api/accounts/account_store.h"
 #include "api/scans/data_sets.h"
 #include "api/shared/placement.h"
+#include "api/shared/signals.h"
 #include "api/sharing/sharing_store.h"
 #include "common/clock.h"
 
@@ -21,6 +22,7 @@ struct SharingParts {
   AccountStore& accounts;
   Placement& placement;
   const Clock& clock;
+  const Signals& signals;
 };
 
 /// Shares a data set with people, with links or with everyone. Withdrawing access ends the affected
@@ -72,8 +74,6 @@ class Sharing {
   /// Ends the sessions of everyone who lost access to the data set. Failures are logged; no new
   /// tickets are issued in any case.
   void end_lost_sessions(const std::string& id);
-  /// Called after an email was queued.
-  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
   /// Ends the sessions of users who see the data set only because it is public.
@@ -84,7 +84,6 @@ class Sharing {
 
   SharingParts parts_;
   Options options_;
-  std::function<void()> wake_mailer_ = [] {};
 };
 
 /// Viewing without an account: a sample, or with a link. Limited in number and time. Thread-safe.

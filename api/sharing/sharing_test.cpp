@@ -19,7 +19,7 @@ using testing::UnorderedElementsAre;
 class SharingTest : public DataSetFixture {
  protected:
   SharingTest() {
-    sharing.on_mail([this] { ++woken; });
+    signals.subscribe(Signal::kMail, [this] { ++woken; });
   }
   Refusal share(const std::string& email) {
     return refusal(sharing.share_with(owner, id, email, false));
@@ -30,7 +30,7 @@ class SharingTest : public DataSetFixture {
   }
 
   FakeSharingStore store;
-  const SharingParts parts{data_sets, store, accounts, placement, clock};
+  const SharingParts parts{data_sets, store, accounts, placement, clock, signals};
   int woken = 0;
   Sharing sharing{parts, {.public_url = "https://see.example"}};
 };
@@ -337,7 +337,7 @@ class VisitsTest : public DataSetFixture {
 
   FakeSharingStore store;
   std::string link;
-  Visits visits{{data_sets, store, accounts, placement, clock},
+  Visits visits{{data_sets, store, accounts, placement, clock, signals},
                 {},
                 [](const std::string& data_set_id) { return "scene of " + data_set_id; }};
 };
