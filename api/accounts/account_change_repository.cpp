@@ -19,7 +19,7 @@ std::optional<std::string> use_up(pqxx::work& transaction, const std::string& to
       RETURNING user_id)sql",
                                                     token_hash, std::string(purpose), to_us(now));
   if (used.empty()) return std::nullopt;
-  return used[0][0].as<std::string>();
+  return used[0]["user_id"].as<std::string>();
 }
 
 void set_password(pqxx::work& transaction, const std::string& user_id,
@@ -62,14 +62,14 @@ Result<std::optional<TokenBearer>> AccountChangeRepository::find_token(
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<TokenBearer>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
-        SELECT u.id, u.email, COALESCE(t.new_email, '')
+        SELECT u.id, u.email, COALESCE(t.new_email, '') AS new_email
           FROM email_tokens t JOIN users u ON u.id = t.user_id
          WHERE t.token_hash = $1 AND t.purpose = $2 AND u.disabled_at IS NULL
            AND t.expires_at > to_timestamp($3::bigint / 1e6))sql",
         token_hash, purpose, to_us(now));
     if (found.empty()) return std::nullopt;
-    return TokenBearer{found[0][0].as<std::string>(), found[0][1].as<std::string>(),
-                       found[0][2].as<std::string>()};
+    return TokenBearer{found[0]["id"].as<std::string>(), found[0]["email"].as<std::string>(),
+                       found[0]["new_email"].as<std::string>()};
   });
 }
 
@@ -142,7 +142,7 @@ Result<bool> AccountChangeRepository::confirm_email(const std::string& token_has
         UPDATE users SET email = $2, email_key = $3
          WHERE id = $1::uuid AND NOT EXISTS (SELECT FROM users WHERE email_key = $3)
         RETURNING id)sql",
-        *user, token[0][0].as<std::string>(), new_email_key);
+        *user, token[0]["new_email"].as<std::string>(), new_email_key);
     if (changed.empty()) return false;
     queue_mail(transaction, to_old, now);
     note_in_audit_log(transaction, of_account(*user, "account.email-changed"), now);
@@ -155,14 +155,15 @@ Result<std::vector<BrowserSession>> AccountChangeRepository::browser_sessions(
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<BrowserSession>> {
     std::vector<BrowserSession> sessions;
     for (const pqxx::row& row : transaction.exec_params(R"sql(
-             SELECT id, browser, (extract(epoch FROM created_at) * 1000000)::bigint,
-                    (extract(epoch FROM used_at) * 1000000)::bigint
+             SELECT id, browser, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
+                    (extract(epoch FROM used_at) * 1000000)::bigint AS used_us
                FROM web_sessions
               WHERE user_id = $1::uuid AND expires_at > to_timestamp($2::bigint / 1e6)
               ORDER BY used_at DESC, created_at DESC LIMIT 100)sql",
                                                         user_id, to_us(now))) {
-      sessions.push_back({row[0].as<std::string>(), row[1].as<std::string>(),
-                          from_us(row[2].as<std::int64_t>()), from_us(row[3].as<std::int64_t>())});
+      sessions.push_back({row["id"].as<std::string>(), row["browser"].as<std::string>(),
+                          from_us(row["created_us"].as<std::int64_t>()),
+                          from_us(row["used_us"].as<std::int64_t>())});
     }
     return sessions;
   });
@@ -194,7 +195,7 @@ Result<std::vector<ExpiredBrowser>> AccountChangeRepository::expired_browsers(Ti
              SELECT id, user_id FROM web_sessions
               WHERE expires_at <= to_timestamp($1::bigint / 1e6) ORDER BY expires_at LIMIT $2)sql",
                                                         to_us(now), limit)) {
-      expired.push_back({row[0].as<std::string>(), row[1].as<std::string>()});
+      expired.push_back({row["id"].as<std::string>(), row["user_id"].as<std::string>()});
     }
     return expired;
   });

@@ -9,14 +9,15 @@ constexpr const char* kUsedBytes = R"sql(
   SELECT COALESCE(sum(CASE
            WHEN d.state = 'ready' THEN d.volume_bytes
            WHEN d.state IN ('uploading', 'queued', 'building') THEN COALESCE(u.length, d.volume_bytes)
-         END), 0)::bigint
+         END), 0)::bigint AS used_bytes
     FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
    WHERE d.owner_id = $1)sql";
 
 std::optional<Account> read_account(const pqxx::result& found) {
   if (found.empty()) return std::nullopt;
-  return Account{found[0][0].as<std::string>(), found[0][1].as<std::string>(),
-                 found[0][2].as<std::string>(), found[0][3].as<bool>(), found[0][4].as<bool>()};
+  return Account{found[0]["id"].as<std::string>(), found[0]["email"].as<std::string>(),
+                 found[0]["password_hash"].as<std::string>(), found[0]["verified"].as<bool>(),
+                 found[0]["disabled"].as<bool>()};
 }
 
 }  // namespace
@@ -37,13 +38,10 @@ void queue_mail(pqxx::work& transaction, const Mail& mail, Time now) {
 }
 
 Quota lock_quota(pqxx::work& transaction, const std::string& user_id) {
-  Quota quota;
-  quota.bytes =
-      transaction.exec_params1("SELECT quota_bytes FROM users WHERE id = $1 FOR UPDATE", user_id)
-          .front()
-          .as<std::int64_t>();
-  quota.used = transaction.exec_params1(kUsedBytes, user_id).front().as<std::int64_t>();
-  return quota;
+  const pqxx::row user =
+      transaction.exec_params1("SELECT quota_bytes FROM users WHERE id = $1 FOR UPDATE", user_id);
+  return {user["quota_bytes"].as<std::int64_t>(),
+          transaction.exec_params1(kUsedBytes, user_id)["used_bytes"].as<std::int64_t>()};
 }
 
 Result<void> AccountRepository::sign_up(const SignUp& sign_up, Time now) {
@@ -82,7 +80,7 @@ Result<std::optional<std::string>> AccountRepository::find_sign_up(const std::st
            AND t.expires_at > to_timestamp($2::bigint / 1e6))sql",
         token_hash, to_us(now));
     if (found.empty()) return std::nullopt;
-    return found[0][0].as<std::string>();
+    return found[0]["email"].as<std::string>();
   });
 }
 
@@ -100,7 +98,7 @@ Result<bool> AccountRepository::verify(const std::string& token_hash,
         token_hash, password_hash, to_us(now));
     if (verified.empty()) return false;
     transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1",
-                             verified[0][0].as<std::string>());
+                             verified[0]["id"].as<std::string>());
     return true;
   });
 }
@@ -108,7 +106,8 @@ Result<bool> AccountRepository::verify(const std::string& token_hash,
 Result<std::optional<Account>> AccountRepository::find_by_email(const std::string& email_key) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
     return read_account(transaction.exec_params(R"sql(
-        SELECT id, email, password_hash, verified_at IS NOT NULL, disabled_at IS NOT NULL
+        SELECT id, email, password_hash, verified_at IS NOT NULL AS verified,
+               disabled_at IS NOT NULL AS disabled
           FROM users WHERE email_key = $1)sql",
                                                 email_key));
   });
@@ -117,7 +116,8 @@ Result<std::optional<Account>> AccountRepository::find_by_email(const std::strin
 Result<std::optional<Account>> AccountRepository::find_by_id(const std::string& user_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
     return read_account(transaction.exec_params(R"sql(
-        SELECT id, email, password_hash, verified_at IS NOT NULL, disabled_at IS NOT NULL
+        SELECT id, email, password_hash, verified_at IS NOT NULL AS verified,
+               disabled_at IS NOT NULL AS disabled
           FROM users WHERE id = $1::uuid)sql",
                                                 user_id));
   });
@@ -141,24 +141,26 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<SignedIn>> {
     const pqxx::result found = transaction.exec_params(R"sql(
         SELECT s.user_id, s.csrf_token, u.email,
-               (extract(epoch FROM s.created_at) * 1000000)::bigint,
-               (extract(epoch FROM s.expires_at) * 1000000)::bigint, s.id, s.browser,
-               u.is_administrator, (extract(epoch FROM s.used_at) * 1000000)::bigint,
+               (extract(epoch FROM s.created_at) * 1000000)::bigint AS created_us,
+               (extract(epoch FROM s.expires_at) * 1000000)::bigint AS expires_us, s.id, s.browser,
+               u.is_administrator, (extract(epoch FROM s.used_at) * 1000000)::bigint AS used_us,
                EXISTS (SELECT FROM second_factors f
-                        WHERE f.user_id = u.id AND f.confirmed_at IS NOT NULL)
+                        WHERE f.user_id = u.id AND f.confirmed_at IS NOT NULL) AS second_factor
           FROM web_sessions s JOIN users u ON u.id = s.user_id
          WHERE s.token_hash = $1 AND s.expires_at > to_timestamp($2::bigint / 1e6)
            AND u.verified_at IS NOT NULL AND u.disabled_at IS NULL)sql",
                                                        token_hash, to_us(now));
     if (found.empty()) return std::nullopt;
     const pqxx::row row = found[0];
-    return SignedIn{{token_hash, row[0].as<std::string>(), row[1].as<std::string>(),
-                     from_us(row[3].as<std::int64_t>()), from_us(row[4].as<std::int64_t>()),
-                     row[5].as<std::string>(), row[6].as<std::string>()},
-                    row[2].as<std::string>(),
-                    row[7].as<bool>(),
-                    from_us(row[8].as<std::int64_t>()),
-                    row[9].as<bool>()};
+    return SignedIn{
+        {token_hash, row["user_id"].as<std::string>(), row["csrf_token"].as<std::string>(),
+         from_us(row["created_us"].as<std::int64_t>()),
+         from_us(row["expires_us"].as<std::int64_t>()), row["id"].as<std::string>(),
+         row["browser"].as<std::string>()},
+        row["email"].as<std::string>(),
+        row["is_administrator"].as<bool>(),
+        from_us(row["used_us"].as<std::int64_t>()),
+        row["second_factor"].as<bool>()};
   });
 }
 
@@ -195,8 +197,8 @@ Result<Quota> AccountRepository::quota_of(const std::string& user_id) {
     const auto limit =
         transaction.exec_params("SELECT quota_bytes FROM users WHERE id = $1", user_id);
     if (limit.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
-    return Quota{limit[0][0].as<std::int64_t>(),
-                 transaction.exec_params1(kUsedBytes, user_id).front().as<std::int64_t>()};
+    return Quota{limit[0]["quota_bytes"].as<std::int64_t>(),
+                 transaction.exec_params1(kUsedBytes, user_id)["used_bytes"].as<std::int64_t>()};
   });
 }
 
@@ -215,13 +217,13 @@ Result<std::optional<std::chrono::seconds>> AccountRepository::note_attempt(
       // The attempt that must expire first is the count-th newest.
       const pqxx::result blocking = transaction.exec_params(
           R"sql(
-          SELECT (extract(epoch FROM happened_at) * 1000000)::bigint
+          SELECT (extract(epoch FROM happened_at) * 1000000)::bigint AS happened_us
             FROM attempts
            WHERE key_hash = $1 AND happened_at > to_timestamp($2::bigint / 1e6)
            ORDER BY happened_at DESC OFFSET $3::int - 1 LIMIT 1)sql",
           limit.key_hash, to_us(now - limit.window), limit.count);
       if (blocking.empty()) continue;
-      const Time free_at = from_us(blocking[0][0].as<std::int64_t>()) + limit.window;
+      const Time free_at = from_us(blocking[0]["happened_us"].as<std::int64_t>()) + limit.window;
       wait = std::max(wait.value_or(std::chrono::seconds(1)),
                       std::chrono::ceil<std::chrono::seconds>(free_at - now));
     }
@@ -293,9 +295,10 @@ Result<std::optional<MailStore::Queued>> MailRepository::claim_mail(Time now,
         to_us(now), to_us(now + lease));
     if (claimed.empty()) return std::nullopt;
     const pqxx::row row = claimed[0];
-    return Queued{row[0].as<std::int64_t>(),
-                  row[1].as<int>(),
-                  {row[2].as<std::string>(), row[3].as<std::string>(), row[4].as<std::string>()}};
+    return Queued{row["id"].as<std::int64_t>(),
+                  row["attempts"].as<int>(),
+                  {row["recipient"].as<std::string>(), row["subject"].as<std::string>(),
+                   row["body"].as<std::string>()}};
   });
 }
 

@@ -31,16 +31,18 @@ Result<std::optional<SecondFactor>> SecondFactorRepository::find(const std::stri
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<SecondFactor>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
-        SELECT sealed_secret, (extract(epoch FROM begun_at) * 1000000)::bigint,
-               (extract(epoch FROM confirmed_at) * 1000000)::bigint, last_step,
-               (SELECT count(*)::int FROM recovery_codes r WHERE r.user_id = f.user_id)
+        SELECT sealed_secret, (extract(epoch FROM begun_at) * 1000000)::bigint AS begun_us,
+               (extract(epoch FROM confirmed_at) * 1000000)::bigint AS confirmed_us, last_step,
+               (SELECT count(*)::int FROM recovery_codes r WHERE r.user_id = f.user_id) AS recovery_codes
           FROM second_factors f WHERE user_id = $1::uuid)sql",
         user_id);
     if (found.empty()) return std::nullopt;
     const pqxx::row row = found[0];
-    SecondFactor factor{row[0].as<std::string>(), from_us(row[1].as<std::int64_t>()), std::nullopt,
-                        row[3].as<std::int64_t>(), row[4].as<int>()};
-    if (!row[2].is_null()) factor.confirmed_at = from_us(row[2].as<std::int64_t>());
+    SecondFactor factor{row["sealed_secret"].as<std::string>(),
+                        from_us(row["begun_us"].as<std::int64_t>()), std::nullopt,
+                        row["last_step"].as<std::int64_t>(), row["recovery_codes"].as<int>()};
+    if (!row["confirmed_us"].is_null())
+      factor.confirmed_at = from_us(row["confirmed_us"].as<std::int64_t>());
     return factor;
   });
 }
@@ -142,7 +144,7 @@ Result<bool> SecondFactorRepository::take_off(const std::string& email_key, cons
          WHERE u.email_key = $1 AND f.confirmed_at IS NOT NULL)sql",
         email_key);
     if (found.empty()) return false;
-    const auto user_id = found[0][0].as<std::string>();
+    const auto user_id = found[0]["id"].as<std::string>();
     take_away(transaction, user_id);
     queue_mail(transaction, told, now);
     note_in_audit_log(

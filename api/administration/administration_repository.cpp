@@ -8,34 +8,34 @@ namespace {
 
 // $1 is the current time. Bytes are counted as in `lock_quota`.
 constexpr const char* kSelectUser = R"sql(
-  SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint,
-         (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id),
-         u.verified_at IS NOT NULL, u.disabled_at IS NOT NULL, u.is_administrator, u.quota_bytes,
+  SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint AS created_us,
+         (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id) AS used_us,
+         u.verified_at IS NOT NULL AS verified, u.disabled_at IS NOT NULL AS disabled, u.is_administrator, u.quota_bytes,
          COALESCE((SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
                                    WHEN d.state IN ('uploading', 'queued', 'building')
                                    THEN COALESCE(up.length, d.volume_bytes) END)
                      FROM data_sets d LEFT JOIN uploads up ON up.data_set_id = d.id
-                    WHERE d.owner_id = u.id), 0)::bigint,
+                    WHERE d.owner_id = u.id), 0)::bigint AS used_bytes,
          u.render_quota_ms,
          COALESCE((SELECT r.device_ms FROM render_time r
                     WHERE r.user_id = u.id
-                      AND r.month = date_trunc('month', to_timestamp($1::bigint / 1e6) AT TIME ZONE 'UTC')::date), 0),
-         (SELECT count(*) FROM data_sets d WHERE d.owner_id = u.id)::int
+                      AND r.month = date_trunc('month', to_timestamp($1::bigint / 1e6) AT TIME ZONE 'UTC')::date), 0) AS render_used_ms,
+         (SELECT count(*) FROM data_sets d WHERE d.owner_id = u.id)::int AS data_sets
     FROM users u)sql";
 
 UserRecord read_user(const pqxx::row& row) {
   UserRecord user;
-  user.id = row[0].as<std::string>();
-  user.email = row[1].as<std::string>();
-  user.created_at = from_us(row[2].as<std::int64_t>());
-  if (!row[3].is_null()) user.used_at = from_us(row[3].as<std::int64_t>());
-  user.verified = row[4].as<bool>();
-  user.disabled = row[5].as<bool>();
-  user.administrator = row[6].as<bool>();
-  user.storage = {row[7].as<std::int64_t>(), row[8].as<std::int64_t>()};
-  user.render_quota_ms = row[9].as<std::int64_t>();
-  user.render_used_ms = row[10].as<std::int64_t>();
-  user.data_sets = row[11].as<int>();
+  user.id = row["id"].as<std::string>();
+  user.email = row["email"].as<std::string>();
+  user.created_at = from_us(row["created_us"].as<std::int64_t>());
+  if (!row["used_us"].is_null()) user.used_at = from_us(row["used_us"].as<std::int64_t>());
+  user.verified = row["verified"].as<bool>();
+  user.disabled = row["disabled"].as<bool>();
+  user.administrator = row["is_administrator"].as<bool>();
+  user.storage = {row["quota_bytes"].as<std::int64_t>(), row["used_bytes"].as<std::int64_t>()};
+  user.render_quota_ms = row["render_quota_ms"].as<std::int64_t>();
+  user.render_used_ms = row["render_used_ms"].as<std::int64_t>();
+  user.data_sets = row["data_sets"].as<int>();
   return user;
 }
 
@@ -77,7 +77,7 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
                                               Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result before = transaction.exec_params(R"sql(
-        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL FROM users
+        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL AS disabled FROM users
          WHERE id = $1::uuid FOR UPDATE)sql",
                                                         id);
     if (before.empty()) return false;
@@ -87,8 +87,8 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
                          id, std::move(details)},
                         now);
     };
-    const auto old_bytes = before[0][0].as<std::int64_t>();
-    const auto old_ms = before[0][1].as<std::int64_t>();
+    const auto old_bytes = before[0]["quota_bytes"].as<std::int64_t>();
+    const auto old_ms = before[0]["render_quota_ms"].as<std::int64_t>();
     if (change.quota_bytes && *change.quota_bytes != old_bytes) {
       transaction.exec_params0("UPDATE users SET quota_bytes = $2 WHERE id = $1::uuid", id,
                                *change.quota_bytes);
@@ -102,7 +102,7 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
                                id);
       note("account.render-quota-changed", {{"from", old_ms}, {"to", *change.render_quota_ms}});
     }
-    if (change.disabled && *change.disabled != before[0][2].as<bool>()) {
+    if (change.disabled && *change.disabled != before[0]["disabled"].as<bool>()) {
       transaction.exec_params0(R"sql(
           UPDATE users SET disabled_at = CASE WHEN $2 THEN to_timestamp($3::bigint / 1e6) END
            WHERE id = $1::uuid)sql",
@@ -131,7 +131,7 @@ Result<bool> AdministrationRepository::set_administrator(const std::string& emai
                        "",
                        given ? "administrator.granted" : "administrator.revoked",
                        "account",
-                       changed[0][0].as<std::string>(),
+                       changed[0]["id"].as<std::string>(),
                        {}},
                       now);
     return true;
@@ -142,10 +142,10 @@ Result<std::vector<Administrator>> AdministrationRepository::administrators() {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Administrator>> {
     std::vector<Administrator> all;
     for (const pqxx::row& row : transaction.exec(R"sql(
-             SELECT u.email, f.confirmed_at IS NOT NULL
+             SELECT u.email, f.confirmed_at IS NOT NULL AS second_factor
                FROM users u LEFT JOIN second_factors f ON f.user_id = u.id
               WHERE u.is_administrator ORDER BY u.email)sql")) {
-      all.push_back({row[0].as<std::string>(), row[1].as<bool>()});
+      all.push_back({row["email"].as<std::string>(), row["second_factor"].as<bool>()});
     }
     return all;
   });
@@ -166,8 +166,9 @@ Result<std::vector<AuditRecord>> AdministrationRepository::audit(const AuditFilt
     std::vector<AuditRecord> records;
     for (const pqxx::row& row : transaction.exec_params(
              R"sql(
-             SELECT a.id, (extract(epoch FROM a.happened_at) * 1000000)::bigint, a.actor, a.actor_id,
-                    a.action, a.subject, a.subject_id, a.details::text, by.email, of.email
+             SELECT a.id, (extract(epoch FROM a.happened_at) * 1000000)::bigint AS happened_us, a.actor, a.actor_id,
+                    a.action, a.subject, a.subject_id, a.details::text AS details, by.email AS actor_email,
+                    of.email AS subject_email
                FROM audit_log a
                LEFT JOIN users by ON by.id = a.actor_id
                LEFT JOIN users of ON of.id = a.subject_id
@@ -180,10 +181,12 @@ Result<std::vector<AuditRecord>> AdministrationRepository::audit(const AuditFilt
              filter.account_id.empty() ? nullptr : filter.account_id.c_str(), filter.action,
              us(filter.from, 0), us(filter.until, std::int64_t{32503680000} * 1'000'000),
              filter.before_id.value_or(INT64_MAX), filter.limit)) {
-      records.push_back({row[0].as<std::int64_t>(), from_us(row[1].as<std::int64_t>()),
-                         row[2].as<std::string>(), text_or_empty(row[3]), row[4].as<std::string>(),
-                         row[5].as<std::string>(), text_or_empty(row[6]), row[7].as<std::string>(),
-                         text_or_empty(row[8]), text_or_empty(row[9])});
+      records.push_back({row["id"].as<std::int64_t>(),
+                         from_us(row["happened_us"].as<std::int64_t>()),
+                         row["actor"].as<std::string>(), text_or_empty(row["actor_id"]),
+                         row["action"].as<std::string>(), row["subject"].as<std::string>(),
+                         text_or_empty(row["subject_id"]), row["details"].as<std::string>(),
+                         text_or_empty(row["actor_email"]), text_or_empty(row["subject_email"])});
     }
     return records;
   });
@@ -195,7 +198,7 @@ Result<std::vector<std::string>> AdministrationRepository::ready_data_sets(
     std::vector<std::string> found;
     for (const pqxx::row& row : transaction.exec_params(
              "SELECT id FROM data_sets WHERE owner_id = $1::uuid AND state = 'ready'", user_id)) {
-      found.push_back(row[0].as<std::string>());
+      found.push_back(row["id"].as<std::string>());
     }
     return found;
   });
@@ -204,9 +207,10 @@ Result<std::vector<std::string>> AdministrationRepository::ready_data_sets(
 Result<IngestQueue> AdministrationRepository::ingest_queue() {
   return database_.read([&](pqxx::work& transaction) -> Result<IngestQueue> {
     const pqxx::row row = transaction.exec1(R"sql(
-        SELECT count(*) FILTER (WHERE state = 'queued')::int, count(*) FILTER (WHERE state = 'building')::int
+        SELECT count(*) FILTER (WHERE state = 'queued')::int AS queued,
+               count(*) FILTER (WHERE state = 'building')::int AS building
           FROM data_sets WHERE state IN ('queued', 'building'))sql");
-    return IngestQueue{row[0].as<int>(), row[1].as<int>()};
+    return IngestQueue{row["queued"].as<int>(), row["building"].as<int>()};
   });
 }
 

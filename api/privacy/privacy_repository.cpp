@@ -17,15 +17,15 @@ std::vector<Belonging> belongings(pqxx::work& transaction, const char* to, bool 
   std::vector<Belonging> found;
   for (const pqxx::row& row : transaction.exec_params(
            R"sql(
-           SELECT c.conrelid::regclass::text, a.attname
+           SELECT c.conrelid::regclass::text AS table_name, a.attname AS column_name
              FROM pg_constraint c JOIN pg_attribute a ON a.attrelid = c.conrelid AND a.attnum = c.conkey[1]
             WHERE c.contype = 'f' AND c.confrelid = $1::regclass
               AND NOT ($2 AND EXISTS (SELECT FROM pg_constraint other
                                        WHERE other.conrelid = c.conrelid AND other.contype = 'f'
                                          AND other.confrelid = 'users'::regclass))
-            ORDER BY 1, 2)sql",
+            ORDER BY table_name, column_name)sql",
            std::string(to), without_users)) {
-    found.push_back({row[0].as<std::string>(), row[1].as<std::string>()});
+    found.push_back({row["table_name"].as<std::string>(), row["column_name"].as<std::string>()});
   }
   return found;
 }
@@ -35,10 +35,10 @@ ExportSection rows(pqxx::work& transaction, const Belonging& of, const std::stri
                    const std::string& user_id) {
   const std::string query =
       "SELECT COALESCE(json_agg((SELECT json_object_agg(key, value) FROM jsonb_each(to_jsonb(t)) "
-      "WHERE key !~ '(_hash|token|secret)$')), '[]')::text FROM " +
+      "WHERE key !~ '(_hash|token|secret)$')), '[]')::text AS rows FROM " +
       of.table + " t WHERE " + where;
   return {"records/" + of.table + "." + of.column + ".json",
-          transaction.exec_params1(query, user_id)[0].as<std::string>()};
+          transaction.exec_params1(query, user_id)["rows"].as<std::string>()};
 }
 
 }  // namespace
@@ -71,20 +71,20 @@ Result<std::optional<Export>> PrivacyRepository::find(const std::string& user_id
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Export>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
-        SELECT id, state, COALESCE(bytes, 0), (extract(epoch FROM created_at) * 1000000)::bigint,
-               (extract(epoch FROM expires_at) * 1000000)::bigint, waiting
+        SELECT id, state, COALESCE(bytes, 0) AS bytes, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
+               (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, waiting
           FROM exports WHERE user_id = $1::uuid AND expires_at > to_timestamp($2::bigint / 1e6))sql",
         user_id, to_us(now));
     if (found.empty()) return std::nullopt;
-    const auto state = found[0][1].as<std::string>();
-    return Export{found[0][0].as<std::string>(),
+    const auto state = found[0]["state"].as<std::string>();
+    return Export{found[0]["id"].as<std::string>(),
                   state == "ready"    ? Export::State::kReady
                   : state == "failed" ? Export::State::kFailed
                                       : Export::State::kQueued,
-                  found[0][2].as<std::int64_t>(),
-                  from_us(found[0][3].as<std::int64_t>()),
-                  from_us(found[0][4].as<std::int64_t>()),
-                  found[0][5].as<bool>()};
+                  found[0]["bytes"].as<std::int64_t>(),
+                  from_us(found[0]["created_us"].as<std::int64_t>()),
+                  from_us(found[0]["expires_us"].as<std::int64_t>()),
+                  found[0]["waiting"].as<bool>()};
   });
 }
 
@@ -118,8 +118,8 @@ Result<std::optional<ExportStore::Job>> PrivacyRepository::claim(Time now,
         RETURNING id, user_id, waits)sql",
         to_us(now), to_us(now + lease));
     if (claimed.empty()) return std::nullopt;
-    return Job{claimed[0][0].as<std::string>(), claimed[0][1].as<std::string>(),
-               claimed[0][2].as<int>()};
+    return Job{claimed[0]["id"].as<std::string>(), claimed[0]["user_id"].as<std::string>(),
+               claimed[0]["waits"].as<int>()};
   });
 }
 
@@ -142,12 +142,12 @@ Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string
                                           .exec_params1(R"sql(
         SELECT COALESCE(json_agg(json_build_object(
                  'happened_at', happened_at, 'by', actor, 'by_you', actor_id = $1::uuid, 'action', action,
-                 'subject', subject, 'subject_id', subject_id, 'details', details) ORDER BY id), '[]')::text
+                 'subject', subject, 'subject_id', subject_id, 'details', details) ORDER BY id), '[]')::text AS entries
           FROM audit_log
          WHERE actor_id = $1::uuid OR subject_id = $1::uuid
             OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid
                                UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid))sql",
-                                                        user_id)[0]
+                                                        user_id)["entries"]
                                           .as<std::string>()});
     return sections;
   });
@@ -160,7 +160,7 @@ Result<std::vector<std::string>> PrivacyRepository::volumes(const std::string& u
          transaction.exec_params("SELECT id FROM data_sets WHERE owner_id = $1::uuid AND state = "
                                  "'ready' ORDER BY created_at",
                                  user_id)) {
-      ids.push_back(row[0].as<std::string>());
+      ids.push_back(row["id"].as<std::string>());
     }
     return ids;
   });
@@ -171,11 +171,11 @@ Result<std::vector<ExportStore::Picture>> PrivacyRepository::pictures(const std:
     std::vector<Picture> found;
     for (const pqxx::row& row : transaction.exec_params(
              R"sql(
-             SELECT d.id, p.id FROM data_sets d JOIN presets p ON p.data_set_id = d.id
+             SELECT d.id AS data_set_id, p.id AS preset_id FROM data_sets d JOIN presets p ON p.data_set_id = d.id
               WHERE d.owner_id = $1::uuid AND d.state = 'ready' AND p.pictured_at IS NOT NULL
               ORDER BY d.created_at, p.created_at)sql",
              user_id)) {
-      found.push_back({row[0].as<std::string>(), row[1].as<std::string>()});
+      found.push_back({row["data_set_id"].as<std::string>(), row["preset_id"].as<std::string>()});
     }
     return found;
   });
@@ -195,10 +195,10 @@ Result<ExportStore::Sizes> PrivacyRepository::sizes(const std::string& user_id) 
     const pqxx::row row = transaction.exec_params1(
         R"sql(
         SELECT COALESCE((SELECT sum(volume_bytes) FROM data_sets
-                          WHERE owner_id = $1::uuid AND state = 'ready'), 0)::bigint,
-               COALESCE((SELECT sum(bytes) FROM exports WHERE state = 'ready'), 0)::bigint)sql",
+                          WHERE owner_id = $1::uuid AND state = 'ready'), 0)::bigint AS volume_bytes,
+               COALESCE((SELECT sum(bytes) FROM exports WHERE state = 'ready'), 0)::bigint AS export_bytes)sql",
         user_id);
-    return Sizes{row[0].as<std::int64_t>(), row[1].as<std::int64_t>()};
+    return Sizes{row["volume_bytes"].as<std::int64_t>(), row["export_bytes"].as<std::int64_t>()};
   });
 }
 
@@ -233,7 +233,7 @@ Result<std::vector<std::string>> PrivacyRepository::ids() {
   return database_.read([](pqxx::work& transaction) -> Result<std::vector<std::string>> {
     std::vector<std::string> all;
     for (const pqxx::row& row : transaction.exec("SELECT id FROM exports")) {
-      all.push_back(row[0].as<std::string>());
+      all.push_back(row["id"].as<std::string>());
     }
     return all;
   });
@@ -247,7 +247,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
     std::vector<std::string> data_sets;
     for (const pqxx::row& row : transaction.exec_params(
              "SELECT id FROM data_sets WHERE owner_id = $1::uuid FOR UPDATE", user_id)) {
-      data_sets.push_back(row[0].as<std::string>());
+      data_sets.push_back(row["id"].as<std::string>());
     }
     transaction.exec_params0(
         R"sql(

@@ -21,9 +21,9 @@ Result<std::vector<std::string>> RenderTimeRepository::add(
             FROM users u
            WHERE u.id = $1::uuid AND r.user_id = u.id AND r.device_ms >= u.render_quota_ms
              AND r.month = date_trunc('month', to_timestamp($2::bigint / 1e6) AT TIME ZONE 'UTC')::date
-          RETURNING r.warned_at <= to_timestamp($3::bigint / 1e6))sql",
+          RETURNING r.warned_at <= to_timestamp($3::bigint / 1e6) AS is_over)sql",
           user, to_us(now), to_us(ended_if_warned_by));
-      if (!warned.empty() && warned[0][0].as<bool>()) over.push_back(user);
+      if (!warned.empty() && warned[0]["is_over"].as<bool>()) over.push_back(user);
     }
     return over;
   });
@@ -46,7 +46,7 @@ Result<std::vector<std::string>> RenderTimeRepository::warned(Time now, Time fro
            AND r.month = date_trunc('month', to_timestamp($1::bigint / 1e6) AT TIME ZONE 'UTC')::date)sql",
         to_us(now), to_us(from), to_us(until));
     std::vector<std::string> users;
-    for (const auto& row : found) users.push_back(row[0].as<std::string>());
+    for (const auto& row : found) users.push_back(row["user_id"].as<std::string>());
     return users;
   });
 }
@@ -56,21 +56,22 @@ Result<RenderAccount> RenderTimeRepository::account(const std::string& user_id, 
     const pqxx::result found = transaction.exec_params(
         R"sql(
         WITH month AS (SELECT date_trunc('month', to_timestamp($2::bigint / 1e6) AT TIME ZONE 'UTC') AS first)
-        SELECT u.render_quota_ms, COALESCE(r.device_ms, 0),
-               (extract(epoch FROM r.warned_at) * 1000000)::bigint,
-               (extract(epoch FROM m.first) * 1000000)::bigint,
-               (extract(epoch FROM m.first + interval '1 month') * 1000000)::bigint
+        SELECT u.render_quota_ms, COALESCE(r.device_ms, 0) AS device_ms,
+               (extract(epoch FROM r.warned_at) * 1000000)::bigint AS warned_us,
+               (extract(epoch FROM m.first) * 1000000)::bigint AS month_us,
+               (extract(epoch FROM m.first + interval '1 month') * 1000000)::bigint AS next_month_us
           FROM users u CROSS JOIN month m
           LEFT JOIN render_time r ON r.user_id = u.id AND r.month = m.first::date
          WHERE u.id = $1::uuid)sql",
         user_id, to_us(now));
     if (found.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
     RenderAccount account;
-    account.quota_ms = found[0][0].as<std::int64_t>();
-    account.used_ms = found[0][1].as<std::int64_t>();
-    if (!found[0][2].is_null()) account.warned_at = from_us(found[0][2].as<std::int64_t>());
-    account.month = from_us(found[0][3].as<std::int64_t>());
-    account.next_month = from_us(found[0][4].as<std::int64_t>());
+    account.quota_ms = found[0]["render_quota_ms"].as<std::int64_t>();
+    account.used_ms = found[0]["device_ms"].as<std::int64_t>();
+    if (!found[0]["warned_us"].is_null())
+      account.warned_at = from_us(found[0]["warned_us"].as<std::int64_t>());
+    account.month = from_us(found[0]["month_us"].as<std::int64_t>());
+    account.next_month = from_us(found[0]["next_month_us"].as<std::int64_t>());
     return account;
   });
 }

@@ -14,8 +14,8 @@ std::optional<std::variant<Created, KeyReused>> made_before(
        WHERE user_id = $1 AND route = $2 AND key = $3)sql",
       user_id, key->route, key->key);
   if (before.empty()) return std::nullopt;
-  if (before[0][0].as<std::string>() != key->request_hash) return KeyReused{};
-  return Created{before[0][1].as<std::string>(), true};
+  if (before[0]["request_hash"].as<std::string>() != key->request_hash) return KeyReused{};
+  return Created{before[0]["created_id"].as<std::string>(), true};
 }
 
 void note_made(pqxx::work& transaction, const std::string& user_id,

@@ -61,7 +61,7 @@ Result<std::vector<std::string>> migrate(const std::string& url, const std::stri
       session.exec(kLock);  // until the connection closes
       session.exec(kRecord);
       for (const pqxx::row& row : session.exec("SELECT name FROM schema_migrations")) {
-        applied.insert(row[0].as<std::string>());
+        applied.insert(row["name"].as<std::string>());
       }
     }
     std::vector<std::string> todo;
