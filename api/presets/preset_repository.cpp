@@ -13,36 +13,37 @@ tl::unexpected<Error> no_preset() { return fail(ErrorCode::kNotFound, "Preset no
 constexpr const char* kColumns = R"sql(
   SELECT p.id, p.data_set_id, p.author_id, u.public_name, p.name, p.version,
          COALESCE((SELECT sum(value) FROM preset_votes v WHERE v.preset_id = p.id), 0)::int AS votes,
-         COALESCE((SELECT value FROM preset_votes v WHERE v.preset_id = p.id AND v.user_id = $1::uuid), 0),
+         COALESCE((SELECT value FROM preset_votes v WHERE v.preset_id = p.id AND v.user_id = $1::uuid), 0) AS my_vote,
          d.default_preset_id IS NOT DISTINCT FROM p.id AS is_default,
-         d.default_preset_id IS NOT DISTINCT FROM p.id AND d.default_scene IS DISTINCT FROM p.scene,
-         p.author_id IS NOT DISTINCT FROM $1::uuid,
-         (extract(epoch FROM p.created_at) * 1000000)::bigint,
-         (extract(epoch FROM p.updated_at) * 1000000)::bigint,
-         p.taken_down_at IS NOT NULL, COALESCE(p.taken_down_reason, ''),
-         (extract(epoch FROM p.pictured_at) * 1000000)::bigint)sql";
-constexpr int kColumnCount = 16;
+         d.default_preset_id IS NOT DISTINCT FROM p.id AND d.default_scene IS DISTINCT FROM p.scene
+           AS changed_since_default,
+         p.author_id IS NOT DISTINCT FROM $1::uuid AS mine,
+         (extract(epoch FROM p.created_at) * 1000000)::bigint AS created_us,
+         (extract(epoch FROM p.updated_at) * 1000000)::bigint AS updated_us,
+         p.taken_down_at IS NOT NULL AS taken_down, COALESCE(p.taken_down_reason, '') AS taken_down_reason,
+         (extract(epoch FROM p.pictured_at) * 1000000)::bigint AS pictured_us)sql";
 constexpr const char* kTables = R"sql(
     FROM presets p JOIN users u ON u.id = p.author_id JOIN data_sets d ON d.id = p.data_set_id)sql";
 
 Preset read_preset(const pqxx::row& row) {
   Preset preset;
-  preset.id = row[0].as<std::string>();
-  preset.data_set_id = row[1].as<std::string>();
-  preset.author_id = row[2].as<std::string>();
-  preset.author_name = shown_name(row[3].as<std::string>());
-  preset.name = row[4].as<std::string>();
-  preset.version = row[5].as<int>();
-  preset.votes = row[6].as<int>();
-  preset.my_vote = row[7].as<int>();
-  preset.is_default = row[8].as<bool>();
-  preset.changed_since_default = row[9].as<bool>();
-  preset.mine = row[10].as<bool>();
-  preset.created_at = from_us(row[11].as<std::int64_t>());
-  preset.updated_at = from_us(row[12].as<std::int64_t>());
-  preset.taken_down = row[13].as<bool>();
-  preset.taken_down_reason = row[14].as<std::string>();
-  if (!row[15].is_null()) preset.pictured_at = from_us(row[15].as<std::int64_t>());
+  preset.id = row["id"].as<std::string>();
+  preset.data_set_id = row["data_set_id"].as<std::string>();
+  preset.author_id = row["author_id"].as<std::string>();
+  preset.author_name = shown_name(row["public_name"].as<std::string>());
+  preset.name = row["name"].as<std::string>();
+  preset.version = row["version"].as<int>();
+  preset.votes = row["votes"].as<int>();
+  preset.my_vote = row["my_vote"].as<int>();
+  preset.is_default = row["is_default"].as<bool>();
+  preset.changed_since_default = row["changed_since_default"].as<bool>();
+  preset.mine = row["mine"].as<bool>();
+  preset.created_at = from_us(row["created_us"].as<std::int64_t>());
+  preset.updated_at = from_us(row["updated_us"].as<std::int64_t>());
+  preset.taken_down = row["taken_down"].as<bool>();
+  preset.taken_down_reason = row["taken_down_reason"].as<std::string>();
+  if (!row["pictured_us"].is_null())
+    preset.pictured_at = from_us(row["pictured_us"].as<std::int64_t>());
   return preset;
 }
 
@@ -72,14 +73,14 @@ Result<std::vector<Preset>> PresetRepository::list(const std::string& data_set_i
 
 Result<Preset> PresetRepository::find(const std::string& id, const std::string& viewer_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<Preset> {
-    const pqxx::result rows =
-        transaction.exec_params(std::string(kColumns) + ", p.scene, COALESCE(p.kept_xml, '')" +
-                                    kTables + " WHERE p.id = $2 AND u.disabled_at IS NULL",
-                                id_or_null(viewer_id), id);
+    const pqxx::result rows = transaction.exec_params(
+        std::string(kColumns) + ", p.scene, COALESCE(p.kept_xml, '') AS kept_xml" + kTables +
+            " WHERE p.id = $2 AND u.disabled_at IS NULL",
+        id_or_null(viewer_id), id);
     if (rows.empty()) return no_preset();
     Preset preset = read_preset(rows[0]);
-    preset.scene = rows[0][kColumnCount].as<std::string>();
-    preset.kept_xml = rows[0][kColumnCount + 1].as<std::string>();
+    preset.scene = rows[0]["scene"].as<std::string>();
+    preset.kept_xml = rows[0]["kept_xml"].as<std::string>();
     return preset;
   });
 }
@@ -96,10 +97,12 @@ Result<std::variant<Created, KeyReused>> PresetRepository::add(
       return no_preset();
     }
     const auto count = transaction.exec_params1(
-        "SELECT count(*) FILTER (WHERE author_id = $2), count(*) FROM presets "
+        "SELECT count(*) FILTER (WHERE author_id = $2) AS of_author, count(*) AS of_data_set FROM "
+        "presets "
         "WHERE data_set_id = $1",
         preset.data_set_id, preset.author_id);
-    if (count[0].as<int>() >= limits.of_author || count[1].as<int>() >= limits.of_data_set) {
+    if (count["of_author"].as<int>() >= limits.of_author ||
+        count["of_data_set"].as<int>() >= limits.of_data_set) {
       return fail(ErrorCode::kTooMany,
                   "This scan has reached its preset limit. Delete one of your presets first.");
     }
@@ -187,7 +190,7 @@ Result<std::string> PresetRepository::default_scene(const std::string& data_set_
          WHERE d.id = $1 AND p.taken_down_at IS NULL)sql",
         data_set_id);
     if (rows.empty()) return std::string();
-    return rows[0][0].as<std::string>();
+    return rows[0]["default_scene"].as<std::string>();
   });
 }
 
@@ -209,13 +212,16 @@ Result<std::optional<PresetPicture>> PresetRepository::claim_picture(Time now,
                  + make_interval(secs => $2 * (1 << least(p.picture_tries, 6)))
           FROM next WHERE p.id = next.id
         RETURNING p.id, p.data_set_id, p.scene,
-                  (extract(epoch FROM next.anonymised_at) * 1000000)::bigint)sql",
+                  (extract(epoch FROM next.anonymised_at) * 1000000)::bigint AS anonymised_us)sql",
         to_us(now), static_cast<int>(lease.count()));
     if (rows.empty()) return std::nullopt;
     const pqxx::row row = rows[0];
-    PresetPicture picture{
-        row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<std::string>(), {}};
-    if (!row[3].is_null()) picture.cut_at = from_us(row[3].as<std::int64_t>());
+    PresetPicture picture{row["id"].as<std::string>(),
+                          row["data_set_id"].as<std::string>(),
+                          row["scene"].as<std::string>(),
+                          {}};
+    if (!row["anonymised_us"].is_null())
+      picture.cut_at = from_us(row["anonymised_us"].as<std::int64_t>());
     return picture;
   });
 }

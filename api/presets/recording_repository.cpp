@@ -5,12 +5,12 @@ namespace {
 
 Recording read_recording(const pqxx::row& row) {
   Recording recording;
-  recording.id = row[0].as<std::string>();
-  recording.body = row[1].as<std::string>();
-  recording.events = row[2].as<int>();
-  recording.duration_ms = row[3].as<std::int64_t>();
-  recording.created_at = from_us(row[4].as<std::int64_t>());
-  recording.expires_at = from_us(row[5].as<std::int64_t>());
+  recording.id = row["id"].as<std::string>();
+  recording.body = row["body"].as<std::string>();
+  recording.events = row["events"].as<int>();
+  recording.duration_ms = row["duration_ms"].as<std::int64_t>();
+  recording.created_at = from_us(row["created_us"].as<std::int64_t>());
+  recording.expires_at = from_us(row["expires_us"].as<std::int64_t>());
   return recording;
 }
 
@@ -21,8 +21,9 @@ tl::unexpected<Error> no_recording() { return fail(ErrorCode::kNotFound, "Record
 Result<bool> RecordingRepository::consent(const std::string& user_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<bool> {
     const auto rows = transaction.exec_params(
-        "SELECT recording_consent_at IS NOT NULL FROM users WHERE id = $1::uuid", user_id);
-    return !rows.empty() && rows[0][0].as<bool>();
+        "SELECT recording_consent_at IS NOT NULL AS consents FROM users WHERE id = $1::uuid",
+        user_id);
+    return !rows.empty() && rows[0]["consents"].as<bool>();
   });
 }
 
@@ -42,16 +43,18 @@ Result<void> RecordingRepository::add(const std::string& user_id, const Recordin
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     // The lock serialises concurrent additions and a withdrawal of the consent.
     const auto person = transaction.exec_params(
-        "SELECT recording_consent_at IS NOT NULL FROM users WHERE id = $1::uuid FOR UPDATE",
+        "SELECT recording_consent_at IS NOT NULL AS consents FROM users WHERE id = $1::uuid FOR "
+        "UPDATE",
         user_id);
-    if (person.empty() || !person[0][0].as<bool>()) {
+    if (person.empty() || !person[0]["consents"].as<bool>()) {
       return fail(ErrorCode::kForbidden, "Recording is turned off.");
     }
     const auto sum = transaction.exec_params1(
-        "SELECT COALESCE(sum(octet_length(body)), 0)::bigint FROM recordings "
+        "SELECT COALESCE(sum(octet_length(body)), 0)::bigint AS bytes FROM recordings "
         "WHERE user_id = $1::uuid",
         user_id);
-    if (sum[0].as<std::int64_t>() + static_cast<std::int64_t>(recording.body.size()) > most_bytes) {
+    if (sum["bytes"].as<std::int64_t>() + static_cast<std::int64_t>(recording.body.size()) >
+        most_bytes) {
       return fail(ErrorCode::kTooLarge,
                   "You have reached the storage limit for recordings. Delete some first.");
     }
@@ -70,8 +73,8 @@ Result<std::vector<Recording>> RecordingRepository::of(const std::string& user_i
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Recording>> {
     std::vector<Recording> recordings;
     for (const pqxx::row& row : transaction.exec_params(R"sql(
-             SELECT id, '', events, duration_ms, (extract(epoch FROM created_at) * 1000000)::bigint,
-                    (extract(epoch FROM expires_at) * 1000000)::bigint
+             SELECT id, '' AS body, events, duration_ms, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
+                    (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us
                FROM recordings
               WHERE user_id = $1::uuid AND expires_at > to_timestamp($2::bigint / 1e6)
               ORDER BY created_at DESC, id)sql",
@@ -86,8 +89,8 @@ Result<Recording> RecordingRepository::find(const std::string& user_id, const st
                                             Time now) {
   return database_.read([&](pqxx::work& transaction) -> Result<Recording> {
     const auto rows = transaction.exec_params(R"sql(
-        SELECT id, body, events, duration_ms, (extract(epoch FROM created_at) * 1000000)::bigint,
-               (extract(epoch FROM expires_at) * 1000000)::bigint
+        SELECT id, body, events, duration_ms, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
+               (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us
           FROM recordings
          WHERE user_id = $1::uuid AND id = $2::uuid AND expires_at > to_timestamp($3::bigint / 1e6))sql",
                                               user_id, id, to_us(now));

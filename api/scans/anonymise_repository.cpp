@@ -7,10 +7,11 @@ namespace diaphane::api {
 Result<CutFacts> CutRepository::facts(const std::string& data_set_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<CutFacts> {
     const pqxx::result rows = transaction.exec_params(
-        "SELECT COALESCE(head::text, ''), COALESCE(cut_problem, '') FROM data_sets WHERE id = $1",
+        "SELECT COALESCE(head::text, '') AS head, COALESCE(cut_problem, '') AS cut_problem FROM "
+        "data_sets WHERE id = $1",
         data_set_id);
     if (rows.empty()) return fail(ErrorCode::kNotFound, "Scan not found.");
-    return CutFacts{rows[0][0].as<std::string>(), rows[0][1].as<std::string>()};
+    return CutFacts{rows[0]["head"].as<std::string>(), rows[0]["cut_problem"].as<std::string>()};
   });
 }
 

@@ -42,11 +42,12 @@ Result<DataSetStore::Creation> DataSetRepository::create(const NewDataSet& data_
       if (data_set.bytes > quota.bytes - quota.used) return OverQuota{quota};
       const pqxx::row counts = transaction.exec_params1(R"sql(
           SELECT count(*) FILTER (WHERE d.state IN ('uploading', 'queued', 'building')
-                                    AND d.volume_bytes IS NULL), count(*)
+                                    AND d.volume_bytes IS NULL) AS unprocessed,
+                 count(*) AS total
             FROM data_sets d WHERE d.owner_id = $1)sql",
                                                         user_id);
-      if (counts[0].as<int>() >= limits.unprocessed) return TooManyDataSets{true};
-      if (counts[1].as<int>() >= limits.all) return TooManyDataSets{false};
+      if (counts["unprocessed"].as<int>() >= limits.unprocessed) return TooManyDataSets{true};
+      if (counts["total"].as<int>() >= limits.all) return TooManyDataSets{false};
     }
     transaction.exec_params0(
         R"sql(
@@ -130,16 +131,16 @@ Result<Upload> DataSetRepository::find_upload(const Owner& owner, const std::str
   return database_.read([&](pqxx::work& transaction) -> Result<Upload> {
     // An expired upload has no row in `uploads` any more, but its owner still sees its state.
     const pqxx::result rows = transaction.exec_params(R"sql(
-        SELECT d.state, COALESCE(u.length, 0), COALESCE(u.received, 0),
-               COALESCE((extract(epoch FROM u.expires_at) * 1000000)::bigint, 0)
+        SELECT d.state, COALESCE(u.length, 0) AS length, COALESCE(u.received, 0) AS received,
+               COALESCE((extract(epoch FROM u.expires_at) * 1000000)::bigint, 0) AS expires_us
           FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
          WHERE d.id = $2 AND (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.owner_id IS NULL AND d.is_sample))
            AND (u.id IS NOT NULL OR d.state = 'expired'))sql",
                                                       owner_or_null(owner), id);
     if (rows.empty()) return fail(ErrorCode::kNotFound, "Upload not found.");
-    return Upload{id, rows[0][1].as<std::int64_t>(), rows[0][2].as<std::int64_t>(),
-                  from_us(rows[0][3].as<std::int64_t>()),
-                  data_set_state_of(rows[0][0].as<std::string>())};
+    return Upload{id, rows[0]["length"].as<std::int64_t>(), rows[0]["received"].as<std::int64_t>(),
+                  from_us(rows[0]["expires_us"].as<std::int64_t>()),
+                  data_set_state_of(rows[0]["state"].as<std::string>())};
   });
 }
 
@@ -158,7 +159,7 @@ Result<void> DataSetRepository::advance_upload(const std::string& id, std::int64
       return fail(
           ErrorCode::kConflict,
           "More of the upload has arrived in the meantime. Check its offset and continue there.");
-    if (moved[0][0].as<std::int64_t>() != to) return {};
+    if (moved[0]["length"].as<std::int64_t>() != to) return {};
     transaction.exec_params0(R"sql(
         UPDATE data_sets SET state = 'queued', updated_at = to_timestamp($2::bigint / 1e6)
          WHERE id = $1)sql",
@@ -179,7 +180,7 @@ Result<void> DataSetRepository::cancel_upload(const Owner& owner, const std::str
            FOR UPDATE)sql",
         owner_or_null(owner), id);
     if (found.empty()) return not_found();
-    if (data_set_state_of(found[0][0].as<std::string>()) != DataSetState::kUploading) {
+    if (data_set_state_of(found[0]["state"].as<std::string>()) != DataSetState::kUploading) {
       return fail(ErrorCode::kConflict, "The upload is already complete.");
     }
     transaction.exec_params0("DELETE FROM data_sets WHERE id = $1", id);
@@ -197,7 +198,7 @@ Result<int> DataSetRepository::expire_uploads(Time now) {
          ORDER BY u.expires_at LIMIT 100 FOR UPDATE OF d SKIP LOCKED)sql",
         to_us(now));
     for (const pqxx::row& row : late) {
-      const auto id = row[0].as<std::string>();
+      const auto id = row["id"].as<std::string>();
       transaction.exec_params0(R"sql(
           UPDATE data_sets SET state = 'expired', updated_at = to_timestamp($2::bigint / 1e6)
            WHERE id = $1)sql",
@@ -226,7 +227,7 @@ Result<std::vector<Disposal>> DataSetRepository::disposals(int limit) {
     for (const auto& [kind, name] : kDisposals) {
       const pqxx::result rows = transaction.exec_params(
           "SELECT id FROM disposals WHERE kind = $1 ORDER BY created_at LIMIT $2", name, limit);
-      for (const pqxx::row& row : rows) found.push_back({kind, row[0].as<std::string>()});
+      for (const pqxx::row& row : rows) found.push_back({kind, row["id"].as<std::string>()});
     }
     return found;
   });

@@ -10,21 +10,24 @@ namespace diaphane::api {
 // all. A deleted owner is never mistaken for the operator, because the rows are deleted with the
 // owner and samples are selected by is_sample.
 const char* const kSelectDataSet = R"sql(
-  SELECT d.id, d.title, d.state, r.role, d.visibility = 'public', d.is_sample,
-         COALESCE(d.refusal_code, ''), COALESCE(d.refusal_text, ''), COALESCE(d.modality, ''),
-         COALESCE(d.size_x, 0), COALESCE(d.size_y, 0), COALESCE(d.size_z, 0),
-         COALESCE(d.spacing_x, 0), COALESCE(d.spacing_y, 0), COALESCE(d.spacing_z, 0),
-         COALESCE(d.volume_bytes, 0), d.repairs,
-         (extract(epoch FROM d.created_at) * 1000000)::bigint,
-         (extract(epoch FROM d.updated_at) * 1000000)::bigint,
-         u.length, u.received, (extract(epoch FROM u.expires_at) * 1000000)::bigint,
-         d.description, COALESCE(d.body_part, ''), d.taken_down_at IS NOT NULL,
-         COALESCE(d.taken_down_reason, ''), COALESCE(o.public_name, ''),
-         (extract(epoch FROM d.published_at) * 1000000)::bigint,
-         (extract(epoch FROM d.anonymised_at) * 1000000)::bigint,
-         CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_people p WHERE p.data_set_id = d.id) ELSE 0 END,
-         CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_links l WHERE l.data_set_id = d.id AND l.expires_at > now()) ELSE 0 END,
-         CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END,
+  SELECT d.id, d.title, d.state, r.role, d.visibility = 'public' AS is_public, d.is_sample,
+         COALESCE(d.refusal_code, '') AS refusal_code, COALESCE(d.refusal_text, '') AS refusal_text,
+         COALESCE(d.modality, '') AS modality,
+         COALESCE(d.size_x, 0) AS size_x, COALESCE(d.size_y, 0) AS size_y, COALESCE(d.size_z, 0) AS size_z,
+         COALESCE(d.spacing_x, 0) AS spacing_x, COALESCE(d.spacing_y, 0) AS spacing_y,
+         COALESCE(d.spacing_z, 0) AS spacing_z,
+         COALESCE(d.volume_bytes, 0) AS volume_bytes, d.repairs,
+         (extract(epoch FROM d.created_at) * 1000000)::bigint AS created_us,
+         (extract(epoch FROM d.updated_at) * 1000000)::bigint AS updated_us,
+         u.length AS upload_length, u.received AS upload_received,
+         (extract(epoch FROM u.expires_at) * 1000000)::bigint AS upload_expires_us,
+         d.description, COALESCE(d.body_part, '') AS body_part, d.taken_down_at IS NOT NULL AS taken_down,
+         COALESCE(d.taken_down_reason, '') AS taken_down_reason, COALESCE(o.public_name, '') AS owner_name,
+         (extract(epoch FROM d.published_at) * 1000000)::bigint AS published_us,
+         (extract(epoch FROM d.anonymised_at) * 1000000)::bigint AS anonymised_us,
+         CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_people p WHERE p.data_set_id = d.id) ELSE 0 END AS people,
+         CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_links l WHERE l.data_set_id = d.id AND l.expires_at > now()) ELSE 0 END AS links,
+         CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END AS waiting_for,
          d.public_slices
     FROM data_sets d
     LEFT JOIN ingest_jobs j ON j.data_set_id = d.id
@@ -72,36 +75,38 @@ std::string shown_name(std::string name) {
 
 DataSet read_data_set(const pqxx::row& row) {
   DataSet d;
-  d.id = row[0].as<std::string>();
-  d.title = row[1].as<std::string>();
-  d.state = data_set_state_of(row[2].as<std::string>());
-  d.role = role_of(row[3].as<std::string>()).value_or(Role::kNobody);
-  d.is_public = row[4].as<bool>();
-  d.is_sample = row[5].as<bool>();
-  d.refusal_code = row[6].as<std::string>();
-  d.refusal_text = row[7].as<std::string>();
-  d.modality = row[8].as<std::string>();
-  d.size = {row[9].as<int>(), row[10].as<int>(), row[11].as<int>()};
-  d.spacing = {row[12].as<double>(), row[13].as<double>(), row[14].as<double>()};
-  d.volume_bytes = row[15].as<std::int64_t>();
-  d.repairs = read_texts(row[16]);
-  d.created_at = from_us(row[17].as<std::int64_t>());
-  d.updated_at = from_us(row[18].as<std::int64_t>());
-  if (d.owned() && d.state == DataSetState::kUploading && !row[19].is_null()) {
-    d.upload = Upload{d.id, row[19].as<std::int64_t>(), row[20].as<std::int64_t>(),
-                      from_us(row[21].as<std::int64_t>()), d.state};
+  d.id = row["id"].as<std::string>();
+  d.title = row["title"].as<std::string>();
+  d.state = data_set_state_of(row["state"].as<std::string>());
+  d.role = role_of(row["role"].as<std::string>()).value_or(Role::kNobody);
+  d.is_public = row["is_public"].as<bool>();
+  d.is_sample = row["is_sample"].as<bool>();
+  d.refusal_code = row["refusal_code"].as<std::string>();
+  d.refusal_text = row["refusal_text"].as<std::string>();
+  d.modality = row["modality"].as<std::string>();
+  d.size = {row["size_x"].as<int>(), row["size_y"].as<int>(), row["size_z"].as<int>()};
+  d.spacing = {row["spacing_x"].as<double>(), row["spacing_y"].as<double>(),
+               row["spacing_z"].as<double>()};
+  d.volume_bytes = row["volume_bytes"].as<std::int64_t>();
+  d.repairs = read_texts(row["repairs"]);
+  d.created_at = from_us(row["created_us"].as<std::int64_t>());
+  d.updated_at = from_us(row["updated_us"].as<std::int64_t>());
+  if (d.owned() && d.state == DataSetState::kUploading && !row["upload_length"].is_null()) {
+    d.upload = Upload{d.id, row["upload_length"].as<std::int64_t>(),
+                      row["upload_received"].as<std::int64_t>(),
+                      from_us(row["upload_expires_us"].as<std::int64_t>()), d.state};
   }
-  d.description = row[22].as<std::string>();
-  d.body_part = row[23].as<std::string>();
-  d.taken_down = row[24].as<bool>();
-  d.taken_down_reason = row[25].as<std::string>();
-  d.owner_name = shown_name(row[26].as<std::string>());
-  d.published_at = time_or_nothing(row[27]);
-  d.anonymised_at = time_or_nothing(row[28]);
-  d.people = row[29].as<int>();
-  d.links = row[30].as<int>();
-  d.waiting_for = row[31].as<std::string>();
-  d.public_slices = row[32].as<bool>();
+  d.description = row["description"].as<std::string>();
+  d.body_part = row["body_part"].as<std::string>();
+  d.taken_down = row["taken_down"].as<bool>();
+  d.taken_down_reason = row["taken_down_reason"].as<std::string>();
+  d.owner_name = shown_name(row["owner_name"].as<std::string>());
+  d.published_at = time_or_nothing(row["published_us"]);
+  d.anonymised_at = time_or_nothing(row["anonymised_us"]);
+  d.people = row["people"].as<int>();
+  d.links = row["links"].as<int>();
+  d.waiting_for = row["waiting_for"].as<std::string>();
+  d.public_slices = row["public_slices"].as<bool>();
   return d;
 }
 

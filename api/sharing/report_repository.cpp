@@ -27,20 +27,22 @@ Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& 
     // Administrators must not see a data set that has become private, not even its title.
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT r.id, d.id, CASE WHEN s.shown THEN d.title ELSE '' END, COALESCE(p.id::text, ''),
-               CASE WHEN s.shown THEN COALESCE(p.name, '') ELSE '' END, r.reason, r.words,
-               (CASE WHEN p.id IS NULL THEN d.taken_down_at ELSE p.taken_down_at END) IS NOT NULL,
-               (extract(epoch FROM r.created_at) * 1000000)::bigint
+        SELECT r.id AS report_id, d.id AS data_set_id, CASE WHEN s.shown THEN d.title ELSE '' END AS title,
+               COALESCE(p.id::text, '') AS preset_id,
+               CASE WHEN s.shown THEN COALESCE(p.name, '') ELSE '' END AS preset_name, r.reason, r.words,
+               (CASE WHEN p.id IS NULL THEN d.taken_down_at ELSE p.taken_down_at END) IS NOT NULL AS taken_down,
+               (extract(epoch FROM r.created_at) * 1000000)::bigint AS created_us
           FROM reports r JOIN data_sets d ON d.id = r.data_set_id LEFT JOIN presets p ON p.id = r.preset_id
           CROSS JOIN LATERAL (SELECT d.visibility = 'public' OR d.taken_down_at IS NOT NULL AS shown) s
          WHERE r.closed_at IS NULL ORDER BY r.created_at, r.id LIMIT $1)sql",
         limit);
     std::vector<Report> found;
     for (const pqxx::row& row : rows) {
-      found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<std::string>(),
-                       row[3].as<std::string>(), row[4].as<std::string>(), row[5].as<std::string>(),
-                       row[6].as<std::string>(), row[7].as<bool>(),
-                       from_us(row[8].as<std::int64_t>())});
+      found.push_back({row["report_id"].as<std::string>(), row["data_set_id"].as<std::string>(),
+                       row["title"].as<std::string>(), row["preset_id"].as<std::string>(),
+                       row["preset_name"].as<std::string>(), row["reason"].as<std::string>(),
+                       row["words"].as<std::string>(), row["taken_down"].as<bool>(),
+                       from_us(row["created_us"].as<std::int64_t>())});
     }
     note_in_audit_log(transaction, entry, now);
     return found;

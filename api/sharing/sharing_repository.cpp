@@ -19,13 +19,13 @@ Result<std::vector<SharedPerson>> SharingRepository::people(const std::string& d
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<SharedPerson>> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT id, email_key, may_save, (extract(epoch FROM created_at) * 1000000)::bigint
+        SELECT id, email_key, may_save, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us
           FROM data_set_people WHERE data_set_id = $1 ORDER BY created_at, email_key)sql",
         data_set_id);
     std::vector<SharedPerson> found;
     for (const pqxx::row& row : rows) {
-      found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<bool>(),
-                       from_us(row[3].as<std::int64_t>())});
+      found.push_back({row["id"].as<std::string>(), row["email_key"].as<std::string>(),
+                       row["may_save"].as<bool>(), from_us(row["created_us"].as<std::int64_t>())});
     }
     return found;
   });
@@ -43,8 +43,8 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
         data_set_id, person.email_key, person.may_save);
     if (!known.empty()) return false;
     const auto count = transaction.exec_params1(
-        "SELECT count(*) FROM data_set_people WHERE data_set_id = $1", data_set_id);
-    if (count[0].as<int>() >= most) {
+        "SELECT count(*) AS people FROM data_set_people WHERE data_set_id = $1", data_set_id);
+    if (count["people"].as<int>() >= most) {
       return fail(ErrorCode::kTooMany,
                   "You have reached the maximum number of people for this scan.");
     }
@@ -56,7 +56,7 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
     // Grants access to the current owner of the address.
     const pqxx::result there =
         transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
-    if (!there.empty()) accept_invitations(transaction, there[0][0].as<std::string>());
+    if (!there.empty()) accept_invitations(transaction, there[0]["id"].as<std::string>());
     queue_mail(transaction, mail, person.created_at);
     return true;
   });
@@ -79,15 +79,15 @@ Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& dat
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSetLink>> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
-               (extract(epoch FROM expires_at) * 1000000)::bigint, slices
+        SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
+               (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices
           FROM data_set_links WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6)
          ORDER BY created_at, id)sql",
         data_set_id, to_us(now));
     std::vector<DataSetLink> found;
     for (const pqxx::row& row : rows) {
-      found.push_back({row[0].as<std::string>(), from_us(row[1].as<std::int64_t>()),
-                       from_us(row[2].as<std::int64_t>()), row[3].as<bool>()});
+      found.push_back({row["id"].as<std::string>(), from_us(row["created_us"].as<std::int64_t>()),
+                       from_us(row["expires_us"].as<std::int64_t>()), row["slices"].as<bool>()});
     }
     return found;
   });
@@ -102,21 +102,22 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
       if (std::holds_alternative<KeyReused>(*before)) return KeyReused{};
       const pqxx::result there = transaction.exec_params(
           R"sql(
-          SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
-                 (extract(epoch FROM expires_at) * 1000000)::bigint, slices
+          SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
+                 (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices
             FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
           std::get<Created>(*before).id, token_hash);
       if (there.empty()) return fail(ErrorCode::kConflict, "The link can't be shown again.");
-      return DataSetLink{there[0][0].as<std::string>(), from_us(there[0][1].as<std::int64_t>()),
-                         from_us(there[0][2].as<std::int64_t>()), there[0][3].as<bool>()};
+      return DataSetLink{
+          there[0]["id"].as<std::string>(), from_us(there[0]["created_us"].as<std::int64_t>()),
+          from_us(there[0]["expires_us"].as<std::int64_t>()), there[0]["slices"].as<bool>()};
     }
     if (!lock_data_set(transaction, data_set_id))
       return fail(ErrorCode::kNotFound, "Scan not found.");
     const auto count = transaction.exec_params1(
-        R"sql(SELECT count(*) FROM data_set_links
+        R"sql(SELECT count(*) AS links FROM data_set_links
                WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
         data_set_id, to_us(link.created_at));
-    if (count[0].as<int>() >= most) {
+    if (count["links"].as<int>() >= most) {
       return fail(ErrorCode::kTooMany,
                   "This scan has reached its link limit. Disable a link first.");
     }
@@ -149,20 +150,21 @@ Result<SharingStore::Followed> SharingRepository::follow(const std::string& toke
   return database_.read([&](pqxx::work& transaction) -> Result<Followed> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT l.id, (extract(epoch FROM l.created_at) * 1000000)::bigint,
-               (extract(epoch FROM l.expires_at) * 1000000)::bigint, d.id, d.owner_id, l.slices
+        SELECT l.id AS link_id, (extract(epoch FROM l.created_at) * 1000000)::bigint AS created_us,
+               (extract(epoch FROM l.expires_at) * 1000000)::bigint AS expires_us, d.id AS data_set_id, d.owner_id, l.slices
           FROM data_set_links l JOIN data_sets d ON d.id = l.data_set_id
          WHERE l.token_hash = $1 AND l.expires_at > to_timestamp($2::bigint / 1e6)
            AND d.state = 'ready' AND d.taken_down_at IS NULL)sql",
         token_hash, to_us(now));
     if (rows.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
-    const pqxx::result data_set =
-        transaction.exec_params(std::string(kSelectDataSet) + " AND d.id = $4", rows[0][4].c_str(),
-                                false, false, rows[0][3].as<std::string>());
+    const pqxx::result data_set = transaction.exec_params(
+        std::string(kSelectDataSet) + " AND d.id = $4", rows[0]["owner_id"].c_str(), false, false,
+        rows[0]["data_set_id"].as<std::string>());
     if (data_set.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
-    Followed followed{{rows[0][0].as<std::string>(), from_us(rows[0][1].as<std::int64_t>()),
-                       from_us(rows[0][2].as<std::int64_t>()), rows[0][5].as<bool>()},
-                      read_data_set(data_set[0])};
+    Followed followed{
+        {rows[0]["link_id"].as<std::string>(), from_us(rows[0]["created_us"].as<std::int64_t>()),
+         from_us(rows[0]["expires_us"].as<std::int64_t>()), rows[0]["slices"].as<bool>()},
+        read_data_set(data_set[0])};
     followed.data_set.role = Role::kSharedView;
     return followed;
   });
@@ -222,7 +224,7 @@ Result<std::string> SharingRepository::public_name(const std::string& user_id) {
     const pqxx::result rows =
         transaction.exec_params("SELECT public_name FROM users WHERE id = $1", user_id);
     if (rows.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
-    return shown_name(rows[0][0].as<std::string>());
+    return shown_name(rows[0]["public_name"].as<std::string>());
   });
 }
 
@@ -240,27 +242,27 @@ Result<Visit> SharingRepository::note_visit(const Visit& visit, const VisitLimit
     // Serialises the counting, so that the limit also holds for concurrent visitors.
     transaction.exec("LOCK TABLE visits IN SHARE ROW EXCLUSIVE MODE");
     const pqxx::result known = transaction.exec_params(
-        R"sql(SELECT (extract(epoch FROM expires_at) * 1000000)::bigint FROM visits
+        R"sql(SELECT (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us FROM visits
                WHERE session_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
         visit.session_id, to_us(now));
     Visit noted = visit;
     if (!known.empty()) {
-      noted.expires_at = from_us(known[0][0].as<std::int64_t>());
+      noted.expires_at = from_us(known[0]["expires_us"].as<std::int64_t>());
       return noted;
     }
     const auto count = transaction.exec_params1(
         R"sql(
-        SELECT count(*), count(*) FILTER (WHERE address_hash = $2),
-               count(*) FILTER (WHERE link_id = $3::uuid)
+        SELECT count(*) AS visits, count(*) FILTER (WHERE address_hash = $2) AS by_address,
+               count(*) FILTER (WHERE link_id = $3::uuid) AS by_link
           FROM visits WHERE expires_at > to_timestamp($1::bigint / 1e6))sql",
         to_us(now), visit.address_hash, visit.link_id.empty() ? nullptr : visit.link_id.c_str());
-    if (count[0].as<int>() >= limits.most) {
+    if (count["visits"].as<int>() >= limits.most) {
       return fail(ErrorCode::kTooMany, "The limit of visits is reached.");
     }
-    if (count[1].as<int>() >= limits.by_address) {
+    if (count["by_address"].as<int>() >= limits.by_address) {
       return fail(ErrorCode::kTooMany, "The limit of visits per address is reached.", "address");
     }
-    if (count[2].as<int>() >= limits.by_link) {
+    if (count["by_link"].as<int>() >= limits.by_link) {
       return fail(ErrorCode::kTooMany, "The limit of visits per link is reached.", "link");
     }
     transaction.exec_params0(
@@ -280,16 +282,17 @@ Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time 
   return database_.read([&](pqxx::work& transaction) -> Result<Visit> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT v.data_set_id, COALESCE(v.link_id::text, ''),
-               (extract(epoch FROM v.expires_at) * 1000000)::bigint
+        SELECT v.data_set_id, COALESCE(v.link_id::text, '') AS link_id,
+               (extract(epoch FROM v.expires_at) * 1000000)::bigint AS expires_us
           FROM visits v JOIN data_sets d ON d.id = v.data_set_id
           LEFT JOIN users o ON o.id = d.owner_id
          WHERE v.session_id = $1 AND v.expires_at > to_timestamp($2::bigint / 1e6)
            AND d.taken_down_at IS NULL AND o.disabled_at IS NULL)sql",
         session_id, to_us(now));
     if (rows.empty()) return fail(ErrorCode::kNotFound, "Visit not found.");
-    return Visit{session_id, rows[0][0].as<std::string>(), rows[0][1].as<std::string>(),
-                 from_us(rows[0][2].as<std::int64_t>())};
+    return Visit{session_id, rows[0]["data_set_id"].as<std::string>(),
+                 rows[0]["link_id"].as<std::string>(),
+                 from_us(rows[0]["expires_us"].as<std::int64_t>())};
   });
 }
 
@@ -299,7 +302,7 @@ Result<std::vector<std::string>> SharingRepository::expired_visits(Time now) {
     for (const pqxx::row& row : transaction.exec_params(
              "SELECT session_id FROM visits WHERE expires_at <= to_timestamp($1::bigint / 1e6)",
              to_us(now))) {
-      over.push_back(row[0].as<std::string>());
+      over.push_back(row["session_id"].as<std::string>());
     }
     return over;
   });
