@@ -23,8 +23,8 @@ void move_presets(pqxx::work& transaction, const std::string& data_set,
   const auto presets = transaction.exec_params(
       "SELECT id, scene FROM presets WHERE data_set_id = $1 FOR UPDATE", data_set);
   for (const pqxx::row& preset : presets) {
-    const auto moved = moved_scene(preset[1].as<std::string>(), shift);
-    const auto id = preset[0].as<std::string>();
+    const auto moved = moved_scene(preset["scene"].as<std::string>(), shift);
+    const auto id = preset["id"].as<std::string>();
     if (!moved) {
       transaction.exec_params("DELETE FROM presets WHERE id = $1", id);
       continue;
@@ -65,7 +65,7 @@ constexpr const char* kQuotaLeft = R"sql(
                            WHEN d.state IN ('uploading', 'queued', 'building')
                            THEN COALESCE(u.length, d.volume_bytes) END)
              FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
-            WHERE d.owner_id = o.id AND d.id <> $1), 0))::bigint
+            WHERE d.owner_id = o.id AND d.id <> $1), 0))::bigint AS quota_left
     FROM users o WHERE o.id = (SELECT owner_id FROM data_sets WHERE id = $1))sql";
 
 /// Leases the next job to $1 for $2 seconds. $3 is the size of the largest upload that it may take
@@ -104,24 +104,25 @@ constexpr const char* kClaimNext = R"sql(
   UPDATE ingest_jobs j
      SET leased_by = $1, leased_until = now() + make_interval(secs => $2)
     FROM next WHERE j.data_set_id = next.data_set_id
-  RETURNING j.data_set_id, COALESCE(j.upload_id::text, ''), j.attempts,
-            j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''), j.waits,
+  RETURNING j.data_set_id, COALESCE(j.upload_id::text, '') AS upload_id, j.attempts,
+            j.cut::text AS cut, COALESCE(j.cut_of, '') AS cut_of,
+            COALESCE(j.cut_result, '') AS cut_result, j.waits,
             j.interruptions)sql";
 
 /// Reads a row of kClaimNext.
 Job job_of(const pqxx::row& row) {
   Job job;
-  job.data_set_id = row[0].as<std::string>();
-  job.upload_id = row[1].as<std::string>();
-  job.attempts = row[2].as<int>();
-  job.waits = row[6].as<int>();
-  job.interruptions = row[7].as<int>();
-  if (!row[3].is_null()) {
-    auto region = volume::region_from_json(row[3].as<std::string>());
+  job.data_set_id = row["data_set_id"].as<std::string>();
+  job.upload_id = row["upload_id"].as<std::string>();
+  job.attempts = row["attempts"].as<int>();
+  job.waits = row["waits"].as<int>();
+  job.interruptions = row["interruptions"].as<int>();
+  if (!row["cut"].is_null()) {
+    auto region = volume::region_from_json(row["cut"].as<std::string>());
     // `api` validated the region with the same code. A region that is now invalid keeps nothing,
     // so the cut is refused.
-    job.cut = CutOrder{region.value_or(volume::Region{}), row[4].as<std::string>(),
-                       row[5].as<std::string>()};
+    job.cut = CutOrder{region.value_or(volume::Region{}), row["cut_of"].as<std::string>(),
+                       row["cut_result"].as<std::string>()};
   }
   return job;
 }
@@ -243,9 +244,9 @@ struct PostgresJobs::Impl {
         RETURNING j.data_set_id, j.interruptions, lost.pause)sql",
         first_pause_seconds, longest_pause_seconds);
     for (const pqxx::row& row : rows) {
-      log::warning("job_interrupted", {{"data_set", row[0].as<std::string>()},
-                                       {"interruptions", row[1].as<int>()},
-                                       {"pause_s", row[2].as<double>()}});
+      log::warning("job_interrupted", {{"data_set", row["data_set_id"].as<std::string>()},
+                                       {"interruptions", row["interruptions"].as<int>()},
+                                       {"pause_s", row["pause"].as<double>()}});
     }
   }
 
@@ -282,7 +283,7 @@ Result<std::optional<Job>> PostgresJobs::claim() {
     Job job = job_of(rows[0]);
     if (job.cut) return job;
     const auto left = transaction.exec_params(kQuotaLeft, job.data_set_id);
-    if (!left.empty()) job.quota_left = left[0][0].as<std::uint64_t>();
+    if (!left.empty()) job.quota_left = left[0]["quota_left"].as<std::uint64_t>();
     return job;
   });
 }
@@ -314,8 +315,8 @@ Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& he
     const Hold hold = impl_->take(transaction, job);
     if (hold != Hold::kOurs) return hold;
     const auto left = transaction.exec_params(kQuotaLeft, job.data_set_id);
-    if (!left.empty() && bytes > left[0][0].as<std::uint64_t>()) {
-      const Verdict refusal = over_quota(bytes, left[0][0].as<std::uint64_t>());
+    if (!left.empty() && bytes > left[0]["quota_left"].as<std::uint64_t>()) {
+      const Verdict refusal = over_quota(bytes, left[0]["quota_left"].as<std::uint64_t>());
       impl_->refuse(transaction, job, refusal.code, refusal.text);
       transaction.exec_params(
           "INSERT INTO disposals (kind, id) VALUES ('volume', $1) ON CONFLICT DO NOTHING",
@@ -369,7 +370,8 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
   return impl_->transact([&](pqxx::work& transaction) {
     const auto order = transaction.exec_params(
         R"sql(
-        SELECT asked_by, cut_shift[1], cut_shift[2], cut_shift[3] FROM ingest_jobs
+        SELECT asked_by, cut_shift[1] AS shift_x, cut_shift[2] AS shift_y, cut_shift[3] AS shift_z
+          FROM ingest_jobs
          WHERE data_set_id = $1 AND cut_shift IS NOT NULL)sql",
         job.data_set_id);
     const Hold hold = impl_->take(transaction, job);
@@ -388,14 +390,15 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
     if (order.empty())
       throw std::logic_error("an anonymisation was finished without a recorded order");
     const pqxx::row row = order[0];
-    move_presets(transaction, job.data_set_id,
-                 {row[1].as<double>(), row[2].as<double>(), row[3].as<double>()});
+    move_presets(
+        transaction, job.data_set_id,
+        {row["shift_x"].as<double>(), row["shift_y"].as<double>(), row["shift_z"].as<double>()});
     transaction.exec_params(
         R"sql(
         INSERT INTO audit_log (happened_at, actor, actor_id, action, subject, subject_id, details)
         VALUES (now(), CASE WHEN $1::uuid IS NULL THEN 'machine' ELSE 'person' END, $1::uuid,
                 'data-set.anonymised', 'data_set', $2::uuid, jsonb_build_object('voxels', $3::bigint)))sql",
-        row[0].is_null() ? nullptr : row[0].c_str(), job.data_set_id,
+        row["asked_by"].is_null() ? nullptr : row["asked_by"].c_str(), job.data_set_id,
         static_cast<std::int64_t>(header.voxel_count()));
     return hold;
   });
@@ -439,10 +442,11 @@ Result<QueueState> PostgresJobs::queue() {
   return impl_->transact([](pqxx::work& transaction) {
     const auto row = transaction.exec1(
         R"sql(
-        SELECT count(*), count(waiting_for), count(*) FILTER (WHERE interruptions > 1)
+        SELECT count(*) AS jobs, count(waiting_for) AS waiting,
+               count(*) FILTER (WHERE interruptions > 1) AS suspects
           FROM ingest_jobs)sql");
-    return QueueState{row[0].as<std::int64_t>(), row[1].as<std::int64_t>(),
-                      row[2].as<std::int64_t>()};
+    return QueueState{row["jobs"].as<std::int64_t>(), row["waiting"].as<std::int64_t>(),
+                      row["suspects"].as<std::int64_t>()};
   });
 }
 
