@@ -21,7 +21,7 @@ CHOICES = {
     "everything": {
         "image": {"repository": "registry.example.org/x/diaphane", "digest": "sha256:" + "a" * 64, "pullSecrets": ["pull"]},
         "api": {"replicas": 3, "extraEnv": {"DIAPHANE_SAMPLE_TOKEN": "/secrets/token"}, "nodeSelector": {"pool": "web"}, "tolerations": [{"operator": "Exists"}]},
-        "edge": {"trustedProxies": ["10.0.0.0/8"]},
+        "edge": {"trustedProxies": ["10.0.0.0/8"]}, "legal": {"configMap": "legal"},
         "redis": {"tls": True}, "innerTls": {"plain": True, "secretName": "inner"},
         "ingest": {"replicas": 2, "antivirus": {"address": "clamd.security:3310"}, "nodeSelector": {"pool": "ingest"}, "tolerations": [{"key": "ingest", "operator": "Exists"}]},
         "operator": {"watchAllPods": True},

@@ -134,6 +134,16 @@ def test_limits_reach_the_programs(plane, tmp_path):
     assert environment["renderd"]["DIAPHANE_TEXTURE_MEMORY_MB"] == "256"
 
 
+def test_the_installations_own_texts_are_where_the_edge_reads_them(plane, tmp_path):
+    for given, wanted in (({}, []), ({"legal": {"configMap": "our-texts"}}, [{"name": "legal", "mountPath": "/etc/legal", "readOnly": True}])):
+        objects = rendered(plane, tmp_path, given)
+        spec = dict(pod_specs(objects))["Deployment/it-diaphane-api"]
+        edge = next(one for one in spec["containers"] if one["name"] == "edge")
+        assert [one for one in edge["volumeMounts"] if one["name"] == "legal"] == wanted
+        assert [one["configMap"]["name"] for one in spec["volumes"] if one["name"] == "legal"] == (["our-texts"] if given else [])
+    assert any("root /etc/legal;" in one["data"].get("nginx.conf", "") for one in objects if one["kind"] == "ConfigMap")
+
+
 TALKERS = {"api": "Deployment/it-diaphane-api", "gateway": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane", "operator": "Deployment/it-diaphane-operator"}
 
 

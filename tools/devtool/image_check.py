@@ -90,7 +90,7 @@ def _edge_config() -> tuple[str, int]:
     """Returns nginx's configuration with the chart's paths and a free loopback port."""
     port = ports.random_free()["edge"]
     values = {"LISTEN": f"127.0.0.1:{port}", "API_PORT": "8081", "STREAM_PORT": "8082", "STATIC_DIR": "/opt/diaphane/page", "RUN_DIR": "/run/edge",
-              "CACHE_DIR": "/data/cache", "LOG": "/tmp/access.log", "PUBLIC_HOST": "diaphane.test"}
+              "CACHE_DIR": "/data/cache", "LEGAL_DIR": "/etc/legal", "LOG": "/tmp/access.log", "PUBLIC_HOST": "diaphane.test"}
     return plan.filled((paths.REPO / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8"), values), port
 
 

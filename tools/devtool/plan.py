@@ -13,7 +13,7 @@ from .layout import Layout
 POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
 
 #: Folders of a data directory (docs/contracts.md), besides `postgres`, which initdb creates. `secrets` has mode 0700.
-FOLDERS = ("redis", "uploads", "volumes", "cache", "mail", "scratch", "run", "logs", "secrets")
+FOLDERS = ("redis", "uploads", "volumes", "cache", "legal", "mail", "scratch", "run", "logs", "secrets")
 
 #: Variables of the user's environment that are passed to the programs. No others are.
 PASSED_ON = ("PATH", "LANG", "TZ", "LD_LIBRARY_PATH", "CUDA_VISIBLE_DEVICES", "NVIDIA_VISIBLE_DEVICES",
@@ -181,7 +181,7 @@ def nginx_conf(s: Settings, template: str) -> str:
     """Returns the edge's configuration with every @NAME@ replaced."""
     values = {
         "LISTEN": f"127.0.0.1:{s.ports['edge']}", "API_PORT": s.ports["api"], "STREAM_PORT": s.ports["stream"],
-        "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache",
+        "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache", "LEGAL_DIR": s.data / "legal",
         "LOG": s.data / "logs" / "edge.log", "PUBLIC_HOST": s.host,
     }
     return filled(template, values)

@@ -6,6 +6,7 @@ import { common } from "./de/common";
 import { cut } from "./de/cut";
 import { home } from "./de/home";
 import { kernel } from "./de/kernel";
+import { legal } from "./de/legal";
 import { live } from "./de/live";
 import { myAccount } from "./de/my_account";
 import { presets } from "./de/presets";
@@ -29,6 +30,7 @@ export const de: Texts = {
   cut,
   home,
   kernel,
+  legal,
   live,
   myAccount,
   presets,

@@ -3,6 +3,7 @@ import type { Fleet } from "../api/types";
 import { t } from "../texts";
 import { Audit } from "./admin_audit";
 import { Users } from "./admin_users";
+import { LegalReminder } from "./legal";
 import { Link } from "./router";
 import { adminParts, type AdminPart } from "./routes";
 import { Notice, PageTitle } from "./shell";
@@ -15,6 +16,7 @@ export function Admin({ part }: { readonly part: AdminPart }) {
   return (
     <div class="page admin">
       <PageTitle text={t.titles.admin} />
+      <LegalReminder />
       <AdminTabs at={part} />
       {part === "users" ? <Users /> : part === "audit" ? <Audit /> : <FleetState />}
     </div>

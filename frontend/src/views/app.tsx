@@ -10,6 +10,7 @@ import { ConfirmEmail, Forgot, Reset } from "./forgot";
 import { Gallery } from "./gallery";
 import { Home } from "./home";
 import { Join } from "./join";
+import { Legal } from "./legal";
 import { MyAccount } from "./my_account";
 import { Loading } from "./loading";
 import { Link, navigate, route } from "./router";
@@ -45,7 +46,7 @@ function Page() {
 
 const framed = (content: ComponentChildren): JSX.Element => <Shell>{content}</Shell>;
 
-/** The pages of mailed and shared links, which do not depend on who is signed in. */
+/** The pages that do not depend on who is signed in: those of mailed and shared links, and of the installation. */
 function linkedPage(at: Route): JSX.Element | null {
   switch (at.page) {
     case "verify":
@@ -54,6 +55,8 @@ function linkedPage(at: Route): JSX.Element | null {
       return framed(<Reset token={at.token} />);
     case "forgot":
       return framed(<Forgot />);
+    case "legal":
+      return framed(<Legal key={at.legal} page={at.legal} />);
     case "join":
       return <Join key={at.token} token={at.token} />;
     case "shared":

@@ -6,11 +6,16 @@ export type Route =
         "home" | "scans" | "add" | "sign_in" | "sign_up" | "forgot" | "account" | "gallery" | "reports" | "not_found";
     }
   | { readonly page: "admin"; readonly part: AdminPart }
+  | { readonly page: "legal"; readonly legal: LegalPage }
   | { readonly page: "verify" | "join" | "shared" | "reset" | "confirm_email"; readonly token: string }
   | { readonly page: "view" | "sample" | "cut"; readonly dataSetId: string };
 
 export const adminParts = ["users", "audit", "fleet"] as const;
 export type AdminPart = (typeof adminParts)[number];
+
+/** The installation's own pages. Each is the first word of its path. */
+export const legalPages = ["privacy", "terms", "contact"] as const;
+export type LegalPage = (typeof legalPages)[number];
 
 interface Rest {
   /** The second segment of the path, or empty. */
@@ -44,6 +49,9 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   shared: ({ hash }) => (secret.test(hash) ? { page: "shared", token: hash } : null),
   sample: ({ second }) => (id.test(second) ? { page: "sample", dataSetId: second } : null),
   gallery: () => ({ page: "gallery" }),
+  privacy: () => ({ page: "legal", legal: "privacy" }),
+  terms: () => ({ page: "legal", legal: "terms" }),
+  contact: () => ({ page: "legal", legal: "contact" }),
   cut: ({ second }) => (id.test(second) ? { page: "cut", dataSetId: second } : null),
   reports: () => ({ page: "reports" }),
   view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),

@@ -6,6 +6,7 @@ import { changeLanguage, language, t } from "../texts";
 import { languages, type Language } from "../texts/choose";
 import { IconButton } from "./icon_button";
 import { Icon, Mark } from "./icons";
+import { LegalLinks } from "./legal_links";
 import { Link, navigate, route } from "./router";
 import { useApp } from "./state";
 import { theme, toggleTheme } from "./theme";
@@ -82,6 +83,7 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
         {children}
       </main>
       <footer class="foot">
+        <LegalLinks />
         <LanguageChoice />
       </footer>
     </>

@@ -5,6 +5,7 @@ import { common } from "./common";
 import { cut } from "./cut";
 import { home } from "./home";
 import { kernel } from "./kernel";
+import { legal } from "./legal";
 import { live } from "./live";
 import { presets } from "./presets";
 import { myAccount } from "./my_account";
@@ -28,6 +29,7 @@ export const en = {
   cut,
   home,
   kernel,
+  legal,
   live,
   presets,
   myAccount,
