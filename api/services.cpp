@@ -18,10 +18,13 @@ Stores::Stores(const std::string& postgres) : database(postgres, kConnections) {
 AccountServices::AccountServices(const Backends& on)
     : hasher(kHashingSlots),
       factor_store(on.stores.database),
-      code_check(factor_store, on.stores.accounts, on.settings.factor_key.value(), on.clock,
-                 on.signals, {.public_url = on.settings.public_url}),
-      accounts(on.stores.accounts, hasher, code_check, on.settings.factor_key.value(), on.clock,
-               on.signals, {.public_url = on.settings.public_url}),
+      code_check(
+          factor_store, on.stores.accounts, on.settings.factor_key.value(), on.clock, on.signals,
+          {.public_url = on.settings.public_url, .consent_version = on.settings.consent_version}),
+      accounts(
+          on.stores.accounts, hasher, code_check, on.settings.factor_key.value(), on.clock,
+          on.signals,
+          {.public_url = on.settings.public_url, .consent_version = on.settings.consent_version}),
       second_factors(factor_store, accounts, code_check, on.settings.factor_key.value(), on.clock,
                      on.signals, {}),
       changes(on.stores.account_changes, on.stores.accounts, accounts, hasher, on.placed, on.clock,

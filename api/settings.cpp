@@ -2,6 +2,8 @@
 
 #include <fstream>
 
+#include "api/service/accounts.h"
+#include "api/service/audit.h"
 #include "common/postgres/address.h"
 
 namespace diaphane::api {
@@ -37,6 +39,17 @@ void read_directories(ConfigReader& in, Settings& s) {
 void read_mail(ConfigReader& in, Settings& s) {
   s.mail = in.text("mail", "where emails go: file:DIRECTORY or smtp://[user:password@]host:port");
   s.mail_from = in.text("mail-from", "sender of the emails: address or Name <address>");
+}
+
+void read_consent_version(ConfigReader& in, Settings& s) {
+  s.consent_version =
+      in.text("consent-version",
+              "version of the privacy notice that users agree to; with a new one, all users are "
+              "asked again",
+              kPrivacyTemplate);
+  if (!is_code_word(s.consent_version)) {
+    in.mistake("--consent-version: must be 1 to 40 characters of a-z, 0-9, '_', '.' and '-'");
+  }
 }
 
 void read_limits(ConfigReader& in, Settings& s) {
@@ -92,6 +105,7 @@ Settings read_settings(ConfigReader& in) {
   read_ports_and_origin(in, s);
   read_directories(in, s);
   read_mail(in, s);
+  read_consent_version(in, s);
   read_limits(in, s);
   s.background = std::chrono::milliseconds(
       in.integer("background-ms", "maximum time between two runs of a background task, in ms", 50,

@@ -16,6 +16,7 @@ namespace diaphane::api {
 /// Settings of the REST API.
 struct Settings {
   std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
+  std::string consent_version;  ///< of the privacy notice
   std::string sample_token, admin_address, fleet;
   std::optional<SealingKey> factor_key;
   std::uint16_t api_port = 0, admin_port = 0;

@@ -27,6 +27,10 @@ HASHES = {
 }
 
 
+#: The default of the setting `consent-version`.
+PRIVACY_NOTICE = "2026-11-26"
+
+
 class Seeded(NamedTuple):
     """A signed-in user: the id, the cookie's value, and the CSRF token."""
 
@@ -40,11 +44,11 @@ def write_person(psql: Callable[..., Any], email: str, role: str = "", password:
     `consents`: to recordings."""
     made, token, csrf = str(uuid.uuid4()), os.urandom(32).hex(), os.urandom(32).hex()
     psql("""WITH made AS (
-              INSERT INTO users (id, email, email_key, password_hash, verified_at, is_administrator, recording_consent_at)
-              VALUES (%s, %s, lower(%s), %s, CASE WHEN %s THEN now() END, %s, CASE WHEN %s THEN now() END) RETURNING id)
+              INSERT INTO users (id, email, email_key, password_hash, verified_at, is_administrator, recording_consent_at, consent_version, consent_at)
+              VALUES (%s, %s, lower(%s), %s, CASE WHEN %s THEN now() END, %s, CASE WHEN %s THEN now() END, %s, now()) RETURNING id)
             INSERT INTO web_sessions (token_hash, user_id, csrf_token, expires_at)
             SELECT %s, id, %s, now() + interval '14 days' FROM made""",
-         made, email, email, HASHES[password], role != "unverified", role == "administrator", consents, stored(token), csrf)
+         made, email, email, HASHES[password], role != "unverified", role == "administrator", consents, PRIVACY_NOTICE, stored(token), csrf)
     return Seeded(made, token, csrf)
 
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "api/postgres/audit_repository.h"
+
 namespace diaphane::api {
 namespace {
 
@@ -49,10 +51,11 @@ Result<void> AccountRepository::sign_up(const SignUp& sign_up, Time now) {
     transaction.exec_params0(
         R"sql(
         WITH account AS (
-          INSERT INTO users AS u (id, email, email_key, created_at)
-          VALUES ($1, $2, $3, to_timestamp($6::bigint / 1e6))
+          INSERT INTO users AS u (id, email, email_key, created_at, consent_version, consent_at)
+          VALUES ($1, $2, $3, to_timestamp($6::bigint / 1e6), $12, to_timestamp($6::bigint / 1e6))
           ON CONFLICT (email_key) DO UPDATE
-             SET email = excluded.email, created_at = excluded.created_at
+             SET email = excluded.email, created_at = excluded.created_at,
+                 consent_version = excluded.consent_version, consent_at = excluded.consent_at
            WHERE u.verified_at IS NULL
           RETURNING id),
         token AS (
@@ -65,7 +68,7 @@ Result<void> AccountRepository::sign_up(const SignUp& sign_up, Time now) {
         sign_up.user_id, sign_up.email, sign_up.email_key, sign_up.token_hash,
         to_us(sign_up.token_expires_at), to_us(now), sign_up.welcome.recipient,
         sign_up.welcome.subject, sign_up.welcome.body, sign_up.already_there.subject,
-        sign_up.already_there.body);
+        sign_up.already_there.body, sign_up.consent_version);
     return {};
   });
 }
@@ -199,6 +202,37 @@ Result<Quota> AccountRepository::quota_of(const std::string& user_id) {
     if (limit.empty()) return fail(ErrorCode::kNotFound, "Account not found.");
     return Quota{limit[0]["quota_bytes"].as<std::int64_t>(),
                  transaction.exec_params1(kUsedBytes, user_id)["used_bytes"].as<std::int64_t>()};
+  });
+}
+
+Result<std::optional<Time>> AccountRepository::consent_at(const std::string& user_id,
+                                                          const std::string& version) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Time>> {
+    const pqxx::result given = transaction.exec_params(R"sql(
+        SELECT (extract(epoch FROM consent_at) * 1000000)::bigint
+          FROM users WHERE id = $1::uuid AND consent_version = $2)sql",
+                                                       user_id, version);
+    if (given.empty()) return std::nullopt;
+    return from_us(given[0][0].as<std::int64_t>());
+  });
+}
+
+Result<void> AccountRepository::give_consent(const std::string& user_id, const std::string& version,
+                                             Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0(R"sql(
+        UPDATE users SET consent_version = $2, consent_at = to_timestamp($3::bigint / 1e6)
+         WHERE id = $1::uuid)sql",
+                             user_id, version, to_us(now));
+    note_in_audit_log(transaction,
+                      {AuditActor::kPerson,
+                       user_id,
+                       "account.consent-given",
+                       "account",
+                       user_id,
+                       {{"version", version}}},
+                      now);
+    return {};
   });
 }
 

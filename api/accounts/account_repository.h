@@ -22,6 +22,10 @@ class AccountRepository final : public AccountStore {
   Result<void> touch_session(const std::string& token_hash, Time used_at) override;
   Result<void> close_session(const std::string& token_hash) override;
   Result<Quota> quota_of(const std::string& user_id) override;
+  Result<std::optional<Time>> consent_at(const std::string& user_id,
+                                         const std::string& version) override;
+  Result<void> give_consent(const std::string& user_id, const std::string& version,
+                            Time now) override;
   Result<std::optional<std::chrono::seconds>> note_attempt(const std::vector<AttemptLimit>& limits,
                                                            Time now) override;
   Result<void> forget_attempts(const std::string& key_hash, std::optional<Time> at) override;

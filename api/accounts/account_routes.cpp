@@ -6,6 +6,8 @@
 namespace diaphane::api {
 namespace {
 
+constexpr std::size_t kMostVersionCharacters = 40;
+
 /// The approximate browser name that the edge derives from User-Agent, which it does not forward.
 std::string browser_of(const Request& request) {
   std::string name(request.header("x-browser").substr(0, 60));
@@ -18,6 +20,10 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
   DIAPHANE_TRY(quota);
   const auto time = render_time.account(who.user_id);
   DIAPHANE_TRY(time);
+  const auto consent_at = accounts.consent_at(who);
+  DIAPHANE_TRY(consent_at);
+  nlohmann::ordered_json consent{{"version", accounts.consent_version()}, {"given_at", nullptr}};
+  if (*consent_at) consent["given_at"] = rfc3339(**consent_at);
   nlohmann::ordered_json spent{{"quota_ms", time->quota_ms},
                                {"used_ms", time->used_ms},
                                {"renewed_at", rfc3339(time->next_month)},
@@ -30,6 +36,7 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
                              {"csrf_token", who.csrf_token},
                              {"administrator", who.administrator || who.administrator_waits},
                              {"second_factor", who.second_factor},
+                             {"consent", std::move(consent)},
                              {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}},
                              {"render_time", std::move(spent)}});
 }
@@ -42,8 +49,10 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
                                    const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
+    const bool consents = in.boolean("consent");
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.sign_up(email, request.address, who.language);
+    const auto done = accounts.sign_up(email, consents ? Consent::kGiven : Consent::kMissing,
+                                       request.address, who.language);
     DIAPHANE_TRY(done);
     return empty_response(202);
   };
@@ -81,6 +90,15 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
     DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
+  const auto give_consent = [&accounts](const Request& request,
+                                        const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string version = in.text("version", 1, kMostVersionCharacters);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = accounts.give_consent(who, version);
+    DIAPHANE_TRY(done);
+    return empty_response(204);
+  };
   const auto get_me = [&accounts, &render_time](const Request&, const Principal& who) {
     return me(accounts, render_time, who);
   };
@@ -90,6 +108,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
       {"POST", "/v1/sign-in", "signIn", Access::kAnyone, sign_in, {}},
       {"POST", "/v1/sign-out", "signOut", Access::kPerson, sign_out, {}},
       {"GET", "/v1/me", "getMe", Access::kPerson, get_me, {}},
+      {"POST", "/v1/me/consent", "giveConsent", Access::kPerson, give_consent, {}},
   };
 }
 

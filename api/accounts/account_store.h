@@ -23,8 +23,9 @@ struct SignUp {
   std::string email_key;
   std::string token_hash;  ///< secrets.h, blake2b
   Time token_expires_at;
-  Mail welcome;        ///< with the link
-  Mail already_there;  ///< for an address that already has a verified account
+  std::string consent_version;  ///< of the privacy notice that the user agreed to
+  Mail welcome;                 ///< with the link
+  Mail already_there;           ///< for an address that already has a verified account
 };
 
 struct Account {
@@ -93,6 +94,12 @@ class AccountStore {
   virtual Result<void> close_session(const std::string& token_hash) = 0;
 
   virtual Result<Quota> quota_of(const std::string& user_id) = 0;
+  /// Returns when the user consented to this version of the privacy notice, or nothing.
+  virtual Result<std::optional<Time>> consent_at(const std::string& user_id,
+                                                 const std::string& version) = 0;
+  /// Also recorded in the audit log.
+  virtual Result<void> give_consent(const std::string& user_id, const std::string& version,
+                                    Time now) = 0;
 
   /// Records an attempt for every key. If a key is at its limit, records nothing and returns the
   /// time until the next attempt is allowed.

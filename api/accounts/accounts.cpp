@@ -41,9 +41,13 @@ std::optional<std::string> Accounts::known(const std::optional<Account>& account
   return nonce;
 }
 
-Outcome<void> Accounts::sign_up(const std::string& email, const std::string& address,
-                                Language language) {
+Outcome<void> Accounts::sign_up(const std::string& email, Consent consent,
+                                const std::string& address, Language language) {
   if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
+  if (consent != Consent::kGiven) {
+    return refuse_field("consent",
+                        "To create an account, agree to the processing of your health data.");
+  }
 
   const auto now = clock_.wall();
   const std::string key = email_key(email);
@@ -67,6 +71,7 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& add
       key,
       blake2b(token),
       now + options_.link_life,
+      options_.consent_version,
       mails::welcome(language, email, options_.public_url + "/verify#token=" + token),
       mails::already_there(language, email, options_.public_url + "/")};
   const auto done = store_.sign_up(sign_up, now);
@@ -225,6 +230,22 @@ Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal rene
     principal.renewed = true;
   }
   return principal;
+}
+
+Outcome<std::optional<Time>> Accounts::consent_at(const Principal& who) {
+  const auto given = store_.consent_at(who.user_id, options_.consent_version);
+  if (!given) return refuse(given.error());
+  return *given;
+}
+
+Outcome<void> Accounts::give_consent(const Principal& who, const std::string& version) {
+  if (version != options_.consent_version) {
+    return refuse_field("version",
+                        "The privacy notice has changed. Reload the page and read it again.");
+  }
+  const auto done = store_.give_consent(who.user_id, version, clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
 }
 
 Outcome<Quota> Accounts::quota_of(const std::string& user_id) {

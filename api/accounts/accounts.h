@@ -31,7 +31,13 @@ struct Principal {
   Language language = Language::kEnglish;  ///< of the request, with or without an account
 };
 
-/// Sign-up, sign-in and sign-out. Thread-safe.
+/// Date of the template of the privacy notice (frontend/public/legal).
+inline constexpr const char* kPrivacyTemplate = "2026-11-26";
+
+/// Whether a user agrees to the processing of health data as the privacy notice describes it.
+enum class Consent { kGiven, kMissing };
+
+/// Sign-up, sign-in, consent and sign-out. Thread-safe.
 class Accounts {
  public:
   struct Options {
@@ -49,6 +55,8 @@ class Accounts {
     int sign_ups_by_address = 30;  ///< in `window`
     /// Sign-up emails to one address in `window`. Each contains a valid link.
     int mails_by_recipient = 4;
+    /// Version of the privacy notice that users have to agree to.
+    std::string consent_version = kPrivacyTemplate;
   };
 
   struct Opened {
@@ -63,10 +71,10 @@ class Accounts {
   Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const SealingKey& key,
            const Clock& clock, const Signals& signals, Options options);
 
-  /// Sends a link. Returns kInvalid only for errors that reveal no account and otherwise succeeds,
-  /// whether or not the account exists. `address` is the peer's, for the rate limit.
-  /// `language` is that of the email.
-  Outcome<void> sign_up(const std::string& email, const std::string& address,
+  /// Sends a link. Returns kInvalid only without consent or for errors that reveal no account, and
+  /// otherwise succeeds, whether or not the account exists. `address` is the peer's, for the rate
+  /// limit. `language` is that of the email.
+  Outcome<void> sign_up(const std::string& email, Consent consent, const std::string& address,
                         Language language = Language::kEnglish);
   /// Only the holder of the emailed token can choose the password, because the token proves access
   /// to the mailbox (docs/adr/0034). Returns kLinkExpired for an unknown, used or expired token.
@@ -91,6 +99,11 @@ class Accounts {
   /// Extends the expiry. Returns kUnauthenticated if the cookie is forged, unknown or expired.
   Outcome<Principal> authenticate(const std::string& token, Renewal renewal = Renewal::kYes);
   Outcome<Quota> quota_of(const std::string& user_id);
+  const std::string& consent_version() const { return options_.consent_version; }
+  /// Returns when the user consented to the current privacy notice, or nothing.
+  Outcome<std::optional<Time>> consent_at(const Principal& who);
+  /// Returns kInvalid for any version but the current one, because the user has read another text.
+  Outcome<void> give_consent(const Principal& who, const std::string& version);
 
   std::chrono::seconds session_life() const { return options_.session_life; }
   /// Called after a browser was signed out, to end its streams.

@@ -25,7 +25,7 @@ class AccountsTest : public testing::Test {
     return body.substr(body.find("#token=") + 7, 64);
   }
   void sign_up_and_verify() {
-    ASSERT_TRUE(accounts.sign_up(kEmail, "1.2.3.4"));
+    ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "1.2.3.4"));
     ASSERT_TRUE(accounts.verify(token_in_last_mail(), kPassword));
   }
   ProblemKind refused_sign_in(const std::string& password, const std::string& address = "1.2.3.4") {
@@ -55,7 +55,7 @@ TEST_F(AccountsTest, StoredDataDoesNotAuthenticate) {
 }
 
 TEST_F(AccountsTest, ALinkWorksOnce) {
-  ASSERT_TRUE(accounts.sign_up(kEmail, "1.2.3.4"));
+  ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "1.2.3.4"));
   EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kWrongCredentials);
   const std::string token = token_in_last_mail();
   EXPECT_EQ(accounts.verify(token, "short").error().kind, ProblemKind::kInvalid);
@@ -65,10 +65,11 @@ TEST_F(AccountsTest, ALinkWorksOnce) {
 }
 
 TEST_F(AccountsTest, AnyMailedLinkWorksDespiteRepeatedSignUps) {
-  for (int i = 0; i < 6; ++i) ASSERT_TRUE(accounts.sign_up(kEmail, std::to_string(i)));
+  for (int i = 0; i < 6; ++i)
+    ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, std::to_string(i)));
   ASSERT_EQ(store.mails.size(), 4u) << "a mailbox is not filled by strangers";
   const std::string newest = token_in_last_mail();
-  ASSERT_TRUE(accounts.sign_up(kEmail, "the owner"));
+  ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "the owner"));
   EXPECT_EQ(token_in_last_mail(), newest) << "the owner is mailed nothing";
   store.mails.erase(store.mails.begin() + 1, store.mails.end());
   const std::string oldest = token_in_last_mail();
@@ -81,9 +82,9 @@ TEST_F(AccountsTest, AnyMailedLinkWorksDespiteRepeatedSignUps) {
 }
 
 TEST_F(AccountsTest, SigningUpAgainLeavesEarlierLinksValid) {
-  ASSERT_TRUE(accounts.sign_up(kEmail, "1.2.3.4"));
+  ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "1.2.3.4"));
   const std::string mine = token_in_last_mail();
-  ASSERT_TRUE(accounts.sign_up(kEmail, "an attacker"));
+  ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "an attacker"));
   EXPECT_TRUE(accounts.verify(mine, kPassword));
 }
 
@@ -95,7 +96,7 @@ TEST_F(AccountsTest, AddressIsCaseInsensitive) {
 TEST_F(AccountsTest, SigningUpWithKnownAddressDoesNotRevealTheAccount) {
   sign_up_and_verify();
   const std::string hash = store.accounts.begin()->second.password_hash;
-  EXPECT_TRUE(accounts.sign_up(kEmail, "9.9.9.9"));
+  EXPECT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "9.9.9.9"));
   EXPECT_EQ(store.accounts.begin()->second.password_hash, hash);
   EXPECT_THAT(store.mails.back().subject, testing::HasSubstr("already"));
 }
@@ -215,15 +216,39 @@ TEST_F(AccountsTest, OnlyTheHolderOfThePasswordLearnsThatAnAccountIsDisabled) {
 }
 
 TEST_F(AccountsTest, LimitsSignUpsPerAddressToThirtyPerQuarterHour) {
-  EXPECT_EQ(invalid_field(accounts.sign_up("person", "1.2.3.4")), "email");
+  EXPECT_EQ(invalid_field(accounts.sign_up("person", Consent::kGiven, "1.2.3.4")), "email");
   for (int i = 0; i < 30; ++i) {
-    ASSERT_TRUE(accounts.sign_up(std::to_string(i) + "@example.org", "1.2.3.4"));
+    ASSERT_TRUE(accounts.sign_up(std::to_string(i) + "@example.org", Consent::kGiven, "1.2.3.4"));
   }
-  EXPECT_EQ(refusal(accounts.sign_up(kEmail, "1.2.3.4")), ProblemKind::kTooManyAttempts);
+  EXPECT_EQ(refusal(accounts.sign_up(kEmail, Consent::kGiven, "1.2.3.4")),
+            ProblemKind::kTooManyAttempts);
   EXPECT_EQ(store.mails.size(), 30u);
-  EXPECT_TRUE(accounts.sign_up(kEmail, "5.6.7.8"));
+  EXPECT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "5.6.7.8"));
   clock.advance(15min);
-  EXPECT_TRUE(accounts.sign_up("x@example.org", "1.2.3.4"));
+  EXPECT_TRUE(accounts.sign_up("x@example.org", Consent::kGiven, "1.2.3.4"));
+}
+
+TEST_F(AccountsTest, SigningUpNeedsConsentAndStoresItsVersion) {
+  EXPECT_EQ(invalid_field(accounts.sign_up(kEmail, Consent::kMissing, "1.2.3.4")), "consent");
+  EXPECT_TRUE(store.accounts.empty());
+  EXPECT_TRUE(store.mails.empty());
+  sign_up_and_verify();
+  const Principal who = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->principal;
+  EXPECT_EQ(accounts.consent_at(who).value(), clock.wall());
+  EXPECT_EQ(store.consents.at(who.user_id).first, kPrivacyTemplate);
+}
+
+TEST_F(AccountsTest, ANewPrivacyNoticeNeedsNewConsent) {
+  sign_up_and_verify();
+  Accounts later{store, hasher, codes, key, clock, {.consent_version = "2027-01-01"}};
+  const Principal who = later.sign_in(kEmail, kPassword, "", "1.2.3.4")->principal;
+  EXPECT_FALSE(later.consent_at(who).value());
+  EXPECT_EQ(invalid_field(later.give_consent(who, kPrivacyTemplate)), "version");
+  EXPECT_FALSE(later.consent_at(who).value());
+  clock.advance(1h);
+  ASSERT_TRUE(later.give_consent(who, "2027-01-01"));
+  EXPECT_EQ(later.consent_at(who).value(), clock.wall());
+  EXPECT_FALSE(accounts.consent_at(who).value());
 }
 
 TEST_F(AccountsTest, SigningOutEndsTheSessionAndItsStreams) {
@@ -248,14 +273,16 @@ TEST_F(AccountsTest, ARequestThatMustNotRenewASessionWritesNothing) {
 
 TEST_F(AccountsTest, EachStepThatFailsIsReportedAsUnavailable) {
   sign_up_and_verify();
-  ASSERT_TRUE(accounts.sign_up("other@example.org", "1.2.3.4"));
+  ASSERT_TRUE(accounts.sign_up("other@example.org", Consent::kGiven, "1.2.3.4"));
   const std::string link = token_in_last_mail();
   const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
   const Principal who = accounts.authenticate(token).value();
   clock.advance(5 * 24h);
   EXPECT_EQ(invalid_field(accounts.verify("no token", kPassword)), "token");
   EXPECT_EQ(invalid_field(accounts.confirm_password(who, "password", "wrong")), "password");
-  const auto sign_up = [&] { return refusal(accounts.sign_up("new@example.org", "1.2.3.4")); };
+  const auto sign_up = [&] {
+    return refusal(accounts.sign_up("new@example.org", Consent::kGiven, "1.2.3.4"));
+  };
   const auto verify = [&] { return refusal(accounts.verify(link, kPassword)); };
   const auto sign_in = [&] { return refusal(accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")); };
   const auto confirm = [&] { return refusal(accounts.confirm_password(who, "p", kPassword)); };

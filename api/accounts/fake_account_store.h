@@ -21,9 +21,10 @@ class FakeAccountStore final : public AccountStore, public Fake {
   std::map<std::string, Time> used_at;                ///< of a session, by token hash
   std::vector<std::pair<std::string, Time>> attempts;
   std::vector<Mail> mails;
+  std::map<std::string, std::pair<std::string, Time>> consents;  ///< version and time, by user ID
   int extended = 0;
 
-  Result<void> sign_up(const SignUp& s, Time) override {
+  Result<void> sign_up(const SignUp& s, Time now) override {
     DIAPHANE_TRY(enter("sign_up"));
     auto& account = accounts[s.email_key];
     if (account.verified) {
@@ -31,6 +32,7 @@ class FakeAccountStore final : public AccountStore, public Fake {
       return {};
     }
     if (account.id.empty()) account = {s.user_id, s.email, "", false, false};
+    consents[account.id] = {s.consent_version, now};
     tokens[s.token_hash] = s.email_key;
     mails.push_back(s.welcome);
     return {};
@@ -96,6 +98,18 @@ class FakeAccountStore final : public AccountStore, public Fake {
   Result<Quota> quota_of(const std::string&) override {
     DIAPHANE_TRY(enter("quota_of"));
     return Quota{1000, 0};
+  }
+  Result<std::optional<Time>> consent_at(const std::string& id,
+                                         const std::string& version) override {
+    DIAPHANE_TRY(enter("consent_at"));
+    const auto found = consents.find(id);
+    if (found == consents.end() || found->second.first != version) return std::nullopt;
+    return found->second.second;
+  }
+  Result<void> give_consent(const std::string& id, const std::string& version, Time now) override {
+    DIAPHANE_TRY(enter("give_consent"));
+    consents[id] = {version, now};
+    return {};
   }
   Result<std::optional<std::chrono::seconds>> note_attempt(const std::vector<AttemptLimit>& limits,
                                                            Time now) override {

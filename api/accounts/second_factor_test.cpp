@@ -109,7 +109,7 @@ class SecondFactorTest : public testing::Test {
  protected:
   void SetUp() override {
     clock.advance(1111111111s);
-    ASSERT_TRUE(accounts.sign_up(kEmail, "1.2.3.4"));
+    ASSERT_TRUE(accounts.sign_up(kEmail, Consent::kGiven, "1.2.3.4"));
     const std::string& body = store.mails.back().body;
     ASSERT_TRUE(accounts.verify(body.substr(body.find("#token=") + 7, 64), kPassword));
     who.user_id = store.accounts.begin()->second.id;

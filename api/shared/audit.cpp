@@ -4,15 +4,12 @@
 #include <stdexcept>
 
 namespace diaphane::api {
-namespace {
 
 bool is_code_word(std::string_view text) {
   return !text.empty() && text.size() <= 40 && std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
   });
 }
-
-}  // namespace
 
 std::string_view to_string(AuditActor actor) {
   switch (actor) {

@@ -26,6 +26,9 @@ std::string_view to_string(AuditActor actor);
 /// fit in.
 using AuditDetail = std::pair<std::string, std::variant<std::int64_t, std::string>>;
 
+/// Whether the text may be a detail.
+bool is_code_word(std::string_view text);
+
 struct AuditEntry {
   AuditActor actor = AuditActor::kPerson;
   std::string actor_id;  ///< empty for the system or a deleted account

@@ -127,11 +127,12 @@ def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, want
 
 
 def test_limits_reach_the_programs(plane, tmp_path):
-    specs = dict(pod_specs(rendered(plane, tmp_path, {"visitorShare": 10, "fleet": {"textureMemoryMb": 256}})))
+    specs = dict(pod_specs(rendered(plane, tmp_path, {"visitorShare": 10, "fleet": {"textureMemoryMb": 256}, "legal": {"consentVersion": "2027-01-01"}})))
     environment = {name: {one["name"]: one.get("value") for one in specs[pod]["containers"][0]["env"]}
                    for name, pod in {"api": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane"}.items()}
     assert environment["api"]["DIAPHANE_VISITOR_SHARE"] == environment["renderd"]["DIAPHANE_VISITOR_SHARE"] == "10"
     assert environment["renderd"]["DIAPHANE_TEXTURE_MEMORY_MB"] == "256"
+    assert environment["api"]["DIAPHANE_CONSENT_VERSION"] == "2027-01-01"
 
 
 def test_the_installations_own_texts_are_where_the_edge_reads_them(plane, tmp_path):

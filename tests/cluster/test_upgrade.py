@@ -66,6 +66,10 @@ def schema(stack) -> list[str]:
     return [name for name, in stack.psql("SELECT name FROM schema_migrations ORDER BY name")]
 
 
+#: The columns that every version has.
+USERS = "SELECT id, email, email_key, password_hash, created_at FROM users"
+
+
 def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, hooks, cluster, stack_factory, tmp_path):
     stores = stack_factory(only=("postgres",))
     prepare(plane, namespace)
@@ -85,7 +89,7 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
     # Users: rows, and sessions that they view.
     person = str(uuid.uuid4())
     stores.psql("INSERT INTO users (id, email, email_key, password_hash) VALUES (%s, %s, %s, %s)", person, "a@example.org", "a@example.org", "x")
-    rows = stores.psql("SELECT * FROM users")
+    rows = stores.psql(USERS)
     sessions = [str(uuid.uuid4()) for _ in range(3)]
     first, second = sorted(one["metadata"]["name"] for one in cluster.running() if "diaphane.dev/worker" in one["metadata"]["labels"])
     for session, worker in zip(sessions, (first, first, second)):
@@ -104,7 +108,7 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
             now = worker_pods()
             assert all(now.get(name) == uid for name, uid in pods.items()), "a worker with live sessions has gone"
             assert {session: cluster.redis.client.hgetall(f"diaphane:session:{session}") for session in sessions} == stored
-            assert stores.psql("SELECT * FROM users") == rows
+            assert stores.psql(USERS) == rows
             time.sleep(0.5)
 
     def exchanged(image: str) -> dict[str, str]:
@@ -130,7 +134,7 @@ def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, 
     now = yaml.safe_load((CHART / "Chart.yaml").read_text(encoding="utf-8"))["appVersion"]
     assert hooks.ran[-1][0] == f"diaphane:{now}" and schema(stores) == everything
     holder = exchanged(f"diaphane:{now}")
-    assert stores.psql("SELECT * FROM users") == rows
+    assert stores.psql(USERS) == rows
 
     plane.helm("rollback", "it", "1", "-n", namespace, "--wait", "--timeout", "180s")
     kept(holder, 2)

@@ -62,6 +62,7 @@ class Person:
         self.stack.psql("DELETE FROM attempts")
         self.page.goto(self.stack.url + "/sign-up")
         self.page.get_by_label("Email address").fill(self.email)
+        self.page.get_by_label("I agree").check()
         self.page.get_by_role("button", name="Create account").click()
         expect(self.page.get_by_role("heading", name="Check your email")).to_be_visible()
 

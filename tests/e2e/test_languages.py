@@ -32,6 +32,7 @@ def test_a_person_signs_up_and_looks_at_a_scan_in_german(stack: TestStack, visit
     page.get_by_label("E-Mail-Adresse").fill("keine")
     page.get_by_role("button", name="Konto erstellen").click()
     expect(page.get_by_text("Geben Sie eine E-Mail-Adresse im Format name@example.com ein.")).to_be_visible()
+    page.get_by_label("Ich willige ein").check()
     page.get_by_label("E-Mail-Adresse").fill(f"zweite-{owner.email}")
     page.get_by_role("button", name="Konto erstellen").click()
     expect(page.get_by_role("heading", name="Prüfen Sie Ihr Postfach")).to_be_visible()

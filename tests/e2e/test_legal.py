@@ -1,4 +1,4 @@
-"""The installation's own pages: privacy notice, terms and contact."""
+"""The installation's own pages (privacy notice, terms, contact), and the consent to the privacy notice."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def own_texts(stack: TestStack):
     """The folder of the operator's texts, empty again afterwards."""
     folder = stack.data_dir / "legal"
     yield folder
-    for file in folder.iterdir():
+    for file in folder.glob("*.txt"):
         file.unlink()
 
 
@@ -71,3 +71,46 @@ def test_every_page_around_an_account_links_to_them_and_administrators_are_remin
     person.becomes_administrator()
     person.page.goto(stack.url + "/admin/fleet")
     expect(person.page.get_by_text("you have to fill in: Privacy notice, Terms of use, Contact")).to_be_visible()
+
+
+def test_nobody_signs_up_without_agreeing_to_the_privacy_notice(stack: TestStack, visit, pictures: Path):
+    page = visit(phone=True)
+    page.goto(stack.url + "/sign-up")
+    box = page.get_by_label("I agree that this service processes my scans")
+    expect(box).not_to_be_checked()
+    page.get_by_label("Email address").fill("careful@example.org")
+    page.get_by_role("button", name="Create account").click()
+    expect(page.get_by_text("Tick this box to continue.")).to_be_visible()
+    expect(box).to_be_focused()
+    assert faults(page) == []
+    page.screenshot(path=pictures / "consent-sign-up.png", full_page=True)
+    with page.expect_popup() as notice:
+        page.get_by_role("link", name="Read the privacy notice").click()
+    expect(notice.value.get_by_role("heading", name="Privacy notice", level=1)).to_be_visible()
+    assert page.get_by_label("Email address").input_value() == "careful@example.org"
+
+
+def test_people_who_have_not_agreed_yet_are_asked_before_they_see_their_scans(stack: TestStack, visit, pictures: Path):
+    person = Person.arrives(stack, visit(wide=True), "earlier")
+    page = person.page
+    stack.psql("UPDATE users SET consent_version = NULL, consent_at = NULL WHERE email = %s", person.email)
+    page.goto(stack.url + "/scans")
+    expect(page.get_by_role("heading", name="We need your consent")).to_be_visible()
+    assert faults(page) == []
+    page.screenshot(path=pictures / "consent-asked.png")
+    # Their data are theirs even without it.
+    page.get_by_role("main").get_by_role("link", name="Your account").click()
+    expect(page.get_by_role("heading", name="Your data")).to_be_visible()
+    page.goto(stack.url + "/add")
+    page.get_by_role("button", name="Continue").click()
+    expect(page.get_by_text("Tick this box to continue.")).to_be_visible()
+    page.get_by_label("I agree").check()
+    page.get_by_role("button", name="Continue").click()
+    expect(page.get_by_role("heading", name="Add a scan")).to_be_visible()
+    page.reload()
+    expect(page.get_by_role("heading", name="Add a scan")).to_be_visible()
+
+    stack.psql("UPDATE users SET consent_version = 'older' WHERE email = %s", person.email)
+    page.goto(stack.url + "/scans")
+    page.get_by_role("main").get_by_role("button", name="Sign out").click()
+    expect(page.get_by_role("link", name="Sign in")).to_be_visible()

@@ -236,13 +236,14 @@ NEW_PASSWORD = "another long and quiet one"
 
 #: Bodies by operation: (world, requesting user) -> body.
 bodies: dict[str, Callable[[World, Person], Any]] = {
-    "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org"},
+    "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "consent": True},
     "verifyAccount": lambda world, who: {"token": world.token_for(world.someone("unverified"), "verify"),
                                          "password": NEW_PASSWORD},
     "signIn": lambda world, who: {"email": world.owner.email, "password": PASSWORD},
     "requestPasswordReset": lambda world, who: {"email": f"nobody-{uuid.uuid4().hex}@example.org"},
     "resetPassword": lambda world, who: {"token": world.token_for(world.owner, "reset"), "password": NEW_PASSWORD},
     "confirmEmailChange": lambda world, who: {"token": world.token_for(world.owner, "change")},
+    "giveConsent": lambda world, who: {"version": who.http.get("/v1/me").json().get("consent", {}).get("version", "none")},
     "changePassword": lambda world, who: {"current": PASSWORD, "password": NEW_PASSWORD},
     "requestEmailChange": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "password": PASSWORD},
     "beginSecondFactor": lambda world, who: {"password": PASSWORD},

@@ -102,7 +102,7 @@ class Person:
 
     def sign_up(self) -> "Person":
         forget_attempts(self.stack)
-        assert self.http.post("/v1/accounts", json={"email": self.email}).status_code == 202
+        assert self.http.post("/v1/accounts", json={"email": self.email, "consent": True}).status_code == 202
         token = link_token(self.stack, self.email)
         answer = self.shows_password("/v1/accounts/verify", {"token": token, "password": PASSWORD})
         assert answer.status_code == 204, answer.text

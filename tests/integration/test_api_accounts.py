@@ -6,6 +6,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from seeds import PRIVACY_NOTICE
 from api_client import PASSWORD, Person, api, client, forget_attempts, link_token, make_ready, problem, signed_up  # noqa: F401
 
 
@@ -13,7 +14,7 @@ def test_the_way_of_a_new_person(api):  # noqa: F811
     one = Person(api)
     forget_attempts(api)
     given = {"email": one.email, "password": PASSWORD}
-    assert one.http.post("/v1/accounts", json={"email": one.email}).status_code == 202
+    assert one.http.post("/v1/accounts", json={"email": one.email, "consent": True}).status_code == 202
     problem(one.http.post("/v1/sign-in", json=given), 401, "wrong-credentials")
     chosen = {"token": link_token(api, one.email), "password": PASSWORD}
     assert one.http.post("/v1/accounts/verify", json=chosen).status_code == 204
@@ -47,8 +48,8 @@ def test_a_cookie_that_was_signed_out_is_of_no_use(api):  # noqa: F811
 def test_nobody_learns_who_has_an_account(api):  # noqa: F811
     known = Person(api).sign_up()
     stranger = client(api)
-    again = stranger.post("/v1/accounts", json={"email": known.email.upper()})
-    fresh = stranger.post("/v1/accounts", json={"email": "fresh-" + known.email})
+    again = stranger.post("/v1/accounts", json={"email": known.email.upper(), "consent": True})
+    fresh = stranger.post("/v1/accounts", json={"email": "fresh-" + known.email, "consent": True})
     assert (again.status_code, again.content) == (fresh.status_code, fresh.content)
     api.wait_until(lambda: any("already" in m["Subject"] for m in api.mails()), what="the mail that says so")
     wrong = stranger.post("/v1/sign-in", json={"email": known.email, "password": "not the password"})
@@ -57,9 +58,33 @@ def test_nobody_learns_who_has_an_account(api):  # noqa: F811
     assert {k: v for k, v in a.items() if k != "request_id"} == {k: v for k, v in b.items() if k != "request_id"}
 
 
+def test_an_account_needs_consent_to_the_processing_of_health_data(api):  # noqa: F811
+    one = Person(api)
+    forget_attempts(api)
+    for given in ({}, {"consent": False}, {"consent": "yes"}):
+        document = problem(one.http.post("/v1/accounts", json={"email": one.email, **given}), 422, "invalid")
+        assert [error["field"] for error in document["errors"]] == ["consent"]
+    assert api.psql("SELECT count(*) FROM users WHERE email = %s", one.email) == [(0,)]
+    one.sign_up().sign_in()
+    consent = one.http.get("/v1/me").json()["consent"]
+    assert consent["version"] == PRIVACY_NOTICE and consent["given_at"]
+
+
+def test_an_account_without_the_current_consent_is_asked_and_gives_it(api):  # noqa: F811
+    one = signed_up(api)
+    api.psql("UPDATE users SET consent_version = 'older', consent_at = '2020-01-01' WHERE email = %s", one.email)
+    assert one.http.get("/v1/me").json()["consent"] == {"version": PRIVACY_NOTICE, "given_at": None}
+    problem(one.http.post("/v1/me/consent", json={"version": "older"}), 422, "invalid")
+    problem(one.http.post("/v1/me/consent", json={"version": "x" * 41}), 422, "invalid")
+    assert one.http.post("/v1/me/consent", json={"version": PRIVACY_NOTICE}).status_code == 204
+    assert one.http.get("/v1/me").json()["consent"]["given_at"]
+    assert api.psql("SELECT details->>'version' FROM audit_log WHERE action = 'account.consent-given' AND actor_id = "
+                    "(SELECT id FROM users WHERE email = %s)", one.email) == [(PRIVACY_NOTICE,)]
+
+
 def signs_up(api, email: str, mails: int) -> str:  # noqa: F811
     """Signs up this many times and returns the token in the newest mail."""
-    assert client(api).post("/v1/accounts", json={"email": email}).status_code == 202
+    assert client(api).post("/v1/accounts", json={"email": email, "consent": True}).status_code == 202
     api.wait_until(lambda: len(api.mails(email)) == mails, what="the mail")
     return link_token(api, email)
 
@@ -77,9 +102,9 @@ def test_a_stranger_who_signs_up_with_an_address_never_gets_its_account(api, ope
     api.wait_until(lambda: len(api.mails(owner.email)) == 1, what="the invitation")
     attacker = client(api)
     tokens = [signs_up(api, owner.email, mails) for mails in (2, 3, 4, 5)]
-    assert owner.http.post("/v1/accounts", json={"email": owner.email}).status_code == 202  # no further mail
+    assert owner.http.post("/v1/accounts", json={"email": owner.email, "consent": True}).status_code == 202  # no further mail
     password = "what the stranger would like"
-    problem(attacker.post("/v1/accounts", json={"email": owner.email, "password": password}), 422, "invalid")
+    problem(attacker.post("/v1/accounts", json={"email": owner.email, "consent": True, "password": password}), 422, "invalid")
 
     token = tokens[0] if opened == "first" else tokens[-1]
     assert owner.http.post("/v1/accounts/verify", json={"token": token, "password": PASSWORD}).status_code == 204
@@ -90,7 +115,7 @@ def test_a_stranger_who_signs_up_with_an_address_never_gets_its_account(api, ope
         problem(attacker.post("/v1/accounts/verify", json={"token": other, "password": password}), 410, "link-expired")
     # A later sign-up changes nothing either.
     forget_attempts(api)
-    assert attacker.post("/v1/accounts", json={"email": owner.email}).status_code == 202
+    assert attacker.post("/v1/accounts", json={"email": owner.email, "consent": True}).status_code == 202
     owner.sign_in()
 
 
@@ -106,7 +131,7 @@ def test_mails_of_one_kind_leave_room_for_the_others(api):  # noqa: F811
     assert one.http.post("/v1/accounts/verify", json=chosen).status_code == 204
     forget_attempts(api)
     for _ in range(5):
-        assert client(api).post("/v1/accounts", json={"email": one.email}).status_code == 202
+        assert client(api).post("/v1/accounts", json={"email": one.email, "consent": True}).status_code == 202
     assert client(api).post("/v1/password-reset", json={"email": one.email}).status_code == 202
     link_token(api, one.email, "reset")
 
@@ -129,7 +154,7 @@ def test_a_letter_box_is_not_filled_by_strangers(api):  # noqa: F811
     forget_attempts(api)
     one = Person(api)
     for _ in range(8):
-        assert one.http.post("/v1/accounts", json={"email": one.email}).status_code == 202
+        assert one.http.post("/v1/accounts", json={"email": one.email, "consent": True}).status_code == 202
     api.wait_until(lambda: api.psql("SELECT count(*) FROM mail_queue") == [(0,)], what="the queue's end")
     assert 1 <= len(api.mails(one.email)) <= 4
 
@@ -143,7 +168,7 @@ def test_passwords_are_refused_for_being_short_or_the_address_alone(api):  # noq
         document = problem(http.post("/v1/accounts/verify", json={"token": token, "password": password}), 422, "invalid")
         assert document["errors"][0]["field"] == "password"
     for address in ("nobody", "a@b@c", "a b@example.org", "<x@example.org>"):
-        document = problem(http.post("/v1/accounts", json={"email": address}), 422, "invalid")
+        document = problem(http.post("/v1/accounts", json={"email": address, "consent": True}), 422, "invalid")
         assert document["errors"][0]["field"] == "email"
 
 
@@ -235,6 +260,6 @@ def test_no_secret_is_in_the_database_or_the_logs(api):  # noqa: F811
 def test_a_mail_is_in_the_language_that_the_request_prefers(api, wanted, subject):
     one = Person(api)
     api.psql("DELETE FROM attempts")
-    assert one.http.post("/v1/accounts", json={"email": one.email}, headers={"Accept-Language": wanted}).status_code == 202
+    assert one.http.post("/v1/accounts", json={"email": one.email, "consent": True}, headers={"Accept-Language": wanted}).status_code == 202
     [mail] = api.wait_until(lambda: api.mails(one.email), what="the mail")
     assert mail["Subject"] == subject

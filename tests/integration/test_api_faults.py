@@ -92,7 +92,7 @@ def test_a_mail_that_could_not_be_sent_is_sent_later(stack):
     stack.stack.run_as.own(folder)
     stack.psql("DELETE FROM attempts")
     try:
-        assert one.http.post("/v1/accounts", json={"email": one.email}).status_code == 202
+        assert one.http.post("/v1/accounts", json={"email": one.email, "consent": True}).status_code == 202
         stack.wait_until(lambda: stack.psql("SELECT 1 FROM mail_queue WHERE attempts > 0"), what="a failed attempt")
     finally:
         folder.chmod(0o700)

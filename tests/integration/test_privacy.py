@@ -70,6 +70,7 @@ def test_an_export_holds_everything_of_the_person_and_nothing_of_others(api):  #
     assert file.read(f"scans/{ready}/presets/{preset}.jpg") == b"\xff\xd8 picture of " + preset.encode()
     records = {name: json.loads(file.read(name)) for name in names if name.endswith(".json") and name.startswith("records/")}
     [account] = records["records/users.id.json"]
+    assert account["consent_version"] and account["consent_at"]
     assert account["email"] == one.email and "password_hash" not in account
     assert {d["id"] for d in records["records/data_sets.owner_id.json"]} >= {ready, unfinished}
     assert [r["events"] for r in records["records/recordings.user_id.json"]] == [1]
@@ -189,7 +190,7 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
     before = len(api.mails(one.email))
     forget_attempts(api)
     fresh = Person(api, one.email)
-    assert fresh.http.post("/v1/accounts", json={"email": one.email}).status_code == 202
+    assert fresh.http.post("/v1/accounts", json={"email": one.email, "consent": True}).status_code == 202
     api.wait_until(lambda: len(api.mails(one.email)) > before, what="the mail")
     chosen = {"token": link_token(api, one.email), "password": PASSWORD}
     assert fresh.http.post("/v1/accounts/verify", json=chosen).status_code == 204

@@ -62,8 +62,13 @@ export class Api {
     return this.token;
   }
 
+  /** Only for a user who has agreed to the processing of health data. */
   async signUp(email: string): Promise<void> {
-    await this.send("POST", "/v1/accounts", { email });
+    await this.send("POST", "/v1/accounts", { email, consent: true });
+  }
+
+  async giveConsent(version: string): Promise<void> {
+    await this.send("POST", "/v1/me/consent", { version });
   }
 
   async verify(token: string, password: string): Promise<void> {

@@ -8,6 +8,8 @@ export interface Me {
   readonly administrator: boolean;
   /** Whether signing in requires a code. */
   readonly second_factor: boolean;
+  /** Consent to the processing of health data, null until it is given to this version of the privacy notice. */
+  readonly consent: { readonly version: string; readonly given_at: string | null };
   readonly quota: { readonly bytes: number; readonly used_bytes: number };
   /** Rendering time of this month. */
   readonly render_time: {

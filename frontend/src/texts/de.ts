@@ -3,6 +3,7 @@ import { account } from "./de/account";
 import { add } from "./de/add";
 import { admin } from "./de/admin";
 import { common } from "./de/common";
+import { consent } from "./de/consent";
 import { cut } from "./de/cut";
 import { home } from "./de/home";
 import { kernel } from "./de/kernel";
@@ -27,6 +28,7 @@ export const de: Texts = {
   account,
   add,
   admin,
+  consent,
   cut,
   home,
   kernel,

@@ -5,6 +5,7 @@ import { t } from "../texts";
 import { problemText } from "../texts/problem_text";
 import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
+import { ConsentBox } from "./consent";
 import { Field } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { MailedPassword } from "./mailed_password";
@@ -21,7 +22,8 @@ const both: readonly Credentials[] = ["email", "password"];
 export function SignUp() {
   const app = useApp();
   const [email, setEmail] = useState("");
-  const [faults, setFaults] = useState<Faults<"email">>({});
+  const [consents, setConsents] = useState(false);
+  const [faults, setFaults] = useState<Faults<"email" | "consent">>({});
   const [busy, setBusy] = useState(false);
   const [sent, setSent] = useState(false);
 
@@ -34,11 +36,12 @@ export function SignUp() {
     );
 
   const submit = async () => {
-    if (!looksLikeEmail(email)) {
-      setFaults({ email: email === "" ? t.account.required : t.account.emailWrong });
-      return;
-    }
-    setFaults({});
+    const found: Faults<"email" | "consent"> = {
+      ...(looksLikeEmail(email) ? {} : { email: email === "" ? t.account.required : t.account.emailWrong }),
+      ...(consents ? {} : { consent: t.consent.missing }),
+    };
+    setFaults(found);
+    if (found.email !== undefined || found.consent !== undefined) return;
     setBusy(true);
     try {
       await app.api.signUp(email.trim());
@@ -60,6 +63,7 @@ export function SignUp() {
           onInput={setEmail}
           {...fault(faults.email)}
         />
+        <ConsentBox given={consents} onChange={setConsents} {...fault(faults.consent)} />
       </Form>
       <p class="muted">
         {t.account.haveOne} <Link href="/sign-in">{t.account.signIn}</Link>

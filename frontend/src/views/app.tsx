@@ -5,6 +5,7 @@ import { language, t } from "../texts";
 import { SignIn, SignUp, Verify } from "./account";
 import { Admin } from "./admin";
 import { Add } from "./add";
+import { ConsentFirst } from "./consent";
 import { CutPage } from "./cut/cut_page";
 import { ConfirmEmail, Forgot, Reset } from "./forgot";
 import { Gallery } from "./gallery";
@@ -86,10 +87,18 @@ function openPage(at: Route, me: Me | null): JSX.Element | null {
 
 function accountPage(at: Route, me: Me): JSX.Element {
   switch (at.page) {
+    // Without a consent, people can still sign out, and download or delete their data.
     case "confirm_email":
       return framed(<ConfirmEmail token={at.token} />);
     case "account":
       return framed(<MyAccount me={me} />);
+    default:
+      return me.consent.given_at === null ? framed(<ConsentFirst version={me.consent.version} />) : scanPage(at, me);
+  }
+}
+
+function scanPage(at: Route, me: Me): JSX.Element {
+  switch (at.page) {
     case "admin":
       return framed(<AdminPage me={me} part={at.part} />);
     case "add":

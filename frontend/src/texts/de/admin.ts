@@ -40,6 +40,7 @@ export const admin: Texts["admin"] = {
   auditHeads: { when: "Zeit", who: "Wer", what: "Aktion", whom: "Betrifft", details: "Einzelheiten" },
   actions: {
     "account.code-reused": "Authentifizierungscode zweimal verwendet",
+    "account.consent-given": "Einwilligung erteilt",
     "account.deleted": "Konto gelöscht",
     "account.disabled": "Konto gesperrt",
     "account.email-change-asked": "Änderung der E-Mail-Adresse angefordert",

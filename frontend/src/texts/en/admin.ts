@@ -38,6 +38,7 @@ export const admin = {
   auditHeads: { when: "Time", who: "Actor", what: "Action", whom: "Target", details: "Details" },
   actions: {
     "account.code-reused": "Authentication code used twice",
+    "account.consent-given": "Consent given",
     "account.deleted": "Account deleted",
     "account.disabled": "Account disabled",
     "account.email-change-asked": "Change of email address requested",

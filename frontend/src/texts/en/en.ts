@@ -2,6 +2,7 @@ import { account } from "./account";
 import { admin } from "./admin";
 import { add } from "./add";
 import { common } from "./common";
+import { consent } from "./consent";
 import { cut } from "./cut";
 import { home } from "./home";
 import { kernel } from "./kernel";
@@ -26,6 +27,7 @@ export const en = {
   account,
   admin,
   add,
+  consent,
   cut,
   home,
   kernel,
