@@ -18,9 +18,8 @@ Stores::Stores(const std::string& postgres) : database(postgres, kConnections) {
 AccountServices::AccountServices(const Backends& on)
     : hasher(kHashingSlots),
       factor_store(on.stores.database),
-      code_check(
-          factor_store, on.stores.accounts, on.settings.factor_key.value(), on.clock, on.signals,
-          {.public_url = on.settings.public_url, .consent_version = on.settings.consent_version}),
+      code_check(factor_store, on.stores.accounts, on.settings.factor_key.value(), on.clock,
+                 on.signals, {.public_url = on.settings.public_url}),
       accounts(
           on.stores.accounts, hasher, code_check, on.settings.factor_key.value(), on.clock,
           on.signals,

@@ -190,6 +190,11 @@ Outcome<void> Accounts::confirm_password(const Principal& who, const std::string
   return {};
 }
 
+Outcome<void> Accounts::confirm_code(const Principal& who, const std::string& code) {
+  return check_code({.id = who.user_id, .email = who.email, .password_hash = {}}, code,
+                    who.language);
+}
+
 Outcome<void> Accounts::sign_out(const std::string& token) {
   const auto done = store_.close_session(blake2b(token));
   if (!done) return refuse(done.error());

@@ -93,6 +93,9 @@ class Accounts {
   /// `field`. Failures are counted only for this web session.
   Outcome<void> confirm_password(const Principal& who, const std::string& field,
                                  const std::string& password);
+  /// Asks for the code again if the account has two-factor authentication. Returns kCodeNeeded
+  /// without a code and kWrongCode for a wrong one.
+  Outcome<void> confirm_code(const Principal& who, const std::string& code);
   Outcome<void> sign_out(const std::string& token);
   /// Whether to record the use of a session and to extend its expiry.
   enum class Renewal { kYes, kNo };

@@ -6,10 +6,12 @@
 
 namespace diaphane::api {
 
-Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& password) {
+Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& password,
+                                      const std::string& code) {
   if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
+  if (auto right = accounts_.confirm_code(who, code); !right) return right;
   const std::string key = email_key(who.email);
   const auto data_sets = store_.remove_account(
       who.user_id, who.email,

@@ -31,8 +31,9 @@ class AccountDeletion {
         clock_(clock),
         signals_(signals) {}
 
-  /// Requires the password, like Accounts::confirm_password.
-  Outcome<void> remove(const Principal& who, const std::string& password);
+  /// Requires the password and, with two-factor authentication, the code, like
+  /// Accounts::confirm_password and confirm_code.
+  Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
 
  private:
   AccountDeletionStore& store_;

@@ -40,25 +40,35 @@ class AccountDeletionTest : public AccountFixture {
 };
 
 TEST_F(AccountDeletionTest, AnAccountIsDeletedOnlyWithItsPassword) {
-  EXPECT_EQ(invalid_field(deletion.remove(who, "wrong wrong")), "password");
-  EXPECT_EQ(invalid_field(deletion.remove(who, "")), "password");
+  EXPECT_EQ(invalid_field(deletion.remove(who, "wrong wrong", "")), "password");
+  EXPECT_EQ(invalid_field(deletion.remove(who, "", "")), "password");
   EXPECT_THAT(store.removed, IsEmpty());
   EXPECT_THAT(placement.ended, IsEmpty());
   EXPECT_EQ(disposals + mails, 0);
-  ASSERT_TRUE(deletion.remove(who, password));
+  ASSERT_TRUE(deletion.remove(who, password, ""));
   EXPECT_THAT(store.removed, ElementsAre(who.user_id));
   EXPECT_EQ(disposals, 1);
   EXPECT_EQ(mails, 1);
 }
 
+TEST_F(AccountDeletionTest, AnAccountWithASecondFactorIsDeletedOnlyWithACode) {
+  factors.factors[who.user_id] = {"", clock.wall(), clock.wall(), 0, 0};
+  factors.codes[who.user_id] = {recovery_code_hash("abcd-efgh-ijkl-mnop-qrst-uvwx").value()};
+  EXPECT_EQ(refusal(deletion.remove(who, password, "")), ProblemKind::kCodeNeeded);
+  EXPECT_EQ(invalid_field(deletion.remove(who, "wrong wrong", "")), "password");
+  EXPECT_THAT(store.removed, IsEmpty());
+  EXPECT_TRUE(deletion.remove(who, password, "abcd-efgh-ijkl-mnop-qrst-uvwx"));
+  EXPECT_THAT(store.removed, ElementsAre(who.user_id));
+}
+
 TEST_F(AccountDeletionTest, APasswordIsNotGuessed) {
-  for (int i = 0; i < 10; ++i) deletion.remove(who, "wrong wrong");
-  EXPECT_EQ(refusal(deletion.remove(who, password)), ProblemKind::kTooManyAttempts);
+  for (int i = 0; i < 10; ++i) deletion.remove(who, "wrong wrong", "");
+  EXPECT_EQ(refusal(deletion.remove(who, password, "")), ProblemKind::kTooManyAttempts);
   EXPECT_THAT(store.removed, IsEmpty());
 }
 
 TEST_F(AccountDeletionTest, TheUserIsToldAndNothingIsCountedAgainstTheAddressAnyMore) {
-  ASSERT_TRUE(deletion.remove(who, password));
+  ASSERT_TRUE(deletion.remove(who, password, ""));
   ASSERT_EQ(store.mails.size(), 1u);
   EXPECT_EQ(store.mails[0].recipient, who.email);
   const std::string address = "anna@example.org";
@@ -70,13 +80,13 @@ TEST_F(AccountDeletionTest, TheUserIsToldAndNothingIsCountedAgainstTheAddressAny
 }
 
 TEST_F(AccountDeletionTest, TheSessionsOfTheUserAndOnTheirScansEnd) {
-  ASSERT_TRUE(deletion.remove(who, password));
+  ASSERT_TRUE(deletion.remove(who, password, ""));
   EXPECT_THAT(placement.ended, ElementsAre("by " + who.user_id, "of a", "of b"));
 }
 
 TEST_F(AccountDeletionTest, AnAccountIsDeletedEvenIfItsSessionsCannotBeEnded) {
   placement.break_function("end_all_by");
-  ASSERT_TRUE(deletion.remove(who, password));
+  ASSERT_TRUE(deletion.remove(who, password, ""));
   EXPECT_THAT(placement.ended, ElementsAre("of a", "of b"));
   EXPECT_EQ(disposals, 1);
   EXPECT_EQ(mails, 1);
@@ -84,8 +94,8 @@ TEST_F(AccountDeletionTest, AnAccountIsDeletedEvenIfItsSessionsCannotBeEnded) {
 
 TEST_F(AccountDeletionTest, NoSessionEndsIfTheAccountStays) {
   expect_unavailable({
-      {attempts, "find_by_id", [&] { return refusal(deletion.remove(who, password)); }},
-      {store, "remove_account", [&] { return refusal(deletion.remove(who, password)); }},
+      {attempts, "find_by_id", [&] { return refusal(deletion.remove(who, password, "")); }},
+      {store, "remove_account", [&] { return refusal(deletion.remove(who, password, "")); }},
   });
   EXPECT_THAT(placement.ended, IsEmpty());
   EXPECT_EQ(disposals + mails, 0);

@@ -61,9 +61,10 @@ std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion,
   const auto delete_account = [&deletion, &router](const Request& request,
                                                    const Principal& who) -> Outcome<Response> {
     Fields in(request);
-    const std::string password = in.secret("password", 800);
+    const std::string password = in.secret("password", kPasswordBytes);
+    const std::string code = in.text_or("code", "", kCodeCharacters);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = deletion.remove(who, password);
+    const auto done = deletion.remove(who, password, code);
     DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", router.cookie(""));
   };

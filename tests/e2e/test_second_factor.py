@@ -113,8 +113,18 @@ def test_it_is_set_up_asked_for_and_a_recovery_code_does_too(stack: TestStack, v
     expect(page.get_by_role("heading", name="My scans")).to_be_visible()
     page.goto(stack.url + "/account")
     expect(panel(page).get_by_text("You have 9 recovery codes left.")).to_be_visible()
-    panel(page).get_by_role("button", name="Turn off…").click()
+    # Deleting the account needs a code, too.
     dialog = page.get_by_role("dialog")
+    page.get_by_role("button", name="Delete my account…").click()
+    dialog.get_by_label("Current password").fill(PASSWORD)
+    dialog.get_by_role("button", name="Delete account").click()
+    expect(dialog.get_by_text("This field is required.")).to_be_visible()
+    dialog.get_by_label("Authentication code").fill("000000")
+    dialog.get_by_role("button", name="Delete account").click()
+    expect(dialog.get_by_text("This code is incorrect or was already used.")).to_be_visible()
+    assert faults(page) == []
+    dialog.get_by_role("button", name="Cancel").click()
+    panel(page).get_by_role("button", name="Turn off…").click()
     dialog.get_by_label("Current password").fill(PASSWORD)
     dialog.get_by_label("Authentication code").fill(codes[1])
     assert faults(page) == []

@@ -250,7 +250,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "confirmSecondFactor": lambda world, who: {"code": who.device.code() if who.device else "000000"},
     "renewRecoveryCodes": lambda world, who: {"password": PASSWORD, "code": who.device.code() if who.device else "000000"},
     "removeSecondFactor": lambda world, who: {"password": PASSWORD, "code": who.device.code() if who.device else "000000"},
-    "deleteAccount": lambda world, who: {"password": PASSWORD},
+    "deleteAccount": lambda world, who: {"password": PASSWORD, **({"code": who.device.code()} if who.device else {})},
     "createDataSet": lambda world, who: {"bytes": 10},
     "changeUser": lambda world, who: {"quota_bytes": 1000},
     "createSession": lambda world, who: {"data_set_id": ready_to_render(world)},

@@ -162,7 +162,7 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
     forget_attempts(api)
     document = problem(one.http.post("/v1/me/deletion", json={"password": "not this one"}), 422, "invalid")
     assert document["errors"][0]["field"] == "password" and one.http.get("/v1/me").status_code == 200
-    answer = one.http.post("/v1/me/deletion", json={"password": PASSWORD + " 2"})
+    answer = one.http.post("/v1/me/deletion", json={"password": PASSWORD + " 2", "code": one.device.code()})
     assert answer.status_code == 204 and "Max-Age=0" in answer.headers["set-cookie"]
     problem(one.http.get("/v1/me"), 401, "unauthenticated")
     assert api.redis.exists(f"diaphane:session:{session[0]['session_id']}") == 0
@@ -185,7 +185,7 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
     assert bystander.http.get("/v1/sessions").json()["items"] == watching
     assert (api.data_dir / "volumes" / bystander_ready / "voxels.i16").read_bytes() == VOXELS
     # The log still contains that an account was deleted, and that its password was changed before, but not whose.
-    rows = api.psql("SELECT action, actor_id, subject_id FROM audit_log ORDER BY id DESC LIMIT 3")
+    rows = api.psql("SELECT action, actor_id, subject_id FROM audit_log ORDER BY id DESC LIMIT 9")
     assert rows[0] == ("account.deleted", None, None) and ("account.password-changed", None, None) in rows
     before = len(api.mails(one.email))
     forget_attempts(api)
@@ -196,6 +196,16 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
     assert fresh.http.post("/v1/accounts/verify", json=chosen).status_code == 204
     assert fresh.sign_in().http.get("/v1/data-sets").json()["items"] == []
     remove_worker(api, "privacy")
+
+
+def test_an_account_with_a_second_factor_is_deleted_only_with_a_code(api):  # noqa: F811
+    one = person(api)
+    one.sets_up_second_factor()
+    forget_attempts(api)
+    problem(one.http.post("/v1/me/deletion", json={"password": PASSWORD}), 401, "code-needed")
+    problem(one.http.post("/v1/me/deletion", json={"password": PASSWORD, "code": "000000"}), 401, "wrong-code")
+    assert one.http.get("/v1/me").status_code == 200
+    assert one.http.post("/v1/me/deletion", json={"password": PASSWORD, "code": one.device.code()}).status_code == 204
 
 
 def test_a_deletion_is_not_guessed(api):  # noqa: F811

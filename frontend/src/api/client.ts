@@ -146,8 +146,9 @@ export class Api {
     await this.send("DELETE", "/v1/me/export");
   }
 
-  async deleteAccount(password: string): Promise<void> {
-    await this.send("POST", "/v1/me/deletion", { password });
+  /** `code` only for an account with a second factor. */
+  async deleteAccount(password: string, code: string): Promise<void> {
+    await this.send("POST", "/v1/me/deletion", { password, ...(code ? { code } : {}) });
     this.token = "";
   }
 

@@ -1,8 +1,10 @@
 import { useEffect, useState } from "preact/hooks";
-import { exportPath } from "../api/client";
+import { ApiProblem, exportPath } from "../api/client";
 import type { BrowserSession, Export, Me } from "../api/types";
 import { t } from "../texts";
+import { problemText } from "../texts/problem_text";
 import { looksLikeEmail } from "./account";
+import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
@@ -27,7 +29,7 @@ export function MyAccount({ me }: { readonly me: Me }) {
       <Password />
       <SecondFactor />
       <Data />
-      <Removal />
+      <Removal coded={me.second_factor} />
     </div>
   );
 }
@@ -320,30 +322,38 @@ function useExport() {
   };
 }
 
-function Removal() {
+/** `coded`: the account has a second factor, so deleting it needs a code too. */
+function Removal({ coded }: { readonly coded: boolean }) {
   const app = useApp();
   const [asking, setAsking] = useState(false);
   const [password, setPassword] = useState("");
-  const [faults, setFaults] = useState<Faults<"password">>({});
+  const [code, setCode] = useState("");
+  const [faults, setFaults] = useState<Faults<"password" | "code">>({});
   const [busy, setBusy] = useState(false);
   const close = () => {
     setAsking(false);
     setPassword("");
+    setCode("");
     setFaults({});
   };
   const submit = async () => {
-    if (password === "") {
-      setFaults({ password: t.account.required });
-      return;
-    }
+    const found: Faults<"password" | "code"> = {
+      ...(password === "" ? { password: t.account.required } : {}),
+      ...(coded && code.trim() === "" ? { code: t.account.required } : {}),
+    };
+    setFaults(found);
+    if (found.password !== undefined || found.code !== undefined) return;
     setBusy(true);
     try {
       app.uploads.stopAll();
-      await app.api.deleteAccount(password);
+      await app.api.deleteAccount(password, code.trim());
       app.leave(t.myAccount.removed);
       navigate("/");
     } catch (thrown) {
-      setFaults(faultsOf(thrown, ["password"], (what) => app.explain(what)));
+      const wrongCode = thrown instanceof ApiProblem && thrown.kind === "wrong-code";
+      setFaults(
+        wrongCode ? { code: problemText(thrown) } : faultsOf(thrown, ["password"], (what) => app.explain(what)),
+      );
       setBusy(false);
     }
   };
@@ -368,6 +378,7 @@ function Removal() {
               onInput={setPassword}
               {...fault(faults.password)}
             />
+            {coded ? <CodeField value={code} onInput={setCode} {...fault(faults.code)} /> : null}
           </Form>
           <div class="dialog-buttons">
             <button type="button" class="button" onClick={close}>
