@@ -5,6 +5,7 @@
 
 #include "api/accounts/account_repository.h"
 #include "api/scans/data_set_rows.h"
+#include "api/shared/audit_repository.h"
 #include "api/shared/idempotency_rows.h"
 
 namespace diaphane::api {
@@ -220,6 +221,20 @@ constexpr std::array<std::pair<Disposal::Kind, const char*>, 5> kDisposals{
      {Disposal::Kind::kPreset, "preset"}}};
 
 }  // namespace
+
+Result<void> DataSetRepository::note_access(const AuditEntry& entry, Time not_since, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result before = transaction.exec_params(
+        R"sql(
+        SELECT FROM audit_log
+         WHERE subject_id = $1::uuid AND action = $2 AND actor_id IS NOT DISTINCT FROM NULLIF($3, '')::uuid
+           AND details = $4::jsonb AND happened_at > to_timestamp($5::bigint / 1e6) LIMIT 1)sql",
+        entry.subject_id, entry.action, entry.actor_id, details_as_json(entry.details),
+        to_us(not_since));
+    if (before.empty()) note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
 
 Result<std::vector<Disposal>> DataSetRepository::disposals(int limit) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Disposal>> {

@@ -22,6 +22,7 @@ class DataSetRepository final : public DataSetStore {
                               Time expires_at, Time now) override;
   Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) override;
   Result<int> expire_uploads(Time now) override;
+  Result<void> note_access(const AuditEntry& entry, Time not_since, Time now) override;
   Result<std::vector<Disposal>> disposals(int limit) override;
   Result<void> disposed(const Disposal& disposal) override;
 

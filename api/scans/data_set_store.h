@@ -10,6 +10,7 @@
 
 #include "api/accounts/account_store.h"
 #include "api/scans/access.h"
+#include "api/shared/audit.h"
 #include "api/shared/cursor.h"
 #include "api/shared/idempotency.h"
 #include "common/result.h"
@@ -148,6 +149,9 @@ class DataSetStore {
   virtual Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) = 0;
   /// Marks inactive uploads as expired, queues their files for deletion and returns their number.
   virtual Result<int> expire_uploads(Time now) = 0;
+
+  /// Adds to the audit log, unless there is an equal entry after `not_since`.
+  virtual Result<void> note_access(const AuditEntry& entry, Time not_since, Time now) = 0;
 
   virtual Result<std::vector<Disposal>> disposals(int limit) = 0;
   virtual Result<void> disposed(const Disposal& disposal) = 0;

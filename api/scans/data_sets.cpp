@@ -178,4 +178,24 @@ Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
   return {};
 }
 
+Outcome<void> DataSets::note_view(const std::string& id, AuditActor actor,
+                                  const std::string& viewer,
+                                  const std::vector<AuditDetail>& details) {
+  const auto now = clock_.wall();
+  const auto done =
+      store_.note_access({actor, viewer, "data-set.looked-at", "data_set", id, details},
+                         now - std::chrono::hours(1), now);
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<void> DataSets::note_live_links(const Principal& who, const std::string& id,
+                                        const std::string& action) {
+  const auto now = clock_.wall();
+  const auto done =
+      store_.note_access({AuditActor::kPerson, who.user_id, action, "data_set", id, {}}, now, now);
+  if (!done) return refuse(done.error());
+  return {};
+}
+
 }  // namespace diaphane::api

@@ -52,6 +52,14 @@ class DataSets {
   Outcome<DataSet> describe(const Principal& who, const std::string& id, const Description& what);
   Outcome<void> remove(const Principal& who, const std::string& id);
 
+  /// Records in the audit log that somebody but the owner looks at the data set, at most once per
+  /// hour. `viewer` is empty for a guest. `details` say how they got access.
+  Outcome<void> note_view(const std::string& id, AuditActor actor, const std::string& viewer,
+                          const std::vector<AuditDetail>& details);
+  /// Records in the audit log that the owner made or ended the links to a live session.
+  Outcome<void> note_live_links(const Principal& who, const std::string& id,
+                                const std::string& action);
+
   const Options& options() const { return options_; }
 
  private:

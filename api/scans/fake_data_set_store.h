@@ -25,6 +25,7 @@ class FakeDataSetStore final : public DataSetStore, public Fake {
   std::vector<std::pair<NewDataSet, Time>> created;
   std::vector<std::string> removed;
   std::vector<Disposal> due;
+  std::vector<AuditEntry> accesses;
   std::optional<Creation> creation;  ///< what `create` returns instead of creating it
   DataSetLimits limits;              ///< passed by the last call of `create`
 
@@ -105,6 +106,12 @@ class FakeDataSetStore final : public DataSetStore, public Fake {
     return remove(owner, id, now);
   }
   Result<int> expire_uploads(Time) override { return 0; }
+
+  Result<void> note_access(const AuditEntry& entry, Time, Time) override {
+    DIAPHANE_TRY(enter("note_access"));
+    accesses.push_back(entry);
+    return {};
+  }
 
   Result<std::vector<Disposal>> disposals(int) override {
     DIAPHANE_TRY(enter("disposals"));

@@ -23,6 +23,16 @@ SessionViewer viewer_of(Role role) {
   }
 }
 
+/// Records in the audit log that somebody but the owner looks at the scan. A sample is for
+/// everyone.
+Outcome<void> note_view(DataSets& data_sets, const Principal& who, const DataSet& data_set) {
+  if (data_set.owned() || data_set.is_sample) return {};
+  const bool administrates = data_set.role == Role::kAdministrator;
+  return data_sets.note_view(data_set.id,
+                             administrates ? AuditActor::kAdministrator : AuditActor::kPerson,
+                             who.user_id, {{"by", "account"}});
+}
+
 }  // namespace
 
 Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
@@ -39,6 +49,7 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
       (void)placement_.end(session_id);
       return tl::unexpected(still.error());
     }
+    DIAPHANE_TRY(note_view(data_sets_, who, data_set));
     return Stream{session_id, "/stream?ticket=" + placed->ticket};
   }
   switch (placed.error().code) {

@@ -49,6 +49,21 @@ TEST_F(SessionsTest, TheWorkerLearnsHowTheViewerIsRelatedToTheScan) {
   }
 }
 
+TEST_F(SessionsTest, LookingAtSomebodyElsesScanIsInTheAuditLog) {
+  ASSERT_TRUE(sessions.open(owner, id, ""));
+  EXPECT_TRUE(data_set_store.accesses.empty());
+  const Principal friendly = as(Role::kSharedView);
+  ASSERT_TRUE(sessions.open(friendly, id, ""));
+  ASSERT_EQ(data_set_store.accesses.size(), 1u);
+  EXPECT_EQ(data_set_store.accesses[0].action, "data-set.looked-at");
+  EXPECT_EQ(data_set_store.accesses[0].actor_id, friendly.user_id);
+  EXPECT_EQ(data_set_store.accesses[0].subject_id, id);
+  data_set_store.break_function("note_access");
+  EXPECT_EQ(refusal(sessions.open(friendly, id, "")), ProblemKind::kUnavailable);
+  expose(Exposure::kSample);
+  EXPECT_TRUE(sessions.open(friendly, id, "")) << "a sample is for everyone";
+}
+
 TEST_F(SessionsTest, ExactSlicesAreForEverybodyOnlyIfTheOwnerPublishedThem) {
   const auto slices = [&] {
     EXPECT_TRUE(sessions.open(owner, id, ""));

@@ -48,7 +48,7 @@ class FakeSharingStore final : public SharingStore, public Fake {
     if (added) invitations.push_back(mail);
     return added;
   }
-  Result<void> unshare(const std::string&, const std::string& person_id) override {
+  Result<void> unshare(const std::string&, const std::string& person_id, Time) override {
     DIAPHANE_TRY(enter("unshare"));
     const auto gone =
         std::erase_if(people_by_key, [&](const auto& one) { return one.second.id == person_id; });
@@ -82,7 +82,7 @@ class FakeSharingStore final : public SharingStore, public Fake {
     all_links.push_back({link, data_set_id, token_hash});
     return link;
   }
-  Result<void> end_link(const std::string&, const std::string& link_id) override {
+  Result<void> end_link(const std::string&, const std::string& link_id, Time) override {
     DIAPHANE_TRY(enter("end_link"));
     std::erase_if(visits, [&](const auto& one) { return one.second.link_id == link_id; });
     const auto gone =

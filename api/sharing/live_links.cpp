@@ -42,13 +42,15 @@ Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& se
         "The link created with this Idempotency-Key has been disabled. Create a new link.");
   }
   if (!made) return refuse(made.error());
+  DIAPHANE_TRY(data_sets_.note_live_links(who, *mine, "data-set.live-link-made"));
   return token;
 }
 
 Outcome<void> LiveLinks::end(const Principal& who, const std::string& session_id) {
-  DIAPHANE_TRY(check_owner(who, session_id));
+  const auto mine = check_owner(who, session_id);
+  DIAPHANE_TRY(mine);
   if (auto done = links_.end_links(session_id); !done) return refuse(done.error());
-  return {};
+  return data_sets_.note_live_links(who, *mine, "data-set.live-links-ended");
 }
 
 Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::string& key,
@@ -91,7 +93,11 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
                   "shared the link is back.",
                   std::chrono::seconds(30));
   }
-  if (placed) return Joined{participant, "/stream?ticket=" + placed->ticket};
+  if (placed) {
+    DIAPHANE_TRY(
+        data_sets_.note_view(session->data_set_id, AuditActor::kPerson, "", {{"by", "live-link"}}));
+    return Joined{participant, "/stream?ticket=" + placed->ticket};
+  }
   if (placed.error().code == ErrorCode::kNotFound) return no_such_live_link();
   if (placed.error().code == ErrorCode::kUnavailable && placement_.reachable()) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));

@@ -29,12 +29,16 @@ tl::unexpected<Problem> too_many_from_here(std::chrono::seconds wait) {
                 wait);
 }
 
-/// Ends a new visit if its access was revoked during the placement, by a caller that did not see
-/// its session.
-Outcome<void> confirm_visit(const SharingParts& parts, const std::string& session_id, Time now) {
-  const auto still = parts.store.find_visit(session_id, now);
-  if (still) return {};
-  (void)parts.placement.end(session_id);
+/// Records a new visit with a link in the audit log. Ends it if its access was revoked during the
+/// placement, by a caller that did not see its session.
+Outcome<void> confirm_visit(const SharingParts& parts, const Visit& visit, Time now) {
+  const auto still = parts.store.find_visit(visit.session_id, now);
+  if (still && visit.link_id.empty()) return {};  // a sample is for everyone
+  if (still) {
+    return parts.data_sets.note_view(visit.data_set_id, AuditActor::kPerson, "",
+                                     {{"by", "link"}, {"link", visit.link_id}});
+  }
+  (void)parts.placement.end(visit.session_id);
   if (still.error().code == ErrorCode::kNotFound) return no_such_link();
   return refuse(still.error());
 }
@@ -80,7 +84,7 @@ Outcome<void> Sharing::unshare(const Principal& who, const std::string& id,
     return refuse(ProblemKind::kNotFound, "This scan is not shared with this person.");
   };
   if (!is_id(person_id)) return nobody();
-  const auto done = parts_.store.unshare(id, person_id);
+  const auto done = parts_.store.unshare(id, person_id, parts_.clock.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return nobody();
   if (!done) return refuse(done.error());
   end_lost_sessions(id);
@@ -125,7 +129,7 @@ Outcome<void> Sharing::end_link(const Principal& who, const std::string& id,
                                 const std::string& link_id) {
   DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   if (!is_id(link_id)) return no_such_link();
-  const auto done = parts_.store.end_link(id, link_id);
+  const auto done = parts_.store.end_link(id, link_id, parts_.clock.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return no_such_link();
   if (!done) return refuse(done.error());
   end_lost_sessions(id);
@@ -282,7 +286,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
   }
   if (!placed) return refuse(placed.error());
-  DIAPHANE_TRY(confirm_visit(parts_, visit.session_id, now));
+  DIAPHANE_TRY(confirm_visit(parts_, visit, now));
   return Opened{visit.session_id, "/stream?ticket=" + placed->ticket, noted->expires_at};
 }
 

@@ -2,6 +2,7 @@
 
 #include "api/accounts/account_repository.h"
 #include "api/scans/data_set_rows.h"
+#include "api/shared/audit_repository.h"
 #include "api/shared/idempotency_rows.h"
 
 namespace diaphane::api {
@@ -12,6 +13,21 @@ namespace {
 bool lock_data_set(pqxx::work& transaction, const std::string& id) {
   return !transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", id).empty();
 }
+
+/// Only the owner of a data set changes who may see it (access.h), so the owner is the actor.
+void note_change_of_access(pqxx::work& transaction, const std::string& data_set_id,
+                           const std::string& action, const std::vector<AuditDetail>& details,
+                           Time now) {
+  const auto owner =
+      transaction.exec_params("SELECT owner_id FROM data_sets WHERE id = $1", data_set_id);
+  if (owner.empty() || owner[0][0].is_null()) return;
+  note_in_audit_log(transaction,
+                    {AuditActor::kPerson, owner[0][0].as<std::string>(), action, "data_set",
+                     data_set_id, details},
+                    now);
+}
+
+AuditDetail slices_detail(bool slices) { return {"slices", std::int64_t{slices}}; }
 
 }  // namespace
 
@@ -36,12 +52,21 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     if (!lock_data_set(transaction, data_set_id))
       return fail(ErrorCode::kNotFound, "Scan not found.");
+    const auto note = [&](const std::string& permission_id) {
+      note_change_of_access(
+          transaction, data_set_id, "data-set.shared",
+          {{"permission", permission_id}, {"may", person.may_save ? "save" : "view"}},
+          person.created_at);
+    };
     const pqxx::result known = transaction.exec_params(
         R"sql(
         UPDATE data_set_people SET may_save = $3 WHERE data_set_id = $1 AND email_key = $2
-        RETURNING 1)sql",
+        RETURNING id)sql",
         data_set_id, person.email_key, person.may_save);
-    if (!known.empty()) return false;
+    if (!known.empty()) {
+      note(known[0]["id"].as<std::string>());
+      return false;
+    }
     const auto count = transaction.exec_params1(
         "SELECT count(*) AS people FROM data_set_people WHERE data_set_id = $1", data_set_id);
     if (count["people"].as<int>() >= most) {
@@ -58,18 +83,21 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
         transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
     if (!there.empty()) accept_invitations(transaction, there[0]["id"].as<std::string>());
     queue_mail(transaction, mail, person.created_at);
+    note(person.id);
     return true;
   });
 }
 
 Result<void> SharingRepository::unshare(const std::string& data_set_id,
-                                        const std::string& person_id) {
+                                        const std::string& person_id, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const pqxx::result gone = transaction.exec_params(
         "DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
         person_id);
     if (gone.empty())
       return fail(ErrorCode::kNotFound, "This scan is not shared with this person.");
+    note_change_of_access(transaction, data_set_id, "data-set.unshared",
+                          {{"permission", person_id}}, now);
     return {};
   });
 }
@@ -131,17 +159,21 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
         link.slices);
     if (made.empty()) return fail(ErrorCode::kConflict, "The link can't be created again.");
     note_made(transaction, owner_id, key, link.id, link.created_at);
+    note_change_of_access(transaction, data_set_id, "data-set.link-made",
+                          {{"link", link.id}, slices_detail(link.slices)}, link.created_at);
     return link;
   });
 }
 
-Result<void> SharingRepository::end_link(const std::string& data_set_id,
-                                         const std::string& link_id) {
+Result<void> SharingRepository::end_link(const std::string& data_set_id, const std::string& link_id,
+                                         Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const pqxx::result gone = transaction.exec_params(
         "DELETE FROM data_set_links WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
         link_id);
     if (gone.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
+    note_change_of_access(transaction, data_set_id, "data-set.link-ended", {{"link", link_id}},
+                          now);
     return {};
   });
 }
@@ -180,17 +212,25 @@ Result<bool> SharingRepository::publish(const std::string& data_set_id, bool sli
          WHERE id = $1 AND state = 'ready' AND anonymised_at IS NOT NULL AND taken_down_at IS NULL
         RETURNING 1)sql",
         data_set_id, to_us(now), slices);
-    return !done.empty();
+    if (done.empty()) return false;
+    note_change_of_access(transaction, data_set_id, "data-set.published", {slices_detail(slices)},
+                          now);
+    return true;
   });
 }
 
 Result<void> SharingRepository::make_private(const std::string& data_set_id, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    transaction.exec_params0(R"sql(
+    const pqxx::result done = transaction.exec_params(
+        R"sql(
         UPDATE data_sets SET visibility = 'private', published_at = NULL, public_slices = false,
                              updated_at = to_timestamp($2::bigint / 1e6)
-         WHERE id = $1 AND NOT is_sample AND visibility = 'public')sql",
-                             data_set_id, to_us(now));
+         WHERE id = $1 AND NOT is_sample AND visibility = 'public'
+        RETURNING 1)sql",
+        data_set_id, to_us(now));
+    if (!done.empty()) {
+      note_change_of_access(transaction, data_set_id, "data-set.withdrawn", {}, now);
+    }
     return {};
   });
 }

@@ -13,12 +13,14 @@ class SharingRepository final : public SharingStore {
   Result<std::vector<SharedPerson>> people(const std::string& data_set_id) override;
   Result<bool> share_with(const std::string& data_set_id, const SharedPerson& person, int most,
                           const Mail& mail) override;
-  Result<void> unshare(const std::string& data_set_id, const std::string& person_id) override;
+  Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
+                       Time now) override;
   Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) override;
   Result<std::variant<DataSetLink, KeyReused>> make_link(
       const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
       int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) override;
-  Result<void> end_link(const std::string& data_set_id, const std::string& link_id) override;
+  Result<void> end_link(const std::string& data_set_id, const std::string& link_id,
+                        Time now) override;
   Result<Followed> follow(const std::string& token_hash, Time now) override;
   Result<bool> publish(const std::string& data_set_id, bool slices, Time now) override;
   Result<void> make_private(const std::string& data_set_id, Time now) override;

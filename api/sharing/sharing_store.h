@@ -50,7 +50,8 @@ struct VisitLimits {
 };
 
 /// Storage of permissions and links. Every function returns kUnavailable if the database is
-/// unavailable. Each is one transaction. The caller checks permissions first (access.h).
+/// unavailable. Each is one transaction, which includes its entry in the audit log. The caller
+/// checks permissions first (access.h).
 class SharingStore {
  public:
   virtual ~SharingStore() = default;
@@ -61,7 +62,8 @@ class SharingStore {
   virtual Result<bool> share_with(const std::string& data_set_id, const SharedPerson& person,
                                   int most, const Mail& mail) = 0;
   /// kNotFound.
-  virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id) = 0;
+  virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
+                               Time now) = 0;
 
   virtual Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) = 0;
   /// `key` is a key of the user `owner_id`. If the key has created a link before, returns that
@@ -71,7 +73,8 @@ class SharingStore {
       const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
       int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) = 0;
   /// Also deletes its visits. Returns kNotFound.
-  virtual Result<void> end_link(const std::string& data_set_id, const std::string& link_id) = 0;
+  virtual Result<void> end_link(const std::string& data_set_id, const std::string& link_id,
+                                Time now) = 0;
   struct Followed {
     DataSetLink link;
     DataSet data_set;  ///< ready; the role is kSharedView

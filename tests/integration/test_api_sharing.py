@@ -280,6 +280,33 @@ def test_a_link_gives_access_until_it_is_disabled(api, one, other, worker):  # n
     problem(other.http.delete(f"/v1/data-sets/{made}/links/{link['id']}"), 404, "not-found")
 
 
+def test_who_gets_access_and_who_looks_is_in_the_audit_log(api, one, other, worker):  # noqa: F811
+    made = ready(api, one, anonymised=True)
+    share(one, made, other.email, "save")
+    unshare(one, made)
+    link = make_link(one, made)
+    visit(api, token=link["token"])
+    visit(api, token=link["token"])    # of the same hour
+    assert one.http.delete(f"/v1/data-sets/{made}/links/{link['id']}").status_code == 204
+    assert publish(one, made).status_code == 200
+    session_of(one, made)              # the owner's own views are not recorded
+    session_of(other, made)
+    make_private(one, made)
+    mine = session_of(one, made)
+    live = one.http.post(f"/v1/sessions/{mine}/links")
+    assert live.status_code == 201, live.text
+    assert client(api).post("/v1/join", json={"token": live.json()["token"], "key": secrets.token_hex(32)}).status_code == 201
+    assert one.http.delete(f"/v1/sessions/{mine}/links").status_code == 204
+    entries = api.psql("SELECT action, actor_id::text, details FROM audit_log WHERE subject_id = %s ORDER BY id", made)
+    assert [(action, actor) for action, actor, _ in entries] == [
+        ("data-set.shared", one.id), ("data-set.unshared", one.id), ("data-set.link-made", one.id), ("data-set.looked-at", None),
+        ("data-set.link-ended", one.id), ("data-set.published", one.id), ("data-set.looked-at", other.id), ("data-set.withdrawn", one.id),
+        ("data-set.live-link-made", one.id), ("data-set.looked-at", None), ("data-set.live-links-ended", one.id)]
+    details = [given for _, _, given in entries]
+    assert details[0]["may"] == "save" and details[3] == {"by": "link", "link": link["id"]} and details[9] == {"by": "live-link"}
+    assert other.email not in str(details)
+
+
 def test_a_link_expires_and_its_visits_with_it(api, one, worker):  # noqa: F811
     made = ready(api, one)
     link = make_link(one, made, hours=1)
@@ -368,7 +395,7 @@ def test_reported_and_taken_down_it_is_gone_for_all_but_its_owner(api, one, othe
     problem(publish(one, made), 403, "forbidden")
     problem(one.http.post(f"/v1/data-sets/{made}/links", json={"hours": 1}), 403, "forbidden")
     assert [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == made] == []
-    [entry] = api.psql("SELECT actor, action, subject, details::text FROM audit_log WHERE subject_id = %s", made)
+    [entry] = api.psql("SELECT actor, action, subject, details::text FROM audit_log WHERE subject_id = %s AND action = 'data-set.taken-down'", made)
     assert entry[:3] == ("administrator", "data-set.taken-down", "data_set") and "burnt" not in entry[3]
     assert boss.http.delete(f"/v1/data-sets/{made}/take-down").status_code == 204
     problem(boss.http.get(f"/v1/data-sets/{made}"), 404, "not-found")   # private again, so administrators cannot see it
