@@ -57,6 +57,7 @@ def test_a_disc_becomes_a_picture_loses_its_face_is_found_and_goes(stack: TestSt
     expect(page.get_by_text("This scan shows a head")).to_be_visible()
     wait_for_samples(stack, page, 2)
     page.get_by_role("button", name="Cut permanently…").click()
+    expect(page.get_by_text("also sees its title, its description and the names of its presets")).to_be_visible()
     page.get_by_label("I have looked at it from all sides").check()
     page.get_by_role("button", name="Cut permanently", exact=True).click()
     expect(page.get_by_role("heading", name="The cut is finished")).to_be_visible()

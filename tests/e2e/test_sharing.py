@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from playwright.sync_api import expect
@@ -71,6 +72,10 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     anna.page.reload()
 
     anna.page.get_by_role("button", name="Share this scan").click()
+    # Each choice says what else others see.
+    for section, sees in (("Share with specific people", "the title and the description of the scan and the names of its presets"),
+                          ("Share by link", "its title"), ("Share with everyone", "its title, its description and the names of its presets")):
+        expect(dialog.get_by_role("region", name=section).get_by_text(f"They also see {sees}.")).to_be_visible()
     dialog.get_by_label("Description").fill("Seen from all sides.")
     dialog.get_by_label("Body part").select_option("head")
     dialog.get_by_role("button", name="Save", exact=True).click()
@@ -117,6 +122,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     bert.page.get_by_role("button", name="Saved presets").click()
     dialog = bert.page.get_by_role("dialog")
     expect(dialog.get_by_text("There are no presets yet")).to_be_visible()
+    expect(dialog.get_by_label("Name of the new preset")).to_have_accessible_description(re.compile("can read this name"))
     dialog.get_by_label("Name of the new preset").fill("Best of it")
     dialog.get_by_role("button", name="Save the current view").click()
     expect(dialog.get_by_role("button", name="Show Best of it")).to_be_visible()

@@ -35,7 +35,7 @@ export const cut: Texts["cut"] = {
   confirmNothing:
     "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und nach der Bestätigung können Sie sie öffentlich machen.",
   confirmAfter:
-    "Erst nach diesem Schritt können Sie die Aufnahme in die Galerie stellen. Von selbst kommt sie nicht dorthin.",
+    "Erst nach diesem Schritt können Sie die Aufnahme in die Galerie stellen. Von selbst kommt sie nicht dorthin. Alle, die hier ein Konto haben, sehen dann auch ihren Titel, ihre Beschreibung und die Namen ihrer Voreinstellungen.",
   understood:
     "Ich habe sie mir von allen Seiten angesehen, und mir ist klar, dass sich das nicht rückgängig machen lässt.",
   confirm: "Endgültig zuschneiden",

@@ -7,6 +7,8 @@ export const presets: Texts["presets"] = {
   lead: "Eine Voreinstellung enthält Farben, Lichter, Schnitte und Blickpunkt.",
   none: "Noch keine Voreinstellungen. Stellen Sie das Bild so ein, wie es Ihnen gefällt, und speichern Sie es als Voreinstellung.",
   name: "Name der neuen Voreinstellung",
+  nameHint:
+    "Alle, die diese Aufnahme mit ihrem Konto öffnen können, können diesen Namen lesen, auch wenn Sie sie erst später mit ihnen teilen. Verwenden Sie deshalb keinen Personennamen.",
   save: "Aktuelle Ansicht speichern",
   saved: (name) => `Als ${name} gespeichert.`,
   unreadable: (name) => `Die Voreinstellung „${name}“ kann nicht gelesen werden.`,

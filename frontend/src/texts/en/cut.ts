@@ -30,7 +30,8 @@ export const cut = {
     "What you cut away will be permanently deleted from our disks: from the scan itself, from every picture made of it, and for everyone who is looking at it now. Nobody can restore it, neither you nor we. Your disc at home stays as it is.",
   confirmNothing:
     "You haven’t cut anything away. The whole scan stays as it is, and once you confirm, you can make it public.",
-  confirmAfter: "You can add the scan to the gallery only after this step. It isn’t added until you do so.",
+  confirmAfter:
+    "You can add the scan to the gallery only after this step. It isn’t added until you do so. Everyone with an account then also sees its title, its description and the names of its presets.",
   understood: "I have looked at it from all sides, and I understand that this can’t be undone.",
   confirm: "Cut permanently",
   working: "Cutting the scan. This takes a few seconds.",

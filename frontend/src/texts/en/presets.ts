@@ -5,6 +5,8 @@ export const presets = {
   lead: "A preset keeps the colours, lights, cuts and viewpoint.",
   none: "There are no presets yet. Adjust the picture as you like it, then save it as a preset.",
   name: "Name of the new preset",
+  nameHint:
+    "Everyone who can open this scan with their account can read this name, including people you share it with later. Don’t include a person’s name.",
   save: "Save the current view",
   saved: (name: string) => `Saved as ${name}.`,
   unreadable: (name: string) => `The preset “${name}” can’t be read.`,

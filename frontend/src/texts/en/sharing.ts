@@ -34,6 +34,7 @@ export const sharing = {
   people: {
     title: "Share with specific people",
     lead: "We’ll send them an email that shows your email address and your public name. They sign in with the address you enter here and find the scan under “Shared with me”. We don’t tell anyone, including you, whether an address has an account. If they don’t have an account yet, the invitation waits for them.",
+    sees: "They also see the title and the description of the scan and the names of its presets.",
     email: "Email address",
     may: "Permission",
     view: "Can view",
@@ -47,6 +48,7 @@ export const sharing = {
   links: {
     title: "Share by link",
     lead: "Anyone with the link can view the whole scan in 3D, without an account, until the link expires or you disable it.",
+    sees: "They also see its title.",
     slices: "Also show the slices",
     slicesHint:
       "Viewers then see the exact values of the whole scan, slice by slice. To change this later, disable the link and create a new one.",
@@ -67,6 +69,7 @@ export const sharing = {
   everybody: {
     title: "Share with everyone",
     lead: "Everyone with an account here can view the scan in the gallery and save presets for it.",
+    sees: "They also see its title, its description and the names of its presets.",
     slices: "Also show the slices",
     slicesHint: "Everyone then sees the exact values of the whole scan, slice by slice.",
     slicesShown: "The slices are now shown too.",

@@ -206,7 +206,7 @@ function RenameForm({ name, onInput, rename, onClose }: RenameFormProps) {
         rename();
       }}
     >
-      <Field label={t.presets.newName} value={name} onInput={onInput} most={60} />
+      <Field label={t.presets.newName} value={name} onInput={onInput} most={60} hint={t.presets.nameHint} />
       <button type="submit" class="button button-main" disabled={name.trim() === ""}>
         {t.presets.rename}
       </button>

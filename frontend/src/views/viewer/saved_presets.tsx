@@ -72,7 +72,7 @@ function SaveForm({ session, set, act }: SaveFormProps) {
         save();
       }}
     >
-      <Field label={text.name} value={name} onInput={setName} most={60} />
+      <Field label={text.name} value={name} onInput={setName} most={60} hint={text.nameHint} />
       <button type="submit" class="button button-main" disabled={name.trim() === ""}>
         {text.save}
       </button>
