@@ -315,3 +315,37 @@ def test_a_dropped_file_leads_to_the_reader_and_a_card_is_renamed(person: Person
     dialog.get_by_label("Title").fill("My head in spring")
     dialog.get_by_role("button", name="Save").click()
     expect(person.card("My head in spring")).to_be_visible()
+
+
+def test_one_press_uploads_all_series_and_the_scans_are_sorted_as_chosen(person: Person, cranium: Path, tmp_path: Path):
+    import pydicom
+    from pydicom.uid import generate_uid
+
+    page = person.page
+    (tmp_path / "disc").mkdir()
+    some_slices(cranium, tmp_path / "disc" / "one")
+    series = generate_uid()
+    for source in some_slices(cranium, tmp_path / "disc" / "two", 80):
+        slices = pydicom.dcmread(source)
+        slices.SeriesInstanceUID = series
+        slices.SOPInstanceUID = slices.file_meta.MediaStorageSOPInstanceUID = generate_uid()
+        slices.SeriesNumber = 2
+        slices.save_as(source)
+    person.choose_folder(tmp_path / "disc")
+    titles = page.get_by_label("Your name for this scan")
+    expect(titles).to_have_count(2)
+    titles.nth(0).fill("After, 4 May 2024")
+    titles.nth(1).fill("Before, 2 Jan 2023")
+    page.get_by_role("button", name="Upload all 2").click()
+    expect(page.get_by_text("The upload has started.")).to_have_count(2)
+    page.get_by_role("link", name="My scans").first.click()
+    for title in ("After", "Before"):
+        expect(person.card(title)).to_have_attribute("data-state", "ready")
+    cards = page.locator("article.card[data-state=ready] h3")
+    page.get_by_label("Sort by").select_option("title")
+    expect(cards).to_have_text([re.compile("After"), re.compile("Before"), *[re.compile("")] * (cards.count() - 2)])
+    page.get_by_label("Sort by").select_option("date")
+    page.reload()
+    expect(page.get_by_label("Sort by")).to_have_value("date")
+    expect(cards.nth(0)).to_contain_text("After")
+    expect(cards.nth(1)).to_contain_text("Before")

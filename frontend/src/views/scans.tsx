@@ -1,7 +1,9 @@
 import { useState } from "preact/hooks";
 import type { DataSet } from "../api/types";
 import type { UploadView } from "../api/upload_view";
-import { t } from "../texts";
+import { local } from "../storage";
+import { place, t } from "../texts";
+import { Choice } from "./choice";
 import { Dialog } from "./dialog";
 import { bytesText } from "./format";
 import { addFiles } from "./files_for_add";
@@ -10,6 +12,7 @@ import { Loading } from "./loading";
 import { Link } from "./router";
 import { RenameDialog } from "./rename_dialog";
 import { ScanCard, titleOf } from "./scan_card";
+import { inOrder, scanOrderOf, scanOrders } from "./scan_order";
 import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 import { useWarmThumbnails } from "./thumbnail";
@@ -18,6 +21,7 @@ import { useScans } from "./use_scans";
 
 /** The number of newest scans whose pictures are prepared before they are opened. */
 const warmed = 4;
+const orderKey = "diaphane.scan_order";
 
 export function Scans() {
   const app = useApp();
@@ -108,8 +112,10 @@ function List({ sets, uploads, onRemove, onRename }: ListProps) {
       .slice(0, warmed)
       .map((set) => set.id),
   );
-  const own = sets.filter((set) => set.owned);
-  const shared = sets.filter((set) => !set.owned && !set.is_sample);
+  const [order, setOrder] = useState(() => scanOrderOf(local.getItem(orderKey)));
+  const ordered = inOrder(sets, order, place());
+  const own = ordered.filter((set) => set.owned);
+  const shared = ordered.filter((set) => !set.owned && !set.is_sample);
   const samples = sets.filter((set) => !set.owned && set.is_sample);
   const card = (set: DataSet) => (
     <li key={set.id}>
@@ -135,6 +141,19 @@ function List({ sets, uploads, onRemove, onRename }: ListProps) {
       ) : (
         <section>
           <h2 class="visually-hidden">{t.scans.list}</h2>
+          {own.length > 1 ? (
+            <div class="scan-order">
+              <Choice
+                label={t.scans.order}
+                value={order}
+                options={scanOrders.map((one) => [one, t.scans.orders[one]] as const)}
+                onChoose={(chosen) => {
+                  setOrder(scanOrderOf(chosen));
+                  local.setItem(orderKey, chosen);
+                }}
+              />
+            </div>
+          ) : null}
           <ul class="cards">{own.map(card)}</ul>
         </section>
       )}

@@ -19,10 +19,12 @@ export interface SeriesCardProps {
   readonly only: boolean;
   /** Given if this series is recommended among several. */
   readonly best: Recommendation["why"] | null;
+  /** Is given what starts the upload with the title that is in the form, and null once it has begun. */
+  readonly onReady: (start: (() => Promise<void>) | null) => void;
 }
 
 /** A series that can be uploaded: its facts, and the form for uploading it. */
-export function SeriesCard({ series, name, verdict, files, only, best }: SeriesCardProps) {
+export function SeriesCard({ series, name, verdict, files, only, best, onReady }: SeriesCardProps) {
   const upload = useSeriesUpload(series, files, only);
   return (
     <article class="series-card">
@@ -34,7 +36,7 @@ export function SeriesCard({ series, name, verdict, files, only, best }: SeriesC
             {t.add.begun} <Link href="/scans">{t.titles.scans}</Link>
           </Notice>
         ) : (
-          <UploadForm series={series} upload={upload} />
+          <UploadForm series={series} upload={upload} onReady={onReady} />
         )}
         {upload.fault ? <Notice kind="bad">{upload.fault}</Notice> : null}
       </div>
@@ -81,18 +83,23 @@ function SeriesFacts({ series, name, verdict, bytes, best }: SeriesFactsProps) {
 interface UploadFormProps {
   readonly series: Series;
   readonly upload: ReturnType<typeof useSeriesUpload>;
+  readonly onReady: SeriesCardProps["onReady"];
 }
 
 /** Asks for a title, unless an interrupted upload of the same files is resumed. */
-function UploadForm({ series, upload }: UploadFormProps) {
+function UploadForm({ series, upload, onReady }: UploadFormProps) {
   const [title, setTitle] = useState(() => proposedTitle(series, dicomDateText(series.date)));
-  const { busy, interruptedAt } = upload;
+  const { busy, interruptedAt, start } = upload;
+  useEffect(() => {
+    onReady(() => start(title.trim()));
+    return () => onReady(null);
+  });
   return (
     <form
       class="series-form"
       onSubmit={(event) => {
         event.preventDefault();
-        void upload.start(title.trim());
+        void start(title.trim());
       }}
     >
       {interruptedAt === null ? (

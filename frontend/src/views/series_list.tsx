@@ -1,4 +1,4 @@
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { ScanResult, Series } from "../scan/types";
 import { recommend } from "../scan/recommend";
 import { seriesNames } from "../scan/series_names";
@@ -21,6 +21,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
   suitable.sort((a, b) => Number(b.key === best?.key) - Number(a.key === best?.key));
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => heading.current?.focus(), []);
+  const all = useUploadAll();
   return (
     <>
       <div class="page-head">
@@ -38,6 +39,19 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
       ) : (
         <Nothing files={files} result={result} hidden={hidden.length} />
       )}
+      {suitable.length > 1 ? (
+        <p>
+          <button
+            type="button"
+            class="button"
+            disabled={all.busy || all.done}
+            aria-busy={all.busy}
+            onClick={() => void all.start()}
+          >
+            {t.add.uploadAll(suitable.length)}
+          </button>
+        </p>
+      ) : null}
       <ul class="series">
         {suitable.map((series) =>
           series.verdict.suitable ? (
@@ -49,6 +63,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
                 files={files}
                 only={suitable.length === 1}
                 best={series.key === best?.key ? best.why : null}
+                onReady={(start) => all.set(series.key, start)}
               />
             </li>
           ) : null,
@@ -58,6 +73,24 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
       {suitable.length > 0 || hidden.length > 0 ? <Rest result={result} /> : null}
     </>
   );
+}
+
+/** Starts the uploads that have not begun, one after the other, so that each finds out whether it still fits. */
+function useUploadAll() {
+  const starts = useRef(new Map<string, () => Promise<void>>());
+  const [busy, setBusy] = useState(false);
+  const [done, setDone] = useState(false);
+  const set = (key: string, start: (() => Promise<void>) | null) => {
+    if (start) starts.current.set(key, start);
+    else starts.current.delete(key);
+  };
+  const start = async () => {
+    setBusy(true);
+    for (const key of [...starts.current.keys()]) await starts.current.get(key)?.();
+    setBusy(false);
+    setDone(starts.current.size === 0);
+  };
+  return { busy, done, set, start };
 }
 
 interface HiddenSeriesProps {

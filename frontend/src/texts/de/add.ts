@@ -56,6 +56,7 @@ export const add: Texts["add"] = {
   several: "Laden Sie so viele davon hoch, wie Sie möchten. Diese Liste bleibt geöffnet.",
   begun: "Der Upload hat begonnen. Sie finden ihn unter „Meine Aufnahmen“.",
   upload: "Hochladen",
+  uploadAll: (n) => `Alle ${n} hochladen`,
   starting: "Wird gestartet …",
   leftOut: (left) =>
     [

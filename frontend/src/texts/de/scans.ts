@@ -22,6 +22,8 @@ export const scans: Texts["scans"] = {
   empty: "Noch keine Aufnahmen",
   add: "Aufnahme hinzufügen",
   list: "Ihre Aufnahmen",
+  order: "Sortieren nach",
+  orders: { added: "Zuletzt hochgeladen", date: "Datum im Titel", title: "Titel", size: "Größe" },
   examples: "Beispiele",
   used: (used, all) => `${used} von ${all} belegt`,
   untitledOn: (date) => `Aufnahme ohne Namen, ${date}`,

@@ -49,6 +49,7 @@ export const add = {
   several: "Upload as many of them as you like. This list stays open.",
   begun: "The upload has started. You can follow it under “My scans”.",
   upload: "Upload",
+  uploadAll: (n: number) => `Upload all ${n}`,
   starting: "Starting…",
   leftOut: (left: LeftOut) =>
     [

@@ -23,6 +23,8 @@ export const scans = {
   empty: "No scans yet",
   add: "Add a scan",
   list: "Your scans",
+  order: "Sort by",
+  orders: { added: "Newest upload first", date: "Date in the title", title: "Title", size: "Size" },
   examples: "Examples",
   used: (used: string, all: string) => `${used} of ${all} used`,
   untitledOn: (date: string) => `Untitled scan, ${date}`,
