@@ -41,6 +41,11 @@ export function setTexture(scene: Scene, index: number, picture: Uint8Array<Arra
   };
 }
 
+export const hasTextures = (scene: Scene): boolean => scene.lights.some((light) => textureOf(light) !== null);
+
+export const withoutTextures = (scene: Scene): Scene =>
+  scene.lights.reduce((bare, light, i) => (textureOf(light) ? setTexture(bare, i, null) : bare), scene);
+
 export interface Pixels {
   readonly width: number;
   readonly height: number;

@@ -11,6 +11,7 @@ export const presets: Texts["presets"] = {
     "Alle, die diese Aufnahme mit ihrem Konto öffnen können, können diesen Namen lesen, auch wenn Sie sie erst später mit ihnen teilen. Verwenden Sie deshalb keinen Personennamen.",
   save: "Aktuelle Ansicht speichern",
   saved: (name) => `Als ${name} gespeichert.`,
+  withoutPatterns: "Die Muster der Lichter werden in einer Voreinstellung nicht gespeichert.",
   unreadable: (name) => `Die Voreinstellung „${name}“ kann nicht gelesen werden.`,
   tooLarge: "Diese Datei ist zu groß für eine Voreinstellung.",
   notAPreset:

@@ -77,6 +77,7 @@ export const take: Texts["take"] = {
   link: "Link zu dieser Ansicht teilen",
   linkLead:
     "Wer diese Aufnahme schon öffnen darf, sieht sie so, wie sie jetzt ist: mit Ihren Farben, Lichtern und Schnitten und aus Ihrem Blickwinkel. Der Link gibt niemandem sonst Zugriff auf die Aufnahme und enthält keinen Namen.",
+  linkWithoutPatterns: "Die Muster Ihrer Lichter sind in dem Link nicht enthalten.",
   linkField: "Link",
   linkTooLarge:
     "Diese Ansicht enthält zu viele Einzelheiten für einen Link. Speichern Sie sie stattdessen als Voreinstellung.",

@@ -9,6 +9,7 @@ export const presets = {
     "Everyone who can open this scan with their account can read this name, including people you share it with later. Don’t include a person’s name.",
   save: "Save the current view",
   saved: (name: string) => `Saved as ${name}.`,
+  withoutPatterns: "Presets don’t keep the patterns of lights.",
   unreadable: (name: string) => `The preset “${name}” can’t be read.`,
   tooLarge: "This file is too large to be a preset.",
   notAPreset: "This file isn’t a valid preset. Choose a preset file that you downloaded from Diaphane.",

@@ -73,6 +73,7 @@ export const take = {
   link: "Share a link to this view",
   linkLead:
     "Anyone who already has access to this scan sees it as it is now, with your colours, lights, cuts and viewpoint. The link doesn’t give anyone else access to the scan, and it contains no name.",
+  linkWithoutPatterns: "The link doesn’t keep the patterns of your lights.",
   linkField: "Link",
   linkTooLarge: "This view has too many details for a link. Save it as a preset instead.",
   copy: "Copy",

@@ -9,8 +9,8 @@ import { ReportDialog } from "../report_dialog";
 import { Notice } from "../shell";
 import { useApp } from "../state";
 import { PresetPicture } from "../thumbnail";
-import { sceneOfPreset } from "./preset_scene";
-import { currentScene, type ActOnPresets } from "./use_saved_presets";
+import { savedText, sceneOfPreset, toPreset } from "./preset_scene";
+import type { ActOnPresets } from "./use_saved_presets";
 
 export interface PresetRowProps {
   readonly preset: PresetInfo;
@@ -75,9 +75,10 @@ function usePresetActions({ preset, session, set, act }: PresetRowProps) {
     rename: (name: string, done: () => void) => change(() => api.change(preset, { name: name.trim() }).then(done)),
     overwrite: () =>
       act(async () => {
-        const scene = currentScene(session);
-        if (scene) await api.change(preset, { scene });
-        return text.saved(preset.name);
+        const scene = session.editor.scene.value;
+        if (!scene) return "";
+        await api.change(preset, { scene: toPreset(scene) });
+        return savedText(preset.name, scene);
       }),
     remove: () => change(() => api.remove(preset)),
     toggleDefault: () => change(() => api.setDefault(set.id, preset.is_default ? null : preset)),

@@ -3,7 +3,8 @@ import { sceneToJson } from "../../protocol/messages";
 import { someScene } from "../../scene/testing";
 import { t } from "../../texts";
 import { Said } from "../state";
-import { sceneOfPreset } from "./preset_scene";
+import { setTexture, textureOf } from "../../scene/textures";
+import { savedText, sceneOfPreset, toPreset } from "./preset_scene";
 
 const presets = (scene: object) => ({ get: (id: string) => Promise.resolve({ id, name: "Best", scene }) as never });
 
@@ -18,4 +19,14 @@ test("one that cannot be read is said by its name", async () => {
   const read = sceneOfPreset(presets({ camera: "none" }), "a");
   await expect(read).rejects.toThrow(Said);
   await expect(read).rejects.toThrow(t.presets.unreadable("Best"));
+});
+
+test("a scene with a pattern on a light is saved without it, and that is said", async () => {
+  const scene = setTexture(someScene(), 0, new Uint8Array([1, 2, 3]));
+  expect(scene.lights[0] && textureOf(scene.lights[0])).not.toBeNull();
+  const saved = await sceneOfPreset(presets(toPreset(scene)), "a");
+  expect(saved.lights.map(textureOf)).toEqual(saved.lights.map(() => null));
+  expect(saved.lights.length).toBe(scene.lights.length);
+  expect(savedText("Best", scene)).toContain(t.presets.withoutPatterns);
+  expect(savedText("Best", someScene())).toBe(t.presets.saved("Best"));
 });

@@ -8,7 +8,8 @@ import { Loading } from "../loading";
 import { Notice } from "../shell";
 import { useApp } from "../state";
 import { PresetRow } from "./preset_row";
-import { currentScene, useSavedPresets, type ActOnPresets } from "./use_saved_presets";
+import { savedText, toPreset } from "./preset_scene";
+import { useSavedPresets, type ActOnPresets } from "./use_saved_presets";
 
 export interface SavedPresetsProps {
   readonly session: ViewerSession;
@@ -57,11 +58,11 @@ function SaveForm({ session, set, act }: SaveFormProps) {
   const [name, setName] = useState("");
   const save = () =>
     act(async () => {
-      const scene = currentScene(session);
+      const scene = session.editor.scene.value;
       if (!scene) return "";
-      await app.api.presets.save(set.id, name.trim(), scene);
+      await app.api.presets.save(set.id, name.trim(), toPreset(scene));
       setName("");
-      return text.saved(name.trim());
+      return savedText(name.trim(), scene);
     });
   return (
     <form

@@ -1,9 +1,7 @@
 import { useCallback, useEffect, useMemo, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import type { DataSet, PresetInfo } from "../../api/types";
-import { sceneToJson } from "../../protocol/messages";
 import { t } from "../../texts";
-import type { ViewerSession } from "../../video/viewer_session";
 import { oneAtATime } from "../one_at_a_time";
 import { Said, useApp } from "../state";
 
@@ -55,7 +53,3 @@ export function useSavedPresets(set: DataSet) {
  */
 const isNoPreset = (thrown: unknown): boolean =>
   thrown instanceof ApiProblem && thrown.errors.length > 0 && thrown.errors[0]?.field !== "version";
-
-/** Returns the current scene in the form that the API stores. */
-export const currentScene = (session: ViewerSession): object | null =>
-  session.editor.scene.value ? (JSON.parse(sceneToJson(session.editor.scene.value)) as object) : null;

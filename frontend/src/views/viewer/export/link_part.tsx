@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { linkOf } from "../../../scene/scene_link";
+import { hasTextures } from "../../../scene/textures";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { CopyField } from "../../copy_field";
@@ -13,6 +14,7 @@ export interface LinkPartProps {
 export function LinkPart({ session, dataSetId }: LinkPartProps) {
   const text = t.take;
   const [said, setSaid] = useState("");
+  const scene = session.editor.scene.value;
   const url = useSceneLink(session, dataSetId);
   if (url === null) return <p>{text.linkTooLarge}</p>;
   const copy = async () => {
@@ -26,6 +28,7 @@ export function LinkPart({ session, dataSetId }: LinkPartProps) {
   return (
     <div class="share-link">
       <p class="muted">{text.linkLead}</p>
+      {scene && hasTextures(scene) ? <p>{text.linkWithoutPatterns}</p> : null}
       <CopyField value={url} label={text.linkField} button={text.copy} onCopy={() => void copy()} />
       <p class="muted" role="status">
         {said}
