@@ -41,20 +41,33 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
                              {"render_time", std::move(spent)}});
 }
 
+Outcome<Response> sign_up_with_consent(Accounts& accounts, const Request& request,
+                                       const Principal& who) {
+  Fields in(request);
+  const std::string email = in.text("email", 3, 254);
+  const bool consents = in.boolean("consent");
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const auto done = accounts.sign_up(email, consents ? Consent::kGiven : Consent::kMissing,
+                                     request.address, who.language);
+  DIAPHANE_TRY(done);
+  return empty_response(202);
+}
+
+Outcome<Response> consent(Accounts& accounts, const Request& request, const Principal& who) {
+  Fields in(request);
+  const std::string version = in.text("version", 1, kMostVersionCharacters);
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const auto done = accounts.give_consent(who, version);
+  DIAPHANE_TRY(done);
+  return empty_response(204);
+}
+
 }  // namespace
 
 std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
                                   const RequestRouter& router) {
-  const auto sign_up = [&accounts](const Request& request,
-                                   const Principal& who) -> Outcome<Response> {
-    Fields in(request);
-    const std::string email = in.text("email", 3, 254);
-    const bool consents = in.boolean("consent");
-    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.sign_up(email, consents ? Consent::kGiven : Consent::kMissing,
-                                       request.address, who.language);
-    DIAPHANE_TRY(done);
-    return empty_response(202);
+  const auto sign_up = [&accounts](const Request& request, const Principal& who) {
+    return sign_up_with_consent(accounts, request, who);
   };
   const auto verify = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
     Fields in(request);
@@ -90,14 +103,8 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
     DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
-  const auto give_consent = [&accounts](const Request& request,
-                                        const Principal& who) -> Outcome<Response> {
-    Fields in(request);
-    const std::string version = in.text("version", 1, kMostVersionCharacters);
-    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.give_consent(who, version);
-    DIAPHANE_TRY(done);
-    return empty_response(204);
+  const auto give_consent = [&accounts](const Request& request, const Principal& who) {
+    return consent(accounts, request, who);
   };
   const auto get_me = [&accounts, &render_time](const Request&, const Principal& who) {
     return me(accounts, render_time, who);
