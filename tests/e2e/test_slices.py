@@ -80,6 +80,28 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
     one_alone_by_mouse(reader)
 
 
+def test_a_reload_keeps_the_slices_and_their_measurements(stack: TestStack, visit, cranium: Path):
+    page = visit(wide=True)
+    person = Person.arrives(stack, page, "renate")
+    reader = Reader(stack, page, person.has_scan(cranium, "Head"))
+    page.locator("[data-preset=bone]").click()
+    page.keyboard.press("v")
+    reader.set_window(300, 2000)
+    page.get_by_role("radio", name="Ruler").check()
+    page.mouse.move(*reader.at("sagittal", 5, 10))
+    page.mouse.down()
+    page.mouse.move(*reader.at("sagittal", 25, 10), steps=3)
+    page.mouse.up()
+    text = reader.pane("sagittal").locator(".slice-measure text")
+    expect(text).to_have_text(re.compile(r"mm$"))
+    length = text.text_content()
+
+    page.reload()
+    expect(reader.pane("sagittal").locator(".slice-measure text")).to_have_text(length)
+    assert reader.window() == (300, 2000)
+    expect(page.locator(".preset[aria-pressed=true]")).to_have_attribute("data-preset", "bone")
+
+
 def pixel_mm(reader: Reader, plane: str) -> float:
     """Returns the size of a pixel. A mouse reports whole pixels, so each end is off by less than one."""
     return 1 / reader.planes[plane].per_mm(reader.canvas(plane).bounding_box())

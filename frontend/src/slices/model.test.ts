@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { vec3 } from "../input/vec3";
+import { slicesFromText, slicesToText } from "./memory";
 import { Slices } from "./model";
 import type { SliceId } from "./store";
 import { axial, coronal, sagittal } from "./testing";
@@ -52,6 +53,32 @@ describe("the slices of a scan", () => {
     expect(slices.pictureShown.value).toBe(false);
     slices.shown.value = "picture";
     expect(slices.pictureShown.value).toBe(true);
+  });
+  it("are as before a reload of the same volume, with their measurements", () => {
+    const slices = begun();
+    slices.open.value = true;
+    slices.goTo(axial, 0);
+    slices.setWindow({ centre: 1, width: 2 });
+    const ruler = { kind: "ruler", plane: "axial", slice: 0, points: [vec3(0, 0, -6), vec3(2, 0, -6)] } as const;
+    slices.measures.value = [ruler, { ...ruler, points: [vec3(0, 0, -6)] }];
+    const remembered = slicesFromText(slicesToText(slices.remembered() ?? expect.unreachable()));
+
+    const again = new Slices(() => undefined, remembered);
+    again.configured([axial, sagittal, coronal], header);
+    again.allow("whole");
+    expect(again.view.value).toBe("four");
+    expect(again.index(axial)).toBe(0);
+    expect(again.window.value).toEqual({ centre: 1, width: 2 });
+    expect(again.measures.value).toEqual([ruler]); // the other one was not finished
+
+    const other = new Slices(() => undefined, remembered);
+    other.configured([axial, sagittal, coronal], { ...header, contentHash: "another" });
+    expect(other.measures.value).toEqual([]);
+    expect(other.open.value).toBe(false);
+  });
+  it("begin again if what was kept is damaged", () => {
+    for (const text of [null, "{", "[]", '{"volume":"a"}', '{"volume":"a","crosshair":{"x":"1"},"measures":[]}'])
+      expect(slicesFromText(text)).toBeNull();
   });
   it("survive a reconnection, and are reset for another volume", () => {
     const slices = begun();

@@ -2,6 +2,7 @@ import { computed, effect, signal } from "@preact/signals";
 import { add, scale, vec3, type Vec3 } from "../input/vec3";
 import { inflate } from "./coding";
 import type { Measure } from "./measure";
+import type { RememberedSlices } from "./memory";
 import { wholeSlice, type Placing } from "./placing";
 import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./stack";
 import { SliceStore, type Coming, type StoreParts } from "./store";
@@ -57,7 +58,11 @@ export class Slices {
   private first: Window = this.window.value;
   private volume: string | null = null;
 
-  constructor(ask: StoreParts["ask"]) {
+  /** `before` is restored if it belongs to the volume. */
+  constructor(
+    ask: StoreParts["ask"],
+    private before: RememberedSlices | null = null,
+  ) {
     this.store = new SliceStore({
       ask,
       inflate,
@@ -86,6 +91,8 @@ export class Slices {
       this.stacks.value = new Map(stacks.map((stack) => [stack.plane, stack]));
       this.first = firstWindow(header);
       this.reset();
+      if (this.before?.volume === volume) this.restore(this.before);
+      this.before = null;
     }
     this.store.connected();
   }
@@ -158,6 +165,26 @@ export class Slices {
   /** Shows only one of the four views, or all four again. */
   maximise(one: Exclude<Shown, "four">): void {
     this.shown.value = this.view.value === one ? "four" : one;
+  }
+
+  /** What to restore after a reload, or null until there is a volume. */
+  remembered(): RememberedSlices | null {
+    if (this.volume === null) return this.before;
+    return {
+      volume: this.volume,
+      open: this.open.value,
+      crosshair: this.crosshair.value,
+      window: this.window.value,
+      measures: this.measures.value,
+    };
+  }
+
+  private restore({ open, crosshair, window, measures }: RememberedSlices): void {
+    const axial = this.stacks.value.get("axial");
+    if (axial) this.pointAt(axial, crosshair);
+    this.setWindow(window);
+    this.measures.value = measures;
+    this.open.value = open;
   }
 
   /** Resets the zoom, the crosshair and the window. Measurements stay. */

@@ -19,6 +19,7 @@ import {
   type VolumeHeader,
 } from "../protocol/messages";
 import { effortFrom, effortText, fullEffort, type Effort } from "../scene/effort";
+import { slicesFromText, slicesToText } from "../slices/memory";
 import { Slices, type Access } from "../slices/model";
 import type { Part } from "../scene/parts";
 import { StreamClient, type StreamEvents } from "../protocol/stream_client";
@@ -38,6 +39,7 @@ const effortKey = "diaphane.effort";
 /** The longest side of a picture that the protocol allows. */
 const longestSide = 4096;
 const rememberedEveryMs = 250;
+const slicesKey = (key: string) => `diaphane.slices.${key}`;
 
 const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
   [SliceAccess.NONE]: "none",
@@ -62,7 +64,7 @@ export class ViewerSession {
   /** How much work a picture is worth. The setting belongs to the user, not to a scan. */
   readonly effort = signal<Effort>(fullEffort);
   /** The slice views next to the 3D picture. */
-  readonly slices = new Slices((lacking, taken) => this.client.wantSlices(lacking, taken));
+  readonly slices: Slices;
   /** The server's explanation of the last input that it rejected. */
   readonly problem = signal("");
 
@@ -92,6 +94,10 @@ export class ViewerSession {
     private readonly preferences: Preferences,
   ) {
     const before = rememberedView(tab, place.key);
+    this.slices = new Slices(
+      (lacking, taken) => this.client.wantSlices(lacking, taken),
+      slicesFromText(tab.getItem(slicesKey(place.key))),
+    );
     this.currentSessionId = before.session_id;
     this.canvasSize = withinBounds(size, longestSide);
     this.painter.resize(this.canvasSize);
@@ -244,6 +250,8 @@ export class ViewerSession {
       begun: this.editor.begun.value,
       input_seq: this.client.inputSeq,
     });
+    const slices = this.slices.remembered();
+    if (slices) tab.setItem(slicesKey(this.place.key), slicesToText(slices));
   }
 
   /** Handles the messages of the server. */

@@ -1,0 +1,61 @@
+import type { Vec3 } from "../input/vec3";
+import { isWhole, type Measure } from "./measure";
+import { planes, type Plane } from "./stack";
+import type { Window } from "./window";
+
+/** What the slice views of a volume keep across a reload. */
+export interface RememberedSlices {
+  /** The volume that it belongs to. */
+  readonly volume: string;
+  readonly open: boolean;
+  readonly crosshair: Vec3;
+  readonly window: Window;
+  readonly measures: readonly Measure[];
+}
+
+/** Of the measurements, the newest. */
+export const mostRemembered = 200;
+
+const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
+
+function isPoint(value: unknown): value is Vec3 {
+  const point = value as Partial<Record<"x" | "y" | "z", unknown>> | null;
+  return typeof point === "object" && point !== null && isNumber(point.x) && isNumber(point.y) && isNumber(point.z);
+}
+
+function isMeasure(value: unknown): value is Measure {
+  const one = value as Partial<Record<keyof Measure, unknown>> | null;
+  return (
+    typeof one === "object" &&
+    one !== null &&
+    (one.kind === "ruler" || one.kind === "angle") &&
+    planes.includes(one.plane as Plane) &&
+    isNumber(one.slice) &&
+    Array.isArray(one.points) &&
+    one.points.every(isPoint) &&
+    isWhole(one as Measure)
+  );
+}
+
+export const slicesToText = (slices: RememberedSlices): string =>
+  JSON.stringify({ ...slices, measures: slices.measures.filter(isWhole).slice(-mostRemembered) });
+
+/** Returns null if the text is damaged or of another version. */
+export function slicesFromText(text: string | null): RememberedSlices | null {
+  try {
+    const value = JSON.parse(text ?? "null") as Partial<Record<keyof RememberedSlices, unknown>> | null;
+    if (value === null || typeof value.volume !== "string" || !isPoint(value.crosshair)) return null;
+    const window = value.window as Partial<Record<keyof Window, unknown>> | undefined;
+    if (!window || !isNumber(window.centre) || !isNumber(window.width)) return null;
+    if (!Array.isArray(value.measures) || !value.measures.every(isMeasure)) return null;
+    return {
+      volume: value.volume,
+      open: value.open === true,
+      crosshair: value.crosshair,
+      window: { centre: window.centre, width: window.width },
+      measures: value.measures,
+    };
+  } catch {
+    return null;
+  }
+}
