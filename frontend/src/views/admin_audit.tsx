@@ -121,6 +121,6 @@ function subjectOf({ subject, subject_email: subjectEmail, subject_id: subjectId
 
 function whoOf(entry: AuditEntry): string {
   if (entry.actor === "machine") return t.admin.machine;
-  if (entry.actor_id === null && ["link", "live-link"].includes(String(entry.details["by"]))) return t.admin.guest;
+  if (entry.actor_id === null && ["link", "live-link"].includes(String(entry.details.by))) return t.admin.guest;
   return entry.actor_email ?? t.admin.gone;
 }

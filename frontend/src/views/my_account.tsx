@@ -324,6 +324,43 @@ function useExport() {
 
 /** `coded`: the account has a second factor, so deleting it needs a code too. */
 function Removal({ coded }: { readonly coded: boolean }) {
+  const { asking, setAsking, password, setPassword, code, setCode, faults, busy, close, submit } = useRemoval(coded);
+  return (
+    <section class="panel" aria-labelledby="removal">
+      <h2 id="removal">{t.myAccount.remove}</h2>
+      <p class="muted">{t.myAccount.removeHelp}</p>
+      <p>
+        <button type="button" class="button button-danger" onClick={() => setAsking(true)}>
+          {t.myAccount.removeAsk}
+        </button>
+      </p>
+      {asking ? (
+        <Dialog title={t.myAccount.removeTitle} onClose={close}>
+          <p>{t.myAccount.removeText}</p>
+          <Form onSubmit={submit} busy={busy} danger label={t.myAccount.removeYes} {...fault(faults.form)}>
+            <Field
+              label={t.myAccount.current}
+              type="password"
+              autocomplete="current-password"
+              value={password}
+              onInput={setPassword}
+              {...fault(faults.password)}
+            />
+            {coded ? <CodeField value={code} onInput={setCode} {...fault(faults.code)} /> : null}
+          </Form>
+          <div class="dialog-buttons">
+            <button type="button" class="button" onClick={close}>
+              {t.cancel}
+            </button>
+          </div>
+        </Dialog>
+      ) : null}
+    </section>
+  );
+}
+
+/** The password and the code of somebody who deletes their account. */
+function useRemoval(coded: boolean) {
   const app = useApp();
   const [asking, setAsking] = useState(false);
   const [password, setPassword] = useState("");
@@ -357,36 +394,5 @@ function Removal({ coded }: { readonly coded: boolean }) {
       setBusy(false);
     }
   };
-  return (
-    <section class="panel" aria-labelledby="removal">
-      <h2 id="removal">{t.myAccount.remove}</h2>
-      <p class="muted">{t.myAccount.removeHelp}</p>
-      <p>
-        <button type="button" class="button button-danger" onClick={() => setAsking(true)}>
-          {t.myAccount.removeAsk}
-        </button>
-      </p>
-      {asking ? (
-        <Dialog title={t.myAccount.removeTitle} onClose={close}>
-          <p>{t.myAccount.removeText}</p>
-          <Form onSubmit={submit} busy={busy} danger label={t.myAccount.removeYes} {...fault(faults.form)}>
-            <Field
-              label={t.myAccount.current}
-              type="password"
-              autocomplete="current-password"
-              value={password}
-              onInput={setPassword}
-              {...fault(faults.password)}
-            />
-            {coded ? <CodeField value={code} onInput={setCode} {...fault(faults.code)} /> : null}
-          </Form>
-          <div class="dialog-buttons">
-            <button type="button" class="button" onClick={close}>
-              {t.cancel}
-            </button>
-          </div>
-        </Dialog>
-      ) : null}
-    </section>
-  );
+  return { asking, setAsking, password, setPassword, code, setCode, faults, busy, close, submit };
 }

@@ -12,7 +12,7 @@ import { Loading } from "./loading";
 import { Link } from "./router";
 import { RenameDialog } from "./rename_dialog";
 import { ScanCard, titleOf } from "./scan_card";
-import { inOrder, scanOrderOf, scanOrders } from "./scan_order";
+import { inOrder, scanOrderOf, scanOrders, type ScanOrder } from "./scan_order";
 import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 import { useWarmThumbnails } from "./thumbnail";
@@ -98,6 +98,29 @@ function RemoveDialog({ set, uploading, onNo, onYes }: RemoveDialogProps) {
   );
 }
 
+/** The choice is remembered in this browser. */
+function OrderChoice({
+  order,
+  onChoose,
+}: {
+  readonly order: ScanOrder;
+  readonly onChoose: (order: ScanOrder) => void;
+}) {
+  return (
+    <div class="scan-order">
+      <Choice
+        label={t.scans.order}
+        value={order}
+        options={scanOrders.map((one) => [one, t.scans.orders[one]] as const)}
+        onChoose={(chosen) => {
+          onChoose(scanOrderOf(chosen));
+          local.setItem(orderKey, chosen);
+        }}
+      />
+    </div>
+  );
+}
+
 interface ListProps {
   readonly sets: readonly DataSet[];
   readonly uploads: ReadonlyMap<string, UploadView>;
@@ -141,19 +164,7 @@ function List({ sets, uploads, onRemove, onRename }: ListProps) {
       ) : (
         <section>
           <h2 class="visually-hidden">{t.scans.list}</h2>
-          {own.length > 1 ? (
-            <div class="scan-order">
-              <Choice
-                label={t.scans.order}
-                value={order}
-                options={scanOrders.map((one) => [one, t.scans.orders[one]] as const)}
-                onChoose={(chosen) => {
-                  setOrder(scanOrderOf(chosen));
-                  local.setItem(orderKey, chosen);
-                }}
-              />
-            </div>
-          ) : null}
+          {own.length > 1 ? <OrderChoice order={order} onChoose={setOrder} /> : null}
           <ul class="cards">{own.map(card)}</ul>
         </section>
       )}

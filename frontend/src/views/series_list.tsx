@@ -39,19 +39,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
       ) : (
         <Nothing files={files} result={result} hidden={hidden.length} />
       )}
-      {suitable.length > 1 ? (
-        <p>
-          <button
-            type="button"
-            class="button"
-            disabled={all.busy || all.done}
-            aria-busy={all.busy}
-            onClick={() => void all.start()}
-          >
-            {t.add.uploadAll(suitable.length)}
-          </button>
-        </p>
-      ) : null}
+      {suitable.length > 1 ? <UploadAll all={all} count={suitable.length} /> : null}
       <ul class="series">
         {suitable.map((series) =>
           series.verdict.suitable ? (
@@ -72,6 +60,22 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
       <HiddenSeries hidden={hidden} names={names} open={suitable.length === 0} />
       {suitable.length > 0 || hidden.length > 0 ? <Rest result={result} /> : null}
     </>
+  );
+}
+
+function UploadAll({ all, count }: { readonly all: ReturnType<typeof useUploadAll>; readonly count: number }) {
+  return (
+    <p>
+      <button
+        type="button"
+        class="button"
+        disabled={all.busy || all.done}
+        aria-busy={all.busy}
+        onClick={() => void all.start()}
+      >
+        {t.add.uploadAll(count)}
+      </button>
+    </p>
   );
 }
 
