@@ -2,8 +2,8 @@
 
 #include <fstream>
 
-#include "api/service/accounts.h"
-#include "api/service/audit.h"
+#include "api/accounts/accounts.h"
+#include "api/shared/audit.h"
 #include "common/postgres/address.h"
 
 namespace diaphane::api {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "api/postgres/audit_repository.h"
+#include "api/shared/audit_repository.h"
 
 namespace diaphane::api {
 namespace {
@@ -209,11 +209,11 @@ Result<std::optional<Time>> AccountRepository::consent_at(const std::string& use
                                                           const std::string& version) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Time>> {
     const pqxx::result given = transaction.exec_params(R"sql(
-        SELECT (extract(epoch FROM consent_at) * 1000000)::bigint
+        SELECT (extract(epoch FROM consent_at) * 1000000)::bigint AS consent_us
           FROM users WHERE id = $1::uuid AND consent_version = $2)sql",
                                                        user_id, version);
     if (given.empty()) return std::nullopt;
-    return from_us(given[0][0].as<std::int64_t>());
+    return from_us(given[0]["consent_us"].as<std::int64_t>());
   });
 }
 

@@ -20,10 +20,10 @@ void note_change_of_access(pqxx::work& transaction, const std::string& data_set_
                            Time now) {
   const auto owner =
       transaction.exec_params("SELECT owner_id FROM data_sets WHERE id = $1", data_set_id);
-  if (owner.empty() || owner[0][0].is_null()) return;
+  if (owner.empty() || owner[0]["owner_id"].is_null()) return;
   note_in_audit_log(transaction,
-                    {AuditActor::kPerson, owner[0][0].as<std::string>(), action, "data_set",
-                     data_set_id, details},
+                    {AuditActor::kPerson, owner[0]["owner_id"].as<std::string>(), action,
+                     "data_set", data_set_id, details},
                     now);
 }
 
