@@ -240,7 +240,7 @@ TEST_F(AccountsTest, SigningUpNeedsConsentAndStoresItsVersion) {
 
 TEST_F(AccountsTest, ANewPrivacyNoticeNeedsNewConsent) {
   sign_up_and_verify();
-  Accounts later{store, hasher, codes, key, clock, {.consent_version = "2027-01-01"}};
+  Accounts later{store, hasher, codes, key, clock, signals, {.consent_version = "2027-01-01"}};
   const Principal who = later.sign_in(kEmail, kPassword, "", "1.2.3.4")->principal;
   EXPECT_FALSE(later.consent_at(who).value());
   EXPECT_EQ(invalid_field(later.give_consent(who, kPrivacyTemplate)), "version");
