@@ -55,7 +55,7 @@ def test_every_page_is_accessible_and_fits(stack: TestStack, visit, cranium: Pat
     person.open_scan("A head")
     wait_for_samples(stack, page, 2)
     looks = page.locator(".preset")
-    expect(looks).to_have_count(5)
+    expect(looks).to_have_count(6)
     assert looks.evaluate_all(ALL_IN_SIGHT)
     seen("viewer")
     page.get_by_role("button", name="Controls").click()
@@ -114,7 +114,7 @@ def test_everything_works_by_keys_alone(stack: TestStack, visit, cranium: Path):
     turned = wait_for_samples(stack, page, 8, input_seq=at.input_seq + 1)
     assert difference(start, pixels(page)) > 3
 
-    page.keyboard.press("4")
+    page.keyboard.press("3")
     bone = wait_for_samples(stack, page, 8, input_seq=turned.input_seq + 1)
     expect(page.locator(".preset[aria-pressed=true]")).to_have_attribute("data-preset", "bone")
 

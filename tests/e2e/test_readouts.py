@@ -91,7 +91,7 @@ def test_sides_quality_names_and_looks_are_shown(stack: TestStack, visit, craniu
 
     # Every look has a picture of this scan, and all are different.
     images = page.locator(".preset-picture img")
-    expect(images).to_have_count(5)
+    expect(images).to_have_count(6)
     looks = [base64.b64decode(image.evaluate(SHRINK, SIDE)) for image in images.all()]
     assert all(spread(look) > 5 for look in looks)
     assert min(difference(a, b) for n, a in enumerate(looks) for b in looks[:n]) > 1

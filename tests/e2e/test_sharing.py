@@ -203,6 +203,6 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     expect(nobody.locator("canvas[data-samples]")).to_be_visible()
     expect(nobody.get_by_role("heading", name="A head to share")).to_be_visible()
     expect(nobody.get_by_text("Not for diagnosis")).to_be_visible()
-    expect(nobody.locator(".preset svg, .preset img")).to_have_count(5)  # a colour until the picture has been made
+    expect(nobody.locator(".preset svg, .preset img")).to_have_count(6)  # a colour until the picture has been made
     expect(nobody.get_by_role("button", name="Show the slices (V)")).to_be_visible()  # everyone may use the slices of a sample
     stack.psql("DELETE FROM data_sets WHERE id = %s", scan)  # keeps later tests unaffected

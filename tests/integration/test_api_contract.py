@@ -13,6 +13,7 @@ from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_atte
                         problem, put_thumbnail, remove_worker, signed_up)
 from cut_helpers import KEEP, store
 from access_matrix_fixture import put_picture
+from seeds import PRIVACY_NOTICE
 
 OPERATIONS = list(CONTRACT.operations())
 WITH_BODY = [o for o in OPERATIONS if "application/json" in str(CONTRACT.resolve(o[2].get("requestBody", {})))]
@@ -253,6 +254,7 @@ def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # 
     one.http.delete(f"/v1/data-sets/{made}/links/{link['id']}")
     one.http.patch("/v1/me/public-name", json={"public_name": "One"})
     one.http.get("/v1/me/public-name")
+    one.http.post("/v1/me/consent", json={"version": PRIVACY_NOTICE})
     token = one.http.post(f"/v1/sessions/{session}/links").json()["token"]
     client(api).post("/v1/join", json={"token": token, "key": "0" * 64})
     one.http.delete(f"/v1/sessions/{session}/links")

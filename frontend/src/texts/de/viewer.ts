@@ -77,7 +77,7 @@ export const viewer: Texts["viewer"] = {
     muscle: "Muskeln",
     vessels: "Gefäße",
     bone: "Knochen",
-    through: "Durchsichtig",
+    through: "Glas",
     dense: "Zähne",
     airways: "Luftwege",
   },

@@ -79,7 +79,7 @@ export const viewer = {
     muscle: "Muscle",
     vessels: "Vessels",
     bone: "Bone",
-    through: "See-through",
+    through: "Glass",
     dense: "Teeth",
     airways: "Airways",
   } as Readonly<Record<string, string>>,
