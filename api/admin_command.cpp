@@ -31,14 +31,14 @@ int show_administrators(AdministrationRepository& store) {
   return 0;
 }
 
-int set_administrator(AdministrationRepository& store, const std::string& email, bool given) {
-  const auto done = store.set_administrator(email_key(email), given, SystemClock().wall());
+int set_administrator(AdministrationRepository& store, const std::string& email, bool granted) {
+  const auto done = store.set_administrator(email_key(email), granted, SystemClock().wall());
   if (!done) return failed(done.error());
   if (!*done) {
     std::fprintf(stderr, "No confirmed account has this email address.\n");
     return 1;
   }
-  std::printf("%s is %s administrator.\n", email.c_str(), given ? "an" : "no longer an");
+  std::printf("%s is %s administrator.\n", email.c_str(), granted ? "an" : "no longer an");
   const auto all = store.administrators();
   if (!all) return failed(all.error());
   const bool waits = std::any_of(all->begin(), all->end(), [&](const Administrator& one) {
@@ -72,12 +72,12 @@ int reset_second_factor(Database& database, const std::string& email) {
 
 int run_admin(ConfigReader& in) {
   const std::string url = postgres::read_url(in, wire::read_plain_allowed(in));
-  const auto& words = in.words();
-  const std::string what = words.size() > 1 ? words[1] : "";
-  const bool list = what == "list" && words.size() == 2;
+  const auto& arguments = in.words();
+  const std::string what = arguments.size() > 1 ? arguments[1] : "";
+  const bool list = what == "list" && arguments.size() == 2;
   const bool old_name = what == "forget-factor";  // an old name that this release still accepts
-  const bool reset = (what == "reset-2fa" || old_name) && words.size() == 3;
-  const bool change = (what == "grant" || what == "revoke") && words.size() == 3;
+  const bool reset = (what == "reset-2fa" || old_name) && arguments.size() == 3;
+  const bool change = (what == "grant" || what == "revoke") && arguments.size() == 3;
   if (!list && !change && !reset) {
     in.mistake("usage: diaphane-api admin grant EMAIL | revoke EMAIL | list | reset-2fa EMAIL");
   }
@@ -98,8 +98,8 @@ int run_admin(ConfigReader& in) {
   Database database(url, 1);
   AdministrationRepository store(database);
   if (list) return show_administrators(store);
-  if (reset) return reset_second_factor(database, words[2]);
-  return set_administrator(store, words[2], what == "grant");
+  if (reset) return reset_second_factor(database, arguments[2]);
+  return set_administrator(store, arguments[2], what == "grant");
 }
 
 }  // namespace diaphane::api

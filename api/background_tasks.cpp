@@ -17,8 +17,8 @@ BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTra
       metrics_(metrics),
       mailer_(stores_.mails, transport, clock_),
       disposer_(stores_.data_sets, services.data_set.files, services.picture.thumbnails,
-                services.picture.preset_pictures, settings_.volume_dir,
-                export_directory(settings_)),
+                services.picture.preset_pictures, services.shared.environments,
+                settings_.volume_dir, export_directory(settings_)),
       send_mails_("mail", at_most(2s),
                   [this] {
                     const auto [sent, failed] = mailer_.send_due();
@@ -36,6 +36,7 @@ BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTra
       tidy_("tidying", 10min,
             [this] {
               (void)stores_.accounts.tidy(clock_.wall());
+              (void)stores_.data_sets.expire_views(clock_.wall());
               (void)services_.shared.recording_store.expire(clock_.wall());
             }),
       count_render_time_("rendering time", at_most(2s),

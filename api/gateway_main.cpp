@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "api/stream/gateway.h"
@@ -13,6 +12,7 @@
 #include "common/log.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
+#include "common/service/drain.h"
 #include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
@@ -28,21 +28,19 @@ constexpr int kExitUnavailable = 69;  ///< sysexits.h: a port cannot be opened
 constexpr auto kGrace = 500ms;  ///< time for viewers to close after they were asked to reconnect
 
 struct GatewaySettings {
-  std::string redis, public_url, admin_address;
-  std::uint16_t stream_port = 0, admin_port = 0;
+  std::string redis, public_url;
+  std::uint16_t stream_port = 0;
+  service::AdminServer::Options admin;
   wire::InnerTls tls;
 };
 
 GatewaySettings read_settings(ConfigReader& in) {
   GatewaySettings s;
-  s.redis = in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
   s.tls = wire::read_inner_tls(in, wire::Role::kGateway);
-  wire::check_address(in, "redis", s.redis, s.tls);
+  s.redis = wire::read_redis(in, s.tls);
   s.stream_port = in.port(
       "stream-port", "port for WebSockets; listens on 127.0.0.1 only, behind the reverse proxy");
-  s.admin_port = in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
-  s.admin_address =
-      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  s.admin = service::read_admin_options(in, "gateway");
   s.public_url = in.text("public-url", "origin that browsers use, such as https://host[:port]");
   return s;
 }
@@ -59,13 +57,10 @@ int serve(const GatewaySettings& settings, service::StopSignal& stop) {
 
   // The admin port opens first, so that a hanging start can be examined.
   std::atomic<bool> serving = false;
-  auto admin =
-      service::AdminServer::start({.address = settings.admin_address,
-                                   .port = settings.admin_port,
-                                   .program = "gateway",
-                                   .checks = {{"redis", [&] { return placed.reachable(); }},
-                                              {"listener", [&] { return serving.load(); }}},
-                                   .details = {}});
+  service::AdminServer::Options admin_options = settings.admin;
+  admin_options.checks = {{"redis", [&] { return placed.reachable(); }},
+                          {"listener", [&] { return serving.load(); }}};
+  auto admin = service::AdminServer::start(std::move(admin_options));
   if (!admin) return refuse(admin.error(), kExitUnavailable);
 
   auto gateway = stream::Gateway::start(
@@ -78,14 +73,7 @@ int serve(const GatewaySettings& settings, service::StopSignal& stop) {
   serving = true;
   log::info("serving", {{"stream_port", settings.stream_port}});
 
-  stop.wait();
-  log::info("draining");
-  (*admin)->set_draining();
-  (*gateway)->stop(kGrace);
-  log::info("stopped");
-  // Every viewer has been asked to reconnect. Closing the admin port would take up to two more
-  // seconds, which the process manager may not allow.
-  std::quick_exit(0);
+  service::drain_on_stop(stop, **admin, [&] { (*gateway)->stop(kGrace); });
 }
 
 }  // namespace

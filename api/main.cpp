@@ -4,14 +4,16 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "api/accounts/routes.h"
 #include "api/admin_command.h"
 #include "api/administration/routes.h"
 #include "api/background_tasks.h"
+#include "api/environments/panorama_child.h"
+#include "api/environments/routes.h"
 #include "api/http/executor.h"
 #include "api/http/listener.h"
 #include "api/http/request_metrics.h"
@@ -30,6 +32,7 @@
 #include "common/postgres/address.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
+#include "common/service/drain.h"
 #include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
@@ -50,19 +53,20 @@ int run_migrate(ConfigReader& in) {
   const std::string directory =
       in.directory("migrations", "directory with the NNNN_name.up.sql and .down.sql files");
   const auto steps = static_cast<int>(in.integer(
-      "steps", "number of migrations to run; 0 means all (up) or one (down)", 0, 1000, 0));
-  const auto& words = in.words();
-  if (words.size() != 2 || (words[1] != "up" && words[1] != "down"))
+      "steps", "number of migrations to run (0 = all for up, one for down)", 0, 1000, 0));
+  const auto& positional = in.words();
+  if (positional.size() != 2 || (positional[1] != "up" && positional[1] != "down"))
     in.mistake("usage: diaphane-api migrate up | down");
   if (auto done = in.finish("diaphane-api migrate up|down: apply or revert database migrations"))
     return *done;
   const auto applied =
-      migrate(url, directory, words[1] == "up" ? Direction::kUp : Direction::kDown, steps);
+      migrate(url, directory, positional[1] == "up" ? Direction::kUp : Direction::kDown, steps);
   if (!applied) {
     std::fprintf(stderr, "%s\n", applied.error().message.c_str());
     return applied.error().code == ErrorCode::kUnavailable ? kExitUnavailable : 1;
   }
-  for (const std::string& name : *applied) std::printf("%s %s\n", words[1].c_str(), name.c_str());
+  for (const std::string& name : *applied)
+    std::printf("%s %s\n", positional[1].c_str(), name.c_str());
   if (applied->empty()) std::printf("nothing to do\n");
   return 0;
 }
@@ -76,13 +80,11 @@ Result<std::unique_ptr<service::AdminServer>> start_admin(const Settings& settin
                                                           Database& database,
                                                           directory::Sessions& placed,
                                                           const std::atomic<bool>& serving) {
-  return service::AdminServer::start({.address = settings.admin_address,
-                                      .port = settings.admin_port,
-                                      .program = "api",
-                                      .checks = {{"postgres", [&] { return database.reachable(); }},
-                                                 {"redis", [&] { return placed.reachable(); }},
-                                                 {"listener", [&] { return serving.load(); }}},
-                                      .details = {}});
+  service::AdminServer::Options options = settings.admin;
+  options.checks = {{"postgres", [&] { return database.reachable(); }},
+                    {"redis", [&] { return placed.reachable(); }},
+                    {"listener", [&] { return serving.load(); }}};
+  return service::AdminServer::start(std::move(options));
 }
 
 void add_routes(RequestRouter& router, Services& services) {
@@ -100,6 +102,7 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(sharing_routes(shared.sharing, router));
   router.add(anonymise_routes(picture.anonymise));
   router.add(visit_routes(shared.visits));
+  router.add(environment_routes(shared.environments));
   router.add(preset_routes(shared.presets, picture.preset_pictures));
   router.add(report_routes(shared.reports));
 }
@@ -147,14 +150,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   serving = true;
   log::info("serving", {{"api_port", settings.api_port}});
 
-  stop.wait();
-  log::info("draining");
-  (*admin)->set_draining();
-  (*listener)->drain(1500ms);
-  log::info("stopped");
-  // All requests are answered and all data is stored. Closing the admin port would take up to two
-  // more seconds, which the process manager may not allow.
-  std::quick_exit(0);
+  service::drain_on_stop(stop, **admin, [&] { (*listener)->drain(1500ms); });
 }
 
 }  // namespace
@@ -162,6 +158,9 @@ int serve(const Settings& settings, service::StopSignal& stop) {
 
 int main(int argc, char** argv) {
   using namespace diaphane;
+  if (argc == 2 && std::string_view(argv[1]) == api::kPanoramaWord) {
+    return api::run_panorama_child();
+  }
   // For parts of uploads, slices and images, and for the 19 MB of each password hash.
   service::overwrite_freed_memory();
   if (sodium_init() < 0) return 70;

@@ -40,7 +40,8 @@ DataSetServices::DataSetServices(const Backends& on)
 SessionServices::SessionServices(const Backends& on, DataSets& data_sets)
     : render_time(on.stores.render_time, on.placed, on.placed, on.clock),
       preset_store(on.stores.database),
-      sessions(data_sets, on.placed, render_time,
+      error_curves(on.placed, on.settings.tls),
+      sessions(data_sets, on.placed, render_time, error_curves,
                [this](const std::string& data_set) { return first_scene(data_set); }),
       administration(on.stores.administration, on.placed, on.placed, on.clock) {}
 
@@ -70,6 +71,9 @@ SharedServices::SharedServices(const Backends& on, DataSets& data_sets, SessionS
       visits(parts, {},
              [&sessions](const std::string& data_set) { return sessions.first_scene(data_set); }),
       presets(data_sets, sessions.preset_store, on.clock, on.signals),
+      environment_store(on.stores.database),
+      importer("/proc/self/exe"),
+      environments(environment_store, importer, on.clock, on.signals, on.settings.volume_dir),
       report_store(on.stores.database),
       reports(data_sets, presets, report_store, on.stores.accounts, on.clock,
               [this](const std::string& data_set) { sharing.end_lost_sessions(data_set); }),

@@ -10,6 +10,9 @@
 #include "api/accounts/second_factor_repository.h"
 #include "api/administration/administration.h"
 #include "api/administration/administration_repository.h"
+#include "api/environments/environment_repository.h"
+#include "api/environments/environments.h"
+#include "api/environments/panorama_child.h"
 #include "api/presets/preset_pictures.h"
 #include "api/presets/preset_repository.h"
 #include "api/presets/presets.h"
@@ -34,6 +37,7 @@
 #include "api/sharing/reports.h"
 #include "api/sharing/sharing.h"
 #include "api/sharing/sharing_repository.h"
+#include "api/stream/worker_error_curves.h"
 #include "api/stream/worker_stills.h"
 #include "common/clock.h"
 #include "directory/client.h"
@@ -96,6 +100,7 @@ struct SessionServices {
 
   RenderTime render_time;
   PresetRepository preset_store;
+  stream::WorkerErrorCurves error_curves;
   Sessions sessions;
   Administration administration;
 };
@@ -121,6 +126,9 @@ struct SharedServices {
   Sharing sharing;
   Visits visits;
   Presets presets;
+  EnvironmentRepository environment_store;
+  SandboxedImporter importer;
+  Environments environments;
   ReportRepository report_store;
   Reports reports;
   LiveLinks live_links;

@@ -10,22 +10,20 @@ namespace diaphane::api {
 namespace {
 
 void read_databases(ConfigReader& in, Settings& s) {
-  s.redis = in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
   s.fleet = in.text("fleet", "RenderFleet to scale up when no slot is free", "");
-  s.visitor_percent = static_cast<int>(in.integer(
-      "visitor-share", "maximum percentage of all slots that visitors without an account may use",
-      0, 100, kVisitorPercent));
+  s.visitor_percent = static_cast<int>(
+      in.integer("visitor-share",
+                 "maximum percentage of all slots that people without an account may use together",
+                 0, 100, kVisitorPercent));
   s.tls = wire::read_inner_tls(in, wire::Role::kApi);
-  wire::check_address(in, "redis", s.redis, s.tls);
+  s.redis = wire::read_redis(in, s.tls);
   s.postgres = postgres::read_url(in, s.tls.plain_allowed);
 }
 
 void read_ports_and_origin(ConfigReader& in, Settings& s) {
   s.api_port = in.port("api-port",
                        "port of the REST API; listens on 127.0.0.1 only, behind the reverse proxy");
-  s.admin_port = in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
-  s.admin_address =
-      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  s.admin = service::read_admin_options(in, "api");
   s.public_url = in.text("public-url", "origin that browsers use, such as https://host[:port]");
 }
 
@@ -59,11 +57,12 @@ void read_limits(ConfigReader& in, Settings& s) {
       in.integer("upload-expiry-s", "time after which an inactive upload expires, in seconds", 1,
                  30 * 86400, 86400));
   s.data_sets.reserve_bytes =
-      in.integer("disk-reserve-mb", "disk space that uploads must leave free, in MiB", 0, 1'000'000,
-                 1024)
+      in.integer("disk-reserve-mb", "disk space that uploads and exports leave free, in MiB", 0,
+                 1'000'000, 1024)
       << 20;
   s.data_sets.limits.unprocessed = static_cast<int>(in.integer(
-      "most-unprocessed", "maximum number of unprocessed scans per account", 1, 100'000, 50));
+      "most-unprocessed",
+      "maximum number of scans per account that are being uploaded or processed", 1, 100'000, 50));
   s.data_sets.limits.all = static_cast<int>(
       in.integer("most-data-sets", "maximum number of scans per account", 1, 1'000'000, 2000));
   s.export_total_bytes =

@@ -8,6 +8,7 @@
 #include "api/scans/data_sets.h"
 #include "api/shared/secrets.h"
 #include "common/config.h"
+#include "common/service/admin_server.h"
 #include "common/visitor_share.h"
 #include "common/wire/inner_tls.h"
 
@@ -17,9 +18,10 @@ namespace diaphane::api {
 struct Settings {
   std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
   std::string consent_version;  ///< of the privacy notice
-  std::string sample_token, admin_address, fleet;
+  std::string sample_token, fleet;
   std::optional<SealingKey> factor_key;
-  std::uint16_t api_port = 0, admin_port = 0;
+  std::uint16_t api_port = 0;
+  service::AdminServer::Options admin;
   DataSets::Options data_sets;
   std::int64_t export_total_bytes = 0;
   std::chrono::milliseconds background{5000};

@@ -21,9 +21,10 @@ if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
   endforeach()
 endif()
 
-# Machine code for Hopper, and PTX for all other GPUs since Ampere, which the driver compiles on the first start.
+# Machine code for Hopper. The driver compiles the PTX for all other GPUs on the first start: that for 7.5 for Turing
+# (T4, RTX 20), that for 8.0 since Ampere.
 if(NOT CMAKE_CUDA_ARCHITECTURES)
-  set(CMAKE_CUDA_ARCHITECTURES 80-virtual 90-real)
+  set(CMAKE_CUDA_ARCHITECTURES 75-virtual 80-virtual 90-real)
 endif()
 include(CheckLanguage)
 check_language(CUDA)
@@ -33,7 +34,7 @@ if(NOT CMAKE_CUDA_COMPILER)
 endif()
 set(CMAKE_CUDA_STANDARD 20)
 set(CMAKE_CUDA_STANDARD_REQUIRED ON)
-# Static, so that the same binary also starts without toolkit and driver.
+# Linked statically, so that the same binary also starts without the toolkit and the driver.
 set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
 enable_language(CUDA)
 find_package(CUDAToolkit 12.8 REQUIRED)

@@ -1,5 +1,5 @@
-# Settings of all targets (language level, warnings, ccache, sanitizers) and four functions that keep the folders'
-# CMakeLists.txt short.
+# Settings of all targets (language standard, warnings, ccache, sanitizers), and functions that keep the CMakeLists.txt
+# of each folder short.
 include_guard(GLOBAL)
 
 set(CMAKE_CXX_STANDARD 20)
@@ -29,7 +29,8 @@ if(DIAPHANE_CCACHE)
   # takes the headers from the compiler instead. ccache does not offer it for nvcc.
   set(CMAKE_C_COMPILER_LAUNCHER ${_environment} CCACHE_DEPEND=1 ${DIAPHANE_CCACHE})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${_environment} CCACHE_DEPEND=1 ${DIAPHANE_CCACHE})
-  set(CMAKE_CUDA_COMPILER_LAUNCHER ${_environment} ${DIAPHANE_CCACHE})
+  # Each checkout installs its own nvcc, so it is compared by its contents instead of its date.
+  set(CMAKE_CUDA_COMPILER_LAUNCHER ${_environment} CCACHE_COMPILERCHECK=content ${DIAPHANE_CCACHE})
 endif()
 
 set(DIAPHANE_SANITIZE "" CACHE STRING "address;undefined | thread | what preset fuzz says")
@@ -72,6 +73,9 @@ endfunction()
 
 # diaphane_precompile(<name> headers...): parses headers once for a library whose files are compiled alone.
 function(diaphane_precompile name)
+  # CMake includes a header that is not in angle brackets by its path in this checkout, which no other checkout would find
+  # in ccache.
+  list(TRANSFORM ARGN REPLACE "^${CMAKE_BINARY_DIR}/(.+)$" "<\\1>")
   get_target_property(unity ${name} UNITY_BUILD)
   if(NOT unity)
     target_precompile_headers(${name} PRIVATE ${ARGN})

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "common/claimed_port.h"
 #include "common/config.h"
 #include "common/connect.h"
 #include "common/ids.h"
 #include "common/log.h"
 #include "common/result.h"
 #include "common/try.h"
+#include "tests/support/common/claimed_port.h"
 
 namespace diaphane {
 namespace {

@@ -36,7 +36,7 @@ void ConfigReader::parse(std::vector<std::string> arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
     if (word == "--help" || word == "-h") {
-      help_wanted_ = true;
+      help_requested_ = true;
     } else if (word.starts_with("--")) {
       const std::size_t equals = word.find('=');
       if (equals != std::string::npos) {
@@ -143,7 +143,7 @@ bool ConfigReader::flag(std::string_view name, std::string_view help) {
 }
 
 std::optional<int> ConfigReader::finish(std::string_view about) {
-  if (help_wanted_) {
+  if (help_requested_) {
     std::printf("%s\n\n%s", std::string(about).c_str(), help_.c_str());
     return 0;
   }

@@ -62,7 +62,7 @@ class ConfigReader {
   std::vector<std::string> known_;
   std::vector<std::string> mistakes_;
   std::string help_;
-  bool help_wanted_ = false;
+  bool help_requested_ = false;
 };
 
 }  // namespace diaphane

@@ -34,10 +34,10 @@ Fd connect_tcp(const std::string& address, std::chrono::milliseconds timeout) {
   if (colon == std::string::npos) return Fd(-1);
   std::string host = address.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  addrinfo wanted{};
-  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), address.c_str() + colon + 1, &wanted, &found) != 0) {
+  if (::getaddrinfo(host.c_str(), address.c_str() + colon + 1, &hints, &found) != 0) {
     errno = EHOSTUNREACH;
     return Fd(-1);
   }
@@ -48,9 +48,9 @@ Fd connect_tcp(const std::string& address, std::chrono::milliseconds timeout) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
         deadline - std::chrono::steady_clock::now());
     if (left.count() <= 0) break;
-    Fd made(::socket(one->ai_family, one->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
-                     one->ai_protocol));
-    if (made && connects(made.get(), *one, left)) return made;
+    Fd connection(::socket(one->ai_family, one->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
+                           one->ai_protocol));
+    if (connection && connects(connection.get(), *one, left)) return connection;
     why = errno;
   }
   errno = why;
@@ -71,12 +71,12 @@ Fd connect_unix(const std::string& path) {
     return Fd(-1);
   }
   std::memcpy(address.sun_path, path.data(), path.size());
-  Fd made(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (made &&
-      ::connect(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  Fd connection(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (connection && ::connect(connection.get(), reinterpret_cast<const sockaddr*>(&address),
+                              sizeof address) != 0) {
     return Fd(-1);
   }
-  return made;
+  return connection;
 }
 
 }  // namespace diaphane

@@ -173,18 +173,18 @@ struct Client::Impl {
     idle.clear();
   }
 
-  static RawReply send(redisContext* context, const Arguments& words) {
+  static RawReply send(redisContext* context, const Arguments& command_line) {
     std::vector<const char*> starts;
     std::vector<std::size_t> lengths;
-    for (std::string_view word : words) {
+    for (std::string_view word : command_line) {
       starts.push_back(word.data());
       lengths.push_back(word.size());
     }
-    return RawReply(static_cast<redisReply*>(
-        redisCommandArgv(context, static_cast<int>(words.size()), starts.data(), lengths.data())));
+    return RawReply(static_cast<redisReply*>(redisCommandArgv(
+        context, static_cast<int>(command_line.size()), starts.data(), lengths.data())));
   }
 
-  Result<RawReply> call(const Arguments& words) {
+  Result<RawReply> call(const Arguments& command_line) {
     std::optional<Context> context =
         borrow(std::chrono::steady_clock::now() + options.command_timeout);
     if (!context) return away();
@@ -192,14 +192,14 @@ struct Client::Impl {
     if (!reused) *context = connect(options.connect_timeout, options.command_timeout);
     Lease lease(*this, std::move(*context));
     if (lease.get() == nullptr) return away();
-    RawReply reply = send(lease.get(), words);
+    RawReply reply = send(lease.get(), command_line);
     // An idle connection may have died with its Redis. Running a script twice is safe, because each
     // is idempotent. If the reply to consuming a ticket was lost, the page requests a new ticket.
     if (!reply && reused && lease.get()->err == REDIS_ERR_EOF) {
       forget_idle();
       lease.replace(connect(options.connect_timeout, options.command_timeout));
       if (lease.get() == nullptr) return away();
-      reply = send(lease.get(), words);
+      reply = send(lease.get(), command_line);
     }
     if (!reply) return away();
     if (fault_of(*reply) == Fault::kReplica) {
@@ -236,20 +236,20 @@ Result<std::unique_ptr<Client>> Client::create(Options options) {
 Client::Client(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Client::~Client() = default;
 
-Result<Reply> Client::command(const Arguments& words) {
-  const Result<RawReply> raw = impl_->call(words);
+Result<Reply> Client::command(const Arguments& command_line) {
+  const Result<RawReply> raw = impl_->call(command_line);
   if (!raw) return tl::unexpected(raw.error());
   return checked(**raw, "a command");
 }
 
 Result<Reply> Client::run(const Script& script, const Arguments& arguments) {
-  Arguments words{"EVALSHA", script.sha1, "0"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  Result<RawReply> raw = impl_->call(words);
+  Arguments command_line{"EVALSHA", script.sha1, "0"};
+  command_line.insert(command_line.end(), arguments.begin(), arguments.end());
+  Result<RawReply> raw = impl_->call(command_line);
   if (raw && fault_of(**raw) == Fault::kUnknownScript) {
-    words[0] = "EVAL";
-    words[1] = script.source;
-    raw = impl_->call(words);
+    command_line[0] = "EVAL";
+    command_line[1] = script.source;
+    raw = impl_->call(command_line);
   }
   if (!raw) return tl::unexpected(raw.error());
   return checked(**raw, std::string(script.name) + ".lua");

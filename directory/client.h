@@ -39,7 +39,8 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  Result<Reply> command(const Arguments& words);
+  /// Runs one command, such as {"GET", "key"}.
+  Result<Reply> command(const Arguments& command_line);
   /// Runs EVALSHA without keys, or EVAL if Redis does not know the script, for example after a
   /// restart.
   Result<Reply> run(const Script& script, const Arguments& arguments);

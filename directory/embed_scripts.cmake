@@ -1,6 +1,6 @@
 # cmake -DCONSTANTS=constants.h -DPRELUDE=prelude.lua -DSCRIPTS="a.lua;b.lua" -DFOLDER=complete -DOUT=scripts.cpp -P embed_scripts.cmake
-# One diaphane::directory::Script for each file: place.lua becomes kPlace, with the SHA-1 that EVALSHA wants. Before each stand the constants, as
-# locals of the same names, and the prelude. FOLDER receives the complete scripts, for tests that send them themselves.
+# Generates one diaphane::directory::Script per file: place.lua becomes kPlace, with its SHA-1 for EVALSHA. The constants (as locals of the same
+# names) and the prelude precede each script. FOLDER receives the complete scripts, for tests that send them to Redis.
 file(STRINGS ${CONSTANTS} lines REGEX "^inline constexpr ")
 set(head "")
 foreach(line IN LISTS lines)

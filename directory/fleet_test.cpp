@@ -7,8 +7,8 @@
 #include "common/ids.h"
 #include "directory/fleets.h"
 #include "directory/sessions.h"
-#include "directory/test_redis_server.h"
 #include "directory/worker.h"
+#include "tests/support/directory/test_redis_server.h"
 
 // Placement with many workers, and the demand that an operator reads.
 

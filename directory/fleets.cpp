@@ -16,7 +16,7 @@ double number(std::string_view text) {
 }
 
 /// Returns 0 for text that is not a positive number.
-int whole(std::string_view text) {
+int to_int(std::string_view text) {
   const double value = number(text);
   return value > 0 ? static_cast<int>(std::min(value, 1e9)) : 0;
 }
@@ -26,9 +26,9 @@ WorkerReport report_of(const Reply& fields, double now) {
           .age_s = number(fields.at(kAge)) / 1000,
           .busy = number(fields.at(kBusy)),
           .memory = number(fields.at(kMemory)),
-          .sessions = whole(fields.at(kSessions)),
-          .used = whole(fields.at(kUsed)),
-          .slots = whole(fields.at(kSlots)),
+          .sessions = to_int(fields.at(kSessions)),
+          .used = to_int(fields.at(kUsed)),
+          .slots = to_int(fields.at(kSlots)),
           .error = number(fields.at(kError)),
           .draining = fields.at(kDrains) == "1",
           .idle_s = (now - number(fields.at(kIdleSince))) / 1000};
@@ -40,10 +40,11 @@ Result<FleetPage> read_fleets(Client& client, std::string_view cursor,
                               const std::vector<std::string>& fleets,
                               const std::vector<DrainRequest>& draining) {
   const std::string count = std::to_string(fleets.size());
-  Arguments words{cursor, count};
-  words.insert(words.end(), fleets.begin(), fleets.end());
-  for (const DrainRequest& one : draining) words.insert(words.end(), {one.worker_id, one.owner});
-  const Result<Reply> reply = client.run(kFleets, words);
+  Arguments arguments{cursor, count};
+  arguments.insert(arguments.end(), fleets.begin(), fleets.end());
+  for (const DrainRequest& one : draining)
+    arguments.insert(arguments.end(), {one.worker_id, one.owner});
+  const Result<Reply> reply = client.run(kFleets, arguments);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->list.size() != 5 || reply->at(0).empty()) {
     return fail(ErrorCode::kInternal, "fleets.lua returned an unexpected reply");
@@ -52,7 +53,7 @@ Result<FleetPage> read_fleets(Client& client, std::string_view cursor,
   page.next = reply->at(0);
   const double now = number(reply->at(1));
   for (std::size_t i = 0; i < fleets.size(); ++i) {
-    page.demand.push_back({.refused = whole(reply->list[2].at(i)),
+    page.demand.push_back({.refused = to_int(reply->list[2].at(i)),
                            .idle_s = (now - number(reply->list[3].at(i))) / 1000});
   }
   for (const Reply& one : reply->list[4].list) page.workers.push_back(report_of(one, now));

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "directory/test_sessions.h"
 #include "directory/worker.h"
+#include "tests/support/directory/test_sessions.h"
 
 namespace diaphane::directory {
 namespace {

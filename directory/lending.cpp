@@ -14,7 +14,7 @@ double worth(const PeerLoad& one) {
   return spare(one) + (one.has_volume ? kLoadedVolumeWorth : 0) + (one.same_node ? kSameNode : 0);
 }
 
-bool there(const PeerLoad& one, const LendingRules& rules) {
+bool eligible(const PeerLoad& one, const LendingRules& rules) {
   return !one.draining && one.age <= rules.oldest;
 }
 
@@ -29,7 +29,7 @@ Lending lend(Lending before, const LendingInput& input, const LendingRules& rule
   std::erase_if(now.helpers, [&](const Helper& helper) {
     const auto known = std::find_if(input.peers.begin(), input.peers.end(),
                                     [&](const PeerLoad& one) { return one.id == helper.id; });
-    return known == input.peers.end() || !there(*known, rules) || known->load >= rules.busy;
+    return known == input.peers.end() || !eligible(*known, rules) || known->load >= rules.busy;
   });
   double lacking = input.asked - 1 - input.helped;
   for (Helper& helper : now.helpers) {
@@ -43,7 +43,7 @@ Lending lend(Lending before, const LendingInput& input, const LendingRules& rule
   for (const PeerLoad& one : input.peers) {
     const bool helps = std::any_of(now.helpers.begin(), now.helpers.end(),
                                    [&](const Helper& helper) { return helper.id == one.id; });
-    if (!helps && there(one, rules) && one.load + one.lent <= rules.idle) idle.push_back(&one);
+    if (!helps && eligible(one, rules) && one.load + one.lent <= rules.idle) idle.push_back(&one);
   }
   std::minstd_rand random(static_cast<std::minstd_rand::result_type>(seed % 2147483646 + 1));
   while (!idle.empty() && now.helpers.size() < rules.most && lacking > rules.borrows - 1) {

@@ -8,9 +8,9 @@ namespace diaphane::directory {
 
 // Lists of IDs in one field of Redis, separated by commas.
 
-inline std::string joined(const std::vector<std::string>& words) {
+inline std::string joined(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  for (const std::string& word : names) text += (text.empty() ? "" : ",") + word;
   return text;
 }
 

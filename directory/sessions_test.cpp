@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "directory/links.h"
-#include "directory/test_sessions.h"
+#include "tests/support/directory/test_sessions.h"
 
 namespace diaphane::directory {
 namespace {

@@ -16,7 +16,9 @@ std::string decimal(const char* format, double value) {
 
 std::string flag(bool value) { return value ? "1" : "0"; }
 
-Arguments views(const std::vector<std::string>& words) { return {words.begin(), words.end()}; }
+Arguments views(const std::vector<std::string>& arguments) {
+  return {arguments.begin(), arguments.end()};
+}
 
 std::vector<std::string> texts(const Reply& list) {
   std::vector<std::string> all;
@@ -24,30 +26,30 @@ std::vector<std::string> texts(const Reply& list) {
   return all;
 }
 
-void append(std::vector<std::string>& words, const SavedScene& saved) {
-  words.insert(words.end(),
-               {std::to_string(saved.placement), saved.scene, std::to_string(saved.input_seq),
-                std::to_string(saved.width), std::to_string(saved.height), saved.presenter,
-                flag(saved.guest_slices)});
+void append(std::vector<std::string>& arguments, const SavedScene& saved) {
+  arguments.insert(arguments.end(),
+                   {std::to_string(saved.placement), saved.scene, std::to_string(saved.input_seq),
+                    std::to_string(saved.width), std::to_string(saved.height), saved.presenter,
+                    flag(saved.guest_slices)});
 }
 
 }  // namespace
 
 Result<HeartbeatReply> WorkerDirectory::beat(const Heartbeat& heartbeat) {
-  std::vector<std::string> words{id_,
-                                 incarnation_,
-                                 heartbeat.address,
-                                 heartbeat.engine,
-                                 heartbeat.device,
-                                 std::to_string(heartbeat.slots),
-                                 flag(heartbeat.draining),
-                                 decimal("%.3f", heartbeat.load),
-                                 decimal("%.4f", heartbeat.expected),
-                                 joined(heartbeat.volumes)};
+  std::vector<std::string> arguments{id_,
+                                     incarnation_,
+                                     heartbeat.address,
+                                     heartbeat.engine,
+                                     heartbeat.device,
+                                     std::to_string(heartbeat.slots),
+                                     flag(heartbeat.draining),
+                                     decimal("%.3f", heartbeat.load),
+                                     decimal("%.4f", heartbeat.expected),
+                                     joined(heartbeat.volumes)};
   for (const Heartbeat::Session& one : heartbeat.sessions) {
-    words.insert(words.end(), {one.id, std::to_string(one.placement), flag(one.visitor)});
+    arguments.insert(arguments.end(), {one.id, std::to_string(one.placement), flag(one.visitor)});
   }
-  const Result<Reply> reply = client_.run(kHeartbeat, views(words));
+  const Result<Reply> reply = client_.run(kHeartbeat, views(arguments));
   if (!reply) return tl::unexpected(reply.error());
   HeartbeatReply result;
   if (reply->at(0) == "name_taken") {
@@ -79,44 +81,44 @@ Result<std::optional<std::size_t>> WorkerDirectory::report(const FleetReport& re
 }
 
 Result<void> WorkerDirectory::add_render_time(const std::map<std::string, std::uint64_t>& spent) {
-  std::vector<std::string> words;
+  std::vector<std::string> arguments;
   for (const auto& [user, ms] : spent) {
-    words.push_back(user);
-    words.push_back(std::to_string(ms));
+    arguments.push_back(user);
+    arguments.push_back(std::to_string(ms));
   }
-  const Result<Reply> reply = client_.run(kAddRenderTime, views(words));
+  const Result<Reply> reply = client_.run(kAddRenderTime, views(arguments));
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }
 
 Result<bool> WorkerDirectory::save_scene(const std::string& session_id, const SavedScene& saved) {
-  std::vector<std::string> words{session_id};
-  append(words, saved);
-  const Result<Reply> reply = client_.run(kSaveScene, views(words));
+  std::vector<std::string> arguments{session_id};
+  append(arguments, saved);
+  const Result<Reply> reply = client_.run(kSaveScene, views(arguments));
   if (!reply) return tl::unexpected(reply.error());
   return reply->integer == 1;
 }
 
 Result<bool> WorkerDirectory::restore(const LostSession& session) {
-  std::vector<std::string> words{session.id, session.user_id, session.data_set_id, id_,
-                                 incarnation_};
-  append(words, session.saved);
-  words.emplace_back(session.visitor ? "1" : "");
-  words.insert(words.end(), session.links.begin(), session.links.end());
-  const Result<Reply> reply = client_.run(kRebuildSession, views(words));
+  std::vector<std::string> arguments{session.id, session.user_id, session.data_set_id, id_,
+                                     incarnation_};
+  append(arguments, session.saved);
+  arguments.emplace_back(session.visitor ? "1" : "");
+  arguments.insert(arguments.end(), session.links.begin(), session.links.end());
+  const Result<Reply> reply = client_.run(kRebuildSession, views(arguments));
   if (!reply) return tl::unexpected(reply.error());
   return reply->integer == 1;
 }
 
 Result<std::vector<Peer>> WorkerDirectory::peers(const PeerQuery& query) {
-  std::vector<std::string> words{id_,
-                                 incarnation_,
-                                 decimal("%.3f", query.asked),
-                                 query.lent ? decimal("%.3f", *query.lent) : "",
-                                 query.fleet,
-                                 std::to_string(query.random)};
-  words.insert(words.end(), query.helpers.begin(), query.helpers.end());
-  const Result<Reply> reply = client_.run(kLend, views(words));
+  std::vector<std::string> arguments{id_,
+                                     incarnation_,
+                                     decimal("%.3f", query.asked),
+                                     query.lent ? decimal("%.3f", *query.lent) : "",
+                                     query.fleet,
+                                     std::to_string(query.random)};
+  arguments.insert(arguments.end(), query.helpers.begin(), query.helpers.end());
+  const Result<Reply> reply = client_.run(kLend, views(arguments));
   if (!reply) return tl::unexpected(reply.error());
   std::vector<Peer> found;
   for (const Reply& one : reply->list) {

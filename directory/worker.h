@@ -12,12 +12,12 @@
 
 namespace diaphane::directory {
 
-/// What a worker reports every second. It expires after kHeartbeatMs.
+/// The state that a worker reports every second. It expires after kHeartbeatMs.
 struct Heartbeat {
   struct Session {
     std::string id;
     std::uint64_t placement = 0;
-    bool visitor = false;  ///< a visitor's session, or a guest's private camera
+    bool visitor = false;  ///< a visitor's session, or a guest's free camera
   };
   std::string address;  ///< host:port of its gRPC server
   std::string engine, device;
@@ -38,11 +38,11 @@ struct HeartbeatReply {
   std::vector<std::string> unknown;
 };
 
-/// What a worker of a fleet reports to the operator with its heartbeat.
+/// The state that a worker of a fleet reports to the operator with its heartbeat.
 struct FleetReport {
   std::string owner;
   double memory = 0;  ///< used share of the device's memory, 0 to 1
-  double error = 0;   ///< sum over all its pictures
+  double error = 0;   ///< sum of the estimated relative errors of all its pictures
 };
 
 /// The state of a session that outlives its worker.
@@ -66,19 +66,20 @@ struct LostSession {
 /// Another worker, as of its last heartbeat.
 struct Peer {
   std::string id, address;
-  double load = 0;  ///< share of its device that its own sessions need
-  double lent = 0;  ///< share used for other workers' sessions
-  double age_s = 0;
+  double load = 0;   ///< share of its device that its own sessions need
+  double lent = 0;   ///< share used for other workers' sessions
+  double age_s = 0;  ///< seconds since its heartbeat
   bool draining = false;
   std::vector<std::string> volumes;
 };
 
 struct PeerQuery {
-  double asked = 0;            ///< what its own sessions need, in devices
-  std::optional<double> lent;  ///< share used for other workers' sessions; none: it lends nothing
-  std::string fleet;           ///< only peers of this fleet are returned; empty: peers without one
-  std::size_t random = 0;      ///< number of random workers to look at
-  std::vector<std::string> helpers;  ///< IDs of workers to look at in any case
+  double asked = 0;  ///< what its own sessions need, in devices
+  /// Share used for other workers' sessions. nullopt: it lends nothing.
+  std::optional<double> lent;
+  std::string fleet;                 ///< only peers of this fleet are returned; empty: without one
+  std::size_t random = 0;            ///< number of random workers to consider
+  std::vector<std::string> helpers;  ///< IDs of workers to consider in any case
 };
 
 /// One worker's side of the session directory (docs/contracts.md, "Redis"). Errors are those of
@@ -88,6 +89,7 @@ class WorkerDirectory {
   WorkerDirectory(Client& client, std::string worker_id, std::string incarnation)
       : client_(client), id_(std::move(worker_id)), incarnation_(std::move(incarnation)) {}
 
+  /// Sends a heartbeat.
   Result<HeartbeatReply> beat(const Heartbeat& heartbeat);
   /// Removes the worker immediately, instead of waiting until its heartbeat expires.
   Result<void> leave();

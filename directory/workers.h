@@ -10,13 +10,13 @@
 
 namespace diaphane::directory {
 
-/// A live render worker, as of its last heartbeat.
+/// A live worker, as of its last heartbeat.
 struct WorkerInfo {
   std::string id;
   std::string address;      ///< host:port of its gRPC server
   std::string incarnation;  ///< random value, new at each start
   std::uint32_t slots = 0, used = 0;
-  bool draining = false;             ///< accepts no more work
+  bool draining = false;             ///< accepts no new sessions
   std::vector<std::string> volumes;  ///< IDs of the loaded volumes
   std::string engine = {}, device = {};
   double load = 0;  ///< load in the last second, 0 to 1
@@ -28,13 +28,15 @@ struct WorkerInfo {
 class Workers {
  public:
   virtual ~Workers() = default;
+  /// Returns the workers with a fresh heartbeat.
   virtual Result<std::vector<WorkerInfo>> alive() = 0;
   /// Marks this incarnation as unreachable, so that it gets no sessions until its next heartbeat.
   /// Returns true if it was still known.
   virtual Result<bool> lost(std::string_view worker_id, std::string_view incarnation) = 0;
 };
 
-/// Rendering time that workers have reported but nobody has collected yet. Implemented with Redis.
+/// Rendering time that workers have reported but nobody has collected yet. Implemented with Redis,
+/// and returns kUnavailable if that is unavailable.
 class SpentRenderTime {
  public:
   virtual ~SpentRenderTime() = default;

@@ -34,8 +34,7 @@ constexpr int kExitUnavailable = 69;  // sysexits.h: EX_UNAVAILABLE
 
 struct Options {
   std::string postgres;
-  std::uint16_t admin_port = 0;
-  std::string admin_address;
+  service::AdminServer::Options admin;
   std::string process = new_id();  ///< identifies this process in leases
   std::chrono::milliseconds lease{5000};
   std::uint64_t light_mb = 0;
@@ -47,13 +46,14 @@ struct Options {
 std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in,
                                                               bool plain_allowed) {
   ingest::CheckedBuilder::Options options;
-  options.clamd.address = in.text(
-      "antivirus", "clamd address: socket path or host:port; empty turns virus scanning off", "");
+  options.clamd.address =
+      in.text("antivirus", "clamd address: socket path or host:port (empty = no virus scan)", "");
   options.pass_unchecked =
-      in.one_of("antivirus-away", "what to do with uploads while clamd is unavailable",
+      in.one_of("antivirus-away",
+                "whether uploads wait or pass unchecked while clamd is unavailable",
                 {"wait", "pass"}, "wait") == "pass";
-  options.clamd.silence = std::chrono::seconds(
-      in.integer("antivirus-silence-s", "seconds to wait for a response from clamd", 1, 3600, 30));
+  options.clamd.silence = std::chrono::seconds(in.integer(
+      "antivirus-silence-s", "time to wait for a response from clamd, in seconds", 1, 3600, 30));
   options.clamd.most_bytes =
       static_cast<std::uint64_t>(
           in.integer("antivirus-stream-mb",
@@ -82,10 +82,7 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.worker.volume_dir = in.directory("volume-dir", "directory of the volume store");
   options.builder.scratch_dir =
       in.directory("scratch-dir", "directory for temporary files while a volume is built");
-  options.admin_port =
-      in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
-  options.admin_address =
-      in.text("admin-address", "address that the admin server listens on", "127.0.0.1");
+  options.admin = service::read_admin_options(in, "ingestd");
   options.builder.memory_limit_mb = static_cast<std::uint64_t>(in.integer(
       "memory-limit-mb", "address space limit per child process, in MiB", 64, 1 << 20, 6144));
   options.builder.time_limit_s = static_cast<std::uint32_t>(
@@ -97,8 +94,8 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
       1'000'000, 256));
   options.light_mb = static_cast<std::uint64_t>(in.integer(
       "light-mb",
-      "a second worker handles uploads and volumes up to this size, in MiB; 0 turns it off", 0,
-      8192, 256));
+      "a second worker handles uploads and volumes up to this size, in MiB (0 = no second worker)",
+      0, 8192, 256));
   options.lease = std::chrono::milliseconds(
       in.integer("lease-ms", "lease time of a job between renewals, in ms", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
@@ -155,13 +152,10 @@ class Lane {
 
 int serve(const Options& options) {
   service::StopSignal stop;
-  std::atomic<bool> postgres_there{false};
-  service::AdminServer::Options admin_options;
-  admin_options.address = options.admin_address;
-  admin_options.port = options.admin_port;
-  admin_options.program = "ingestd";
+  std::atomic<bool> postgres_available{false};
+  service::AdminServer::Options admin_options = options.admin;
   admin_options.checks = {
-      {"postgres", [&] { return postgres_there.load(); }},
+      {"postgres", [&] { return postgres_available.load(); }},
       {"volume store", [&] { return ingest::can_write(options.worker.volume_dir); }},
       {"scratch", [&] { return ingest::can_write(options.builder.scratch_dir); }}};
   auto admin = service::AdminServer::start(std::move(admin_options));
@@ -172,7 +166,7 @@ int serve(const Options& options) {
   sweep(options);
   ingest::Metrics metrics((*admin)->registry());
   ingest::WorkerEvents events = metrics.events();
-  events.postgres = [&](bool there) { postgres_there = there; };
+  events.postgres = [&](bool available) { postgres_available = available; };
   const auto malware = options.antivirus ? metrics.antivirus() : nullptr;
   std::vector<std::unique_ptr<Lane>> lanes;
   lanes.push_back(std::make_unique<Lane>(options, 0, malware, events));

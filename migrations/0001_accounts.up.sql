@@ -1,9 +1,8 @@
--- Accounts, the tokens mailed to them, and signed-in browsers. No token is stored: only its BLAKE2b-256,
--- in hexadecimal.
+-- Accounts, emailed tokens, and browser sessions. Only the BLAKE2b-256 hash of a token is stored, in hexadecimal.
 CREATE TABLE users (
   id             uuid PRIMARY KEY,
   email          text NOT NULL CHECK (length(email) BETWEEN 3 AND 254),
-  email_key      text NOT NULL UNIQUE,          -- lower case: one account an address
+  email_key      text NOT NULL UNIQUE,          -- in lower case, so that an address has one account
   password_hash  text NOT NULL,                 -- argon2id, encoded form
   verified_at    timestamptz,
   created_at     timestamptz NOT NULL DEFAULT now(),
@@ -28,15 +27,15 @@ CREATE TABLE web_sessions (
 CREATE INDEX web_sessions_user ON web_sessions (user_id);
 CREATE INDEX web_sessions_expiry ON web_sessions (expires_at);
 
--- What is limited by count: failed sign-ins by account and by address, sign-ups by address, mails by recipient.
+-- Counters for rate limits: failed sign-ins per account and per address, sign-ups per address, emails per recipient.
 CREATE TABLE attempts (
-  key_hash     text NOT NULL,                   -- BLAKE2b-256 of "account:..." and the like, hexadecimal
+  key_hash     text NOT NULL,                   -- BLAKE2b-256 of the kind and the counted value ("account:..."), hexadecimal
   happened_at  timestamptz NOT NULL
 );
 CREATE INDEX attempts_key ON attempts (key_hash, happened_at);
 CREATE INDEX attempts_age ON attempts (happened_at);
 
--- Outgoing mail, sent by `api` after the transaction that asked for it has committed.
+-- Outgoing emails. api sends them after the transaction that created them has committed.
 CREATE TABLE mail_queue (
   id          bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
   recipient   text NOT NULL,
@@ -47,7 +46,7 @@ CREATE TABLE mail_queue (
 );
 CREATE INDEX mail_queue_due ON mail_queue (not_before, id);
 
--- What a creation made, found again when the same key comes again.
+-- Results of requests with an Idempotency-Key. A repeated request returns the same resource.
 CREATE TABLE idempotency_keys (
   user_id      uuid NOT NULL REFERENCES users ON DELETE CASCADE,
   route        text NOT NULL,

@@ -1,10 +1,10 @@
--- A data set: one series of slices on its way to a volume. Nothing of the scan's own texts is here.
+-- A data set: one uploaded series and the volume built from it. No text from the scan itself is stored.
 CREATE TABLE data_sets (
-  id            uuid PRIMARY KEY,               -- also the volume's directory
-  owner_id      uuid REFERENCES users ON DELETE CASCADE,  -- NULL: the sample
+  id            uuid PRIMARY KEY,               -- also the name of the volume's directory
+  owner_id      uuid REFERENCES users ON DELETE CASCADE,  -- NULL for the sample
   title         text NOT NULL DEFAULT '' CHECK (length(title) <= 80),  -- typed by the owner, never read from the scan
   state         text NOT NULL CHECK (state IN ('uploading', 'queued', 'building', 'ready', 'refused', 'expired')),
-  refusal_code  text,                           -- 'too_few_slices', ... : set with state refused
+  refusal_code  text,                           -- such as 'too_few_slices'; only in the state 'refused'
   refusal_text  text,                           -- a sentence for the owner
   is_public     boolean NOT NULL DEFAULT false,
   is_sample     boolean NOT NULL DEFAULT false,
@@ -19,7 +19,7 @@ CREATE TABLE data_sets (
 CREATE INDEX data_sets_owner ON data_sets (owner_id, created_at DESC, id);
 CREATE INDEX data_sets_public ON data_sets (created_at DESC, id) WHERE is_public;
 
--- The bytes of a data set while they arrive (tus 1.0), as one tar file `<id>.tar` in the upload directory.
+-- Uploads (tus 1.0). The upload directory contains their bytes, as <id>.tar.
 CREATE TABLE uploads (
   id            uuid PRIMARY KEY,
   data_set_id   uuid NOT NULL UNIQUE REFERENCES data_sets ON DELETE CASCADE,
@@ -29,7 +29,7 @@ CREATE TABLE uploads (
 );
 CREATE INDEX uploads_expiry ON uploads (expires_at);
 
--- Work for ingestd: claimed by FOR UPDATE SKIP LOCKED, held by a lease that the claimer renews.
+-- Jobs for ingestd, which claims them with FOR UPDATE SKIP LOCKED and holds them with a lease that it renews.
 CREATE TABLE ingest_jobs (
   data_set_id   uuid PRIMARY KEY REFERENCES data_sets ON DELETE CASCADE,
   upload_id     uuid NOT NULL,
@@ -41,7 +41,7 @@ CREATE TABLE ingest_jobs (
 );
 CREATE INDEX ingest_jobs_free ON ingest_jobs (not_before, created_at);
 
--- Directories and files to be removed from disk after the row that named them has gone (ids only).
+-- IDs of files and directories to delete from disk, because their rows were deleted.
 CREATE TABLE disposals (
   kind        text NOT NULL CHECK (kind IN ('upload', 'volume')),
   id          uuid NOT NULL,

@@ -1,6 +1,6 @@
--- Recorded interaction (docs/contracts.md, "Recorded interaction"): how a picture was looked at, with the person's
--- consent. The row says whose it is, so that he can export and delete it; the recording itself says nothing of anybody.
-ALTER TABLE users ADD COLUMN recording_consent_at timestamptz;  -- null: no consent
+-- Recorded interactions (docs/contracts.md, "Recorded interaction"), made with the user's consent. The row names the
+-- user, so that they can export and delete the recording. The recording itself identifies nobody.
+ALTER TABLE users ADD COLUMN recording_consent_at timestamptz;  -- NULL: no consent
 
 CREATE TABLE recordings (
   id          uuid PRIMARY KEY,

@@ -1,27 +1,27 @@
--- What a person changes of the account, the administrator's role, the audit log, render time, and exports.
+-- Account changes, the administrator role, the audit log, rendering time, and exports.
 ALTER TABLE users
-  ADD COLUMN is_administrator boolean NOT NULL DEFAULT false,  -- given and taken by `diaphane-api admin`
-  ADD COLUMN disabled_at      timestamptz,                      -- by an administrator: nobody signs in
-  ADD COLUMN render_quota_ms  bigint NOT NULL DEFAULT 72000000 CHECK (render_quota_ms >= 0);  -- of a device, a month (UTC): 20 h
+  ADD COLUMN is_administrator boolean NOT NULL DEFAULT false,  -- set by `diaphane-api admin`
+  ADD COLUMN disabled_at      timestamptz,                      -- by an administrator; the account can no longer sign in
+  ADD COLUMN render_quota_ms  bigint NOT NULL DEFAULT 72000000 CHECK (render_quota_ms >= 0);  -- GPU time per month (UTC): 20 h
 
 ALTER TABLE email_tokens DROP CONSTRAINT email_tokens_purpose_check;
 ALTER TABLE email_tokens
-  ADD COLUMN new_email text,  -- purpose 'change': the address to be confirmed
+  ADD COLUMN new_email text,  -- for purpose 'change': the address to confirm
   ADD CHECK (purpose IN ('verify', 'reset', 'change')),
   ADD CHECK ((purpose = 'change') = (new_email IS NOT NULL));
 
--- A signed-in browser as its person knows it: when, and roughly which ("Firefox on Windows"); no address.
+-- Lets users recognise a browser session: the time, and the approximate browser ("Firefox on Windows"). No IP address.
 ALTER TABLE web_sessions
   ADD COLUMN id      uuid NOT NULL DEFAULT gen_random_uuid() UNIQUE,
   ADD COLUMN browser text NOT NULL DEFAULT '' CHECK (length(browser) <= 60),
   ADD COLUMN used_at timestamptz NOT NULL DEFAULT now();
 
--- Who did what, when. Ids and code words only, nothing of a scan, no address. One year.
+-- The audit log. It contains only IDs and code words, no data of a scan and no address. Entries are kept for one year.
 CREATE TABLE audit_log (
   id           bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
   happened_at  timestamptz NOT NULL,
-  actor        text NOT NULL CHECK (actor IN ('person', 'administrator', 'machine')),  -- 'machine': a command on it
-  actor_id     uuid,                                  -- NULL: of the machine, or of an account that was deleted
+  actor        text NOT NULL CHECK (actor IN ('person', 'administrator', 'machine')),  -- 'machine': a command on the server
+  actor_id     uuid,                                  -- NULL for the server or a deleted account
   action       text NOT NULL CHECK (action ~ '^[a-z]+(-[a-z]+)*(\.[a-z]+(-[a-z]+)*)+$'),
   subject      text NOT NULL CHECK (subject ~ '^[a-z_]{1,40}$'),  -- 'account', 'data_set', ...
   subject_id   uuid,
@@ -31,7 +31,7 @@ CREATE INDEX audit_log_actor ON audit_log (actor_id, id);
 CREATE INDEX audit_log_subject ON audit_log (subject_id, id);
 CREATE INDEX audit_log_age ON audit_log (happened_at);
 
--- Appended to, and nothing else: an id may be blanked (its account was deleted), an entry may go after its year.
+-- The audit log is append-only, except that the ID of a deleted account is cleared, and entries expire after a year.
 CREATE FUNCTION audit_log_is_kept() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
   IF TG_OP = 'DELETE' AND OLD.happened_at < now() - interval '365 days' THEN
@@ -49,18 +49,18 @@ END $$;
 CREATE TRIGGER audit_log_rows BEFORE UPDATE OR DELETE ON audit_log FOR EACH ROW EXECUTE FUNCTION audit_log_is_kept();
 CREATE TRIGGER audit_log_whole BEFORE TRUNCATE ON audit_log FOR EACH STATEMENT EXECUTE FUNCTION audit_log_is_kept();
 
--- Milliseconds of a device that an account's pictures took, by month (its first day, UTC).
+-- GPU milliseconds used per account and month (first day of the month, UTC).
 CREATE TABLE render_time (
   user_id      uuid NOT NULL REFERENCES users ON DELETE CASCADE,
   month        date NOT NULL CHECK (extract(day FROM month) = 1),
   device_ms    bigint NOT NULL DEFAULT 0 CHECK (device_ms >= 0),
-  warned_at    timestamptz,  -- it was all used then; what runs is ended a while later
+  warned_at    timestamptz,  -- when the quota was used up; running sessions end some time later
   PRIMARY KEY (user_id, month)
 );
 
--- All that is held of a person as one zip in the cache directory, made by a job. One a person.
+-- Exports: all data stored about a user, as one Zip file in the cache directory. A job creates it. One per user.
 CREATE TABLE exports (
-  id            uuid PRIMARY KEY,               -- also the file's name
+  id            uuid PRIMARY KEY,               -- also the name of the file
   user_id       uuid NOT NULL UNIQUE REFERENCES users ON DELETE CASCADE,
   state         text NOT NULL CHECK (state IN ('queued', 'ready', 'failed')),
   bytes         bigint,

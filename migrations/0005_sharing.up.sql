@@ -1,13 +1,13 @@
--- Who else may see a data set: named people, holders of a link, everybody (the gallery); and who objects to it.
-ALTER TABLE users ADD COLUMN public_name text NOT NULL DEFAULT '' CHECK (length(public_name) <= 40);  -- chosen; never the address
+-- Access to data sets for invited people, holders of a link, and everyone (the gallery), and reports of abuse.
+ALTER TABLE users ADD COLUMN public_name text NOT NULL DEFAULT '' CHECK (length(public_name) <= 40);  -- chosen by the user; never the email address
 
 ALTER TABLE data_sets
   ADD COLUMN description      text NOT NULL DEFAULT '' CHECK (length(description) <= 2000),
   ADD COLUMN body_part        text CHECK (body_part IN ('head', 'neck', 'chest', 'abdomen', 'pelvis', 'spine', 'arm', 'leg', 'whole', 'other')),
   ADD COLUMN visibility       text NOT NULL DEFAULT 'private' CHECK (visibility IN ('private', 'public')),
-  ADD COLUMN published_at     timestamptz,        -- set with visibility public
-  ADD COLUMN anonymised_at    timestamptz,        -- the owner's confirmed act, without which nothing becomes public
-  ADD COLUMN taken_down_at    timestamptz,        -- by an administrator: private, shared with nobody, until it is lifted
+  ADD COLUMN published_at     timestamptz,        -- set while visibility is 'public'
+  ADD COLUMN anonymised_at    timestamptz,        -- when the owner confirmed it; required for publishing
+  ADD COLUMN taken_down_at    timestamptz,        -- by an administrator; private and not shared until restored
   ADD COLUMN taken_down_reason text CHECK (length(taken_down_reason) <= 500),
   ADD COLUMN words            tsvector GENERATED ALWAYS AS
     (setweight(to_tsvector('simple', title), 'A') || setweight(to_tsvector('simple', description), 'B')) STORED;
@@ -18,13 +18,13 @@ ALTER TABLE data_sets DROP COLUMN is_public,
 CREATE INDEX data_sets_gallery ON data_sets (published_at DESC, id DESC) WHERE visibility = 'public';
 CREATE INDEX data_sets_words ON data_sets USING gin (words) WHERE visibility = 'public';
 
--- By address: an invitation waits here until an account has confirmed that address; from then on it is that account's,
--- also when its address changes. The owner is never told which.
+-- Invitations by email address. An invitation waits until an account confirms the address. From then on, it belongs to
+-- that account, even if its address changes. The owner never learns which account that is.
 CREATE TABLE data_set_people (
   id           uuid PRIMARY KEY,
   data_set_id  uuid NOT NULL REFERENCES data_sets ON DELETE CASCADE,
   email_key    text NOT NULL CHECK (length(email_key) BETWEEN 3 AND 254),
-  may_save     boolean NOT NULL,                  -- presets; else view only
+  may_save     boolean NOT NULL,                  -- may save presets; otherwise view only
   user_id      uuid REFERENCES users ON DELETE CASCADE,
   created_at   timestamptz NOT NULL,
   UNIQUE (data_set_id, email_key)
@@ -42,16 +42,16 @@ CREATE TABLE data_set_links (
 CREATE INDEX data_set_links_data_set ON data_set_links (data_set_id, created_at);
 CREATE INDEX data_set_links_expiry ON data_set_links (expires_at);
 
--- Sessions of people without an account: by a link, or looking at a sample.
+-- Sessions of people without an account, who came by a link or view a sample.
 CREATE TABLE visits (
   session_id   uuid PRIMARY KEY,
   data_set_id  uuid NOT NULL REFERENCES data_sets ON DELETE CASCADE,
-  link_id      uuid REFERENCES data_set_links ON DELETE CASCADE,  -- NULL: a sample
+  link_id      uuid REFERENCES data_set_links ON DELETE CASCADE,  -- NULL for a sample
   expires_at   timestamptz NOT NULL
 );
 CREATE INDEX visits_expiry ON visits (expires_at);
 
--- One open report of a person about a data set.
+-- Reports of abuse. A user has at most one open report per data set.
 CREATE TABLE reports (
   id           uuid PRIMARY KEY,
   data_set_id  uuid NOT NULL REFERENCES data_sets ON DELETE CASCADE,

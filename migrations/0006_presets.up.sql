@@ -1,12 +1,12 @@
--- Presets: how a data set is looked at, saved by whoever may; and what people think of them.
+-- Presets, and the votes on them.
 CREATE TABLE presets (
   id           uuid PRIMARY KEY,
   data_set_id  uuid NOT NULL REFERENCES data_sets ON DELETE CASCADE,
   author_id    uuid NOT NULL REFERENCES users ON DELETE CASCADE,
   name         text NOT NULL CHECK (length(name) BETWEEN 1 AND 60),
-  scene        text NOT NULL CHECK (octet_length(scene) <= 524288),     -- Protobuf JSON of Scene, checked
-  kept_xml     text CHECK (octet_length(kept_xml) <= 262144),           -- read from: it holds what we do not know
-  version      int NOT NULL DEFAULT 1,                                  -- rises with each change: the ETag
+  scene        text NOT NULL CHECK (octet_length(scene) <= 524288),     -- validated Protobuf JSON of Scene
+  kept_xml     text CHECK (octet_length(kept_xml) <= 262144),           -- imported file, kept because it may contain unknown elements
+  version      int NOT NULL DEFAULT 1,                                  -- increases with each change; the ETag
   created_at   timestamptz NOT NULL,
   updated_at   timestamptz NOT NULL
 );

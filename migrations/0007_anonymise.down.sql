@@ -1,4 +1,4 @@
--- Cuts that were not carried out are forgotten; those that were stay: nothing can bring back what they took.
+-- Deletes pending cuts. Completed cuts cannot be undone.
 UPDATE data_sets SET state = 'ready' FROM ingest_jobs j WHERE j.data_set_id = data_sets.id AND j.cut IS NOT NULL;
 DELETE FROM ingest_jobs WHERE cut IS NOT NULL;
 DELETE FROM disposals WHERE kind = 'pictures';

@@ -9,7 +9,7 @@ DROP FUNCTION preset_gone();
 DELETE FROM disposals WHERE kind = 'preset';
 ALTER TABLE disposals DROP CONSTRAINT disposals_kind_check;
 ALTER TABLE disposals ADD CONSTRAINT disposals_kind_check CHECK (kind IN ('upload', 'volume', 'export', 'pictures'));
--- What was taken down must not come back.
+-- Presets that were taken down must not reappear.
 DELETE FROM presets WHERE taken_down_at IS NOT NULL;
 DROP INDEX presets_to_picture;
 ALTER TABLE presets DROP COLUMN pictured_at, DROP COLUMN picture_not_before, DROP COLUMN picture_tries,

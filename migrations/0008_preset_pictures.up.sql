@@ -1,17 +1,17 @@
--- A picture of each preset, in the cache; presets that are reported, and taken down by an administrator.
+-- Thumbnails of presets in the cache, reports about presets, and presets taken down by an administrator.
 ALTER TABLE presets
-  ADD COLUMN pictured_at        timestamptz,                                -- NULL: its picture is to be made
-  ADD COLUMN picture_not_before timestamptz NOT NULL DEFAULT '-infinity',   -- to be tried, or tried again
+  ADD COLUMN pictured_at        timestamptz,                                -- NULL: the thumbnail must be rendered
+  ADD COLUMN picture_not_before timestamptz NOT NULL DEFAULT '-infinity',   -- time of the next attempt
   ADD COLUMN picture_tries      int NOT NULL DEFAULT 0,
-  ADD COLUMN taken_down_at      timestamptz,                                -- then it is there for its author and administrators
+  ADD COLUMN taken_down_at      timestamptz,                                -- then only its author and administrators see it
   ADD COLUMN taken_down_reason  text CHECK (length(taken_down_reason) <= 500);
 CREATE INDEX presets_to_picture ON presets (picture_not_before) WHERE pictured_at IS NULL;
 
 ALTER TABLE disposals DROP CONSTRAINT disposals_kind_check;
 ALTER TABLE disposals ADD CONSTRAINT disposals_kind_check CHECK (kind IN ('upload', 'volume', 'export', 'pictures', 'preset'));
 
--- However a preset goes (by itself, with the data set, with its author's account), and whoever changes its scene or
--- says that its picture is none any more: the picture is disposed of, in the same transaction.
+-- Schedules the thumbnail for deletion, in the same transaction, when its preset is deleted (also together with the data
+-- set or the account of its author) or the thumbnail becomes outdated.
 CREATE FUNCTION preset_changed() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
   IF NEW.scene IS DISTINCT FROM OLD.scene THEN
@@ -35,10 +35,10 @@ BEGIN
 END $$;
 CREATE TRIGGER preset_gone AFTER DELETE ON presets FOR EACH ROW EXECUTE FUNCTION preset_gone();
 
--- A report is about a data set, or about one preset of it.
+-- A report concerns a data set or one of its presets.
 ALTER TABLE reports ADD COLUMN preset_id uuid REFERENCES presets ON DELETE CASCADE;
 DROP INDEX reports_one_open;
 CREATE UNIQUE INDEX reports_one_open ON reports (data_set_id, reporter_id) WHERE closed_at IS NULL AND preset_id IS NULL;
 CREATE UNIQUE INDEX reports_one_open_of_preset ON reports (preset_id, reporter_id) WHERE closed_at IS NULL AND preset_id IS NOT NULL;
--- What somebody wrote goes with the account.
+-- The text of a report is deleted with the account of its author.
 UPDATE reports SET words = '' WHERE reporter_id IS NULL;

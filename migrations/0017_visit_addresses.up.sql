@@ -1,2 +1,2 @@
--- Where a visitor asked from (BLAKE2b of the address), to bound the visits of one address. Gone with the visit.
+-- BLAKE2b hash of the address of a visitor, to limit the visits per address. It is deleted with the visit.
 ALTER TABLE visits ADD COLUMN address_hash text NOT NULL DEFAULT '';

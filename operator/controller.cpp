@@ -123,15 +123,15 @@ void Controller::run_plans(const std::stop_token& stop) {
     Snapshot& snapshot = observer.snapshot(wall());
     snapshot.world.complete = true;
     telemetry_cache_.fill(snapshot.world);
-    const Plan made =
+    const Plan current_plan =
         plan(snapshot.world, static_cast<std::uint64_t>(begun.time_since_epoch().count()));
     const nanoseconds spent = steady_clock::now() - begun;
     metrics_.planned(std::chrono::duration<double>(spent).count());
     least = std::max<nanoseconds>(kGather, spent * (kPlanningShare - 1));
-    carry_out_all(made, snapshot);
-    if (made.requeue_after) {
+    carry_out_all(current_plan, snapshot);
+    if (current_plan.requeue_after) {
       next = std::chrono::duration_cast<nanoseconds>(
-          std::chrono::duration<double>(std::clamp(*made.requeue_after, 0.001, 60.0)));
+          std::chrono::duration<double>(std::clamp(*current_plan.requeue_after, 0.001, 60.0)));
     }
     const std::lock_guard lock(work_mutex_);
     // Failed actions are retried with a new plan of the state at that time.
@@ -141,12 +141,12 @@ void Controller::run_plans(const std::stop_token& stop) {
   }
 }
 
-void Controller::carry_out_all(const Plan& made, const Snapshot& snapshot) {
+void Controller::carry_out_all(const Plan& current_plan, const Snapshot& snapshot) {
   {
     const std::lock_guard lock(work_mutex_);
     todo_.clear();
     auto due = steady_clock::now();
-    for (const Action& action : made.actions) {
+    for (const Action& action : current_plan.actions) {
       auto& actions = todo_[key_of(action)];
       if (actions.empty()) queue_.put(key_of(action), due);
       actions.push_back(&action);
@@ -154,8 +154,8 @@ void Controller::carry_out_all(const Plan& made, const Snapshot& snapshot) {
     }
   }
   const auto until = steady_clock::now() + kBatch;
-  if (made.actions.empty()) return work(snapshot, until);
-  const auto count = std::min<std::size_t>(kWriters, made.actions.size());
+  if (current_plan.actions.empty()) return work(snapshot, until);
+  const auto count = std::min<std::size_t>(kWriters, current_plan.actions.size());
   std::vector<std::jthread> writers;
   for (std::size_t i = 1; i < count; ++i) writers.emplace_back([&] { work(snapshot, until); });
   work(snapshot, until);
@@ -209,8 +209,8 @@ std::vector<std::string> Controller::fleet_names() const {
 }
 
 std::vector<directory::DrainRequest> Controller::draining() const {
-  std::vector<directory::DrainRequest> told;
-  if (!leader_->leads()) return told;
+  std::vector<directory::DrainRequest> requests;
+  if (!leader_->leads()) return requests;
   std::vector<WorkerObject> leaving;
   workers_->store().visit([&](const auto& all) {
     for (const auto& [name, one] : all) {
@@ -220,9 +220,9 @@ std::vector<directory::DrainRequest> Controller::draining() const {
   for (const WorkerObject& one : leaving) {
     const auto pod = pods_->store().find(one.name);  // has the worker's name
     if (!pod || !pod->pod.owned || pod->pod.owner_uid != one.uid) continue;
-    told.push_back({one.name, owner_text(one.worker.fleet, one.uid, pod->pod.epoch)});
+    requests.push_back({one.name, owner_text(one.worker.fleet, one.uid, pod->pod.epoch)});
   }
-  return told;
+  return requests;
 }
 
 void Controller::run_telemetry(const std::stop_token& stop) {

@@ -32,8 +32,7 @@ struct Options {
   kube::Access access;
   std::string redis;
   wire::InnerTls tls;
-  std::string admin_address;
-  std::uint16_t admin_port = 0;
+  service::AdminServer::Options admin;
   fleet::Controller::Options controller;
 };
 
@@ -71,15 +70,12 @@ kube::Access read_access(ConfigReader& in) {
 
 std::optional<int> read_options(ConfigReader& in, Options& options) {
   options.access = read_access(in);
-  options.redis = in.text("redis", "address: host:port, or rediss://host:port (TLS)");
   options.tls = wire::read_inner_tls(in, wire::Role::kOperator);
-  wire::check_address(in, "redis", options.redis, options.tls);
-  options.admin_address =
-      in.text("admin-address", "address on which the admin port listens", "127.0.0.1");
-  options.admin_port = in.port("admin-port", "port for metrics and health checks");
+  options.redis = wire::read_redis(in, options.tls);
+  options.admin = service::read_admin_options(in, "operator");
   options.controller.name_space = options.access.name_space;
   options.controller.all_pods =
-      in.one_of("watch-all-pods", "1 = also count GPUs that pods of other namespaces use",
+      in.one_of("watch-all-pods", "1 also counts GPUs that pods of other namespaces use",
                 {"0", "1"}, "0") == "1";
   kube::Leader::Options& leader = options.controller.leader;
   leader.name = in.text("lease", "name of the Lease for leader election", "diaphane-operator");
@@ -135,10 +131,7 @@ int serve(const Options& options) {
       return controller && (controller->*what)();
     };
   };
-  service::AdminServer::Options admin_options;
-  admin_options.address = options.admin_address;
-  admin_options.port = options.admin_port;
-  admin_options.program = "operator";
+  service::AdminServer::Options admin_options = options.admin;
   admin_options.checks = {{"listed", asks(&fleet::Controller::listed)},
                           {"kubernetes", asks(&fleet::Controller::connected)},
                           {"redis", asks(&fleet::Controller::redis_answers)}};

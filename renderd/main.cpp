@@ -20,6 +20,7 @@
 #include "common/service/signals.h"
 #include "directory/client.h"
 #include "renderd/composite/composite_engine.h"
+#include "renderd/scene/environment_store.h"
 #include "renderd/scene/texture_store.h"
 #include "renderd/serve/capacity_broker.h"
 #include "renderd/serve/grpc_assistants.h"
@@ -29,6 +30,7 @@
 #include "renderd/serve/watchdog.h"
 #include "renderd/settings.h"
 #include "volume/node_cache.h"
+#include "volume/store.h"
 
 namespace diaphane::render {
 namespace {
@@ -106,16 +108,13 @@ struct Observed {
 Result<std::unique_ptr<service::AdminServer>> start_admin(const Settings& settings,
                                                           const EngineInfo& info,
                                                           const Observed& observed) {
-  service::AdminServer::Options options;
-  options.address = settings.admin_address;
-  options.port = settings.admin_port;
-  options.program = "renderd";
+  service::AdminServer::Options options = settings.admin;
   options.checks = {{"redis",
                      [&] {
                        const Registry* registry = observed.registry;
                        return registry && registry->connected();
                      }},
-                    {"signs of life",
+                    {"watchdog",
                      [&] {
                        const Watchdog* watchdog = observed.watchdog;
                        return !watchdog || !watchdog->suspects();
@@ -328,6 +327,7 @@ int run(const Settings& settings, service::StopSignal& stop) {
 
   const RenderWorker::Options options = worker_options(settings, info);
   limit_texture_memory(settings.texture_bytes, settings.texture_bytes / 8 * 5);
+  set_environment_directory(settings.volume_dir + "/" + volume::kEnvironments);
   RenderWorker worker(options, std::move(*engine), metrics, clock);
   auto server = GrpcServer::start(server_options(settings), worker.host(), worker.stills(), metrics,
                                   &worker.assists());

@@ -59,32 +59,27 @@ std::uint64_t bytes_of_mib(std::int64_t mib) { return static_cast<std::uint64_t>
 
 void read_redis(ConfigReader& in, Settings& settings) {
   settings.worker_id = in.text("worker-id", "name of this worker, unique per Redis");
-  settings.redis = in.text("redis", "address: host:port, rediss://host:port (TLS) or unix:PATH");
   settings.tls = wire::read_inner_tls(in, wire::Role::kRenderd);
-  if (const auto address = wire::parse_redis_address(settings.redis)) {
-    wire::check_address(in, "redis", settings.redis, settings.tls);
-  } else if (!settings.redis.empty()) {
-    in.mistake("--redis " + address.error().message);
-  }
+  settings.redis = wire::read_redis(in, settings.tls);
 }
 
 void read_addresses(ConfigReader& in, Settings& settings) {
   settings.grpc_address =
-      in.text("grpc-address", "address to listen on, without a port, or unix:PATH", "127.0.0.1");
+      in.text("grpc-address",
+              "address that the gRPC server listens on, without a port, or unix:PATH", "127.0.0.1");
   if (!settings.tls.on()) {
     wire::check_address(in, "grpc-address", settings.grpc_address, settings.tls);
   }
   if (const std::string path = unix_path(settings.grpc_address); path.empty()) {
-    settings.grpc_port = in.port("grpc-port", "gRPC port, for the gateway");
+    settings.grpc_port =
+        in.port("grpc-port", "port of the gRPC server, which the gateway connects to");
   } else if (path.front() != '/' || path.size() > kMostUnixPath) {
     in.mistake("--grpc-address: unix:PATH must be an absolute path of at most " +
                std::to_string(kMostUnixPath) + " bytes");
   }
-  settings.advertise =
-      in.text("advertise", "host:port or unix:PATH at which the gateway reaches this worker");
-  settings.admin_port = in.port("admin-port", "port for metrics and health checks");
-  settings.admin_address =
-      in.text("admin-address", "address on which the admin port listens", "127.0.0.1");
+  settings.advertise = in.text(
+      "advertise", "address at which the gateway reaches this worker: host:port or unix:PATH");
+  settings.admin = service::read_admin_options(in, "renderd");
 }
 
 void read_engine(ConfigReader& in, Settings& settings) {
@@ -95,7 +90,7 @@ void read_engine(ConfigReader& in, Settings& settings) {
                                        : EngineChoice::kAuto;
   settings.threads = static_cast<unsigned>(in.integer(
       "threads",
-      "threads of the CPU engine (0 = all cores). Background work also uses at most this many "
+      "threads of the CPU engine (0 = one per core); background work also uses at most this many "
       "cores",
       0, 1024, 0));
   background::limit_cores(settings.threads);
@@ -117,36 +112,37 @@ void read_scheduling(ConfigReader& in, Settings& settings) {
       static_cast<std::size_t>(in.integer("slots", "maximum number of sessions", 1, 4096, 8));
   settings.visitor_percent = static_cast<int>(in.integer(
       "visitor-share",
-      "percentage of the slots and of the device that users without an account may use together", 0,
-      100, kVisitorPercent));
+      "maximum percentage of the slots, and of the device's time, that people without an account "
+      "may use together",
+      0, 100, kVisitorPercent));
   read_max_error(in, settings);
   settings.still_samples = static_cast<std::uint32_t>(
       in.integer("still-samples",
                  "maximum samples per pixel of a picture without a session, such as a thumbnail", 1,
                  StillService::kMostSamples, StillService::kMostSamples));
   const std::string policy = in.one_of(
-      "schedule", "scheduling policy, which decides which session is rendered next",
+      "schedule", "scheduling policy, which chooses the session to render next",
       {"marginal-gain", "error-proportional", "round-robin", "free-for-all"}, "marginal-gain");
   settings.policy = policy_kind(policy).value_or(PolicyKind::kMarginalGain);
 }
 
 void read_memory(ConfigReader& in, Settings& settings) {
-  settings.texture_bytes = bytes_of_mib(
-      in.integer("texture-memory-mb", "memory in MiB for decoded light textures of all sessions",
-                 64, 1 << 20, kTextureMemory >> 20));
+  settings.texture_bytes = bytes_of_mib(in.integer(
+      "texture-memory-mb", "memory for the decoded light textures of all sessions, in MiB", 64,
+      1 << 20, kTextureMemory >> 20));
   settings.options.film_bytes = bytes_of_mib(
       in.integer("film-memory-mb",
-                 "CPU engine: memory in MiB for the pictures of all sessions (0 = a quarter of "
-                 "the memory that the machine or the container has)",
+                 "CPU engine: memory for the pictures of all sessions, in MiB (0 = a quarter of "
+                 "the memory of the machine or the container)",
                  0, 1 << 22, 0));
   settings.volume_bytes = bytes_of_mib(in.integer(
-      "volume-memory-mb", "memory in MiB for loaded volumes (0 = half of the device's memory)", 0,
+      "volume-memory-mb", "memory for loaded volumes, in MiB (0 = half of the device's memory)", 0,
       1 << 22, 0));
   settings.copies_dir =
       in.text("volume-copies-dir",
               "directory on the node's disk for copies of volumes (empty = no copies)", "");
   settings.copies_bytes = bytes_of_mib(
-      in.integer("volume-copies-mb", "maximum size in MiB of all copies in that directory", 1,
+      in.integer("volume-copies-mb", "maximum size of all copies in that directory, in MiB", 1,
                  1 << 26, 20480));
 }
 
@@ -161,8 +157,8 @@ void read_kernels(ConfigReader& in, Settings& settings) {
               default_kernel_cache());
   settings.options.lean_memory =
       in.one_of("lean-memory",
-                "1 = use at most 5% more device memory than the voxels of a volume need",
-                {"0", "1"}, "0") == "1";
+                "1 uses at most 5% more device memory than the voxels of a volume need", {"0", "1"},
+                "0") == "1";
 }
 
 }  // namespace
@@ -176,13 +172,13 @@ Settings read_settings(ConfigReader& in) {
   read_scheduling(in, settings);
   read_memory(in, settings);
   settings.silence = std::chrono::seconds(in.integer(
-      "watchdog-s", "exit when the device or the main loop hangs for this many seconds (0 = never)",
-      0, 3600, 15));
+      "watchdog-s",
+      "time after which a hung device or main loop ends the process, in seconds (0 = never)", 0,
+      3600, 15));
   read_kernels(in, settings);
   settings.mark_frames =
-      in.one_of("mark-frames",
-                "1 = draw the number of the input into each picture (for benchmarks)", {"0", "1"},
-                "0") == "1";
+      in.one_of("mark-frames", "1 draws the number of the input into each picture, for benchmarks",
+                {"0", "1"}, "0") == "1";
   settings.owner =
       in.text("owner", "owner of this worker, set by the operator that created its pod", "");
   read_devices(in, settings);

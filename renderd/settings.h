@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/config.h"
+#include "common/service/admin_server.h"
 #include "common/visitor_share.h"
 #include "common/wire/inner_tls.h"
 #include "renderd/engine/frame_renderer.h"
@@ -21,14 +22,13 @@ struct Settings {
   std::string grpc_address;
   std::uint16_t grpc_port = 0;
   std::string advertise;
-  std::uint16_t admin_port = 0;
-  std::string admin_address;
+  service::AdminServer::Options admin;
   std::string volume_dir;
   EngineChoice engine = EngineChoice::kAuto;
   unsigned threads = 0;
   std::size_t slots = 0;
   int visitor_percent = kVisitorPercent;
-  double max_error = 0;
+  double max_error = 0;  ///< relative error at which a picture counts as converged
   std::uint32_t still_samples = StillService::kMostSamples;
   std::uint64_t volume_bytes = 0;
   std::uint64_t texture_bytes = 0;

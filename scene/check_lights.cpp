@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "common/ids.h"
 #include "scene/check.h"
 
 namespace diaphane::scene {
@@ -19,6 +20,11 @@ Complaint check_radiance(const diaphane::v1::Rgb& radiance, const std::string& f
 template <typename Shape>
 Complaint check_texture(const Shape& shape, const std::string& field, PictureCheck check_picture) {
   if (!shape.has_texture()) return {};
+  if (auto c = in_range(shape.texture().projection_degrees(), 0, 170,
+                        field + ".texture.projectionDegrees",
+                        "must be from 0 (which means no projection) to 170")) {
+    return c;
+  }
   const auto known = check_picture(shape.texture().picture());
   if (known) return {};
   Complaint complaint = complain(field + ".texture", known.error().message);
@@ -82,6 +88,16 @@ Complaint check(const diaphane::v1::BoxLight& light, const std::string& field) {
 }
 
 Complaint check(const diaphane::v1::EnvironmentLight& light, const std::string& field) {
+  if (!light.stored().empty() && !is_id(light.stored())) {
+    return complain(field + ".stored", "must be the ID of a stored environment");
+  }
+  if (!light.stored().empty() && light.has_texture()) {
+    return complain(field + ".stored", "must not be combined with a texture");
+  }
+  if (auto c = in_range(light.rotation_degrees(), -360, 360, field + ".rotationDegrees",
+                        "must be from -360 to 360")) {
+    return c;
+  }
   return check_radiance(light.radiance(), field);
 }
 

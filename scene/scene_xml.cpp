@@ -141,7 +141,7 @@ std::string joined(const std::string& path, const std::string& name) {
 Result<void> read_message(Message& message, const pugi::xml_node& element, const std::string& path,
                           bool& has_unknown) {
   const Reflection& fields = *message.GetReflection();
-  std::map<std::string, int> seen;
+  std::map<std::string, int> counts;
   for (const pugi::xml_node child : element.children()) {
     if (child.type() == pugi::node_comment) has_unknown = true;
     if ((child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) &&
@@ -155,7 +155,7 @@ Result<void> read_message(Message& message, const pugi::xml_node& element, const
       continue;
     }
     if (child.first_attribute()) has_unknown = true;
-    const int count = seen[child.name()]++;
+    const int count = counts[child.name()]++;
     std::string at = joined(path, child.name());
     if (f->is_repeated()) at += "[" + std::to_string(count) + "]";
     if (!f->is_repeated() && count > 0) return refused(at, "must occur only once");

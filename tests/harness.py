@@ -46,12 +46,36 @@ def metrics_at(port: int) -> str:
     return httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).raise_for_status().text
 
 
+def files_below(*folders: Path) -> Iterator[Path]:
+    """Lists the files of a running stack. Unlike Path.rglob(), it passes over folders that are deleted meanwhile."""
+    for folder in folders:
+        for place, _, names in os.walk(folder):
+            yield from (path for name in names if (path := Path(place, name)).is_file())
+
+
+def contents_below(*folders: Path) -> Iterator[tuple[Path, bytes]]:
+    """Reads the files of a running stack. Passes over files that are deleted meanwhile."""
+    for path in files_below(*folders):
+        with contextlib.suppress(FileNotFoundError):
+            yield path, path.read_bytes()
+
+
 @contextlib.contextmanager
 def one_at_a_time(folder: Path) -> Iterator[None]:
     """Keeps the other workers of a parallel run out of the folder."""
     with (folder / "lock").open("w", encoding="ascii") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
+
+
+def wait_until(condition: Callable[[], T], timeout: float = 60.0, what: str = "the condition") -> T:
+    """Returns the first true value of `condition`. Raises AssertionError after `timeout` seconds."""
+    deadline = time.monotonic() + timeout
+    while True:
+        if value := condition():
+            return value
+        assert time.monotonic() < deadline, f"{what} did not come true within {timeout} s"
+        time.sleep(0.05)
 
 
 class TestStack:
@@ -92,14 +116,7 @@ class TestStack:
         for program in programs or tuple(self.stack.running_):
             self.stack.wait_ready(program, timeout)
 
-    def wait_until(self, condition: Callable[[], T], timeout: float = 60.0, what: str = "the condition") -> T:
-        """Returns the first true value of `condition`. Raises AssertionError after `timeout` seconds."""
-        deadline = time.monotonic() + timeout
-        while True:
-            if value := condition():
-                return value
-            assert time.monotonic() < deadline, f"{what} did not come true within {timeout} s"
-            time.sleep(0.05)
+    wait_until = staticmethod(wait_until)
 
     # Access
 

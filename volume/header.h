@@ -20,9 +20,10 @@ Result<void> check(const Header& header);
 const char* name_of(Modality modality);
 
 /// Returns the text of volume.json: Protobuf JSON of diaphane.v1.VolumeHeader
-/// (api/proto/volume.proto).
+/// (api/proto/volume.proto). Returns the errors of check().
 Result<std::string> to_json(const Header& header);
-/// Returns kInvalid if the text is malformed, has an unknown field, or does not pass check().
+/// Returns kInvalid if the text is malformed or has an unknown field, kUnsupported for another
+/// format version, and the errors of check().
 Result<Header> from_json(const std::string& text);
 
 }  // namespace diaphane::volume

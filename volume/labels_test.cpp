@@ -97,7 +97,7 @@ TEST(Labels, HideEverythingThatShowsNeitherBodyNorMetal) {
   EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{-1000, 6, -1000, 8}));
 }
 
-TEST(Labels, ThatAreDamagedHideNothing) {
+TEST(Labels, HideNothingIfDamaged) {
   Volume volume;
   volume.header.size = {4, 1, 1};
   volume.voxels = {5, 6, 7, 8};

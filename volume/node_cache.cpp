@@ -170,8 +170,8 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
   struct stat info {};
   if (fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) return false;
   const std::uint64_t bytes = header.voxel_count() * sizeof(std::int16_t);
-  bool whole = static_cast<std::uint64_t>(info.st_size) == bytes;
-  if (whole) {
+  bool intact = static_cast<std::uint64_t>(info.st_size) == bytes;
+  if (intact) {
     try {
       voxels.resize(header.voxel_count());
     } catch (const std::bad_alloc&) {
@@ -179,16 +179,16 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
     }
     RunningHash hash;
     auto* data = reinterpret_cast<char*>(voxels.data());
-    for (std::uint64_t at = 0; whole && at < bytes; at += kPiece) {
+    for (std::uint64_t at = 0; intact && at < bytes; at += kPiece) {
       const std::size_t piece = std::min<std::uint64_t>(kPiece, bytes - at);
-      whole = read_all(file.get(), data + at, piece);
-      if (!whole) break;
+      intact = read_all(file.get(), data + at, piece);
+      if (!intact) break;
       seal.apply(data + at, piece, at);
       hash.add(data + at, piece);
     }
-    whole = whole && hash.end() == header.content_hash;
+    intact = intact && hash.end() == header.content_hash;
   }
-  if (!whole) {
+  if (!intact) {
     unlink(path(name).c_str());
     voxels.clear();
     const std::lock_guard lock(mutex_);
@@ -264,11 +264,12 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
     const auto going = make_room(list(), bytes, options_.bound);
     if (!going) return false;
     for (const std::string& old : *going) unlink(path(old).c_str());
-    Fd made(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-    if (made) {
-      (void)flock(made.get(), LOCK_EX | LOCK_NB);
-      if (posix_fallocate(made.get(), 0, static_cast<off_t>(bytes)) == 0) {
-        file.emplace(std::move(made));
+    Fd created(
+        ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (created) {
+      (void)flock(created.get(), LOCK_EX | LOCK_NB);
+      if (posix_fallocate(created.get(), 0, static_cast<off_t>(bytes)) == 0) {
+        file.emplace(std::move(created));
       } else {
         unlink(temporary.c_str());
       }

@@ -78,7 +78,8 @@ Header after(const Header& header, const Cut& cut);
 void cut_slice(const Header& header, const Region& region, const Cut& cut, std::uint32_t slice,
                std::span<const std::int16_t> from, std::span<std::int16_t> to);
 
-/// Cuts a whole volume in memory and measures the result, which has no hash yet.
+/// Cuts a whole volume in memory and measures the result, which has no hash yet. Returns the errors
+/// of plan_cut().
 Result<Volume> cut_volume(const Volume& volume, const Region& region);
 
 }  // namespace diaphane::volume

@@ -151,8 +151,8 @@ std::uint32_t refinement_of(const Header& header) {
   if (header.interpolated > 1 || ratio < kSteps || header.size[2] < 2) return 1;
   const double most = static_cast<double>(kMaxRefinedVoxels) /
                       static_cast<double>(std::max<std::uint64_t>(header.voxel_count(), 1));
-  const double wanted = std::min<double>(std::ceil(ratio - 0.1), kMaxRefinement);
-  return static_cast<std::uint32_t>(std::max(1., std::floor(std::min(wanted, most))));
+  const double factor = std::min<double>(std::ceil(ratio - 0.1), kMaxRefinement);
+  return static_cast<std::uint32_t>(std::max(1., std::floor(std::min(factor, most))));
 }
 
 void refine_slices(Volume& volume, std::uint32_t refinement, unsigned threads) {

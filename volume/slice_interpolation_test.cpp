@@ -137,7 +137,7 @@ TEST(SliceInterpolation, HalvesTheErrorOfABall) {
   }
 }
 
-TEST(SliceInterpolation, DoesNotMoveWhatIsTheSameInAllSlices) {
+TEST(SliceInterpolation, KeepsStructuresThatAreEqualInAllSlices) {
   const auto column = [](double x, double y, double) {
     return -1000 * std::clamp(std::hypot(x - 48, y - 48) - 20, -1., 1.);
   };
@@ -146,7 +146,7 @@ TEST(SliceInterpolation, DoesNotMoveWhatIsTheSameInAllSlices) {
   EXPECT_EQ(volume.voxels, volume_of(column, 96, 48, 1).voxels);
 }
 
-TEST(SliceInterpolation, BringsNothingIntoAir) {
+TEST(SliceInterpolation, LeavesAirUnchanged) {
   // Rods end and begin in each slice, so that motion between them is only apparent.
   const auto rods = [](double x, double y, double z) {
     const double shift = std::floor(z / 2) * 11;
@@ -166,7 +166,7 @@ TEST(SliceInterpolation, BringsNothingIntoAir) {
   }
 }
 
-TEST(SliceInterpolation, IsNoWorseThanStraightAcrossInNoise) {
+TEST(SliceInterpolation, IsAtLeastAsGoodAsLinearInterpolationInNoise) {
   // Independent values have no direction in which they continue. Motion would only pick values that
   // happen to be alike, whose mean has a larger variance than that of two independent ones.
   std::srand(1);
@@ -209,7 +209,7 @@ TEST(SliceInterpolation, HandlesVolumesWithoutContentAndVerySmallOnes) {
   }
 }
 
-TEST(SliceMotion, FindsHowFarASquareMoved) {
+TEST(SliceMotion, MeasuresTheShiftOfASquare) {
   const auto square = [](double left) {
     SliceImage plane(96, 96);
     for (int y = 20; y < 60; ++y) {

@@ -32,9 +32,9 @@ Ways ways_of(Plane plane) {
 std::array<double, 9> axes_of(const Header& header) {
   std::array<double, 9> axes = header.direction;
   for (double& entry : axes) {
-    const double whole = std::round(entry);
-    if (std::abs(entry - whole) > kAligned) return header.direction;
-    entry = whole;
+    const double rounded = std::round(entry);
+    if (std::abs(entry - rounded) > kAligned) return header.direction;
+    entry = rounded;
   }
   return axes;
 }

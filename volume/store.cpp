@@ -95,8 +95,8 @@ std::optional<std::string> stored_hash(const std::string& directory) {
   const auto header = read_header(directory);
   if (header) return header->content_hash;
   std::error_code error;
-  const bool there = fs::exists(fs::path(directory) / kHeaderFile, error);
-  return there || error ? std::nullopt : std::optional<std::string>("");
+  const bool has_header = fs::exists(fs::path(directory) / kHeaderFile, error);
+  return has_header || error ? std::nullopt : std::optional<std::string>("");
 }
 
 Result<std::string> read_labels(const std::string& directory, const Header& header) {
@@ -243,7 +243,7 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
 
 void erase(const std::string& directory) {
   for (const char* name : {kVoxelFile, kHeaderFile, kLabelFile}) {
-    // Truncates the file first, so that a process that has it open cannot read it any more. Links
+    // Truncates the file first, so that a process that has it open can no longer read it. Links
     // are not followed.
     const Fd file(open((fs::path(directory) / name).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
     if (file && ftruncate(file.get(), 0) == 0) (void)fsync(file.get());

@@ -10,6 +10,8 @@ namespace diaphane::volume {
 
 /// Prefix of the names of unfinished files and directories.
 inline constexpr const char* kTemporaryPrefix = ".tmp-";
+/// Folder of the volume store for the environments of users, `<id>.hdr` (scene/environment_file.h).
+inline constexpr const char* kEnvironments = "environments";
 
 /// Removes the directories `.tmp-…` that killed writers left in the volume store: unfinished
 /// volumes, and old ones that had been replaced. Directories that a running writer has locked stay.

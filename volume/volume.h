@@ -22,8 +22,8 @@ struct Header {
   /// reversed, so that a picture is never mirrored.
   std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
   Modality modality = Modality::kOther;
-  double window_center = 0;
-  double window_width = 0;  ///< 0 means unknown
+  double window_center = 0;  ///< in units of the voxels
+  double window_width = 0;   ///< 0 means unknown
   std::int32_t minimum = 0;
   std::int32_t maximum = 0;
   std::array<double, 8> percentiles{};  ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
@@ -56,13 +56,16 @@ struct Filler {
 /// voxels.
 void measure(Volume& volume, const Filler& filler = {});
 
-/// Reads `volume.json`, `voxels.i16` and, if it exists, `labels` from `directory`, and refuses
-/// files that do not match each other. `verify_hash` also checks the content hash; a mismatch is
-/// kInternal, because the disk must be broken.
+/// Reads `volume.json`, `voxels.i16` and, if it exists, `labels` from `directory`. Returns
+/// kNotFound if the volume does not exist, kInvalid if the files are malformed or do not match each
+/// other, kUnavailable if the disk cannot be read, and kOutOfMemory. `verify_hash` also checks the
+/// content hash; a mismatch is kInternal, because the disk must be broken.
 Result<Volume> read(const std::string& directory, bool verify_hash);
+/// Reads only `volume.json`. The errors are those of read().
 Result<Header> read_header(const std::string& directory);
 
-/// Returns the labels of a stored volume, still encoded, or an empty string if it has none.
+/// Returns the labels of a stored volume, still encoded, or an empty string if it has none. The
+/// errors are those of read().
 Result<std::string> read_labels(const std::string& directory, const Header& header);
 
 /// Writes the files under a temporary name next to `directory`, syncs and renames, so that a

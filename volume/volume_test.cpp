@@ -85,7 +85,7 @@ TEST_F(VolumeStore, KeepsLabelsIfThereAreAny) {
   EXPECT_EQ(read_labels(at("a"), volume.header), "");
 }
 
-TEST_F(VolumeStore, RefusesLabelsThatAreLongerThanAnyCanBe) {
+TEST_F(VolumeStore, RefusesLabelsLongerThanTheMaximum) {
   Volume volume = ramp();
   ASSERT_TRUE(write(volume, at("a")).has_value());
   std::ofstream(at("a") + "/labels") << std::string(most_label_bytes(volume.header) + 1, 'x');

@@ -74,14 +74,14 @@ Result<std::optional<TokenBearer>> AccountChangeRepository::find_token(
 }
 
 Result<bool> AccountChangeRepository::reset(const std::string& token_hash,
-                                            const std::string& password_hash, const Mail& told,
-                                            Time now) {
+                                            const std::string& password_hash,
+                                            const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const auto user = use_up(transaction, token_hash, "reset", now);
     if (!user) return false;
     set_password(transaction, *user, password_hash);
     expire_sessions(transaction, *user);
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     note_in_audit_log(transaction, of_account(*user, "account.password-reset"), now);
     return true;
   });
@@ -90,11 +90,11 @@ Result<bool> AccountChangeRepository::reset(const std::string& token_hash,
 Result<void> AccountChangeRepository::change_password(const std::string& user_id,
                                                       const std::string& password_hash,
                                                       const std::string& kept_session,
-                                                      const Mail& told, Time now) {
+                                                      const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     set_password(transaction, user_id, password_hash);
     expire_sessions(transaction, user_id, kept_session);
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     note_in_audit_log(transaction, of_account(user_id, "account.password-changed"), now);
     return {};
   });

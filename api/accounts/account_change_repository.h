@@ -15,9 +15,9 @@ class AccountChangeRepository final : public AccountChangeStore {
   Result<std::optional<TokenBearer>> find_token(const std::string& token_hash,
                                                 const std::string& purpose, Time now) override;
   Result<bool> reset(const std::string& token_hash, const std::string& password_hash,
-                     const Mail& told, Time now) override;
+                     const Mail& notification, Time now) override;
   Result<void> change_password(const std::string& user_id, const std::string& password_hash,
-                               const std::string& kept_session, const Mail& told,
+                               const std::string& kept_session, const Mail& notification,
                                Time now) override;
   Result<void> request_email(const EmailRequest& request, Time now) override;
   Result<bool> confirm_email(const std::string& token_hash, const std::string& new_email_key,

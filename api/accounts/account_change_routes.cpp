@@ -22,12 +22,12 @@ Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
 }
 
 std::vector<Route> password_routes(AccountChanges& changes) {
-  const auto ask_reset = [&changes](const Request& request,
-                                    const Principal& who) -> Outcome<Response> {
+  const auto request_reset = [&changes](const Request& request,
+                                        const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.request_reset(email, request.address, who.language), 202);
+    return answer(changes.request_reset(email, who.client.address, who.language), 202);
   };
   const auto reset = [&changes](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -45,15 +45,15 @@ std::vector<Route> password_routes(AccountChanges& changes) {
     return answer(changes.change_password(who, current, password));
   };
   return {
-      {"POST", "/v1/password-reset", "requestPasswordReset", Access::kAnyone, ask_reset, {}},
+      {"POST", "/v1/password-reset", "requestPasswordReset", Access::kAnyone, request_reset, {}},
       {"POST", "/v1/password-reset/confirm", "resetPassword", Access::kAnyone, reset, {}},
-      {"POST", "/v1/me/password", "changePassword", Access::kPerson, change_password, {}},
+      {"POST", "/v1/me/password", "changePassword", Access::kOwnAccount, change_password, {}},
   };
 }
 
 std::vector<Route> email_routes(AccountChanges& changes) {
-  const auto ask_email = [&changes](const Request& request,
-                                    const Principal& who) -> Outcome<Response> {
+  const auto request_email = [&changes](const Request& request,
+                                        const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
     const std::string password = in.secret("password", kPasswordBytes);
@@ -67,10 +67,10 @@ std::vector<Route> email_routes(AccountChanges& changes) {
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     return answer(changes.confirm_email(who, token));
   };
-  constexpr auto kPerson = Access::kPerson;
+  constexpr auto kOwn = Access::kOwnAccount;
   return {
-      {"POST", "/v1/me/email", "requestEmailChange", kPerson, ask_email, {}},
-      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kPerson, confirm_email, {}},
+      {"POST", "/v1/me/email", "requestEmailChange", kOwn, request_email, {}},
+      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kOwn, confirm_email, {}},
   };
 }
 
@@ -89,11 +89,11 @@ std::vector<Route> browser_session_routes(AccountChanges& changes, const Request
     return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
   const std::string all = "/v1/me/browser-sessions";
-  constexpr auto kPerson = Access::kPerson;
+  constexpr auto kOwn = Access::kOwnAccount;
   return {
-      {"GET", all, "listBrowserSessions", kPerson, browsers, {}},
-      {"DELETE", all, "signOutEverywhere", kPerson, end_all, {}},
-      {"DELETE", all + "/{browser_session_id}", "endBrowserSession", kPerson, end_one, {}},
+      {"GET", all, "listBrowserSessions", kOwn, browsers, {}},
+      {"DELETE", all, "signOutEverywhere", kOwn, end_all, {}},
+      {"DELETE", all + "/{browser_session_id}", "endBrowserSession", kOwn, end_one, {}},
   };
 }
 

@@ -130,7 +130,7 @@ Outcome<void> AccountChanges::request_email(const Principal& who, const std::str
       mails::confirm_new_address(who.language, new_email,
                                  options_.public_url + "/confirm-email#token=" + token),
       mails::new_address_taken(who.language, new_email, options_.public_url + "/"),
-      mails::address_asked_to_change(who.language, who.email, forgot_url())};
+      mails::address_change_requested(who.language, who.email, forgot_url())};
   if (const auto done = store_.request_email(request, now); !done) return refuse(done.error());
   signals_.raise(Signal::kMail);
   return {};

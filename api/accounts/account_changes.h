@@ -54,10 +54,10 @@ class AccountChangeStore {
   /// Consumes the token, ends all web sessions and deletes other tokens. Returns false if the token
   /// no longer exists.
   virtual Result<bool> reset(const std::string& token_hash, const std::string& password_hash,
-                             const Mail& told, Time now) = 0;
+                             const Mail& notification, Time now) = 0;
   /// Ends all other web sessions and deletes tokens.
   virtual Result<void> change_password(const std::string& user_id, const std::string& password_hash,
-                                       const std::string& kept_session, const Mail& told,
+                                       const std::string& kept_session, const Mail& notification,
                                        Time now) = 0;
   virtual Result<void> request_email(const EmailRequest& request, Time now) = 0;
   /// Returns false if the token no longer exists or the address has been taken in the meantime.

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "api/accounts/account_fixture.h"
+#include "tests/support/api/account_fixture.h"
 
 namespace diaphane::api {
 namespace {
@@ -47,20 +47,20 @@ class FakeAccountChangeStore final : public AccountChangeStore, public Fake {
     }
     return found->second.bearer;
   }
-  Result<bool> reset(const std::string& token_hash, const std::string& hash, const Mail& told,
-                     Time) override {
+  Result<bool> reset(const std::string& token_hash, const std::string& hash,
+                     const Mail& notification, Time) override {
     DIAPHANE_TRY(enter("reset"));
     if (tokens.erase(token_hash) == 0) return false;
     password_hash = hash;
-    mails.push_back(told);
+    mails.push_back(notification);
     return true;
   }
   Result<void> change_password(const std::string&, const std::string& hash, const std::string& kept,
-                               const Mail& told, Time) override {
+                               const Mail& notification, Time) override {
     DIAPHANE_TRY(enter("change_password"));
     password_hash = hash;
     kept_session = kept;
-    mails.push_back(told);
+    mails.push_back(notification);
     return {};
   }
   Result<void> request_email(const EmailRequest& request, Time) override {
@@ -150,7 +150,7 @@ TEST_F(AccountChangesTest, AResetNeedsAnAddress) {
   EXPECT_EQ(attempts.calls("note_attempt"), 0);
 }
 
-TEST_F(AccountChangesTest, AMailboxGetsFourResetsInAQuarterOfAnHourAndNobodyLearnsOfIt) {
+TEST_F(AccountChangesTest, LimitsResetsPerMailboxToFourPerQuarterHourSilently) {
   for (int i = 0; i < 6; ++i) EXPECT_TRUE(changes.request_reset(who.email, std::to_string(i)));
   EXPECT_EQ(store.mails.size(), 4u);
   EXPECT_TRUE(changes.request_reset("ANNA@EXAMPLE.ORG", "another"));
@@ -161,7 +161,7 @@ TEST_F(AccountChangesTest, AMailboxGetsFourResetsInAQuarterOfAnHourAndNobodyLear
   EXPECT_EQ(store.mails.size(), 5u);
 }
 
-TEST_F(AccountChangesTest, APeerRequestsThirtyResetsInAQuarterOfAnHour) {
+TEST_F(AccountChangesTest, LimitsResetsPerPeerToThirtyPerQuarterHour) {
   const auto request = [&](int i, const std::string& peer) {
     return changes.request_reset(std::to_string(i) + "@example.org", peer);
   };
@@ -192,7 +192,7 @@ TEST_F(AccountChangesTest, ALinkToResetExpiresAfterAnHour) {
   EXPECT_EQ(store.password_hash, "");
 }
 
-TEST_F(AccountChangesTest, AWeakPasswordDoesNotUseTheLinkUp) {
+TEST_F(AccountChangesTest, WeakPasswordDoesNotUseUpTheLink) {
   const std::string token = reset_token();
   EXPECT_EQ(invalid_field(changes.reset(token, "short")), "password");
   EXPECT_EQ(invalid_field(changes.reset(token, who.email)), "password");
@@ -207,14 +207,14 @@ TEST_F(AccountChangesTest, OnlyALinkThatWasMailedForItResetsAPassword) {
   EXPECT_EQ(store.calls("reset"), 0);
 }
 
-TEST_F(AccountChangesTest, OfTwoResetsAtATimeTheSecondEndsNoSession) {
+TEST_F(AccountChangesTest, SecondOfTwoConcurrentResetsEndsNoSession) {
   const std::string token = reset_token();
   store.before("reset", [&] { store.tokens.clear(); });
   EXPECT_EQ(refusal(changes.reset(token, new_password)), ProblemKind::kLinkExpired);
   EXPECT_THAT(placement.ended, IsEmpty());
 }
 
-TEST_F(AccountChangesTest, TheReaderOfTheMailboxGetsInHoweverOftenOthersHaveGuessed) {
+TEST_F(AccountChangesTest, ResetWorksDespiteGuessesOfOthers) {
   for (int i = 0; i < 10; ++i) {
     (void)accounts.sign_in(who.email, "wrong wrong", "", std::to_string(i));
   }
@@ -244,7 +244,7 @@ TEST_F(AccountChangesTest, APasswordIsChangedEvenIfSessionsCannotBeEnded) {
   EXPECT_TRUE(changes.sign_out_everywhere(who));
 }
 
-TEST_F(AccountChangesTest, BothAddressesAreToldOfAChangeThatIsRequested) {
+TEST_F(AccountChangesTest, NotifiesBothAddressesOfARequestedChange) {
   ASSERT_TRUE(changes.request_email(who, "New@example.org", password));
   const EmailRequest& request = store.email_request;
   EXPECT_EQ(request.user_id, who.user_id);
@@ -267,7 +267,7 @@ TEST_F(AccountChangesTest, AChangeOfTheAddressNeedsANewOneAndThePassword) {
   EXPECT_EQ(store.calls("request_email"), 0);
 }
 
-TEST_F(AccountChangesTest, AUserRequestsFourChangesOfTheAddressInAQuarterOfAnHour) {
+TEST_F(AccountChangesTest, LimitsAddressChangesPerUserToFourPerQuarterHour) {
   for (int i = 0; i < 4; ++i) change_token(std::to_string(i) + "@example.org");
   EXPECT_EQ(refusal(changes.request_email(who, "4@example.org", password)),
             ProblemKind::kTooManyAttempts);
@@ -275,7 +275,7 @@ TEST_F(AccountChangesTest, AUserRequestsFourChangesOfTheAddressInAQuarterOfAnHou
   change_token("4@example.org");
 }
 
-TEST_F(AccountChangesTest, AMailboxGetsFourRequestsToChangeToItInAQuarterOfAnHour) {
+TEST_F(AccountChangesTest, LimitsAddressChangesPerMailboxToFourPerQuarterHour) {
   for (int i = 0; i < 4; ++i) {
     change_token();
     attempts.forget_attempts(attempt_key("change", who.user_id), std::nullopt);
@@ -355,7 +355,7 @@ TEST_F(AccountChangesTest, SigningOutEverywhereEndsEveryBrowserAndSession) {
   EXPECT_THAT(placement.ended, ElementsAre("by " + who.user_id));
 }
 
-TEST_F(AccountChangesTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(AccountChangesTest, ReportsAnUnavailableStore) {
   const std::string reset = reset_token(), change = change_token();
   const auto request_reset = [&] { return refusal(changes.request_reset("b@c.d", "5.6.7.8")); };
   const auto do_reset = [&] { return refusal(changes.reset(reset, new_password)); };

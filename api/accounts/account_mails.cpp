@@ -132,7 +132,7 @@ Mail new_address_taken(Language language, const std::string& to, const std::stri
            sign_in + "\n\nWenn Sie das nicht waren, brauchen Sie nichts zu tun.\n"});
 }
 
-Mail address_asked_to_change(Language language, const std::string& to, const std::string& forgot) {
+Mail address_change_requested(Language language, const std::string& to, const std::string& forgot) {
   return in_one(
       language, to,
       {"Your Diaphane email address is about to change",
@@ -277,7 +277,9 @@ Mail invitation(const std::string& to, const std::string& name, const std::strin
            " shared a scan with you on Diaphane.\n\nTo see it, sign in with this email address or "
            "use it to create an account. You will find the scan under \"My scans\":\n\n" +
            scans +
-           "\n\nIf you do not know the sender, ignore this email. We do not tell anyone whether "
+           "\n\nThe owner can see when, how and roughly from where you view it.\n\nIf you do not "
+           "know the sender, "
+           "ignore this email. We do not tell anyone whether "
            "you have an account.\n"},
       {"Mit Ihnen wurde eine Aufnahme geteilt",
        sender +
@@ -285,6 +287,8 @@ Mail invitation(const std::string& to, const std::string& name, const std::strin
            "mit dieser E-Mail-Adresse an oder erstellen Sie damit ein Konto. Sie finden die "
            "Aufnahme unter „Meine Aufnahmen“:\n\n" +
            scans +
+           "\n\nWem die Aufnahme gehört, kann sehen, wann, auf welchem Weg und ungefähr von wo Sie "
+           "sie ansehen."
            "\n\nWenn Sie den Absender nicht kennen, ignorieren Sie diese E-Mail. Wir verraten "
            "niemandem, ob Sie ein Konto haben.\n"});
 }

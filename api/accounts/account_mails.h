@@ -19,7 +19,7 @@ Mail password_changed(Language language, const std::string& to, const std::strin
 Mail confirm_new_address(Language language, const std::string& to, const std::string& link);
 Mail new_address_taken(Language language, const std::string& to, const std::string& sign_in);
 /// Sent to the old address.
-Mail address_asked_to_change(Language language, const std::string& to, const std::string& forgot);
+Mail address_change_requested(Language language, const std::string& to, const std::string& forgot);
 Mail address_changed(Language language, const std::string& to);
 /// `account` is the URL of the page to renew codes or to turn off two-factor authentication.
 Mail second_factor_added(Language language, const std::string& to, const std::string& account);

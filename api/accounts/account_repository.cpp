@@ -148,7 +148,8 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
                (extract(epoch FROM s.expires_at) * 1000000)::bigint AS expires_us, s.id, s.browser,
                u.is_administrator, (extract(epoch FROM s.used_at) * 1000000)::bigint AS used_us,
                EXISTS (SELECT FROM second_factors f
-                        WHERE f.user_id = u.id AND f.confirmed_at IS NOT NULL) AS second_factor
+                        WHERE f.user_id = u.id AND f.confirmed_at IS NOT NULL) AS second_factor,
+               coalesce(u.consent_version, '') AS consent_version
           FROM web_sessions s JOIN users u ON u.id = s.user_id
          WHERE s.token_hash = $1 AND s.expires_at > to_timestamp($2::bigint / 1e6)
            AND u.verified_at IS NOT NULL AND u.disabled_at IS NULL)sql",
@@ -163,7 +164,8 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
         row["email"].as<std::string>(),
         row["is_administrator"].as<bool>(),
         from_us(row["used_us"].as<std::int64_t>()),
-        row["second_factor"].as<bool>()};
+        row["second_factor"].as<bool>(),
+        row["consent_version"].as<std::string>()};
   });
 }
 
@@ -208,12 +210,12 @@ Result<Quota> AccountRepository::quota_of(const std::string& user_id) {
 Result<std::optional<Time>> AccountRepository::consent_at(const std::string& user_id,
                                                           const std::string& version) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Time>> {
-    const pqxx::result given = transaction.exec_params(R"sql(
+    const pqxx::result rows = transaction.exec_params(R"sql(
         SELECT (extract(epoch FROM consent_at) * 1000000)::bigint AS consent_us
           FROM users WHERE id = $1::uuid AND consent_version = $2)sql",
-                                                       user_id, version);
-    if (given.empty()) return std::nullopt;
-    return from_us(given[0]["consent_us"].as<std::int64_t>());
+                                                      user_id, version);
+    if (rows.empty()) return std::nullopt;
+    return from_us(rows[0]["consent_us"].as<std::int64_t>());
   });
 }
 

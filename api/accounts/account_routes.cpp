@@ -8,13 +8,6 @@ namespace {
 
 constexpr std::size_t kMostVersionCharacters = 40;
 
-/// The approximate browser name that the edge derives from User-Agent, which it does not forward.
-std::string browser_of(const Request& request) {
-  std::string name(request.header("x-browser").substr(0, 60));
-  std::erase_if(name, [](char c) { return c < 0x20 || c > 0x7e; });
-  return name;
-}
-
 Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principal& who) {
   const auto quota = accounts.quota_of(who.user_id);
   DIAPHANE_TRY(quota);
@@ -48,7 +41,7 @@ Outcome<Response> sign_up_with_consent(Accounts& accounts, const Request& reques
   const bool consents = in.boolean("consent");
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto done = accounts.sign_up(email, consents ? Consent::kGiven : Consent::kMissing,
-                                     request.address, who.language);
+                                     who.client.address, who.language);
   DIAPHANE_TRY(done);
   return empty_response(202);
 }
@@ -62,6 +55,18 @@ Outcome<Response> consent(Accounts& accounts, const Request& request, const Prin
   return empty_response(204);
 }
 
+/// The user and the cookies of a browser that has just signed in.
+Outcome<Response> signed_in(Accounts& accounts, RenderTime& render_time,
+                            const RequestRouter& router, const Accounts::Opened& opened) {
+  auto response = me(accounts, render_time, opened.principal);
+  if (response) {
+    response->with("Set-Cookie", router.cookie(opened.token));
+    // The HTTP library would join two Set-Cookie headers into one, so the edge sends this one.
+    response->with("X-Known-Browser", router.browser_cookie(opened.known_browser));
+  }
+  return response;
+}
+
 }  // namespace
 
 std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
@@ -69,14 +74,15 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
   const auto sign_up = [&accounts](const Request& request, const Principal& who) {
     return sign_up_with_consent(accounts, request, who);
   };
-  const auto verify = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
+  const auto verify = [&accounts, &render_time, &router](
+                          const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string token = in.text("token", 1, 200);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.verify(token, password);
-    DIAPHANE_TRY(done);
-    return empty_response(204);
+    const auto opened = accounts.verify(token, password, who.client.browser);
+    DIAPHANE_TRY(opened);
+    return signed_in(accounts, render_time, router, *opened);
   };
   const auto sign_in = [&accounts, &render_time, &router](
                            const Request& request, const Principal& who) -> Outcome<Response> {
@@ -86,16 +92,10 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
     const std::string code = in.text_or("code", "", kCodeCharacters);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto opened =
-        accounts.sign_in(email, password, code, request.address, browser_of(request),
+        accounts.sign_in(email, password, code, who.client.address, who.client.browser,
                          router.known_browser_of(request), who.language);
     DIAPHANE_TRY(opened);
-    auto response = me(accounts, render_time, opened->principal);
-    if (response) {
-      response->with("Set-Cookie", router.cookie(opened->token));
-      // The HTTP library would join two Set-Cookie headers into one, so the edge sends this one.
-      response->with("X-Known-Browser", router.browser_cookie(opened->known_browser));
-    }
-    return response;
+    return signed_in(accounts, render_time, router, *opened);
   };
   const auto sign_out = [&accounts, &router](const Request& request,
                                              const Principal&) -> Outcome<Response> {
@@ -113,9 +113,9 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time,
       {"POST", "/v1/accounts", "signUp", Access::kAnyone, sign_up, {}},
       {"POST", "/v1/accounts/verify", "verifyAccount", Access::kAnyone, verify, {}},
       {"POST", "/v1/sign-in", "signIn", Access::kAnyone, sign_in, {}},
-      {"POST", "/v1/sign-out", "signOut", Access::kPerson, sign_out, {}},
-      {"GET", "/v1/me", "getMe", Access::kPerson, get_me, {}},
-      {"POST", "/v1/me/consent", "giveConsent", Access::kPerson, give_consent, {}},
+      {"POST", "/v1/sign-out", "signOut", Access::kOwnAccount, sign_out, {}},
+      {"GET", "/v1/me", "getMe", Access::kOwnAccount, get_me, {}},
+      {"POST", "/v1/me/consent", "giveConsent", Access::kOwnAccount, give_consent, {}},
   };
 }
 

@@ -51,7 +51,8 @@ struct SignedIn {
   std::string email;
   bool administrator = false;
   Time used_at = {};
-  bool second_factor = false;  ///< whether two-factor authentication is on
+  bool second_factor = false;        ///< whether two-factor authentication is on
+  std::string consent_version = {};  ///< of the notice that the user agreed to; may be empty
 };
 
 struct Quota {
@@ -73,7 +74,8 @@ class AccountStore {
   virtual ~AccountStore() = default;
 
   /// An address without a verified account gets an additional token and the welcome email. An
-  /// address with one gets only an email that says so. Both cases take the same work.
+  /// address with one gets only an email that says so. Both cases do the same work, so that timing
+  /// reveals nothing.
   virtual Result<void> sign_up(const SignUp& sign_up, Time now) = 0;
   /// Returns the address that the token was sent to, without consuming the token. Returns nothing
   /// if the token is unknown, used or expired.
@@ -112,7 +114,7 @@ class AccountStore {
   virtual Result<void> tidy(Time now) = 0;
 };
 
-/// The queue of outgoing email.
+/// The queue of outgoing email. Every function returns kUnavailable if the database is unavailable.
 class MailStore {
  public:
   struct Queued {

@@ -15,6 +15,10 @@ namespace {
 constexpr auto kUseNoted = std::chrono::minutes(10);
 constexpr std::size_t kNonceDigits = 32;
 
+tl::unexpected<Problem> disabled() {
+  return refuse(ProblemKind::kDisabled, "An administrator has disabled this account.");
+}
+
 }  // namespace
 
 Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes,
@@ -80,7 +84,8 @@ Outcome<void> Accounts::sign_up(const std::string& email, Consent consent,
   return {};
 }
 
-Outcome<void> Accounts::verify(const std::string& token, const std::string& password) {
+Outcome<Accounts::Opened> Accounts::verify(const std::string& token, const std::string& password,
+                                           const std::string& browser) {
   if (!is_token(token)) return refuse_field("token", "This link is incomplete or invalid.");
   const auto too_old = [] {
     return refuse(ProblemKind::kLinkExpired,
@@ -96,30 +101,35 @@ Outcome<void> Accounts::verify(const std::string& token, const std::string& pass
   const auto done = store_.verify(blake2b(token), *hash, now);
   if (!done) return refuse(done.error());
   if (!*done) return too_old();
-  return {};
+  const auto account = store_.find_by_email(email_key(**email));
+  if (!account) return refuse(account.error());
+  if (!*account) return too_old();  // deleted at the same moment
+  if ((*account)->disabled) return disabled();
+  return open(**account, browser, random_hex(kNonceDigits / 2));
 }
 
 Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Counters& counters,
                                  const std::string& password, Time now) {
-  std::vector<AttemptLimit> limits{{counters.whole, options_.failures_by_account, options_.window}};
-  if (counters.address) {
-    limits.push_back({*counters.address, options_.failures_by_address, options_.window});
+  std::vector<AttemptLimit> limits{
+      {counters.account_key, options_.failures_by_account, options_.window}};
+  if (counters.address_key) {
+    limits.push_back({*counters.address_key, options_.failures_by_address, options_.window});
   }
   // Recorded before the password is checked, so that concurrent attempts cannot exceed the limit.
   const auto wait = store_.note_attempt(limits, now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
   const auto right = account && account->verified ? hasher_.verify(password, account->password_hash)
-                                                  : hasher_.verify_nothing(password);
+                                                  : hasher_.verify_dummy(password);
   if (!right) return refuse(right.error());
   if (!*right) return false;
   // A correct password does not count as an attempt. The address keeps its other failures.
   // Otherwise, an attacker could clear them with an account of their own.
-  if (auto done = store_.forget_attempts(counters.whole, std::nullopt); !done) {
+  if (auto done = store_.forget_attempts(counters.account_key, std::nullopt); !done) {
     return refuse(done.error());
   }
-  if (counters.address) {
-    if (auto done = store_.forget_attempts(*counters.address, now); !done) {
+  if (counters.address_key) {
+    if (auto done = store_.forget_attempts(*counters.address_key, now); !done) {
       return refuse(done.error());
     }
   }
@@ -161,21 +171,24 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
   if (!*right) {
     return refuse(ProblemKind::kWrongCredentials, "The email address or password is incorrect.");
   }
-  if ((*account)->disabled) {
-    return refuse(ProblemKind::kDisabled, "An administrator has disabled this account.");
-  }
+  if ((*account)->disabled) return disabled();
   DIAPHANE_TRY(check_code(**account, code, language));
+  return open(**account, browser, nonce.value_or(random_hex(kNonceDigits / 2)));
+}
 
+Outcome<Accounts::Opened> Accounts::open(const Account& account, const std::string& browser,
+                                         const std::string& known_browser) {
+  const auto now = clock_.wall();
   Opened opened;
   opened.token = random_hex(32);
-  const WebSession session{blake2b(opened.token),       (*account)->id, random_hex(32), now,
-                           now + options_.session_life, new_id(),       browser};
+  const WebSession session{blake2b(opened.token),       account.id, random_hex(32), now,
+                           now + options_.session_life, new_id(),   browser};
   if (auto done = store_.open_session(session); !done) return refuse(done.error());
   // Returns the new state, including whether this is an administrator.
   auto principal = authenticate(opened.token);
   DIAPHANE_TRY(principal);
   opened.principal = *std::move(principal);
-  opened.known_browser = browser_token(**account, nonce.value_or(random_hex(kNonceDigits / 2)));
+  opened.known_browser = browser_token(account, known_browser);
   return opened;
 }
 
@@ -216,31 +229,34 @@ Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal rene
                now - (*found)->used_at >= options_.administrator_idle)) {
     return refused();
   }
-  Principal principal{session.user_id, false,      (*found)->email, session.csrf_token, false,
-                      role && factor,  session.id, factor,          role && !factor};
+  Principal principal{session.user_id, false,
+                      (*found)->email, session.csrf_token,
+                      false,           role && factor,
+                      session.id,      factor,
+                      role && !factor, (*found)->consent_version == options_.consent_version};
   if (renewal == Renewal::kNo) return principal;
   if (now - (*found)->used_at > kUseNoted) {
     if (auto done = store_.touch_session(hash, now); !done) return refuse(done.error());
   }
 
   // Extends the expiry only after a tenth of the lifetime, to avoid a write per request.
-  const Time wanted =
+  const Time new_expiry =
       std::min(now + options_.session_life,
                session.created_at + (role ? options_.administrator_limit : options_.session_limit));
   // Shortens the session of an administrator. Streams and other dependents use the stored time.
-  if (wanted < session.expires_at) {
-    if (auto done = store_.extend_session(hash, wanted); !done) return refuse(done.error());
-  } else if (wanted - session.expires_at > options_.session_life / 10) {
-    if (auto done = store_.extend_session(hash, wanted); !done) return refuse(done.error());
+  if (new_expiry < session.expires_at) {
+    if (auto done = store_.extend_session(hash, new_expiry); !done) return refuse(done.error());
+  } else if (new_expiry - session.expires_at > options_.session_life / 10) {
+    if (auto done = store_.extend_session(hash, new_expiry); !done) return refuse(done.error());
     principal.renewed = true;
   }
   return principal;
 }
 
 Outcome<std::optional<Time>> Accounts::consent_at(const Principal& who) {
-  const auto given = store_.consent_at(who.user_id, options_.consent_version);
-  if (!given) return refuse(given.error());
-  return *given;
+  const auto consented_at = store_.consent_at(who.user_id, options_.consent_version);
+  if (!consented_at) return refuse(consented_at.error());
+  return *consented_at;
 }
 
 Outcome<void> Accounts::give_consent(const Principal& who, const std::string& version) {

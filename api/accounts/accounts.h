@@ -8,6 +8,7 @@
 #include "api/accounts/code_check.h"
 #include "api/accounts/language.h"
 #include "api/accounts/password.h"
+#include "api/shared/client.h"
 #include "api/shared/problem.h"
 #include "api/shared/secrets.h"
 #include "api/shared/signals.h"
@@ -28,7 +29,9 @@ struct Principal {
   /// Has the administrator role without two-factor authentication. Until it is on, `administrator`
   /// is false.
   bool administrator_waits = false;
+  bool consented = false;                  ///< to the current privacy notice
   Language language = Language::kEnglish;  ///< of the request, with or without an account
+  Client client = {};                      ///< likewise
 };
 
 /// Date of the template of the privacy notice (frontend/public/legal).
@@ -72,13 +75,16 @@ class Accounts {
            const Clock& clock, const Signals& signals, Options options);
 
   /// Sends a link. Returns kInvalid only without consent or for errors that reveal no account, and
-  /// otherwise succeeds, whether or not the account exists. `address` is the peer's, for the rate
-  /// limit. `language` is that of the email.
+  /// otherwise succeeds, whether or not the account exists. `address` is the peer's, for the
+  /// rate limit. `language` is that of the email.
   Outcome<void> sign_up(const std::string& email, Consent consent, const std::string& address,
                         Language language = Language::kEnglish);
   /// Only the holder of the emailed token can choose the password, because the token proves access
-  /// to the mailbox (docs/adr/0034). Returns kLinkExpired for an unknown, used or expired token.
-  Outcome<void> verify(const std::string& token, const std::string& password);
+  /// to the mailbox (docs/adr/0034). The browser that chose it is signed in. Returns kLinkExpired
+  /// for an unknown, used or expired token, and kDisabled for an account that stays closed.
+  /// `browser` is an approximate name.
+  Outcome<Opened> verify(const std::string& token, const std::string& password,
+                         const std::string& browser = "");
   /// Returns kWrongCredentials (also while the address is not confirmed), kDisabled or
   /// kTooManyAttempts. With the correct password of an account that has two-factor authentication,
   /// returns kCodeNeeded without a code and kWrongCode for a wrong one. `browser` is an approximate
@@ -112,12 +118,16 @@ class Accounts {
   /// Called after a browser was signed out, to end its streams.
 
  private:
+  /// Opens a web session for a user who has proved who they are. `known_browser` is the random half
+  /// of the cookie of a known browser.
+  Outcome<Opened> open(const Account& account, const std::string& browser,
+                       const std::string& known_browser);
   /// Returns kCodeNeeded, kWrongCode, or nothing if no code is needed or the code is correct.
   Outcome<void> check_code(const Account& account, const std::string& code, Language language);
   /// The keys for which a password attempt is counted.
   struct Counters {
-    std::string whole;                   ///< reset after a correct password
-    std::optional<std::string> address;  ///< of the peer; keeps its other failures
+    std::string account_key;                 ///< reset after a correct password
+    std::optional<std::string> address_key;  ///< of the peer; keeps its other failures
   };
   /// Whether the password is correct. No response may depend on whether `account` exists.
   Outcome<bool> is_right(const std::optional<Account>& account, const Counters& counters,

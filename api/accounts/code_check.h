@@ -38,18 +38,20 @@ class SecondFactorStore {
   /// has already been confirmed.
   virtual Result<bool> confirm(const std::string& user_id, const std::string& sealed_secret,
                                std::int64_t step, const std::vector<std::string>& code_hashes,
-                               const std::string& kept_session, const Mail& told, Time now) = 0;
+                               const std::string& kept_session, const Mail& notification,
+                               Time now) = 0;
   /// Returns false if a code of this or a later step has been accepted in the meantime.
   virtual Result<bool> take_step(const std::string& user_id, std::int64_t step) = 0;
   /// Records that a code was entered again while it was still valid.
-  virtual Result<void> note_reuse(const std::string& user_id, const Mail& told, Time now) = 0;
+  virtual Result<void> note_reuse(const std::string& user_id, const Mail& notification,
+                                  Time now) = 0;
   /// Returns false if there is no code with this hash.
   virtual Result<bool> take_recovery_code(const std::string& user_id, const std::string& code_hash,
-                                          const Mail& told, Time now) = 0;
+                                          const Mail& notification, Time now) = 0;
   virtual Result<void> renew_recovery_codes(const std::string& user_id,
                                             const std::vector<std::string>& code_hashes,
-                                            const Mail& told, Time now) = 0;
-  virtual Result<void> remove(const std::string& user_id, const Mail& told, Time now) = 0;
+                                            const Mail& notification, Time now) = 0;
+  virtual Result<void> remove(const std::string& user_id, const Mail& notification, Time now) = 0;
 };
 
 /// Returns the stored form of a recovery code: blake2b of the code in lower case without spaces and

@@ -64,8 +64,7 @@ bool counts_by(std::string_view text, int step) {
 
 }  // namespace
 
-std::optional<std::string> why_easily_guessed(std::string_view password,
-                                              std::string_view own_word) {
+std::optional<std::string> weakness_of(std::string_view password, std::string_view user_word) {
   std::string text(password);
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
@@ -75,7 +74,7 @@ std::optional<std::string> why_easily_guessed(std::string_view password,
   const bool only_few_around = text.size() - core.size() <= kFewSigns;
   if (core.size() >= 5 && only_few_around) {
     if (is_listed(core)) return kCommon;
-    if (core == "diaphane" || core == own_word) {
+    if (core == "diaphane" || core == user_word) {
       return "This password is too easy to guess because it is based on a name. Choose another "
              "one.";
     }

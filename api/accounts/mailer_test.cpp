@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "api/shared/fake.h"
 #include "common/try.h"
+#include "tests/support/api/fake.h"
 
 namespace diaphane::api {
 namespace {
@@ -108,7 +108,7 @@ class FakeTransport final : public MailTransport, public Fake {
   Result<void> send(const Mail&) override { return enter("send"); }
 };
 
-TEST(MailerTest, APollSendsTwentyEmailsAtMost) {
+TEST(MailerTest, PollSendsAtMostTwentyEmails) {
   FakeMailStore store;
   FakeTransport transport;
   const ManualClock clock;

@@ -12,8 +12,6 @@
 namespace diaphane::api {
 namespace {
 
-constexpr std::uint32_t kMemoryKib = 19 * 1024;
-constexpr std::uint32_t kPasses = 2;
 constexpr std::uint32_t kLanes = 1;
 constexpr std::size_t kHashBytes = 32;
 
@@ -24,11 +22,11 @@ std::size_t characters_in(std::string_view text) {
   }));
 }
 
-std::string encode(std::string_view password) {
+std::string encode(std::string_view password, const PasswordCost& cost) {
   const std::string salt = random_hex(16);
   std::array<char, 256> encoded{};
   const int error =
-      argon2id_hash_encoded(kPasses, kMemoryKib, kLanes, password.data(), password.size(),
+      argon2id_hash_encoded(cost.passes, cost.memory_kib, kLanes, password.data(), password.size(),
                             salt.data(), salt.size(), kHashBytes, encoded.data(), encoded.size());
   if (error != ARGON2_OK) throw std::runtime_error(argon2_error_message(error));
   return encoded.data();
@@ -42,7 +40,7 @@ std::optional<std::string> fault_of_password(std::string_view password, std::str
   if (length > 200) return "Use at most 200 characters.";
   if (email_key(password) == email_key(email))
     return "Your password must be different from your email address.";
-  return why_easily_guessed(password, email_key(email.substr(0, email.find('@'))));
+  return weakness_of(password, email_key(email.substr(0, email.find('@'))));
 }
 
 bool is_email(std::string_view text) {
@@ -84,17 +82,17 @@ class PasswordHasher::Turn {
   bool mine_;
 };
 
-PasswordHasher::PasswordHasher(int slots, std::chrono::milliseconds patience)
-    : slots_(slots), patience_(patience), nothing_(encode(random_hex(32))) {}
+PasswordHasher::PasswordHasher(int slots, std::chrono::milliseconds patience, PasswordCost cost)
+    : slots_(slots), patience_(patience), cost_(cost), nothing_(encode(random_hex(32), cost)) {}
 
 bool PasswordHasher::enter() {
   std::unique_lock lock(mutex_);
   if (running_ == slots_) {
     if (waiting_ == slots_ * 2) return false;
     ++waiting_;
-    const bool came = free_.wait_for(lock, patience_, [this] { return running_ < slots_; });
+    const bool acquired = free_.wait_for(lock, patience_, [this] { return running_ < slots_; });
     --waiting_;
-    if (!came) return false;
+    if (!acquired) return false;
   }
   ++running_;
   return true;
@@ -109,7 +107,7 @@ void PasswordHasher::leave() {
 Result<std::string> PasswordHasher::hash(std::string_view password) {
   const Turn turn(*this);
   if (!turn) return Turn::none();
-  return encode(password);
+  return encode(password, cost_);
 }
 
 Result<bool> PasswordHasher::verify(std::string_view password, const std::string& encoded) {
@@ -118,7 +116,7 @@ Result<bool> PasswordHasher::verify(std::string_view password, const std::string
   return argon2id_verify(encoded.c_str(), password.data(), password.size()) == ARGON2_OK;
 }
 
-Result<bool> PasswordHasher::verify_nothing(std::string_view password) {
+Result<bool> PasswordHasher::verify_dummy(std::string_view password) {
   auto done = verify(password, nothing_);
   if (!done) return done;
   return false;

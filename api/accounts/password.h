@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -22,19 +23,26 @@ bool is_email(std::string_view text);
 /// Returns the address in lower case. Two addresses with equal keys belong to the same account.
 std::string email_key(std::string_view email);
 
-/// Hashes passwords with argon2id, 19 MiB, 2 passes, 1 lane (OWASP password storage cheat sheet,
-/// 2023). Computes at most `slots` hashes at the same time while as many calls wait, so that a
-/// flood of sign-ins exhausts neither the memory nor the threads. Returns kUnavailable if there is
-/// no room within `patience`.
+/// What one hash costs to compute, and so to guess. The default is that of the OWASP password
+/// storage cheat sheet of 2023.
+struct PasswordCost {
+  std::uint32_t memory_kib = 19 * 1024;
+  std::uint32_t passes = 2;
+};
+
+/// Hashes passwords with argon2id and one lane. Computes at most `slots` hashes at the same time
+/// while as many calls wait, so that a flood of sign-ins exhausts neither the memory nor the
+/// threads. Returns kUnavailable if there is no room within `patience`.
 class PasswordHasher {
  public:
-  explicit PasswordHasher(int slots, std::chrono::milliseconds patience = std::chrono::seconds(2));
+  explicit PasswordHasher(int slots, std::chrono::milliseconds patience = std::chrono::seconds(2),
+                          PasswordCost cost = {});
 
   /// Returns the encoded hash with a random salt.
   Result<std::string> hash(std::string_view password);
   Result<bool> verify(std::string_view password, const std::string& encoded);
   /// Does the work of verify() for an account that does not exist, so that timing reveals nothing.
-  Result<bool> verify_nothing(std::string_view password);
+  Result<bool> verify_dummy(std::string_view password);
 
  private:
   class Turn;
@@ -43,6 +51,7 @@ class PasswordHasher {
 
   const int slots_;
   const std::chrono::milliseconds patience_;
+  const PasswordCost cost_;
   std::mutex mutex_;
   std::condition_variable free_;
   int running_ = 0;

@@ -52,7 +52,6 @@ class SecondFactors {
                                                          const std::string& code);
   /// Returns the same errors as renew_recovery_codes.
   Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
-  /// Called after other browsers were signed out, to end their streams.
 
  private:
   /// Requires password and code again before a change that weakens the account.

@@ -20,7 +20,7 @@ void put_codes(pqxx::work& transaction, const std::string& user_id,
   }
 }
 
-void take_away(pqxx::work& transaction, const std::string& user_id) {
+void delete_second_factor(pqxx::work& transaction, const std::string& user_id) {
   transaction.exec_params0("DELETE FROM recovery_codes WHERE user_id = $1::uuid", user_id);
   transaction.exec_params0("DELETE FROM second_factors WHERE user_id = $1::uuid", user_id);
 }
@@ -65,8 +65,8 @@ Result<bool> SecondFactorRepository::begin(const std::string& user_id,
 Result<bool> SecondFactorRepository::confirm(const std::string& user_id,
                                              const std::string& sealed_secret, std::int64_t step,
                                              const std::vector<std::string>& code_hashes,
-                                             const std::string& kept_session, const Mail& told,
-                                             Time now) {
+                                             const std::string& kept_session,
+                                             const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result confirmed = transaction.exec_params(
         R"sql(
@@ -76,7 +76,7 @@ Result<bool> SecondFactorRepository::confirm(const std::string& user_id,
     if (confirmed.affected_rows() == 0) return false;
     put_codes(transaction, user_id, code_hashes);
     expire_sessions(transaction, user_id, kept_session);
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     note(transaction, user_id, "account.second-factor-added", now);
     return true;
   });
@@ -91,10 +91,10 @@ Result<bool> SecondFactorRepository::take_step(const std::string& user_id, std::
   });
 }
 
-Result<void> SecondFactorRepository::note_reuse(const std::string& user_id, const Mail& told,
-                                                Time now) {
+Result<void> SecondFactorRepository::note_reuse(const std::string& user_id,
+                                                const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     note(transaction, user_id, "account.code-reused", now);
     return {};
   });
@@ -102,41 +102,41 @@ Result<void> SecondFactorRepository::note_reuse(const std::string& user_id, cons
 
 Result<bool> SecondFactorRepository::take_recovery_code(const std::string& user_id,
                                                         const std::string& code_hash,
-                                                        const Mail& told, Time now) {
+                                                        const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result taken = transaction.exec_params(
         "DELETE FROM recovery_codes WHERE user_id = $1::uuid AND code_hash = $2", user_id,
         code_hash);
     if (taken.affected_rows() == 0) return false;
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     note(transaction, user_id, "account.recovery-code-used", now);
     return true;
   });
 }
 
 Result<void> SecondFactorRepository::renew_recovery_codes(
-    const std::string& user_id, const std::vector<std::string>& code_hashes, const Mail& told,
-    Time now) {
+    const std::string& user_id, const std::vector<std::string>& code_hashes,
+    const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     put_codes(transaction, user_id, code_hashes);
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     note(transaction, user_id, "account.recovery-codes-renewed", now);
     return {};
   });
 }
 
-Result<void> SecondFactorRepository::remove(const std::string& user_id, const Mail& told,
+Result<void> SecondFactorRepository::remove(const std::string& user_id, const Mail& notification,
                                             Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    take_away(transaction, user_id);
-    queue_mail(transaction, told, now);
+    delete_second_factor(transaction, user_id);
+    queue_mail(transaction, notification, now);
     note(transaction, user_id, "account.second-factor-removed", now);
     return {};
   });
 }
 
-Result<bool> SecondFactorRepository::take_off(const std::string& email_key, const Mail& told,
-                                              Time now) {
+Result<bool> SecondFactorRepository::take_off(const std::string& email_key,
+                                              const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
@@ -145,8 +145,8 @@ Result<bool> SecondFactorRepository::take_off(const std::string& email_key, cons
         email_key);
     if (found.empty()) return false;
     const auto user_id = found[0]["id"].as<std::string>();
-    take_away(transaction, user_id);
-    queue_mail(transaction, told, now);
+    delete_second_factor(transaction, user_id);
+    queue_mail(transaction, notification, now);
     note_in_audit_log(
         transaction,
         {AuditActor::kMachine, "", "account.second-factor-removed", "account", user_id, {}}, now);

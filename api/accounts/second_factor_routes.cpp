@@ -67,13 +67,13 @@ std::vector<Route> second_factor_routes(SecondFactors& factors) {
     return empty_response(204);
   };
   const std::string all = "/v1/me/second-factor";
-  constexpr auto kPerson = Access::kPerson;
+  constexpr auto kOwn = Access::kOwnAccount;
   return {
-      {"GET", all, "getSecondFactor", kPerson, get, {}},
-      {"POST", all, "beginSecondFactor", kPerson, begin, {}},
-      {"POST", all + "/confirm", "confirmSecondFactor", kPerson, confirm, {}},
-      {"POST", all + "/recovery-codes", "renewRecoveryCodes", kPerson, renew, {}},
-      {"POST", all + "/removal", "removeSecondFactor", kPerson, remove, {}},
+      {"GET", all, "getSecondFactor", kOwn, get, {}},
+      {"POST", all, "beginSecondFactor", kOwn, begin, {}},
+      {"POST", all + "/confirm", "confirmSecondFactor", kOwn, confirm, {}},
+      {"POST", all + "/recovery-codes", "renewRecoveryCodes", kOwn, renew, {}},
+      {"POST", all + "/removal", "removeSecondFactor", kOwn, remove, {}},
   };
 }
 

@@ -7,10 +7,10 @@
 #include <array>
 #include <set>
 
-#include "api/accounts/fake_account_store.h"
-#include "api/accounts/fake_second_factor_store.h"
 #include "api/accounts/totp.h"
-#include "api/shared/refusals.h"
+#include "tests/support/api/fake_account_store.h"
+#include "tests/support/api/fake_second_factor_store.h"
+#include "tests/support/api/refusals.h"
 
 namespace diaphane::api {
 namespace {
@@ -147,7 +147,7 @@ class SecondFactorTest : public testing::Test {
   FakeSecondFactorStore factors;
   ManualClock clock;
   Signals signals;
-  PasswordHasher hasher{1};
+  FakePasswordHasher hasher;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
   CodeCheck check{factors, store, key, clock, signals, {.public_url = "https://see.example"}};
   Accounts accounts{
@@ -242,7 +242,7 @@ TEST_F(SecondFactorTest, ConfirmingItEndsOtherBrowsersAndSendsAMail) {
   EXPECT_EQ(woken, 1);
 }
 
-TEST_F(SecondFactorTest, OfTwoRequestsWithOneCodeAtATimeOneSucceeds) {
+TEST_F(SecondFactorTest, OnlyOneOfTwoConcurrentRequestsMayUseACode) {
   set_up();
   factors.before("take_step", [&] { factors.factors[who.user_id].last_step = 1 << 30; });
   EXPECT_EQ(refused(code(1)), ProblemKind::kWrongCode);

@@ -68,9 +68,9 @@ std::optional<std::int64_t> step_of(std::string_view secret, std::string_view ty
                                     std::chrono::system_clock::time_point now, std::int64_t after) {
   std::string code(typed);
   std::erase_if(code, [](char c) { return c == ' ' || c == '-'; });
-  const std::int64_t here = now.time_since_epoch() / kStep;
+  const std::int64_t current_step = now.time_since_epoch() / kStep;
   std::optional<std::int64_t> found;
-  for (std::int64_t step = here - kDrift; step <= here + kDrift; ++step) {
+  for (std::int64_t step = current_step - kDrift; step <= current_step + kDrift; ++step) {
     const bool same = equal_in_constant_time(code_of(secret, step), code);
     if (same && step > after && !found) found = step;
   }

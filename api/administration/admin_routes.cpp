@@ -83,7 +83,7 @@ Outcome<Response> list_audit(Administration& administration, const Request& requ
   filter.limit = *limit;
   auto account = text_in_query(request, "account", 36);
   DIAPHANE_TRY(account);
-  if (!account->empty() && !is_id(*account)) return refuse_field("account", "must be an id");
+  if (!account->empty() && !is_id(*account)) return refuse_field("account", "must be an ID");
   filter.account_id = *std::move(account);
   auto action = text_in_query(request, "action", 60);
   DIAPHANE_TRY(action);

@@ -19,9 +19,9 @@ std::int64_t count(const Page& page) {
 
 }  // namespace
 
-Outcome<void> Administration::note_look(const Principal& who, std::string action,
-                                        std::string subject, std::string subject_id,
-                                        std::vector<AuditDetail> details) {
+Outcome<void> Administration::record_view(const Principal& who, std::string action,
+                                          std::string subject, std::string subject_id,
+                                          std::vector<AuditDetail> details) {
   const auto done = store_.note({AuditActor::kAdministrator, who.user_id, std::move(action),
                                  std::move(subject), std::move(subject_id), std::move(details)},
                                 clock_.wall());
@@ -42,7 +42,7 @@ Outcome<Administration::Users> Administration::users(const Principal& who, const
             .count(),
         last.id};
   }
-  if (auto noted = note_look(who, "accounts.looked-at", "account", "", {{"items", count(page)}});
+  if (auto noted = record_view(who, "accounts.looked-at", "account", "", {{"items", count(page)}});
       !noted) {
     return tl::unexpected(noted.error());
   }
@@ -52,7 +52,7 @@ Outcome<Administration::Users> Administration::users(const Principal& who, const
 Outcome<UserRecord> Administration::user(const Principal& who, const std::string& id) {
   auto found = find(id);
   if (!found) return found;
-  if (auto noted = note_look(who, "account.looked-at", "account", id, {}); !noted) {
+  if (auto noted = record_view(who, "account.looked-at", "account", id, {}); !noted) {
     return tl::unexpected(noted.error());
   }
   return found;
@@ -102,7 +102,7 @@ Outcome<Administration::AuditPage> Administration::audit(const Principal& who, A
   }
   std::vector<AuditDetail> details{{"items", count(page)}};
   if (!filter.account_id.empty()) details.emplace_back("account", filter.account_id);
-  DIAPHANE_TRY(note_look(who, "audit-log.looked-at", "audit_log", "", std::move(details)));
+  DIAPHANE_TRY(record_view(who, "audit-log.looked-at", "audit_log", "", std::move(details)));
   return page;
 }
 

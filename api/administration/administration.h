@@ -54,7 +54,7 @@ class AdministrationStore {
   virtual Result<bool> change(const std::string& administrator_id, const std::string& id,
                               const UserChange& change, Time now) = 0;
   /// For the command line on the server. Returns false if there is no such verified account.
-  virtual Result<bool> set_administrator(const std::string& email_key, bool given, Time now) = 0;
+  virtual Result<bool> set_administrator(const std::string& email_key, bool granted, Time now) = 0;
   virtual Result<std::vector<Administrator>> administrators() = 0;
   /// Writes an audit entry that only records that an administrator looked.
   virtual Result<void> note(const AuditEntry& entry, Time now) = 0;
@@ -99,8 +99,8 @@ class Administration {
   /// Ends all sessions of the account and of its data sets. Returns false if Redis is unavailable.
   bool end_pictures(const std::string& id);
   /// `subject_id` is empty if the entry concerns many accounts.
-  Outcome<void> note_look(const Principal& who, std::string action, std::string subject,
-                          std::string subject_id, std::vector<AuditDetail> details);
+  Outcome<void> record_view(const Principal& who, std::string action, std::string subject,
+                            std::string subject_id, std::vector<AuditDetail> details);
 
   AdministrationStore& store_;
   Placement& placement_;

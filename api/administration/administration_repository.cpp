@@ -117,19 +117,19 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
   });
 }
 
-Result<bool> AdministrationRepository::set_administrator(const std::string& email_key, bool given,
+Result<bool> AdministrationRepository::set_administrator(const std::string& email_key, bool granted,
                                                          Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result changed = transaction.exec_params(
         R"sql(
         UPDATE users SET is_administrator = $2 WHERE email_key = $1 AND verified_at IS NOT NULL
         RETURNING id)sql",
-        email_key, given);
+        email_key, granted);
     if (changed.empty()) return false;
     note_in_audit_log(transaction,
                       {AuditActor::kMachine,
                        "",
-                       given ? "administrator.granted" : "administrator.revoked",
+                       granted ? "administrator.granted" : "administrator.revoked",
                        "account",
                        changed[0]["id"].as<std::string>(),
                        {}},

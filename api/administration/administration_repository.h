@@ -15,7 +15,7 @@ class AdministrationRepository final : public AdministrationStore {
   Result<std::optional<UserRecord>> user(const std::string& id, Time now) override;
   Result<bool> change(const std::string& administrator_id, const std::string& id,
                       const UserChange& change, Time now) override;
-  Result<bool> set_administrator(const std::string& email_key, bool given, Time now) override;
+  Result<bool> set_administrator(const std::string& email_key, bool granted, Time now) override;
   Result<std::vector<Administrator>> administrators() override;
   Result<void> note(const AuditEntry& entry, Time now) override;
   Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) override;

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "api/shared/fake_placement.h"
-#include "api/shared/refusals.h"
 #include "common/ids.h"
+#include "tests/support/api/fake_placement.h"
+#include "tests/support/api/refusals.h"
 
 namespace diaphane::api {
 namespace {
@@ -143,7 +143,7 @@ TEST_F(AdministrationTest, APageOfAccountsEndsWithACursorOnlyIfThereIsMore) {
   EXPECT_EQ(some->next, (Cursor{last, store.accounts[1].id}));
 }
 
-TEST_F(AdministrationTest, EachLookAtDataOfUsersIsRecorded) {
+TEST_F(AdministrationTest, RecordsEachViewOfUserData) {
   ASSERT_TRUE(administration.users(root, "user1", {}, 3));
   expect_noted("accounts.looked-at", "account", "", R"({"items":1})");
   ASSERT_TRUE(administration.user(root, first()));
@@ -156,7 +156,7 @@ TEST_F(AdministrationTest, EachLookAtDataOfUsersIsRecorded) {
                R"({"items":1,"account":")" + first() + R"("})");
 }
 
-TEST_F(AdministrationTest, NobodySeesDataWithoutARecordOfIt) {
+TEST_F(AdministrationTest, ShowsNoDataIfTheViewCannotBeRecorded) {
   expect_unavailable({
       {store, "note", [&] { return refusal(administration.users(root, "", {}, 3)); }},
       {store, "note", [&] { return refusal(administration.user(root, first())); }},
@@ -175,7 +175,7 @@ TEST_F(AdministrationTest, AMissingAccountIsNotFoundAndNotRecorded) {
   EXPECT_THAT(store.notes, IsEmpty());
 }
 
-TEST_F(AdministrationTest, AChangeIsMadeInTheNameOfTheAdministrator) {
+TEST_F(AdministrationTest, RecordsChangesWithTheAdministrator) {
   UserChange change;
   change.quota_bytes = 5;
   const auto changed = administration.change(root, first(), change);
@@ -229,7 +229,7 @@ TEST_F(AdministrationTest, APageOfTheAuditLogEndsWithItsLastEntryOnlyIfThereIsMo
   EXPECT_EQ(store.filter.action, "account.");
 }
 
-TEST_F(AdministrationTest, TheFleetIsItsWorkersAndTheQueueOfScans) {
+TEST_F(AdministrationTest, FleetListsWorkersAndTheQueueOfScans) {
   const auto fleet = administration.fleet();
   ASSERT_TRUE(fleet);
   ASSERT_EQ(fleet->workers.size(), 1u);
@@ -238,7 +238,7 @@ TEST_F(AdministrationTest, TheFleetIsItsWorkersAndTheQueueOfScans) {
   EXPECT_EQ(fleet->ingest.building, 1);
 }
 
-TEST_F(AdministrationTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(AdministrationTest, ReportsAnUnavailableStore) {
   expect_unavailable({
       {store, "users", [&] { return refusal(administration.users(root, "", {}, 3)); }},
       {store, "user", [&] { return refusal(administration.user(root, first())); }},

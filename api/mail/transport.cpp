@@ -160,8 +160,8 @@ class SmtpTransport final : public MailTransport {
     long answer = 0;
     curl_easy_getinfo(c, CURLINFO_RESPONSE_CODE, &answer);
     // 5xx for the recipient is permanent. (530 and 535 concern our own login and may be fixed.)
-    const bool for_good = answer >= 550 && answer < 560;
-    return fail(for_good ? ErrorCode::kInvalid : ErrorCode::kUnavailable,
+    const bool permanent = answer >= 550 && answer < 560;
+    return fail(permanent ? ErrorCode::kInvalid : ErrorCode::kUnavailable,
                 std::string(curl_easy_strerror(code)) + ", SMTP " + std::to_string(answer));
   }
 

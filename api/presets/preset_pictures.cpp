@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Longer than the request to a worker (Stills), so that nobody renders the same thumbnail twice.
+/// Longer than the request to a worker (Stills), so that no thumbnail is rendered twice.
 constexpr std::chrono::seconds kLease{90};
 /// Delay before the next attempt if no worker responded.
 constexpr std::chrono::seconds kPause{10};
@@ -44,6 +44,7 @@ Outcome<std::string> PresetPictures::get(const Principal& who, const std::string
     (void)store_.forget_picture(preset_id);
     return none_yet();
   }
+  DIAPHANE_TRY(data_sets_.note_picture(who, *data_set));
   return path;
 }
 
@@ -54,9 +55,6 @@ bool PresetPictures::make_next() {
   StillRequest request;
   request.data_set_id = picture.data_set_id;
   request.scene = scene_bytes_(picture.scene);
-  request.width = request.height = kSize;
-  request.samples = kMostSamples;
-  request.error = kError;
   request.background = true;
   // A preset of another version cannot be displayed, so it gets no thumbnail.
   if (request.scene.empty()) return true;

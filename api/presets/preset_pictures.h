@@ -15,12 +15,6 @@ namespace diaphane::api {
 /// work is not charged to any user. Thread-safe.
 class PresetPictures {
  public:
-  /// Target error of the rendering. On a device that is busy with sessions, this may take too long.
-  /// Then the result after kPatience is used.
-  static constexpr double kError = 0.02;
-  static constexpr std::uint32_t kMostSamples = 1024;  ///< per pixel
-  static constexpr std::uint32_t kSize = 320;          ///< width and height in pixels
-
   /// `scene_bytes` serialises a preset's scene, or returns an empty string if it cannot be parsed.
   PresetPictures(DataSets& data_sets, Presets& presets, PresetStore& store, Stills& stills,
                  const Clock& clock, std::string cache_directory,

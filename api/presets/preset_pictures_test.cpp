@@ -1,9 +1,9 @@
 #include "api/presets/preset_pictures.h"
 
-#include "api/presets/fake_preset_store.h"
-#include "api/scans/data_set_fixture.h"
-#include "api/shared/fake_stills.h"
-#include "api/shared/temporary_directory.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_preset_store.h"
+#include "tests/support/api/fake_stills.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -45,6 +45,16 @@ TEST_F(PresetPicturesTest, ThoseWhoMayViewTheScanGetTheImage) {
   EXPECT_EQ(pictures.get(owner, id, preset_id).value(), path);
 }
 
+TEST_F(PresetPicturesTest, AnImageOfAScanThatIsNotPublicIsInTheAuditLog) {
+  EXPECT_EQ(refusal(pictures.get(shared, id, preset_id)), ProblemKind::kNotFound);
+  EXPECT_TRUE(data_set_store.accesses.empty()) << "there is nothing to see yet";
+  store.presets[preset_id].pictured_at = clock.wall();
+  render();
+  ASSERT_TRUE(pictures.get(shared, id, preset_id));
+  ASSERT_EQ(data_set_store.accesses.size(), 1u);
+  EXPECT_EQ(data_set_store.accesses[0].action, "data-set.picture-looked-at");
+}
+
 TEST_F(PresetPicturesTest, ThereIsNoImageOfAnotherScanOrAMissingPreset) {
   render();
   EXPECT_EQ(refusal(pictures.get(owner, add_scan(), preset_id)), ProblemKind::kNotFound);
@@ -83,17 +93,13 @@ TEST_F(PresetPicturesTest, RendersSceneOfThePresetAtBackgroundPriority) {
   const StillRequest request = stills.requests()[0];
   EXPECT_EQ(request.data_set_id, id);
   EXPECT_EQ(request.scene, "bytes of scene");
-  EXPECT_EQ(request.width, PresetPictures::kSize);
-  EXPECT_EQ(request.height, PresetPictures::kSize);
-  EXPECT_EQ(request.samples, PresetPictures::kMostSamples);
-  EXPECT_EQ(request.error, PresetPictures::kError);
   EXPECT_TRUE(request.background);
   EXPECT_EQ(store.lease, 90s) << "longer than a worker may take";
   EXPECT_EQ(cache.read(path), "image of " + id + " bytes of scene");
   EXPECT_EQ(store.presets[preset_id].pictured_at, clock.wall());
 }
 
-TEST_F(PresetPicturesTest, ThereIsNothingToDoWithoutADueImageOrADatabase) {
+TEST_F(PresetPicturesTest, DoesNothingWithoutADueImageOrADatabase) {
   store.due.reset();
   EXPECT_FALSE(pictures.make_next());
   store.break_function("claim_picture");
@@ -138,14 +144,14 @@ TEST_F(PresetPicturesTest, RenderingPausesIfImagesCannotBeSaved) {
   EXPECT_FALSE(store.presets[preset_id].pictured_at);
 }
 
-TEST_F(PresetPicturesTest, RemovingDeletesTheFileAndTwiceIsNoError) {
+TEST_F(PresetPicturesTest, RemovingDeletesTheFileAndMayBeRepeated) {
   render();
   EXPECT_TRUE(pictures.remove(preset_id));
   EXPECT_FALSE(cache.has("presets/" + preset_id));
   EXPECT_TRUE(pictures.remove(preset_id));
 }
 
-TEST_F(PresetPicturesTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(PresetPicturesTest, ReportsAnUnavailableDatabase) {
   const auto get = [&] { return refusal(pictures.get(owner, id, preset_id)); };
   expect_unavailable({{store, "find", get}, {data_set_store, "find", get}});
 }

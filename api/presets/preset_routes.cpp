@@ -8,12 +8,12 @@
 namespace diaphane::api {
 namespace {
 
-Response whole(int status, const Preset& preset) {
+Response preset_response(int status, const Preset& preset) {
   return json_response(status, with_scene(preset)).with("ETag", etag_of(preset));
 }
 
 Response made(const Preset& preset) {
-  return whole(201, preset).with("Location", "/v1/presets/" + preset.id);
+  return preset_response(201, preset).with("Location", "/v1/presets/" + preset.id);
 }
 
 Outcome<Response> create_preset(Presets& presets, const Request& request, const Principal& who) {
@@ -51,20 +51,20 @@ Outcome<Response> change(Presets& presets, const Request& request, const Princip
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const std::string& id = request.parameter("preset_id");
-  // A preset that the user must not see returns 404, whatever else is wrong.
+  // A preset that the user must not see returns 404, even if the request has other errors.
   DIAPHANE_TRY(presets.find(who, id));
   const auto version = version_in_if_match(request);
   DIAPHANE_TRY(version);
   const auto changed = presets.change(who, id, *version, what);
   DIAPHANE_TRY(changed);
-  return whole(200, *changed);
+  return preset_response(200, *changed);
 }
 
 std::vector<Route> routes_of_one(Presets& presets) {
   const auto get = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = presets.find(who, request.parameter("preset_id"));
     DIAPHANE_TRY(found);
-    return whole(200, *found);
+    return preset_response(200, *found);
   };
   const auto get_xml = [&presets](const Request& request,
                                   const Principal& who) -> Outcome<Response> {

@@ -51,9 +51,9 @@ Outcome<Preset> Presets::find(const Principal& who, const std::string& id) {
   auto found = store_.find(id, who.user_id);
   if (!found) return from_store(found.error());
   if (hidden(*found, who)) return no_such_preset();
-  if (auto seen = data_sets_.authorise(who, found->data_set_id, Action::kLook); !seen) {
-    if (seen.error().kind == ProblemKind::kNotFound) return no_such_preset();
-    return tl::unexpected(seen.error());
+  if (auto visible = data_sets_.authorise(who, found->data_set_id, Action::kLook); !visible) {
+    if (visible.error().kind == ProblemKind::kNotFound) return no_such_preset();
+    return tl::unexpected(visible.error());
   }
   return *std::move(found);
 }

@@ -1,7 +1,7 @@
 #include "api/presets/presets.h"
 
-#include "api/presets/fake_preset_store.h"
-#include "api/scans/data_set_fixture.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_preset_store.h"
 
 namespace diaphane::api {
 namespace {
@@ -48,7 +48,7 @@ TEST_F(PresetsTest, ThoseWhoMayViewAScanSeeItsPresets) {
   EXPECT_EQ(presets.find(owner, preset_id)->name, "Bones");
 }
 
-TEST_F(PresetsTest, APresetOfAnInvisibleScanCannotBeToldFromNone) {
+TEST_F(PresetsTest, PresetOfAnInvisibleScanIsNotFound) {
   const auto of_a_private_scan = presets.find(stranger, preset_id);
   for (const std::string& none : {std::string("no id"), new_id()}) {
     const auto missing = presets.find(owner, none);
@@ -68,7 +68,7 @@ TEST_F(PresetsTest, OnlyItsAuthorAndAdministratorsSeeAPresetThatWasTakenDown) {
   }
 }
 
-TEST_F(PresetsTest, APresetBelongsToWhoeverSavesIt) {
+TEST_F(PresetsTest, PresetBelongsToItsAuthor) {
   Preset wanted = named("Skin", "scene");
   wanted.author_id = "someone else";
   wanted.kept_xml = "<xml/>";
@@ -125,13 +125,13 @@ TEST_F(PresetsTest, OnlyItsAuthorChangesAPreset) {
   EXPECT_EQ(pictures, 1);
 }
 
-TEST_F(PresetsTest, AnAuthorWhoMayOnlyViewTheScanNowChangesNothing) {
+TEST_F(PresetsTest, AuthorWithViewAccessOnlyCannotChangeThePreset) {
   data_set_store.roles[{editor.user_id, id}] = Role::kSharedView;
   EXPECT_EQ(refusal(presets.change(editor, preset_id, 3, {})), ProblemKind::kForbidden);
   EXPECT_TRUE(presets.remove(editor, preset_id, 3)) << "but deletes what is theirs";
 }
 
-TEST_F(PresetsTest, NobodyOverwritesAVersionThatTheyHaveNotSeen) {
+TEST_F(PresetsTest, ChangeRequiresTheCurrentVersion) {
   EXPECT_EQ(refusal(presets.change(editor, preset_id, 2, {})), ProblemKind::kPrecondition);
   EXPECT_EQ(refusal(presets.remove(editor, preset_id, 2)), ProblemKind::kPrecondition);
   EXPECT_EQ(disposals + pictures, 0);
@@ -165,7 +165,7 @@ TEST_F(PresetsTest, ItsAuthorTheOwnerOfTheScanAndAdministratorsDeleteAPreset) {
   }
 }
 
-TEST_F(PresetsTest, APresetIsNotCalledSomebodyElsesBecauseTheDatabaseIsAway) {
+TEST_F(PresetsTest, DatabaseOutageIsNotReportedAsMissingPermission) {
   for (const int failing : {2, 3}) {
     reset();
     expose(Exposure::kPublic);
@@ -209,7 +209,7 @@ TEST_F(PresetsTest, TheOwnerOfAScanChoosesItsDefault) {
   EXPECT_EQ(store.defaults[id], "");
 }
 
-TEST_F(PresetsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(PresetsTest, ReportsAnUnavailableDatabase) {
   expose(Exposure::kPublic);
   const auto find = [&] { return refusal(presets.find(owner, preset_id)); };
   const auto add = [&] { return refusal(presets.add(editor, id, named("Skin"), "")); };

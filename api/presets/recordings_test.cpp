@@ -5,10 +5,10 @@
 #include <map>
 #include <set>
 
-#include "api/shared/fake.h"
-#include "api/shared/refusals.h"
 #include "common/ids.h"
 #include "common/try.h"
+#include "tests/support/api/fake.h"
+#include "tests/support/api/refusals.h"
 
 namespace diaphane::api {
 namespace {
@@ -117,7 +117,7 @@ TEST_F(RecordingsTest, ARecordingGetsItsOwnIdAndExpiresAfterNinetyDays) {
   EXPECT_EQ(refusal(recordings.find(anna, *id)), ProblemKind::kNotFound);
 }
 
-TEST_F(RecordingsTest, AUserKeepsTwentyMebibytes) {
+TEST_F(RecordingsTest, LimitsRecordingsPerUserToTwentyMebibytes) {
   ASSERT_TRUE(recordings.give_consent(anna, true));
   EXPECT_TRUE(recordings.add(anna, of(std::string(20 * 1024 * 1024, ' '))));
   const auto refused = recordings.add(anna, of(std::string(20 * 1024 * 1024 + 1, ' ')));
@@ -138,7 +138,7 @@ TEST_F(RecordingsTest, RecordingsOfOthersAreNotFound) {
   EXPECT_EQ(refusal(recordings.find(anna, id)), ProblemKind::kNotFound);
 }
 
-TEST_F(RecordingsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(RecordingsTest, ReportsAnUnavailableDatabase) {
   expect_unavailable({
       {store, "consent", [&] { return refusal(recordings.list(anna)); }},
       {store, "of", [&] { return refusal(recordings.list(anna)); }},

@@ -19,7 +19,7 @@ Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& p
        attempt_key(kChangeMails, key), attempt_key("change", who.user_id)},
       mails::account_deleted(who.language, who.email), clock_.wall());
   if (!data_sets) return refuse(data_sets.error());
-  // The rows are deleted, so no session can be opened any more. Running ones are ended if possible.
+  // The rows are deleted, so no new session can be opened. Running ones are ended if possible.
   bool ended = placement_.end_all_by(who.user_id).has_value();
   for (const std::string& id : *data_sets) ended = placement_.end_all_of(id).has_value() && ended;
   if (!ended) log::warning("failed to end a deleted account's sessions");

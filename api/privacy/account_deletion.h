@@ -9,6 +9,7 @@
 
 namespace diaphane::api {
 
+/// Storage for deleting accounts.
 class AccountDeletionStore {
  public:
   virtual ~AccountDeletionStore() = default;
@@ -17,7 +18,7 @@ class AccountDeletionStore {
   /// kUnavailable.
   virtual Result<std::vector<std::string>> remove_account(
       const std::string& user_id, const std::string& email,
-      const std::vector<std::string>& attempt_keys, const Mail& told, Time now) = 0;
+      const std::vector<std::string>& attempt_keys, const Mail& notification, Time now) = 0;
 };
 
 /// Deletes an account and all its data immediately. Thread-safe.

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "api/accounts/account_fixture.h"
+#include "tests/support/api/account_fixture.h"
 
 namespace diaphane::api {
 namespace {
@@ -18,11 +18,11 @@ class FakeAccountDeletionStore final : public AccountDeletionStore, public Fake 
 
   Result<std::vector<std::string>> remove_account(const std::string& user_id, const std::string&,
                                                   const std::vector<std::string>& keys,
-                                                  const Mail& told, Time) override {
+                                                  const Mail& notification, Time) override {
     DIAPHANE_TRY(enter("remove_account"));
     removed.push_back(user_id);
     attempt_keys = keys;
-    mails.push_back(told);
+    mails.push_back(notification);
     return std::vector<std::string>{"a", "b"};
   }
 };
@@ -61,13 +61,13 @@ TEST_F(AccountDeletionTest, AnAccountWithASecondFactorIsDeletedOnlyWithACode) {
   EXPECT_THAT(store.removed, ElementsAre(who.user_id));
 }
 
-TEST_F(AccountDeletionTest, APasswordIsNotGuessed) {
+TEST_F(AccountDeletionTest, LimitsPasswordGuesses) {
   for (int i = 0; i < 10; ++i) deletion.remove(who, "wrong wrong", "");
   EXPECT_EQ(refusal(deletion.remove(who, password, "")), ProblemKind::kTooManyAttempts);
   EXPECT_THAT(store.removed, IsEmpty());
 }
 
-TEST_F(AccountDeletionTest, TheUserIsToldAndNothingIsCountedAgainstTheAddressAnyMore) {
+TEST_F(AccountDeletionTest, NotifiesTheUserAndResetsTheLimitsOfTheAddress) {
   ASSERT_TRUE(deletion.remove(who, password, ""));
   ASSERT_EQ(store.mails.size(), 1u);
   EXPECT_EQ(store.mails[0].recipient, who.email);

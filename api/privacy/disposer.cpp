@@ -28,10 +28,11 @@ int Disposer::dispose() {
 }
 
 Result<void> Disposer::remove(const Disposal& disposal) {
-  if (!is_id(disposal.id)) return fail(ErrorCode::kInternal, "not a valid id");
+  if (!is_id(disposal.id)) return fail(ErrorCode::kInternal, "not a valid ID");
   if (disposal.kind == Disposal::Kind::kUpload) return files_.remove(disposal.id);
   if (disposal.kind == Disposal::Kind::kPictures) return thumbnails_.remove(disposal.id);
   if (disposal.kind == Disposal::Kind::kPreset) return preset_pictures_.remove(disposal.id);
+  if (disposal.kind == Disposal::Kind::kEnvironment) return environments_.dispose(disposal.id);
   std::error_code error;
   if (disposal.kind == Disposal::Kind::kExport) {
     std::filesystem::remove(export_directory_ + "/" + disposal.id + ".zip", error);

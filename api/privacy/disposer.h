@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "api/environments/environments.h"
 #include "api/presets/preset_pictures.h"
 #include "api/scans/data_set_store.h"
 #include "api/scans/thumbnails.h"
@@ -14,12 +15,13 @@ namespace diaphane::api {
 class Disposer {
  public:
   Disposer(DataSetStore& store, UploadFiles& files, Thumbnails& thumbnails,
-           PresetPictures& preset_pictures, std::string volume_directory,
-           std::string export_directory)
+           PresetPictures& preset_pictures, Environments& environments,
+           std::string volume_directory, std::string export_directory)
       : store_(store),
         files_(files),
         thumbnails_(thumbnails),
         preset_pictures_(preset_pictures),
+        environments_(environments),
         volume_directory_(std::move(volume_directory)),
         export_directory_(std::move(export_directory)) {}
   /// Returns the number of deleted items.
@@ -31,6 +33,7 @@ class Disposer {
   UploadFiles& files_;
   Thumbnails& thumbnails_;
   PresetPictures& preset_pictures_;
+  Environments& environments_;
   std::string volume_directory_, export_directory_;
 };
 

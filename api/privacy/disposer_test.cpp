@@ -2,10 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include "api/presets/fake_preset_store.h"
-#include "api/scans/data_set_fixture.h"
-#include "api/shared/fake_stills.h"
-#include "api/shared/temporary_directory.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_environment_store.h"
+#include "tests/support/api/fake_preset_store.h"
+#include "tests/support/api/fake_stills.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -29,8 +30,12 @@ class DisposerTest : public DataSetFixture {
       data_sets, presets, preset_store, stills, clock, disk.path(), [](const std::string& scene) {
         return scene;
       }};
-  Disposer disposer{data_set_store,          files, thumbnails, pictures, disk.path() + "/volumes",
-                    disk.path() + "/exports"};
+  FakeEnvironmentStore environment_store;
+  FakeImporter importer;
+  Environments environments{environment_store, importer, clock, signals, disk.path() + "/volumes"};
+  Disposer disposer{
+      data_set_store,          files, thumbnails, pictures, environments, disk.path() + "/volumes",
+      disk.path() + "/exports"};
 };
 
 TEST_F(DisposerTest, EachKindOfDataIsDeletedWithAllItsFilesAndNoOthers) {
@@ -40,12 +45,14 @@ TEST_F(DisposerTest, EachKindOfDataIsDeletedWithAllItsFilesAndNoOthers) {
   };
   const std::string upload = id + ".tar", volume = "volumes/" + id + "/voxels.i16",
                     thumbnail = "thumbnails/" + id + "/bone.jpg",
-                    archive = "exports/" + id + ".zip", preset = "presets/" + id + "/picture.jpg";
-  const std::vector<std::string> all{upload, volume, thumbnail, archive, preset};
+                    archive = "exports/" + id + ".zip", preset = "presets/" + id + "/picture.jpg",
+                    environment = "volumes/environments/" + id + ".hdr";
+  const std::vector<std::string> all{upload, volume, thumbnail, archive, preset, environment};
   for (const Case& one :
        {Case{Disposal::Kind::kUpload, {upload}}, Case{Disposal::Kind::kVolume, {volume, thumbnail}},
         Case{Disposal::Kind::kPictures, {thumbnail}}, Case{Disposal::Kind::kExport, {archive}},
-        Case{Disposal::Kind::kPreset, {preset}}}) {
+        Case{Disposal::Kind::kPreset, {preset}},
+        Case{Disposal::Kind::kEnvironment, {environment}}}) {
     for (const std::string& file : all) disk.write(file, "data");
     queue(one.kind, id);
     EXPECT_EQ(disposer.dispose(), 1);
@@ -58,7 +65,7 @@ TEST_F(DisposerTest, EachKindOfDataIsDeletedWithAllItsFilesAndNoOthers) {
   }
 }
 
-TEST_F(DisposerTest, WhatIsGoneAlreadyIsNoError) {
+TEST_F(DisposerTest, MissingFilesAreNotAnError) {
   for (const auto kind :
        {Disposal::Kind::kUpload, Disposal::Kind::kVolume, Disposal::Kind::kPictures,
         Disposal::Kind::kExport, Disposal::Kind::kPreset}) {
@@ -68,7 +75,7 @@ TEST_F(DisposerTest, WhatIsGoneAlreadyIsNoError) {
   EXPECT_THAT(data_set_store.due, IsEmpty());
 }
 
-TEST_F(DisposerTest, WhatCannotBeDeletedStaysInTheQueueAndHoldsNothingUp) {
+TEST_F(DisposerTest, FailedDeletionStaysQueuedWithoutBlockingOthers) {
   const std::string stuck = new_id();
   disk.write("exports/" + stuck + ".zip/file", "a directory where the file belongs");
   queue(Disposal::Kind::kExport, stuck);

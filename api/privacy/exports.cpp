@@ -82,6 +82,8 @@ Outcome<std::string> Exports::file(const Principal& who) {
   if (found->state != Export::State::kReady) {
     return refuse(ProblemKind::kNotReady, "The export is not ready yet.");
   }
+  const auto noted = store_.note_download(who.user_id, who.client, clock_.wall());
+  if (!noted) return refuse(noted.error());
   return found->id + ".zip";
 }
 
@@ -107,6 +109,12 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
       const std::string of_scan = id + "/" + name;
       DIAPHANE_TRY(add("scans/" + of_scan, options_.volumes + "/" + of_scan));
     }
+  }
+  const auto environments = store_.environments(job.user_id);
+  DIAPHANE_TRY(environments);
+  for (const std::string& id : *environments) {
+    const std::string name = "environments/" + id + ".hdr";
+    DIAPHANE_TRY(add(name, options_.volumes + "/" + name));
   }
   const auto pictures = store_.pictures(job.user_id);
   DIAPHANE_TRY(pictures);
@@ -143,14 +151,14 @@ Result<void> Exports::make(const ExportStore::Job& job) {
   if (auto room = check_room(job); !room) return room;
   const std::string path = options_.exports + "/" + job.id + ".zip";
   const std::string unfinished = options_.exports + "/.tmp-" + job.id;
-  const auto leave_nothing = [&] {
+  const auto remove_files = [&] {
     std::filesystem::remove(unfinished, error);
     std::filesystem::remove(path, error);
   };
   const auto bytes = write(job, unfinished);
   if (bytes) std::filesystem::rename(unfinished, path, error);
   if (!bytes || error) {
-    leave_nothing();
+    remove_files();
     DIAPHANE_TRY(bytes);
     return fail(ErrorCode::kUnavailable, "cannot rename the export");
   }
@@ -158,7 +166,7 @@ Result<void> Exports::make(const ExportStore::Job& job) {
   // If the outcome is unknown, the export may be ready. If it is gone instead, sweep() deletes the
   // file.
   const bool unknown = !wanted && wanted.error().code == ErrorCode::kOutcomeUnknown;
-  if (!unknown && !(wanted && *wanted)) leave_nothing();
+  if (!unknown && !(wanted && *wanted)) remove_files();
   DIAPHANE_TRY(wanted);
   return {};
 }

@@ -45,7 +45,7 @@ class ExportStore {
   virtual ~ExportStore() = default;
   /// Replaces the existing export. Returns nothing if that one is in progress or was created after
   /// `not_since`.
-  virtual Result<bool> request(const std::string& user_id, const Export& wanted,
+  virtual Result<bool> request(const std::string& user_id, const Export& requested,
                                Time not_since) = 0;
   virtual Result<std::optional<Export>> find(const std::string& user_id, Time now) = 0;
   /// Returns false if there was none.
@@ -60,6 +60,11 @@ class ExportStore {
     std::string data_set_id, preset_id;
   };
   virtual Result<std::vector<Picture>> pictures(const std::string& user_id) = 0;
+  virtual Result<std::vector<std::string>> environments(const std::string& user_id) = 0;
+  /// Records a download in the audit log, at most once per hour, and in the view log of each scan
+  /// in the export.
+  virtual Result<void> note_download(const std::string& user_id, const Client& client,
+                                     Time now) = 0;
   /// Returns false if the export is no longer requested.
   virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
   virtual Result<Sizes> sizes(const std::string& user_id) = 0;
@@ -70,16 +75,17 @@ class ExportStore {
   virtual Result<std::vector<std::string>> ids() = 0;
 };
 
+/// An archive that is written entry by entry. Implemented in api/archive.
 class ExportFile {
  public:
   virtual ~ExportFile() = default;
   virtual Result<void> add(const std::string& name, std::string_view text) = 0;
   virtual Result<void> add_file(const std::string& name, const std::string& path) = 0;
-  /// Returns its size.
+  /// Completes the file and returns its size in bytes.
   virtual Result<std::int64_t> finish() = 0;
 };
 
-/// Thread-safe.
+/// Creates the exports of users and returns their state. Thread-safe.
 class Exports {
  public:
   using MakeFile = std::function<Result<std::unique_ptr<ExportFile>>(const std::string& path)>;
@@ -104,7 +110,8 @@ class Exports {
   /// Returns kNotFound if there is none.
   Outcome<Export> find(const Principal& who);
   Outcome<void> remove(const Principal& who);
-  /// Returns the file name in the export directory, kNotReady or kNotFound.
+  /// Records the download and returns the file name in the export directory, kNotReady or
+  /// kNotFound.
   Outcome<std::string> file(const Principal& who);
 
   /// Creates due exports and deletes old ones. An export without enough disk space waits, and its

@@ -4,10 +4,10 @@
 
 #include <map>
 
-#include "api/shared/fake.h"
-#include "api/shared/refusals.h"
-#include "api/shared/temporary_directory.h"
 #include "common/try.h"
+#include "tests/support/api/fake.h"
+#include "tests/support/api/refusals.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -25,17 +25,20 @@ class FakeExportStore final : public ExportStore, public Fake {
   std::map<std::string, Time> waits;  ///< until when, by ID
   std::map<std::string, std::int64_t> finished;
   bool still_wanted = true;
+  std::vector<std::string> panoramas;
   Sizes size_of_all;
   std::vector<ExportSection> records{{"records/users.json", "[]"}, {"audit.json", "[1]"}};
   std::vector<std::string> scans;
   std::vector<Picture> images;
+  std::vector<std::pair<std::string, std::string>> downloads;  ///< user and address
   std::chrono::seconds lease{0};
 
-  Result<bool> request(const std::string& user_id, const Export& wanted, Time not_since) override {
+  Result<bool> request(const std::string& user_id, const Export& requested,
+                       Time not_since) override {
     DIAPHANE_TRY(enter("request"));
     const auto found = exports.find(user_id);
     if (found != exports.end() && found->second.created_at > not_since) return false;
-    exports[user_id] = wanted;
+    exports[user_id] = requested;
     return true;
   }
   Result<std::optional<Export>> find(const std::string& user_id, Time now) override {
@@ -67,6 +70,15 @@ class FakeExportStore final : public ExportStore, public Fake {
   Result<std::vector<Picture>> pictures(const std::string&) override {
     DIAPHANE_TRY(enter("pictures"));
     return images;
+  }
+  Result<std::vector<std::string>> environments(const std::string&) override {
+    DIAPHANE_TRY(enter("environments"));
+    return panoramas;
+  }
+  Result<void> note_download(const std::string& user_id, const Client& client, Time) override {
+    DIAPHANE_TRY(enter("note_download"));
+    downloads.emplace_back(user_id, client.address);
+    return {};
   }
   Result<bool> finish(const std::string& id, std::int64_t bytes) override {
     DIAPHANE_TRY(enter("finish"));
@@ -164,19 +176,19 @@ class ExportsTest : public testing::Test {
 };
 
 TEST_F(ExportsTest, AnExportIsKeptForADay) {
-  const auto wanted = exports->request(anna);
-  ASSERT_TRUE(wanted);
-  EXPECT_TRUE(is_id(wanted->id));
-  EXPECT_EQ(wanted->state, Export::State::kQueued);
-  EXPECT_EQ(wanted->created_at, clock.wall());
+  const auto requested = exports->request(anna);
+  ASSERT_TRUE(requested);
+  EXPECT_TRUE(is_id(requested->id));
+  EXPECT_EQ(requested->state, Export::State::kQueued);
+  EXPECT_EQ(requested->created_at, clock.wall());
   EXPECT_EQ(woken, 1);
   clock.advance(24h - 1s);
-  EXPECT_EQ(exports->find(anna)->id, wanted->id);
+  EXPECT_EQ(exports->find(anna)->id, requested->id);
   clock.advance(1s);
   EXPECT_EQ(refusal(exports->find(anna)), ProblemKind::kNotFound);
 }
 
-TEST_F(ExportsTest, AUserGetsOneExportInTenMinutes) {
+TEST_F(ExportsTest, LimitsExportsToOnePerTenMinutes) {
   ASSERT_TRUE(exports->request(anna));
   clock.advance(10min - 1s);
   const auto refused = exports->request(anna);
@@ -200,13 +212,26 @@ TEST_F(ExportsTest, WithoutAnExportThereIsNothingToGetOrRemove) {
 }
 
 TEST_F(ExportsTest, OnlyAnExportThatIsReadyHasAFile) {
-  const auto wanted = exports->request(anna);
+  const auto requested = exports->request(anna);
   for (const auto state : {Export::State::kQueued, Export::State::kFailed}) {
     store.exports["anna"].state = state;
     EXPECT_EQ(refusal(exports->file(anna)), ProblemKind::kNotReady);
   }
   store.exports["anna"].state = Export::State::kReady;
-  EXPECT_EQ(exports->file(anna).value(), wanted->id + ".zip");
+  EXPECT_TRUE(store.downloads.empty());
+  EXPECT_EQ(exports->file(anna).value(), requested->id + ".zip");
+}
+
+TEST_F(ExportsTest, ADownloadIsRecordedBeforeTheFileIsSent) {
+  ASSERT_TRUE(exports->request(anna));
+  store.exports["anna"].state = Export::State::kReady;
+  Principal who = anna;
+  who.client.address = "203.0.113.77";
+  ASSERT_TRUE(exports->file(who));
+  EXPECT_EQ(store.downloads,
+            (std::vector<std::pair<std::string, std::string>>{{"anna", "203.0.113.77"}}));
+  store.break_function("note_download");
+  EXPECT_EQ(refusal(exports->file(who)), ProblemKind::kUnavailable);
 }
 
 TEST_F(ExportsTest, AnExportHasTheRecordsTheVolumesAndTheImagesOfAUser) {
@@ -232,7 +257,7 @@ TEST_F(ExportsTest, AnExportHasTheRecordsTheVolumesAndTheImagesOfAUser) {
   EXPECT_FALSE(disk.has("exports/.tmp-" + id));
 }
 
-TEST_F(ExportsTest, WhatWasDeletedMeanwhileIsLeftOut) {
+TEST_F(ExportsTest, OmitsDataDeletedMeanwhile) {
   disk.write("volumes/kept/volume.json", "{}");
   store.scans = {"deleted", "kept"};
   store.images = {{"kept", "deleted"}};
@@ -256,8 +281,8 @@ TEST_F(ExportsTest, AllDueExportsAreCreatedAndOldOnesDeleted) {
   EXPECT_EQ(store.calls("expire"), 1);
 }
 
-TEST_F(ExportsTest, WhatFailsForNowWaitsAndLeavesNoFile) {
-  for (const char* step : {"sizes", "sections", "volumes", "pictures", "finish"}) {
+TEST_F(ExportsTest, TransientFailureIsRetriedAndLeavesNoFile) {
+  for (const char* step : {"sizes", "sections", "volumes", "environments", "pictures", "finish"}) {
     SCOPED_TRACE(step);
     store.break_function(step);
     poll();
@@ -300,7 +325,7 @@ TEST_F(ExportsTest, FilesWithoutAnExportAreDeleted) {
   EXPECT_TRUE(disk.has("exports/other"));
 }
 
-TEST_F(ExportsTest, WhatFailsForGoodDoesNotWait) {
+TEST_F(ExportsTest, PermanentFailureIsNotRetried) {
   archives.break_function("add", ErrorCode::kInternal);
   poll();
   EXPECT_THAT(store.waits, IsEmpty()) << "the lease and the number of attempts decide";
@@ -327,7 +352,7 @@ TEST_F(ExportsTest, AnExportWaitsForRoomOnTheDisk) {
   EXPECT_EQ(archives.calls("make"), 0);
 }
 
-TEST_F(ExportsTest, AnExportWaitsForRoomAmongTheOthersButMayBeLargerOnItsOwn) {
+TEST_F(ExportsTest, ExportWaitsForOthersButMayExceedTheLimitAlone) {
   exports = with(-(std::int64_t{1} << 60), 10 * kGigabyte);
   store.size_of_all = {.volumes = 4 * kGigabyte, .kept = 6 * kGigabyte + 1};
   poll();
@@ -341,7 +366,7 @@ TEST_F(ExportsTest, AnExportWaitsForRoomAmongTheOthersButMayBeLargerOnItsOwn) {
   EXPECT_TRUE(is_made());
 }
 
-TEST_F(ExportsTest, AnExportThatIsNotWantedAnyMoreLeavesNoFile) {
+TEST_F(ExportsTest, CancelledExportLeavesNoFile) {
   store.still_wanted = false;
   poll();
   EXPECT_FALSE(is_made());
@@ -354,7 +379,7 @@ TEST_F(ExportsTest, AnExportWaitsForItsDirectory) {
   EXPECT_EQ(store.waits[id], clock.wall() + 2s);
 }
 
-TEST_F(ExportsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(ExportsTest, ReportsAnUnavailableDatabase) {
   expect_unavailable({
       {store, "request", [&] { return refusal(exports->request(anna)); }},
       {store, "find", [&] { return refusal(exports->find(anna)); }},

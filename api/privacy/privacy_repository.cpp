@@ -1,6 +1,7 @@
 #include "api/privacy/privacy_repository.h"
 
 #include "api/accounts/account_repository.h"
+#include "api/scans/view_rows.h"
 #include "api/shared/audit_repository.h"
 
 namespace diaphane::api {
@@ -43,7 +44,7 @@ ExportSection rows(pqxx::work& transaction, const Belonging& of, const std::stri
 
 }  // namespace
 
-Result<bool> PrivacyRepository::request(const std::string& user_id, const Export& wanted,
+Result<bool> PrivacyRepository::request(const std::string& user_id, const Export& requested,
                                         Time not_since) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result gone = transaction.exec_params(R"sql(
@@ -58,11 +59,11 @@ Result<bool> PrivacyRepository::request(const std::string& user_id, const Export
         INSERT INTO exports (id, user_id, state, created_at, expires_at)
         VALUES ($1::uuid, $2::uuid, 'queued', to_timestamp($3::bigint / 1e6), to_timestamp($4::bigint / 1e6))
         ON CONFLICT (user_id) DO NOTHING)sql",
-        wanted.id, user_id, to_us(wanted.created_at), to_us(wanted.expires_at));
+        requested.id, user_id, to_us(requested.created_at), to_us(requested.expires_at));
     if (made.affected_rows() == 0) return false;
     note_in_audit_log(
         transaction, {AuditActor::kPerson, user_id, "account.export-asked", "account", user_id, {}},
-        wanted.created_at);
+        requested.created_at);
     return true;
   });
 }
@@ -166,6 +167,18 @@ Result<std::vector<std::string>> PrivacyRepository::volumes(const std::string& u
   });
 }
 
+Result<std::vector<std::string>> PrivacyRepository::environments(const std::string& user_id) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+    std::vector<std::string> ids;
+    for (const pqxx::row& row : transaction.exec_params(
+             "SELECT id FROM environments WHERE owner_id = $1::uuid ORDER BY created_at",
+             user_id)) {
+      ids.push_back(row["id"].as<std::string>());
+    }
+    return ids;
+  });
+}
+
 Result<std::vector<ExportStore::Picture>> PrivacyRepository::pictures(const std::string& user_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Picture>> {
     std::vector<Picture> found;
@@ -178,6 +191,26 @@ Result<std::vector<ExportStore::Picture>> PrivacyRepository::pictures(const std:
       found.push_back({row["data_set_id"].as<std::string>(), row["preset_id"].as<std::string>()});
     }
     return found;
+  });
+}
+
+Result<void> PrivacyRepository::note_download(const std::string& user_id, const Client& client,
+                                              Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    std::vector<std::string> scans;
+    for (const pqxx::row& row : transaction.exec_params(
+             R"sql(
+             SELECT d.id FROM data_sets d JOIN exports e ON e.user_id = d.owner_id
+              WHERE d.owner_id = $1::uuid AND d.state = 'ready' AND d.created_at <= e.created_at)sql",
+             user_id)) {
+      scans.push_back(row["id"].as<std::string>());
+    }
+    note_views(transaction, scans, {ViewRoute::kExport, user_id, "", client}, now);
+    note_once_in_audit_log(
+        transaction,
+        {AuditActor::kPerson, user_id, "account.export-downloaded", "account", user_id, {}},
+        now - kSameView, now);
+    return {};
   });
 }
 
@@ -241,7 +274,7 @@ Result<std::vector<std::string>> PrivacyRepository::ids() {
 
 Result<std::vector<std::string>> PrivacyRepository::remove_account(
     const std::string& user_id, const std::string& email,
-    const std::vector<std::string>& attempt_keys, const Mail& told, Time now) {
+    const std::vector<std::string>& attempt_keys, const Mail& notification, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
     transaction.exec_params("SELECT id FROM users WHERE id = $1::uuid FOR UPDATE", user_id);
     std::vector<std::string> data_sets;
@@ -270,6 +303,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
             OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid
                                UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid))sql",
         user_id);
+    forget_viewer(transaction, user_id);
     // A report may remain, but without the words of this user.
     transaction.exec_params0("UPDATE reports SET words = '' WHERE reporter_id = $1::uuid", user_id);
     note_in_audit_log(transaction,
@@ -284,7 +318,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
       transaction.exec_params0("DELETE FROM attempts WHERE key_hash = $1", key);
     }
     transaction.exec_params0("DELETE FROM mail_queue WHERE lower(recipient) = lower($1)", email);
-    queue_mail(transaction, told, now);
+    queue_mail(transaction, notification, now);
     // All other rows are deleted with this one (ON DELETE CASCADE).
     transaction.exec_params0("DELETE FROM users WHERE id = $1::uuid", user_id);
     return data_sets;

@@ -12,13 +12,16 @@ class PrivacyRepository final : public ExportStore, public AccountDeletionStore 
  public:
   explicit PrivacyRepository(Database& database) : database_(database) {}
 
-  Result<bool> request(const std::string& user_id, const Export& wanted, Time not_since) override;
+  Result<bool> request(const std::string& user_id, const Export& requested,
+                       Time not_since) override;
   Result<std::optional<Export>> find(const std::string& user_id, Time now) override;
   Result<bool> remove(const std::string& user_id, Time now) override;
   Result<std::optional<Job>> claim(Time now, std::chrono::seconds lease) override;
   Result<std::vector<ExportSection>> sections(const std::string& user_id) override;
   Result<std::vector<std::string>> volumes(const std::string& user_id) override;
   Result<std::vector<Picture>> pictures(const std::string& user_id) override;
+  Result<std::vector<std::string>> environments(const std::string& user_id) override;
+  Result<void> note_download(const std::string& user_id, const Client& client, Time now) override;
   Result<bool> finish(const std::string& id, std::int64_t bytes) override;
   Result<Sizes> sizes(const std::string& user_id) override;
   Result<void> wait(const std::string& id, Time not_before) override;
@@ -28,7 +31,7 @@ class PrivacyRepository final : public ExportStore, public AccountDeletionStore 
   Result<std::vector<std::string>> remove_account(const std::string& user_id,
                                                   const std::string& email,
                                                   const std::vector<std::string>& attempt_keys,
-                                                  const Mail& told, Time now) override;
+                                                  const Mail& notification, Time now) override;
 
  private:
   Database& database_;

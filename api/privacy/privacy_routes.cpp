@@ -68,13 +68,13 @@ std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion,
     DIAPHANE_TRY(done);
     return empty_response(204).with("Set-Cookie", router.cookie(""));
   };
-  constexpr auto kPerson = Access::kPerson;
+  constexpr auto kOwn = Access::kOwnAccount;
   return {
-      {"POST", "/v1/me/export", "requestExport", kPerson, request_one, {}},
-      {"GET", "/v1/me/export", "getExport", kPerson, get, {}},
-      {"DELETE", "/v1/me/export", "deleteExport", kPerson, remove, {}},
-      {"GET", "/v1/me/export/file", "downloadExport", kPerson, download, {}},
-      {"POST", "/v1/me/deletion", "deleteAccount", kPerson, delete_account, {}},
+      {"POST", "/v1/me/export", "requestExport", kOwn, request_one, {}},
+      {"GET", "/v1/me/export", "getExport", kOwn, get, {}},
+      {"DELETE", "/v1/me/export", "deleteExport", kOwn, remove, {}},
+      {"GET", "/v1/me/export/file", "downloadExport", kOwn, download, {}},
+      {"POST", "/v1/me/deletion", "deleteAccount", kOwn, delete_account, {}},
   };
 }
 

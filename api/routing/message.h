@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "api/shared/client.h"
+
 /// HTTP messages for the handlers, as plain values without types of a library.
 namespace diaphane::api {
 
@@ -27,7 +29,7 @@ struct Request : Head {
   std::map<std::string, std::string> query;       ///< decoded
   std::string body;
   std::string request_id;
-  std::string address;  ///< address of the client, as reported by the edge
+  Client client;
 
   const std::string& parameter(const std::string& name) const { return parameters.at(name); }
 };

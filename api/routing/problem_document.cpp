@@ -26,6 +26,8 @@ ProblemForm form_of(ProblemKind kind) {
       return {"origin", 403, "Origin not allowed"};
     case ProblemKind::kForbidden:
       return {"forbidden", 403, "Not allowed"};
+    case ProblemKind::kConsentNeeded:
+      return {"consent-needed", 403, "Consent needed"};
     case ProblemKind::kSecondFactorRequired:
       return {"second-factor-required", 403, "Two-factor authentication required"};
     case ProblemKind::kNotFound:

@@ -32,6 +32,13 @@ std::string request_id_of(const Head& head) {
   return plain ? std::string(given) : random_hex(16);
 }
 
+Client client_of(const Head& head) {
+  const std::string_view address = head.header("x-forwarded-for");
+  std::string browser(head.header("x-browser").substr(0, 60));
+  std::erase_if(browser, [](char c) { return c < 0x20 || c > 0x7e; });
+  return {address.empty() ? "local" : std::string(address), std::move(browser)};
+}
+
 bool is_safe(const std::string& method) {
   return method == "GET" || method == "HEAD" || method == "OPTIONS";
 }
@@ -112,6 +119,13 @@ bool is_header_text(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
 }
 
+/// Without consent, a person can still read and delete what the server holds of them.
+bool needs_consent(const Route& route) {
+  const bool consenting =
+      route.access == Access::kPerson || route.access == Access::kPersonOrOperator;
+  return consenting && !is_safe(route.method) && route.method != "DELETE";
+}
+
 }  // namespace
 
 RequestRouter::RequestRouter(Accounts& accounts, Options options)
@@ -139,8 +153,7 @@ RequestRouter::Admission RequestRouter::admit_request(Head head) const {
   Request request;
   static_cast<Head&>(request) = std::move(head);
   request.request_id = request_id_of(request);
-  const std::string_view address = request.header("x-forwarded-for");
-  request.address = address.empty() ? "local" : std::string(address);
+  request.client = client_of(request);
 
   auto target = parse_target(request.target);
   if (!target) return refusal(target.error(), request);
@@ -206,6 +219,10 @@ Outcome<Principal> RequestRouter::identify(const Route& route, const Request& re
     return refuse(ProblemKind::kCsrf,
                   "The X-CSRF-Token header is missing or incorrect. Reload the page.");
   }
+  if (needs_consent(route) && !principal->consented) {
+    return refuse(ProblemKind::kConsentNeeded,
+                  "Read the current privacy notice and consent to it to continue.");
+  }
   if (route.access == Access::kAdministrator && principal->administrator_waits) {
     return refuse(
         ProblemKind::kSecondFactorRequired,
@@ -244,6 +261,7 @@ Response RequestRouter::serve(Admitted& admitted) const {
       auto principal = identify(route, request, Accounts::Renewal::kYes);
       DIAPHANE_TRY(principal);
       principal->language = preferred_language(request.header("accept-language"));
+      principal->client = request.client;
       renewed = principal->renewed;
       begun = true;
       return route.handler(request, *principal);

@@ -19,8 +19,9 @@ namespace diaphane::api {
 enum class Access {
   kAnyone,            ///< ignores the cookie
   kAnyoneOrPerson,    ///< works with the cookie or without an account
-  kPerson,            ///< requires the cookie
-  kPersonOrOperator,  ///< requires the cookie or the sample token
+  kOwnAccount,        ///< requires the cookie, even before the consent to the privacy notice
+  kPerson,            ///< requires the cookie and, except to read and delete, that consent
+  kPersonOrOperator,  ///< as kPerson, or requires the sample token
   kAdministrator,     ///< requires the cookie of an administrator
 };
 
@@ -65,7 +66,7 @@ class RequestRouter {
  public:
   struct Options {
     std::string public_url;    ///< origin of the page
-    std::string sample_token;  ///< if empty, nobody is the operator of the sample
+    std::string sample_token;  ///< if empty, no request is accepted as the sample's operator
     std::function<void(const Measured&)> measure = [](const Measured&) {};
   };
 

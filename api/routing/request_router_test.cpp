@@ -5,11 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/accounts/fake_account_store.h"
-#include "api/accounts/fake_second_factor_store.h"
 #include "api/routing/request_fields.h"
 #include "api/routing/target.h"
 #include "api/shared/secrets.h"
+#include "tests/support/api/fake_account_store.h"
+#include "tests/support/api/fake_second_factor_store.h"
 
 namespace diaphane::api {
 namespace {
@@ -32,6 +32,8 @@ class RequestRouterTest : public testing::Test {
     };
     router.add({{"GET", "/v1/things/{id}", "getThing", Access::kPerson, answer, {"limit"}},
                 {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
+                {"DELETE", "/v1/things/{id}", "deleteThing", Access::kPerson, answer, {}},
+                {"POST", "/v1/me/things", "makeOwnThing", Access::kOwnAccount, answer, {}},
                 {"GET", "/v1/ruled", "rule", Access::kAdministrator, answer, {}},
                 {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100},
                 {"POST", "/v1/plain", "plain", Access::kAnyone, answer, {}},
@@ -50,6 +52,7 @@ class RequestRouterTest : public testing::Test {
     WebSession session{blake2b(kToken), "user", kCsrf, clock.wall(),
                        clock.wall() + std::chrono::hours(24 * 14)};
     (void)store.open_session(session);
+    store.consents["user"] = {kPrivacyTemplate, clock.wall()};
   }
 
   Response ask(Head head, std::string body = "") {
@@ -82,7 +85,7 @@ class RequestRouterTest : public testing::Test {
   FakeAccountStore store;
   ManualClock clock;
   Signals signals;
-  PasswordHasher hasher{1};
+  FakePasswordHasher hasher;
   FakeSecondFactorStore factors;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
   CodeCheck codes{factors, store, key, clock, signals, {}};
@@ -100,6 +103,16 @@ TEST_F(RequestRouterTest, TakesLanguageFromRequestWithoutSession) {
   EXPECT_EQ(asked_by.language, Language::kGerman);
   (void)ask({"POST", "/v1/open", {{"accept-language", "fr"}}});
   EXPECT_EQ(asked_by.language, Language::kEnglish);
+}
+
+TEST_F(RequestRouterTest, TakesClientFromTheHeadersOfTheEdge) {
+  (void)ask({"POST", "/v1/open", {}});
+  EXPECT_EQ(asked_by.client.address, "local");
+  EXPECT_EQ(asked_by.client.browser, "");
+  const std::string browser = "Firefox on \x01Windows" + std::string(60, 'x');
+  (void)ask({"POST", "/v1/open", {{"x-forwarded-for", "203.0.113.77"}, {"x-browser", browser}}});
+  EXPECT_EQ(asked_by.client.address, "203.0.113.77");
+  EXPECT_EQ(asked_by.client.browser, "Firefox on Windows" + std::string(41, 'x'));
 }
 
 TEST_F(RequestRouterTest, RequiresSessionCookie) {
@@ -120,6 +133,19 @@ TEST_F(RequestRouterTest, UnsafeMethodRequiresCsrfTokenOfItsSession) {
   EXPECT_EQ(served, 0);
   EXPECT_EQ(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}}).status,
             200);
+}
+
+TEST_F(RequestRouterTest, WithoutConsentAPersonCanOnlyReadDeleteAndManageTheAccount) {
+  store.consents["user"].first = "2020-01-01";
+  const std::map<std::string, std::string> person{{"cookie", kCookie}, {"x-csrf-token", kCsrf}};
+  EXPECT_EQ(kind(ask({"POST", "/v1/things", person})), "consent-needed");
+  EXPECT_EQ(kind(ask_for_body({"PATCH", "/v1/parts/1", person}, "5")), "consent-needed");
+  EXPECT_EQ(served, 0);
+  EXPECT_EQ(ask({"GET", "/v1/things/1", person}).status, 200);
+  EXPECT_EQ(ask({"DELETE", "/v1/things/1", person}).status, 200);
+  EXPECT_EQ(ask({"POST", "/v1/me/things", person}).status, 200);
+  store.consents["user"].first = kPrivacyTemplate;
+  EXPECT_EQ(ask({"POST", "/v1/things", person}).status, 200);
 }
 
 TEST_F(RequestRouterTest, BodyGateReturnsAccountWithoutRunningHandler) {

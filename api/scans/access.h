@@ -31,15 +31,16 @@ enum class Action {
   kReport,      ///< report abuse
   kDescribe,    ///< set title, description, body part and default preset; delete any preset
   kShare,       ///< list and change people and links
+  kReadViews,   ///< see who viewed it
   kPublish,     ///< add it to the gallery or remove it
   kAnonymise,   ///< remove voxels
   kDelete,      ///< with everything derived from it
   kTakeDown,    ///< and restore it; delete any preset; read reports
 };
-inline constexpr std::array kActions{Action::kFind,       Action::kLook,   Action::kInvite,
-                                     Action::kSavePreset, Action::kVote,   Action::kReport,
-                                     Action::kDescribe,   Action::kShare,  Action::kPublish,
-                                     Action::kAnonymise,  Action::kDelete, Action::kTakeDown};
+inline constexpr std::array kActions{
+    Action::kFind,      Action::kLook,     Action::kInvite,  Action::kSavePreset, Action::kVote,
+    Action::kReport,    Action::kDescribe, Action::kShare,   Action::kReadViews,  Action::kPublish,
+    Action::kAnonymise, Action::kDelete,   Action::kTakeDown};
 
 enum class Exposure {
   kPrivate,

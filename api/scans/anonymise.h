@@ -24,13 +24,14 @@ struct CutOrder {
   std::string data_set_id;
   std::string region;       ///< JSON, volume/region.h
   std::string volume_hash;  ///< hash of the volume that the owner reviewed
-  std::string asked_by;     ///< user id
+  std::string asked_by;     ///< user ID
 };
 
+/// Storage of cuts. Every function returns kUnavailable if the database is unavailable.
 class CutStore {
  public:
   virtual ~CutStore() = default;
-  /// kNotFound.
+  /// Returns kNotFound if the data set does not exist.
   virtual Result<CutFacts> facts(const std::string& data_set_id) = 0;
   /// In one transaction, queues the data set and the job for ingestd and writes the audit entry.
   /// Returns kConflict if the data set is not ready or no longer exists.

@@ -30,7 +30,7 @@ Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Princi
   Fields in(request);
   const nlohmann::json& keep = in.any("keep");
   const std::string hash = in.text("volume_hash", 1, 100);
-  const std::string said = in.text("confirm", 1, 100);
+  const std::string confirmation = in.text("confirm", 1, 100);
   std::string region;
   if (const auto read = volume::region_from_json(keep.dump())) {
     region = volume::to_json(*read);
@@ -39,7 +39,7 @@ Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Princi
   } else {
     in.wrong(read.error().field, read.error().message);
   }
-  if (said != kConfirmation) {
+  if (confirmation != kConfirmation) {
     in.wrong("confirm", std::string("must be \"") + kConfirmation + "\"");
   }
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);

@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "api/scans/data_set_fixture.h"
-#include "api/shared/fake_stills.h"
-#include "api/shared/temporary_directory.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_stills.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -125,7 +125,7 @@ TEST_F(AnonymiseTest, TheSecondOfTwoOrdersAtATimeIsRefused) {
   EXPECT_EQ(cut(), ProblemKind::kNotFound);
 }
 
-TEST_F(AnonymiseTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(AnonymiseTest, ReportsAnUnavailableDatabase) {
   expect_unavailable({
       {data_set_store, "find", [&] { return refusal(anonymise.get(owner, id)); }},
       {store, "facts", [&] { return refusal(anonymise.get(owner, id)); }},

@@ -17,7 +17,7 @@ nlohmann::ordered_json to_json(const DataSet& d) {
   json["owned"] = d.owned();
   json["is_public"] = d.is_public;
   json["is_sample"] = d.is_sample;
-  json["public_slices"] = d.slices_for_everybody();
+  json["public_slices"] = d.has_public_slices();
   json["refusal"] = nullptr;
   if (d.state == DataSetState::kRefused) {
     json["refusal"] = {{"code", d.refusal_code}, {"text", d.refusal_text}};

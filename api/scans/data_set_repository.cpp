@@ -5,6 +5,7 @@
 
 #include "api/accounts/account_repository.h"
 #include "api/scans/data_set_rows.h"
+#include "api/scans/view_rows.h"
 #include "api/shared/audit_repository.h"
 #include "api/shared/idempotency_rows.h"
 
@@ -122,6 +123,14 @@ Result<void> DataSetRepository::remove(const Owner& owner, const std::string& id
         RETURNING id)sql",
                                                       owner_or_null(owner), id);
     if (gone.empty()) return not_found();
+    note_in_audit_log(transaction,
+                      {owner.user_id.empty() ? AuditActor::kMachine : AuditActor::kPerson,
+                       owner.user_id,
+                       "data-set.deleted",
+                       "data_set",
+                       id,
+                       {}},
+                      now);
     dispose_of(transaction, "upload", id, now);
     dispose_of(transaction, "volume", id, now);
     return {};
@@ -130,7 +139,7 @@ Result<void> DataSetRepository::remove(const Owner& owner, const std::string& id
 
 Result<Upload> DataSetRepository::find_upload(const Owner& owner, const std::string& id) {
   return database_.read([&](pqxx::work& transaction) -> Result<Upload> {
-    // An expired upload has no row in `uploads` any more, but its owner still sees its state.
+    // An expired upload no longer has a row in `uploads`, but its owner still sees its state.
     const pqxx::result rows = transaction.exec_params(R"sql(
         SELECT d.state, COALESCE(u.length, 0) AS length, COALESCE(u.received, 0) AS received,
                COALESCE((extract(epoch FROM u.expires_at) * 1000000)::bigint, 0) AS expires_us
@@ -213,25 +222,42 @@ Result<int> DataSetRepository::expire_uploads(Time now) {
 
 namespace {
 
-constexpr std::array<std::pair<Disposal::Kind, const char*>, 5> kDisposals{
+constexpr std::array<std::pair<Disposal::Kind, const char*>, 6> kDisposals{
     {{Disposal::Kind::kUpload, "upload"},
      {Disposal::Kind::kVolume, "volume"},
      {Disposal::Kind::kPictures, "pictures"},
      {Disposal::Kind::kExport, "export"},
-     {Disposal::Kind::kPreset, "preset"}}};
+     {Disposal::Kind::kPreset, "preset"},
+     {Disposal::Kind::kEnvironment, "environment"}}};
 
 }  // namespace
 
 Result<void> DataSetRepository::note_access(const AuditEntry& entry, Time not_since, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    const pqxx::result before = transaction.exec_params(
-        R"sql(
-        SELECT FROM audit_log
-         WHERE subject_id = $1::uuid AND action = $2 AND actor_id IS NOT DISTINCT FROM NULLIF($3, '')::uuid
-           AND details = $4::jsonb AND happened_at > to_timestamp($5::bigint / 1e6) LIMIT 1)sql",
-        entry.subject_id, entry.action, entry.actor_id, details_as_json(entry.details),
-        to_us(not_since));
-    if (before.empty()) note_in_audit_log(transaction, entry, now);
+    note_once_in_audit_log(transaction, entry, not_since, now);
+    return {};
+  });
+}
+
+Result<void> DataSetRepository::note_view(const View& view, const AuditEntry& entry, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    note_views(transaction, {entry.subject_id}, view, now);
+    note_once_in_audit_log(transaction, entry, now - kSameView, now);
+    return {};
+  });
+}
+
+Result<std::vector<ViewEntry>> DataSetRepository::views(const std::string& id,
+                                                        const ViewQuery& query) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<ViewEntry>> {
+    return read_views(transaction, id, query);
+  });
+}
+
+Result<void> DataSetRepository::expire_views(Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("DELETE FROM views WHERE last_at < to_timestamp($1::bigint / 1e6)",
+                             to_us(now - kViewLife));
     return {};
   });
 }

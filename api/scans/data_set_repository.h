@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// Data sets, uploads, disposals (migrations/0002).
+/// Data sets, uploads, disposals and the view log (migrations/0002, 0020).
 class DataSetRepository final : public DataSetStore {
  public:
   explicit DataSetRepository(Database& database) : database_(database) {}
@@ -23,6 +23,9 @@ class DataSetRepository final : public DataSetStore {
   Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) override;
   Result<int> expire_uploads(Time now) override;
   Result<void> note_access(const AuditEntry& entry, Time not_since, Time now) override;
+  Result<void> note_view(const View& view, const AuditEntry& entry, Time now) override;
+  Result<std::vector<ViewEntry>> views(const std::string& id, const ViewQuery& query) override;
+  Result<void> expire_views(Time now) override;
   Result<std::vector<Disposal>> disposals(int limit) override;
   Result<void> disposed(const Disposal& disposal) override;
 

@@ -7,6 +7,8 @@
 namespace diaphane::api {
 namespace {
 
+constexpr std::array<std::string_view, 2> kYesOrNo{"true", "false"};
+
 Outcome<Response> list(DataSets& data_sets, const Request& request, const Principal& who) {
   const auto limit = integer_in_query(request, "limit", 50, 1, 100);
   DIAPHANE_TRY(limit);
@@ -36,6 +38,41 @@ Outcome<Response> create_data_set(DataSets& data_sets, const Request& request,
   return json_response(201,
                        {{"data_set", to_json(*made)}, {"upload_url", "/v1/uploads/" + made->id}})
       .with("Location", "/v1/data-sets/" + made->id);
+}
+
+nlohmann::ordered_json to_json(const ViewEntry& entry, const std::string& here) {
+  nlohmann::ordered_json json{{"id", entry.id},
+                              {"route", to_string(entry.route)},
+                              {"email", nullptr},
+                              {"link_created_at", nullptr},
+                              {"network", entry.network},
+                              {"same_network", !here.empty() && entry.network == here},
+                              {"browser", entry.browser},
+                              {"first_at", rfc3339(entry.first_at)},
+                              {"last_at", rfc3339(entry.last_at)},
+                              {"times", entry.times}};
+  if (!entry.email_key.empty()) json["email"] = entry.email_key;
+  if (entry.link_created_at) json["link_created_at"] = rfc3339(*entry.link_created_at);
+  return json;
+}
+
+Outcome<Response> list_views(DataSets& data_sets, const Request& request, const Principal& who) {
+  const auto limit = integer_in_query(request, "limit", 50, 1, 100);
+  DIAPHANE_TRY(limit);
+  auto after = cursor_in_query(request);
+  DIAPHANE_TRY(after);
+  const auto own = choice_in_query(request, "own", kYesOrNo);
+  DIAPHANE_TRY(own);
+  const auto page = data_sets.views(who, request.parameter("data_set_id"),
+                                    {*own != "false", *std::move(after), *limit});
+  DIAPHANE_TRY(page);
+  const std::string here = coarse_network(who.client.address);
+  nlohmann::ordered_json body;
+  body["items"] = nlohmann::ordered_json::array();
+  for (const ViewEntry& entry : page->items) body["items"].push_back(to_json(entry, here));
+  body["next_cursor"] = nullptr;
+  if (page->next) body["next_cursor"] = encode_cursor(*page->next);
+  return json_response(200, body);
 }
 
 }  // namespace
@@ -82,6 +119,9 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
     DIAPHANE_TRY(path);
     return cached_picture(*path);
   };
+  const auto views = [&data_sets](const Request& request, const Principal& who) {
+    return list_views(data_sets, request, who);
+  };
   const std::string one = "/v1/data-sets/{data_set_id}";
   constexpr auto kAccess = Access::kPersonOrOperator;
   return {
@@ -90,6 +130,7 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
       {"GET", one, "getDataSet", kAccess, get_one, {}},
       {"PATCH", one, "describeDataSet", kAccess, describe_one, {}},
       {"DELETE", one, "deleteDataSet", kAccess, delete_one, {}},
+      {"GET", one + "/views", "listViews", Access::kPerson, views, {"own", "limit", "cursor"}},
       {"GET", one + "/thumbnails/{preset}", "getThumbnail", Access::kAnyoneOrPerson, thumbnail, {}},
   };
 }

@@ -10,6 +10,7 @@
 
 #include "api/accounts/account_store.h"
 #include "api/scans/access.h"
+#include "api/scans/view_log.h"
 #include "api/shared/audit.h"
 #include "api/shared/cursor.h"
 #include "api/shared/idempotency.h"
@@ -74,7 +75,7 @@ struct DataSet {
 
   bool owned() const { return role == Role::kOwner; }
   /// Everyone can get slices of a sample. For a public data set, its owner decides.
-  bool slices_for_everybody() const { return is_sample || (is_public && public_slices); }
+  bool has_public_slices() const { return is_sample || (is_public && public_slices); }
   Exposure exposure() const {
     if (taken_down) return Exposure::kTakenDown;
     if (is_sample) return Exposure::kSample;
@@ -116,7 +117,14 @@ struct TooManyDataSets {
 /// Data that must be deleted from disk.
 struct Disposal {
   /// kPictures are images of a volume that was replaced. kPreset is the thumbnail of a preset.
-  enum class Kind { kUpload, kVolume, kPictures, kExport, kPreset } kind = Kind::kUpload;
+  enum class Kind {
+    kUpload,
+    kVolume,
+    kPictures,
+    kExport,
+    kPreset,
+    kEnvironment
+  } kind = Kind::kUpload;
   std::string id;
 };
 
@@ -152,6 +160,13 @@ class DataSetStore {
 
   /// Adds to the audit log, unless there is an equal entry after `not_since`.
   virtual Result<void> note_access(const AuditEntry& entry, Time not_since, Time now) = 0;
+
+  /// Adds to the view log and, unless there is an equal entry of the last hour, to the audit log.
+  /// `entry.subject_id` is the data set.
+  virtual Result<void> note_view(const View& view, const AuditEntry& entry, Time now) = 0;
+  virtual Result<std::vector<ViewEntry>> views(const std::string& id, const ViewQuery& query) = 0;
+  /// Deletes entries of the view log after kViewLife.
+  virtual Result<void> expire_views(Time now) = 0;
 
   virtual Result<std::vector<Disposal>> disposals(int limit) = 0;
   virtual Result<void> disposed(const Disposal& disposal) = 0;

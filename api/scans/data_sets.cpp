@@ -39,6 +39,11 @@ tl::unexpected<Problem> too_many(const TooManyDataSets& many, const DataSetLimit
                     " scans, which is the limit. Delete some of them, then try again.");
 }
 
+Cursor cursor_at(Time time, const std::string& id) {
+  return {std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch()).count(),
+          id};
+}
+
 std::string in_megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
 
 }  // namespace
@@ -119,11 +124,7 @@ Outcome<DataSets::Page> DataSets::list(const Principal& who, std::optional<Curso
   Page page{*std::move(found), std::nullopt};
   if (static_cast<int>(page.items.size()) > limit) {
     page.items.pop_back();
-    const DataSet& last = page.items.back();
-    page.next = Cursor{
-        std::chrono::duration_cast<std::chrono::microseconds>(last.created_at.time_since_epoch())
-            .count(),
-        last.id};
+    page.next = cursor_at(page.items.back().created_at, page.items.back().id);
   }
   return page;
 }
@@ -170,7 +171,7 @@ Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
   if (!done && done.error().code == ErrorCode::kNotFound) return not_found();
   if (!done) return refuse(done.error());
   signals_.raise(Signal::kDisposal);
-  // The rows are deleted, so nobody can open the data set any more. Its sessions are ended if
+  // The rows are deleted, so the data set can no longer be opened. Its sessions are ended if
   // possible.
   if (const auto ended = placement_.end_all_of(id); !ended) {
     log::warning("failed to end the sessions of a deleted scan", {{"data_set", id}});
@@ -178,15 +179,60 @@ Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
   return {};
 }
 
-Outcome<void> DataSets::note_view(const std::string& id, AuditActor actor,
-                                  const std::string& viewer,
-                                  const std::vector<AuditDetail>& details) {
+ViewRoute route_of(const Principal& who, const DataSet& data_set) {
+  switch (data_set.role) {
+    case Role::kOwner:
+      return ViewRoute::kOwner;
+    case Role::kSharedView:
+    case Role::kSharedEdit:
+      return ViewRoute::kPerson;
+    default:
+      return who.administrator ? ViewRoute::kAdministrator : ViewRoute::kGallery;
+  }
+}
+
+Outcome<void> DataSets::note_picture(const Principal& who, const DataSet& data_set) {
+  if (data_set.owned() || data_set.is_public) return {};
+  const ViewRoute route = route_of(who, data_set);
+  const auto actor =
+      route == ViewRoute::kAdministrator ? AuditActor::kAdministrator : AuditActor::kPerson;
   const auto now = clock_.wall();
-  const auto done =
-      store_.note_access({actor, viewer, "data-set.looked-at", "data_set", id, details},
-                         now - std::chrono::hours(1), now);
+  const auto done = store_.note_access({actor,
+                                        who.user_id,
+                                        "data-set.picture-looked-at",
+                                        "data_set",
+                                        data_set.id,
+                                        {{"by", std::string(to_string(route))}}},
+                                       now - kSameView, now);
   if (!done) return refuse(done.error());
   return {};
+}
+
+Outcome<void> DataSets::note_view(const std::string& id, const View& view) {
+  AuditEntry entry{AuditActor::kPerson,
+                   view.by_account() ? view.viewer : "",
+                   "data-set.looked-at",
+                   "data_set",
+                   id,
+                   {{"by", std::string(to_string(view.route))}}};
+  if (view.route == ViewRoute::kAdministrator) entry.actor = AuditActor::kAdministrator;
+  if (!view.link_id.empty()) entry.details.emplace_back("link", view.link_id);
+  const auto done = store_.note_view(view, entry, clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<ViewPage> DataSets::views(const Principal& who, const std::string& id, ViewQuery query) {
+  DIAPHANE_TRY(authorise(who, id, Action::kReadViews));
+  const int limit = query.limit++;
+  auto found = store_.views(id, query);
+  if (!found) return refuse(found.error());
+  ViewPage page{*std::move(found), std::nullopt};
+  if (static_cast<int>(page.items.size()) > limit) {
+    page.items.pop_back();
+    page.next = cursor_at(page.items.back().last_at, page.items.back().id);
+  }
+  return page;
 }
 
 Outcome<void> DataSets::note_live_links(const Principal& who, const std::string& id,

@@ -14,6 +14,9 @@
 
 namespace diaphane::api {
 
+/// How a signed-in user gets to a data set that they may view.
+ViewRoute route_of(const Principal& who, const DataSet& data_set);
+
 /// Announcing, listing and deleting data sets. Thread-safe.
 class DataSets {
  public:
@@ -52,10 +55,13 @@ class DataSets {
   Outcome<DataSet> describe(const Principal& who, const std::string& id, const Description& what);
   Outcome<void> remove(const Principal& who, const std::string& id);
 
-  /// Records in the audit log that somebody but the owner looks at the data set, at most once per
-  /// hour. `viewer` is empty for a guest. `details` say how they got access.
-  Outcome<void> note_view(const std::string& id, AuditActor actor, const std::string& viewer,
-                          const std::vector<AuditDetail>& details);
+  /// Records a view in the owner's log (view_log.h) and, at most once per hour, in the audit log.
+  Outcome<void> note_view(const std::string& id, const View& view);
+  /// Records in the audit log, at most once per hour, that somebody but the owner gets a small
+  /// picture of a data set that is not public.
+  Outcome<void> note_picture(const Principal& who, const DataSet& data_set);
+  /// Lists who viewed the data set, latest first.
+  Outcome<ViewPage> views(const Principal& who, const std::string& id, ViewQuery query);
   /// Records in the audit log that the owner made or ended the links to a live session.
   Outcome<void> note_live_links(const Principal& who, const std::string& id,
                                 const std::string& action);

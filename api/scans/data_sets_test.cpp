@@ -1,6 +1,6 @@
 #include "api/scans/data_sets.h"
 
-#include "api/scans/data_set_fixture.h"
+#include "tests/support/api/data_set_fixture.h"
 
 namespace diaphane::api {
 namespace {
@@ -14,7 +14,7 @@ class DataSetsTest : public DataSetFixture {
   }
 };
 
-TEST_F(DataSetsTest, AnAnnouncedScanBelongsToTheUserAndWaitsADayForItsData) {
+TEST_F(DataSetsTest, NewScanBelongsToTheUserAndExpiresAfterADayWithoutData) {
   const auto made = data_sets.announce(owner, upload_of(1000));
   ASSERT_TRUE(made);
   EXPECT_EQ(made->title, "Head");
@@ -35,7 +35,7 @@ TEST_F(DataSetsTest, AnUploadHasAtMostEightGibibytes) {
   EXPECT_EQ(refusal(data_sets.announce(owner, upload_of(most + 1))), ProblemKind::kUploadTooLarge);
 }
 
-TEST_F(DataSetsTest, TheReserveOfTheDiskIsNeverAnnounced) {
+TEST_F(DataSetsTest, RefusesScansThatNeedTheDiskReserve) {
   free_bytes = (std::int64_t{1} << 30) + 1000;
   EXPECT_TRUE(data_sets.announce(owner, upload_of(1000)));
   const auto refused = data_sets.announce(owner, upload_of(1001));
@@ -43,7 +43,7 @@ TEST_F(DataSetsTest, TheReserveOfTheDiskIsNeverAnnounced) {
   EXPECT_EQ(refused.error().retry_after, 10min);
 }
 
-TEST_F(DataSetsTest, AUserOverTheQuotaLearnsItsSizeAndUse) {
+TEST_F(DataSetsTest, QuotaErrorStatesQuotaAndUse) {
   data_set_store.creation = OverQuota{{20'000'000, 15'000'000}};
   const auto refused = data_sets.announce(owner, upload_of(7'000'000));
   ASSERT_EQ(refusal(refused), ProblemKind::kOverQuota);
@@ -52,7 +52,7 @@ TEST_F(DataSetsTest, AUserOverTheQuotaLearnsItsSizeAndUse) {
             "other scans first.");
 }
 
-TEST_F(DataSetsTest, TooManyUnprocessedScansEndByWaitingAndTooManyScansDoNot) {
+TEST_F(DataSetsTest, OnlyTheLimitOfUnprocessedScansAsksToRetryLater) {
   data_set_store.creation = TooManyDataSets{true};
   const auto unprocessed = data_sets.announce(owner, upload_of(1));
   ASSERT_EQ(refusal(unprocessed), ProblemKind::kTooMany);
@@ -75,7 +75,7 @@ TEST_F(DataSetsTest, ARepeatedRequestWithItsKeyCreatesNothing) {
   EXPECT_NE(data_sets.announce(owner, upload_of(1000))->id, first->id);
 }
 
-TEST_F(DataSetsTest, AKeyIsForOneSizeAndTitle) {
+TEST_F(DataSetsTest, RefusesAKeyReusedForAnotherSizeOrTitle) {
   ASSERT_TRUE(data_sets.announce(owner, upload_of(1000, "key")));
   EXPECT_EQ(refusal(data_sets.announce(owner, upload_of(1001, "key"))),
             ProblemKind::kIdempotencyKeyReused);
@@ -83,13 +83,13 @@ TEST_F(DataSetsTest, AKeyIsForOneSizeAndTitle) {
             ProblemKind::kIdempotencyKeyReused);
 }
 
-TEST_F(DataSetsTest, AKeyWhoseScanWasDeletedIsAConflict) {
+TEST_F(DataSetsTest, KeyOfADeletedScanIsAConflict) {
   const auto first = data_sets.announce(owner, upload_of(1000, "key"));
   data_set_store.data_sets.erase(first->id);
   EXPECT_EQ(refusal(data_sets.announce(owner, upload_of(1000, "key"))), ProblemKind::kConflict);
 }
 
-TEST_F(DataSetsTest, TheOperatorOfSamplesUsesNoKeys) {
+TEST_F(DataSetsTest, SampleUploadsIgnoreKeys) {
   Principal sample_operator;
   sample_operator.sample_operator = true;
   const auto first = data_sets.announce(sample_operator, upload_of(1000, "key"));
@@ -117,7 +117,7 @@ TEST_F(DataSetsTest, APageEndsWithACursorOnlyIfThereIsMore) {
   EXPECT_EQ(some->next, (Cursor{last.count(), data_set_store.listed[1].id}));
 }
 
-TEST_F(DataSetsTest, EveryActionIsAllowedWhereTheTableOfPermissionsAllowsIt) {
+TEST_F(DataSetsTest, ActionsFollowThePermissionTable) {
   for (const Action action : kActions) {
     expect_permission(action, [&](const Principal& who) {
       return refusal(data_sets.authorise(who, id, action));
@@ -125,7 +125,7 @@ TEST_F(DataSetsTest, EveryActionIsAllowedWhereTheTableOfPermissionsAllowsIt) {
   }
 }
 
-TEST_F(DataSetsTest, WhateverIsNotAnIdIsNotFoundWithoutAQuery) {
+TEST_F(DataSetsTest, MalformedIdIsNotFoundWithoutAQuery) {
   for (const std::string& bad : {std::string(), std::string("1"), id + "x"}) {
     EXPECT_EQ(refusal(data_sets.find(owner, bad)), ProblemKind::kNotFound);
   }
@@ -206,7 +206,58 @@ TEST_F(DataSetsTest, NothingIsEndedIfAnotherRequestDeletedTheScanFirst) {
   EXPECT_EQ(woken, 0);
 }
 
-TEST_F(DataSetsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(DataSetsTest, AViewIsInTheOwnersLogAndInTheAuditLog) {
+  const std::string link = new_id(), visit = new_id();
+  ASSERT_TRUE(data_sets.note_view(id, {ViewRoute::kLink, visit, link, {"203.0.113.77", "Edge"}}));
+  ASSERT_EQ(data_set_store.noted_views.size(), 1u);
+  EXPECT_EQ(data_set_store.noted_views[0].viewer, visit);
+  const AuditEntry& entry = data_set_store.accesses.at(0);
+  EXPECT_EQ(entry.actor, AuditActor::kPerson);
+  EXPECT_EQ(entry.actor_id, "") << "a visitor has no account";
+  EXPECT_EQ(entry.action, "data-set.looked-at");
+  EXPECT_EQ(entry.subject_id, id);
+  EXPECT_EQ(details_as_json(entry.details), R"({"by":"link","link":")" + link + "\"}");
+
+  ASSERT_TRUE(data_sets.note_view(id, {ViewRoute::kAdministrator, "boss", "", {}}));
+  EXPECT_EQ(data_set_store.accesses.at(1).actor, AuditActor::kAdministrator);
+  EXPECT_EQ(data_set_store.accesses.at(1).actor_id, "boss");
+  EXPECT_EQ(details_as_json(data_set_store.accesses.at(1).details), R"({"by":"administrator"})");
+}
+
+TEST_F(DataSetsTest, EachViewRouteHasAName) {
+  for (const auto& [route, name] : kViewRoutes) {
+    EXPECT_EQ(to_string(route), name);
+    EXPECT_EQ(view_route_of(name), route);
+    EXPECT_TRUE(is_code_word(name));
+  }
+}
+
+TEST_F(DataSetsTest, OnlyTheOwnerReadsWhoViewedAScan) {
+  expect_permission(Action::kReadViews, [&](const Principal& who) {
+    return refusal(data_sets.views(who, id, {.limit = 5}));
+  });
+}
+
+TEST_F(DataSetsTest, APageOfViewsEndsAtTheLastViewOfItsLastEntry) {
+  for (int i = 0; i < 3; ++i) {
+    ViewEntry& entry = data_set_store.view_log.emplace_back();
+    entry.id = new_id();
+    entry.first_at = clock.wall() - 1h;
+    entry.last_at = clock.wall() - i * 1s;
+  }
+  const auto all = data_sets.views(owner, id, {.own = false, .limit = 3});
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->items.size(), 3u);
+  EXPECT_FALSE(all->next);
+  EXPECT_FALSE(data_set_store.view_query.own);
+  const auto some = data_sets.views(owner, id, {.limit = 2});
+  ASSERT_TRUE(some);
+  EXPECT_EQ(some->items.size(), 2u);
+  const std::chrono::microseconds last = (clock.wall() - 1s).time_since_epoch() / 1us * 1us;
+  EXPECT_EQ(some->next, (Cursor{last.count(), data_set_store.view_log[1].id}));
+}
+
+TEST_F(DataSetsTest, ReportsAnUnavailableDatabase) {
   expect_unavailable({
       {data_set_store, "create", [&] { return refusal(data_sets.announce(owner, upload_of(1))); }},
       {data_set_store, "find", [&] { return refusal(data_sets.announce(owner, upload_of(1))); }},
@@ -215,6 +266,8 @@ TEST_F(DataSetsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
       {data_set_store, "find", [&] { return refusal(data_sets.find_ready(owner, id)); }},
       {data_set_store, "describe", [&] { return refusal(data_sets.describe(owner, id, {})); }},
       {data_set_store, "remove", [&] { return refusal(data_sets.remove(owner, id)); }},
+      {data_set_store, "note_view", [&] { return refusal(data_sets.note_view(id, {})); }},
+      {data_set_store, "views", [&] { return refusal(data_sets.views(owner, id, {})); }},
   });
 }
 

@@ -2,9 +2,9 @@
 
 #include <future>
 
-#include "api/scans/data_set_fixture.h"
-#include "api/shared/fake_stills.h"
-#include "api/shared/temporary_directory.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_stills.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 class ThumbnailsTest : public DataSetFixture {
  protected:
   std::string path_of(const std::string& preset) const {
-    return "thumbnails/" + id + "/" + preset + ".4.jpg";
+    return "thumbnails/" + id + "/" + preset + ".5.jpg";
   }
   Refusal get(const std::string& preset = "bone") {
     return refusal(thumbnails.get(owner, id, preset));
@@ -32,6 +32,30 @@ TEST_F(ThumbnailsTest, ThoseWhoMayViewAScanGetItsThumbnails) {
                     [&](const Principal& who) { return refusal(thumbnails.get(who, id, "bone")); });
 }
 
+TEST_F(ThumbnailsTest, APictureOfAScanThatIsNotPublicIsInTheAuditLog) {
+  const auto looked = [&](const Principal& who) {
+    data_set_store.accesses.clear();
+    EXPECT_TRUE(thumbnails.get(who, id, "bone"));
+    return data_set_store.accesses;
+  };
+  EXPECT_TRUE(looked(owner).empty());
+  const auto by_person = looked(shared);
+  ASSERT_EQ(by_person.size(), 1u);
+  EXPECT_EQ(by_person[0].action, "data-set.picture-looked-at");
+  EXPECT_EQ(by_person[0].actor_id, shared.user_id);
+  EXPECT_EQ(by_person[0].subject_id, id);
+  EXPECT_EQ(details_as_json(by_person[0].details), R"({"by":"person"})");
+  expose(Exposure::kTakenDown);
+  const auto by_administrator = looked(administrator);
+  ASSERT_EQ(by_administrator.size(), 1u);
+  EXPECT_EQ(by_administrator[0].actor, AuditActor::kAdministrator);
+  expose(Exposure::kPublic);
+  EXPECT_TRUE(looked(shared).empty());
+  expose(Exposure::kPrivate);
+  data_set_store.break_function("note_access");
+  EXPECT_EQ(refusal(thumbnails.get(shared, id, "bone")), ProblemKind::kUnavailable);
+}
+
 TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
   const auto presets = {"skin", "muscle", "vessels", "bone", "through", "dense", "airways"};
   for (const char* preset : presets) {
@@ -45,7 +69,7 @@ TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
   EXPECT_EQ(stills.requests().size(), presets.size());
 }
 
-TEST_F(ThumbnailsTest, AThumbnailOfEarlierLooksIsNotShownAndGoes) {
+TEST_F(ThumbnailsTest, ThumbnailOfOutdatedPresetsIsNotShownAndDeleted) {
   const std::string directory = "thumbnails/" + id + "/", of_another = "thumbnails/other/bone.jpg";
   for (const char* old : {"bone.jpg", "skin.jpg", "bone.1.jpg"})
     cache.write(directory + old, "old");
@@ -84,7 +108,7 @@ TEST_F(ThumbnailsTest, AThumbnailFromBeforeTheScanWasAnonymisedIsNotShown) {
   EXPECT_EQ(stills.requests().size(), 2u) << "it shows what is left";
 }
 
-TEST_F(ThumbnailsTest, EachFailureOfAWorkerIsReportedAsWhatItIs) {
+TEST_F(ThumbnailsTest, EachWorkerFailureHasItsOwnError) {
   for (const auto& [code, kind] : {std::pair(ErrorCode::kUnavailable, ProblemKind::kNoWorker),
                                    std::pair(ErrorCode::kNotFound, ProblemKind::kNotFound),
                                    std::pair(ErrorCode::kInternal, ProblemKind::kInternal)}) {
@@ -97,7 +121,7 @@ TEST_F(ThumbnailsTest, EachFailureOfAWorkerIsReportedAsWhatItIs) {
   EXPECT_EQ(get(), Refusal()) << "no failure holds a place";
 }
 
-TEST_F(ThumbnailsTest, AFailureThatIsThrownHoldsNoPlace) {
+TEST_F(ThumbnailsTest, ExceptionFreesTheRenderingSlot) {
   stills.before("render", [] { throw std::runtime_error("a bug"); });
   for (int i = 0; i < 3; ++i) EXPECT_THROW(get(), std::runtime_error);
   stills.before("render", [] {});
@@ -109,7 +133,7 @@ TEST_F(ThumbnailsTest, ACacheThatCannotBeWrittenIsUnavailable) {
   EXPECT_EQ(get(), ProblemKind::kUnavailable);
 }
 
-TEST_F(ThumbnailsTest, TheThirdThumbnailAtATimeIsRefused) {
+TEST_F(ThumbnailsTest, RefusesTheThirdConcurrentThumbnail) {
   Refusal second = ProblemKind::kInternal, third;
   stills.before("render", [&] {
     const std::size_t started = stills.requests().size();
@@ -168,7 +192,7 @@ TEST_F(ThumbnailsTest, NothingIsShownOfAScanThatWasAnonymisedDuringTheRendering)
   EXPECT_FALSE(cache.has(path_of("bone")));
 }
 
-TEST_F(ThumbnailsTest, RemovingDeletesAllOfAScanAndTwiceIsNoError) {
+TEST_F(ThumbnailsTest, RemovingDeletesAllFilesAndMayBeRepeated) {
   EXPECT_EQ(get("bone"), Refusal());
   EXPECT_EQ(get("skin"), Refusal());
   cache.write("thumbnails/other/bone.jpg", "of another scan");
@@ -178,7 +202,7 @@ TEST_F(ThumbnailsTest, RemovingDeletesAllOfAScanAndTwiceIsNoError) {
   EXPECT_TRUE(thumbnails.remove(id));
 }
 
-TEST_F(ThumbnailsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(ThumbnailsTest, ReportsAnUnavailableDatabase) {
   expect_unavailable({{data_set_store, "find", [&] { return get(); }}});
 }
 

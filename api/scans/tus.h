@@ -39,7 +39,7 @@ Outcome<Creation> plan_creation(const CreationRequest& request);
 struct UploadProgress {
   std::int64_t length = 0;  ///< announced
   std::int64_t received = 0;
-  bool taken = false;  ///< complete and queued, or cancelled; nothing can be appended any more
+  bool taken = false;  ///< complete and queued, or cancelled; accepts no more data
   bool expired = false;
 };
 

@@ -8,7 +8,7 @@
 namespace diaphane::api {
 namespace {
 
-Response with_standing(Response response, const Upload& upload) {
+Response with_progress(Response response, const Upload& upload) {
   response.with("Upload-Offset", std::to_string(upload.received));
   if (upload.state == DataSetState::kUploading) {
     response.with("Upload-Expires", http_date(upload.expires_at));
@@ -44,19 +44,19 @@ Outcome<Response> create_upload(DataSets& data_sets, const Request& request, con
     // creation-with-upload is not supported. The response decides whether data may be sent at all.
     return refuse_field("body", "must be empty; send the parts with PATCH");
   }
-  const auto& said = plan->metadata;
-  if (const auto type = said.find("filetype");
-      type != said.end() && type->second != "application/x-tar") {
+  const auto& fields = plan->metadata;
+  if (const auto type = fields.find("filetype");
+      type != fields.end() && type->second != "application/x-tar") {
     return refuse(ProblemKind::kMediaType, "Upload one series as a single tar file.");
   }
-  const auto title = said.find("title");
-  Fields in("Upload-Metadata", {{"title", title == said.end() ? std::string() : title->second}});
+  const auto title = fields.find("title");
+  Fields in("Upload-Metadata", {{"title", title == fields.end() ? std::string() : title->second}});
   DataSets::Announcement announcement{in.name("title", 0, 80), plan->length, *std::move(key)};
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto made = data_sets.announce(who, announcement);
   DIAPHANE_TRY(made);
   auto response = empty_response(201).with("Location", "/v1/uploads/" + made->id);
-  return made->upload ? with_standing(std::move(response), *made->upload) : response;
+  return made->upload ? with_progress(std::move(response), *made->upload) : response;
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
                                  const Principal& who) -> Outcome<Response> {
     const auto upload = uploads.find(who, request.parameter("upload_id"));
     DIAPHANE_TRY(upload);
-    return with_standing(empty_response(200), *upload)
+    return with_progress(empty_response(200), *upload)
         .with("Upload-Length", std::to_string(upload->length));
   };
   const auto append = [&uploads](const Request& request,
@@ -90,7 +90,7 @@ std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
         uploads.append(who, request.parameter("upload_id"), request.header("upload-offset"),
                        request.header("upload-checksum"), request.body);
     DIAPHANE_TRY(upload);
-    return with_standing(empty_response(204), *upload);
+    return with_progress(empty_response(204), *upload);
   };
   const auto may_append = [&uploads](const Request& request, const Principal& who,
                                      std::int64_t bytes) -> Outcome<void> {

@@ -1,7 +1,7 @@
 #include "api/scans/uploads.h"
 
-#include "api/scans/data_set_fixture.h"
-#include "api/shared/temporary_directory.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -101,7 +101,7 @@ TEST_F(UploadsTest, APartIsCheckedBeforeAndWithItsBytes) {
   EXPECT_EQ(directory.read(file), "abcd");
 }
 
-TEST_F(UploadsTest, ACompleteUploadTakesNothingButAnEmptyPartAtItsEnd) {
+TEST_F(UploadsTest, CompleteUploadAcceptsOnlyAnEmptyPartAtItsEnd) {
   upload() = {id, 10, 10, clock.wall() + 1h, DataSetState::kQueued};
   EXPECT_EQ(append("10", ""), Refusal());
   EXPECT_EQ(append("4", "efghij"), ProblemKind::kUploadComplete);
@@ -119,7 +119,7 @@ TEST_F(UploadsTest, ACorruptedPartIsDiscarded) {
   EXPECT_EQ(append("4", "hello", checksum), Refusal());
 }
 
-TEST_F(UploadsTest, TheReserveOfTheDiskIsNeverUploaded) {
+TEST_F(UploadsTest, KeepsTheDiskReserveDuringUploads) {
   Uploads reserved(data_set_store, files, clock, signals, 24h, std::int64_t{1} << 60);
   const auto refused = reserved.check_part(owner, id, "4", "", 1);
   ASSERT_EQ(refusal(refused), ProblemKind::kStorageFull);
@@ -128,7 +128,7 @@ TEST_F(UploadsTest, TheReserveOfTheDiskIsNeverUploaded) {
   EXPECT_EQ(directory.read(file), "abcd");
 }
 
-TEST_F(UploadsTest, TwoPartsAreNotWrittenAtATime) {
+TEST_F(UploadsTest, RefusesASecondConcurrentPart) {
   const auto other = files.open(id, false);
   ASSERT_TRUE(other);
   const auto refused = uploads.append(owner, id, "4", "", "e");
@@ -158,13 +158,13 @@ TEST_F(UploadsTest, AFileOfAnUploadThatExpiredWhileAPartWasWrittenIsDeleted) {
   EXPECT_FALSE(directory.has(file));
 }
 
-TEST_F(UploadsTest, AnUploadThatMovedOnWhileAPartWasWrittenKeepsItsFile) {
+TEST_F(UploadsTest, UploadAdvancedByAnotherPartKeepsItsFile) {
   data_set_store.before("advance_upload", [&] { upload().received = 6; });
   EXPECT_EQ(append("4", "e"), ProblemKind::kOffsetMismatch);
   EXPECT_TRUE(directory.has(file));
 }
 
-TEST_F(UploadsTest, ADatabaseThatGoesAwayWhileAPartIsWrittenCostsNoData) {
+TEST_F(UploadsTest, DatabaseOutageDuringAPartLosesNoData) {
   for (const int failing : {1, 2}) {
     const int before = data_set_store.calls("find_upload");
     data_set_store.before("find_upload", [&] {
@@ -201,7 +201,7 @@ TEST_F(UploadsTest, AnUploadIsTerminatedOnlyBeforeItIsComplete) {
   EXPECT_EQ(refusal(uploads.terminate(owner, "no id")), ProblemKind::kNotFound);
 }
 
-TEST_F(UploadsTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(UploadsTest, ReportsAnUnavailableStore) {
   expect_unavailable({
       {data_set_store, "find_upload", [&] { return refusal(uploads.find(owner, id)); }},
       {data_set_store, "find_upload", [&] { return check("4", 1); }},

@@ -20,7 +20,7 @@ std::string first_day(Time month) {
   return std::string("1 ") + kMonths.at(static_cast<std::size_t>(utc.tm_mon));
 }
 
-std::string in_words(std::int64_t ms) {
+std::string duration_text(std::int64_t ms) {
   const std::int64_t minutes = ms / 60'000;
   if (minutes < 120) return std::to_string(minutes) + (minutes == 1 ? " minute" : " minutes");
   return std::to_string(minutes / 60) + " hours";
@@ -29,7 +29,7 @@ std::string in_words(std::int64_t ms) {
 tl::unexpected<Problem> all_spent(const RenderAccount& account) {
   return refuse(ProblemKind::kRenderTimeSpent,
                 "You have used all of your rendering time for this month (" +
-                    in_words(account.quota_ms) + "). It resets on " +
+                    duration_text(account.quota_ms) + "). It resets on " +
                     first_day(account.next_month) + ".");
 }
 
@@ -72,7 +72,7 @@ void RenderTime::poll() {
                    {{"accounts", static_cast<int>(spent->size())}});
     }
   }
-  if (const auto resting = store_.warned(now, now - kGrace - kLookedFor, now - kGrace)) {
+  if (const auto resting = store_.warned(now, now - kGrace - kSearchWindow, now - kGrace)) {
     over.insert(resting->begin(), resting->end());
   }
   for (const std::string& user : over) {

@@ -23,6 +23,8 @@ struct RenderAccount {
 
 using directory::SpentRenderTime;
 
+/// Storage of rendering time, in milliseconds of a device. Every function returns kUnavailable if
+/// the database is unavailable.
 class RenderTimeStore {
  public:
   virtual ~RenderTimeStore() = default;
@@ -35,6 +37,7 @@ class RenderTimeStore {
   /// Marks accounts as warned at `now` if a lower quota left them without time. Returns the IDs of
   /// all accounts warned in this range, because idle sessions report no time and must end as well.
   virtual Result<std::vector<std::string>> warned(Time now, Time from, Time until) = 0;
+  /// Returns kNotFound for an unknown user.
   virtual Result<RenderAccount> account(const std::string& user_id, Time now) = 0;
 };
 
@@ -44,7 +47,7 @@ class RenderTime {
  public:
   static constexpr std::chrono::minutes kGrace{2};
   /// For this long after the grace period, ending the sessions is retried.
-  static constexpr std::chrono::minutes kLookedFor{15};
+  static constexpr std::chrono::minutes kSearchWindow{15};
 
   RenderTime(RenderTimeStore& store, SpentRenderTime& spent, Placement& placement,
              const Clock& clock)

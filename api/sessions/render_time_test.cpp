@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "api/sessions/fake_render_time_store.h"
-#include "api/shared/fake_placement.h"
-#include "api/shared/refusals.h"
+#include "tests/support/api/fake_placement.h"
+#include "tests/support/api/fake_render_time_store.h"
+#include "tests/support/api/refusals.h"
 
 namespace diaphane::api {
 namespace {
@@ -63,7 +63,7 @@ TEST_F(RenderTimeTest, TheRefusalNamesTheQuotaAndTheDayItResets) {
   }
 }
 
-TEST_F(RenderTimeTest, AnOpenSessionGoesOnUntilTheGracePeriodIsOver) {
+TEST_F(RenderTimeTest, OpenSessionContinuesUntilTheGracePeriodEnds) {
   account() = {.quota_ms = 1000, .used_ms = 1000};
   EXPECT_TRUE(render_time.may_go_on(anna)) << "not warned yet";
   account().warned_at = clock.wall();
@@ -101,7 +101,7 @@ TEST_F(RenderTimeTest, SessionsOfAnAccountWithoutTimeEndAfterTheGracePeriod) {
   EXPECT_THAT(placement.ended, ElementsAre("by anna")) << "once per poll, however it was found";
 }
 
-TEST_F(RenderTimeTest, IdleSessionsEndTooAndForQuarterOfAnHourAfterTheGracePeriod) {
+TEST_F(RenderTimeTest, IdleSessionsEndDuringAQuarterOfAnHourAfterTheGracePeriod) {
   account() = {.quota_ms = 1000, .used_ms = 1000};
   look_for(5s);
   EXPECT_EQ(account().warned_at, clock.wall()) << "a lower quota is noticed without a report";
@@ -114,14 +114,14 @@ TEST_F(RenderTimeTest, IdleSessionsEndTooAndForQuarterOfAnHourAfterTheGracePerio
   EXPECT_LE(placement.ended.size(), ended + 1) << "they are not looked for for ever";
 }
 
-TEST_F(RenderTimeTest, ActiveSessionsEndHoweverLongAgoTheAccountWasWarned) {
+TEST_F(RenderTimeTest, ActiveSessionsEndRegardlessOfTheTimeOfTheWarning) {
   account() = {.quota_ms = 1000, .used_ms = 1000, .warned_at = clock.wall() - 48h};
   spent.reported = {{"anna", 10}};
   look_for(5s);
   EXPECT_THAT(placement.ended, ElementsAre("by anna"));
 }
 
-TEST_F(RenderTimeTest, OneFailureDoesNotKeepTheOtherSessions) {
+TEST_F(RenderTimeTest, OneFailureDoesNotKeepOtherSessionsOpen) {
   account() = {.quota_ms = 1000, .used_ms = 1000, .warned_at = clock.wall() - 5min};
   store.accounts["bert"] = account();
   spent.reported = {{"anna", 10}};
@@ -145,7 +145,7 @@ TEST_F(RenderTimeTest, NothingIsChargedOrEndedWithoutTheReports) {
   EXPECT_THAT(placement.ended, IsEmpty());
 }
 
-TEST_F(RenderTimeTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(RenderTimeTest, ReportsAnUnavailableDatabase) {
   expect_unavailable({
       {store, "account", [&] { return refusal(render_time.account("anna")); }},
       {store, "account", [&] { return refusal(render_time.may_open(anna)); }},

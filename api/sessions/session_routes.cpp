@@ -14,6 +14,15 @@ nlohmann::ordered_json to_json(const SessionInfo& session) {
   return {{"session_id", session.id}, {"data_set_id", session.data_set_id}};
 }
 
+nlohmann::ordered_json to_json(const ErrorCurve& curve) {
+  auto points = nlohmann::ordered_json::array();
+  for (const ErrorCurve::Point& point : curve.points) {
+    points.push_back(
+        {{"samples", point.samples}, {"seconds", point.seconds}, {"error", point.error}});
+  }
+  return {{"epoch", curve.epoch}, {"points", std::move(points)}};
+}
+
 }  // namespace
 
 std::vector<Route> session_routes(Sessions& sessions) {
@@ -53,12 +62,19 @@ std::vector<Route> session_routes(Sessions& sessions) {
     DIAPHANE_TRY(stream);
     return json_response(201, to_json(*stream));
   };
+  const auto error_curve = [&sessions](const Request& request,
+                                       const Principal& who) -> Outcome<Response> {
+    const auto curve = sessions.error_curve(who, request.parameter("session_id"));
+    DIAPHANE_TRY(curve);
+    return json_response(200, to_json(*curve));
+  };
   const std::string one = "/v1/sessions/{session_id}";
   return {
       {"GET", "/v1/sessions", "listSessions", Access::kPerson, list, {}},
       {"POST", "/v1/sessions", "createSession", Access::kPerson, create, {}},
       {"GET", one, "getSession", Access::kPerson, get, {}},
       {"DELETE", one, "endSession", Access::kPerson, end, {}},
+      {"GET", one + "/error-curve", "getErrorCurve", Access::kPerson, error_curve, {}},
       {"POST", one + "/tickets", "createTicket", Access::kPerson, ticket, {}},
   };
 }

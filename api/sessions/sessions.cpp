@@ -23,16 +23,6 @@ SessionViewer viewer_of(Role role) {
   }
 }
 
-/// Records in the audit log that somebody but the owner looks at the scan. A sample is for
-/// everyone.
-Outcome<void> note_view(DataSets& data_sets, const Principal& who, const DataSet& data_set) {
-  if (data_set.owned() || data_set.is_sample) return {};
-  const bool administrates = data_set.role == Role::kAdministrator;
-  return data_sets.note_view(data_set.id,
-                             administrates ? AuditActor::kAdministrator : AuditActor::kPerson,
-                             who.user_id, {{"by", "account"}});
-}
-
 }  // namespace
 
 Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
@@ -40,7 +30,7 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
   PlaceRequest request{session_id, who.user_id, data_set.id};
   request.first_scene = first_scene_(data_set.id);
   request.viewer = viewer_of(data_set.role);
-  request.slices = data_set.slices_for_everybody();
+  request.slices = data_set.has_public_slices();
   request.browser = who.session_id;
   const auto placed = placement_.place(request);
   if (placed) {
@@ -49,7 +39,11 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
       (void)placement_.end(session_id);
       return tl::unexpected(still.error());
     }
-    DIAPHANE_TRY(note_view(data_sets_, who, data_set));
+    // Nobody owns a sample, which is for everyone.
+    if (!data_set.is_sample) {
+      const View view{route_of(who, data_set), who.user_id, "", who.client};
+      DIAPHANE_TRY(data_sets_.note_view(data_set.id, view));
+    }
     return Stream{session_id, "/stream?ticket=" + placed->ticket};
   }
   switch (placed.error().code) {
@@ -115,6 +109,16 @@ Outcome<Sessions::Stream> Sessions::ticket(const Principal& who, const std::stri
   }
   DIAPHANE_TRY(render_time_.may_go_on(who));
   return place(who, id, *data_set);
+}
+
+Outcome<ErrorCurve> Sessions::error_curve(const Principal& who, const std::string& id) {
+  const auto session = find(who, id);
+  DIAPHANE_TRY(session);
+  auto curve = error_curves_.find(session->worker_id, id);
+  // The worker gets the session with its first viewer.
+  if (!curve && curve.error().code == ErrorCode::kNotFound) return ErrorCurve{};
+  if (!curve) return refuse(curve.error());
+  return *std::move(curve);
 }
 
 }  // namespace diaphane::api

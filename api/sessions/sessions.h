@@ -6,6 +6,7 @@
 
 #include "api/scans/data_sets.h"
 #include "api/sessions/render_time.h"
+#include "api/shared/error_curves.h"
 #include "api/shared/placement.h"
 #include "api/shared/problem.h"
 
@@ -21,10 +22,12 @@ class Sessions {
 
   /// `first_scene` returns the initial scene of a new session on a data set (PlaceRequest).
   Sessions(DataSets& data_sets, Placement& placement, RenderTime& render_time,
+           ErrorCurves& error_curves,
            std::function<std::string(const std::string& data_set_id)> first_scene)
       : data_sets_(data_sets),
         placement_(placement),
         render_time_(render_time),
+        error_curves_(error_curves),
         first_scene_(std::move(first_scene)) {}
 
   /// Opens a session on a data set. Returns kNotFound or kNotReady (the data set), kNoWorker,
@@ -38,6 +41,9 @@ class Sessions {
   /// Returns a new ticket. Places the session on another worker if its worker is gone.
   Outcome<Stream> ticket(const Principal& who, const std::string& id);
 
+  /// Returns a curve without points before the first picture.
+  Outcome<ErrorCurve> error_curve(const Principal& who, const std::string& id);
+
  private:
   Outcome<Stream> place(const Principal& who, const std::string& session_id,
                         const DataSet& data_set);
@@ -45,6 +51,7 @@ class Sessions {
   DataSets& data_sets_;
   Placement& placement_;
   RenderTime& render_time_;
+  ErrorCurves& error_curves_;
   const std::function<std::string(const std::string&)> first_scene_;
 };
 

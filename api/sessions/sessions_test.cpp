@@ -1,7 +1,8 @@
 #include "api/sessions/sessions.h"
 
-#include "api/scans/data_set_fixture.h"
-#include "api/sessions/fake_render_time_store.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_error_curves.h"
+#include "tests/support/api/fake_render_time_store.h"
 
 namespace diaphane::api {
 namespace {
@@ -13,11 +14,12 @@ class SessionsTest : public DataSetFixture {
   FakeRenderTimeStore render_time_store;
   FakeSpentRenderTime spent;
   RenderTime render_time{render_time_store, spent, placement, clock};
-  Sessions sessions{data_sets, placement, render_time,
+  FakeErrorCurves error_curves;
+  Sessions sessions{data_sets, placement, render_time, error_curves,
                     [](const std::string& data_set_id) { return "scene of " + data_set_id; }};
 };
 
-TEST_F(SessionsTest, OpenAsksForTheScanItsFirstSceneAndTheBrowserOfItsUser) {
+TEST_F(SessionsTest, OpenPassesTheScanItsFirstSceneAndTheBrowser) {
   const auto opened = sessions.open(owner, id, "");
   ASSERT_TRUE(opened);
   EXPECT_TRUE(is_id(opened->session_id));
@@ -49,22 +51,37 @@ TEST_F(SessionsTest, TheWorkerLearnsHowTheViewerIsRelatedToTheScan) {
   }
 }
 
-TEST_F(SessionsTest, LookingAtSomebodyElsesScanIsInTheAuditLog) {
-  ASSERT_TRUE(sessions.open(owner, id, ""));
-  EXPECT_TRUE(data_set_store.accesses.empty());
-  const Principal friendly = as(Role::kSharedView);
-  ASSERT_TRUE(sessions.open(friendly, id, ""));
-  ASSERT_EQ(data_set_store.accesses.size(), 1u);
-  EXPECT_EQ(data_set_store.accesses[0].action, "data-set.looked-at");
-  EXPECT_EQ(data_set_store.accesses[0].actor_id, friendly.user_id);
-  EXPECT_EQ(data_set_store.accesses[0].subject_id, id);
-  data_set_store.break_function("note_access");
-  EXPECT_EQ(refusal(sessions.open(friendly, id, "")), ProblemKind::kUnavailable);
-  expose(Exposure::kSample);
-  EXPECT_TRUE(sessions.open(friendly, id, "")) << "a sample is for everyone";
+TEST_F(SessionsTest, EachViewIsRecordedWithItsRoute) {
+  expose(Exposure::kPublic);
+  for (const auto& [role, route] : {std::pair(Role::kOwner, ViewRoute::kOwner),
+                                    std::pair(Role::kSharedView, ViewRoute::kPerson),
+                                    std::pair(Role::kSharedEdit, ViewRoute::kPerson),
+                                    std::pair(Role::kOther, ViewRoute::kGallery),
+                                    std::pair(Role::kAdministrator, ViewRoute::kAdministrator)}) {
+    Principal who = as(role);
+    who.client = {"203.0.113.77", "Firefox on Windows"};
+    const auto opened = sessions.open(who, id, "");
+    ASSERT_TRUE(opened);
+    const View& view = data_set_store.noted_views.back();
+    EXPECT_EQ(view.route, route) << to_string(role);
+    EXPECT_EQ(view.viewer, who.user_id);
+    EXPECT_EQ(view.client.address, "203.0.113.77");
+    EXPECT_EQ(view.client.browser, "Firefox on Windows");
+    ASSERT_TRUE(sessions.ticket(who, opened->session_id));
+  }
+  EXPECT_EQ(data_set_store.noted_views.size(), 10u) << "a new ticket is a view too";
+  EXPECT_EQ(data_set_store.accesses.size(), 10u);
 }
 
-TEST_F(SessionsTest, ExactSlicesAreForEverybodyOnlyIfTheOwnerPublishedThem) {
+TEST_F(SessionsTest, AScanIsNotShownUnlessTheViewIsRecorded) {
+  data_set_store.break_function("note_view");
+  EXPECT_EQ(refusal(sessions.open(shared, id, "")), ProblemKind::kUnavailable);
+  expose(Exposure::kSample);
+  EXPECT_TRUE(sessions.open(shared, id, "")) << "nobody owns a sample";
+  EXPECT_TRUE(data_set_store.noted_views.empty());
+}
+
+TEST_F(SessionsTest, ExactSlicesArePublicOnlyIfTheOwnerPublishedThem) {
   const auto slices = [&] {
     EXPECT_TRUE(sessions.open(owner, id, ""));
     return placement.requests.back().slices;
@@ -85,7 +102,7 @@ TEST_F(SessionsTest, AScanThatIsNotReadyHasNoSessions) {
   EXPECT_TRUE(placement.requests.empty());
 }
 
-TEST_F(SessionsTest, NobodyOpensASessionWithoutRenderingTime) {
+TEST_F(SessionsTest, RefusesSessionsWithoutRenderingTime) {
   render_time_store.accounts[owner.user_id] = {.quota_ms = 1000, .used_ms = 1000};
   EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kRenderTimeSpent);
   EXPECT_TRUE(placement.requests.empty());
@@ -101,7 +118,7 @@ TEST_F(SessionsTest, ARepeatedRequestWithItsKeyOpensTheSameSession) {
   EXPECT_NE(sessions.open(owner, id, "")->session_id, sessions.open(owner, id, "")->session_id);
 }
 
-TEST_F(SessionsTest, AKeyIsForOneScanOfOneUser) {
+TEST_F(SessionsTest, RefusesAKeyReusedForAnotherScanOrUser) {
   const auto first = sessions.open(owner, id, "key");
   EXPECT_EQ(refusal(sessions.open(owner, add_scan(), "key")), ProblemKind::kIdempotencyKeyReused);
   const auto other = sessions.open(shared, id, "key");
@@ -109,7 +126,7 @@ TEST_F(SessionsTest, AKeyIsForOneScanOfOneUser) {
   EXPECT_NE(other->session_id, first->session_id);
 }
 
-TEST_F(SessionsTest, EachFailureOfThePlacementIsReportedAsWhatItIs) {
+TEST_F(SessionsTest, EachPlacementFailureHasItsOwnError) {
   for (const auto& [code, kind] :
        {std::pair(ErrorCode::kUnavailable, ProblemKind::kNoWorker),
         std::pair(ErrorCode::kNotFound, ProblemKind::kNotFound),
@@ -126,7 +143,7 @@ TEST_F(SessionsTest, EachFailureOfThePlacementIsReportedAsWhatItIs) {
       << "without Redis, nobody knows whether there are workers";
 }
 
-TEST_F(SessionsTest, ASessionEndsIfItsScanWasTakenAwayWhileItWasPlaced) {
+TEST_F(SessionsTest, SessionEndsIfAccessWasWithdrawnDuringPlacement) {
   placement.before("place", [&] { data_set_store.data_sets.erase(id); });
   EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kNotFound);
   ASSERT_EQ(placement.requests.size(), 1u);
@@ -158,7 +175,24 @@ TEST_F(SessionsTest, SessionsOfOthersAreNotFound) {
   EXPECT_EQ(placement.ended, std::vector{mine});
 }
 
-TEST_F(SessionsTest, ATicketIsForTheSameSessionOnWhateverWorker) {
+TEST_F(SessionsTest, ErrorCurveComesFromTheWorkerOfTheSession) {
+  const std::string session = sessions.open(owner, id, "")->session_id;
+  const auto before = sessions.error_curve(owner, session);
+  ASSERT_TRUE(before);
+  EXPECT_TRUE(before->points.empty()) << "nothing was rendered yet";
+  error_curves.curves["worker/" + session] = {3, {{16, 0.5, 0.25}}};
+  const auto curve = sessions.error_curve(owner, session);
+  ASSERT_TRUE(curve);
+  EXPECT_EQ(curve->epoch, 3u);
+  EXPECT_EQ(curve->points.size(), 1u);
+  for (const Principal& who : {shared, administrator}) {
+    EXPECT_EQ(refusal(sessions.error_curve(who, session)), ProblemKind::kNotFound);
+  }
+  error_curves.break_function("find");
+  EXPECT_EQ(refusal(sessions.error_curve(owner, session)), ProblemKind::kUnavailable);
+}
+
+TEST_F(SessionsTest, TicketKeepsTheSessionOnAnyWorker) {
   const auto opened = sessions.open(owner, id, "");
   const auto again = sessions.ticket(owner, opened->session_id);
   ASSERT_TRUE(again);
@@ -166,7 +200,7 @@ TEST_F(SessionsTest, ATicketIsForTheSameSessionOnWhateverWorker) {
   EXPECT_EQ(again->stream_url, "/stream?ticket=ticket2");
 }
 
-TEST_F(SessionsTest, ThereIsNoTicketForAScanThatIsGoneOrNotReady) {
+TEST_F(SessionsTest, RefusesTicketsForMissingOrUnfinishedScans) {
   const std::string session = sessions.open(owner, id, "")->session_id;
   scan().state = DataSetState::kQueued;
   EXPECT_EQ(refusal(sessions.ticket(owner, session)), ProblemKind::kNotReady);
@@ -177,7 +211,7 @@ TEST_F(SessionsTest, ThereIsNoTicketForAScanThatIsGoneOrNotReady) {
   EXPECT_EQ(placement.requests.size(), 1u);
 }
 
-TEST_F(SessionsTest, AnOpenSessionGoesOnThroughTheGracePeriodOfItsUser) {
+TEST_F(SessionsTest, OpenSessionContinuesDuringTheGracePeriod) {
   const std::string session = sessions.open(owner, id, "")->session_id;
   render_time_store.accounts[owner.user_id] = {
       .quota_ms = 1000, .used_ms = 1000, .warned_at = clock.wall()};
@@ -187,7 +221,7 @@ TEST_F(SessionsTest, AnOpenSessionGoesOnThroughTheGracePeriodOfItsUser) {
   EXPECT_EQ(refusal(sessions.ticket(owner, session)), ProblemKind::kRenderTimeSpent);
 }
 
-TEST_F(SessionsTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(SessionsTest, ReportsAnUnavailableStore) {
   const std::string session = sessions.open(owner, id, "")->session_id;
   const auto open = [&] { return refusal(sessions.open(owner, id, "key")); };
   const auto ticket = [&] { return refusal(sessions.ticket(owner, session)); };

@@ -16,4 +16,16 @@ void note_in_audit_log(pqxx::work& transaction, const AuditEntry& entry, Time no
       entry.subject, or_null(entry.subject_id), details_as_json(entry.details));
 }
 
+void note_once_in_audit_log(pqxx::work& transaction, const AuditEntry& entry, Time not_since,
+                            Time now) {
+  const pqxx::result before = transaction.exec_params(
+      R"sql(
+      SELECT FROM audit_log
+       WHERE subject_id = $1::uuid AND action = $2 AND actor_id IS NOT DISTINCT FROM $3::uuid
+         AND details = $4::jsonb AND happened_at > to_timestamp($5::bigint / 1e6) LIMIT 1)sql",
+      entry.subject_id, entry.action, or_null(entry.actor_id), details_as_json(entry.details),
+      to_us(not_since));
+  if (before.empty()) note_in_audit_log(transaction, entry, now);
+}
+
 }  // namespace diaphane::api

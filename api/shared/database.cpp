@@ -56,7 +56,7 @@ Database::Lease::~Lease() {
     if (probe_) database_.probing_ = false;
     if (answered_ && database_.silent_) {
       database_.silent_ = false;
-      log::info("postgres_answers_again");
+      log::info("postgres_responsive");
     }
     if (connection_) database_.idle_.push_back(std::move(connection_));
   }
@@ -68,7 +68,7 @@ void Database::Lease::silent() {
   std::vector<std::unique_ptr<pqxx::connection>> in_doubt;  // closed outside the lock
   {
     const std::lock_guard lock(database_.mutex_);
-    if (!database_.silent_) log::warning("postgres_is_silent");
+    if (!database_.silent_) log::warning("postgres_unresponsive");
     database_.silent_ = true;
     in_doubt.swap(database_.idle_);
   }
@@ -146,7 +146,7 @@ tl::unexpected<Error> Database::outcome_unknown() {
 }
 
 tl::unexpected<Error> Database::conflict(CallSite where) {
-  log::error("sql_conflict_stays", {{"transaction", postgres::to_string(where)}});
+  log::error("sql_conflict_persists", {{"transaction", postgres::to_string(where)}});
   return fail(ErrorCode::kConflict,
               "Data that this request needs was changed or deleted at the same time. Reload and "
               "try again.");

@@ -23,6 +23,7 @@ enum class ProblemKind {
   kOrigin,
   kForbidden,
   kSecondFactorRequired,
+  kConsentNeeded,
   kNotFound,
   kMethodNotAllowed,
   kConflict,

@@ -1,4 +1,5 @@
-// Errors, the audit log, idempotency keys, files of pictures, cursors, secrets and periodic tasks.
+// Errors, clients, the audit log, idempotency keys, files of pictures, cursors, secrets and
+// periodic tasks.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -7,14 +8,15 @@
 #include <thread>
 
 #include "api/shared/audit.h"
+#include "api/shared/client.h"
 #include "api/shared/cursor.h"
 #include "api/shared/idempotency.h"
 #include "api/shared/periodic.h"
 #include "api/shared/picture_file.h"
 #include "api/shared/problem.h"
 #include "api/shared/secrets.h"
-#include "api/shared/temporary_directory.h"
 #include "common/ids.h"
+#include "tests/support/api/temporary_directory.h"
 
 namespace diaphane::api {
 namespace {
@@ -44,6 +46,16 @@ TEST(Problem, EachErrorOfAnAdapterHasItsKind) {
     EXPECT_EQ(problem.detail == "detail", code != ErrorCode::kInternal)
         << "the reason of a bug is for the log only";
     EXPECT_TRUE(from_error({code, "detail", ""}).fields.empty());
+  }
+}
+
+TEST(Client, NetworkKeepsOnlyTheStartOfAnAddress) {
+  EXPECT_EQ(coarse_network("203.0.113.77"), "203.0.0.0/16");
+  EXPECT_EQ(coarse_network("2001:db8:85a3:8d3:1319:8a2e:370:7348"), "2001:db8::/32");
+  EXPECT_EQ(coarse_network("::ffff:203.0.113.77"), "203.0.0.0/16");
+  EXPECT_EQ(coarse_network("::1"), "::/32");
+  for (const char* none : {"", "local", "203.0.113", "203.0.113.77:80"}) {
+    EXPECT_EQ(coarse_network(none), "") << none;
   }
 }
 

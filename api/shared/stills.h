@@ -11,10 +11,12 @@ struct StillRequest {
   std::string data_set_id;
   std::string preset;      ///< name of a built-in preset; or
   std::string scene = {};  ///< a serialised diaphane.v1.Scene
-  std::uint32_t width = 320, height = 320;
-  std::uint32_t samples = 64;  ///< maximum per pixel
-  double error = 0;            ///< estimated error at which rendering stops; 0 renders all samples
-  bool background = false;     ///< lower priority, because no user waits for it
+  std::uint32_t width = 480, height = 480;
+  std::uint32_t samples = 256;  ///< maximum per pixel
+  /// Estimated error at which rendering stops; 0 renders all samples. The picture is denoised, so
+  /// that little of this error is visible.
+  double error = 0.03;
+  bool background = false;  ///< lower priority, because no user waits for it
 };
 
 /// Renders pictures without a session, such as thumbnails. Thread-safe. Blocks for up to 20 s, or

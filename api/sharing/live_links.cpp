@@ -54,14 +54,14 @@ Outcome<void> LiveLinks::end(const Principal& who, const std::string& session_id
 }
 
 Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::string& key,
-                                           const std::string& name, const std::string& address) {
+                                           const std::string& name, const Client& client) {
   if (!is_token(token)) return no_such_live_link();
   const std::string hash = blake2b(token);
   const auto session = links_.follow(hash);
   if (!session && session.error().code == ErrorCode::kNotFound) return no_such_live_link();
   if (!session) return refuse(session.error());
   const auto wait =
-      accounts_.note_attempt({{blake2b("join:" + address), options_.by_address, kJoinWindow},
+      accounts_.note_attempt({{blake2b("join:" + client.address), options_.by_address, kJoinWindow},
                               {blake2b("join link:" + hash), options_.by_link, kJoinWindow}},
                              clock_.wall());
   if (!wait) return refuse(wait.error());
@@ -72,11 +72,12 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
   // The owner may have lost access to the data set. Then guests must not see it either.
   Principal owner;
   owner.user_id = session->user_id;
-  if (const auto seen = data_sets_.find_ready(owner, session->data_set_id); !seen) {
-    const ProblemKind kind = seen.error().kind;
+  const auto data_set = data_sets_.find_ready(owner, session->data_set_id);
+  if (!data_set) {
+    const ProblemKind kind = data_set.error().kind;
     if (kind == ProblemKind::kNotFound || kind == ProblemKind::kNotReady)
       return no_such_live_link();
-    return tl::unexpected(seen.error());
+    return tl::unexpected(data_set.error());
   }
 
   const std::string participant = id_from("participant\n" + session->id + "\n" + key);
@@ -94,8 +95,11 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
                   std::chrono::seconds(30));
   }
   if (placed) {
-    DIAPHANE_TRY(
-        data_sets_.note_view(session->data_set_id, AuditActor::kPerson, "", {{"by", "live-link"}}));
+    // Nobody owns a sample, which is for everyone.
+    if (!data_set->is_sample) {
+      const View view{ViewRoute::kLiveLink, participant, "", client};
+      DIAPHANE_TRY(data_sets_.note_view(data_set->id, view));
+    }
     return Joined{participant, "/stream?ticket=" + placed->ticket};
   }
   if (placed.error().code == ErrorCode::kNotFound) return no_such_live_link();

@@ -48,7 +48,7 @@ class LiveLinks {
   /// expired or disabled, kTooManyAttempts, kBusy if the session has no slot and the visitors'
   /// share is in use, or the other errors of Sessions::ticket.
   Outcome<Joined> join(const std::string& token, const std::string& key, const std::string& name,
-                       const std::string& address);
+                       const Client& client);
 
  private:
   /// Returns the data set of the session, or kNotFound if the session belongs to someone else.

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "api/scans/data_set_fixture.h"
 #include "api/shared/secrets.h"
+#include "tests/support/api/data_set_fixture.h"
 
 namespace diaphane::api {
 namespace {
@@ -49,7 +49,7 @@ class LiveLinksTest : public DataSetFixture {
   std::string make_link() { return live.make(owner, session, {}).value(); }
   Outcome<LiveLinks::Joined> join(const std::string& token, const std::string& key = "key",
                                   const std::string& from = "1.2.3.4") {
-    return live.join(token, key, "Bert", from);
+    return live.join(token, key, "Bert", {from, "Firefox on Windows"});
   }
 
   const std::string session = new_id();
@@ -68,7 +68,7 @@ TEST_F(LiveLinksTest, ALinkIsStoredAsTheHashOfItsToken) {
   EXPECT_NE(make_link(), token);
 }
 
-TEST_F(LiveLinksTest, TheSameKeyMakesTheSameLinkOfASessionInTheSameBrowser) {
+TEST_F(LiveLinksTest, SameKeyInTheSameBrowserReturnsTheSameLink) {
   const auto make = [&](const std::string& of, const std::string& key, const std::string& browser) {
     return live.make(owner, of, {key, browser}).value();
   };
@@ -102,7 +102,7 @@ TEST_F(LiveLinksTest, SessionsOfOthersAreNotFound) {
   EXPECT_THAT(links.ended, IsEmpty());
 }
 
-TEST_F(LiveLinksTest, EachFailureToMakeALinkIsReportedAsWhatItIs) {
+TEST_F(LiveLinksTest, EachFailureToCreateALinkHasItsOwnError) {
   for (const auto& [code, kind] : {std::pair(ErrorCode::kNotFound, ProblemKind::kNotFound),
                                    std::pair(ErrorCode::kConflict, ProblemKind::kConflict),
                                    std::pair(ErrorCode::kTooMany, ProblemKind::kTooMany)}) {
@@ -111,7 +111,7 @@ TEST_F(LiveLinksTest, EachFailureToMakeALinkIsReportedAsWhatItIs) {
   }
 }
 
-TEST_F(LiveLinksTest, NobodyJoinsByALinkThatEnded) {
+TEST_F(LiveLinksTest, EndedLinkCannotBeJoined) {
   const std::string token = make_link();
   ASSERT_TRUE(join(token));
   ASSERT_TRUE(live.end(owner, session));
@@ -140,7 +140,22 @@ TEST_F(LiveLinksTest, AGuestJoinsTheSessionOfItsOwnerWithinTheVisitorsShare) {
   EXPECT_FALSE(request.slices);
 }
 
-TEST_F(LiveLinksTest, AGuestWhoComesBackIsTheSameParticipant) {
+TEST_F(LiveLinksTest, TheOwnerSeesThatAGuestJoined) {
+  const auto joined = join(make_link());
+  ASSERT_TRUE(joined);
+  ASSERT_EQ(data_set_store.noted_views.size(), 1u);
+  const View& view = data_set_store.noted_views[0];
+  EXPECT_EQ(view.route, ViewRoute::kLiveLink);
+  EXPECT_EQ(view.viewer, joined->participant);
+  EXPECT_EQ(view.client.address, "1.2.3.4");
+  const std::string token = make_link();
+  data_set_store.break_function("note_view");
+  EXPECT_EQ(refusal(join(token)), ProblemKind::kUnavailable);
+  expose(Exposure::kSample);
+  EXPECT_TRUE(join(token)) << "nobody owns a sample";
+}
+
+TEST_F(LiveLinksTest, ReturningGuestIsTheSameParticipant) {
   const std::string token = make_link(), other_link = make_link();
   const std::string participant = join(token)->participant;
   EXPECT_TRUE(is_id(participant));
@@ -153,7 +168,7 @@ TEST_F(LiveLinksTest, AGuestWhoComesBackIsTheSameParticipant) {
       << "sessions cannot be related by their guests";
 }
 
-TEST_F(LiveLinksTest, AnAddressJoins240TimesInAQuarterOfAnHour) {
+TEST_F(LiveLinksTest, LimitsJoinsPerAddressTo240PerQuarterHour) {
   const std::string token = make_link();
   for (int i = 0; i < 240; ++i) ASSERT_TRUE(join(token));
   const auto refused = join(token);
@@ -164,14 +179,14 @@ TEST_F(LiveLinksTest, AnAddressJoins240TimesInAQuarterOfAnHour) {
   EXPECT_TRUE(join(token));
 }
 
-TEST_F(LiveLinksTest, ALinkIsJoined960TimesInAQuarterOfAnHour) {
+TEST_F(LiveLinksTest, LimitsJoinsPerLinkTo960PerQuarterHour) {
   const std::string token = make_link(), other = make_link();
   for (int i = 0; i < 960; ++i) ASSERT_TRUE(join(token, "key", std::to_string(i % 8)));
   EXPECT_EQ(refusal(join(token, "key", "another address")), ProblemKind::kTooManyAttempts);
   EXPECT_TRUE(join(other, "key", "another address"));
 }
 
-TEST_F(LiveLinksTest, NobodyJoinsOnceTheOwnerOfTheSessionHasLostTheScan) {
+TEST_F(LiveLinksTest, LinkEndsWhenTheOwnerLosesAccessToTheScan) {
   expose(Exposure::kPublic);
   placement.add_session(session, stranger.user_id, id);
   const std::string token = live.make(stranger, session, {}).value();
@@ -184,7 +199,7 @@ TEST_F(LiveLinksTest, NobodyJoinsOnceTheOwnerOfTheSessionHasLostTheScan) {
   EXPECT_EQ(placement.requests.size(), 1u);
 }
 
-TEST_F(LiveLinksTest, EachFailureOfThePlacementIsReportedAsWhatItIs) {
+TEST_F(LiveLinksTest, EachPlacementFailureHasItsOwnError) {
   const std::string token = make_link();
   for (const auto& [code, kind, wait] :
        {std::tuple(ErrorCode::kTooLarge, ProblemKind::kBusy, 30s),
@@ -201,7 +216,7 @@ TEST_F(LiveLinksTest, EachFailureOfThePlacementIsReportedAsWhatItIs) {
   EXPECT_EQ(refusal(join(token)), ProblemKind::kUnavailable);
 }
 
-TEST_F(LiveLinksTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(LiveLinksTest, ReportsAnUnavailableStore) {
   const std::string token = make_link();
   const auto make = [&] { return refusal(live.make(owner, session, {})); };
   const auto end = [&] { return refusal(live.end(owner, session)); };

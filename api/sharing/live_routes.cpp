@@ -19,13 +19,13 @@ std::vector<Route> live_routes(LiveLinks& links, const RequestRouter& router) {
     DIAPHANE_TRY(done);
     return empty_response(204);
   };
-  const auto join = [&links](const Request& request, const Principal&) -> Outcome<Response> {
+  const auto join = [&links](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string token = in.text("token", 64, 64);
     const std::string key = in.text("key", 64, 64);
     const std::string name = in.text_or("name", "", 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto joined = links.join(token, key, name, request.address);
+    const auto joined = links.join(token, key, name, who.client);
     DIAPHANE_TRY(joined);
     return json_response(
         201, {{"participant", joined->participant}, {"stream_url", joined->stream_url}});

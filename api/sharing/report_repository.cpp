@@ -3,6 +3,20 @@
 #include "api/shared/audit_repository.h"
 
 namespace diaphane::api {
+namespace {
+
+/// Closes the reports about what was taken down, and notes it. `column`: of its ID in `reports`.
+Result<void> close_reports(pqxx::work& transaction, const std::string& column,
+                           const std::string& id, const AuditEntry& entry, Time now) {
+  transaction.exec_params0("UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6) WHERE " +
+                               column + " = $1 AND closed_at IS NULL",
+                           id, to_us(now));
+  note_in_audit_log(transaction, entry, now);
+  return {};
+}
+
+}  // namespace
+
 Result<void> ReportRepository::report(const Report& report, const std::string& reporter_id) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const std::string about =
@@ -49,6 +63,35 @@ Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& 
   });
 }
 
+Result<std::vector<TakeDown>> ReportRepository::taken_down(int limit, const AuditEntry& entry,
+                                                           Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<TakeDown>> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT data_set_id, title, preset_id, preset_name, reason,
+               (extract(epoch FROM at) * 1000000)::bigint AS taken_down_us
+          FROM (SELECT id AS data_set_id, title, '' AS preset_id, '' AS preset_name,
+                       taken_down_reason AS reason, taken_down_at AS at
+                  FROM data_sets WHERE taken_down_at IS NOT NULL
+                UNION ALL
+                SELECT d.id, d.title, p.id::text, p.name, p.taken_down_reason, p.taken_down_at
+                  FROM presets p JOIN data_sets d ON d.id = p.data_set_id
+                 WHERE p.taken_down_at IS NOT NULL
+                   AND (d.visibility = 'public' OR d.taken_down_at IS NOT NULL)) hidden
+         ORDER BY at DESC, data_set_id, preset_id LIMIT $1)sql",
+        limit);
+    std::vector<TakeDown> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row["data_set_id"].as<std::string>(), row["title"].as<std::string>(),
+                       row["preset_id"].as<std::string>(), row["preset_name"].as<std::string>(),
+                       row["reason"].as<std::string>(),
+                       from_us(row["taken_down_us"].as<std::int64_t>())});
+    }
+    note_in_audit_log(transaction, entry, now);
+    return found;
+  });
+}
+
 Result<void> ReportRepository::close(const std::string& report_id, const AuditEntry& entry,
                                      Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
@@ -75,12 +118,7 @@ Result<void> ReportRepository::take_down(const std::string& data_set_id, const s
     if (taken.empty()) return fail(ErrorCode::kNotFound, "Scan not found.");
     transaction.exec_params0("DELETE FROM data_set_people WHERE data_set_id = $1", data_set_id);
     transaction.exec_params0("DELETE FROM data_set_links WHERE data_set_id = $1", data_set_id);
-    transaction.exec_params0(
-        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
-               WHERE data_set_id = $1 AND closed_at IS NULL)sql",
-        data_set_id, to_us(now));
-    note_in_audit_log(transaction, entry, now);
-    return {};
+    return close_reports(transaction, "data_set_id", data_set_id, entry, now);
   });
 }
 
@@ -113,12 +151,7 @@ Result<void> ReportRepository::take_down_preset(const std::string& preset_id,
     if (taken.empty()) return fail(ErrorCode::kNotFound, "Preset not found.");
     transaction.exec_params0(
         "UPDATE data_sets SET default_preset_id = NULL WHERE default_preset_id = $1", preset_id);
-    transaction.exec_params0(
-        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
-               WHERE preset_id = $1 AND closed_at IS NULL)sql",
-        preset_id, to_us(now));
-    note_in_audit_log(transaction, entry, now);
-    return {};
+    return close_reports(transaction, "preset_id", preset_id, entry, now);
   });
 }
 

@@ -31,12 +31,24 @@ Outcome<std::string> read_reason(const Request& request) {
   return reason;
 }
 
+nlohmann::ordered_json null_if_empty(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
+}
+
+nlohmann::ordered_json to_json(const TakeDown& one) {
+  return {{"data_set_id", one.data_set_id},
+          {"title", one.title},
+          {"preset_id", null_if_empty(one.preset_id)},
+          {"preset_name", one.preset_name},
+          {"reason", one.reason},
+          {"taken_down_at", rfc3339(one.taken_down_at)}};
+}
+
 nlohmann::ordered_json to_json(const Report& report) {
   return {{"id", report.id},
           {"data_set_id", report.data_set_id},
           {"title", report.title},
-          {"preset_id", report.preset_id.empty() ? nlohmann::ordered_json()
-                                                 : nlohmann::ordered_json(report.preset_id)},
+          {"preset_id", null_if_empty(report.preset_id)},
           {"preset_name", report.preset_name},
           {"reason", report.reason},
           {"words", report.words},
@@ -106,7 +118,16 @@ std::vector<Route> routes_of_reports(Reports& reports) {
   const auto dismiss = [&reports](const Request& request, const Principal& who) {
     return answer(reports.close(who, request.parameter("report_id")));
   };
+  const auto taken_down = [&reports](const Request&, const Principal& who) -> Outcome<Response> {
+    const auto found = reports.taken_down(who);
+    DIAPHANE_TRY(found);
+    nlohmann::ordered_json body;
+    body["items"] = nlohmann::ordered_json::array();
+    for (const TakeDown& one : *found) body["items"].push_back(to_json(one));
+    return json_response(200, body);
+  };
   return {
+      {"GET", "/v1/take-downs", "listTakeDowns", kAdmin, taken_down, {}},
       {"GET", "/v1/reports", "listReports", kAdmin, list, {}},
       {"DELETE", "/v1/reports/{report_id}", "dismissReport", kAdmin, dismiss, {}},
   };

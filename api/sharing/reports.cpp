@@ -33,8 +33,8 @@ Reports::Reports(DataSets& data_sets, Presets& presets, ReportStore& store, Acco
 
 Outcome<void> Reports::report(const Principal& who, const std::string& data_set_id,
                               const std::string& reason, const std::string& words) {
-  const auto seen = data_sets_.authorise(who, data_set_id, Action::kReport);
-  DIAPHANE_TRY(seen);
+  const auto data_set = data_sets_.authorise(who, data_set_id, Action::kReport);
+  DIAPHANE_TRY(data_set);
   return note(who, {{}, data_set_id, {}, {}, {}, reason, words, false, {}});
 }
 
@@ -72,6 +72,13 @@ Outcome<std::vector<Report>> Reports::open(const Principal& who) {
   return *std::move(found);
 }
 
+Outcome<std::vector<TakeDown>> Reports::taken_down(const Principal& who) {
+  auto found =
+      store_.taken_down(200, entry_of(who, "reports.looked-at", "report", ""), clock_.wall());
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
 Outcome<void> Reports::close(const Principal& who, const std::string& report_id) {
   const auto none = [] { return refuse(ProblemKind::kNotFound, "Report not found."); };
   if (!is_id(report_id)) return none();
@@ -84,8 +91,8 @@ Outcome<void> Reports::close(const Principal& who, const std::string& report_id)
 
 Outcome<void> Reports::take_down(const Principal& who, const std::string& data_set_id,
                                  const std::string& reason) {
-  const auto seen = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
-  DIAPHANE_TRY(seen);
+  const auto data_set = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
+  DIAPHANE_TRY(data_set);
   const auto done = store_.take_down(data_set_id, reason,
                                      entry_of(who, "data-set.taken-down", "data_set", data_set_id),
                                      clock_.wall());
@@ -95,8 +102,8 @@ Outcome<void> Reports::take_down(const Principal& who, const std::string& data_s
 }
 
 Outcome<void> Reports::restore(const Principal& who, const std::string& data_set_id) {
-  const auto seen = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
-  DIAPHANE_TRY(seen);
+  const auto data_set = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
+  DIAPHANE_TRY(data_set);
   const auto done = store_.restore(
       data_set_id, entry_of(who, "data-set.restored", "data_set", data_set_id), clock_.wall());
   if (!done) return refuse(done.error());

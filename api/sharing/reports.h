@@ -27,6 +27,14 @@ struct Report {
   Time created_at;
 };
 
+/// A scan or preset that an administrator has hidden.
+struct TakeDown {
+  std::string data_set_id, title;
+  std::string preset_id, preset_name;  ///< empty for the data set itself
+  std::string reason;                  ///< as the administrator wrote it
+  Time taken_down_at;
+};
+
 /// Implemented by sharing/report_repository. Every function may return kUnavailable. Each is one
 /// transaction, which includes its audit entry.
 class ReportStore {
@@ -36,6 +44,10 @@ class ReportStore {
   virtual Result<void> report(const Report& report, const std::string& reporter_id) = 0;
   /// Returns the open reports, oldest first.
   virtual Result<std::vector<Report>> open(int limit, const AuditEntry& entry, Time now) = 0;
+  /// Returns what is taken down, newest first. Without presets of data sets that administrators
+  /// must not see.
+  virtual Result<std::vector<TakeDown>> taken_down(int limit, const AuditEntry& entry,
+                                                   Time now) = 0;
   /// kNotFound.
   virtual Result<void> close(const std::string& report_id, const AuditEntry& entry, Time now) = 0;
   /// Makes the data set private, removes all people and links, and closes its reports.
@@ -65,8 +77,9 @@ class Reports {
   /// Reports the name of someone else's preset on a data set that can be reported.
   Outcome<void> report_preset(const Principal& who, const std::string& preset_id,
                               const std::string& reason, const std::string& words);
-  /// The access is logged in the audit log.
+  /// The access is logged in the audit log, as that to what is taken down.
   Outcome<std::vector<Report>> open(const Principal& who);
+  Outcome<std::vector<TakeDown>> taken_down(const Principal& who);
   Outcome<void> close(const Principal& who, const std::string& report_id);
   Outcome<void> take_down(const Principal& who, const std::string& data_set_id,
                           const std::string& reason);

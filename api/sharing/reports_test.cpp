@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "api/presets/fake_preset_store.h"
-#include "api/scans/data_set_fixture.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_preset_store.h"
 
 namespace diaphane::api {
 namespace {
@@ -30,6 +30,11 @@ class FakeReportStore final : public ReportStore, public Fake {
     DIAPHANE_TRY(note("open", entry));
     limit = most;
     return std::vector<Report>(2);
+  }
+  Result<std::vector<TakeDown>> taken_down(int most, const AuditEntry& entry, Time) override {
+    DIAPHANE_TRY(note("taken_down", entry));
+    limit = most;
+    return std::vector<TakeDown>(3);
   }
   Result<void> close(const std::string&, const AuditEntry& entry, Time) override {
     return note("close", entry);
@@ -80,7 +85,7 @@ class ReportsTest : public DataSetFixture {
                   clock,     [this](const std::string& data_set) { ended.push_back(data_set); }};
 };
 
-TEST_F(ReportsTest, AReportSaysWhatIsReportedAndWhy) {
+TEST_F(ReportsTest, ReportNamesItsSubjectAndReason) {
   ASSERT_TRUE(reports.report(stranger, id, "identifies", "A name is visible."));
   ASSERT_TRUE(reports.report_preset(stranger, preset_id, "offensive", ""));
   ASSERT_EQ(store.reports.size(), 2u);
@@ -107,7 +112,7 @@ TEST_F(ReportsTest, ReportingNeedsItsPermission) {
   });
 }
 
-TEST_F(ReportsTest, NobodyReportsTheirOwnPresetOrOneTheyCannotSee) {
+TEST_F(ReportsTest, RefusesReportsOfOwnAndInvisiblePresets) {
   preset_store.presets[preset_id].author_id = stranger.user_id;
   EXPECT_EQ(refusal(reports.report_preset(stranger, preset_id, "other", "")),
             ProblemKind::kForbidden);
@@ -117,7 +122,7 @@ TEST_F(ReportsTest, NobodyReportsTheirOwnPresetOrOneTheyCannotSee) {
   EXPECT_THAT(store.reports, IsEmpty());
 }
 
-TEST_F(ReportsTest, AUserReportsTwentyThingsADay) {
+TEST_F(ReportsTest, LimitsReportsToTwentyPerDay) {
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(reports.report(stranger, id, "other", ""));
     ASSERT_TRUE(reports.report_preset(stranger, preset_id, "other", ""));
@@ -137,6 +142,7 @@ TEST_F(ReportsTest, EachActionOfAnAdministratorIsRecordedWithTheirId) {
   const std::string report_id = new_id();
   EXPECT_EQ(reports.open(administrator)->size(), 2u);
   EXPECT_EQ(store.limit, 200);
+  EXPECT_EQ(reports.taken_down(administrator)->size(), 3u);
   EXPECT_TRUE(reports.close(administrator, report_id));
   EXPECT_TRUE(reports.take_down(administrator, id, "identifies"));
   EXPECT_EQ(store.reason, "identifies");
@@ -146,9 +152,10 @@ TEST_F(ReportsTest, EachActionOfAnAdministratorIsRecordedWithTheirId) {
   EXPECT_TRUE(reports.restore_preset(administrator, preset_id));
   EXPECT_THAT(
       store.actions,
-      ElementsAre("reports.looked-at report ", "report.dismissed report " + report_id,
-                  "data-set.taken-down data_set " + id, "data-set.restored data_set " + id,
-                  "preset.taken-down preset " + preset_id, "preset.restored preset " + preset_id));
+      ElementsAre("reports.looked-at report ", "reports.looked-at report ",
+                  "report.dismissed report " + report_id, "data-set.taken-down data_set " + id,
+                  "data-set.restored data_set " + id, "preset.taken-down preset " + preset_id,
+                  "preset.restored preset " + preset_id));
   EXPECT_EQ(store.last.actor, AuditActor::kAdministrator);
   EXPECT_EQ(store.last.actor_id, administrator.user_id);
 }
@@ -177,7 +184,7 @@ TEST_F(ReportsTest, TakingDownAScanEndsTheSessionsOfThoseWhoLostIt) {
   EXPECT_THAT(ended, ElementsAre(id));
 }
 
-TEST_F(ReportsTest, AReportThatIsGoneCannotBeClosed) {
+TEST_F(ReportsTest, MissingReportCannotBeClosed) {
   EXPECT_EQ(refusal(reports.close(administrator, "no id")), ProblemKind::kNotFound);
   EXPECT_THAT(store.actions, IsEmpty());
   store.break_function("close", ErrorCode::kNotFound);
@@ -186,7 +193,7 @@ TEST_F(ReportsTest, AReportThatIsGoneCannotBeClosed) {
   EXPECT_EQ(refused.error().detail, "Report not found.");
 }
 
-TEST_F(ReportsTest, APresetThatIsGoneCannotBeTakenDown) {
+TEST_F(ReportsTest, MissingPresetCannotBeTakenDown) {
   store.break_function("take_down_preset", ErrorCode::kNotFound);
   store.break_function("restore_preset", ErrorCode::kNotFound);
   EXPECT_EQ(refusal(reports.take_down_preset(administrator, preset_id, "other")),
@@ -194,7 +201,7 @@ TEST_F(ReportsTest, APresetThatIsGoneCannotBeTakenDown) {
   EXPECT_EQ(refusal(reports.restore_preset(administrator, preset_id)), ProblemKind::kNotFound);
 }
 
-TEST_F(ReportsTest, ADatabaseThatIsAwayIsReportedAsSuch) {
+TEST_F(ReportsTest, ReportsAnUnavailableDatabase) {
   const auto report = [&] { return refusal(reports.report(stranger, id, "other", "")); };
   const auto of_preset = [&] {
     return refusal(reports.report_preset(stranger, preset_id, "other", ""));

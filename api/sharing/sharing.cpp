@@ -23,20 +23,21 @@ tl::unexpected<Problem> no_place_for_visitors() {
                 std::chrono::seconds(30));
 }
 
-tl::unexpected<Problem> too_many_from_here(std::chrono::seconds wait) {
+tl::unexpected<Problem> too_many_from_network(std::chrono::seconds wait) {
   return refuse(ProblemKind::kTooManyAttempts,
                 "Too many people are viewing scans from your network. Try again later, or sign up.",
                 wait);
 }
 
-/// Records a new visit with a link in the audit log. Ends it if its access was revoked during the
+/// Records a new visit with a link in the logs. Ends it if its access was revoked during the
 /// placement, by a caller that did not see its session.
-Outcome<void> confirm_visit(const SharingParts& parts, const Visit& visit, Time now) {
+Outcome<void> confirm_visit(const SharingParts& parts, const Visit& visit, const Client& client,
+                            Time now) {
   const auto still = parts.store.find_visit(visit.session_id, now);
   if (still && visit.link_id.empty()) return {};  // a sample is for everyone
   if (still) {
-    return parts.data_sets.note_view(visit.data_set_id, AuditActor::kPerson, "",
-                                     {{"by", "link"}, {"link", visit.link_id}});
+    return parts.data_sets.note_view(visit.data_set_id,
+                                     {ViewRoute::kLink, visit.session_id, visit.link_id, client});
   }
   (void)parts.placement.end(visit.session_id);
   if (still.error().code == ErrorCode::kNotFound) return no_such_link();
@@ -103,14 +104,14 @@ Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::st
                                              const IdempotencyScope& once) {
   DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const auto now = parts_.clock.wall();
-  const NewLink wanted{{new_id(), now, now + life, slices}, token_for("link\n" + id, once)};
+  const NewLink created{{new_id(), now, now + life, slices}, token_for("link\n" + id, once)};
   std::optional<IdempotencyKey> key;
   if (!once.key.empty()) {
     key = IdempotencyKey{
         "createDataSetLink", once.key,
         blake2b(id + "\n" + std::to_string(life.count()) + (slices ? "\nslices" : ""))};
   }
-  const auto made = parts_.store.make_link(id, wanted.link, blake2b(wanted.token), options_.links,
+  const auto made = parts_.store.make_link(id, created.link, blake2b(created.token), options_.links,
                                            who.user_id, key);
   if (!made && made.error().code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kConflict,
@@ -122,7 +123,7 @@ Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::st
     return refuse(ProblemKind::kIdempotencyKeyReused,
                   "This Idempotency-Key was already used with a different request.");
   }
-  return NewLink{std::get<DataSetLink>(*made), wanted.token};
+  return NewLink{std::get<DataSetLink>(*made), created.token};
 }
 
 Outcome<void> Sharing::end_link(const Principal& who, const std::string& id,
@@ -149,7 +150,7 @@ Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id, b
                   "Before you make a scan public, remove anything that could identify the person "
                   "and confirm it.");
   }
-  if (mine->slices_for_everybody() && !slices) end_public_sessions(id);
+  if (mine->has_public_slices() && !slices) end_public_sessions(id);
   return parts_.data_sets.find(who, id);
 }
 
@@ -201,20 +202,20 @@ void Sharing::end_lost_sessions(const std::string& id) {
 }
 
 void Sharing::end_public_sessions(const std::string& id) {
-  end_sessions_unless(id, [](const DataSet& seen) { return seen.role != Role::kOther; });
+  end_sessions_unless(id, [](const DataSet& visible) { return visible.role != Role::kOther; });
 }
 
-void Sharing::end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& seen)) {
+void Sharing::end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& visible)) {
   const auto failed = [&] { log::warning("failed to end sessions", {{"data_set", id}}); };
   const auto sessions = parts_.placement.sessions_on(id);
   if (!sessions) return failed();
   for (const SessionInfo& session : *sessions) {
     Principal person;
     person.user_id = session.user_id;
-    const auto seen = parts_.data_sets.find_ready(person, id);
-    if (seen && keeps(*seen)) continue;
-    if (!seen && (seen.error().kind == ProblemKind::kUnavailable ||
-                  seen.error().kind == ProblemKind::kOutcomeUnknown)) {
+    const auto visible = parts_.data_sets.find_ready(person, id);
+    if (visible && keeps(*visible)) continue;
+    if (!visible && (visible.error().kind == ProblemKind::kUnavailable ||
+                     visible.error().kind == ProblemKind::kOutcomeUnknown)) {
       return failed();
     }
     const auto visit = parts_.store.find_visit(session.id, parts_.clock.wall());
@@ -233,12 +234,12 @@ Outcome<SharingStore::Followed> Visits::follow(const std::string& token) {
 }
 
 Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string& data_set_id,
-                                     const std::string& key, const std::string& address) {
+                                     const std::string& key, const Client& client) {
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
   bool slices = true;  // everyone can get slices of a sample
-  visit.address_hash = blake2b("visit:" + address);
+  visit.address_hash = blake2b("visit:" + client.address);
   if (token.empty()) {
     const auto sample = parts_.data_sets.find_ready(Principal{}, data_set_id);
     DIAPHANE_TRY(sample);
@@ -260,12 +261,12 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
         {{visit.address_hash, options_.by_address, std::chrono::minutes(15)}}, now);
     if (!wait) return refuse(wait.error());
     if (*wait) {
-      return too_many_from_here(**wait);
+      return too_many_from_network(**wait);
     }
   }
   const auto noted = parts_.store.note_visit(visit, options_.at_once, now);
   if (!noted && noted.error().code == ErrorCode::kTooMany) {
-    if (noted.error().field == "address") return too_many_from_here(std::chrono::minutes(5));
+    if (noted.error().field == "address") return too_many_from_network(std::chrono::minutes(5));
     return no_place_for_visitors();
   }
   if (!noted) return refuse(noted.error());
@@ -286,7 +287,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
   }
   if (!placed) return refuse(placed.error());
-  DIAPHANE_TRY(confirm_visit(parts_, visit, now));
+  DIAPHANE_TRY(confirm_visit(parts_, visit, client, now));
   return Opened{visit.session_id, "/stream?ticket=" + placed->ticket, noted->expires_at};
 }
 

@@ -80,7 +80,7 @@ class Sharing {
   void end_public_sessions(const std::string& id);
   /// Ends the sessions on a data set, except those of visitors, and of users who can still see it
   /// and for whom `keeps` returns true. Ends none if the database is unavailable.
-  void end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& seen));
+  void end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& visible));
 
   SharingParts parts_;
   Options options_;
@@ -114,7 +114,7 @@ class Visits {
   /// hexadecimal digits that the visitor's browser keeps. The same key returns the same session
   /// with a new ticket. Returns kNotFound, kTooManyAttempts, kBusy or kNoWorker.
   Outcome<Opened> open(const std::string& token, const std::string& data_set_id,
-                       const std::string& key, const std::string& address);
+                       const std::string& key, const Client& client);
   /// Ends expired visits.
   void expire();
 

@@ -79,9 +79,9 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
                              person.id, data_set_id, person.email_key, person.may_save,
                              to_us(person.created_at));
     // Grants access to the current owner of the address.
-    const pqxx::result there =
+    const pqxx::result existing =
         transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
-    if (!there.empty()) accept_invitations(transaction, there[0]["id"].as<std::string>());
+    if (!existing.empty()) accept_invitations(transaction, existing[0]["id"].as<std::string>());
     queue_mail(transaction, mail, person.created_at);
     note(person.id);
     return true;
@@ -128,16 +128,17 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
   return database_.transact([&](pqxx::work& transaction) -> Result<Answer> {
     if (const auto before = made_before(transaction, owner_id, key)) {
       if (std::holds_alternative<KeyReused>(*before)) return KeyReused{};
-      const pqxx::result there = transaction.exec_params(
+      const pqxx::result existing = transaction.exec_params(
           R"sql(
           SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
                  (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices
             FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
           std::get<Created>(*before).id, token_hash);
-      if (there.empty()) return fail(ErrorCode::kConflict, "The link can't be shown again.");
-      return DataSetLink{
-          there[0]["id"].as<std::string>(), from_us(there[0]["created_us"].as<std::int64_t>()),
-          from_us(there[0]["expires_us"].as<std::int64_t>()), there[0]["slices"].as<bool>()};
+      if (existing.empty()) return fail(ErrorCode::kConflict, "The link can't be shown again.");
+      return DataSetLink{existing[0]["id"].as<std::string>(),
+                         from_us(existing[0]["created_us"].as<std::int64_t>()),
+                         from_us(existing[0]["expires_us"].as<std::int64_t>()),
+                         existing[0]["slices"].as<bool>()};
     }
     if (!lock_data_set(transaction, data_set_id))
       return fail(ErrorCode::kNotFound, "Scan not found.");

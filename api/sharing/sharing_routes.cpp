@@ -189,7 +189,7 @@ std::vector<Route> visit_routes(Visits& visits) {
     return json_response(200, {{"data_set", api::to_json(found->data_set)},
                                {"expires_at", rfc3339(found->link.expires_at)}});
   };
-  const auto open = [&visits](const Request& request, const Principal&) -> Outcome<Response> {
+  const auto open = [&visits](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string key = in.text("key", 64, 64);
     const std::string token = in.text_or("token", "", 64);
@@ -198,7 +198,7 @@ std::vector<Route> visit_routes(Visits& visits) {
       in.wrong("token", "must be given, or else the data_set_id of a sample, but not both");
     }
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto opened = visits.open(token, data_set_id, key, request.address);
+    const auto opened = visits.open(token, data_set_id, key, who.client);
     DIAPHANE_TRY(opened);
     return json_response(201, {{"session_id", opened->session_id},
                                {"stream_url", opened->stream_url},

@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "api/scans/data_set_fixture.h"
 #include "api/shared/secrets.h"
-#include "api/sharing/fake_sharing_store.h"
+#include "tests/support/api/data_set_fixture.h"
+#include "tests/support/api/fake_sharing_store.h"
 
 namespace diaphane::api {
 namespace {
@@ -88,14 +88,14 @@ TEST_F(SharingTest, AnInvitationNamesItsSenderAndNotTheScan) {
   }
 }
 
-TEST_F(SharingTest, AScanIsNotSharedWithItsOwnerOrWithWhatIsNoAddress) {
+TEST_F(SharingTest, RefusesSharingWithTheOwnerOrAnInvalidAddress) {
   for (const char* bad : {"", "friend", "OWNER@example.org"}) {
     EXPECT_EQ(invalid_field(sharing.share_with(owner, id, bad, false)), "email") << bad;
   }
   EXPECT_THAT(store.people_by_key, IsEmpty());
 }
 
-TEST_F(SharingTest, AUserInvitesFortyTimesADay) {
+TEST_F(SharingTest, LimitsInvitationsToFortyPerDay) {
   for (int i = 0; i < 40; ++i) ASSERT_EQ(share(std::to_string(i) + "@example.org"), Refusal());
   const auto refused = sharing.share_with(owner, id, "friend@example.org", false);
   ASSERT_EQ(refusal(refused), ProblemKind::kTooManyAttempts);
@@ -128,7 +128,7 @@ TEST_F(SharingTest, WithdrawingAccessEndsTheSessionsOfThoseWhoLostItAndNoOthers)
   EXPECT_THAT(placement.ended, UnorderedElementsAre("lost", "old visit"));
 }
 
-TEST_F(SharingTest, NobodyWhoHasNoAccessCanLoseIt) {
+TEST_F(SharingTest, WithdrawingAccessThatWasNotGivenIsNotFound) {
   for (const std::string& none : {std::string("no id"), new_id()}) {
     EXPECT_EQ(refusal(sharing.unshare(owner, id, none)), ProblemKind::kNotFound);
     EXPECT_EQ(refusal(sharing.end_link(owner, id, none)), ProblemKind::kNotFound);
@@ -138,7 +138,7 @@ TEST_F(SharingTest, NobodyWhoHasNoAccessCanLoseIt) {
   EXPECT_EQ(placement.calls("sessions_on"), 0);
 }
 
-TEST_F(SharingTest, NoSessionEndsWhileNobodyCanTellWhoseAccessIsLost) {
+TEST_F(SharingTest, DatabaseOutageEndsNoSession) {
   placement.add_session("lost", "friend", id);
   data_set_store.break_function("find");
   sharing.end_lost_sessions(id);
@@ -156,7 +156,7 @@ TEST_F(SharingTest, NoSessionEndsWhileNobodyCanTellWhoseAccessIsLost) {
   EXPECT_THAT(placement.ended, ElementsAre("lost"));
 }
 
-TEST_F(SharingTest, OneSessionThatCannotBeEndedDoesNotKeepTheOthers) {
+TEST_F(SharingTest, FailureToEndOneSessionDoesNotKeepOthersOpen) {
   placement.add_session("one", "friend", id);
   placement.add_session("two", "friend", id);
   placement.break_function("end");
@@ -164,7 +164,7 @@ TEST_F(SharingTest, OneSessionThatCannotBeEndedDoesNotKeepTheOthers) {
   EXPECT_EQ(placement.calls("end"), 2);
 }
 
-TEST_F(SharingTest, ALinkIsStoredAsTheHashOfItsTokenAndLivesAsLongAsItsOwnerWants) {
+TEST_F(SharingTest, LinkIsStoredAsAHashAndExpiresAsRequested) {
   const auto made = make_link({}, 48h, true);
   ASSERT_TRUE(made);
   EXPECT_TRUE(is_token(made->token));
@@ -195,7 +195,7 @@ TEST_F(SharingTest, ARepeatedRequestWithItsKeyReturnsTheSameLinkInTheSameBrowser
   EXPECT_EQ(refusal(make_link({"key", "browser"})), ProblemKind::kConflict);
 }
 
-TEST_F(SharingTest, AKeyIsForOneScanAndOneKindOfLink) {
+TEST_F(SharingTest, RefusesAKeyReusedForAnotherScanOrKindOfLink) {
   ASSERT_TRUE(make_link({"key", "browser"}));
   EXPECT_EQ(refusal(make_link({"key", "browser"}, 25h)), ProblemKind::kIdempotencyKeyReused);
   EXPECT_EQ(refusal(make_link({"key", "browser"}, 24h, true)), ProblemKind::kIdempotencyKeyReused);
@@ -232,7 +232,7 @@ TEST_F(SharingTest, OnlyAnAnonymisedScanThatIsReadyBecomesPublic) {
   EXPECT_EQ(store.published_slices, true);
 }
 
-TEST_F(SharingTest, WithdrawingExactSlicesEndsTheSessionsOfThoseWhoHadThemInPublic) {
+TEST_F(SharingTest, WithdrawingExactSlicesEndsPublicSessions) {
   expose(Exposure::kPublic);
   placement.add_session("public", stranger.user_id, id);
   placement.add_session("shared", shared.user_id, id);
@@ -284,7 +284,7 @@ TEST_F(SharingTest, APageOfTheGalleryEndsWithACursorOnlyIfThereIsMore) {
   EXPECT_EQ(one->next, (Cursor{microseconds(clock.wall()), store.shown[0].id}));
 }
 
-TEST_F(SharingTest, APublicNameCannotBeMistakenForAnythingElse) {
+TEST_F(SharingTest, RefusesMisleadingPublicNames) {
   for (const char* bad : {"see.example", "Anna (administrator)", "a@b", "\"Anna\""}) {
     EXPECT_EQ(invalid_field(sharing.set_public_name(owner, bad)), "public_name") << bad;
   }
@@ -293,7 +293,7 @@ TEST_F(SharingTest, APublicNameCannotBeMistakenForAnythingElse) {
   EXPECT_EQ(sharing.public_name(owner).value(), "Dr. Anna O'Bell");
 }
 
-TEST_F(SharingTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(SharingTest, ReportsAnUnavailableStore) {
   const auto share_again = [&] { return share("friend@example.org"); };
   const auto publish = [&] { return refusal(sharing.publish(owner, id, false)); };
   const auto make_private = [&] { return refusal(sharing.make_private(owner, id)); };
@@ -329,10 +329,10 @@ class VisitsTest : public DataSetFixture {
   }
   Outcome<Visits::Opened> open(const std::string& key = "key",
                                const std::string& from = "1.2.3.4") {
-    return visits.open(link, "", key, from);
+    return visits.open(link, "", key, {from, "Firefox on Windows"});
   }
   Outcome<Visits::Opened> open_sample(const std::string& key = "key") {
-    return visits.open("", id, key, "1.2.3.4");
+    return visits.open("", id, key, {"1.2.3.4", ""});
   }
 
   FakeSharingStore store;
@@ -347,7 +347,8 @@ TEST_F(VisitsTest, ALinkIsFollowedUntilItExpiresOrEnds) {
   EXPECT_EQ(refusal(visits.follow("no token")), ProblemKind::kNotFound);
   EXPECT_EQ(store.calls("follow"), 1);
   EXPECT_EQ(refusal(visits.follow(random_hex(32))), ProblemKind::kNotFound);
-  EXPECT_EQ(refusal(visits.open(random_hex(32), "", "key", "1.2.3.4")), ProblemKind::kNotFound);
+  EXPECT_EQ(refusal(visits.open(random_hex(32), "", "key", {"1.2.3.4", ""})),
+            ProblemKind::kNotFound);
   clock.advance(24h);
   EXPECT_EQ(refusal(visits.follow(link)), ProblemKind::kNotFound);
   EXPECT_EQ(refusal(open()), ProblemKind::kNotFound);
@@ -372,6 +373,20 @@ TEST_F(VisitsTest, AVisitorWithALinkGetsASessionWithinTheVisitorsShare) {
   EXPECT_EQ(store.visit_limits.by_link, 32);
 }
 
+TEST_F(VisitsTest, TheOwnerSeesWhichLinkWasUsed) {
+  const auto opened = open();
+  ASSERT_TRUE(opened);
+  ASSERT_EQ(data_set_store.noted_views.size(), 1u);
+  const View& view = data_set_store.noted_views[0];
+  EXPECT_EQ(view.route, ViewRoute::kLink);
+  EXPECT_EQ(view.viewer, opened->session_id);
+  EXPECT_EQ(view.link_id, store.all_links.at(0).link.id);
+  EXPECT_EQ(view.client.browser, "Firefox on Windows");
+  expose(Exposure::kSample);
+  ASSERT_TRUE(open_sample());
+  EXPECT_EQ(data_set_store.noted_views.size(), 1u) << "nobody owns a sample";
+}
+
 TEST_F(VisitsTest, ASampleIsOpenToEverybodyWithItsExactSlices) {
   for (const Exposure exposure :
        {Exposure::kPrivate, Exposure::kPublic, Exposure::kSample, Exposure::kTakenDown}) {
@@ -387,7 +402,7 @@ TEST_F(VisitsTest, ASampleIsOpenToEverybodyWithItsExactSlices) {
   EXPECT_EQ(refusal(open_sample()), ProblemKind::kNotReady);
 }
 
-TEST_F(VisitsTest, ALinkGivesExactSlicesOnlyIfItsOwnerSaidSo) {
+TEST_F(VisitsTest, LinkGivesExactSlicesOnlyIfAllowed) {
   link = add_link(1h, true);
   ASSERT_TRUE(open());
   EXPECT_TRUE(placement.requests.at(0).slices);
@@ -401,7 +416,7 @@ TEST_F(VisitsTest, AVisitEndsAfterTwoHoursOrWithItsLinkAndOfASampleAfterTwentyMi
   EXPECT_EQ(open_sample()->expires_at, clock.wall() + 20min);
 }
 
-TEST_F(VisitsTest, TheSameKeyIsTheSameVisitAndProlongsNothing) {
+TEST_F(VisitsTest, SameKeyReturnsTheSameVisitWithoutExtendingIt) {
   const auto first = open();
   clock.advance(1h);
   const auto again = open();
@@ -417,7 +432,7 @@ TEST_F(VisitsTest, TheSameKeyIsTheSameVisitAndProlongsNothing) {
       << "it is the same visitor";
 }
 
-TEST_F(VisitsTest, AnAddressOpensThirtyVisitsInAQuarterOfAnHourAndReopensThemAtWill) {
+TEST_F(VisitsTest, LimitsNewVisitsPerAddressToThirtyPerQuarterHour) {
   for (int i = 0; i < 30; ++i) ASSERT_TRUE(open(std::to_string(i)));
   const auto refused = open("another");
   ASSERT_EQ(refusal(refused), ProblemKind::kTooManyAttempts);
@@ -442,7 +457,7 @@ TEST_F(VisitsTest, ReportsWhichVisitLimitIsReached) {
   EXPECT_THAT(placement.requests, IsEmpty());
 }
 
-TEST_F(VisitsTest, AVisitWithoutASlotIsForgotten) {
+TEST_F(VisitsTest, VisitWithoutASlotIsDeleted) {
   for (const auto& [code, kind] : {std::pair(ErrorCode::kTooLarge, ProblemKind::kBusy),
                                    std::pair(ErrorCode::kUnavailable, ProblemKind::kNoWorker)}) {
     placement.break_function("place", code);
@@ -451,7 +466,7 @@ TEST_F(VisitsTest, AVisitWithoutASlotIsForgotten) {
   }
 }
 
-TEST_F(VisitsTest, WithoutRedisNobodyKnowsWhetherThereIsASlot) {
+TEST_F(VisitsTest, RedisOutageIsNotReportedAsMissingCapacity) {
   placement.is_reachable = false;
   placement.break_function("place");
   EXPECT_EQ(refusal(open()), ProblemKind::kUnavailable);
@@ -466,7 +481,7 @@ TEST_F(VisitsTest, AVisitEndsIfItsLinkEndedWhileItWasPlaced) {
   EXPECT_THAT(placement.ended, ElementsAre(placement.requests.at(0).session_id));
 }
 
-TEST_F(VisitsTest, AVisitThatCannotBeConfirmedEndsButItsLinkIsNotCalledInvalid) {
+TEST_F(VisitsTest, UnconfirmedVisitEndsWithoutReportingAnInvalidLink) {
   placement.before("place", [&] { store.break_function("find_visit"); });
   EXPECT_EQ(refusal(open()), ProblemKind::kUnavailable);
   EXPECT_THAT(placement.ended, ElementsAre(placement.requests.at(0).session_id));
@@ -490,7 +505,7 @@ TEST_F(VisitsTest, AnExpiredVisitEndsAndIsForgottenOnceItHasEnded) {
   EXPECT_EQ(placement.calls("end"), 2);
 }
 
-TEST_F(VisitsTest, AStoreThatIsAwayIsReportedAsSuch) {
+TEST_F(VisitsTest, ReportsAnUnavailableStore) {
   expose(Exposure::kSample);
   expect_unavailable({
       {store, "follow", [&] { return refusal(visits.follow(link)); }},

@@ -396,9 +396,10 @@ void Connection::worker_broke_off() {
 // As above, the next ticket must lead to another worker.
 void Connection::worker_has_no_memory() {
   const bool taken = hub_.run_blocking([self = shared_from_this()] {
-    const Attachment& here = *self->attachment_;
+    const Attachment& attached = *self->attachment_;
     const bool noted =
-        self->hub_.placement.refused(here.session.id, here.session.worker_id, here.placement)
+        self->hub_.placement
+            .refused(attached.session.id, attached.session.worker_id, attached.placement)
             .has_value();
     self->on_strand([noted](Connection& on) {
       if (noted)

@@ -107,11 +107,11 @@ struct Gateway::Impl {
     });
   }
 
-  error_code listen(const std::string& address, std::uint16_t wanted) {
+  error_code listen(const std::string& address, std::uint16_t requested_port) {
     error_code error;
     const auto ip = asio::ip::make_address(address, error);
     if (error) return error;
-    const tcp::endpoint endpoint(ip, wanted);
+    const tcp::endpoint endpoint(ip, requested_port);
     acceptor.open(endpoint.protocol(), error);
     if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
     if (!error) acceptor.bind(endpoint, error);

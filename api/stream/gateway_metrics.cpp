@@ -17,7 +17,7 @@ prometheus::Family<prometheus::Counter>& counters(prometheus::Registry& registry
 GatewayMetrics::GatewayMetrics(prometheus::Registry& registry)
     : connections_(gauge(registry, "diaphane_stream_connections",
                          "Open connections on the stream port, including handshakes.")),
-      streams_(gauge(registry, "diaphane_stream_attached", "Viewers attached to a render worker.")),
+      streams_(gauge(registry, "diaphane_stream_attached", "Viewers attached to a worker.")),
       messages_(counters(registry, "diaphane_stream_messages_total", "Messages forwarded.")),
       bytes_(counters(registry, "diaphane_stream_bytes_total", "Message bytes forwarded.")),
       messages_to_worker_(messages_.Add({{"direction", "to_worker"}})),

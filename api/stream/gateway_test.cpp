@@ -5,8 +5,9 @@
 
 #include <thread>
 
-#include "api/stream/gateway_fixture.h"
+#include "api/stream/worker_error_curves.h"
 #include "api/stream/worker_stills.h"
+#include "tests/support/api/gateway_fixture.h"
 
 namespace diaphane::api::stream {
 namespace {
@@ -239,12 +240,12 @@ TEST_F(GatewayTest, RemovesUnreachableWorker) {
     FakeWorker dead;
     address = dead.address();
   }
-  start();
+  start({.attach = seconds(60)});
   TestViewer one = viewer();
   const auto begin = steady_clock::now();
   ASSERT_TRUE(one.enter(places_.issue(address)));
   EXPECT_EQ(one.close_code(), 4503);
-  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+  EXPECT_LT(steady_clock::now() - begin, seconds(30)) << "it waited for the time limit";
   EXPECT_THAT(places_.lost_workers(), ElementsAre("worker|one"));
 }
 
@@ -253,11 +254,9 @@ TEST_F(GatewayTest, AttachTimesOutOnUnresponsiveWorker) {
   boost::asio::ip::tcp::acceptor mute(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
   start({.attach = milliseconds(300)});
   TestViewer one = viewer();
-  const auto begin = steady_clock::now();
   ASSERT_TRUE(
       one.enter(places_.issue("127.0.0.1:" + std::to_string(mute.local_endpoint().port()))));
   EXPECT_EQ(one.close_code(), 4503);
-  EXPECT_LT(steady_clock::now() - begin, seconds(2));
 }
 
 TEST_F(GatewayTest, DisconnectsFromWorkerWithoutHeartbeat) {
@@ -286,11 +285,11 @@ TEST_F(GatewayTest, StoppingClosesEachViewerWith1001) {
   start();
   const auto one = attached(worker), two = attached(worker);
   const auto begin = steady_clock::now();
-  std::thread stopping([&] { gateway_->stop(seconds(2)); });
+  std::thread stopping([&] { gateway_->stop(seconds(60)); });
   EXPECT_EQ(one->close_code(), 1001);
   EXPECT_EQ(two->close_code(), 1001);
   stopping.join();
-  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+  EXPECT_LT(steady_clock::now() - begin, seconds(30)) << "it waited for the grace period";
   EXPECT_TRUE(worker.calls_ended(2));
 }
 
@@ -302,7 +301,7 @@ TEST_F(GatewayTest, StoppingWaitsAtMostTheGracePeriod) {
   std::this_thread::sleep_for(milliseconds(200));
   const auto begin = steady_clock::now();
   gateway_->stop(milliseconds(300));
-  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+  EXPECT_LT(steady_clock::now() - begin, seconds(8)) << "a stalled viewer is given up after 10 s";
 }
 
 TEST_F(GatewayTest, StartReportsOccupiedPortAndInvalidUrl) {
@@ -334,6 +333,22 @@ TEST_F(GatewayTest, StillFallsBackToNextWorkerWhenTheFirstIsUnavailable) {
   places_.alive_workers = {{"b", worker.address(), "one", 4, 3, false, {}}};
   EXPECT_EQ(stills.render({.data_set_id = "volume", .preset = "missing"}).error().code,
             ErrorCode::kNotFound);
+}
+
+TEST_F(GatewayTest, TheErrorCurveComesFromTheWorkerOfTheSession) {
+  FakeWorker worker;
+  WorkerErrorCurves curves(places_);
+  places_.alive_workers = {{"a", worker.address(), "one", 4, 3, false, {}}};
+  const auto curve = curves.find("a", "session");
+  ASSERT_TRUE(curve);
+  EXPECT_EQ(curve->epoch, 7u);
+  ASSERT_EQ(curve->points.size(), 1u);
+  EXPECT_EQ(curve->points[0].samples, 16u);
+  EXPECT_EQ(curve->points[0].seconds, 0.5);
+  EXPECT_EQ(curve->points[0].error, 0.25);
+  EXPECT_EQ(curves.find("a", "missing").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(curves.find("a", "refused").error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(curves.find("another", "session").error().code, ErrorCode::kUnavailable);
 }
 
 }  // namespace

@@ -11,10 +11,10 @@
 #include <memory>
 #include <thread>
 
-#include "api/stream/fake_parts.h"
 #include "api/stream/gateway.h"
 #include "api/stream/hub.h"
-#include "api/stream/test_viewer.h"
+#include "tests/support/api/fake_stream_parts.h"
+#include "tests/support/api/test_viewer.h"
 
 namespace diaphane::api::stream {
 namespace {

@@ -8,13 +8,13 @@ namespace {
 constexpr std::string_view kTargetStart = "/stream?ticket=";
 constexpr std::size_t kTicketDigits = 64;
 
-bool offers(std::string_view list, std::string_view wanted) {
+bool offers(std::string_view list, std::string_view protocol) {
   while (!list.empty()) {
     const std::size_t comma = list.find(',');
     std::string_view one = list.substr(0, comma);
     while (!one.empty() && (one.front() == ' ' || one.front() == '\t')) one.remove_prefix(1);
     while (!one.empty() && (one.back() == ' ' || one.back() == '\t')) one.remove_suffix(1);
-    if (one == wanted) return true;
+    if (one == protocol) return true;
     if (comma == std::string_view::npos) break;
     list.remove_prefix(comma + 1);
   }

@@ -37,7 +37,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   open.set_volume_id(attachment.session.data_set_id);
   open.set_placement(attachment.placement);
   if (!attachment.scene.empty()) {
-    // A scene that cannot be parsed any more is ignored, and the session starts with the first
+    // A stored scene that can no longer be parsed is ignored, and the session starts with the first
     // preset.
     if (open.mutable_scene()->ParseFromString(attachment.scene)) {
       open.set_input_seq(attachment.input_seq);
@@ -85,7 +85,7 @@ bool WorkerLink::send(std::string client_message) {
     unsent_.push_back(std::move(client_message));
     step = next_write();
     room = unsent_.size() < kMostUnsent;
-    told_full_ = !room;
+    back_pressured_ = !room;
   }
   carry_out(step);
   return room;
@@ -109,7 +109,7 @@ void WorkerLink::finish() {
     if (finishing_) return;
     finishing_ = true;
     step = next_write();
-    // Messages have no receiver any more, so they are read and dropped until the call ends.
+    // Messages no longer have a receiver, so they are read and dropped until the call ends.
     if (!reading_ && !reads_ended_) resume = reading_ = true;
   }
   if (resume) StartRead(&reply_);
@@ -136,15 +136,15 @@ void WorkerLink::OnReadDone(bool ok) {
     return;
   }
   std::string message = std::move(*reply_.mutable_server_message());
-  bool wanted = false;
+  bool deliver = false;
   {
     const std::lock_guard lock(mutex_);
-    wanted = !finishing_;
-    if (wanted) ++undelivered_;
+    deliver = !finishing_;
+    if (deliver) ++undelivered_;
   }
   // Delivered while this read still counts as in progress. Otherwise delivered() could start the
   // next read on another of gRPC's threads, and its message could overtake this one.
-  if (wanted) {
+  if (deliver) {
     if (const auto events = events_.lock()) {
       events->on_link_message(std::move(message));
     } else {
@@ -172,8 +172,8 @@ void WorkerLink::OnWriteDone(bool ok) {
       unsent_.clear();
     }
     step = next_write();
-    if (told_full_ && unsent_.size() < kMostUnsent / 2) {
-      told_full_ = false;
+    if (back_pressured_ && unsent_.size() < kMostUnsent / 2) {
+      back_pressured_ = false;
       writable = true;
     }
   }

@@ -84,11 +84,11 @@ class WorkerLink final
   bool open_ = false;     // the worker accepted Open
   bool reading_ = false;  // a read is in progress
   bool reads_ended_ = false;
-  bool writing_ = false;       // a write is in progress
-  bool finishing_ = false;     // finish() was called
-  bool writes_ended_ = false;  // writing has ended
-  bool told_full_ = false;     // send() returned false
-  bool released_ = false;      // the hold that keeps the call open for writes is released
+  bool writing_ = false;         // a write is in progress
+  bool finishing_ = false;       // finish() was called
+  bool writes_ended_ = false;    // writing has ended
+  bool back_pressured_ = false;  // send() returned false
+  bool released_ = false;        // the hold that keeps the call open for writes is released
 };
 
 }  // namespace diaphane::api::stream

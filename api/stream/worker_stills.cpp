@@ -50,18 +50,18 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
   });
 
   channels_.drop_unused();
-  v1::StillRequest wanted;
-  wanted.set_volume_id(request.data_set_id);
+  v1::StillRequest still;
+  still.set_volume_id(request.data_set_id);
   if (request.scene.empty()) {
-    wanted.set_preset(request.preset);
-  } else if (!wanted.mutable_scene()->ParseFromString(request.scene)) {
+    still.set_preset(request.preset);
+  } else if (!still.mutable_scene()->ParseFromString(request.scene)) {
     return fail(ErrorCode::kInvalid, "This is not a valid scene.");
   }
-  wanted.set_width(request.width);
-  wanted.set_height(request.height);
-  wanted.set_samples(request.samples);
-  wanted.set_error(request.error);
-  wanted.set_background(request.background);
+  still.set_width(request.width);
+  still.set_height(request.height);
+  still.set_samples(request.samples);
+  still.set_error(request.error);
+  still.set_background(request.background);
   Error last{ErrorCode::kUnavailable, "No renderer is running. Please try again in a moment.", {}};
   for (std::size_t i = 0; i < std::min(workers->size(), kMostTries); ++i) {
     const WorkerInfo& worker = (*workers)[i];
@@ -69,7 +69,7 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
     grpc::ClientContext context;
     context.set_deadline(deadline);
     v1::StillReply reply;
-    const grpc::Status status = stub->RenderStill(&context, wanted, &reply);
+    const grpc::Status status = stub->RenderStill(&context, still, &reply);
     if (status.ok()) return std::move(*reply.mutable_jpeg());
     last = error_of(status);
     log::warning("still_failed",

@@ -75,15 +75,15 @@ bool is_socket(const std::string& host) {
 }  // namespace
 
 Result<std::map<std::string, std::string>> resolved(const std::string& url) {
-  const Options given(PQconninfoParse(url.c_str(), nullptr));
-  if (!given) {
+  const Options parsed(PQconninfoParse(url.c_str(), nullptr));
+  if (!parsed) {
     // libpq's own message may quote the password.
     return fail(ErrorCode::kInvalid,
                 "not a valid connection URI (postgresql://user@host/name) or keyword/value string "
                 "(host=... dbname=...)");
   }
   std::map<std::string, std::string> settings;
-  for (const PQconninfoOption* option = given.get(); option->keyword; ++option) {
+  for (const PQconninfoOption* option = parsed.get(); option->keyword; ++option) {
     if (option->val) settings[option->keyword] = option->val;
   }
   const ServiceOfDefaults service(settings.contains("service") ? settings["service"] : "");

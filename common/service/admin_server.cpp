@@ -178,6 +178,15 @@ Response AdminServer::Impl::readiness() const {
                        "application/json", body.dump() + "\n");
 }
 
+AdminServer::Options read_admin_options(ConfigReader& in, std::string program) {
+  AdminServer::Options options;
+  options.port = in.port("admin-port", "port of the admin server (/metrics, /healthz, /readyz)");
+  options.address =
+      in.text("admin-address", "address that the admin server listens on", options.address);
+  options.program = std::move(program);
+  return options;
+}
+
 Result<std::unique_ptr<AdminServer>> AdminServer::start(Options options) {
   auto impl = std::make_unique<Impl>(std::move(options));
   auto& up = prometheus::BuildGauge()

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config.h"
 #include "common/result.h"
 
 namespace diaphane::service {
@@ -48,5 +49,8 @@ class AdminServer {
   std::unique_ptr<Impl> impl_;
   std::shared_ptr<prometheus::Registry> registry_;
 };
+
+/// Reads the settings admin-port and admin-address.
+AdminServer::Options read_admin_options(ConfigReader& in, std::string program);
 
 }  // namespace diaphane::service

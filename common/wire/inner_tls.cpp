@@ -57,7 +57,7 @@ InnerTls read_inner_tls(ConfigReader& in, Role own) {
   tls.files.key = in.text("inner-tls-key", "PEM file with this service's private key", "");
   tls.name = in.text(
       "inner-tls-name",
-      "name that a gRPC server's certificate must have; defaults to the host of its address", "");
+      "name that a gRPC server's certificate must have (empty = the host of its address)", "");
   tls.roles = in.one_of("inner-tls-roles",
                         "0 accepts certificates without roles, so that each may call every method",
                         {"0", "1"}, "1") == "1";
@@ -104,6 +104,17 @@ void check_address(ConfigReader& in, std::string_view name, std::string_view add
   } else if (const auto plain = may_be_plain(address, tls); !address.empty() && !plain) {
     in.mistake(setting + plain.error().message);
   }
+}
+
+std::string read_redis(ConfigReader& in, const InnerTls& tls) {
+  const std::string address =
+      in.text("redis", "Redis address: host:port, rediss://host:port for TLS, or unix:PATH");
+  if (const auto parsed = parse_redis_address(address)) {
+    check_address(in, "redis", address, tls);
+  } else if (!address.empty()) {
+    in.mistake("--redis: " + parsed.error().message);
+  }
+  return address;
 }
 
 }  // namespace diaphane::wire

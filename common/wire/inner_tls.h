@@ -54,4 +54,8 @@ Result<void> may_be_plain(std::string_view address, const InnerTls& tls);
 void check_address(ConfigReader& in, std::string_view name, std::string_view address,
                    const InnerTls& tls);
 
+/// Reads the setting redis. Reports as a mistake an invalid address, and one that requires TLS
+/// while no TLS is configured.
+std::string read_redis(ConfigReader& in, const InnerTls& tls);
+
 }  // namespace diaphane::wire

@@ -17,8 +17,8 @@
 #include <thread>
 
 #include "common/wire/grpc_credentials.h"
-#include "common/wire/test_authority.h"
 #include "common/wire/tls_tunnel.h"
+#include "tests/support/common/test_authority.h"
 
 namespace diaphane::wire {
 namespace {
@@ -209,6 +209,21 @@ TEST(InnerTlsSettings, RefusesACertificateWithoutTheRoleOfTheProgramAndSaysWhatT
   EXPECT_TRUE(mistakes_of(api, Role::kApi).empty());
   EXPECT_TRUE(mistakes_of(both, Role::kGateway).empty());
   EXPECT_TRUE(mistakes_of(none, Role::kGateway, "0").empty());
+}
+
+TEST(RedisSetting, ReportsMalformedAddressesAndMissingTls) {
+  const auto mistakes = [](const std::string& address) {
+    ConfigReader in({"--redis", address}, {});
+    EXPECT_EQ(read_redis(in, {}), address);
+    return in.mistakes();
+  };
+  EXPECT_TRUE(mistakes("127.0.0.1:6379").empty());
+  EXPECT_TRUE(mistakes("unix:/run/redis.sock").empty());
+  ASSERT_EQ(mistakes("redis").size(), 1U);
+  EXPECT_EQ(mistakes("redis")[0],
+            "--redis: must be unix:PATH or host:port with a port from 1 to 65535");
+  EXPECT_EQ(mistakes("127.0.0.1:0").size(), 1U);
+  EXPECT_EQ(mistakes("rediss://127.0.0.1:6379").size(), 1U);
 }
 
 /// Echoes data over TLS to clients with certificates of the CA in `files`, one client after the

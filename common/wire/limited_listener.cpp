@@ -56,37 +56,37 @@ void set(int socket, int level, int option, int value) {
 }
 
 Fd listen_on(const addrinfo& where, bool both_families) {
-  Fd made(::socket(where.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!made) return made;
-  set(made.get(), SOL_SOCKET, SO_REUSEADDR, 1);
+  Fd socket_fd(::socket(where.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket_fd) return socket_fd;
+  set(socket_fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
   if (where.ai_family == AF_INET6) {
-    set(made.get(), IPPROTO_IPV6, IPV6_V6ONLY, both_families ? 0 : 1);
+    set(socket_fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, both_families ? 0 : 1);
   }
   // Accepted sockets inherit these.
-  set(made.get(), IPPROTO_TCP, TCP_NODELAY, 1);
-  set(made.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, kUserTimeoutMs);
-  if (::bind(made.get(), where.ai_addr, where.ai_addrlen) != 0 ||
-      ::listen(made.get(), SOMAXCONN) != 0) {
+  set(socket_fd.get(), IPPROTO_TCP, TCP_NODELAY, 1);
+  set(socket_fd.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, kUserTimeoutMs);
+  if (::bind(socket_fd.get(), where.ai_addr, where.ai_addrlen) != 0 ||
+      ::listen(socket_fd.get(), SOMAXCONN) != 0) {
     return Fd(-1);
   }
-  return made;
+  return socket_fd;
 }
 
 Fd listen_on(std::string host, std::uint16_t port) {
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  addrinfo wanted{};
-  wanted.ai_socktype = SOCK_STREAM;
-  wanted.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   const bool everywhere = host == "0.0.0.0" || host == "::";
   // A machine without IPv6 listens for IPv4 alone.
   const std::vector<std::string> hosts =
       everywhere ? std::vector<std::string>{"::", "0.0.0.0"} : std::vector{host};
   for (const std::string& one : hosts) {
     addrinfo* found = nullptr;
-    if (::getaddrinfo(one.c_str(), std::to_string(port).c_str(), &wanted, &found) != 0) continue;
+    if (::getaddrinfo(one.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) continue;
     const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
     for (const addrinfo* at = found; at != nullptr; at = at->ai_next) {
-      if (Fd made = listen_on(*at, everywhere)) return made;
+      if (Fd socket_fd = listen_on(*at, everywhere)) return socket_fd;
       if (errno == EADDRINUSE) return Fd(-1);
     }
   }

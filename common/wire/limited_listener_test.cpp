@@ -85,7 +85,7 @@ TEST_F(UnfinishedHandshakesTest, StrangersDoNotKeepKnownAddressesOut) {
   EXPECT_TRUE(admit(9, sockets[6]));
 }
 
-TEST_F(UnfinishedHandshakesTest, ForgetsTheAddressThatCalledLongestAgo) {
+TEST_F(UnfinishedHandshakesTest, ForgetsTheLeastRecentAddress) {
   for (int i = 0; i < 6; ++i) sockets.push_back(open_socket());
   PeerAddress other{};
   for (std::size_t i = 0; i <= UnfinishedHandshakes::kMostKnown; ++i) {

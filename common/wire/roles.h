@@ -8,8 +8,8 @@
 
 namespace diaphane::wire {
 
-/// What a certificate of Diaphane's CA is for. It has one URI among its subject alternative names
-/// for each of its roles.
+/// The purpose of a certificate of Diaphane's CA. The certificate has one URI among its subject
+/// alternative names for each of its roles.
 enum class Role { kApi, kGateway, kRenderd, kOperator };
 
 /// "gateway"
@@ -24,6 +24,7 @@ bool has_role(const std::vector<std::string>& uris, Role role);
 std::string describe_roles(const std::vector<std::string>& uris);
 
 /// Returns the URIs among the subject alternative names of the first certificate of a PEM file.
+/// Returns kInvalid if the file contains no certificate.
 Result<std::vector<std::string>> uris_of(const std::string& certificate_file);
 
 /// Returns kInvalid, with advice, unless the certificate has the role.

@@ -1,4 +1,4 @@
-// Makes src/protocol/gen from the messages of api/proto, when they are newer than what is there. Never committed.
+// Generates src/protocol/gen from the messages of api/proto if they are newer. The result is never committed.
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, readdirSync, rmSync, statSync } from "node:fs";
 import { dirname, join } from "node:path";

@@ -12,9 +12,9 @@ export interface Keeping extends Browsers {
  */
 export function keeping(browsers: () => Browsers): Keeping {
   const memory = new Map<string, string>();
-  const possibly = <Value>(deed: () => Value): { readonly value: Value } | null => {
+  const possibly = <Value>(operation: () => Value): { readonly value: Value } | null => {
     try {
-      return { value: deed() };
+      return { value: operation() };
     } catch {
       return null;
     }

@@ -66,7 +66,7 @@ double share_in(const CellMask& mask, const Members& members) {
 double continuation(const Cells& cells, const Components& all, const Members& members,
                     const Extent& extent, int levels, int dx, int dy) {
   const std::int32_t label = all.label[members.front()];
-  const auto there = [&](int x, int y, int z) {
+  const auto is_member = [&](int x, int y, int z) {
     for (int b = std::max(0, y - 1); b <= std::min(cells.size[1] - 1, y + 1); ++b) {
       for (int a = std::max(0, x - 1); a <= std::min(cells.size[0] - 1, x + 1); ++a) {
         if (all.label[cells.at(a, b, z)] == label) return true;
@@ -78,11 +78,11 @@ double continuation(const Cells& cells, const Components& all, const Members& me
   const std::size_t step = members.size() / 1500 + 1;
   for (std::size_t i = 0; i < members.size(); i += step) {
     const auto [x, y, z] = cells.place(members[i]);
-    const bool seen =
+    const bool inside =
         x + dx >= 0 && x + dx < cells.size[0] && y + dy >= 0 && y + dy < cells.size[1];
-    if (!seen || z + levels > extent.high[2]) continue;
+    if (!inside || z + levels > extent.high[2]) continue;
     ++asked;
-    found += there(x + dx, y + dy, z + levels) ? 1 : 0;
+    found += is_member(x + dx, y + dy, z + levels) ? 1 : 0;
   }
   return asked == 0 ? 0 : static_cast<double>(found) / static_cast<double>(asked);
 }
@@ -92,8 +92,8 @@ double continuation(const Cells& cells, const Components& all, const Members& me
 bool is_straight(const Cells& cells, const Components& all, const Members& members) {
   constexpr double kLeastAlongMm = 30, kStepMm = 15, kShare = 0.9;
   const Extent extent = extent_of(cells, members);
-  const double whole = cells.size[2] * cells.mm[2];
-  if (extent.mm(cells, 2) < std::min(kLeastAlongMm, 0.9 * whole)) return false;
+  const double height = cells.size[2] * cells.mm[2];
+  if (extent.mm(cells, 2) < std::min(kLeastAlongMm, 0.9 * height)) return false;
   const int levels = std::max(1, static_cast<int>(std::lround(kStepMm / cells.mm[2])));
   if (levels >= extent.high[2] - extent.low[2]) return false;
   for (int dy = -3; dy <= 3; ++dy) {

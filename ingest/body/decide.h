@@ -23,7 +23,7 @@ struct Decision {
   bool has_support = false;
 };
 
-/// Decides for each cell whether it shows the body or what it lies on.
+/// Decides for each cell whether it shows the body or its support.
 Decision decide(const volume::Volume& volume, const Cells& cells, const ValueScale& scale);
 
 }  // namespace diaphane::ingest

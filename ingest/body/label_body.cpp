@@ -14,7 +14,7 @@ using volume::Label;
 constexpr int kMetalHu = 2500;   // enamel, the densest tissue, is rarely above
 constexpr double kMarginMm = 1;  // of air that belongs to the body
 
-/// How much work the voxels of a cell are.
+/// Relative cost of the voxels of a cell.
 enum class Work : std::uint8_t { kAllOutside, kAllBody, kEachVoxel };
 
 /// Labels voxels by the decision about their cells, slice by slice.

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "ingest/body/phantoms.h"
+#include "tests/support/ingest/phantoms.h"
 
 namespace diaphane::ingest {
 namespace {

@@ -7,7 +7,7 @@
 #include "common/try.h"
 #include "ingest/build/build_volume.h"
 #include "ingest/build/read_folder.h"
-#include "ingest/dicom/test_series.h"
+#include "tests/support/ingest/test_series.h"
 
 namespace diaphane::ingest {
 namespace {

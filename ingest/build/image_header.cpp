@@ -179,7 +179,7 @@ Result<std::optional<Axes>> nrrd_axes(const std::string& path) {
   return fail(ErrorCode::kUnsupported, "only images in LPS or RAS space are supported");
 }
 
-bool meta_image_is_whole(const std::string& path, std::uint64_t bytes) {
+bool meta_image_is_complete(const std::string& path, std::uint64_t bytes) {
   namespace fs = std::filesystem;
   const HeaderText header(path, '=', "ElementDataFile");
   const std::string where = header.get("ElementDataFile").value_or("LOCAL");
@@ -199,7 +199,7 @@ bool meta_image_is_whole(const std::string& path, std::uint64_t bytes) {
   return !error && size >= bytes;
 }
 
-bool nrrd_is_whole(const std::string& path, std::uint64_t bytes) {
+bool nrrd_is_complete(const std::string& path, std::uint64_t bytes) {
   const HeaderText header(path, ':', "");
   if (header.get("encoding") != "raw" || header.get("data file") || header.get("datafile"))
     return true;

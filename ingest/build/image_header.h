@@ -18,9 +18,9 @@ Result<std::optional<std::array<double, 9>>> meta_image_axes(const std::string& 
 /// Returns false if the voxels of a MetaImage, `bytes` in size when unpacked, are not complete in
 /// its file or in the file that it names. VTK's reader then silently leaves the previous contents
 /// of the memory.
-bool meta_image_is_whole(const std::string& path, std::uint64_t bytes);
-/// Like meta_image_is_whole, for an NRRD with encoding raw.
-bool nrrd_is_whole(const std::string& path, std::uint64_t bytes);
+bool meta_image_is_complete(const std::string& path, std::uint64_t bytes);
+/// Like meta_image_is_complete, for an NRRD with encoding raw.
+bool nrrd_is_complete(const std::string& path, std::uint64_t bytes);
 
 /// Like meta_image_axes, for an NRRD ("space", "space directions"). RAS is converted to LPS.
 /// kUnsupported for a left-handed or unknown space, because VTK's reader does not turn its rows

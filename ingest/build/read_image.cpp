@@ -103,7 +103,7 @@ std::uint64_t bytes_of(vtkImageData* image) {
 Result<volume::Volume> read_meta(const std::string& path) {
   vtkNew<vtkMetaImageReader> reader;
   DIAPHANE_TRY(Reading(reader).read(path));
-  if (!meta_image_is_whole(path, bytes_of(reader->GetOutput()))) {
+  if (!meta_image_is_complete(path, bytes_of(reader->GetOutput()))) {
     return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
   }
   auto axes = meta_image_axes(path);
@@ -172,13 +172,13 @@ Result<volume::Volume> read_nrrd(const std::string& path) {
   auto packed = read_packed_nrrd(path);
   DIAPHANE_TRY(packed);
   if (*packed) {
-    std::vector<std::string> said;
-    if (!*axes) said.emplace_back(kNoAxes);
+    std::vector<std::string> notes;
+    if (!*axes) notes.emplace_back(kNoAxes);
     return to_volume(image_of(**packed)->GetOutput(),
-                     axes->value_or(straight((*packed)->spacing.data())), 1, 0, std::move(said));
+                     axes->value_or(straight((*packed)->spacing.data())), 1, 0, std::move(notes));
   }
   DIAPHANE_TRY(Reading(reader).read(path));
-  if (!nrrd_is_whole(path, bytes_of(reader->GetOutput()))) {
+  if (!nrrd_is_complete(path, bytes_of(reader->GetOutput()))) {
     return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
   }
   std::vector<std::string> repairs;

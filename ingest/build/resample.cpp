@@ -13,7 +13,7 @@
 namespace diaphane::ingest {
 namespace {
 
-bool is_whole(double value) { return std::abs(value - std::round(value)) < 1e-6; }
+bool is_integer(double value) { return std::abs(value - std::round(value)) < 1e-6; }
 
 /// Number of pixels of the output that lie on the slice, according to the filter.
 std::uint64_t covered(vtkImageStencilData* stencil, int width, int height) {
@@ -59,7 +59,7 @@ void resample(const dicom::Assessment& found, std::int16_t air, Built& built) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       from[axis] = source.shift[axis] / found.spacing[axis] - found.corner[axis];
     }
-    if (is_whole(source.slice)) {
+    if (is_integer(source.slice)) {
       reslice->SetInterpolationModeToCubic();
     } else {
       reslice->SetInterpolationModeToLinear();

@@ -34,7 +34,7 @@ struct Assessment {
   std::array<double, 9> direction{};    ///< as volume::Header::direction
   std::array<double, 3> origin{};       ///< mm (LPS), the centre of voxel 0, 0, 0; never stored
   volume::Modality modality = volume::Modality::kOther;
-  double window_center = 0, window_width = 0;
+  double window_center = 0, window_width = 0;  ///< as in Slice
 };
 
 /// Limits for what counts as a volume (design: ingest, "Cases and the right result").

@@ -206,8 +206,8 @@ Slice slice_of(const Elements& in) {
 }
 
 /// Applies the values of a functional group to the slice of a frame.
-void apply(const std::vector<GroupedText>& said, Slice& slice) {
-  for (const GroupedText& one : said) {
+void apply(const std::vector<GroupedText>& group_values, Slice& slice) {
+  for (const GroupedText& one : group_values) {
     const std::vector<std::string> parts = split(trimmed(one.value));
     const auto first = parts.empty() ? std::nullopt : number(parts.front());
     switch (one.tag) {
@@ -303,7 +303,7 @@ Result<std::vector<Slice>> read_slices(const Precheck& checked) {
 Result<Values> read_values(const Precheck& checked, const Slice& slice, double unit) {
   silence_gdcm();
   if (!checked.has_pixels) return fail(ErrorCode::kInvalid, "a slice has no pixel data");
-  // One frame at a time, because the file can be much larger than a slice.
+  // Reads one frame at a time, because the file can be much larger than a slice.
   const std::vector<std::byte> one = frame_file(checked, slice.frame);
   if (one.empty()) return fail(ErrorCode::kInvalid, "the pixel data of a slice is incomplete");
   ByteBuffer buffer(one);
@@ -315,7 +315,7 @@ Result<Values> read_values(const Precheck& checked, const Slice& slice, double u
       return fail(ErrorCode::kInvalid, "the pixel data of a slice cannot be read");
     const gdcm::Image& image = reader.GetImage();
     const gdcm::PixelFormat& format = image.GetPixelFormat();
-    // The decoder's layout counts, because a compressed image may hold fewer bits than the header
+    // Uses the decoder's layout, because a compressed image may hold fewer bits than the header
     // says.
     const PixelLayout layout{format.GetBitsAllocated(), format.GetBitsStored(), format.GetHighBit(),
                              format.GetPixelRepresentation() == 1};

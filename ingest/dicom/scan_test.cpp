@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "ingest/dicom/test_series.h"
+#include "tests/support/ingest/test_series.h"
 
 namespace diaphane::dicom {
 namespace {

@@ -32,15 +32,15 @@ struct SeriesSpec {
   std::array<double, 2> pixel_spacing{1, 1};  ///< mm: between rows, between columns
   std::array<double, 6> orientation{1, 0, 0,
                                     0, 1, 0};  ///< directions of a row and of a column (LPS)
-  double slice_thickness = 1;
-  bool with_geometry = true;  ///< false: no position, no orientation
+  double slice_thickness = 1;                  ///< mm
+  bool with_geometry = true;                   ///< false: no position, no orientation
   std::string photometric = "MONOCHROME2";
   std::uint16_t samples = 1;
   std::uint16_t bits_allocated = 16, bits_stored = 16, high_bit = 15;
   std::uint16_t is_signed = 1;
   bool with_rescale = true;
-  double slope = 1, intercept = 0;
-  double window_center = 40, window_width = 400;
+  double slope = 1, intercept = 0;                ///< value = slope x stored + intercept
+  double window_center = 40, window_width = 400;  ///< in units of the values
   /// Adds every element of an invented patient, of institutions and of descriptions, including
   /// nested and private ones.
   bool with_patient = true;

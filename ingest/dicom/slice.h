@@ -58,7 +58,7 @@ struct Slice {
   std::optional<std::array<double, 3>> position;       ///< mm, LPS
   std::optional<std::array<double, 6>> orientation;    ///< along a row, along a column
   std::optional<std::array<double, 2>> pixel_spacing;  ///< mm between rows, between columns
-  double window_center = 0, window_width = 0;
+  double window_center = 0, window_width = 0;          ///< in units of the values; width 0: unknown
 
   bool is_scout() const;
 };

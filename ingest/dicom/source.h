@@ -21,6 +21,8 @@ class FileSource {
   using Take = std::function<Result<void>(std::size_t index, Bytes bytes)>;
 
   virtual ~FileSource() = default;
+  /// Reads the files that `want` selects. Returns the first error of `take`, or an error of the
+  /// source itself.
   virtual Result<void> visit(const Want& want, const Take& take) = 0;
 };
 

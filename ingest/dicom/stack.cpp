@@ -129,9 +129,9 @@ Stack with_varying(Stack stack, const std::vector<double>& gaps, const std::vect
   stack.varying = {*least, *most};
   std::vector<double> sorted = gaps;
   std::sort(sorted.begin(), sorted.end());
-  const double wanted = mains.empty() ? sorted[sorted.size() / 10] : mains.front();
+  const double target = mains.empty() ? sorted[sorted.size() / 10] : mains.front();
   // Both ends are kept, so the steps are slightly finer than requested.
-  const double steps = std::ceil(height / wanted - 0.01);
+  const double steps = std::ceil(height / target - 0.01);
   stack.spacing = height / steps;
   std::size_t i = 0;
   double below = 0;  // mm, height of slice i
@@ -217,9 +217,9 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
   // The vector from the first slice to the last, within the plane of the slices and along their
   // normal.
   const Vec3& first = positions[stack.order.front()];
-  const Vec3 whole = minus(positions[stack.order.back()], first);
-  const double height = dot(whole, axes.normal);
-  const double shift_x = dot(whole, axes.row), shift_y = dot(whole, axes.column);
+  const Vec3 extent = minus(positions[stack.order.back()], first);
+  const double height = dot(extent, axes.normal);
+  const double shift_x = dot(extent, axes.row), shift_y = dot(extent, axes.column);
   const double shear = std::atan2(std::hypot(shift_x, shift_y), height) * 180 / std::numbers::pi;
   if (shear > kSteepestTilt) {
     return refused(std::move(stack), "tilted",
@@ -229,12 +229,12 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
   const double tolerance = tolerance_of(stack.spacing);
   double largest_gap_error = 0, largest_shift = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 here = minus(positions[stack.order[i]], first);
-    const double share = dot(here, axes.normal) / height;
+    const Vec3 offset = minus(positions[stack.order[i]], first);
+    const double share = dot(offset, axes.normal) / height;
     stack.jitter = std::max(
-        stack.jitter, std::abs(dot(here, axes.normal) - static_cast<double>(i) * stack.spacing));
-    largest_shift = std::max(largest_shift, std::hypot(dot(here, axes.row) - share * shift_x,
-                                                       dot(here, axes.column) - share * shift_y));
+        stack.jitter, std::abs(dot(offset, axes.normal) - static_cast<double>(i) * stack.spacing));
+    largest_shift = std::max(largest_shift, std::hypot(dot(offset, axes.row) - share * shift_x,
+                                                       dot(offset, axes.column) - share * shift_y));
     if (i > 0)
       largest_gap_error = std::max(largest_gap_error, std::abs(gaps[i - 1] - stack.spacing));
   }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ingest/dicom/read_slice.h"
-#include "ingest/dicom/test_series.h"
+#include "tests/support/ingest/test_series.h"
 
 namespace diaphane::dicom {
 namespace {

@@ -246,10 +246,10 @@ class Walker {
   /// Records the value of a functional group that was just passed.
   void note_grouped(const Element& e) {
     if (top_ != kFrameGroups && top_ != kSharedGroups) return;
-    const bool wanted = std::any_of(kGrouped.begin(), kGrouped.end(), [&](const Grouped& g) {
+    const bool needed = std::any_of(kGrouped.begin(), kGrouped.end(), [&](const Grouped& g) {
       return g.group == group_ && g.tag == e.tag;
     });
-    if (!wanted) return;
+    if (!needed) return;
     if (e.length > kLongestNeeded) damaged("an element has an unexpected form");
     auto& into = top_ == kFrameGroups ? result_.each.back() : result_.shared;
     into.push_back({e.tag, at_ - e.length, at_});

@@ -62,7 +62,7 @@ Mask enclosed_by(const Mask& bone, int width, int height) {
                                                             {1, -2},
                                                             {-1, -2}}};
   constexpr int kLeastSeen = 14;
-  std::vector<int> seen(bone.size(), 0);
+  std::vector<int> hits(bone.size(), 0);
   Mask hit(bone.size());
   for (const auto& [dx, dy] : kDirections) {
     // Walks against the direction, so that the result of the next cell is known and no ray is
@@ -76,12 +76,12 @@ Mask enclosed_by(const Mask& bone, int width, int height) {
         const bool within = nx >= 0 && nx < width && ny >= 0 && ny < height;
         const auto next = within ? static_cast<std::size_t>(nx + width * ny) : 0;
         hit[cell] = within && (bone[next] || hit[next]);
-        seen[cell] += hit[cell];
+        hits[cell] += hit[cell];
       }
     }
   }
   Mask enclosed(bone.size());
-  for (std::size_t i = 0; i < bone.size(); ++i) enclosed[i] = !bone[i] && seen[i] >= kLeastSeen;
+  for (std::size_t i = 0; i < bone.size(); ++i) enclosed[i] = !bone[i] && hits[i] >= kLeastSeen;
   return enclosed;
 }
 

@@ -83,7 +83,7 @@ Coarse coarse_of(const volume::Volume& volume) {
       for (int x = 0; x < coarse.size[0]; ++x) {
         const auto middle = coarse.place(x, y, z);
         float sum = 0, most = Coarse::kNothing;
-        int there = 0;
+        int inside = 0;
         for (int corner = 0; corner < 8; ++corner) {
           constexpr double kQuarter = Coarse::kCellMm / 4;
           const float v = value({middle[0] + (corner & 1 ? kQuarter : -kQuarter),
@@ -92,10 +92,10 @@ Coarse coarse_of(const volume::Volume& volume) {
           if (v == Coarse::kNothing) continue;
           sum += v;
           most = std::max(most, v);
-          ++there;
+          ++inside;
         }
-        if (there == 0) continue;
-        coarse.mean[coarse.at(x, y, z)] = sum / static_cast<float>(there);
+        if (inside == 0) continue;
+        coarse.mean[coarse.at(x, y, z)] = sum / static_cast<float>(inside);
         coarse.most[coarse.at(x, y, z)] = most;
       }
     }

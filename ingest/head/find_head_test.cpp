@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "volume/test_shapes.h"
+#include "tests/support/volume/test_shapes.h"
 
 namespace diaphane::ingest {
 namespace {

@@ -17,10 +17,10 @@
 #include <span>
 
 #include "common/fd.h"
+#include "common/sandbox/supervisor.h"
 #include "common/try.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
-#include "ingest/pipeline/supervisor.h"
 #include "volume/header.h"
 #include "volume/labels.h"
 
@@ -172,13 +172,14 @@ std::optional<SandboxBuilder::DirectoryId> SandboxBuilder::directory_of(const st
   return DirectoryId(info.st_dev, info.st_ino);
 }
 
-Result<Build> SandboxBuilder::build(const UploadInput& upload, const GoOn& go_on) {
+Result<Build> SandboxBuilder::build(const UploadInput& upload,
+                                    const ShouldContinue& should_continue) {
   const Fd input(open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) {
     if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "cannot open the upload");
     // A directory in which no upload has been found may be a mount point whose disk is missing.
-    const auto here = directory_of(upload.path);
-    if (!here || here != uploads_) {
+    const auto upload_directory = directory_of(upload.path);
+    if (!upload_directory || upload_directory != uploads_) {
       return fail(ErrorCode::kUnavailable, "the upload disk is not mounted");
     }
     Build build;
@@ -192,26 +193,26 @@ Result<Build> SandboxBuilder::build(const UploadInput& upload, const GoOn& go_on
   return run(input.get(), kChildWord,
              {std::to_string(upload.quota_left.value_or(BuildBounds::kNone)), std::to_string(room),
               std::to_string(light)},
-             go_on);
+             should_continue);
 }
 
-Result<Build> SandboxBuilder::cut(const CutInput& wanted, const GoOn& go_on) {
-  auto header = volume::to_json(wanted.header);
+Result<Build> SandboxBuilder::cut(const CutInput& order, const ShouldContinue& should_continue) {
+  auto header = volume::to_json(order.header);
   DIAPHANE_TRY(header);
-  const std::string voxels = wanted.volume_directory + "/voxels.i16";
+  const std::string voxels = order.volume_directory + "/voxels.i16";
   const Fd input(open(voxels.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) return fail(ErrorCode::kUnavailable, "cannot open the stored voxels");
-  if (const auto plan = volume::plan_cut(wanted.header, wanted.region)) {
+  if (const auto plan = volume::plan_cut(order.header, order.region)) {
     const std::uint64_t bytes =
         std::uint64_t{plan->size[0]} * plan->size[1] * plan->size[2] * sizeof(std::int16_t);
     if (bytes > room_bytes()) return no_room();
   }
-  return run(input.get(), kCutChildWord, {*std::move(header), volume::to_json(wanted.region)},
-             go_on);
+  return run(input.get(), kCutChildWord, {*std::move(header), volume::to_json(order.region)},
+             should_continue);
 }
 
 Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::string> more,
-                                  const GoOn& go_on) {
+                                  const ShouldContinue& should_continue) {
   Build build;
   const Fd output(unnamed_file(options_.scratch_dir));
   if (!output) {
@@ -228,7 +229,7 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   command.output = output.get();
   command.time_limit = std::chrono::seconds(options_.time_limit_s);
   const auto began = std::chrono::steady_clock::now();
-  auto end = run_child(command, go_on);
+  auto end = run_child(command, should_continue);
   DIAPHANE_TRY(end);
   build.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   build.peak_bytes = end->peak_bytes;

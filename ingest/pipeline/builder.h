@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/result.h"
+#include "common/sandbox/sandbox.h"
 #include "ingest/dicom/scan.h"
 #include "ingest/pipeline/report.h"
-#include "ingest/pipeline/sandbox.h"
 #include "volume/region.h"
 #include "volume/volume.h"
 
@@ -20,7 +20,7 @@ namespace diaphane::ingest {
 struct Build {
   Verdict verdict;
   volume::Volume volume;  ///< valid with verdict.ready, with measured statistics
-  bool stopped = false;   ///< `go_on` returned false
+  bool stopped = false;   ///< `should_continue` returned false
   bool killed = false;    ///< something killed the child, probably the kernel for lack of memory
   bool delayed = false;   ///< the machine was too busy to finish in time
   /// The child could not allocate memory although it was below its own limit.
@@ -48,15 +48,15 @@ struct CutInput {
 /// Builds a volume from an upload, or cuts a stored volume, isolated from the contents of both.
 class Builder {
  public:
-  using GoOn = std::function<bool()>;
+  using ShouldContinue = std::function<bool()>;
   virtual ~Builder() = default;
   /// Returns a refusal for any problem with the contents of the file. An error is a temporary
   /// condition: kTooLarge for a full disk, kOutOfMemory, and kUnavailable or kInternal for the
   /// rest.
-  virtual Result<Build> build(const UploadInput& upload, const GoOn& go_on) = 0;
+  virtual Result<Build> build(const UploadInput& upload, const ShouldContinue& should_continue) = 0;
   /// Returns the kept part of a stored volume, which is not changed. Refuses if nothing would be
-  /// left.
-  virtual Result<Build> cut(const CutInput& input, const GoOn& go_on) = 0;
+  /// left. The errors are those of build().
+  virtual Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) = 0;
 };
 
 /// Builds in a sandboxed child process (child.h), one per upload. A child that crashes over its
@@ -75,11 +75,12 @@ class SandboxBuilder final : public Builder {
     std::uint64_t quota_mb = 2048;  ///< the largest volume
   };
   explicit SandboxBuilder(Options options) : options_(std::move(options)) {}
-  Result<Build> build(const UploadInput& upload, const GoOn& go_on) override;
-  Result<Build> cut(const CutInput& input, const GoOn& go_on) override;
+  Result<Build> build(const UploadInput& upload, const ShouldContinue& should_continue) override;
+  Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) override;
 
  private:
-  Result<Build> run(int input, const char* word, std::vector<std::string> more, const GoOn& go_on);
+  Result<Build> run(int input, const char* word, std::vector<std::string> more,
+                    const ShouldContinue& should_continue);
   std::uint64_t room_bytes() const;
   /// Identifies a directory and the file system that is mounted there. nullopt if it cannot be
   /// determined.

@@ -8,24 +8,26 @@
 namespace diaphane::ingest {
 namespace {
 
-Build refusal(const char* code, const char* words) {
+Build refusal(const char* code, const char* text) {
   Build build;
-  build.verdict = refused(code, words);
+  build.verdict = refused(code, text);
   return build;
 }
 
 }  // namespace
 
-Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on) {
+Result<Build> CheckedBuilder::build(const UploadInput& upload,
+                                    const ShouldContinue& should_continue) {
   const int input = open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (input < 0) return inner_.build(upload, go_on);  // the inner builder reports the reason
-  const auto found = clamd_.look_at(input, go_on);
+  if (input < 0)
+    return inner_.build(upload, should_continue);  // the inner builder reports the reason
+  const auto found = clamd_.look_at(input, should_continue);
   close(input);
   if (!found) {
     report_("unchecked");
-    log::error("malware_not_looked_for", {{"reason", found.error().message},
-                                          {"effect", pass_unchecked_ ? "passed" : "waits"}});
-    if (pass_unchecked_) return inner_.build(upload, go_on);
+    log::error("virus_scanner_unavailable", {{"reason", found.error().message},
+                                             {"effect", pass_unchecked_ ? "passed" : "waits"}});
+    if (pass_unchecked_) return inner_.build(upload, should_continue);
     return fail(ErrorCode::kUnavailable, "the virus scanner is unavailable");
   }
   if (*found == Clamd::Found::kStopped) {
@@ -40,7 +42,7 @@ Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on
                    "deleted.");
   }
   report_("clean");
-  return inner_.build(upload, go_on);
+  return inner_.build(upload, should_continue);
 }
 
 }  // namespace diaphane::ingest

@@ -23,10 +23,10 @@ class CheckedBuilder final : public Builder {
         inner_(inner),
         report_(std::move(report)) {}
 
-  Result<Build> build(const UploadInput& upload, const GoOn& go_on) override;
+  Result<Build> build(const UploadInput& upload, const ShouldContinue& should_continue) override;
   /// Not scanned again, because the upload of the volume was scanned.
-  Result<Build> cut(const CutInput& input, const GoOn& go_on) override {
-    return inner_.cut(input, go_on);
+  Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) override {
+    return inner_.cut(input, should_continue);
   }
 
  private:

@@ -6,11 +6,11 @@
 #include <new>
 #include <utility>
 
+#include "common/sandbox/supervisor.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/build_volume.h"
 #include "ingest/pipeline/memory_shortage.h"
 #include "ingest/pipeline/report.h"
-#include "ingest/pipeline/supervisor.h"
 #include "ingest/pipeline/tar_source.h"
 
 namespace diaphane::ingest {

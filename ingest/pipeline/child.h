@@ -5,9 +5,9 @@
 #include <functional>
 #include <limits>
 
+#include "common/sandbox/sandbox.h"
 #include "ingest/dicom/scan.h"
 #include "ingest/pipeline/report.h"
-#include "ingest/pipeline/sandbox.h"
 
 namespace diaphane::ingest {
 

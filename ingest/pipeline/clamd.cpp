@@ -66,14 +66,14 @@ enum class Step { kDone, kStopped, kSilent, kBroken };
 /// One conversation with clamd.
 class Talk {
  public:
-  Talk(Fd socket, milliseconds silence, const Clamd::GoOn& go_on)
-      : socket_(std::move(socket)), silence_(silence), go_on_(go_on) {}
+  Talk(Fd socket, milliseconds silence, const Clamd::ShouldContinue& should_continue)
+      : socket_(std::move(socket)), silence_(silence), should_continue_(should_continue) {}
 
   Step send(std::string_view data) {
     while (!data.empty()) {
       const ssize_t sent = ::send(socket_.get(), data.data(), data.size(), MSG_NOSIGNAL);
       if (sent > 0) {
-        heard_ = Clock::now();
+        last_reply_ = Clock::now();
         data.remove_prefix(static_cast<std::size_t>(sent));
         continue;
       }
@@ -90,7 +90,7 @@ class Talk {
     while (answer.empty() || answer.back() != '\0') {
       const ssize_t got = recv(socket_.get(), some.data(), some.size(), 0);
       if (got > 0) {
-        heard_ = Clock::now();
+        last_reply_ = Clock::now();
         answer.append(some.data(), static_cast<std::size_t>(got));
         if (answer.size() > kLongest) return Step::kBroken;
         continue;
@@ -107,15 +107,15 @@ class Talk {
     for (;;) {
       pollfd one{socket_.get(), what, 0};
       if (poll(&one, 1, static_cast<int>(kStep.count())) > 0) return Step::kDone;
-      if (!go_on_()) return Step::kStopped;
-      if (Clock::now() - heard_ > silence_) return Step::kSilent;
+      if (!should_continue_()) return Step::kStopped;
+      if (Clock::now() - last_reply_ > silence_) return Step::kSilent;
     }
   }
 
   Fd socket_;
   const milliseconds silence_;
-  const Clamd::GoOn& go_on_;
-  Clock::time_point heard_ = Clock::now();
+  const Clamd::ShouldContinue& should_continue_;
+  Clock::time_point last_reply_ = Clock::now();
 };
 
 std::string length_word(std::uint32_t bytes) {
@@ -154,7 +154,7 @@ Piece piece_at(std::uint64_t at, std::span<const char> header, std::uint64_t end
   return {begin, *bytes, begin + std::min(padded, end - begin)};
 }
 
-Result<Clamd::Found> Clamd::look_at(int fd, const GoOn& go_on) const {
+Result<Clamd::Found> Clamd::look_at(int fd, const ShouldContinue& should_continue) const {
   struct stat info {};
   if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "cannot read the upload");
   const auto end = static_cast<std::uint64_t>(info.st_size);
@@ -165,7 +165,7 @@ Result<Clamd::Found> Clamd::look_at(int fd, const GoOn& go_on) const {
     const Piece piece = piece_at(at, {header.data(), static_cast<std::size_t>(got)}, end);
     for (std::uint64_t done = 0; done < piece.bytes;) {
       const std::uint64_t bytes = std::min(piece.bytes - done, options_.most_bytes);
-      auto found = look_at(fd, {piece.offset + done, bytes, 0}, go_on);
+      auto found = look_at(fd, {piece.offset + done, bytes, 0}, should_continue);
       if (!found || *found != Found::kClean) return found;
       done += bytes;
       if (done < piece.bytes) done -= std::min(kOverlap, bytes / 2);
@@ -175,14 +175,15 @@ Result<Clamd::Found> Clamd::look_at(int fd, const GoOn& go_on) const {
   return Found::kClean;
 }
 
-Result<Clamd::Found> Clamd::look_at(int fd, const Piece& piece, const GoOn& go_on) const {
+Result<Clamd::Found> Clamd::look_at(int fd, const Piece& piece,
+                                    const ShouldContinue& should_continue) const {
   std::string buffer;
   // clamd may be starting or loading new signatures.
   for (const auto until = Clock::now() + options_.silence;;) {
-    if (!go_on()) return Found::kStopped;
+    if (!should_continue()) return Found::kStopped;
     std::string why;
     if (Fd socket = connect_to(options_.address)) {
-      Talk talk(std::move(socket), options_.silence, go_on);
+      Talk talk(std::move(socket), options_.silence, should_continue);
       Step step = stream(talk, fd, piece, buffer);
       std::string answer;
       if (step == Step::kDone || step == Step::kBroken) step = talk.receive(answer);

@@ -17,8 +17,8 @@ struct Piece {
   std::uint64_t next = 0;
 };
 
-/// Returns the content of the tar entry whose header is at `at` in a file of `end` bytes. If there
-/// is no valid header, the piece contains everything that follows, so that nothing is skipped that
+/// Returns the content of the tar entry whose header is at `at` in a file of `end` bytes. Without a
+/// valid header, the piece contains everything that follows, so that nothing is skipped that
 /// another reader might see. `header` holds up to 512 bytes from `at`.
 Piece piece_at(std::uint64_t at, std::span<const char> header, std::uint64_t end);
 
@@ -35,17 +35,17 @@ class Clamd {
   };
   static constexpr std::uint64_t kOverlap = 65536;
   enum class Found { kClean, kInfected, kStopped };
-  using GoOn = std::function<bool()>;
+  using ShouldContinue = std::function<bool()>;
 
   explicit Clamd(Options options) : options_(std::move(options)) {}
 
-  /// Scans the contents of the tar behind `fd`. Returns kStopped as soon as `go_on`, which is
-  /// called several times per second, returns false. kUnavailable, with the reason, if clamd cannot
-  /// be used.
-  Result<Found> look_at(int fd, const GoOn& go_on) const;
+  /// Scans the contents of the tar behind `fd`. Returns kStopped as soon as `should_continue`,
+  /// which is called several times per second, returns false. kUnavailable, with the reason, if
+  /// clamd cannot be used.
+  Result<Found> look_at(int fd, const ShouldContinue& should_continue) const;
 
  private:
-  Result<Found> look_at(int fd, const Piece& piece, const GoOn& go_on) const;
+  Result<Found> look_at(int fd, const Piece& piece, const ShouldContinue& should_continue) const;
   Options options_;
 };
 

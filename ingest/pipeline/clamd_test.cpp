@@ -122,10 +122,10 @@ class Listener {
 
 Result<Clamd::Found> look(
     const std::string& address, const std::string& bytes, std::uint64_t most = 1 << 20,
-    const Clamd::GoOn& go_on = [] { return true; }) {
+    const Clamd::ShouldContinue& should_continue = [] { return true; }) {
   const int fd = file_of(bytes);
   auto found = Clamd({.address = address, .silence = milliseconds(400), .most_bytes = most})
-                   .look_at(fd, go_on);
+                   .look_at(fd, should_continue);
   close(fd);
   return found;
 }

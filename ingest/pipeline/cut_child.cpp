@@ -5,9 +5,9 @@
 #include <cerrno>
 #include <span>
 
+#include "common/sandbox/supervisor.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/report.h"
-#include "ingest/pipeline/supervisor.h"
 #include "volume/header.h"
 #include "volume/region.h"
 

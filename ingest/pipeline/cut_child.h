@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/pipeline/sandbox.h"
+#include "common/sandbox/sandbox.h"
 
 namespace diaphane::ingest {
 

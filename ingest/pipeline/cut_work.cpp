@@ -12,9 +12,9 @@ namespace diaphane::ingest {
 
 void Worker::work_cut(const Job& job) {
   const CutOrder& order = *job.cut;
-  log::info("cut_begun", {{"data_set", job.data_set_id},
-                          {"killed", job.attempts},
-                          {"interrupted", job.interruptions}});
+  log::info("cut_started", {{"data_set", job.data_set_id},
+                            {"killed", job.attempts},
+                            {"interrupted", job.interruptions}});
   const auto header = volume::read_header(volume_path(job));
   if (!header && header.error().code == ErrorCode::kUnavailable) return wait(job, header.error());
   if (!header) return refuse_cut(job, "The stored scan cannot be read.");

@@ -32,10 +32,10 @@ bool limit_refuses(std::size_t bytes) {
   // The allocator maps at least 1 MiB and rounds up.
   constexpr std::size_t kMore = std::size_t{2} << 20;
   if (bytes > std::numeric_limits<std::size_t>::max() - kMore) return true;
-  void* const there =
+  void* const mapping =
       mmap(nullptr, bytes + kMore, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (there == MAP_FAILED) return true;
-  munmap(there, bytes + kMore);
+  if (mapping == MAP_FAILED) return true;
+  munmap(mapping, bytes + kMore);
   return false;
 }
 #endif

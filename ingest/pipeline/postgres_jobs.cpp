@@ -204,7 +204,7 @@ struct PostgresJobs::Impl {
     auto done = transact([&](pqxx::work& transaction) {
       const auto data_set = transaction.exec_params(
           "SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", job.data_set_id);
-      const auto given = transaction.exec_params(
+      const auto updated = transaction.exec_params(
           R"sql(
           UPDATE ingest_jobs
              SET leased_by = NULL, leased_until = NULL,
@@ -213,7 +213,7 @@ struct PostgresJobs::Impl {
                  not_before = now() + make_interval(secs => $5), large = large OR $6::bool
            WHERE data_set_id = $1 AND leased_by = $2)sql",
           job.data_set_id, claimer, count_attempt, waiting_for, seconds_of(pause), to_large);
-      if (given.affected_rows() > 0) {
+      if (updated.affected_rows() > 0) {
         transaction.exec_params(
             "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1",
             job.data_set_id);

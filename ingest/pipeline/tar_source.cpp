@@ -78,11 +78,11 @@ Result<void> TarSource::visit(const Want& want, const Take& take) {
     const la_int64_t size = archive_entry_size(entry);
     // A sparse file claims zeros that were never sent.
     if (size < 0 || size > length || archive_entry_sparse_count(entry) > 0) return broken();
-    const auto whole = static_cast<std::uint64_t>(size);
-    const std::uint64_t wanted = whole > largest_file_ ? kBeginning : whole;
+    const auto file_bytes = static_cast<std::uint64_t>(size);
+    const std::uint64_t read_bytes = file_bytes > largest_file_ ? kBeginning : file_bytes;
     // frees the old buffer before the new one is allocated
-    if (wanted > bytes.capacity()) bytes = {};
-    bytes.resize(wanted);
+    if (read_bytes > bytes.capacity()) bytes = {};
+    bytes.resize(read_bytes);
     if (archive_read_data(in.get(), bytes.data(), bytes.size()) !=
         static_cast<la_ssize_t>(bytes.size())) {
       return broken();

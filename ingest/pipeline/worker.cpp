@@ -61,14 +61,14 @@ std::string Worker::volume_path(const Job& job) const {
   return options_.volume_dir + "/" + job.data_set_id;
 }
 
-void Worker::note_postgres(bool there) {
-  events_.postgres(there);
-  if (there == postgres_there_) return;
-  postgres_there_ = there;
-  if (there) {
-    log::info("postgres_back");
+void Worker::note_postgres(bool available) {
+  events_.postgres(available);
+  if (available == postgres_available_) return;
+  postgres_available_ = available;
+  if (available) {
+    log::info("postgres_available");
   } else {
-    log::warning("postgres_away",
+    log::warning("postgres_unavailable",
                  {{"effect", "jobs wait until Postgres is available; nothing is lost"}});
   }
 }
@@ -106,7 +106,7 @@ bool Worker::work_once() {
   return true;
 }
 
-Builder::GoOn Worker::keep_going(const Job& job, Hold& hold) {
+Builder::ShouldContinue Worker::keep_going(const Job& job, Hold& hold) {
   return [this, &job, &hold, next_renewal = Clock::now() + options_.renew]() mutable {
     if (stop_is_due()) return false;
     if (Clock::now() < next_renewal) return true;
@@ -120,7 +120,7 @@ Builder::GoOn Worker::keep_going(const Job& job, Hold& hold) {
 }
 
 void Worker::work(const Job& job) {
-  // Must not happen, but paths are made of these ids.
+  // Should never happen, but file paths contain these IDs.
   if (!is_id(job.data_set_id) || (!job.cut && !is_id(job.upload_id))) return;
   try {
     job.cut ? work_cut(job) : work_upload(job);
@@ -130,22 +130,22 @@ void Worker::work(const Job& job) {
 }
 
 void Worker::work_upload(const Job& job) {
-  log::info("ingest_begun", {{"data_set", job.data_set_id},
-                             {"killed", job.attempts},
-                             {"interrupted", job.interruptions}});
+  log::info("ingest_started", {{"data_set", job.data_set_id},
+                               {"killed", job.attempts},
+                               {"interrupted", job.interruptions}});
   if (job.attempts >= options_.most_attempts) {
     Build given_up;
     given_up.verdict =
         refused("no_memory",
                 "The server ran out of memory or time each time it read this upload, which is "
                 "within the limits. "
-                "Upload the scan again later, or contact the people who run this server.");
+                "Upload the scan again later, or contact the administrator of this server.");
     return finish(job, given_up);
   }
   fault_point("claimed");
   Hold hold = Hold::kOurs;
-  const auto go_on = keep_going(job, hold);
-  auto build = builder_.build({upload_path(job), job.quota_left}, go_on);
+  const auto should_continue = keep_going(job, hold);
+  auto build = builder_.build({upload_path(job), job.quota_left}, should_continue);
   fault_point("built");
   if (!build) return wait(job, build.error());
   if (hold != Hold::kOurs) {
@@ -189,7 +189,7 @@ void Worker::retry(const Job& job, const Build& build) {
   }
   wait(job, WaitReason::kMemory,
        build.killed ? "the child process was killed"
-                    : "the child process got no memory below its limit",
+                    : "the machine ran out of memory before the child process reached its limit",
        true);
 }
 
@@ -255,7 +255,7 @@ Result<void> Worker::store(const Job& job, volume::Volume& volume) {
 
 void Worker::give_back(const Job& job) {
   const auto released = jobs_.release(job);
-  log::info("ingest_given_back", {{"data_set", job.data_set_id}, {"said", released.has_value()}});
+  log::info("ingest_returned", {{"data_set", job.data_set_id}, {"recorded", released.has_value()}});
 }
 
 void Worker::remove_original(const Job& job) {

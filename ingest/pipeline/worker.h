@@ -69,7 +69,7 @@ class Worker {
   void refuse_cut(const Job& job, const std::string& text);
   /// Returns a callback that tells whether work on a job should continue and renews its lease
   /// periodically.
-  Builder::GoOn keep_going(const Job& job, Hold& hold);
+  Builder::ShouldContinue keep_going(const Job& job, Hold& hold);
   Result<void> store(const Job& job, volume::Volume& volume);
   void give_back(const Job& job);
   void wait(const Job& job, const Error& why);
@@ -78,7 +78,7 @@ class Worker {
   void wait_for_file(const Job& job);
   void remove_original(const Job& job);
   void discard_volume(const Job& job);
-  void note_postgres(bool there);
+  void note_postgres(bool available);
   void pause(std::chrono::milliseconds span);
   bool stop_is_due();
   /// Retries until Postgres answers or a stop is requested.
@@ -93,7 +93,7 @@ class Worker {
   WorkerEvents events_;
   std::atomic<bool> stopping_{false};
   SteadyTime stop_requested_{};
-  bool postgres_there_ = true;
+  bool postgres_available_ = true;
 };
 
 template <typename Ask>

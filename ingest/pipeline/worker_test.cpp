@@ -113,7 +113,7 @@ class FakeJobs final : public JobStore {
 
 class FakeBuilder final : public Builder {
  public:
-  Result<Build> build(const UploadInput&, const GoOn& go_on) override {
+  Result<Build> build(const UploadInput&, const ShouldContinue& should_continue) override {
     ++builds;
     if (no_memory) throw std::bad_alloc();
     if (failure) return tl::unexpected(*failure);
@@ -125,7 +125,7 @@ class FakeBuilder final : public Builder {
     result.too_large = too_large;
     const auto until = std::chrono::steady_clock::now() + takes;
     while (std::chrono::steady_clock::now() < until) {
-      if (!go_on()) {
+      if (!should_continue()) {
         result.stopped = true;
         return result;
       }
@@ -139,7 +139,7 @@ class FakeBuilder final : public Builder {
     }
     return result;
   }
-  Result<Build> cut(const CutInput& input, const GoOn&) override {
+  Result<Build> cut(const CutInput& input, const ShouldContinue&) override {
     ++builds;
     if (failure) return tl::unexpected(*failure);
     Build result;
@@ -323,7 +323,7 @@ TEST_F(WorkerTest, RetriesKilledChildAndGivesUpAfterTheLastAttempt) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, RetriesWhatABusyMachineDidNotFinish) {
+TEST_F(WorkerTest, RetriesBuildsThatABusyMachineTimedOut) {
   builder_.delayed = true;
   const Job job = put();
   EXPECT_TRUE(worker().work_once());
@@ -384,7 +384,7 @@ TEST_F(WorkerTest, StoppingReleasesTheJobAfterTheGracePeriod) {
   const auto before = std::chrono::steady_clock::now();
   w.stop();
   thread.join();
-  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(2));
+  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(15));
   EXPECT_EQ(jobs_.released, std::vector{job.data_set_id});
   EXPECT_TRUE(original_there(job));
 }

@@ -96,11 +96,11 @@ std::string ActionExecutor::path(Kind kind, const std::string& name, const char*
   return path_of(options_.name_space, kind, name) + part;
 }
 
-Result<void> ActionExecutor::wrote(Kind kind, const Result<Json>& answer,
-                                   ExecutionContext& context) {
+Result<void> ActionExecutor::on_write(Kind kind, const Result<Json>& answer,
+                                      ExecutionContext& context) {
   DIAPHANE_TRY(answer);
   context.version = kube::version_of(*answer);
-  options_.wrote(kind, *answer);
+  options_.on_write(kind, *answer);
   return {};
 }
 
@@ -109,15 +109,15 @@ Result<void> ActionExecutor::created(Kind kind, const std::string& name, const R
   if (!answer && answer.error().field == "AlreadyExists") {
     // Another operator created it, or this one did without receiving the answer. The existing
     // object decides.
-    const auto there = api_.get(path(kind, name));
-    if (there) {
-      options_.wrote(kind, *there);
+    const auto current = api_.get(path(kind, name));
+    if (current) {
+      options_.on_write(kind, *current);
     } else {
       log::warning("read_failed",
-                   {{"object", key(kind, name)}, {"message", there.error().message}});
+                   {{"object", key(kind, name)}, {"message", current.error().message}});
     }
   }
-  return wrote(kind, answer, context);
+  return on_write(kind, answer, context);
 }
 
 Result<void> ActionExecutor::gone(const Result<void>& answer) {
@@ -151,8 +151,10 @@ Result<void> ActionExecutor::execute(const CreatePod& action, ExecutionContext& 
   if (!pods && of->spec.template_hash == action.template_hash) pods = template_of(of->uid);
   if (!pods) {
     events_.record({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
-                    "The pod template does not match its hash. Delete this worker", true});
-    return fail(ErrorCode::kInvalid, "the pod template was edited after the worker was created",
+                    "The pod template does not match its hash. Delete this worker, and the "
+                    "operator creates a new one",
+                    true});
+    return fail(ErrorCode::kInvalid, "the pod template of the worker does not match its hash",
                 "TemplateChanged");
   }
   auto done = created(
@@ -168,7 +170,7 @@ Result<void> ActionExecutor::execute(const CreatePod& action, ExecutionContext& 
 
 Result<void> ActionExecutor::execute(const SetDrain& action, ExecutionContext& context) {
   const Target target = context.target(action.worker, action.uid, action.version);
-  auto done = wrote(
+  auto done = on_write(
       Kind::kWorker,
       api_.apply(path(Kind::kWorker, action.worker), drain_patch(target, action.drain), "drain"),
       context);
@@ -193,16 +195,16 @@ Result<void> ActionExecutor::execute(const DeleteWorker& action, ExecutionContex
 }
 
 Result<void> ActionExecutor::execute(const RemoveFinalizer& action, ExecutionContext& context) {
-  const auto there = api_.get(path(action.kind, action.name));
-  if (!there && there.error().code == ErrorCode::kNotFound) return {};
-  DIAPHANE_TRY(there);
+  const auto current = api_.get(path(action.kind, action.name));
+  if (!current && current.error().code == ErrorCode::kNotFound) return {};
+  DIAPHANE_TRY(current);
   const Target target = context.target(action.name, action.uid, action.version);
-  const std::string uid = there->value("/metadata/uid"_json_pointer, "");
-  if (uid != target.uid || kube::version_of(*there) != target.version) {
-    options_.wrote(action.kind, *there);
+  const std::string uid = current->value("/metadata/uid"_json_pointer, "");
+  if (uid != target.uid || kube::version_of(*current) != target.version) {
+    options_.on_write(action.kind, *current);
     return fail(ErrorCode::kConflict, "the object has changed since it was read", "Conflict");
   }
-  const auto answer = api_.replace(path(action.kind, action.name), without_finalizer(*there));
+  const auto answer = api_.replace(path(action.kind, action.name), without_finalizer(*current));
   // Removing the last finalizer deletes the object.
   if (!answer) return gone(tl::unexpected(answer.error()));
   return {};
@@ -212,27 +214,27 @@ Result<void> ActionExecutor::execute(const Restore& action, ExecutionContext& co
   if (action.kind == Kind::kFleet) {
     const Fleet* fleet = find(context.snapshot.world.fleets, action.uid);
     if (!fleet) return not_in_snapshot();
-    return wrote(action.kind,
-                 api_.apply(path(action.kind, action.name),
-                            finalizer_patch(action.kind, context.target(action.name, action.uid,
-                                                                        fleet->version))),
-                 context);
+    return on_write(action.kind,
+                    api_.apply(path(action.kind, action.name),
+                               finalizer_patch(action.kind, context.target(action.name, action.uid,
+                                                                           fleet->version))),
+                    context);
   }
   events_.record({kind_name(action.kind), action.name, action.uid, "Restored",
-                  "Restored labels, owner or finalizer that had been changed", true});
+                  "Restored labels, owner or finalizer that someone had changed", true});
   if (action.kind == Kind::kPod) {
     const Pod* pod = find(context.snapshot.world.pods, action.uid);
     const Worker* worker = pod ? context.worker(pod->owner_uid) : nullptr;
     if (!worker) return not_in_snapshot();
-    return wrote(action.kind,
-                 api_.apply(path(action.kind, action.name),
-                            pod_patch(context.target(action.name, action.uid, pod->version),
-                                      worker->fleet, worker->name)),
-                 context);
+    return on_write(action.kind,
+                    api_.apply(path(action.kind, action.name),
+                               pod_patch(context.target(action.name, action.uid, pod->version),
+                                         worker->fleet, worker->name)),
+                    context);
   }
   const Worker* worker = context.worker(action.uid);
   if (!worker) return not_in_snapshot();
-  return wrote(
+  return on_write(
       action.kind,
       api_.apply(path(action.kind, action.name),
                  worker_patch(context.target(action.name, action.uid, worker->version), *worker)),
@@ -243,20 +245,20 @@ Result<void> ActionExecutor::execute(const SetWorkerStatus& action, ExecutionCon
   const Worker* worker = context.worker(action.uid);
   if (!worker) return not_in_snapshot();
   const Target target = context.target(action.name, action.uid, worker->version);
-  return wrote(Kind::kWorker,
-               api_.apply(path(Kind::kWorker, action.name, "/status"),
-                          worker_status_patch(target, action.status), "status"),
-               context);
+  return on_write(Kind::kWorker,
+                  api_.apply(path(Kind::kWorker, action.name, "/status"),
+                             worker_status_patch(target, action.status), "status"),
+                  context);
 }
 
 Result<void> ActionExecutor::execute(const SetFleetStatus& action, ExecutionContext& context) {
   const Fleet* fleet = find(context.snapshot.world.fleets, action.uid);
   if (!fleet) return not_in_snapshot();
   const Target target = context.target(action.name, action.uid, fleet->version);
-  return wrote(Kind::kFleet,
-               api_.apply(path(Kind::kFleet, action.name, "/status"),
-                          fleet_status_patch(target, action.status), "status"),
-               context);
+  return on_write(Kind::kFleet,
+                  api_.apply(path(Kind::kFleet, action.name, "/status"),
+                             fleet_status_patch(target, action.status), "status"),
+                  context);
 }
 
 }  // namespace diaphane::fleet

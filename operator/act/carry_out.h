@@ -20,7 +20,7 @@ class ActionExecutor {
   struct Options {
     std::string name_space;
     /// Receives the API server's answer to a write before the watch reports it.
-    std::function<void(Kind, const Json&)> wrote;
+    std::function<void(Kind, const Json&)> on_write;
   };
   ActionExecutor(Options options, kube::Api& api, Events& events)
       : options_(std::move(options)), api_(api), events_(events) {}
@@ -42,7 +42,7 @@ class ActionExecutor {
   Result<void> execute(const SetFleetStatus& action, ExecutionContext& context);
 
   std::string path(Kind kind, const std::string& name = "", const char* part = "") const;
-  Result<void> wrote(Kind kind, const Result<Json>& answer, ExecutionContext& context);
+  Result<void> on_write(Kind kind, const Result<Json>& answer, ExecutionContext& context);
   Result<void> created(Kind kind, const std::string& name, const Result<Json>& answer,
                        ExecutionContext& context);
   static Result<void> gone(const Result<void>& answer);

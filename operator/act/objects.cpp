@@ -81,10 +81,10 @@ Json pod_object(const CreatePod& action, const std::string& fleet, const Labels&
   set_environment(container, "DIAPHANE_WORKER_ID", action.worker);
   Json& spec = pods["spec"];
   // Node affinity leaves the decision to the scheduler, which rejects pods that do not fit.
-  const Json here = {
+  const Json node_term = {
       {"matchFields", {{{"key", "metadata.name"}, {"operator", "In"}, {"values", {action.node}}}}}};
   spec["affinity"]["nodeAffinity"]["requiredDuringSchedulingIgnoredDuringExecution"] = {
-      {"nodeSelectorTerms", {here}}};
+      {"nodeSelectorTerms", {node_term}}};
   for (const auto& [key, value] : selector) spec["nodeSelector"][key] = value;
   return {{"apiVersion", "v1"}, {"kind", "Pod"}, {"metadata", metadata}, {"spec", spec}};
 }

@@ -11,12 +11,13 @@ namespace {
 using kube::part;
 using kube::text;
 
-void add_steps(std::vector<RetireStep>& steps, Kind kind, const Json& object, bool let_go) {
+void add_steps(std::vector<RetireStep>& steps, Kind kind, const Json& object,
+               bool remove_finalizers) {
   // The finalizer is removed after deletion starts, because a running operator would restore it
   // before.
   if (text(part(object, "metadata"), "deletionTimestamp").empty()) {
     steps.push_back({RetireStep::What::kDelete, kind, object});
-  } else if (let_go && has_finalizer(part(object, "metadata"))) {
+  } else if (remove_finalizers && has_finalizer(part(object, "metadata"))) {
     steps.push_back({RetireStep::What::kLetGo, kind, object});
   }
 }
@@ -81,7 +82,8 @@ Result<void> retire(kube::Api& api, const RetireOptions& options) {
     if (!left->fleet && left->workers.empty()) return {};
     if (!in_time && !announced) {
       announced = true;
-      log::warning("let_go", {{"workers", static_cast<std::int64_t>(left->workers.size())}});
+      log::warning("finalizers_removed",
+                   {{"workers", static_cast<std::int64_t>(left->workers.size())}});
     }
     for (const RetireStep& step : retire_steps(*left, in_time)) {
       const auto done = carry_out(api, options, step);

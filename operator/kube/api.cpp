@@ -101,9 +101,9 @@ Result<void> Api::remove(const std::string& path, const Precondition& preconditi
 }
 
 std::string time_text(double seconds_since_epoch) {
-  const double whole = std::floor(seconds_since_epoch);
-  auto seconds = static_cast<std::time_t>(whole);
-  auto micro = std::lround((seconds_since_epoch - whole) * 1e6);
+  const double whole_seconds = std::floor(seconds_since_epoch);
+  auto seconds = static_cast<std::time_t>(whole_seconds);
+  auto micro = std::lround((seconds_since_epoch - whole_seconds) * 1e6);
   if (micro >= 1000000) {
     micro -= 1000000;
     ++seconds;

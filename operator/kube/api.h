@@ -26,6 +26,7 @@ class Api {
   Api(Transport& transport, std::string manager)
       : transport_(transport), manager_(std::move(manager)) {}
 
+  /// Each function that returns Json returns the object as the API server has it now.
   Result<Json> get(const std::string& path);
   Result<Json> create(const std::string& collection, const Json& object);
   /// Server-side apply, which takes ownership of all fields in `object`. Its metadata contains uid
@@ -34,7 +35,9 @@ class Api {
   Result<Json> apply(const std::string& path, const Json& object, const std::string& part = "");
   /// Replaces the object. `object` contains the resourceVersion that was read.
   Result<Json> replace(const std::string& path, const Json& object);
+  /// Applies a JSON merge patch (RFC 7386).
   Result<Json> merge(const std::string& path, const Json& patch);
+  /// Deletes the object. Returns kConflict if the precondition does not hold.
   Result<void> remove(const std::string& path, const Precondition& precondition);
 
  private:

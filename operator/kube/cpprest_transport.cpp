@@ -57,8 +57,8 @@ class CpprestTransport final : public Transport {
       for (;;) {
         // A read blocks until the requested size arrives, so it requests only what is available,
         // and at least one byte.
-        const std::size_t there = std::clamp<std::size_t>(body.in_avail(), 1, piece.size());
-        const std::size_t got = body.getn(piece.data(), there).get();
+        const std::size_t available = std::clamp<std::size_t>(body.in_avail(), 1, piece.size());
+        const std::size_t got = body.getn(piece.data(), available).get();
         if (got == 0) return response;
         if (!bytes({reinterpret_cast<const char*>(piece.data()), got})) return response;
       }

@@ -65,13 +65,13 @@ void Reflector::run(const std::stop_token& stop) {
   bool known = false;
   while (!stop.stop_requested()) {
     const Outcome outcome = known ? watch(version) : list(version);
-    if (outcome == Outcome::kGoOn) {
+    if (outcome == Outcome::kContinue) {
       known = true;
       continue;
     }
     if (outcome == Outcome::kListAgain) {
       ++counts_.expired;
-      log::info("list_again", {{"kind", options_.kind}});
+      log::info("relist", {{"kind", options_.kind}});
       known = false;
     }
     ++counts_.failures;
@@ -105,7 +105,7 @@ Reflector::Outcome Reflector::list(std::string& version) {
   } while (!next.empty());
   connected_ = true;
   sink_.list_ends(version);
-  return Outcome::kGoOn;
+  return Outcome::kContinue;
 }
 
 Reflector::Outcome Reflector::watch(std::string& version) {
@@ -117,21 +117,21 @@ Reflector::Outcome Reflector::watch(std::string& version) {
                            "&timeoutSeconds=" + std::to_string(span.count())};
   if (!options_.selector.empty()) request.query += "&" + options_.selector;
   WatchReader reader;
-  Outcome outcome = Outcome::kGoOn;
+  Outcome outcome = Outcome::kContinue;
   bool any = false;
   bool answered = false;
   const auto begun = steady_clock::now();
-  auto heard = begun;
+  auto last_data = begun;
   const auto answer = transport_.stream(request, options_.silence, [&](std::string_view bytes) {
     connected_ = answered = true;
-    heard = steady_clock::now();
+    last_data = steady_clock::now();
     for (const WatchEvent& event : reader.feed(bytes)) {
       if (event.type == WatchEvent::Type::kExpired) {
         outcome = Outcome::kListAgain;
       } else if (event.type == WatchEvent::Type::kError) {
         outcome = Outcome::kFailed;
       }
-      if (outcome != Outcome::kGoOn) return false;
+      if (outcome != Outcome::kContinue) return false;
       any = true;
       ++counts_.events;
       if (auto now = metadata(event.object, "resourceVersion"); !now.empty()) {
@@ -141,14 +141,14 @@ Reflector::Outcome Reflector::watch(std::string& version) {
     }
     return true;
   });
-  if (outcome != Outcome::kGoOn) return outcome;
-  if (!answer && answered && steady_clock::now() - heard >= options_.silence / 2) {
+  if (outcome != Outcome::kContinue) return outcome;
+  if (!answer && answered && steady_clock::now() - last_data >= options_.silence / 2) {
     // The connection is broken, or the server sends no bookmarks. This is not known to be a
     // failure, so the next watch starts at once over another connection.
     connected_ = false;
     ++counts_.silent;
     log::warning("watch_silent", {{"kind", options_.kind}});
-    return Outcome::kGoOn;
+    return Outcome::kContinue;
   }
   if (!answer || answer->status != 200) {
     connected_ = false;
@@ -161,7 +161,7 @@ Reflector::Outcome Reflector::watch(std::string& version) {
   }
   connected_ = true;
   const bool too_short = !any && steady_clock::now() - begun < kTooShort;
-  return too_short ? Outcome::kFailed : Outcome::kGoOn;
+  return too_short ? Outcome::kFailed : Outcome::kContinue;
 }
 
 }  // namespace diaphane::kube

@@ -59,7 +59,7 @@ class Reflector {
   bool connected() const { return connected_; }
 
  private:
-  enum class Outcome { kGoOn, kListAgain, kFailed };
+  enum class Outcome { kContinue, kListAgain, kFailed };
   void run(const std::stop_token& stop);
   Outcome list(std::string& version);
   Outcome watch(std::string& version);

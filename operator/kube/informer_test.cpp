@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "operator/kube/fake_transport.h"
+#include "tests/support/operator/fake_transport.h"
 
 namespace diaphane::kube {
 namespace {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "operator/kube/fake_transport.h"
+#include "tests/support/operator/fake_transport.h"
 
 namespace diaphane::kube {
 namespace {

@@ -62,12 +62,13 @@ class Store {
     const std::lock_guard lock(mutex_);
     take(objects_);
   }
-  /// Like visit, but only if anything changed since revision `seen`, which is then updated.
+  /// Like visit, but only if anything changed since revision `known_revision`, which is then
+  /// updated.
   template <typename Take>
-  bool newer(std::uint64_t& seen, const Take& take) const {
+  bool newer(std::uint64_t& known_revision, const Take& take) const {
     const std::lock_guard lock(mutex_);
-    if (revision_ == seen) return false;
-    seen = revision_;
+    if (revision_ == known_revision) return false;
+    known_revision = revision_;
     take(objects_);
     return true;
   }

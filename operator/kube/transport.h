@@ -23,7 +23,8 @@ struct Response {
 };
 
 /// Connection to an API server. Thread-safe, and calls block. kUnavailable: there was no response,
-/// so it is unknown whether a write took effect.
+/// so it is unknown whether a write took effect. kTooLarge: the response exceeds the limit. A
+/// response with any HTTP status is not an error.
 class Transport {
  public:
   virtual ~Transport() = default;

@@ -8,9 +8,9 @@
 
 namespace diaphane::kube {
 
-/// Keys of objects that need work. Only one worker has a key at a time. A key that is put while it
-/// is taken comes again afterwards, and a key that is put twice before it is taken comes once.
-/// Failed keys are delayed with a backoff per key. Times are arguments.
+/// Keys of objects that need work. Only one worker has a key at a time. A key that is added
+/// while it is taken is returned again afterwards. A key that is added twice before it is taken is
+/// returned once. Failed keys are delayed with a backoff per key. Times are arguments.
 class WorkQueue {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -21,7 +21,7 @@ class WorkQueue {
   void put(const std::string& key, Time due);
   /// The key that has been due for longest. The caller must then call done(), failed() or both.
   std::optional<std::string> take(Time now);
-  /// Marks a key as no longer taken. It comes again if it was put meanwhile.
+  /// Marks a key as no longer taken. It is returned again if it was added meanwhile.
   void done(const std::string& key);
   /// Schedules a retry after a pause of 5 ms, doubled with each failure up to 1000 s.
   void failed(const std::string& key, Time now);

@@ -51,11 +51,11 @@ std::optional<Owner> owner(const Json& metadata, const char* kind) {
 int quantity(const Json& value) {
   if (value.is_number_integer()) return value.get<int>();
   if (!value.is_string()) return 0;
-  const auto& words = value.get_ref<const std::string&>();
+  const auto& digits = value.get_ref<const std::string&>();
   int count = 0;
-  const auto [end, wrong] = std::from_chars(words.data(), words.data() + words.size(), count);
+  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), count);
   if (wrong != std::errc()) return 0;
-  return end != words.data() + words.size() && *end == 'k' ? count * 1000 : count;
+  return end != digits.data() + digits.size() && *end == 'k' ? count * 1000 : count;
 }
 
 std::vector<Condition> conditions(const Json& status) {
@@ -183,10 +183,10 @@ Template Templates::intern(const std::string& hash, const Json& pods) {
   std::erase_if(known_, [](const auto& one) { return one.second.expired(); });
   auto& known = known_[hash];
   // A hash alone could match two templates that were written by hand.
-  if (Template there = known.lock(); there && *there == pods) return there;
-  auto made = std::make_shared<const Json>(pods);
-  known = made;
-  return made;
+  if (Template shared = known.lock(); shared && *shared == pods) return shared;
+  auto fresh = std::make_shared<const Json>(pods);
+  known = fresh;
+  return fresh;
 }
 
 std::optional<FleetObject> read_fleet(const Json& object) {

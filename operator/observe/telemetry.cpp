@@ -84,10 +84,10 @@ void TelemetryCache::missed() {
 
 void TelemetryCache::fill(ClusterState& world) {
   const std::lock_guard lock(mutex_);
-  std::unordered_set<std::string_view> there(world.workers.size());
-  for (const Worker& worker : world.workers) there.insert(worker.uid);
+  std::unordered_set<std::string_view> existing(world.workers.size());
+  for (const Worker& worker : world.workers) existing.insert(worker.uid);
   // If a list omits a worker once, its next sample arrives within a second.
-  std::erase_if(samples_, [&](const auto& one) { return !there.contains(one.first); });
+  std::erase_if(samples_, [&](const auto& one) { return !existing.contains(one.first); });
   // Assigns in place to reuse the memory of the elements.
   std::size_t count = 0;
   for (const auto& [uid, epochs] : samples_) {

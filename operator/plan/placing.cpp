@@ -116,14 +116,14 @@ bool Placing::room() const {
 }
 
 std::string Placing::why() const {
-  std::string words = "0 of " + std::to_string(nodes_.size()) + " nodes have room";
+  std::string text = "0 of " + std::to_string(nodes_.size()) + " nodes have room";
   const char* between = ": ";
   for (std::size_t i = 0; i < kReasons.size(); ++i) {
     if (unfit_[i] == 0) continue;
-    words += between + std::to_string(unfit_[i]) + " " + kReasons[i];
+    text += between + std::to_string(unfit_[i]) + " " + kReasons[i];
     between = ", ";
   }
-  return words;
+  return text;
 }
 
 }  // namespace diaphane::fleet

@@ -40,7 +40,7 @@ class Placing {
   /// Returns the name of a node, or nullptr if none has room.
   const std::string* next(Strategy strategy, Random& random);
   bool room() const;
-  /// Explains the result: "0 of 12 nodes: 3 cordoned, 9 full".
+  /// Explains the result: "0 of 12 nodes have room: 3 cordoned, 9 full".
   std::string why() const;
   /// When the next refused node may be tried again.
   std::optional<Seconds> again() const { return again_; }

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "operator/plan/test_world.h"
+#include "tests/support/operator/test_world.h"
 
 namespace diaphane::fleet {
 namespace {

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "operator/plan/scale.h"
-#include "operator/plan/simulated_cluster.h"
-#include "operator/plan/test_world.h"
+#include "tests/support/operator/simulated_cluster.h"
+#include "tests/support/operator/test_world.h"
 
 namespace diaphane::fleet {
 namespace {

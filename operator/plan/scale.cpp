@@ -26,7 +26,7 @@ int sessions_on(const WorkerView& view) {
 /// Whether the worker has had no sessions for `since` seconds.
 bool idle(const WorkerView& view, Seconds now, Seconds since) {
   const Telemetry* sample = view.telemetry;
-  // Not running yet or any more, and not only missing from one read.
+  // Not running yet, or no longer, and not merely missing from one read.
   if (!view.pod || view.health == Health::kComing) {
     return !sample || now - sample->sampled > kFresh;
   }
@@ -106,9 +106,9 @@ void take(WorkerCounts& tally, std::size_t i, DrainReason reason, const FleetSpe
 void upgrade(const FleetView& fleet, int desired, bool room, WorkerCounts& tally, Scaling& scaling,
              PlanBuilder& builder) {
   const FleetSpec& spec = fleet.fleet->spec;
-  int taken = fleet.demand ? fleet.demand->used + fleet.demand->reserved : 0, seen = 0;
-  for (const WorkerView* view : fleet.workers) seen += sessions_on(*view);
-  taken = std::max(taken, seen);
+  int taken = fleet.demand ? fleet.demand->used + fleet.demand->reserved : 0, observed = 0;
+  for (const WorkerView* view : fleet.workers) observed += sessions_on(*view);
+  taken = std::max(taken, observed);
   for (std::size_t i = 0; i < tally.active.size();) {
     const WorkerView& view = *tally.active[i];
     if (view.worker->template_hash == spec.template_hash) {

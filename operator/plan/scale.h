@@ -21,7 +21,7 @@ DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, in
 /// A token bucket with a capacity of one second, at least one token. Its state follows from the
 /// creation times of the workers, so there is nothing to store, and every leader computes the same.
 struct Tokens {
-  double count = 0;
+  double count = 0;  ///< available tokens
   Seconds next = 0;  ///< when the next whole token is available
 };
 Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds now);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "operator/plan/test_world.h"
+#include "tests/support/operator/test_world.h"
 
 namespace diaphane::fleet {
 namespace {

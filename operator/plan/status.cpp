@@ -75,7 +75,7 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
   }
   add("Progressing", progress != "Settled", progress, "");
   add("Degraded", counts.sick > 0, counts.sick > 0 ? "WorkersFailing" : "AsExpected",
-      counts.sick > 0 ? "Workers that are lost, unresponsive or have failed recently: " +
+      counts.sick > 0 ? "Workers that are lost or unresponsive, or that failed recently: " +
                             std::to_string(counts.sick)
                       : "");
   const bool asked = fleet.demand && now - fleet.demand->sampled <= kFresh;

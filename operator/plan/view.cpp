@@ -43,19 +43,19 @@ Seconds silence(const WorkerView& view, const ClusterState& world) {
 /// Returns how much silence is tolerated. A worker that has sent a heartbeat since telemetry became
 /// available has less time than one that must reconnect.
 Seconds patience(const WorkerView& view, const ClusterState& world) {
-  const bool heard = view.telemetry && view.telemetry->sampled >= world.listening_since;
-  return heard ? kHeartbeat : kFresh;
+  const bool reporting = view.telemetry && view.telemetry->sampled >= world.listening_since;
+  return reporting ? kHeartbeat : kFresh;
 }
 
 /// Whether at least half of the pods that have been ready for a while send telemetry.
 bool fresh(const FleetView& fleet, const ClusterState& world) {
-  std::size_t expected = 0, heard = 0;
+  std::size_t expected = 0, reporting = 0;
   for (const WorkerView* view : fleet.workers) {
     if (!view->pod || !view->pod->ready || world.now - view->pod->created < kStarting) continue;
     ++expected;
-    if (view->telemetry && world.now - view->telemetry->sampled <= kFresh) ++heard;
+    if (view->telemetry && world.now - view->telemetry->sampled <= kFresh) ++reporting;
   }
-  return 2 * heard >= expected;
+  return 2 * reporting >= expected;
 }
 
 void weigh(NodeView& node, const std::vector<const WorkerView*>& workers,

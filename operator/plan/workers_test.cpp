@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "operator/plan/parts.h"
-#include "operator/plan/test_world.h"
+#include "tests/support/operator/test_world.h"
 
 namespace diaphane::fleet {
 namespace {
@@ -72,6 +72,18 @@ TEST(Workers, PlansNothingBeforeEverythingWasListed) {
   world.fleets[0].spec.replicas = 2;
   world.complete = false;
   EXPECT_TRUE(plan(world, 1).actions.empty());
+}
+
+TEST(Workers, EvaluatesAgainSoonWhileThereIsAFleetOrAWorker) {
+  ClusterState fleet_alone = test_world(1);
+  fleet_alone.fleets[0].spec.replicas = 0;
+  EXPECT_LE(plan(fleet_alone, 1).requeue_after.value_or(1e9), 3);
+  ClusterState worker_alone = one_running();
+  worker_alone.fleets.clear();
+  EXPECT_LE(plan(worker_alone, 1).requeue_after.value_or(1e9), 3);
+  ClusterState nothing;
+  nothing.complete = true;
+  EXPECT_FALSE(plan(nothing, 1).requeue_after.has_value());
 }
 
 // pod crash
@@ -199,6 +211,26 @@ TEST(WhenThingsFail, ReplacesSilentWorkerAndDrainsItAfterAMinute) {
   EXPECT_EQ(all<CreateWorker>(plan(world, 1)).size(), 1u);
   world.telemetry[0].sampled = world.now - 61;
   EXPECT_EQ(drained(world), DrainReason::kUnhealthy);
+}
+
+TEST(WhenThingsFail, FleetSaysWhetherItIsDegraded) {
+  ClusterState world = one_running();
+  const auto reason = [](ClusterState settled) {
+    settle(settled);
+    const Condition* degraded = find(settled.fleets[0].status.conditions, "Degraded");
+    return degraded ? degraded->reason : "no condition";
+  };
+  EXPECT_EQ(reason(world), "AsExpected");
+  world.workers[0].status.failures = 1;
+  world.workers[0].status.failed_at = world.now;
+  EXPECT_EQ(reason(world), "WorkersFailing");
+}
+
+TEST(WhenThingsFail, WorkerSaysWhichGenerationWasObserved) {
+  ClusterState world = one_running();
+  world.workers[0].generation = 7;
+  settle(world);
+  EXPECT_EQ(world.workers[0].status.observed_generation, 7);
 }
 
 // Redis down
@@ -389,7 +421,7 @@ TEST(WhenThingsFail, DeletedFleetDrainsItsWorkersBeforeItIsRemoved) {
   EXPECT_EQ(last[0].kind, Kind::kFleet);
 }
 
-TEST(Status, IsWrittenAtMostOnceASecondAndOnlyOnChange) {
+TEST(Status, IsWrittenAtMostOncePerSecondAndOnlyOnChange) {
   ClusterState world = one_running(1);
   settle(world);
   EXPECT_TRUE(all<SetFleetStatus>(plan(world, 1)).empty());

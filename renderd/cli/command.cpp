@@ -17,6 +17,7 @@
 #include "renderd/cli/stop_rule.h"
 #include "renderd/scene/contrast_agent.h"
 #include "renderd/scene/presets.h"
+#include "scene/environment_import.h"
 #include "volume/slice_interpolation.h"
 
 namespace diaphane::render::cli {
@@ -43,6 +44,25 @@ Result<std::string> read_text(const std::string& path) {
     return fail(ErrorCode::kInvalid, path + " is too large to be a scene file");
   }
   return text;
+}
+
+/// Replaces the lights of a scene by the panorama of --environment, if there is one.
+Result<void> light_by_environment(const Options& options, diaphane::v1::Scene& scene) {
+  if (options.environment.empty()) return {};
+  const auto file = read_text(options.environment);
+  DIAPHANE_TRY(file);
+  const auto imported = scene::import_panorama(*file);
+  if (!imported) {
+    return fail(ErrorCode::kInvalid, scene::sentence_of(imported.error()), "--environment");
+  }
+  scene.clear_lights();
+  auto* light = scene.add_lights()->mutable_environment();
+  light->mutable_texture()->set_picture(scene::write_environment(*imported));
+  auto* radiance = light->mutable_radiance();
+  radiance->set_r(1);
+  radiance->set_g(1);
+  radiance->set_b(1);
+  return {};
 }
 
 /// Returns the scene of --scene, or nullopt if there is a preset instead.
@@ -75,12 +95,15 @@ Result<void> list_presets(const Options& options) {
 struct Ending {
   std::uint64_t dropped = 0;
   StopReason reason = StopReason::kSamples;
+  ErrorCurve curve;
 };
 
-/// Shows progress on a terminal.
+/// Shows progress on a terminal. Measures the error after each pass only for a report, because
+/// that takes time.
 Result<Ending> render_all(ProgressiveRenderer& renderer, const Options& options) {
   using Clock = std::chrono::steady_clock;
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
+  const bool reports = !options.report.empty();
   const auto begin = Clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   const StopRule rule = options.stop_rule();
@@ -98,7 +121,11 @@ Result<Ending> render_all(ProgressiveRenderer& renderer, const Options& options)
     const double now = elapsed();
     const bool show_now = show && now >= last_shown + kShowEvery;
     std::optional<double> error;
-    if (pace.error_is_due() || show_now) error = renderer.progress().error;
+    if (pace.error_is_due() || show_now || reports) {
+      const Progress progress = renderer.progress();
+      error = progress.error;
+      if (reports) ending.curve.add({progress.samples, progress.seconds, progress.error});
+    }
     const auto reason = pace.reached(elapsed(), pace.error_is_due() ? error : std::nullopt);
     if (show_now || (show && reason)) {
       if (!error) error = renderer.progress().error;
@@ -162,6 +189,9 @@ Result<Rendered> render(const Options& options) {
       *given ? Result<diaphane::v1::Scene>(**given) : scene_of_preset(options.preset, *input);
   if (!scene) return tl::make_unexpected(scene.error());
   if (options.bounces) scene->set_bounces(*options.bounces);
+  if (const auto lit = light_by_environment(options, *scene); !lit) {
+    return tl::make_unexpected(lit.error());
+  }
   if (!options.stored_slices) {
     volume::refine_slices(
         *input, volume::refinement_of(input->header),
@@ -181,7 +211,8 @@ Result<Rendered> render(const Options& options) {
   if (!picture) return tl::make_unexpected(picture.error());
   return Rendered{std::move(picture->bytes),
                   {(*engine)->info(), (*renderer)->progress(), ending->dropped, ending->reason,
-                   (*renderer)->features(), (*renderer)->report(), picture->denoised}};
+                   (*renderer)->features(), (*renderer)->report(), picture->denoised,
+                   std::move(ending->curve)}};
 }
 
 int complain(const Error& error, int exit_code) {

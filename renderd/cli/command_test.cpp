@@ -12,7 +12,7 @@
 #include <string>
 
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render::cli {
 namespace {
@@ -68,6 +68,24 @@ TEST_F(Command, ListsThePresetsOfTheScanAndRendersNothing) {
   EXPECT_EQ(run(o), kExitNoInput);
 }
 
+TEST_F(Command, EnvironmentReplacesTheLights) {
+  Options o = options();
+  o.samples = 4;
+  // Half of the panorama is black, so that the picture differs from one without light.
+  std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+  file += std::string("\x80\x80\x80\x81", 4) + std::string(4, '\0');
+  std::ofstream(folder_ / "sky.hdr", std::ios::binary) << file;
+  o.environment = folder_ / "sky.hdr";
+  ASSERT_EQ(run(o), 0);
+  const auto features = report()["features"];
+  EXPECT_NE(std::ranges::find(features, "textured environment"), features.end());
+  EXPECT_EQ(std::ranges::find(features, "area lights"), features.end());
+  std::ofstream(folder_ / "sky.hdr", std::ios::binary) << "no panorama";
+  EXPECT_EQ(run(o), kExitData);
+  o.environment = folder_ / "missing.hdr";
+  EXPECT_EQ(run(o), kExitNoInput);
+}
+
 TEST_F(Command, StopsAtTheRequestedError) {
   Options o = options();
   o.error = 0.05;
@@ -75,6 +93,11 @@ TEST_F(Command, StopsAtTheRequestedError) {
   EXPECT_EQ(report()["stopped_by"], "error");
   EXPECT_LE(report()["estimated_error"], 0.05);
   EXPECT_GE(report()["samples"], 2);
+  const auto curve = report()["error_curve"];
+  EXPECT_EQ(curve.front()["samples"], 2) << "the error is unknown below two samples";
+  EXPECT_EQ(curve.back()["samples"], report()["samples"]);
+  EXPECT_EQ(curve.back()["error"], report()["estimated_error"]);
+  EXPECT_EQ(curve.back()["milliseconds"], report()["milliseconds"]);
 }
 
 TEST_F(Command, StopsAtTheTimeLimitAfterAtLeastOneSample) {

@@ -38,6 +38,8 @@ The report (--json) contains these fields:
   milliseconds        time spent rendering
   estimated_error     relative RMSE against the converged picture; null below two samples. For a
                       denoised picture, this is the error before denoising
+  error_curve         samples, milliseconds and error after each pass, from the first with a known
+                      error. Passes within 5% more samples than the one before are left out
   stopped_by          samples, error or seconds
   dropped_samples     samples that were not finite
   samples_per_second  of all pixels together
@@ -159,6 +161,10 @@ void add_input(::CLI::App& app, Options& options, Texts& texts) {
   app.add_flag("--list-presets", options.list_presets,
                "print the names of the presets that this scan can show, and render nothing")
       ->excludes(scene);
+  app.add_option("--environment", options.environment,
+                 "panorama (.hdr or .exr, at most 4 MB) that lights the picture instead of the "
+                 "lights of the scene or preset")
+      ->type_name("FILE");
   app.add_option("--size", texts.size, "size of the picture in pixels (default: 512x512)")
       ->type_name("WxH")
       ->check([&options](const std::string& text) { return parse_size(text, options.canvas); }, "");

@@ -25,6 +25,7 @@ struct Options {
   std::string input;
   std::string scene_file;  ///< excludes `preset`
   std::string preset;
+  std::string environment;  ///< panorama that replaces the lights; empty: none
   Canvas canvas{512, 512};
   std::optional<std::uint32_t> samples;  ///< per pixel
   std::optional<double> error;           ///< estimated error at which to stop

@@ -42,6 +42,16 @@ nlohmann::ordered_json kernel_json(const KernelReport& kernel) {
   return json;
 }
 
+nlohmann::ordered_json curve_json(const ErrorCurve& curve) {
+  auto points = nlohmann::ordered_json::array();
+  for (const ErrorPoint& point : curve.points()) {
+    points.push_back({{"samples", point.samples},
+                      {"milliseconds", point.seconds * 1e3},
+                      {"error", point.error}});
+  }
+  return points;
+}
+
 }  // namespace
 
 std::string report_json(const Options& options, const Outcome& outcome) {
@@ -51,6 +61,7 @@ std::string report_json(const Options& options, const Outcome& outcome) {
       {"samples", progress.samples},
       {"milliseconds", progress.seconds * 1e3},
       {"estimated_error", nullptr},
+      {"error_curve", curve_json(outcome.curve)},
       {"stopped_by", name_of(outcome.stopped_by)},
       {"dropped_samples", outcome.dropped_samples},
       {"samples_per_second", nullptr},

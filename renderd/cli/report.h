@@ -5,6 +5,7 @@
 
 #include "renderd/cli/options.h"
 #include "renderd/engine/frame_renderer.h"
+#include "renderd/film/error_curve.h"
 
 namespace diaphane::render::cli {
 
@@ -17,6 +18,7 @@ struct Outcome {
   std::vector<std::string> features;
   KernelReport kernel;
   bool denoised = false;
+  ErrorCurve curve;  ///< of the passes
 };
 
 /// Returns the JSON of `--json`, whose keys are listed by `--help`. It contains no paths or names

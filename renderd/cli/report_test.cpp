@@ -28,6 +28,16 @@ TEST(Report, ListsEveryFeatureOnceAsUsedOrOmitted) {
   EXPECT_TRUE(json["estimated_error"].is_null()) << "unknown below two samples";
 }
 
+TEST(Report, ContainsTheErrorAfterEachPass) {
+  Outcome outcome;
+  outcome.curve.add({2, 0.25, 0.5});
+  outcome.curve.add({8, 1, 0.25});
+  const auto curve = nlohmann::json::parse(report_json(Options{}, outcome))["error_curve"];
+  const nlohmann::json expected{{{"samples", 2}, {"milliseconds", 250.0}, {"error", 0.5}},
+                                {{"samples", 8}, {"milliseconds", 1000.0}, {"error", 0.25}}};
+  EXPECT_EQ(curve, expected);
+}
+
 TEST(Report, DescribesTheKernel) {
   Outcome outcome;
   list_features(Features{}.with(Feature::kClip), outcome.kernel);

@@ -30,6 +30,8 @@ std::uint32_t Pace::piece() const {
   // Renders one sample even without any time, because a picture needs one.
   if (rule_.seconds && done_ == 0) return 1;
   std::uint64_t piece = std::min<std::uint64_t>(kPiece, rule_.samples - done_);
+  // The first pieces double the samples, so that the curve of the error begins early.
+  piece = std::min(piece, std::max(kFirstLook, done_));
   if (rule_.error) piece = std::min(piece, next_look_ - done_);
   return static_cast<std::uint32_t>(std::max<std::uint64_t>(piece, 1));
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace diaphane::render::cli {
 namespace {
@@ -61,6 +62,17 @@ TEST(StopRule, StopsAtWhicheverLimitComesFirst) {
   EXPECT_EQ(follow({.samples = 1000, .error = 0.2, .seconds = 100}, 1).reason, StopReason::kError);
   EXPECT_EQ(follow({.samples = 1000, .error = 0.01, .seconds = 50}, 1).reason,
             StopReason::kSeconds);
+}
+
+TEST(StopRule, BeginsWithSmallPassesSoThatTheCurveOfTheErrorBeginsEarly) {
+  Pace pace({.samples = 200});
+  std::vector<std::uint64_t> passes{0};
+  while (passes.back() < 200) {
+    passes.push_back(passes.back() + pace.piece());
+    pace.advance(passes.back());
+  }
+  const std::vector<std::uint64_t> expected{0, 2, 4, 8, 16, 32, 64, 96, 128, 160, 192, 200};
+  EXPECT_EQ(passes, expected);
 }
 
 TEST(StopRule, RendersAtLeastOneSample) {

@@ -23,7 +23,7 @@ void AssistDesk::put(AssistTask task) {
   news_ = {};
   held_ = delivered_ = 0;
   // The part was not sent, so no acknowledgement will come for it.
-  if (std::exchange(part_, std::nullopt)) on_its_way_ = false;
+  if (std::exchange(part_, std::nullopt)) in_transit_ = false;
 }
 
 AssistDesk::Order AssistDesk::newest() const {
@@ -41,7 +41,7 @@ std::shared_ptr<const AssistTask> AssistDesk::of(const diaphane::v1::Scene& scen
 
 void AssistDesk::taken(const AssistNews& news) {
   const std::lock_guard lock(mutex_);
-  on_its_way_ = false;
+  in_transit_ = false;
   news_ = news;
 }
 
@@ -52,13 +52,13 @@ AssistNews AssistDesk::news() const {
 
 bool AssistDesk::room() const {
   const std::lock_guard lock(mutex_);
-  return !on_its_way_;
+  return !in_transit_;
 }
 
 bool AssistDesk::wants_more() const {
   const std::lock_guard lock(mutex_);
   return !tasks_.empty() &&
-         may_render({.held = held_, .delivered = delivered_, .room = !on_its_way_});
+         may_render({.held = held_, .delivered = delivered_, .room = !in_transit_});
 }
 
 void AssistDesk::began(const AssistTask& task) {
@@ -75,7 +75,7 @@ void AssistDesk::hand_over(AssistPart part) {
   const std::lock_guard lock(mutex_);
   held_ = 0;
   delivered_ += part.film.samples;
-  on_its_way_ = true;
+  in_transit_ = true;
   part_ = std::move(part);
 }
 

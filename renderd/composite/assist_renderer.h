@@ -48,7 +48,7 @@ class AssistDesk {
   std::vector<std::shared_ptr<const AssistTask>> tasks_;  ///< newest last
   AssistNews news_;
   std::uint64_t held_ = 0, delivered_ = 0;
-  bool on_its_way_ = false;
+  bool in_transit_ = false;
   std::optional<AssistPart> part_;
 };
 

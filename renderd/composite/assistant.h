@@ -28,8 +28,8 @@ struct AssistPart {
 
 /// Progress of the picture that an assistant helps to render.
 struct AssistNews {
-  std::uint64_t samples = 0;
-  double error = 0;
+  std::uint64_t samples = 0;  ///< per pixel
+  double error = 0;           ///< as Progress::error
 };
 
 /// Another device, of this process or another one, that helps to render a picture. Never blocks;

@@ -21,8 +21,7 @@ struct AssistOrder {
 class AssistSource {
  public:
   virtual ~AssistSource() = default;
-  /// Returns one assistant per known worker, whether it is reachable or not; Assistant::lost()
-  /// tells.
+  /// Returns one assistant per known worker, reachable or not (see Assistant::lost()).
   virtual std::vector<std::unique_ptr<Assistant>> assistants(const AssistOrder& order) = 0;
 };
 

@@ -21,7 +21,7 @@ double seconds_since(Clock::time_point begin) {
 
 double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
 
-bool whole(const Share& share, Canvas canvas) {
+bool covers_canvas(const Share& share, Canvas canvas) {
   return share.first_row == 0 && share.last_row >= canvas.height;
 }
 
@@ -34,9 +34,9 @@ CompositeRenderer::CompositeRenderer(std::unique_ptr<FrameRenderer> own,
   for (auto& assistant : assistants) helpers_.emplace_back().assistant = std::move(assistant);
 }
 
-void CompositeRenderer::prepare_denoising(bool wanted) {
-  guided_ = wanted;
-  own_->prepare_denoising(wanted);
+void CompositeRenderer::prepare_denoising(bool enabled) {
+  guided_ = enabled;
+  own_->prepare_denoising(enabled);
 }
 
 Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
@@ -109,15 +109,15 @@ Result<void> CompositeRenderer::deal(Division division) {
 }
 
 Result<void> CompositeRenderer::settle_changes() {
-  bool came = false;
-  bool went = false;
+  bool joined = false;
+  bool left = false;
   for (Helper& helper : helpers_) {
     const bool helps = can_help(helper);
-    came |= helps && !helper.share && !helper.silent;
-    went |= !helps && helper.share;
+    joined |= helps && !helper.share && !helper.silent;
+    left |= !helps && helper.share;
   }
   if (report_.division == Division::kTiles) {
-    return came || went ? deal(Division::kTiles) : Result<void>{};
+    return joined || left ? deal(Division::kTiles) : Result<void>{};
   }
   for (Helper& helper : helpers_) {
     if (!can_help(helper)) {
@@ -157,7 +157,7 @@ Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
   // If a part is sent in bands of rows, each band has its share of the seconds.
   if (part.seconds <= 0 || !helper.share || helper.share->sequence != part.sequence) return {};
   const Share& share = *helper.share;
-  if (whole(share, task_.canvas)) {
+  if (covers_canvas(share, task_.canvas)) {
     helper.speed = mean(helper.speed, pixels * static_cast<double>(film.samples) / part.seconds);
   } else if (helper.speed > 0) {
     const std::uint32_t end = std::min(share.last_row, task_.canvas.height);
@@ -187,7 +187,7 @@ void CompositeRenderer::learn_own(const Batch& batch) {
   }
   if (batch.seconds <= 0) return;
   const double per_sample = batch.seconds / batch.samples;
-  if (whole(own_share_, task_.canvas)) {
+  if (covers_canvas(own_share_, task_.canvas)) {
     own_speed_ = mean(own_speed_, task_.canvas.pixels() / per_sample);
   } else if (own_speed_ > 0) {
     costs_.learn(own_share_.first_row, last, task_.canvas.height, per_sample,

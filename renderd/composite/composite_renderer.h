@@ -47,7 +47,7 @@ class CompositeRenderer final : public FrameRenderer {
   Result<void> display(PictureRgb8& out) override { return own_->display(out); }
   Result<void> radiance(PictureRgbF& out) override { return own_->radiance(out); }
   Result<void> contents(std::vector<std::uint8_t>& out) override { return own_->contents(out); }
-  void prepare_denoising(bool wanted) override;
+  void prepare_denoising(bool enabled) override;
   void set_precedence(unsigned precedence) override { own_->set_precedence(precedence); }
   void raise_precedence(unsigned precedence) override { own_->raise_precedence(precedence); }
   Result<bool> display_denoised(PictureRgb8& out) override { return own_->display_denoised(out); }
@@ -95,7 +95,7 @@ class CompositeRenderer final : public FrameRenderer {
   std::optional<Division> before_;      ///< division of the previous picture
   std::uint32_t own_extra_ = 0;         ///< samples beyond those requested in this call
   double helped_seconds_ = 0;           ///< device time of parts merged since the last batch
-  /// Samples to an error of 5%, estimated from the last picture.
+  /// Number of samples for an error of 5%, estimated from the last picture.
   mutable double samples_needed_ = 16;
   mutable double told_error_ = 0;  ///< error returned by the last progress()
   CompositeReport report_;

@@ -10,7 +10,7 @@
 #include "renderd/composite/composite_engine.h"
 #include "renderd/composite/device_thread.h"
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {

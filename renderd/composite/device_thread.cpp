@@ -29,7 +29,7 @@ class DeviceThread::Job {
 
   void begin(const AssistTask& task) {
     const std::lock_guard lock(mutex_);
-    wanted_ = task;
+    next_task_ = task;
     ++version_;
     part_.reset();
     lost_ = false;
@@ -75,9 +75,9 @@ class DeviceThread::Job {
   bool adopt() {
     {
       const std::lock_guard lock(mutex_);
-      if (!wanted_) return false;
+      if (!next_task_) return false;
       if (version_ == applied_) return !lost_;
-      current_ = *wanted_;
+      current_ = *next_task_;
       applied_ = version_;
     }
     held_ = delivered_ = 0;
@@ -117,7 +117,7 @@ class DeviceThread::Job {
   }
 
   std::mutex mutex_;
-  std::optional<AssistTask> wanted_;
+  std::optional<AssistTask> next_task_;
   std::atomic<std::uint64_t> version_{0};
   std::optional<AssistPart> part_;
   std::atomic<bool> lost_{false};
@@ -191,13 +191,13 @@ void DeviceThread::wake() {
 void DeviceThread::run() {
   std::list<std::shared_ptr<Job>> leaving;  // destroyed outside the lock
   std::vector<std::shared_ptr<Job>> jobs;
-  std::uint64_t seen = 0;
+  std::uint64_t last_wake = 0;
   while (!stopping_) {
     jobs.clear();
     leaving.clear();
     {
       const std::lock_guard lock(mutex_);
-      seen = wakes_;
+      last_wake = wakes_;
       for (auto job = jobs_.begin(); job != jobs_.end();) {
         const auto next = std::next(job);
         if ((*job)->gone()) leaving.splice(leaving.end(), jobs_, job);
@@ -210,7 +210,7 @@ void DeviceThread::run() {
     if (busy) continue;
     jobs.clear();
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return wakes_ != seen; });
+    changed_.wait(lock, [&] { return wakes_ != last_wake; });
   }
 }
 

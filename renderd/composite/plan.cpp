@@ -23,11 +23,11 @@ double parts_for(double samples) {
 }  // namespace
 
 void RowCosts::learn(std::uint32_t first, std::uint32_t last, std::uint32_t height, double seconds,
-                     double whole) {
-  if (!(seconds > 0) || !(whole > 0) || first >= last || last > height) return;
+                     double total_seconds) {
+  if (!(seconds > 0) || !(total_seconds > 0) || first >= last || last > height) return;
   const double expected = share_of(first, last, height);
   // The clamp limits the effect of a single measurement.
-  const double off = std::clamp(seconds / whole / expected, 0.25, 4.0);
+  const double off = std::clamp(seconds / total_seconds / expected, 0.25, 4.0);
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const double middle = (static_cast<double>(bin) + 0.5) / kBins * height;
     if (middle < first || middle >= last) continue;

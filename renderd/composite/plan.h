@@ -25,9 +25,9 @@ class RowCosts {
 
   RowCosts() : bins_(kBins, 1.0) {}
   /// Learns from a band [first, last) of a picture of `height` rows that took `seconds` per sample
-  /// on a device that needs `whole` seconds for all rows.
+  /// on a device that takes `total_seconds` for all rows.
   void learn(std::uint32_t first, std::uint32_t last, std::uint32_t height, double seconds,
-             double whole);
+             double total_seconds);
   /// Returns the fraction of the whole picture's cost that rows [first, last) have.
   double share_of(std::uint32_t first, std::uint32_t last, std::uint32_t height) const;
 
@@ -68,8 +68,8 @@ struct DivisionInput {
 };
 
 struct DivisionGain {
-  double seconds = 0;  ///< until the picture has DivisionInput::samples
-  double bytes_moved = 0;
+  double seconds = 0;      ///< until the picture has DivisionInput::samples
+  double bytes_moved = 0;  ///< bytes of the parts that devices transfer to each other
 };
 
 /// Predicts the time until the devices have drawn all samples and the last part is merged.

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "renderd/encode/encode_lane.h"
-#include "renderd/encode/test_pictures.h"
+#include "tests/support/renderd/test_pictures.h"
 
 namespace diaphane::render {
 namespace {
@@ -212,7 +212,7 @@ class HeldPool {
   EncodePool pool_{1};  // destroyed first, because its jobs use the others
 };
 
-TEST(EncodePool, SmallPicturesOvertakeLargerOnesThatCameJustBefore) {
+TEST(EncodePool, SmallImagesOvertakeLargerOnesPostedShortlyBefore) {
   HeldPool pool;
   pool.post("first large", EncodePool::kSmallPixels);
   pool.post("second large", EncodePool::kSmallPixels);
@@ -220,7 +220,7 @@ TEST(EncodePool, SmallPicturesOvertakeLargerOnesThatCameJustBefore) {
   EXPECT_EQ(pool.run(), (std::vector<std::string>{"small", "first large", "second large"}));
 }
 
-TEST(EncodePool, LargerPicturesAreNotOvertakenForLong) {
+TEST(EncodePool, LargerImagesAreOvertakenOnlyBriefly) {
   HeldPool pool;
   pool.post("large", EncodePool::kSmallPixels);
   std::this_thread::sleep_for(std::chrono::milliseconds(60));

@@ -35,6 +35,8 @@ struct CodedFrame {
 class Encoder {
  public:
   virtual ~Encoder() = default;
+  /// Returns kInternal if the picture is malformed or the codec fails, kUnsupported if the codec
+  /// cannot be opened for this size, and kOutOfMemory.
   virtual Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) = 0;
 };
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/encode/test_pictures.h"
+#include "tests/support/renderd/test_pictures.h"
 
 namespace diaphane::render {
 namespace {

@@ -118,14 +118,14 @@ class H264Encoder final : public Encoder {
 
   // FFmpeg applies changes of these fields at each frame.
   Result<void> set_bound(const EncodeRequest& request) {
-    const std::int64_t wanted = bound(request);
+    const std::int64_t target = bound(request);
     if (device_ == H264Device::kX264) {
       set_rate_factor(request.quality);
-    } else if (std::abs(wanted - bytes_) * 4 < bytes_) {
+    } else if (std::abs(target - bytes_) * 4 < bytes_) {
       return {};  // NVENC needs a key frame for each new rate
     }
-    if (wanted != bytes_) {
-      bytes_ = wanted;
+    if (target != bytes_) {
+      bytes_ = target;
       apply_bound();
     }
     return {};

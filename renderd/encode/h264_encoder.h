@@ -13,7 +13,8 @@ namespace diaphane::render {
 /// Each quality aims at a constant look (x264: constant rate factor 25 moving, 17 settled) and
 /// keeps within EncodeRequest::most_bytes by a buffer (VBV) of one frame. With NVENC, a limit that
 /// differs by a quarter needs a key frame. With x264, none does. A picture with an odd side has one
-/// more column or row in the stream, which the receiver crops.
+/// more column or row in the stream, which the receiver crops. Returns kUnsupported if FFmpeg has
+/// no encoder for `device`, and kOutOfMemory.
 Result<std::unique_ptr<Encoder>> make_h264_encoder(H264Device device);
 
 }  // namespace diaphane::render

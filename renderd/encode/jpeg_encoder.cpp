@@ -24,8 +24,8 @@ constexpr int kLowestQuality = 25;
 // roughly inversely proportional to that scale.
 int lower_quality(int quality, std::size_t bytes, std::size_t most) {
   const double scale = quality < 50 ? 5000.0 / quality : 200.0 - 2 * quality;
-  const double wanted = scale * 1.3 * static_cast<double>(bytes) / static_cast<double>(most);
-  const double next = wanted > 100 ? 5000 / wanted : (200 - wanted) / 2;
+  const double target = scale * 1.3 * static_cast<double>(bytes) / static_cast<double>(most);
+  const double next = target > 100 ? 5000 / target : (200 - target) / 2;
   return std::max(kLowestQuality, std::min(quality - 5, static_cast<int>(next)));
 }
 
@@ -85,7 +85,8 @@ class JpegEncoder final : public Encoder {
 
 Result<std::unique_ptr<Encoder>> make_jpeg_encoder() {
   const tjhandle handle = tjInitCompress();
-  if (!handle) return fail(ErrorCode::kOutOfMemory, "No memory for a JPEG encoder.");
+  if (!handle)
+    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for the JPEG encoder.");
   return std::make_unique<JpegEncoder>(handle);
 }
 

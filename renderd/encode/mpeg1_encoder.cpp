@@ -107,10 +107,10 @@ int next_quantiser(int before, std::size_t bytes, std::size_t most, int best) {
   if (most == 0 || bytes == 0) return best;
   // The size of a frame is roughly inversely proportional to the quantiser. A margin of a quarter
   // allows for more motion.
-  const double wanted = 1.25 * before * static_cast<double>(bytes) / static_cast<double>(most);
+  const double target = 1.25 * before * static_cast<double>(bytes) / static_cast<double>(most);
   // Coarser at once, finer in small steps, because near the noise level a step changes much.
   const int finer = before - std::max(1, before / 12);
-  return std::clamp(std::max(static_cast<int>(std::ceil(wanted)), finer), best, kCoarsest);
+  return std::clamp(std::max(static_cast<int>(std::ceil(target)), finer), best, kCoarsest);
 }
 
 Result<std::unique_ptr<Encoder>> make_mpeg1_encoder() {

@@ -9,7 +9,8 @@ namespace diaphane::render {
 /// Key frames are sent on request, when the size changes, and every 600 frames. MPEG-1 cannot
 /// signal matrix and range, so the stream uses those that jsmpeg assumes: BT.601, limited range.
 /// Sides are at most 4094 pixels. A larger picture is scaled down and CodedFrame gives the new
-/// size. Odd sides are handled as in H.264.
+/// size. Odd sides are handled as in H.264. Returns kUnsupported if FFmpeg has no MPEG-1 encoder,
+/// and kOutOfMemory.
 Result<std::unique_ptr<Encoder>> make_mpeg1_encoder();
 
 /// Returns the quantiser (1 to 31) for the next frame after a frame with quantiser `before` took

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "renderd/encode/test_pictures.h"
+#include "tests/support/renderd/test_pictures.h"
 
 namespace diaphane::render {
 namespace {

@@ -8,7 +8,8 @@
 
 namespace diaphane::render {
 
-/// Encodes values as the bytes of ExactSlice.data (api/proto/stream.proto).
+/// Encodes values as the bytes of ExactSlice.data (api/proto/stream.proto). Returns kInternal if
+/// zlib fails.
 Result<std::string> code_slice(std::span<const std::int16_t> values);
 
 }  // namespace diaphane::render

@@ -7,7 +7,7 @@
 
 #include <random>
 
-#include "renderd/encode/test_pictures.h"
+#include "tests/support/renderd/test_pictures.h"
 
 namespace diaphane::render {
 namespace {

@@ -12,7 +12,7 @@ extern "C" {
 #include "renderd/encode/h264_encoder.h"
 #include "renderd/encode/h264_stream.h"
 #include "renderd/encode/mpeg1_encoder.h"
-#include "renderd/encode/test_pictures.h"
+#include "tests/support/renderd/test_pictures.h"
 
 namespace diaphane::render {
 namespace {

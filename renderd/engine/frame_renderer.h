@@ -35,6 +35,7 @@ class DeviceVolume {
  public:
   virtual ~DeviceVolume() = default;
   virtual const volume::Header& header() const = 0;
+  /// Returns the bytes of device memory that the volume takes.
   virtual std::uint64_t device_bytes() const = 0;
 };
 
@@ -48,9 +49,11 @@ class Engine {
  public:
   virtual ~Engine() = default;
   virtual EngineInfo info() const = 0;
+  /// Copies the voxels to the device. Returns kInvalid for a volume that cannot be rendered,
+  /// kOutOfMemory if it does not fit, and kUnavailable or kDeviceLost if the device fails.
   virtual Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) = 0;
-  /// Makes a renderer of a volume that this engine has loaded. `seed` and `first_sample` keep the
-  /// sample ranges of different devices disjoint.
+  /// Makes a renderer of a volume that this engine has loaded (otherwise kInternal). `seed` and
+  /// `first_sample` keep the sample ranges of different devices disjoint.
   Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
                                                   std::uint64_t seed, std::uint64_t first_sample,
                                                   Method method = {}) {

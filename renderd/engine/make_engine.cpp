@@ -51,11 +51,11 @@ Result<EngineOptions> engine_options_from_environment() {
     options.kernels = *choice;
   }
   if (const char* lean = std::getenv("DIAPHANE_LEAN_MEMORY")) {
-    const std::string_view said(lean);
-    if (said != "0" && said != "1") {
+    const std::string_view value(lean);
+    if (value != "0" && value != "1") {
       return fail(ErrorCode::kInvalid, "must be 0 or 1", "DIAPHANE_LEAN_MEMORY");
     }
-    options.lean_memory = said == "1";
+    options.lean_memory = value == "1";
   }
   return options;
 }
@@ -66,7 +66,10 @@ Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned thread
   if (choice != EngineChoice::kCpu) {
     auto engine = cuda_engine(options);
     if (engine || choice == EngineChoice::kCuda) return engine;
-    if (on_fallback) on_fallback(engine.error());
+    if (on_fallback) {
+      on_fallback(engine.error());
+      return make_cpu_engine(threads, options.film_bytes, engine.error().message);
+    }
   }
   return make_cpu_engine(threads, options.film_bytes);
 }

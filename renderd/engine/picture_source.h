@@ -22,6 +22,7 @@ struct PictureRgbF {
 };
 
 /// Reads pictures from accumulated samples. Reading changes neither the samples nor their error.
+/// Every function returns kOutOfMemory or kDeviceLost if the device fails.
 class PictureSource {
  public:
   virtual ~PictureSource() = default;

@@ -40,7 +40,8 @@ class ProgressiveRenderer {
   virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
   /// Adds up to `samples` samples per pixel. Between rows or launches it asks `stop`, and returns
   /// early if that is true. It then discards the unfinished part, so that every pixel has the same
-  /// number of samples.
+  /// number of samples. Returns kInvalid before set_scene(), and kOutOfMemory or kDeviceLost if the
+  /// device fails.
   virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
   virtual Progress progress() const = 0;
   /// Sets the precedence of the next work: 0 unless a user waits for it, as for the first picture

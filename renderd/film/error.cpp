@@ -13,14 +13,14 @@ namespace {
 float percentile(const std::uint64_t* counts) {
   std::uint64_t total = 0;
   for (std::uint32_t bin = 0; bin < kWhiteBins; ++bin) total += counts[bin];
-  const double wanted = 0.99 * static_cast<double>(total);
+  const double rank = 0.99 * static_cast<double>(total);
   double below = 0;
   for (std::uint32_t bin = 0; bin < kWhiteBins; ++bin) {
     const double here = static_cast<double>(counts[bin]);
-    if (here > 0 && below + here >= wanted) {
+    if (here > 0 && below + here >= rank) {
       if (bin == 0) return 0.0f;
       // An octave has 16 equal steps.
-      const float part = static_cast<float>((wanted - below) / here);
+      const float part = static_cast<float>((rank - below) / here);
       return std::ldexp(1.0f + (static_cast<float>(bin % 16) + part) / 16.0f,
                         static_cast<int>(bin / 16) - 32);
     }

@@ -10,7 +10,7 @@
 #include "renderd/film/guides.h"
 #include "renderd/film/tone.h"
 #include "renderd/math/random.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -134,14 +134,14 @@ HOST_DEVICE std::uint8_t pack_relative_half(double even, double odd, float mean)
 HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixel,
                                    std::uint64_t samples) {
   const std::uint32_t state = film.state[pixel];
-  const std::uint32_t lost_even = state & kDroppedMask, lost_odd = state >> 15 & kDroppedMask;
+  const std::uint32_t dropped_even = state & kDroppedMask, dropped_odd = state >> 15 & kDroppedMask;
   PackedPixel p{};
   p.state = static_cast<std::uint8_t>(((state & kHitMedium) != 0 ? 0x80u : 0u) |
                                       ((state & kShowsSlice) != 0 ? 0x40u : 0u) |
-                                      min(lost_even, 7u) | min(lost_odd, 7u) << 3);
+                                      min(dropped_even, 7u) | min(dropped_odd, 7u) << 3);
   const std::uint64_t pairs = samples / 2;
-  const double a = static_cast<double>(pairs) - lost_even;
-  const double b = static_cast<double>(pairs) - lost_odd;
+  const double a = static_cast<double>(pairs) - dropped_even;
+  const double b = static_cast<double>(pairs) - dropped_odd;
   if (!(a + b > 0)) return p;
   const double* s = film.sum + 3 * pixel;
   const float* d = film.difference + 3 * pixel;
@@ -161,10 +161,11 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
 /// half is weighted slightly too high; its mean is right.
 HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const PackedPixel& p,
                              std::uint64_t samples) {
-  const std::uint32_t lost_even = p.state & 7u, lost_odd = p.state >> 3 & 7u;
+  const std::uint32_t dropped_even = p.state & 7u, dropped_odd = p.state >> 3 & 7u;
   const std::uint64_t pairs = samples / 2;
   const double n = static_cast<double>(pairs);
-  const double a = n > lost_even ? n - lost_even : 0.0, b = n > lost_odd ? n - lost_odd : 0.0;
+  const double a = n > dropped_even ? n - dropped_even : 0.0,
+               b = n > dropped_odd ? n - dropped_odd : 0.0;
   double* s = film.sum + 3 * pixel;
   float* d = film.difference + 3 * pixel;
   for (int c = 0; c < 3; ++c) {
@@ -174,8 +175,8 @@ HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const Pa
     d[c] += static_cast<float>((a - b) * mean + (a + b > 0 ? 2.0 * a * b / (a + b) * apart : 0.0));
   }
   const std::uint32_t state = film.state[pixel];
-  const std::uint32_t even = min((state & kDroppedMask) + lost_even, kDroppedMask);
-  const std::uint32_t odd = min((state >> 15 & kDroppedMask) + lost_odd, kDroppedMask);
+  const std::uint32_t even = min((state & kDroppedMask) + dropped_even, kDroppedMask);
+  const std::uint32_t odd = min((state >> 15 & kDroppedMask) + dropped_odd, kDroppedMask);
   film.state[pixel] = (state & (kHitMedium | kShowsSlice)) |
                       ((p.state & 0x80u) != 0 ? kHitMedium : 0u) |
                       ((p.state & 0x40u) != 0 ? kShowsSlice : 0u) | even | odd << 15;

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "renderd/kernel/medium.h"
-#include "renderd/kernel/test_lights.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_lights.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {
 
 constexpr double kAlpha = 1e-4;
-constexpr int kSamples = 400'000;
+const std::uint64_t kSamples = test::gate_or_nightly(50'000, 400'000);
 
 /// Lights of several kinds: a rectangle, a disk, a sphere with a texture, an environment with a
 /// bright spot.

@@ -43,7 +43,7 @@ template <Features F, typename Volume>
 HOST_DEVICE Float3 escape_radiance(const SceneView<Volume>& scene, Float3 direction,
                                    float off_centre) {
   if constexpr (F.has(Feature::kTexturedEnvironment)) {
-    if (scene.lights.maps_seen) {
+    if (scene.lights.maps_visible) {
       return scene.escape + meet_maps(scene.lights, direction).radiance;
     }
   }

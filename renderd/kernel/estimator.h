@@ -165,8 +165,9 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
   }
   const auto add = [&](const LightRay& light) {
     if (!light.lit) return;
-    const float seen = tracked_visibility<F>(scene, place, light.direction, light.distance, random);
-    result.radiance += light.weight * seen;
+    const float visibility =
+        tracked_visibility<F>(scene, place, light.direction, light.distance, random);
+    result.radiance += light.weight * visibility;
   };
   for (std::uint32_t i = 0; i < strategy_count<F>(); ++i) {
     const Strategy strategy = strategy_at<F>(i);

@@ -69,9 +69,9 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
   const float c1 = -5.5f * e0 + 9.0f * e1 - 4.5f * e2 + e3;
   const float c2 = 9.0f * e0 - 22.5f * e1 + 18.0f * e2 - 4.5f * e3;
   const float c3 = -4.5f * e0 + 13.5f * e1 - 13.5f * e2 + 4.5f * e3;
-  const float whole = length * (e0 + c1 * 0.5f + c2 * (1.0f / 3) + c3 * 0.25f);
+  const float total = length * (e0 + c1 * 0.5f + c2 * (1.0f / 3) + c3 * 0.25f);
   float low = 0.0f, high = 1.0f;
-  float s = whole > 0.0f ? min(quotient_near(target, whole), 1.0f) : 1.0f;
+  float s = total > 0.0f ? min(quotient_near(target, total), 1.0f) : 1.0f;
   DEVICE_NO_UNROLL
   for (int i = 0; i < 8; ++i) {
     const float depth =

@@ -53,8 +53,8 @@ struct Features {
   HOST_DEVICE constexpr bool has(Feature f) const {
     return (bits >> static_cast<std::uint32_t>(f) & 1u) != 0;
   }
-  HOST_DEVICE constexpr Features with(Feature f, bool wanted = true) const {
-    return wanted ? Features{bits | 1u << static_cast<std::uint32_t>(f)} : *this;
+  HOST_DEVICE constexpr Features with(Feature f, bool enabled = true) const {
+    return enabled ? Features{bits | 1u << static_cast<std::uint32_t>(f)} : *this;
   }
   HOST_DEVICE constexpr Features without(Feature f) const {
     return Features{bits & ~(1u << static_cast<std::uint32_t>(f))};

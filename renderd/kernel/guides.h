@@ -37,12 +37,12 @@ HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, 
       const float depth = extinction_at(scene.transfer, value) * step;
       if (!(depth > 0.0f)) continue;
       const float left = clear * expf(-depth);
-      const float seen = clear - left;
+      const float weight = clear - left;
       clear = left;
-      sum.depth += seen * t;
-      sum.albedo += albedo_at(scene.transfer, value) * seen;
-      if (seen > most) {
-        most = seen;
+      sum.depth += weight * t;
+      sum.albedo += albedo_at(scene.transfer, value) * weight;
+      if (weight > most) {
+        most = weight;
         most_at = t;
         most_value = value;
       }

@@ -41,6 +41,15 @@ HOST_DEVICE std::uint32_t pick_light(const LightsView& lights, float& u) {
   return i;
 }
 
+/// Returns the point of a projected texture that the unit direction `away` leads to from `point`, a
+/// point of the light relative to its middle.
+HOST_DEVICE TexturePoint projected_point(const AreaLight& light, Float3 point, Float3 away) {
+  const Float3 right = light.u * (1.0f / sqrtf(dot(light.u, light.u)));
+  const Float3 there = point + away * (light.focus / dot(away, light.normal));
+  return {0.5f + dot(there, right) * light.per_mm,
+          0.5f + dot(there, cross(light.normal, right)) * light.per_mm};
+}
+
 /// Returns the light's radiance at the point `p` of its texture.
 template <Features F, TextureEdge Edge = TextureEdge::kClamp>
 HOST_DEVICE Float3 radiance_at(const LightsView& lights, const AreaLight& light, TexturePoint p) {
@@ -52,6 +61,24 @@ HOST_DEVICE Float3 radiance_at(const LightsView& lights, const AreaLight& light,
   (void)lights;
   (void)p;
   return light.radiance;
+}
+
+/// Returns the radiance of a rectangle or disk along the unit direction `away` from a point of it:
+/// `q` relative to its corner or centre, and `p` in its texture.
+template <Features F>
+HOST_DEVICE Float3 flat_radiance(const LightsView& lights, const AreaLight& light, Float3 q,
+                                 TexturePoint p, Float3 away) {
+  if constexpr (F.has(Feature::kTexturedLights)) {
+    if (light.per_mm > 0.0f) {
+      const bool disk = light.shape == LightShape::kDisk;
+      p = projected_point(light, disk ? q : q - (light.u + light.v) * 0.5f, away);
+      const bool inside = p.across >= 0.0f && p.across <= 1.0f && p.down >= 0.0f && p.down <= 1.0f;
+      if (!inside) return Float3{0.0f, 0.0f, 0.0f};
+    }
+  }
+  (void)q;
+  (void)away;
+  return radiance_at<F>(lights, light, p);
 }
 
 /// Returns the radiance of a sphere at the end of the radius `r` from its centre; rr is the squared
@@ -134,7 +161,8 @@ HOST_DEVICE LightSample sample_light(const LightsView& lights, const AreaLight& 
       p = {0.5f + 0.5f * d.x, 0.5f - 0.5f * d.y};
     }
   }
-  const Float3 to = light.corner + light.u * u + light.v * v - place;
+  const Float3 q = light.u * u + light.v * v;
+  const Float3 to = light.corner + q - place;
   const float squared = dot(to, to);
   const float facing = -dot(light.normal, to);  // cosine times distance
   if (!(facing > 0.0f) || !(squared > 0.0f)) return s;
@@ -142,7 +170,8 @@ HOST_DEVICE LightSample sample_light(const LightsView& lights, const AreaLight& 
   s.direction = to * (1.0f / distance);
   s.distance = distance;
   const float solid_angle = facing / distance / squared * light.area;
-  s.irradiance = radiance_at<F>(lights, light, p) * (solid_angle / light.probability);
+  s.irradiance = flat_radiance<F>(lights, light, q, p, s.direction * -1.0f) *
+                 (solid_angle / light.probability);
   s.density = 1.0f / solid_angle;
   if constexpr (F.has(Feature::kShapedLights)) {
     if (light.shape == LightShape::kDisk && !(dot(light.u, light.u) > 0.0f)) {
@@ -201,7 +230,7 @@ HOST_DEVICE LightHit meet_light(const LightsView& lights, const AreaLight& light
     inside = p.across >= 0.0f && p.across <= 1.0f && p.down >= 0.0f && p.down <= 1.0f;
   }
   if (!inside) return hit;
-  hit.radiance = radiance_at<F>(lights, light, p);
+  hit.radiance = flat_radiance<F>(lights, light, q, p, direction * -1.0f);
   hit.density = hit.distance * hit.distance / (cosine * light.area);
   hit.met = true;
   return hit;

@@ -8,15 +8,16 @@
 #include <numbers>
 #include <vector>
 
-#include "renderd/kernel/test_lights.h"
 #include "renderd/math/random.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_lights.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {
 
 constexpr double kAlpha = 1e-3;
-constexpr int kSamples = 1'000'000, kBins = 101;
+constexpr int kBins = 101;
+const int kSamples = test::gate_or_nightly(100'000, 1'000'000);
 constexpr Features kPlain{};
 constexpr Features kShaped = Features{}.with(Feature::kShapedLights);
 constexpr Features kTextured = kShaped.with(Feature::kTexturedLights);
@@ -96,7 +97,7 @@ TEST(AreaLights, SamplesIntegrateToTheSolidAngle) {
   for (const Case& c : cases()) {
     test::Moments moments;
     Random random(1, 2, 3);
-    for (int i = 0; i < 300'000; ++i) {
+    for (int i = 0; i < kSamples; ++i) {
       const Random::Pair u = random.two();
       const LightSample s = sampled<kShaped>(c.light, c.place, u.a, u.b);
       moments.add(s.lit ? static_cast<double>(s.irradiance.y) : 0);

@@ -7,14 +7,14 @@
 #include <numbers>
 
 #include "renderd/math/random.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {
 
 constexpr double kAlpha = 1e-3;
 constexpr int kBins = 101;
-constexpr int kSamples = 1'000'000;
+const int kSamples = test::gate_or_nightly(100'000, 1'000'000);
 
 /// Probability that 1 - cos is at most `c`, for g >= 0, in double precision and without
 /// cancellation.

@@ -169,6 +169,9 @@ struct AreaLight {
   float probability, cumulative;
   LightShape shape;
   std::uint32_t texture;  ///< index in LightsView::textures, or kNoTexture
+  /// Above 0, the texture is projected to a plane at the distance `focus`, where it is
+  /// 1 / `per_mm` wide and high.
+  float per_mm, focus;
 };
 
 /// A picture that multiplies a light's radiance: linear, interpolated between texel centres.
@@ -197,7 +200,7 @@ struct LightsView {
   /// it, over the solid angle as a latitude-longitude map.
   const Float4* texels;
   const float* rows;  ///< probability that a sampled direction lies in this row or above it
-  bool maps_seen;     ///< maps are visible to camera rays
+  bool maps_visible;  ///< maps are visible to camera rays
 };
 
 /// Pinhole, thin lens and parallel rays in one form. A ray starts not at the eye but in the plane

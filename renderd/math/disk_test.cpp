@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "renderd/math/random.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

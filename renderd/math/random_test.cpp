@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

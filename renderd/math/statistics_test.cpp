@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "renderd/math/random.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render::test {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
-#include "renderd/scene/test_textures.h"
 #include "renderd/scene/texture.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_textures.h"
 
 namespace diaphane::render {
 namespace {
@@ -55,6 +55,8 @@ const Fault kFaults[] = {
     {"lights[1].disk.radius", 1, [](Light& l) { l.mutable_disk()->set_radius(1e-7); }},
     {"lights[1].disk.radiance.g", 1,
      [](Light& l) { l.mutable_disk()->mutable_radiance()->set_g(-1); }},
+    {"lights[0].rectangle.texture.projectionDegrees", 0,
+     [](Light& l) { l.mutable_rectangle()->mutable_texture()->set_projection_degrees(171); }},
     {"lights[1].disk.texture", 1, [](Light& l) { l.mutable_disk()->mutable_texture(); }},
     {"lights[2].sphere.centre.x", 2,
      [](Light& l) { l.mutable_sphere()->mutable_centre()->set_x(1e9); }},

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_folders.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {
@@ -223,7 +224,7 @@ TEST(SceneJson, EveryTestSceneIsValid) {
   const volume::Volume volume = test::skull_volume();
   const ValueGrid grid = make_value_grid(volume.voxels, size_of(volume.header));
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(DIAPHANE_SCENES)) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::kScenes)) {
     if (entry.path().extension() != ".json") continue;
     std::ifstream file(entry.path());
     const std::string json{std::istreambuf_iterator<char>(file), {}};

@@ -22,23 +22,25 @@ struct Cone {
 };
 
 std::vector<std::int32_t> clear_ranges(const std::vector<ExtinctionPiece>& pieces,
-                                       bool last_is_not_zero, ValueRange whole) {
-  std::vector<std::int32_t> until(static_cast<std::size_t>(whole.maximum - whole.minimum + 1));
+                                       bool last_is_not_zero, ValueRange full_range) {
+  std::vector<std::int32_t> until(
+      static_cast<std::size_t>(full_range.maximum - full_range.minimum + 1));
   std::size_t p = pieces.size();
   // The first piece from this value on that is not 0 everywhere.
   const ExtinctionPiece* nearest = nullptr;
-  for (std::int32_t value = whole.maximum; value >= whole.minimum; --value) {
+  for (std::int32_t value = full_range.maximum; value >= full_range.minimum; --value) {
     const auto v = static_cast<float>(value);
     for (; p > 0 && pieces[p - 1].end > v; --p) {
       if (pieces[p - 1].extinction > 0 || pieces[p - 1].slope != 0) nearest = &pieces[p - 1];
     }
-    std::int32_t clear = last_is_not_zero && value == whole.maximum ? value - 1 : whole.maximum;
+    std::int32_t clear =
+        last_is_not_zero && value == full_range.maximum ? value - 1 : full_range.maximum;
     if (nearest != nullptr && nearest->begin > v) {
       clear = static_cast<std::int32_t>(std::floor(nearest->begin));
     } else if (nearest != nullptr) {
       clear = nearest->begin == v && nearest->extinction == 0 ? value : value - 1;
     }
-    until[static_cast<std::size_t>(value - whole.minimum)] = clear;
+    until[static_cast<std::size_t>(value - full_range.minimum)] = clear;
   }
   return until;
 }

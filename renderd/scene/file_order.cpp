@@ -1,8 +1,8 @@
 #include "renderd/scene/file_order.h"
 
 #include "renderd/film/canvas.h"
-#include "renderd/scene/film_path.h"
 #include "renderd/scene/presets.h"
+#include "renderd/scene/video_path.h"
 
 namespace diaphane::render {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {

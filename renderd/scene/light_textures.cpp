@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/try.h"
+#include "renderd/scene/environment_store.h"
 #include "renderd/scene/texture_store.h"
 
 namespace diaphane::render {
@@ -103,20 +104,27 @@ void add_means(std::span<const Float4> texels, std::size_t width, std::size_t he
   out.sky_means.push_back(sky * (1 / (columns * weights)));
 }
 
+/// Returns a pixel in linear light.
+Float3 pixel_of(const TexturePicture& picture, std::size_t index) {
+  if (!picture.rgbe.empty()) {
+    const scene::Rgbe& c = picture.rgbe[index];
+    return {scene::radiance_of(c, 0), scene::radiance_of(c, 1), scene::radiance_of(c, 2)};
+  }
+  static const std::array<float, 256>& linear = linear_of_srgb();
+  const std::uint8_t* c = picture.rgb.data() + 3 * index;
+  return {linear[c[0]], linear[c[1]], linear[c[2]]};
+}
+
 /// Fills `texels` with the means in linear light of the pixels that each of them covers.
 void reduce(const TexturePicture& picture, TextureSize kept, std::span<Float4> texels) {
   const std::size_t width = picture.size.width, height = picture.size.height;
-  const std::array<float, 256>& linear = linear_of_srgb();
   for (std::size_t j = 0; j < kept.height; ++j) {
     const std::size_t top = j * height / kept.height, bottom = (j + 1) * height / kept.height;
     for (std::size_t i = 0; i < kept.width; ++i) {
       const std::size_t left = i * width / kept.width, right = (i + 1) * width / kept.width;
       Float3 sum{};
       for (std::size_t y = top; y < bottom; ++y) {
-        const std::uint8_t* c = picture.rgb.data() + 3 * (left + width * y);
-        for (std::size_t x = left; x < right; ++x, c += 3) {
-          sum += Float3{linear[c[0]], linear[c[1]], linear[c[2]]};
-        }
+        for (std::size_t x = left; x < right; ++x) sum += pixel_of(picture, x + width * y);
       }
       const Float3 mean = sum * (1 / static_cast<float>((bottom - top) * (right - left)));
       texels[i + kept.width * j] = {mean.x, mean.y, mean.z, 0.0f};
@@ -245,7 +253,7 @@ struct Taken {
   std::string owner;
   std::size_t bytes = 0;
 
-  Taken(std::string who, std::size_t much) : owner(std::move(who)), bytes(much) {}
+  Taken(std::string who, std::size_t size) : owner(std::move(who)), bytes(size) {}
   Taken(const Taken&) = delete;
   Taken& operator=(const Taken&) = delete;
   ~Taken() { memory().give_back(owner, bytes); }
@@ -260,7 +268,7 @@ Result<std::vector<TextureSize>> sizes_of(const std::vector<TextureFile>& files,
   std::size_t total = 0;
   std::vector<TextureSize> sizes;
   for (const TextureFile& f : files) {
-    const auto size = texture_size(*f.file);
+    const auto size = f.stored ? stored_size(*f.file) : texture_size(*f.file);
     if (!size) return named(f.field, size.error());
     total += pixels_of(*size);
     if (total > most) return fail(ErrorCode::kInvalid, f.field + too_much, f.field);
@@ -298,8 +306,13 @@ Result<std::unique_ptr<PreparedTextures>> decode(const std::vector<TextureFile>&
       copy_texture(*before, texture_index(*before, *files[i].file), *out);
       continue;
     }
-    const auto picture = decode_texture(*files[i].file);
+    const auto picture =
+        files[i].stored ? load_stored(*files[i].file) : decode_texture(*files[i].file);
     if (!picture) return named(files[i].field, picture.error());
+    // A stored environment can be deleted while it is read.
+    if (!(picture->size == sizes[i])) {
+      return named(files[i].field, {ErrorCode::kUnavailable, "has just changed", {}});
+    }
     add_picture(*picture, *out);
   }
   return out;
@@ -320,10 +333,10 @@ std::size_t texture_memory() { return memory().taken(); }
 std::size_t take_freed_texture_memory() { return memory().take_freed(); }
 
 Result<std::size_t> bytes_of_textures(const std::vector<TextureFile>& files) {
-  const auto wanted = different(files);
-  const auto sizes = sizes_of(wanted, kMostTexels, kTooMuch);
+  const auto unique = different(files);
+  const auto sizes = sizes_of(unique, kMostTexels, kTooMuch);
   DIAPHANE_TRY(sizes);
-  return bytes_of(wanted, *sizes);
+  return bytes_of(unique, *sizes);
 }
 
 Result<void> check_visitors_textures(const std::vector<TextureFile>& files) {
@@ -338,15 +351,15 @@ Result<std::shared_ptr<const PreparedTextures>> prepare_textures_for(
     const std::string& owner, const std::vector<TextureFile>& files,
     const std::shared_ptr<const PreparedTextures>& before) {
   if (files.empty()) return nullptr;
-  const std::vector<TextureFile> wanted = different(files);
-  if (before && TextureMemory::same_files(wanted, *before)) return before;
-  if (auto known = memory().find(wanted)) return known;
+  const std::vector<TextureFile> unique = different(files);
+  if (before && TextureMemory::same_files(unique, *before)) return before;
+  if (auto known = memory().find(unique)) return known;
   // Sizes are checked first, so that nothing is decoded if the total is too large.
-  const auto sizes = sizes_of(wanted, kMostTexels, kTooMuch);
+  const auto sizes = sizes_of(unique, kMostTexels, kTooMuch);
   DIAPHANE_TRY(sizes);
-  const std::size_t bytes = bytes_of(wanted, *sizes);
+  const std::size_t bytes = bytes_of(unique, *sizes);
   if (!memory().take(owner, bytes)) {
-    const std::string& field = wanted.back().field;
+    const std::string& field = unique.back().field;
     return fail(ErrorCode::kTooMany,
                 field +
                     " does not fit into the memory of this renderer. Use a picture with fewer "
@@ -354,7 +367,7 @@ Result<std::shared_ptr<const PreparedTextures>> prepare_textures_for(
                 field);
   }
   auto taken = std::make_shared<const Taken>(owner, bytes);
-  auto decoded = decode(wanted, *sizes, before.get());
+  auto decoded = decode(unique, *sizes, before.get());
   DIAPHANE_TRY(decoded);
   // The deleter gives the memory back explicitly, because weak pointers keep the deleter itself
   // alive after the textures are gone.

@@ -13,7 +13,7 @@ namespace diaphane::render {
 /// The pictures on a scene's lights as a kernel reads them (LightsView). Each distinct file has one
 /// entry.
 struct PreparedTextures {
-  std::vector<std::string> files;  ///< the file of each entry
+  std::vector<std::string> files;  ///< the file of each entry, or the ID of a stored environment
   std::vector<LightTexture> textures;
   std::vector<Double3> means;      ///< mean colour of each over its area
   std::vector<Double3> sky_means;  ///< mean over the solid angle, as a latitude-longitude map
@@ -36,6 +36,7 @@ TextureSize kept_size(TextureSize size);
 struct TextureFile {
   const std::string* file;
   std::string field;
+  bool stored = false;  ///< `file` is the ID of a stored environment (environment_store.h)
 };
 
 /// Decodes textures. `files` may contain duplicates; the result is null if there are none. `before`

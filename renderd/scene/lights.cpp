@@ -1,6 +1,7 @@
 #include "renderd/scene/lights.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@ class Placement {
   Double3 point(const diaphane::v1::Vec3& p) const {
     return frame_.point(locked_ ? target_ + axes_.to_world(vector_of(p)) : vector_of(p));
   }
+  Double3 origin() const { return point(diaphane::v1::Vec3{}); }
   Double3 direction(Double3 v) const { return frame_.direction(locked_ ? axes_.to_world(v) : v); }
   Double3 direction(const diaphane::v1::Vec3& v) const { return direction(vector_of(v)); }
 
@@ -99,20 +101,47 @@ std::vector<AreaLight> box_of(const diaphane::v1::BoxLight& b, const Placement& 
   return faces;
 }
 
+/// Lets a rectangle or disk project its texture. `origin` is that of the light's frame.
+AreaLight projecting(AreaLight light, double degrees, Double3 middle, Double3 origin) {
+  if (!(degrees > 0) || !(dot(light.u, light.u) > 0)) return light;
+  const Double3 normal{light.normal.x, light.normal.y, light.normal.z};
+  const double distance = dot(origin - middle, normal);
+  // A light that does not face the origin has no plane of its own to focus on.
+  const double focus = distance > 1 ? distance : std::max(length(origin - middle), 1.0);
+  light.focus = static_cast<float>(focus);
+  light.per_mm =
+      static_cast<float>(0.5 / (focus * std::tan(0.5 * degrees * std::numbers::pi / 180)));
+  if (light.shape == LightShape::kDisk) {  // its texture is upright from the other side
+    light.u = light.u * -1.0f;
+    light.v = light.v * -1.0f;
+  }
+  return light;
+}
+
 /// Properties that lights of all shapes have.
-struct Looks {
+struct Appearance {
   Double3 radiance;  ///< intensity included
   const std::string* texture = nullptr;
+  bool stored = false;  ///< `texture` is the ID of a stored environment
+  double rotation = 0;  ///< of an environment's texture, in degrees
 };
 template <typename Shape>
-Looks looks_of(const Shape& shape, double intensity) {
+Appearance appearance_of(const Shape& shape, double intensity) {
   const auto& c = shape.radiance();
   return {Double3{c.r(), c.g(), c.b()} * (intensity > 0 ? intensity : 1.0),
           shape.has_texture() ? &shape.texture().picture() : nullptr};
 }
+Appearance appearance_of(const diaphane::v1::EnvironmentLight& light, double intensity) {
+  Appearance looks = appearance_of<diaphane::v1::EnvironmentLight>(light, intensity);
+  looks.rotation = light.rotation_degrees();
+  if (light.stored().empty()) return looks;
+  looks.texture = &light.stored();
+  looks.stored = true;
+  return looks;
+}
 
 struct Shaped {
-  Looks looks;
+  Appearance looks;
   const char* name = "";  ///< name of the field
   std::vector<AreaLight> parts;
 };
@@ -120,21 +149,28 @@ Shaped shaped(const diaphane::v1::Light& light, const Placement& place) {
   switch (light.shape_case()) {
     case diaphane::v1::Light::kRectangle: {
       const auto& r = light.rectangle();
-      return {
-          looks_of(r, light.intensity()),
-          ".rectangle",
-          {flat_light(place.point(r.corner()), place.direction(r.u()), place.direction(r.v()))}};
+      const Double3 corner = place.point(r.corner());
+      const Double3 u = place.direction(r.u()), v = place.direction(r.v());
+      return {appearance_of(r, light.intensity()),
+              ".rectangle",
+              {projecting(flat_light(corner, u, v), r.texture().projection_degrees(),
+                          corner + (u + v) * 0.5, place.origin())}};
     }
-    case diaphane::v1::Light::kDisk:
-      return {looks_of(light.disk(), light.intensity()), ".disk", {disk_of(light.disk(), place)}};
+    case diaphane::v1::Light::kDisk: {
+      const auto& d = light.disk();
+      return {appearance_of(d, light.intensity()),
+              ".disk",
+              {projecting(disk_of(d, place), d.texture().projection_degrees(),
+                          place.point(d.centre()), place.origin())}};
+    }
     case diaphane::v1::Light::kSphere:
-      return {looks_of(light.sphere(), light.intensity()),
+      return {appearance_of(light.sphere(), light.intensity()),
               ".sphere",
               {sphere_of(light.sphere(), place)}};
     case diaphane::v1::Light::kBox:
-      return {looks_of(light.box(), light.intensity()), ".box", box_of(light.box(), place)};
+      return {appearance_of(light.box(), light.intensity()), ".box", box_of(light.box(), place)};
     default:
-      return {looks_of(light.environment(), light.intensity()), ".environment", {}};
+      return {appearance_of(light.environment(), light.intensity()), ".environment", {}};
   }
 }
 
@@ -142,9 +178,12 @@ double sum(Double3 c) { return c.x + c.y + c.z; }
 
 /// Returns a light's texture and the field it comes from, or nullopt if it has no texture or gives
 /// no light.
-std::optional<TextureFile> texture_of(const Looks& looks, const char* name, int light) {
+std::optional<TextureFile> texture_of(const Appearance& looks, const char* name, int light) {
   if (looks.texture == nullptr || !(sum(looks.radiance) > 0)) return std::nullopt;
-  return TextureFile{looks.texture, "lights[" + std::to_string(light) + "]" + name + ".texture"};
+  return TextureFile{
+      looks.texture,
+      "lights[" + std::to_string(light) + "]" + name + (looks.stored ? ".stored" : ".texture"),
+      looks.stored};
 }
 
 /// Sets `probability` and `cumulative`. The probability is the difference of two rounded cumulative
@@ -176,7 +215,7 @@ class Collector {
     if (light.looks.texture != nullptr) {
       texture = texture_index(*out_.textures, *light.looks.texture);
     }
-    if (light.parts.empty()) return add_environment(light.looks.radiance, texture, place);
+    if (light.parts.empty()) return add_environment(light.looks, texture, place);
     for (const AreaLight& part : light.parts) add_area(part, light.looks.radiance, texture);
   }
 
@@ -187,7 +226,8 @@ class Collector {
   }
 
  private:
-  void add_environment(Double3 radiance, std::uint32_t texture, const Placement& place) {
+  void add_environment(const Appearance& looks, std::uint32_t texture, const Placement& place) {
+    const Double3 radiance = looks.radiance;
     if (texture == kNoTexture) {
       out_.environment += to_float(radiance);
       return;
@@ -195,8 +235,10 @@ class Collector {
     const double power = sum(radiance * out_.textures->sky_means[texture]);
     if (!(power > 0)) return;
     EnvironmentMap map{};
-    map.right = to_float(place.right());
-    map.middle = to_float(place.forward());
+    const double turn = looks.rotation * std::numbers::pi / 180;
+    const Double3 right = place.right(), forward = place.forward();
+    map.right = to_float(right * std::cos(turn) - forward * std::sin(turn));
+    map.middle = to_float(forward * std::cos(turn) + right * std::sin(turn));
     map.up = to_float(place.up());
     map.radiance = to_float(radiance);
     map.texture = texture;
@@ -253,7 +295,7 @@ std::vector<TextureFile> texture_files(const diaphane::v1::Scene& scene) {
     const diaphane::v1::Light& light = scene.lights(i);
     if (light.disabled()) continue;
     const auto add = [&](const auto& shape, const char* name) {
-      if (auto file = texture_of(looks_of(shape, light.intensity()), name, i)) {
+      if (auto file = texture_of(appearance_of(shape, light.intensity()), name, i)) {
         files.push_back(std::move(*file));
       }
     };

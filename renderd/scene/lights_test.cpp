@@ -11,11 +11,11 @@
 #include "renderd/kernel/environment.h"
 #include "renderd/kernel/lights.h"
 #include "renderd/math/random.h"
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/prepared_scene.h"
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
-#include "renderd/scene/test_textures.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
+#include "tests/support/renderd/test_textures.h"
 
 namespace diaphane::render {
 namespace {
@@ -266,6 +266,55 @@ TEST(TexturedLights, DiskAndSphereTexturesFaceTheLitSide) {
     EXPECT_NEAR(colour(6, -3).y, 0.503f, 1e-3f) << "below";
     EXPECT_NEAR(colour(0, 3).x, 1, 1e-4f);
     EXPECT_NEAR(colour(0, 3).y, 1, 1e-4f) << "the middle";
+  }
+}
+
+/// A rectangle and a disk in front of the patient that project onto a square of 200 mm.
+Scene projectors() {
+  Scene scene = dark_scene();
+  const double degrees = 2 * std::atan(100.0 / 500) * 180 / std::numbers::pi;
+  auto* r = scene.add_lights()->mutable_rectangle();
+  test::set(r->mutable_corner(), -30, -500, 20);
+  test::set(r->mutable_u(), 60, 0, 0);
+  test::set(r->mutable_v(), 0, 0, -40);
+  test::set(r->mutable_radiance(), 1, 1, 1);
+  r->mutable_texture()->set_picture(compass());
+  r->mutable_texture()->set_projection_degrees(degrees);
+  auto* d = scene.add_lights()->mutable_disk();
+  test::set(d->mutable_centre(), 0, -500, 0);
+  test::set(d->mutable_normal(), 0, 1, 0);
+  d->set_radius(20);
+  test::set(d->mutable_radiance(), 1, 1, 1);
+  *d->mutable_texture() = r->texture();
+  return scene;
+}
+
+TEST(TexturedLights, ProjectTheTextureUprightAndInFocusThroughTheOrigin) {
+  const auto lights = prepare(projectors());
+  ASSERT_TRUE(lights);
+  ASSERT_EQ(lights->area.size(), 2u);
+  constexpr Features kAll = Features{}.with(Feature::kShapedLights).with(Feature::kTexturedLights);
+  for (const AreaLight& light : lights->area) {
+    const auto colour = [&](float x, float z, Float3 from) {
+      const Float3 to = Float3{from.x - x, -500, from.z - z};
+      const LightHit hit = meet_light<kAll>(view_of_lights(*lights), light,
+                                            kMiddle + Float3{x, 0, z}, normalize(to));
+      EXPECT_TRUE(hit.met);
+      return hit.radiance;
+    };
+    for (const Float3 from : {Float3{0, 0, 0}, Float3{-14, 0, 9}, Float3{12, 0, -11}}) {
+      EXPECT_NEAR(colour(-60, 40, from).x, 1, 1e-4f) << "left";
+      EXPECT_NEAR(colour(-60, 40, from).y, 0, 1e-4f);
+      EXPECT_NEAR(colour(60, 40, from).y, 1, 1e-4f) << "right";
+      EXPECT_NEAR(colour(60, -40, from).y, 0.503f, 1e-3f) << "below";
+      EXPECT_EQ(colour(101, 0, from).y, 0) << "beside the picture";
+      EXPECT_EQ(colour(0, -101, from).y, 0);
+    }
+    for (const float u : {0.1f, 0.5f, 0.8f}) {
+      const LightSample s =
+          sample_light<kAll>(view_of_lights(*lights), light, kMiddle + Float3{60, 0, -40}, u, 0.7f);
+      EXPECT_NEAR(s.irradiance.y * s.density * light.probability, 0.503f, 1e-3f);
+    }
   }
 }
 

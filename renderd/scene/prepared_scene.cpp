@@ -37,13 +37,14 @@ float surfaces_of(const diaphane::v1::Scene& scene) {
 }
 
 Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, Features lights) {
-  const Features seen = Features{}
-                            .with(Feature::kLens, scene.camera().aperture_radius() > 0)
-                            .with(Feature::kOrthographic, scene.camera().orthographic_height() > 0)
-                            .with(Feature::kClip, s.clip.count > 0)
-                            .with(Feature::kSlices, any_slice(s.slices));
-  if (!s.matter) return seen.with(Feature::kTexturedEnvironment, s.maps_seen);
-  return Features{seen.bits | lights.bits}
+  const Features visible =
+      Features{}
+          .with(Feature::kLens, scene.camera().aperture_radius() > 0)
+          .with(Feature::kOrthographic, scene.camera().orthographic_height() > 0)
+          .with(Feature::kClip, s.clip.count > 0)
+          .with(Feature::kSlices, any_slice(s.slices));
+  if (!s.matter) return visible.with(Feature::kTexturedEnvironment, s.maps_visible);
+  return Features{visible.bits | lights.bits}
       .with(Feature::kAnisotropicPhase, s.phase_g != 0)
       .with(Feature::kCurves, s.transfer->exact.pieces.size() != 1)
       .with(Feature::kSurfaces, s.surfaces > 0)
@@ -120,7 +121,7 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   out.environment = lights->environment;
   out.maps = std::move(lights->maps);
   out.textures = std::move(lights->textures);
-  out.maps_seen = scene.display().show_environment() && !out.maps.empty();
+  out.maps_visible = scene.display().show_environment() && !out.maps.empty();
   // The fp32 number below 1. At exactly 1 or -1 the phase function has no density.
   constexpr float kMostForward = 0x1.fffffep-1f;
   out.phase_g = std::clamp(static_cast<float>(scene.phase().g()), -kMostForward, kMostForward);

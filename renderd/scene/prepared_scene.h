@@ -31,12 +31,12 @@ struct PreparedScene {
   std::vector<EnvironmentMap> maps;  ///< environment lights with a texture
   /// Shared like `transfer`; null if no light has a texture.
   std::shared_ptr<const PreparedTextures> textures;
-  bool maps_seen = false;  ///< environment maps are visible to camera rays
+  bool maps_visible = false;  ///< environment maps are visible to camera rays
   CameraView camera{};
   ClipView clip{};
   SlicesView slices{};
-  bool matter = true;  ///< false: there are only slices, and no ray is traced
-  float phase_g = 0;
+  bool matter = true;         ///< false: there are only slices, and no ray is traced
+  float phase_g = 0;          ///< g of Henyey-Greenstein, between -1 and 1
   float surfaces = 0;         ///< SceneView::surfaces
   std::uint32_t bounces = 1;  ///< SceneView::bounces
   Float3 escape{};
@@ -117,7 +117,7 @@ inline LightsView view_of(const PreparedScene& scene, const LightArrays& lights)
           .textures = lights.textures,
           .texels = lights.texels,
           .rows = lights.rows,
-          .maps_seen = scene.maps_seen};
+          .maps_visible = scene.maps_visible};
 }
 
 /// Returns the view of a prepared scene over an executor's copies of its arrays. The caller sets

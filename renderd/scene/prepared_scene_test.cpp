@@ -6,7 +6,7 @@
 
 #include "renderd/kernel/estimator.h"
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {

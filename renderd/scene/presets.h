@@ -20,7 +20,8 @@ namespace diaphane::render {
 /// for vessels. Whoever changes a look also raises the version in api/scans/thumbnails.cpp.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header, const Framing& framing,
                                               bool contrast_agent);
-/// Returns one preset, even if the volume can't show it well.
+/// Returns one preset, even if the volume can't show it well. Returns kNotFound for an unknown
+/// name.
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
                                         std::string_view name);
 

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_folders.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {
@@ -20,7 +21,7 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
 std::string page() {
-  std::ifstream file(DIAPHANE_DOCS "/scenes.md");
+  std::ifstream file(std::string(test::kDocs) + "/scenes.md");
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
@@ -63,7 +64,7 @@ TEST(ScenesPage, NamesEveryFieldOfTheContract) {
 
 TEST(ScenesPage, ListsEveryTestScene) {
   const std::string text = page();
-  for (const auto& entry : std::filesystem::directory_iterator(DIAPHANE_SCENES)) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::kScenes)) {
     EXPECT_TRUE(names(text, entry.path().filename().string())) << entry.path().filename();
   }
 }

@@ -64,7 +64,7 @@ Result<TexturePicture> decode_png(std::string_view file) {
   const auto size = small_enough(reader.image.width, reader.image.height);
   DIAPHANE_TRY(size);
   reader.image.format = PNG_FORMAT_RGB;
-  TexturePicture picture{*size, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(reader.image))};
+  TexturePicture picture{*size, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(reader.image)), {}};
   const png_color black{};
   if (png_image_finish_read(&reader.image, &black, picture.rgb.data(), 0, nullptr) == 0) {
     return damaged();
@@ -95,7 +95,7 @@ class JpegReader {
     const auto known = size(file);
     DIAPHANE_TRY(known);
     TexturePicture picture{
-        *known, std::vector<std::uint8_t>(std::size_t{3} * known->width * known->height)};
+        *known, std::vector<std::uint8_t>(std::size_t{3} * known->width * known->height), {}};
     // The limit of scans is set because a small file with thousands of progressive scans would take
     // minutes.
     constexpr int kFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
@@ -130,11 +130,22 @@ Result<TextureSize> texture_size(std::string_view file) {
   }
   if (file.starts_with(kPngHead)) return png_size(file);
   if (file.starts_with(kJpegHead)) return jpeg_size(file);
+  if (scene::is_radiance(file)) {
+    return scene::environment_size(file).map([](const auto& size) {
+      return TextureSize{size[0], size[1]};
+    });
+  }
   return no_picture();
 }
 
 Result<TexturePicture> decode_texture(std::string_view file) {
-  DIAPHANE_TRY(texture_size(file));
+  const auto size = texture_size(file);
+  DIAPHANE_TRY(size);
+  if (scene::is_radiance(file)) {
+    auto read = scene::read_environment(file);
+    DIAPHANE_TRY(read);
+    return TexturePicture{*size, {}, std::move(read->pixels)};
+  }
   return file.starts_with(kPngHead) ? decode_png(file) : decode_jpeg(file);
 }
 

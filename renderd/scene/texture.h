@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "scene/environment_file.h"
 
 namespace diaphane::render {
 
@@ -18,13 +19,15 @@ struct TextureSize {
   friend bool operator==(const TextureSize&, const TextureSize&) = default;
 };
 
-/// 8-bit sRGB, interleaved, rows from the top.
+/// Rows from the top, in one of two forms.
 struct TexturePicture {
   TextureSize size;
-  std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> rgb;  ///< 8-bit sRGB, interleaved
+  std::vector<scene::Rgbe> rgbe;  ///< radiances
 };
 
-/// Reads the size from the header of a PNG or JPEG file without decoding it. Fails with kInvalid
+/// Reads the size from the header of a PNG or JPEG file, or of an environment in its stored form
+/// (scene/environment_file.h), without decoding it. Fails with kInvalid
 /// for a file that is not such a picture or is too large, and with kUnsupported for a format that
 /// this build does not contain. Errors do not name a field.
 Result<TextureSize> texture_size(std::string_view file);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/scene/test_textures.h"
+#include "tests/support/renderd/test_textures.h"
 
 namespace diaphane::render {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "renderd/scene/test_textures.h"
+#include "tests/support/renderd/test_textures.h"
 
 #if defined(DIAPHANE_HAVE_JPEG)
 #include <turbojpeg.h>

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "renderd/kernel/medium.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {

@@ -23,7 +23,7 @@ TEST(InFlight, FullDeviceAcceptsOneMoreAndEmptyDeviceMany) {
   EXPECT_EQ(taken, 4) << "the fourth fills it";
 }
 
-TEST(InFlight, FillsADeviceWithoutAQueueButNoMore) {
+TEST(InFlight, FillsADeviceWithoutAQueueExactly) {
   InFlight device;
   device.begin(0.6, kStart);
   EXPECT_TRUE(room_for_another(device, false));
@@ -82,7 +82,7 @@ TEST(InFlight, PausedQuantumIsNotCharged) {
   EXPECT_NEAR(device.own_seconds(at(100)) - long_one, 0.010 + 0.065, 1e-12);
 }
 
-TEST(InFlight, ARaisedQuantumKeepsItsDeviceTime) {
+TEST(InFlight, RaisedQuantumKeepsItsDeviceTime) {
   InFlight device;
   const auto at = [](int ms) { return kStart + milliseconds(ms); };
   device.begin(1, at(0));

@@ -15,6 +15,9 @@ double seconds_between(Ledger::Time from, Ledger::Time to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
+/// Time constant of what a session used lately.
+constexpr double kLatelySeconds = 1;
+
 /// Applies the viewer's limits. A viewer can choose to stop earlier than the rules say, but not
 /// later.
 LedgerRules content_with(const Effort& effort, LedgerRules rules) {
@@ -32,25 +35,25 @@ double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 
 
 bool may_interrupt(bool began_moving, bool shown) { return shown || !began_moving; }
 
-void Ledger::refresh(ViewRequest wanted, const DeviceCosts& device, const LedgerRules& rules,
+void Ledger::refresh(ViewRequest requested, const DeviceCosts& device, const LedgerRules& rules,
                      Time now) {
-  wanted_ = std::move(wanted);
-  in_gesture_ = !wanted_.rest && seconds_between(wanted_.last_input, now) < kRestSeconds;
-  if (applied_version_ != wanted_.version) refused_size_.reset();
-  if (wanted_.scene && wanted_.version != seen_version_) {
+  requested_ = std::move(requested);
+  in_gesture_ = !requested_.rest && seconds_between(requested_.last_input, now) < kRestSeconds;
+  if (applied_version_ != requested_.version) refused_size_.reset();
+  if (requested_.scene && requested_.version != seen_version_) {
     // The input came after the last refresh. A session's first scene came together with the
     // session.
     if (!unanswered_since_) {
       const bool known = refreshed_at_ != Time{};
-      unanswered_since_ = known ? std::clamp(wanted_.last_input, refreshed_at_, now) : now;
+      unanswered_since_ = known ? std::clamp(requested_.last_input, refreshed_at_, now) : now;
     }
-    seen_version_ = wanted_.version;
+    seen_version_ = requested_.version;
   }
   refreshed_at_ = now;
   // A session that does not gain does not count as waiting.
-  const bool gains = wanted_.visible && (stale() || !converged(rules));
+  const bool gains = requested_.visible && (stale() || !converged(rules));
   if (!gains || served_at_ == Time{}) served_at_ = now;
-  const bool answered = applied_version_ == wanted_.version;
+  const bool answered = applied_version_ == requested_.version;
   preview_ = !in_gesture_ && (answered ? preview_ && samples_shown_ == 0 : needs_preview(device));
   // During a gesture the size changes only with a new scene, so that the current picture keeps
   // converging.
@@ -58,14 +61,14 @@ void Ledger::refresh(ViewRequest wanted, const DeviceCosts& device, const Ledger
     planned_ = canvas_;
     return;
   }
-  planned_ =
-      plan_canvas({.viewport = wanted_.viewport,
-                   .current = canvas_,
-                   .seconds_per_pixel = seconds_per_pixel(device),
-                   .seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first,
-                   .moving = moving(),
-                   .sharing = device.moving_sessions,
-                   .largest_moving = std::min(wanted_.moving_scale, wanted_.effort.moving_scale)});
+  planned_ = plan_canvas(
+      {.viewport = requested_.viewport,
+       .current = canvas_,
+       .seconds_per_pixel = seconds_per_pixel(device),
+       .seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first,
+       .moving = moving(),
+       .sharing = device.moving_sessions,
+       .largest_moving = std::min(requested_.moving_scale, requested_.effort.moving_scale)});
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 
@@ -75,14 +78,14 @@ double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
 }
 
 bool Ledger::needs_preview(const DeviceCosts& device) const {
-  if (wanted_.full_size) return false;
+  if (requested_.full_size) return false;
   const double cost = seconds_per_pixel(device);
-  return cost > 0 ? cost * wanted_.viewport.pixels() > kPreviewAboveSeconds
-                  : wanted_.viewport.pixels() > kProbePixels;
+  return cost > 0 ? cost * requested_.viewport.pixels() > kPreviewAboveSeconds
+                  : requested_.viewport.pixels() > kProbePixels;
 }
 
 bool Ledger::converged(const LedgerRules& device_rules) const {
-  const LedgerRules rules = content_with(wanted_.effort, device_rules);
+  const LedgerRules rules = content_with(requested_.effort, device_rules);
   if (progress_.samples >= rules.most_samples) return true;
   return progress_.samples >= rules.fewest_samples && progress_.error <= rules.target_error;
 }
@@ -92,13 +95,22 @@ bool Ledger::interruptible() const { return may_interrupt(began_moving_, samples
 // The end of a gesture means rest at once, without waiting for silence. Only its preview is as
 // urgent as a moving picture.
 double Ledger::silence(Time now) const {
-  const double seconds = seconds_between(wanted_.last_input, now);
-  return wanted_.rest && !preview_ ? std::max(seconds, kRestSeconds) : seconds;
+  const double seconds = seconds_between(requested_.last_input, now);
+  return requested_.rest && !preview_ ? std::max(seconds, kRestSeconds) : seconds;
+}
+
+double Ledger::seconds_lately(Time now) const {
+  return lately_ * std::exp(-std::max(seconds_between(lately_at_, now), 0.0) / kLatelySeconds);
+}
+
+void Ledger::add_to_lately(double seconds, Time now) {
+  lately_ = seconds_lately(now) + seconds;
+  lately_at_ = now;
 }
 
 SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
                          const LedgerRules& device_rules, Time now) const {
-  const LedgerRules rules = content_with(wanted_.effort, device_rules);
+  const LedgerRules rules = content_with(requested_.effort, device_rules);
   SessionView view;
   view.session = handle;
   view.target_error = rules.target_error;
@@ -123,14 +135,15 @@ SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
   }
   view.seconds_since_frame = seconds_between(shown_at_, now);
   view.seconds_since_begun = seconds_between(began_at_, now);
+  view.seconds_lately = seconds_lately(now);
   view.seconds_waiting = seconds_between(served_at_, now);
-  view.visible = wanted_.visible;
-  view.wants_frame = wanted_.room;
+  view.visible = requested_.visible;
+  view.wants_frame = requested_.room;
   return view;
 }
 
 std::optional<EmissionInput> Ledger::emission(const LedgerRules& rules, Time now) const {
-  if (!applied_version_ || !wanted_.visible) return std::nullopt;
+  if (!applied_version_ || !requested_.visible) return std::nullopt;
   // A picture that is about to be replaced is shown only if none of its epoch has been shown yet.
   if (stale() && samples_shown_ > 0) return std::nullopt;
   EmissionInput input;
@@ -141,26 +154,27 @@ std::optional<EmissionInput> Ledger::emission(const LedgerRules& rules, Time now
   input.moving = moving();
   input.shown_moving = shown_moving_;
   input.converged = converged(rules);
-  input.wanted_again = wanted_.picture_again && !stale();
-  input.room = wanted_.room;
+  input.wanted_again = requested_.picture_again && !stale();
+  input.room = requested_.room;
   return input;
 }
 
 void Ledger::began(double seconds, Time now) {
-  applied_version_ = wanted_.version;
+  applied_version_ = requested_.version;
   canvas_ = planned_;
   began_moving_ = moving();
   began_at_ = now;
-  input_seq_ = wanted_.input_seq;
+  input_seq_ = requested_.input_seq;
   progress_ = {};
   progress_.error = kUnknownError;
   samples_shown_ = 0;
   scene_seconds_ = seconds;
+  add_to_lately(seconds, now);
   ++epoch_;
 }
 
 void Ledger::refused() {
-  applied_version_ = wanted_.version;
+  applied_version_ = requested_.version;
   refused_size_ = planned_;
   planned_ = canvas_;
   unanswered_since_.reset();
@@ -169,6 +183,7 @@ void Ledger::refused() {
 void Ledger::rendered(const Batch& batch, const Progress& progress, DeviceCosts& device, Time now) {
   progress_ = progress;
   served_at_ = now;
+  if (samples_shown_ == 0) add_to_lately(batch.seconds, now);
   if (std::isfinite(progress.error) && progress.samples > 0) {
     noise_ = progress.error * std::sqrt(static_cast<double>(progress.samples));
   }
@@ -180,6 +195,7 @@ void Ledger::rendered(const Batch& batch, const Progress& progress, DeviceCosts&
 
 void Ledger::shown(double seconds, DeviceCosts& device, Time now) {
   if (samples_shown_ == 0) {
+    add_to_lately(seconds, now);
     first_seconds_ = mean(first_seconds_, scene_seconds_ + seconds);
     device.seconds_first = first_seconds_;
     // Input that arrived while this epoch was rendered is answered by the next one.

@@ -21,7 +21,7 @@ struct LedgerRules {
 struct DeviceCosts {
   double seconds_per_pixel = 0;     ///< of one sample per pixel; 0: unknown
   double seconds_first = 0;         ///< of a new epoch without its samples; 0: unknown
-  std::size_t moving_sessions = 0;  ///< as of the last call of Runner::look()
+  std::size_t moving_sessions = 0;  ///< as of the last call of Runner::refresh_views()
 };
 
 /// Tracks one session on a device: the requested view, the contents of the film, the pictures shown
@@ -34,7 +34,8 @@ class Ledger {
   explicit Ledger(std::uint64_t first_epoch) : epoch_(first_epoch) {}
 
   /// Takes the newest request and plans the size of the next picture.
-  void refresh(ViewRequest wanted, const DeviceCosts& device, const LedgerRules& rules, Time now);
+  void refresh(ViewRequest requested, const DeviceCosts& device, const LedgerRules& rules,
+               Time now);
   SessionView view(std::uint64_t handle, const DeviceCosts& device, const LedgerRules& rules,
                    Time now) const;
   /// Returns the input of should_emit(), or nullopt if there is no picture to show.
@@ -54,14 +55,14 @@ class Ledger {
 
   /// Whether the film does not hold the requested view.
   bool stale() const {
-    return wanted_.scene && (applied_version_ != wanted_.version || planned_ != canvas_);
+    return requested_.scene && (applied_version_ != requested_.version || planned_ != canvas_);
   }
   bool has_picture() const { return applied_version_.has_value(); }
   bool converged(const LedgerRules& rules) const;
   /// Whether newer input may interrupt the quantum in flight.
   bool interruptible() const;
 
-  const ViewRequest& wanted() const { return wanted_; }
+  const ViewRequest& requested() const { return requested_; }
   Canvas canvas() const { return canvas_; }    ///< size of the film
   Canvas planned() const { return planned_; }  ///< size of the next picture
   const Progress& progress() const { return progress_; }
@@ -78,9 +79,11 @@ class Ledger {
  private:
   double seconds_per_pixel(const DeviceCosts& device) const;
   double silence(Time now) const;
+  double seconds_lately(Time now) const;
+  void add_to_lately(double seconds, Time now);
   bool needs_preview(const DeviceCosts& device) const;
 
-  ViewRequest wanted_;
+  ViewRequest requested_;
   bool in_gesture_ = false;
   bool preview_ = false;
   Canvas planned_;
@@ -104,6 +107,8 @@ class Ledger {
   double noise_ = 0;
   double scene_seconds_ = 0;
   double first_seconds_ = 0;
+  double lately_ = 0;  // device seconds of first pictures, as of lately_at_
+  Time lately_at_{};
 
   // The last picture that was shown.
   std::uint64_t samples_shown_ = 0;

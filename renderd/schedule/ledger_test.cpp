@@ -17,18 +17,18 @@ struct LedgerTest : testing::Test {
   LedgerRules rules{.target_error = 0.01, .fewest_samples = 16, .device_parallel = 40'000};
   DeviceCosts device;
   Ledger ledger{7};
-  ViewRequest wanted;
+  ViewRequest requested;
 
   LedgerTest() {
-    wanted.version = 1;
-    wanted.scene = std::make_shared<const v1::Scene>();
-    wanted.viewport = {100, 100};
+    requested.version = 1;
+    requested.scene = std::make_shared<const v1::Scene>();
+    requested.viewport = {100, 100};
     refresh();
   }
-  void refresh() { ledger.refresh(wanted, device, rules, now); }
+  void refresh() { ledger.refresh(requested, device, rules, now); }
   void input() {
-    ++wanted.version;
-    wanted.last_input = now;
+    ++requested.version;
+    requested.last_input = now;
   }
   SessionView view() const { return ledger.view(1, device, rules, now); }
   void render(std::uint32_t samples, double error) {
@@ -57,9 +57,21 @@ TEST_F(LedgerTest, NewSessionStartsFromTheMeasuredDeviceCosts) {
   EXPECT_NEAR(view().seconds_first, 0.005, 1e-12) << "scene and picture";
   EXPECT_NEAR(view().fill, 0.25, 1e-12);
   Ledger other(0);
-  other.refresh(wanted, device, rules, now);
+  other.refresh(requested, device, rules, now);
   EXPECT_NEAR(other.view(2, device, rules, now).seconds_per_sample, 0.001, 1e-12);
   EXPECT_NEAR(other.view(2, device, rules, now).seconds_first, 0.005, 1e-12);
+}
+
+TEST_F(LedgerTest, CountsWhatItsFirstImagesTookLately) {
+  EXPECT_EQ(view().seconds_lately, 0);
+  render(10, 0.1);
+  ledger.shown(0.003, device, now);
+  const double shown = 0.002 * std::exp(-0.01) + 0.01 + 0.003;  // scene, 10 ms earlier; samples
+  EXPECT_NEAR(view().seconds_lately, shown, 1e-12);
+  render(10, 0.08);
+  EXPECT_NEAR(view().seconds_lately, shown * std::exp(-0.01), 1e-12) << "refinement does not count";
+  now += 1s;
+  EXPECT_NEAR(view().seconds_lately, shown * std::exp(-1.01), 1e-12);
 }
 
 TEST_F(LedgerTest, OnlyItsOwnImageAnswersAnInput) {
@@ -100,28 +112,28 @@ TEST_F(LedgerTest, ViewerMayStopEarlierButNotLater) {
   render(20, 0.1);
   refresh();
   EXPECT_FALSE(ledger.converged(rules));
-  wanted.effort.stop_error = 0.2;
+  requested.effort.stop_error = 0.2;
   refresh();
   EXPECT_TRUE(ledger.converged(rules));
   EXPECT_EQ(view().error, 0) << "nothing more to gain";
-  wanted.effort = {.stop_samples = 20};
+  requested.effort = {.stop_samples = 20};
   refresh();
   EXPECT_TRUE(ledger.converged(rules));
-  wanted.effort = {.stop_samples = 21};
+  requested.effort = {.stop_samples = 21};
   refresh();
   EXPECT_FALSE(ledger.converged(rules));
   EXPECT_GT(view().error, view().target_error);
 
   render(20, 0.009);
-  wanted.effort = {.stop_error = 0.001, .stop_samples = 1'000};
+  requested.effort = {.stop_error = 0.001, .stop_samples = 1'000};
   refresh();
   EXPECT_TRUE(ledger.converged(rules)) << "the worker's limit applies";
 }
 
 TEST_F(LedgerTest, ViewerLimitsTheMovingSize) {
   const auto moving = [&](double viewer, double connection) {
-    wanted.effort.moving_scale = viewer;
-    wanted.moving_scale = connection;
+    requested.effort.moving_scale = viewer;
+    requested.moving_scale = connection;
     input();
     refresh();
     return ledger.planned();
@@ -143,7 +155,7 @@ TEST_F(LedgerTest, SessionWithoutGainDoesNotWait) {
   now += 1s;
   refresh();
   EXPECT_NEAR(view().seconds_waiting, 1, 1e-9);
-  wanted.visible = false;
+  requested.visible = false;
   refresh();
   EXPECT_EQ(view().seconds_waiting, 0);
 }
@@ -177,7 +189,7 @@ TEST_F(LedgerTest, EndOfAGestureCountsAsRestImmediately) {
   refresh();
   EXPECT_TRUE(ledger.moving());
   EXPECT_LT(view().seconds_since_input, kRestSeconds);
-  wanted.rest = true;
+  requested.rest = true;
   input();
   refresh();
   EXPECT_FALSE(ledger.moving());
@@ -188,9 +200,9 @@ TEST_F(LedgerTest, EndOfAGestureCountsAsRestImmediately) {
 }
 
 /// A full picture of a second follows, so that the viewer sees at once that the input arrived.
-TEST_F(LedgerTest, APreviewComesBeforeASlowPictureAtRest) {
+TEST_F(LedgerTest, ShowsAPreviewBeforeASlowImageAtRest) {
   device.seconds_per_pixel = 1e-4;  // 1 s for the viewport
-  wanted.rest = true;
+  requested.rest = true;
   input();
   refresh();
   EXPECT_TRUE(ledger.moving());
@@ -206,15 +218,15 @@ TEST_F(LedgerTest, APreviewComesBeforeASlowPictureAtRest) {
   refresh();
   EXPECT_FALSE(ledger.moving());
   EXPECT_TRUE(ledger.stale());
-  EXPECT_EQ(ledger.planned(), wanted.viewport);
+  EXPECT_EQ(ledger.planned(), requested.viewport);
   ledger.began(0, now);
   ledger.rendered({1, 1, 0}, {1, 1, 1}, device, now);
   refresh();
   EXPECT_FALSE(ledger.stale()) << "one preview is enough";
 }
 
-TEST_F(LedgerTest, AFastPictureHasNoPreviewAndNeitherHasOneOfAnotherWorker) {
-  wanted.rest = true;
+TEST_F(LedgerTest, FastOrAssistedImageHasNoPreview) {
+  requested.rest = true;
   const auto previews = [&](double seconds_per_pixel) {
     device.seconds_per_pixel = seconds_per_pixel;
     input();
@@ -223,9 +235,9 @@ TEST_F(LedgerTest, AFastPictureHasNoPreviewAndNeitherHasOneOfAnotherWorker) {
   };
   EXPECT_FALSE(previews(1e-5)) << "0.1 s";
   EXPECT_TRUE(previews(1e-4));
-  wanted.viewport = {1000, 1000};
+  requested.viewport = {1000, 1000};
   EXPECT_TRUE(previews(0)) << "the speed of the device is unknown";
-  wanted.full_size = true;
+  requested.full_size = true;
   EXPECT_FALSE(previews(0));
   EXPECT_FALSE(previews(1e-4));
 }

@@ -59,9 +59,9 @@ double fair_drag_share(std::span<const SessionView> sessions, double moving_seco
     std::size_t limited = 0;
     for (const SessionView& session : sessions) {
       if (!gains(session) || session.seconds_since_input >= moving_seconds) continue;
-      const double whole = frame_cost(session) / frame_seconds;
-      if (whole <= share) {
-        left -= whole;
+      const double full_share = frame_cost(session) / frame_seconds;
+      if (full_share <= share) {
+        left -= full_share;
       } else {
         ++limited;
       }
@@ -137,7 +137,9 @@ std::vector<Quantum> MarginalGain::choose(std::span<const SessionView> sessions,
           (!keeps_deadline || session.seconds_unanswered < spare)) {
         return {Rank::kPaced, -session.seconds_since_begun, &session};
       }
-      return {Rank::kDue, options_.deadline_seconds - session.seconds_unanswered, &session};
+      // Whoever used the device less comes first, as in weighted fair queueing.
+      const double deadline = options_.deadline_seconds + session.seconds_lately;
+      return {Rank::kDue, deadline - session.seconds_unanswered, &session};
     }
     return {Rank::kGaining, -gain(session), &session};
   };

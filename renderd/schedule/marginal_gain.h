@@ -8,9 +8,10 @@ namespace diaphane::render {
 /// costs (ADR 0012). It is stateless: the same views always get the same answer.
 ///
 /// 1. Sessions that are due come first, in the order of their deadlines. A first frame is due
-///    `deadline_seconds` after the oldest input that it answers. A session that gains is due
-///    `patience_seconds` after its last quantum. A missed deadline is not moved, so it precedes all
-///    later ones and no session starves at any load.
+///    `deadline_seconds` after the oldest input that it answers, and later by the device time that
+///    its session's first frames took lately, so that light users come before heavy ones. A session
+///    that gains is due `patience_seconds` after its last quantum. A missed deadline is not moved,
+///    so it precedes all later ones and no session starves at any load.
 /// 2. Otherwise the session whose next quantum removes the most error per second is chosen. This
 ///    rate is multiplied by the time for which the picture is expected to stay, because the next
 ///    input of a drag discards everything rendered since the last one.

@@ -54,6 +54,14 @@ TEST(MarginalGain, AnswersInputFirstAndTheOldestBeforeOthers) {
   EXPECT_EQ(chosen({resting(1, 2), asking(2, 0.004), asking(3, 0.007)}), 3U);
 }
 
+TEST(MarginalGain, AnswersInputOfTheLighterUserFirst) {
+  SessionView heavy = asking(2, 0.007);
+  heavy.seconds_lately = 0.004;
+  EXPECT_EQ(chosen({heavy, asking(3, 0.002)}), 2U) << "it has waited for longer than it is behind";
+  heavy.seconds_lately = 0.006;
+  EXPECT_EQ(chosen({heavy, asking(3, 0.002)}), 3U);
+}
+
 TEST(MarginalGain, ServesLongWaitingSessionBeforeNewInput) {
   SessionView waiting = resting(1, 1000);
   waiting.seconds_waiting = 1.99;
@@ -136,8 +144,8 @@ TEST(MarginalGain, RunningSessionIsNotChosenAgainButCountsAsLoad) {
 
 TEST(MarginalGain, OnlyTheDueFirstImageOfADragOvertakes) {
   MarginalGain policy;
-  const auto overtaking = [&](SessionView session) {
-    return !policy.overtaking(std::vector{resting(1, 10), std::move(session)}, 0).empty();
+  const auto overtaking = [&](const SessionView& session) {
+    return !policy.overtaking(std::vector{resting(1, 10), session}, 0).empty();
   };
   const SessionView drag = asking(2, 0.02);
   EXPECT_TRUE(overtaking(drag));
@@ -176,6 +184,7 @@ TEST(MarginalGain, PriorityGrowsByOnePerQuarterOfTheCost) {
   EXPECT_EQ(precedence(0, 0.05), 3U);
   EXPECT_EQ(precedence(0, 0.05 / 4), 4U);
   EXPECT_EQ(precedence(0, 1e-9), kHighestPrecedence);
+  EXPECT_EQ(first_picture_precedence({.seconds_per_sample = 1e-9, .seconds_lately = 0.05}), 3U);
 }
 
 TEST(MarginalGain, ShortensTheFirstImagesOfManyDrags) {

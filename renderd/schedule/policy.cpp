@@ -24,7 +24,8 @@ bool gains(const SessionView& session) {
 bool waits(const SessionView& session) { return gains(session) && !session.under_way; }
 
 unsigned first_picture_precedence(const SessionView& session) {
-  const double seconds = session.seconds_first + session.seconds_per_sample;
+  const double seconds =
+      session.seconds_first + session.seconds_per_sample + session.seconds_lately;
   unsigned precedence = 1;
   for (double least = 0.25; precedence < kHighestPrecedence && seconds > 0 && seconds < least;
        least /= 4) {

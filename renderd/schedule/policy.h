@@ -27,6 +27,8 @@ struct SessionView {
   double seconds_unanswered = 0;   ///< since the oldest input that no frame shows; 0: there is none
   double seconds_since_frame = 0;  ///< since the last frame was handed to the encoder
   double seconds_since_begun = 0;  ///< since the film was last cleared for new input
+  /// Device time that its first pictures took lately; a second later 37% of it counts.
+  double seconds_lately = 0;
   /// Since its last quantum, or since it began to gain if that was later.
   double seconds_waiting = 0;
   bool visible = true;      ///< a viewer is attached and the picture is on their screen
@@ -66,9 +68,10 @@ bool gains(const SessionView& session);
 bool waits(const SessionView& session);
 
 /// Precedence on the CPU of the first picture of a moving session; everything else has 0. It is 1
-/// if the picture takes 0.25 s or more, or an unknown time. It rises by one for each factor of four
-/// below that, up to kHighestPrecedence. So a small picture does not wait for large ones, and a
-/// user with a large window or an expensive scene does not slow down the drags of others.
+/// if the picture and those before it (`seconds_lately`) take 0.25 s or more, or an unknown time.
+/// It rises by one for each factor of four below that, up to kHighestPrecedence. So a small picture
+/// does not wait for large ones, and a user with a large window, an expensive scene or many inputs
+/// does not slow down others.
 unsigned first_picture_precedence(const SessionView& session);
 inline constexpr unsigned kHighestPrecedence = 7;
 

@@ -13,7 +13,7 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kLongestStillSeconds = 0.25;
-/// Priority on the processor of work that nobody waits for.
+/// CPU priority of background work.
 constexpr int kBackgroundNice = 10;
 /// Paused work keeps its lane, so there is one for each session.
 constexpr std::size_t kMostBackground = 256;
@@ -97,10 +97,10 @@ void Runner::submit(StillJob job) {
 
 void Runner::run() {
   while (!stopping_) {
-    std::uint64_t seen = 0;
+    std::uint64_t last_wake = 0;
     {
       const std::lock_guard lock(mutex_);
-      seen = wakes_;
+      last_wake = wakes_;
     }
     adopt();
     collect();
@@ -109,7 +109,7 @@ void Runner::run() {
     std::unique_lock lock(mutex_);
     const bool idle = in_flight_.count() == 0;
     const Time since = clock_.now();
-    changed_.wait_for(lock, next_rest(), [&] { return wakes_ != seen; });
+    changed_.wait_for(lock, next_rest(), [&] { return wakes_ != last_wake; });
     if (idle) spent_.idle += seconds_between(since, clock_.now());
   }
   {
@@ -119,7 +119,7 @@ void Runner::run() {
   adopt();
   collect();
   for (const auto& still : stills_) {
-    still->job.done(fail(ErrorCode::kUnavailable, "The render worker is shutting down."), 0);
+    still->job.done(fail(ErrorCode::kUnavailable, "This rendering server is shutting down."), 0);
   }
 }
 
@@ -159,9 +159,9 @@ std::chrono::nanoseconds Runner::next_rest() const {
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
   for (const auto& entry : entries_) {
     if (entry->under_way) continue;
-    const ViewRequest& wanted = entry->ledger.wanted();
-    if (!entry->ledger.moving() || !wanted.visible) continue;
-    const Seconds rest = Seconds(kRestSeconds) - (now - wanted.last_input);
+    const ViewRequest& requested = entry->ledger.requested();
+    if (!entry->ledger.moving() || !requested.visible) continue;
+    const Seconds rest = Seconds(kRestSeconds) - (now - requested.last_input);
     wait = std::min(wait, std::chrono::duration_cast<std::chrono::nanoseconds>(
                               std::max(rest, Seconds(0)) + std::chrono::milliseconds(1)));
   }
@@ -195,8 +195,8 @@ void Runner::collect() {
     }
   }
   still_seconds_due_ =
-      std::min(still_seconds_due_ + still_share_ * (busy - busy_told_), kLongestStillSeconds);
-  busy_told_ = busy;
+      std::min(still_seconds_due_ + still_share_ * (busy - busy_accounted_), kLongestStillSeconds);
+  busy_accounted_ = busy;
   for (const auto& item : ended) item->still ? settle_still(*item) : settle(*item);
 }
 
@@ -208,12 +208,12 @@ void Runner::settle(WorkItem& item) {
   if (!item.refused) return;
   if (!entry.ledger.has_picture()) return drop(entry, *item.refused);
   entry.ledger.refused();
-  entry.client->refused(entry.ledger.wanted(), *item.refused);
+  entry.client->refused(entry.ledger.requested(), *item.refused);
 }
 
 // Reads the current request of every session, and begins pictures that are due although no samples
 // are rendered.
-std::vector<SessionView> Runner::look() {
+std::vector<SessionView> Runner::refresh_views() {
   const Time now = clock_.now();
   DeviceCosts costs;
   {
@@ -229,9 +229,9 @@ std::vector<SessionView> Runner::look() {
     if (entry->gone) continue;
     Ledger& ledger = entry->ledger;
     if (!entry->under_way) {
-      ledger.refresh(entry->client->wanted(), costs, options_.rules, now);
-      entry->seen = ledger.view(entry->handle, costs, options_.rules, now);
-      entry->moving = ledger.moving() && ledger.wanted().visible;
+      ledger.refresh(entry->client->requested(), costs, options_.rules, now);
+      entry->last_view = ledger.view(entry->handle, costs, options_.rules, now);
+      entry->moving = ledger.moving() && ledger.requested().visible;
       const auto question = ledger.emission(options_.rules, now);
       if (question && should_emit(*question)) {
         auto item = std::make_unique<WorkItem>();
@@ -240,17 +240,17 @@ std::vector<SessionView> Runner::look() {
         item->fill = 0;  // hardly uses the device
         begin(std::move(item));
       }
-      if (!ledger.wanted().scene) continue;
+      if (!ledger.requested().scene) continue;
     } else {
       raise_if_awaited(*entry);
     }
-    entry->seen.under_way = entry->under_way;
-    entry->seen.visitor = entry->client->of_visitor();
+    entry->last_view.under_way = entry->under_way;
+    entry->last_view.visitor = entry->client->of_visitor();
     if (entry->moving) ++moving;
-    if (gains(entry->seen) && !entry->client->of_another_worker()) ++waiting;
+    if (gains(entry->last_view) && !entry->client->of_another_worker()) ++waiting;
     // A session without a first picture has an infinite error; it counts as 1.
-    if (entry->seen.visible) error += std::min(1.0, entry->seen.error);
-    views.push_back(entry->seen);
+    if (entry->last_view.visible) error += std::min(1.0, entry->last_view.error);
+    views.push_back(entry->last_view);
   }
   error_ = error;
   moving_ = moving;
@@ -265,7 +265,7 @@ std::vector<SessionView> Runner::look() {
 
 bool Runner::step() {
   const Time start = clock_.now();
-  const std::vector<SessionView> views = look();
+  const std::vector<SessionView> views = refresh_views();
   bool room = false;
   unsigned highest = 0;
   {
@@ -295,7 +295,7 @@ bool Runner::step() {
     item->samples = quantum.samples;
     const Ledger& ledger = item->entry->ledger;
     if (!options_.device_queues && ledger.moving() && first_picture(ledger)) {
-      item->precedence = first_picture_precedence(item->entry->seen);
+      item->precedence = first_picture_precedence(item->entry->last_view);
     }
     const double parallel = options_.rules.device_parallel;
     const Canvas canvas = ledger.planned();
@@ -310,7 +310,7 @@ bool Runner::step() {
 // wait for other sessions' first pictures if it did not get the precedence of its own.
 void Runner::raise_if_awaited(SessionEntry& entry) {
   if (options_.device_queues || entry.client->version() == entry.version_under_way) return;
-  const unsigned precedence = first_picture_precedence(entry.seen);
+  const unsigned precedence = first_picture_precedence(entry.last_view);
   {
     const std::lock_guard lock(mutex_);
     WorkItem& item = *entry.item;
@@ -330,7 +330,7 @@ void Runner::begin(std::unique_ptr<WorkItem> item) {
     SessionEntry& entry = *item->entry;
     entry.under_way = true;
     entry.item = item.get();
-    entry.version_under_way = entry.ledger.wanted().version;
+    entry.version_under_way = entry.ledger.requested().version;
     entry.renderer->set_precedence(options_.device_queues
                                        ? item->samples > 0 && first_picture(entry.ledger)
                                        : item->precedence);
@@ -396,15 +396,15 @@ bool Runner::render(WorkItem& item, ProgressMonitor::Work& work) {
   Ledger& ledger = entry.ledger;
   if (ledger.stale()) {
     const double before = own_seconds(item);
-    entry.renderer->prepare_denoising(!ledger.wanted().raw);
-    auto taken = entry.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
+    entry.renderer->prepare_denoising(!ledger.requested().raw);
+    auto taken = entry.renderer->set_scene(*ledger.requested().scene, ledger.planned());
     item.scene_seconds = own_seconds(item) - before;
     if (!taken) {
       item.refused = std::move(taken.error());
       return false;
     }
     ledger.began(item.scene_seconds, clock_.now());
-    entry.client->began(ledger.epoch(), ledger.wanted());
+    entry.client->began(ledger.epoch(), ledger.requested());
   }
   const bool interruptible = ledger.interruptible();
   const auto stop = [&] {
@@ -432,6 +432,9 @@ bool Runner::render(WorkItem& item, ProgressMonitor::Work& work) {
   }
   if (entry.gone) return false;
   entry.client->rendered(own);
+  Progress since_epoch = progress;
+  since_epoch.seconds += ledger.scene_seconds();
+  entry.client->progressed(since_epoch, ledger.moving());
   return true;
 }
 
@@ -443,7 +446,7 @@ void Runner::show_if_due(WorkItem& item) {
     const std::lock_guard lock(mutex_);
     costs = costs_;
   }
-  entry.ledger.refresh(entry.client->wanted(), costs, options_.rules, now);
+  entry.ledger.refresh(entry.client->requested(), costs, options_.rules, now);
   const auto question = entry.ledger.emission(options_.rules, now);
   if (question && should_emit(*question)) show(item, *question);
 }
@@ -465,7 +468,7 @@ void Runner::show(WorkItem& item, const EmissionInput& question) {
   }
   rendered.info.epoch = ledger.epoch();
   // If an update changed nothing, the same picture answers it under the new input's number.
-  rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.wanted().input_seq;
+  rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.requested().input_seq;
   rendered.info.samples = ledger.progress().samples;
   rendered.info.error = ledger.progress().error;
   rendered.info.first_of_epoch = ledger.samples_shown() == 0;
@@ -481,7 +484,7 @@ void Runner::show(WorkItem& item, const EmissionInput& question) {
     ledger.shown(own, costs_, start);
   }
   entry.client->picture(std::move(rendered));
-  if (ledger.wanted().kernel_report) entry.client->kernel(entry.renderer->report());
+  if (ledger.requested().kernel_report) entry.client->kernel(entry.renderer->report());
 }
 
 void Runner::drop(SessionEntry& entry, const Error& why) {

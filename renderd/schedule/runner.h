@@ -39,7 +39,7 @@ struct StillJob {
   /// Deadline of the picture. It is then delivered with the samples that it has, at least one.
   /// Without a deadline a busy device would restart it with each request and never finish it.
   std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
-  /// Returns true once no one waits for the picture any more. Polled between and during quanta.
+  /// Returns true once no caller waits for the picture. Polled between and during quanta.
   std::function<bool()> cancelled;
   /// Receives the device time that each quantum took. Called on a lane's thread.
   std::function<void(double seconds)> took;
@@ -92,7 +92,7 @@ class Runner {
   /// Stops rendering for a client. Returns immediately; a quantum in flight is interrupted and its
   /// result discarded.
   void remove(std::uint64_t handle);
-  /// Announces that RenderClient::wanted() of a client has changed.
+  /// Announces that RenderClient::requested() of a client has changed.
   void wake();
   void submit(StillJob job);
   /// Ends the thread. Nothing is rendered afterwards, and remaining stills end with kUnavailable.
@@ -123,7 +123,7 @@ class Runner {
   void collect();
   /// Begins the next quanta. Returns true if it began any and there may be room for more.
   bool step();
-  std::vector<SessionView> look();
+  std::vector<SessionView> refresh_views();
   void begin(std::unique_ptr<WorkItem> item);
   void raise_if_awaited(SessionEntry& entry);
   Lanes& lanes_for(const WorkItem& item);
@@ -175,7 +175,7 @@ class Runner {
   std::uint64_t last_ = 0;  // handle of the session whose quantum was begun last
   double still_share_ = 0;
   double still_seconds_due_ = 0;  // device time owed to stills
-  double busy_told_ = 0;          // busy seconds up to which still_seconds_due_ is computed
+  double busy_accounted_ = 0;     // busy seconds up to which still_seconds_due_ is computed
   // Destroyed before the members that their work uses. On the CPU, work that a user waits for has
   // lanes of its own, so that it neither waits for paused work to free one nor shares the processor
   // evenly with other work.

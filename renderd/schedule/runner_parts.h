@@ -33,8 +33,8 @@ struct Runner::SessionEntry {
   // These members always belong to the runner's thread.
   bool under_way = false;
   bool moving = false;
-  SessionView seen;                     // as of the last call of look() without a quantum in flight
-  WorkItem* item = nullptr;             // in flight, or in `ended_`
+  SessionView last_view;     // as of the last call of refresh_views() without a quantum in flight
+  WorkItem* item = nullptr;  // in flight, or in `ended_`
   std::uint64_t version_under_way = 0;  // of the request that it began with
 };
 

@@ -5,11 +5,11 @@
 #include <future>
 
 #include "renderd/schedule/canvas.h"
-#include "renderd/schedule/eventually.h"
-#include "renderd/schedule/fake_engine.h"
 #include "renderd/schedule/marginal_gain.h"
 #include "renderd/schedule/round_robin.h"
-#include "renderd/schedule/test_client.h"
+#include "tests/support/renderd/eventually.h"
+#include "tests/support/renderd/fake_engine.h"
+#include "tests/support/renderd/test_client.h"
 
 namespace diaphane::render {
 namespace {
@@ -341,7 +341,7 @@ TEST_F(RunnerTest, StillIsDeliveredAtItsDeadline) {
   job.samples = 1u << 30;
   job.until = {};
   runner.submit(std::move(job));
-  ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(finished.wait_for(60s), std::future_status::ready);
   EXPECT_GT(finished.get(), 0.5 / std::sqrt(double(1u << 30)));
 }
 
@@ -352,7 +352,7 @@ TEST_F(RunnerTest, StillIsDeliveredAtItsTargetError) {
   job.samples = 1u << 30;
   job.error = 0.1;
   runner.submit(std::move(job));
-  ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(finished.wait_for(60s), std::future_status::ready);
   EXPECT_LE(finished.get(), 0.1);
 }
 
@@ -366,10 +366,10 @@ TEST_F(RunnerTest, LaterStillsOvertakeABackgroundStill) {
   runner.submit(std::move(background));
   ASSERT_TRUE(eventually([&] { return device->samples > 0; })) << "it is under way";
   runner.submit(still_job(device, sooner));
-  ASSERT_EQ(ended_sooner.wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(ended_sooner.wait_for(60s), std::future_status::ready);
   EXPECT_EQ(ended_later.wait_for(0s), std::future_status::timeout);
   device->seconds_per_megapixel = 0;
-  ASSERT_EQ(ended_later.wait_for(10s), std::future_status::ready) << "and continues where it was";
+  ASSERT_EQ(ended_later.wait_for(60s), std::future_status::ready) << "and continues where it was";
   EXPECT_NEAR(ended_later.get(), 0.5 / std::sqrt(1000.0), 1e-9);
 }
 

@@ -44,10 +44,9 @@ Result<AssistTask> task_of(const v1::AssistTask& message) {
 
 Result<std::shared_ptr<AssistHost::Session>> AssistHost::open(std::shared_ptr<AssistLink> link) {
   const std::lock_guard lock(mutex_);
-  if (refusing_) return fail(ErrorCode::kUnavailable, "This render worker is shutting down.");
+  if (refusing_) return fail(ErrorCode::kUnavailable, "This worker is shutting down.");
   if (sessions_.size() >= options_.most) {
-    return fail(ErrorCode::kTooMany,
-                "This render worker already assists the maximum number of workers.");
+    return fail(ErrorCode::kTooMany, "This worker already assists the maximum number of workers.");
   }
   auto session = std::make_shared<Session>(*this, std::move(link));
   sessions_.insert(session);
@@ -67,7 +66,7 @@ void AssistHost::end_all() {
     ending.swap(sessions_);
   }
   for (const auto& session : ending) {
-    session->end({ErrorCode::kUnavailable, "This render worker is shutting down.", {}});
+    session->end({ErrorCode::kUnavailable, "This worker is shutting down.", {}});
   }
 }
 
@@ -158,21 +157,21 @@ void AssistHost::Session::end(const Error& why) {
   if (link) link->finish(why);
 }
 
-ViewRequest AssistHost::Session::wanted() {
-  ViewRequest wanted;
+ViewRequest AssistHost::Session::requested() {
+  ViewRequest requested;
   const AssistDesk::Order order = desk_->newest();
-  if (!order.task) return wanted;
-  wanted.version = order.version;
+  if (!order.task) return requested;
+  requested.version = order.version;
   // Shares the lifetime of the task, because the renderer finds the task by its scene.
-  wanted.scene = std::shared_ptr<const v1::Scene>(order.task, order.task->scene.get());
-  wanted.viewport = order.task->canvas;
-  wanted.input_seq = order.task->epoch;
-  wanted.rest = true;
-  wanted.full_size = true;
-  wanted.raw = true;
-  wanted.visible = desk_->wants_more();
-  wanted.room = desk_->room();
-  return wanted;
+  requested.scene = std::shared_ptr<const v1::Scene>(order.task, order.task->scene.get());
+  requested.viewport = order.task->canvas;
+  requested.input_seq = order.task->epoch;
+  requested.rest = true;
+  requested.full_size = true;
+  requested.raw = true;
+  requested.visible = desk_->wants_more();
+  requested.room = desk_->room();
+  return requested;
 }
 
 void AssistHost::Session::send_part() {

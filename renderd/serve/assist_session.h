@@ -67,7 +67,7 @@ class AssistHost::Session final : public RenderClient,
 
   // RenderClient
   bool of_another_worker() const override { return true; }
-  ViewRequest wanted() override;
+  ViewRequest requested() override;
   std::uint64_t version() const noexcept override { return version_; }
   void began(std::uint64_t, const ViewRequest&) override {}
   void refused(const ViewRequest&, const Error&) override {}

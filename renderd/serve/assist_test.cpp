@@ -6,12 +6,12 @@
 #include <thread>
 
 #include "api/proto/worker.grpc.pb.h"
-#include "common/claimed_port.h"
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/schedule/eventually.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
-#include "renderd/serve/test_worker.h"
+#include "tests/support/common/claimed_port.h"
+#include "tests/support/renderd/eventually.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
@@ -114,7 +114,7 @@ TEST_F(Assist, LeavingOrJoiningWorkerCostsOrAddsOnlyItsShare) {
   for (const Division division : {Division::kAverage, Division::kTiles}) {
     start(2, {.division = division});
     const auto parts = [&](std::uint64_t more) {
-      return [this, wanted = report().parts + more] { return report().parts >= wanted; };
+      return [this, requested = report().parts + more] { return report().parts >= requested; };
     };
     ASSERT_TRUE(until([&] { return report().assistants == 2; })) << "they join in mid-picture";
     ASSERT_TRUE(until(parts(4)));
@@ -211,7 +211,7 @@ TEST_F(Assist, ReportsAndStopsAskingUnavailableHelpers) {
     source_->borrow({refuses, with.address()});
     EXPECT_TRUE(until([&] { return source_->refusing() == std::vector{refuses}; })) << refuses;
     ASSERT_TRUE(until([&] { return report().assistants == 1; })) << "the other helps";
-    EXPECT_EQ(without.worker->assists().used(), 0u);
+    EXPECT_TRUE(eventually([&] { return without.worker->assists().used() == 0; }));
     source_->borrow({});
     EXPECT_TRUE(source_->refusing().empty());
   }

@@ -21,9 +21,9 @@ std::string fleet_of(const std::string& owner) {
   return end == std::string::npos ? "" : owner.substr(0, end);
 }
 
-bool has_any(const std::vector<std::string>& listed, const std::vector<std::string>& wanted) {
+bool has_any(const std::vector<std::string>& listed, const std::vector<std::string>& requested) {
   return std::any_of(listed.begin(), listed.end(), [&](const std::string& one) {
-    return std::find(wanted.begin(), wanted.end(), one) != wanted.end();
+    return std::find(requested.begin(), requested.end(), one) != requested.end();
   });
 }
 
@@ -127,10 +127,10 @@ void CapacityBroker::borrow(const Lending& before) {
   std::vector<std::string> addresses;
   for (const Helper& helper : lending_.helpers) {
     addresses.push_back(addresses_.at(helper.id));
-    if (!helps(before, helper.id)) log::info("helper_asked", {{"worker", helper.id}});
+    if (!helps(before, helper.id)) log::info("helper_requested", {{"worker", helper.id}});
   }
   for (const Helper& helper : before.helpers) {
-    if (!helps(lending_, helper.id)) log::info("helper_given_back", {{"worker", helper.id}});
+    if (!helps(lending_, helper.id)) log::info("helper_released", {{"worker", helper.id}});
   }
   helpers_->borrow(addresses);
 }

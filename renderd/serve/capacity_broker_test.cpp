@@ -6,7 +6,7 @@
 #include <atomic>
 #include <set>
 
-#include "renderd/serve/test_redis.h"
+#include "tests/support/renderd/test_redis.h"
 
 namespace diaphane::render {
 namespace {

@@ -22,12 +22,12 @@ double ExpectedLoad::after(double seconds, double busy, std::span<const Usage> s
   }
   // Work that ran at the same time used the device only once.
   const double scale = all > busy ? busy / all : 1;
-  const double of_anybody = 1.0 / static_cast<double>(std::max<std::size_t>(slots, 1));
+  const double prior = 1.0 / static_cast<double>(std::max<std::size_t>(slots, 1));
   double load = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     ExpectedShare& share = now[sessions[i].id].share;
     share.watch(seconds, scale * took[i]);
-    load += share.value(of_anybody);
+    load += share.value(prior);
   }
   sessions_ = std::move(now);
   other_.watch(seconds, busy - scale * all);

@@ -9,7 +9,7 @@
 namespace diaphane::render {
 
 /// Predicts how much of the device this worker's sessions will use, together with its other work
-/// (films, but not pictures for other workers). New sessions are placed by this value.
+/// (videos, but not pictures for other workers). New sessions are placed by this value.
 class ExpectedLoad {
  public:
   struct Usage {

@@ -21,7 +21,7 @@ double after_seconds(ExpectedLoad& load, int seconds, double busy, std::vector<U
 
 /// An unknown session counts as a tenth. After a long time at one rate, the memory's 600 s weigh
 /// against the prior's 30 s. Steps of a second change less than 0.001.
-double settled(double of_anybody, double rate) { return (30 * of_anybody + 600 * rate) / 630; }
+double settled(double prior, double rate) { return (30 * prior + 600 * rate) / 630; }
 constexpr double kStep = 0.001;
 
 TEST(ExpectedLoad, IsZeroForAnEmptyWorker) { EXPECT_EQ(ExpectedLoad().after(1, 0, {}, 4), 0); }
@@ -67,7 +67,7 @@ TEST(ExpectedLoad, ConcurrentWorkCountsOnce) {
   EXPECT_NEAR(load.after(0, 0, std::vector<Usage>{{"b", 9000}}, 10), settled(0.1, 0.5), kStep);
 }
 
-TEST(ExpectedLoad, IncludesFilmsAndImagesForOtherWorkers) {
+TEST(ExpectedLoad, IncludesVideosAndImagesForOtherWorkers) {
   ExpectedLoad load;
   EXPECT_NEAR(after_seconds(load, 9000, 0.8, {{"a"}}, {0.2}), settled(0.1, 0.2) + settled(0, 0.6),
               kStep);

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "common/try.h"
-#include "renderd/encode/film_file.h"
 #include "renderd/encode/png_rows.h"
+#include "renderd/encode/video_file.h"
 #include "renderd/film/part.h"
 #include "renderd/scene/file_order.h"
-#include "renderd/scene/film_path.h"
+#include "renderd/scene/video_path.h"
 
 namespace diaphane::render {
 namespace {
@@ -22,17 +22,17 @@ constexpr std::uint32_t kFewestSamples = 16;
 constexpr std::uint32_t kTrialSide = 768;
 constexpr int kPngLevelOfFiles = 6;  // encoded once, kept for long
 
-class FilmMaker final : public FileMaker {
+class VideoMaker final : public FileMaker {
  public:
-  FilmMaker(v1::Film film, std::vector<v1::Scene> keys, std::unique_ptr<FilmFile> file)
-      : film_(std::move(film)), keys_(std::move(keys)), file_(std::move(file)) {}
+  VideoMaker(v1::Video video, std::vector<v1::Scene> keys, std::unique_ptr<VideoFile> file)
+      : video_(std::move(video)), keys_(std::move(keys)), file_(std::move(file)) {}
 
   std::optional<FileStep> next() override {
-    if (taken_ == film_.frames()) return std::nullopt;
-    return FileStep{std::make_shared<const v1::Scene>(film_frame(film_, keys_, taken_)),
-                    {film_.width(), film_.height()},
+    if (taken_ == video_.frames()) return std::nullopt;
+    return FileStep{std::make_shared<const v1::Scene>(video_frame(video_, keys_, taken_)),
+                    {video_.width(), video_.height()},
                     kMostSamples,
-                    film_.error(),
+                    video_.error(),
                     true};
   }
   Result<std::string> take(const PictureRgb8& picture, std::uint64_t) override {
@@ -41,12 +41,12 @@ class FilmMaker final : public FileMaker {
     return std::string();  // the index comes first in the file, but is known last
   }
   Result<std::string> finish() override { return file_->finish(); }
-  double done() const override { return static_cast<double>(taken_) / film_.frames(); }
+  double done() const override { return static_cast<double>(taken_) / video_.frames(); }
 
  private:
-  const v1::Film film_;
+  const v1::Video video_;
   const std::vector<v1::Scene> keys_;
-  const std::unique_ptr<FilmFile> file_;
+  const std::unique_ptr<VideoFile> file_;
   std::uint32_t taken_ = 0;
 };
 
@@ -104,12 +104,13 @@ class PictureMaker final : public FileMaker {
   std::uint32_t row_ = 0;
 };
 
-Result<std::unique_ptr<FileMaker>> film_maker(const v1::Film& film, std::vector<v1::Scene> keys) {
-  DIAPHANE_TRY(check_film(film, keys));
+Result<std::unique_ptr<FileMaker>> video_maker(const v1::Video& video,
+                                               std::vector<v1::Scene> keys) {
+  DIAPHANE_TRY(check_video(video, keys));
   auto file =
-      make_film_file({{film.width(), film.height()}, film.frames_per_second(), film.frames()});
+      make_video_file({{video.width(), video.height()}, video.frames_per_second(), video.frames()});
   DIAPHANE_TRY(file);
-  return std::make_unique<FilmMaker>(film, std::move(keys), std::move(*file));
+  return std::make_unique<VideoMaker>(video, std::move(keys), std::move(*file));
 }
 
 Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
@@ -132,7 +133,7 @@ std::uint32_t band_rows(Canvas picture) {
 
 Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileRequest& request,
                                                    std::vector<v1::Scene> keys) {
-  if (request.has_film()) return film_maker(request.film(), std::move(keys));
+  if (request.has_video()) return video_maker(request.video(), std::move(keys));
   if (request.has_picture()) return picture_maker(request.picture(), std::move(keys));
   return fail(ErrorCode::kInvalid, "This file type is not supported.", "kind");
 }

@@ -21,7 +21,8 @@ struct FileStep {
   bool smoothed = false;
 };
 
-/// Makes a file picture by picture. Not thread-safe.
+/// Makes a file picture by picture. Errors are those of the encoder (png_rows.h, video_file.h). Not
+/// thread-safe.
 class FileMaker {
  public:
   virtual ~FileMaker() = default;
@@ -36,7 +37,7 @@ class FileMaker {
   virtual double done() const = 0;
 };
 
-/// Returns the number of rows per band of a large picture, small enough for a small film and short
+/// Returns the number of rows per band of a large picture, small enough for a small video and short
 /// samples.
 std::uint32_t band_rows(Canvas picture);
 

@@ -77,7 +77,7 @@ bool FileWork::put(std::string bytes, bool last) {
   } else {
     ready_ += bytes;
   }
-  whole_ = last;
+  complete_ = last;
   paused_ = !last && unsent() > kMostUnsentFileBytes;
   return !paused_;
 }
@@ -107,11 +107,11 @@ void FileWork::send() {
     {
       const std::lock_guard lock(mutex_);
       const bool full = sent_ - taken_ >= kFilePartsInFlight;
-      if (full || (unsent() < kFilePartBytes && !whole_)) return;
+      if (full || (unsent() < kFilePartBytes && !complete_)) return;
       part = ready_.substr(cut_, kFilePartBytes);
       cut_ += part.size();
       seq = ++sent_;
-      last = whole_ && unsent() == 0;
+      last = complete_ && unsent() == 0;
       over_ = last;
     }
     sink->part(seq, std::move(part), last);

@@ -69,9 +69,9 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
   std::mutex mutex_;
   std::size_t unsent() const { return ready_.size() - cut_; }
   std::string ready_;
-  std::size_t cut_ = 0;  // bytes of that in parts
-  bool whole_ = false;   // no bytes follow the ready ones
-  bool paused_ = false;  // too many bytes are ready
+  std::size_t cut_ = 0;    // bytes of that in parts
+  bool complete_ = false;  // no bytes follow the ready ones
+  bool paused_ = false;    // too many bytes are ready
   std::uint64_t sent_ = 0, taken_ = 0;
 };
 

@@ -5,8 +5,8 @@
 #include <condition_variable>
 #include <thread>
 
-#include "renderd/schedule/fake_engine.h"
 #include "renderd/schedule/round_robin.h"
+#include "tests/support/renderd/fake_engine.h"
 
 namespace diaphane::render {
 namespace {
@@ -73,7 +73,7 @@ class Kept final : public FileSink {
     why = error.message;
     changed_.notify_all();
   }
-  bool wait(const std::function<bool()>& holds, std::chrono::milliseconds within = 5s) {
+  bool wait(const std::function<bool()>& holds, std::chrono::milliseconds within = 60s) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, within, holds);
   }

@@ -75,6 +75,21 @@ void LiveSession::carry_out(const effect::ForwardToCamera& effect) {
   if (const auto own = camera(effect.session)) own->take(effect.connection, effect.message);
 }
 
+// A participant points at what they see, which may be the picture of their own camera.
+void LiveSession::carry_out(const effect::FindPointer& effect) {
+  std::string own;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto* known = cameras_.of(effect.connection)) own = known->session;
+  }
+  const std::shared_ptr<LiveSession> seen = own.empty() ? shared_from_this() : camera(own);
+  const auto visible = seen ? seen->visible_at(effect.x, effect.y) : std::nullopt;
+  PointerFound found{effect.connection, effect.number, std::nullopt};
+  if (visible) found.place = visible->place;
+  const Turn turn(*this);
+  apply(collaboration_.handle(found, state_, turn.now));
+}
+
 void LiveSession::carry_out(const effect::FollowPresenter& effect) {
   if (const auto own = camera(effect.session)) own->follow(*effect.scene, effect.number);
 }

@@ -403,12 +403,12 @@ std::vector<std::unique_ptr<Assistant>> GrpcAssistants::assistants(const AssistO
 
 void GrpcAssistants::borrow(const std::vector<std::string>& addresses) {
   const std::lock_guard lock(mutex_);
-  const auto wanted = [&](const AssistPeer& peer) {
+  const auto requested = [&](const AssistPeer& peer) {
     return std::find(addresses.begin(), addresses.end(), peer.address) != addresses.end();
   };
   for (const auto& slot : coming_) {
     const auto peer = slot->peer();
-    if (!peer || wanted(*peer)) continue;
+    if (!peer || requested(*peer)) continue;
     slot->put(nullptr);
     peer->leave();
   }

@@ -4,7 +4,6 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
-#include <deque>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "common/wire/grpc_credentials.h"
 #include "common/wire/limited_listener.h"
 #include "renderd/serve/assist_reactor.h"
+#include "renderd/serve/reply_queue.h"
 
 namespace diaphane::render {
 namespace {
@@ -80,47 +80,30 @@ void log_line(gpr_log_func_args* line) {
   if (line->severity == GPR_LOG_SEVERITY_ERROR) log::error("grpc", {{"message", line->message}});
 }
 
-// The writing side of one Attach call: a queue, one write at a time, then the status. It outlives
-// the call, because a session may hold it slightly longer.
-class StreamLink final : public ClientLink {
+class StreamLink final : public ClientLink, public ReplyQueue<v1::AttachRequest, v1::AttachReply> {
  public:
-  using Reactor = grpc::ServerBidiReactor<v1::AttachRequest, v1::AttachReply>;
-
   StreamLink(Reactor* reactor, grpc::CallbackServerContext* context, Metrics& metrics)
-      : reactor_(reactor), context_(context), metrics_(metrics) {}
+      : ReplyQueue(reactor), context_(context), metrics_(metrics) {}
 
   void send(std::string server_message) override {
     const std::lock_guard lock(mutex_);
-    if (!reactor_ || ending_) return;
+    if (!open()) return;
     if (queue_.size() >= kMostQueued) {
-      end(status_for({ErrorCode::kTooMany, "The viewer has stopped reading.", {}}, metrics_));
+      flush(status_for({ErrorCode::kTooMany, "The viewer has stopped reading.", {}}, metrics_));
       queue_.clear();
       context_->TryCancel();
       return;
     }
-    queue_.push_back(std::move(server_message));
-    write_next();
+    v1::AttachReply reply;
+    reply.set_server_message(std::move(server_message));
+    push(std::move(reply));
   }
 
   void finish(const Error& why) override { finish(status_for(why, metrics_)); }
 
   void finish(grpc::Status status) {
     const std::lock_guard lock(mutex_);
-    end(std::move(status));
-  }
-
-  void written(bool ok) {
-    const std::lock_guard lock(mutex_);
-    writing_ = false;
-    if (!ok) queue_.clear();
-    write_next();
-  }
-
-  // Marks the call as ended, after which no operation may start on it.
-  void over() {
-    const std::lock_guard lock(mutex_);
-    reactor_ = nullptr;
-    context_ = nullptr;
+    if (!ending_) flush(std::move(status));
   }
 
   void cancel_if_stuck(steady_clock::time_point now) {
@@ -130,36 +113,14 @@ class StreamLink final : public ClientLink {
   }
 
  private:
-  void end(grpc::Status status) {
-    if (ending_) return;
-    ending_ = std::move(status);
+  void flush(grpc::Status status) {
     ending_since_ = steady_clock::now();
-    write_next();
+    end(std::move(status));
   }
 
-  void write_next() {
-    if (!reactor_ || writing_ || finished_) return;
-    if (!queue_.empty()) {
-      writing_ = true;
-      reply_.set_server_message(std::move(queue_.front()));
-      queue_.pop_front();
-      reactor_->StartWrite(&reply_);
-    } else if (ending_) {
-      finished_ = true;
-      reactor_->Finish(*ending_);
-    }
-  }
-
-  std::mutex mutex_;
-  Reactor* reactor_;
-  grpc::CallbackServerContext* context_;
+  grpc::CallbackServerContext* context_;  // valid while the call is not over
   Metrics& metrics_;
-  std::deque<std::string> queue_;
-  v1::AttachReply reply_;
-  bool writing_ = false;
-  std::optional<grpc::Status> ending_;
   steady_clock::time_point ending_since_{};
-  bool finished_ = false;
 };
 
 // The current connections, for the sweep.
@@ -286,6 +247,22 @@ class Service final : public v1::RenderWorker::CallbackService {
       return refusal;
     }
     return new StillReactor(stills_, *request, reply, metrics_);
+  }
+
+  grpc::ServerUnaryReactor* GetErrorCurve(grpc::CallbackServerContext* context,
+                                          const v1::ErrorCurveRequest* request,
+                                          v1::ErrorCurve* reply) override {
+    grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+    grpc::Status status = require(wire::Role::kApi, *context, "GetErrorCurve");
+    if (status.ok()) {
+      if (auto curve = host_.error_curve(request->session_id())) {
+        *reply = std::move(*curve);
+      } else {
+        status = {grpc::StatusCode::NOT_FOUND, "this worker has no such session"};
+      }
+    }
+    reactor->Finish(status);
+    return reactor;
   }
 
   grpc::ServerBidiReactor<v1::AssistRequest, v1::AssistReply>* Assist(

@@ -11,8 +11,8 @@
 
 #include "api/proto/worker.grpc.pb.h"
 #include "common/wire/grpc_credentials.h"
-#include "common/wire/test_authority.h"
-#include "renderd/serve/test_worker.h"
+#include "tests/support/common/test_authority.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
@@ -201,6 +201,30 @@ TEST_F(GrpcTest, ReconnectingViewerContinuesWithTheSameFilm) {
   EXPECT_GE(frame->frame().iteration(), samples);
 }
 
+TEST_F(GrpcTest, ReturnsTheErrorCurveOfASession) {
+  const v1::Open session = open();
+  Client viewer(*stub, session);
+  viewer.say(hello_message());
+  const auto frame = viewer.follow([](const v1::Frame& f) { return f.iteration() >= 16; });
+  ASSERT_TRUE(frame);
+  v1::ErrorCurveRequest request;
+  request.set_session_id(session.session_id());
+  v1::ErrorCurve curve;
+  grpc::ClientContext context;
+  const grpc::Status status = stub->GetErrorCurve(&context, request, &curve);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(curve.epoch(), frame->epoch());
+  ASSERT_GE(curve.points_size(), 2);
+  EXPECT_GE(curve.points().rbegin()->samples(), frame->iteration());
+  EXPECT_LT(curve.points().rbegin()->error(), curve.points(0).error());
+  EXPECT_GT(curve.points(0).seconds(), 0);
+
+  request.set_session_id(new_id());
+  grpc::ClientContext another;
+  EXPECT_EQ(stub->GetErrorCurve(&another, request, &curve).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+}
+
 TEST_F(GrpcTest, RendersStillWithErrorAndLimits) {
   v1::StillRequest request;
   request.set_volume_id(volume);
@@ -362,6 +386,10 @@ struct RoleTest : WithAuthority, GrpcTest {
       v1::StillReply reply;
       return stub.RenderStill(&context, v1::StillRequest(), &reply);
     }
+    if (method == "GetErrorCurve") {
+      v1::ErrorCurve reply;
+      return stub.GetErrorCurve(&context, v1::ErrorCurveRequest(), &reply);
+    }
     const auto end_at_once = [](auto stream) {
       stream->WritesDone();
       return stream->Finish();
@@ -370,8 +398,10 @@ struct RoleTest : WithAuthority, GrpcTest {
                               : end_at_once(stub.Assist(&context));
   }
 
-  const std::map<std::string, std::string> role_of{
-      {"Attach", "gateway"}, {"RenderStill", "api"}, {"Assist", "renderd"}};
+  const std::map<std::string, std::string> role_of{{"Attach", "gateway"},
+                                                   {"RenderStill", "api"},
+                                                   {"GetErrorCurve", "api"},
+                                                   {"Assist", "renderd"}};
 };
 
 TEST_F(RoleTest, EachMethodAcceptsOnlyCertificatesOfItsRoleAndNamesIt) {
@@ -410,7 +440,7 @@ TEST_F(RoleTest, ACertificateMayHaveSeveralRoles) {
   EXPECT_EQ(call(*both, "Assist").error_code(), grpc::StatusCode::PERMISSION_DENIED);
 }
 
-TEST_F(RoleTest, AUriThatOnlyContainsTheRoleIsNone) {
+TEST_F(RoleTest, RefusesAUriThatOnlyContainsTheRole) {
   for (const char* uri :
        {"spiffe://diaphane/gateway/x", "spiffe://diaphane.example/gateway",
         "https://diaphane/gateway", "spiffe://diaphane/Gateway", "spiffe://diaphane/gateway?api"}) {

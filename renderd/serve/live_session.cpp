@@ -70,10 +70,10 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
   state_.volume_id = facts_.volume_id;
   state_.placement = start.placement;
   with_table_ = start.scene && start.scene->show_table();
-  state_.wanted.scene = std::move(start.scene);
-  state_.wanted.viewport = start.viewport;
-  state_.wanted.input_seq = start.input_seq;
-  state_.wanted.version = 1;
+  state_.requested.scene = std::move(start.scene);
+  state_.requested.viewport = start.viewport;
+  state_.requested.input_seq = start.input_seq;
+  state_.requested.version = 1;
   state_.camera_only = facts_.camera_only;
   state_.audience.guest_slices = start.guest_slices;
   if (!start.presenter.empty()) state_.audience.presenter = std::move(start.presenter);
@@ -131,11 +131,11 @@ void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   presets_ = std::move(presets);
   // This program may reject a scene that an older version wrote. A default look is better than no
   // picture.
-  if (state_.wanted.scene && !check_scene(*state_.wanted.scene)) {
-    fallback_clip_ = state_.wanted.scene->clip();
-    state_.wanted.scene.reset();
+  if (state_.requested.scene && !check_scene(*state_.requested.scene)) {
+    fallback_clip_ = state_.requested.scene->clip();
+    state_.requested.scene.reset();
   }
-  if (!state_.wanted.scene) state_.wanted.scene = first_look();
+  if (!state_.requested.scene) state_.requested.scene = first_look();
   runner_handle_ =
       parts_.runner.add(std::shared_ptr<RenderClient>(shared_from_this(), client_.get()),
                         std::move(*renderer), first_epoch(state_.placement));
@@ -174,14 +174,26 @@ void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& messag
   }
   switch (message.body_case()) {
     case v1::ClientMessage::kSlices:
-      return apply(slices_.handle(SlicesAsked{connection, message.slices()}, state_, turn.now));
+      return apply(slices_.handle(SlicesRequested{connection, message.slices()}, state_, turn.now));
     case v1::ClientMessage::kKeyView:
       return apply(files_.handle(KeyViewSent{connection, message.key_view()}, state_));
     case v1::ClientMessage::kFile:
-      return apply(
-          files_.handle(FileAsked{connection, message.file(), ended_ ? nullptr : volume_}, state_));
+      return apply(files_.handle(
+          FileRequested{connection, message.file(), ended_ ? nullptr : volume_}, state_));
     case v1::ClientMessage::kFileTaken:
       return apply(files_.handle(FileTaken{connection, message.file_taken().seq()}, state_));
+    case v1::ClientMessage::kSliceView:
+      return apply(
+          collaboration_.handle(SliceViewSent{connection, message.slice_view()}, state_, turn.now));
+    case v1::ClientMessage::kMeasurements:
+      return apply(collaboration_.handle(MeasurementsSent{connection, message.measurements()},
+                                         state_, turn.now));
+    case v1::ClientMessage::kPointer:
+      return apply(
+          collaboration_.handle(PointerMoved{connection, message.pointer()}, state_, turn.now));
+    case v1::ClientMessage::kSharedTaken:
+      return apply(collaboration_.handle(SharedReceived{connection, message.shared_taken().seq()},
+                                         state_, turn.now));
     default:
       break;
   }
@@ -191,28 +203,29 @@ void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& messag
   apply(render::receive(state_, connection, message, turn.now), connection);
 }
 
-// A ray through a scene takes milliseconds, so the lock is released meanwhile.
-void LiveSession::carry_out(const effect::FindDepth& effect) {
-  const v1::DepthQuery& query = effect.query;
+std::optional<VisiblePoint> LiveSession::visible_at(double x, double y) const {
   std::unique_lock lock(mutex_);
-  if (!volume_) return;
+  if (!volume_ || !state_.shown.scene) return std::nullopt;
   const std::shared_ptr<const v1::Scene> scene = state_.shown.scene;
   const Canvas canvas = state_.shown.viewport;
   const auto coarse = parts_.stats.of(*volume_).coarse;
   lock.unlock();
+  return coarse ? visible_point_at(*coarse, *scene, canvas, x, y) : std::nullopt;
+}
+
+void LiveSession::carry_out(const effect::FindDepth& effect) {
+  const v1::DepthQuery& query = effect.query;
   v1::ServerMessage message;
   v1::Depth& depth = *message.mutable_depth();
   depth.set_id(query.id());
-  if (const auto visible = scene && coarse
-                               ? visible_point_at(*coarse, *scene, canvas, query.x(), query.y())
-                               : std::nullopt) {
+  if (const auto visible = visible_at(query.x(), query.y())) {
     depth.set_found(true);
     depth.set_distance(visible->distance);
     depth.mutable_place()->set_x(visible->place.x);
     depth.mutable_place()->set_y(visible->place.y);
     depth.mutable_place()->set_z(visible->place.z);
   }
-  lock.lock();
+  const std::lock_guard lock(mutex_);
   send(effect.connection, message);
 }
 
@@ -226,6 +239,7 @@ void LiveSession::closed(std::uint64_t connection) {
 void LiveSession::end(const Error& why) {
   const Turn turn(*this);
   if (ended_.exchange(true)) return;
+  note(convergence_.ended());
   apply(cameras_.handle(SessionEnded{}));
   while (!links_.empty()) finish_link(links_.begin()->first, why, true);
   apply(slices_.handle(AllViewersLeft{}));
@@ -287,6 +301,18 @@ std::optional<RecoveryRecord> LiveSession::recovery_record() const {
   return render::recovery_record(state_, facts_.user_id, visitor_);
 }
 
+v1::ErrorCurve LiveSession::error_curve() const {
+  const std::lock_guard lock(mutex_);
+  return to_proto(convergence_.curve(), state_.epoch);
+}
+
+void LiveSession::note(const Convergence::Measured& measured) {
+  if (measured.seconds_to_five_percent) {
+    parts_.metrics.time_to_five_percent(*measured.seconds_to_five_percent);
+  }
+  if (measured.error_at_rest) parts_.metrics.error_at_rest(*measured.error_at_rest);
+}
+
 void LiveSession::mark_unsaved() {
   const std::lock_guard lock(mutex_);
   state_.unsaved = true;
@@ -316,7 +342,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_device(engine.device);
   *config.mutable_volume() =
       header_for(receiver->viewer, volume::stored_header(volume_->header()),
-                 state_.wanted.scene ? *state_.wanted.scene : v1::Scene::default_instance());
+                 state_.requested.scene ? *state_.requested.scene : v1::Scene::default_instance());
   VolumeStats stats = parts_.stats.of(*volume_);
   config.mutable_treatment()->set_slices_per_stored(volume_->header().interpolated);
   config.mutable_treatment()->set_has_support(stats.has_support);
@@ -325,19 +351,19 @@ void LiveSession::send_config(std::uint64_t connection) {
   }
   for (const volume::SliceStack& stack : *slices_.stacks())
     *config.add_slice_stacks() = to_proto(stack);
-  if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;
-  config.set_input_seq(state_.wanted.input_seq);
+  if (state_.requested.scene) *config.mutable_scene() = *state_.requested.scene;
+  config.set_input_seq(state_.requested.input_seq);
   for (const v1::Preset& preset : presets_) *config.add_presets() = preset;
   config.set_follower(!state_.audience.presents(*receiver));
-  receiver->look_version = state_.wanted.version;
+  receiver->look_version = state_.requested.version;
   send(connection, message);
 }
 
-void LiveSession::send_look(std::uint64_t connection) {
+void LiveSession::send_scene(std::uint64_t connection) {
   // The presenter receives the requested scene, followers the one that is shown.
   const Receiver* const receiver = state_.audience.find(connection);
   if (!receiver) return;
-  const ViewRequest& of = state_.audience.presents(*receiver) ? state_.wanted : state_.shown;
+  const ViewRequest& of = state_.audience.presents(*receiver) ? state_.requested : state_.shown;
   if (!of.scene) return;
   v1::ServerMessage message;
   *message.mutable_look()->mutable_scene() = *of.scene;
@@ -354,6 +380,7 @@ void LiveSession::broadcast_participants() {
     *message.mutable_audience() = audience_for(state_.audience, receiver);
     send(receiver.connection, message);
   }
+  apply(collaboration_.handle(ParticipantsChanged{}, state_, parts_.clock.now()));
 }
 
 void LiveSession::apply(const Outcome& outcome, std::uint64_t connection) {
@@ -373,12 +400,17 @@ void LiveSession::apply(const Outcome& outcome, std::uint64_t connection) {
   if (outcome.audience) broadcast_participants();
   if (outcome.presenter) {
     const Receiver* presenter = state_.audience.of(state_.audience.presenter);
-    if (presenter) send_look(presenter->connection);
+    if (presenter) send_scene(presenter->connection);
   }
   if (outcome.room) apply(Effects{effect::PokeEncoders{}});
   if (outcome.wake) apply(Effects{effect::WakeRunner{}});
   if (outcome.free_camera) {
-    apply(cameras_.handle(CameraAsked{connection, *outcome.free_camera}, state_));
+    apply(cameras_.handle(CameraRequested{connection, *outcome.free_camera}, state_));
+  }
+  if (outcome.error_curve) {
+    v1::ServerMessage message;
+    *message.mutable_error_curve() = to_proto(convergence_.curve(), state_.epoch);
+    send(connection, message);
   }
   if (outcome.depth) apply(Effects{effect::FindDepth{connection, *outcome.depth}});
 }
@@ -417,7 +449,7 @@ void LiveSession::carry_out(const effect::Configure& effect) {
   }
 }
 
-void LiveSession::carry_out(const effect::TellParticipants&) { broadcast_participants(); }
+void LiveSession::carry_out(const effect::BroadcastParticipants&) { broadcast_participants(); }
 
 void LiveSession::carry_out(const effect::Warn& effect) {
   log::warning(effect.event, {{"session", facts_.id}});

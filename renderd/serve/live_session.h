@@ -17,6 +17,9 @@
 #include "renderd/serve/file_work.h"
 #include "renderd/serve/gpu_time_meter.h"
 #include "renderd/serve/metrics.h"
+#include "renderd/session/collaboration.h"
+#include "renderd/session/convergence.h"
+#include "renderd/session/depth.h"
 #include "renderd/session/files.h"
 #include "renderd/session/free_cameras.h"
 #include "renderd/session/lossless_tiles.h"
@@ -61,7 +64,7 @@ struct SessionFacts {
   std::string id;
   std::string volume_id;
   std::string user_id;       ///< owner of the session
-  std::string charged_to;    ///< user whose render time is charged; empty: nobody's
+  std::string charged_to;    ///< user whose render time is charged; empty: no user
   bool camera_only = false;  ///< a follower's free camera
   std::string link = {};     ///< of a guest's free camera: the link by which they joined
   std::weak_ptr<LiveSession> group = {};  ///< of a follower's free camera
@@ -123,7 +126,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
     bool guest_slices = false;
     bool visitor = false;
   };
-  /// The placement by which a viewer comes.
+  /// The placement that a viewer's ticket belongs to.
   struct Opening {
     std::uint64_t placement = 0;
     bool visitor = false;
@@ -159,6 +162,8 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void mark_unsaved();
   /// Empty until a scene is set and the owner is known.
   std::optional<RecoveryRecord> recovery_record() const;
+  /// The error of the current view after each pass.
+  diaphane::v1::ErrorCurve error_curve() const;
 
  private:
   /// The session as the runner sees it (session_client.h).
@@ -172,6 +177,9 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void coded(const Lane& lane, const FrameInfo& frame, CodedFrame data, double seconds);
   void dropped(const Lane& lane, const Error& why);
 
+  /// Returns what is visible at a point of the shown picture (0 to 1). Must be called without the
+  /// lock, because it takes milliseconds.
+  std::optional<VisiblePoint> visible_at(double x, double y) const;
   void send_tiles();
   void tile_coded(const effect::CodeTile& of, std::optional<diaphane::v1::Still> coded);
   void keep_if_last(RenderedPicture& picture);
@@ -185,12 +193,13 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void apply_to_presenter(const Outcome& outcome);
   void carry_out(const effect::Send& effect);
   void carry_out(const effect::Configure& effect);
-  void carry_out(const effect::TellParticipants& effect);
+  void carry_out(const effect::BroadcastParticipants& effect);
   // These must be called without the lock:
   void carry_out(const effect::Warn& effect);
   void carry_out(const effect::WakeRunner& effect);
   void carry_out(const effect::LeaveRunner& effect);
   void carry_out(const effect::FindDepth& effect);
+  void carry_out(const effect::FindPointer& effect);
   void carry_out(const effect::PokeEncoders& effect);
   void carry_out(const effect::LoadVoxels& effect);
   void carry_out(effect::CodeSlice& effect);
@@ -216,12 +225,12 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
     std::shared_ptr<FileWork> work;
   };
   Result<File> begin_file(effect::StartFile& effect);
-  void file_said(std::uint64_t file, diaphane::v1::ServerMessage message, bool last);
+  void on_file_message(std::uint64_t file, diaphane::v1::ServerMessage message, bool last);
 
   // All of these require the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
-  void send_look(std::uint64_t connection);
+  void send_scene(std::uint64_t connection);
   void report_stats(std::size_t sessions, TimePoint now);
   void broadcast_participants();
   void finish_link(std::uint64_t connection, const Error& why, bool with_problem);
@@ -229,6 +238,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   Result<void> open_lane(diaphane::v1::Codec codec);
   void close_unused_lanes();
   bool in_use(const Lane& lane) const;
+  void note(const Convergence::Measured& measured);
 
   /// Returns the volume's default look with the clip of the scene that it replaces, so that removed
   /// parts stay hidden. Precondition: the volume is loaded.
@@ -276,8 +286,10 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   Effects pending_;  // to be carried out at the end of the turn
   Slices slices_;
   LosslessTiles tiles_;
+  Convergence convergence_;
   Files files_;
   FreeCameras cameras_;
+  Collaboration collaboration_;
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   std::shared_ptr<const DeviceVolume> volume_;

@@ -3,7 +3,7 @@
 #include <sodium.h>
 
 #include "renderd/serve/session_host.h"
-#include "renderd/serve/test_worker.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {

@@ -2,9 +2,9 @@
 // ones are not affected.
 #include <gtest/gtest.h>
 
-#include "renderd/schedule/eventually.h"
 #include "renderd/serve/session_host.h"
-#include "renderd/serve/test_worker.h"
+#include "tests/support/renderd/eventually.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
@@ -75,7 +75,7 @@ TEST_F(MemoryFullTest, RefusesNextSessionAndKeepsTheOthers) {
   EXPECT_TRUE(problem->problem().fatal());
   EXPECT_FALSE(problem->problem().message().empty());
 
-  // No session is placed here any more, because the heartbeat reports no free slot.
+  // No session is placed here from now on, because the heartbeat reports no free slot.
   EXPECT_TRUE(eventually([&] { return worker->host().slots() == 1; }));
   const auto third = worker->host().open(opening(), std::make_shared<Link>());
   ASSERT_FALSE(third);

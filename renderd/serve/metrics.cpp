@@ -6,6 +6,7 @@
 #include <prometheus/registry.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "renderd/schedule/runner.h"
 
@@ -20,10 +21,15 @@ prometheus::Gauge& gauge(prometheus::Registry& registry, const char* name, const
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
 
-prometheus::Histogram& latency(prometheus::Registry& registry, const char* name, const char* help) {
+prometheus::Histogram& histogram(prometheus::Registry& registry, const char* name, const char* help,
+                                 prometheus::Histogram::BucketBoundaries boundaries) {
   return prometheus::BuildHistogram().Name(name).Help(help).Register(registry).Add(
-      {}, prometheus::Histogram::BucketBoundaries{0.005, 0.01, 0.02, 0.033, 0.05, 0.075, 0.1, 0.15,
-                                                  0.2, 0.3, 0.5, 1, 2, 5});
+      {}, std::move(boundaries));
+}
+
+prometheus::Histogram& latency(prometheus::Registry& registry, const char* name, const char* help) {
+  return histogram(registry, name, help,
+                   {0.005, 0.01, 0.02, 0.033, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5, 1, 2, 5});
 }
 
 }  // namespace
@@ -48,6 +54,15 @@ struct Metrics::Impl {
         slice_bytes(counter(r, "diaphane_renderd_slice_bytes_total", "Bytes of slices sent.")),
         input_to_frame(latency(r, "diaphane_renderd_input_to_frame_seconds",
                                "Time from an input to sending the first frame that shows it.")),
+        time_to_five_percent(
+            histogram(r, "diaphane_renderd_time_to_5_percent_seconds",
+                      "Time from the last input of a viewer until the error of the picture at rest "
+                      "is at most 0.05.",
+                      {0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1, 1.5, 2, 3, 5, 10, 20, 30, 60})),
+        error_at_rest(histogram(
+            r, "diaphane_renderd_error_at_rest_ratio",
+            "Estimated relative RMSE of the picture at rest when its viewer left it.",
+            {0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5, 1})),
         volume_bytes(
             gauge(r, "diaphane_renderd_volume_bytes", "Bytes of volumes in device memory.")),
         copy_bytes(gauge(r, "diaphane_renderd_volume_copy_bytes",
@@ -82,6 +97,8 @@ struct Metrics::Impl {
   prometheus::Counter& slices;
   prometheus::Counter& slice_bytes;
   prometheus::Histogram& input_to_frame;
+  prometheus::Histogram& time_to_five_percent;
+  prometheus::Histogram& error_at_rest;
   prometheus::Gauge& volume_bytes;
   prometheus::Gauge& copy_bytes;
   prometheus::Family<prometheus::Counter>& copies;
@@ -117,6 +134,8 @@ void Metrics::slice_sent(std::size_t bytes) {
   impl_->slice_bytes.Increment(static_cast<double>(bytes));
 }
 void Metrics::input_to_frame(double seconds) { impl_->input_to_frame.Observe(seconds); }
+void Metrics::time_to_five_percent(double seconds) { impl_->time_to_five_percent.Observe(seconds); }
+void Metrics::error_at_rest(double error) { impl_->error_at_rest.Observe(error); }
 void Metrics::volumes(std::uint64_t bytes) { impl_->volume_bytes.Set(static_cast<double>(bytes)); }
 void Metrics::volume_copies(const volume::NodeCache::Counts& counts) {
   impl_->copy_bytes.Set(static_cast<double>(counts.bytes));

@@ -32,6 +32,10 @@ class Metrics {
   /// Latency on the server, from the arrival of an input to the sending of the first frame that
   /// shows it.
   void input_to_frame(double seconds);
+  /// Seconds from a viewer's last input to a picture at rest with an error of at most 5%.
+  void time_to_five_percent(double seconds);
+  /// Error of a picture at rest when the viewer left it.
+  void error_at_rest(double error);
   void volumes(std::uint64_t bytes);
   /// Total counts of the node's copies of volumes. Not thread-safe.
   void volume_copies(const volume::NodeCache::Counts& counts);

@@ -168,7 +168,7 @@ void Registry::report_telemetry() {
   const auto room = directory_.report(
       {.owner = options_.owner, .memory = options_.memory(), .error = options_.error()});
   if (!room || !*room) return;
-  if (!drain_ordered_) log::info("told_to_drain");
+  if (!drain_ordered_) log::info("drain_requested");
   drain_ordered_ = true;
   // Another worker needs a session's scene to resume it.
   if (!save_scenes()) return;
@@ -184,7 +184,7 @@ void Registry::write_again(const std::string& session) {
                                            .saved = record_of(record->saved),
                                            .visitor = record->visitor,
                                            .links = record->links});
-  if (written && *written) log::info("session_written_again", {{"session", session}});
+  if (written && *written) log::info("session_restored", {{"session", session}});
 }
 
 void Registry::refused_name(const std::string& holder) {

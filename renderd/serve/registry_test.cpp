@@ -4,9 +4,9 @@
 
 #include <thread>
 
-#include "renderd/schedule/eventually.h"
-#include "renderd/serve/test_redis.h"
-#include "renderd/serve/test_worker.h"
+#include "tests/support/renderd/eventually.h"
+#include "tests/support/renderd/test_redis.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
@@ -243,7 +243,7 @@ TEST_F(RegistryTest, SessionsContinueWithoutRedisAndReportLater) {
 
   redis.start();  // empty
   place(id, "w1", 1);
-  EXPECT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }, 5000ms));
+  EXPECT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }));
   // What was written while the session's hash was missing is lost, but the next change is not.
   attachment.receive(scene_message(4, turned(config.scene(), 6)).SerializeAsString());
   EXPECT_TRUE(
@@ -275,7 +275,7 @@ TEST_F(RegistryTest, RestoresItsSessionsInAnEmptyRedis) {
 
   const std::string key = "diaphane:session:" + id;
   for (int i = 0; i < 2; ++i) {
-    ASSERT_TRUE(eventually([&] { return redis.field(key, "user") == user; }, 5000ms));
+    ASSERT_TRUE(eventually([&] { return redis.field(key, "user") == user; }));
     EXPECT_EQ(redis.field(key, "data_set"), volume);
     EXPECT_EQ(redis.field(key, "worker"), "w1");
     EXPECT_EQ(redis.field(key, "incarnation"), "first");
@@ -293,7 +293,7 @@ TEST_F(RegistryTest, RestoresItsSessionsInAnEmptyRedis) {
     redis.start();
   }
   // What was ended on purpose stays ended.
-  ASSERT_TRUE(eventually([&] { return redis.field(key, "user") == user; }, 5000ms));
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "user") == user; }));
   redis.ask({"SET", key + ":ended", "1"});
   redis.ask({"DEL", key});
   EXPECT_EQ(owner->inbox.ended()->code, ErrorCode::kConflict);

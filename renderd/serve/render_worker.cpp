@@ -137,7 +137,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
   std::unique_lock lock(mutex);
   while (!changed.wait_for(lock, stop, kPeriod, [] { return false; }) && !stop.stop_requested()) {
     for (const std::string& id : volumes_->forget_outdated()) {
-      log::info("volume_forgotten", {{"volume", id}});
+      log::info("volume_unloaded", {{"volume", id}});
       host_->volume_gone(id);
     }
     voxels_->forget_unused();

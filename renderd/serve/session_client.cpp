@@ -24,33 +24,36 @@ v1::KernelReport::Origin to_proto(KernelOrigin origin) {
 
 }  // namespace
 
-ViewRequest LiveSession::Client::wanted() {
+ViewRequest LiveSession::Client::requested() {
   const Turn turn(session_);
   const TimePoint now = turn.now;
-  if (session_.textures_ready() && session_.volume_fits()) session_.ready_ = session_.state_.wanted;
+  if (session_.textures_ready() && session_.volume_fits())
+    session_.ready_ = session_.state_.requested;
   session_.version_.store(session_.ready_.version, std::memory_order_relaxed);
-  ViewRequest wanted = session_.ready_;
-  if (session_.visitor_) wanted.viewport = visitor_canvas(wanted.viewport);
-  wanted.picture_again = session_.state_.wanted.picture_again;
-  wanted.kernel_report = session_.state_.wanted.kernel_report;
-  wanted.visible = watched(session_.state_, now);
-  wanted.room = std::any_of(session_.lanes_.begin(), session_.lanes_.end(), [&](const auto& lane) {
-    return lane->slot->slot_free() && has_room(session_.state_, lane->codec, now);
-  });
+  ViewRequest requested = session_.ready_;
+  if (session_.visitor_) requested.viewport = visitor_canvas(requested.viewport);
+  requested.picture_again = session_.state_.requested.picture_again;
+  requested.kernel_report = session_.state_.requested.kernel_report;
+  requested.visible = watched(session_.state_, now);
+  requested.room =
+      std::any_of(session_.lanes_.begin(), session_.lanes_.end(), [&](const auto& lane) {
+        return lane->slot->slot_free() && has_room(session_.state_, lane->codec, now);
+      });
   // The request of a hidden viewer is kept until the viewer returns.
-  if (wanted.visible) session_.state_.wanted.picture_again = false;
-  return wanted;
+  if (requested.visible) session_.state_.requested.picture_again = false;
+  return requested;
 }
 
-void LiveSession::Client::began(std::uint64_t epoch, const ViewRequest& wanted) {
+void LiveSession::Client::began(std::uint64_t epoch, const ViewRequest& requested) {
   const std::lock_guard lock(session_.mutex_);
-  render::began(session_.state_, epoch, wanted);
+  render::began(session_.state_, epoch, requested);
+  session_.note(session_.convergence_.began(requested.last_input, session_.parts_.clock.now()));
   session_.tiles_.handle(EpochBegan{});
 }
 
-void LiveSession::Client::refused(const ViewRequest& wanted, const Error& why) {
+void LiveSession::Client::refused(const ViewRequest& requested, const Error& why) {
   const Turn turn(session_);
-  session_.apply_to_presenter(render::refused(session_.state_, wanted, why));
+  session_.apply_to_presenter(render::refused(session_.state_, requested, why));
 }
 
 void LiveSession::Client::rendered(const Batch& batch) {
@@ -60,6 +63,11 @@ void LiveSession::Client::rendered(const Batch& batch) {
   session_.device_seconds_ += batch.seconds;
   session_.samples_since_ += batch.samples;
   session_.dropped_samples_ += batch.dropped_samples;
+}
+
+void LiveSession::Client::progressed(const Progress& progress, bool moving) {
+  const std::lock_guard lock(session_.mutex_);
+  session_.note(session_.convergence_.progressed(progress, moving, session_.parts_.clock.now()));
 }
 
 void LiveSession::Client::picture(RenderedPicture picture) {
@@ -84,7 +92,7 @@ void LiveSession::Client::kernel(const KernelReport& report) {
   out.set_from_cache(report.from_cache);
   if (report.registers) out.set_registers(static_cast<std::uint32_t>(*report.registers));
   const std::lock_guard lock(session_.mutex_);
-  session_.state_.wanted.kernel_report = false;
+  session_.state_.requested.kernel_report = false;
   for (Receiver& receiver : session_.state_.audience.receivers) {
     if (!std::exchange(receiver.kernel_wanted, false)) continue;
     // It describes the whole scan, not only what is shown.

@@ -10,13 +10,14 @@ class LiveSession::Client final : public RenderClient {
   explicit Client(LiveSession& session) : session_(session) {}
 
   bool of_visitor() const override { return session_.visitor_; }
-  ViewRequest wanted() override;
+  ViewRequest requested() override;
   std::uint64_t version() const noexcept override {
     return session_.version_.load(std::memory_order_relaxed);
   }
-  void began(std::uint64_t epoch, const ViewRequest& wanted) override;
-  void refused(const ViewRequest& wanted, const Error& why) override;
+  void began(std::uint64_t epoch, const ViewRequest& requested) override;
+  void refused(const ViewRequest& requested, const Error& why) override;
   void rendered(const Batch& batch) override;
+  void progressed(const Progress& progress, bool moving) override;
   void picture(RenderedPicture picture) override;
   void kernel(const KernelReport& report) override;
   void failed(const Error& why) override;

@@ -2,12 +2,12 @@
 #include "common/try.h"
 #include "renderd/serve/session_turn.h"
 
-// LiveSession: makes films and large pictures for download (docs/adr/0031).
+// LiveSession: makes videos and large pictures for download (docs/adr/0031).
 
 namespace diaphane::render {
 namespace {
 
-/// Per worker, because each holds its own film and up to 48 MiB.
+/// Per worker, because each holds its own video and up to 48 MiB.
 constexpr int kMostFiles = 2;
 
 // The same order always gives the same file.
@@ -52,7 +52,8 @@ class LiveSession::FileLink final : public FileSink {
 
  private:
   void say(v1::ServerMessage message, bool last = false) {
-    if (const auto session = session_.lock()) session->file_said(file_, std::move(message), last);
+    if (const auto session = session_.lock())
+      session->on_file_message(file_, std::move(message), last);
   }
 
   const std::weak_ptr<LiveSession> session_;
@@ -109,9 +110,9 @@ void LiveSession::carry_out(const effect::StopFile& effect) {
   if (stopped) stopped->work->stop();
 }
 
-void LiveSession::file_said(std::uint64_t file, v1::ServerMessage message, bool last) {
+void LiveSession::on_file_message(std::uint64_t file, v1::ServerMessage message, bool last) {
   const Turn turn(*this);
-  apply(files_.handle(FileSaid{file, std::move(message), last}));
+  apply(files_.handle(FileMessage{file, std::move(message), last}));
 }
 
 }  // namespace diaphane::render

@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "renderd/scene/film_path.h"
-#include "renderd/serve/test_worker.h"
+#include "renderd/scene/video_path.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
@@ -20,15 +20,15 @@ struct Viewer : TestViewer {
     *message.mutable_key_view()->mutable_scene() = seen;
     say(message);
   }
-  void film(std::uint32_t frames, std::uint32_t side = 64) {
+  void video(std::uint32_t frames, std::uint32_t side = 64) {
     v1::ClientMessage message;
-    v1::Film& film = *message.mutable_file()->mutable_film();
-    film.set_path(v1::Film::TURNTABLE);
-    film.set_frames(frames);
-    film.set_frames_per_second(10);
-    film.set_width(side);
-    film.set_height(side);
-    film.set_error(0.2);
+    v1::Video& video = *message.mutable_file()->mutable_video();
+    video.set_path(v1::Video::TURNTABLE);
+    video.set_frames(frames);
+    video.set_frames_per_second(10);
+    video.set_width(side);
+    video.set_height(side);
+    video.set_error(0.2);
     say(message);
   }
   void picture(std::uint32_t width, std::uint32_t height, double error = 0.2) {
@@ -85,16 +85,16 @@ struct SessionFilesTest : WorkerTest {
   const std::string user = new_id();
 };
 
-TEST_F(SessionFilesTest, RendersFilmAndChargesTheOwner) {
+TEST_F(SessionFilesTest, RendersVideoAndChargesTheOwner) {
   device->seconds_per_megapixel = 1;  // 4 ms per sample
   Viewer one = attach(new_id());
   ASSERT_TRUE(is_quiet());
   worker->host().gpu_time().take_milliseconds();
   one.key(0, one.scene);
-  one.film(20);
-  const std::string film = one.file();
-  ASSERT_GT(film.size(), 500u);
-  EXPECT_EQ(film.substr(4, 4), "ftyp");
+  one.video(20);
+  const std::string video = one.file();
+  ASSERT_GT(video.size(), 500u);
+  EXPECT_EQ(video.substr(4, 4), "ftyp");
   EXPECT_EQ(one.link->inbox.count(Kind::kFileProgress), 20u);
   const auto spent = worker->host().gpu_time().take_milliseconds();
   ASSERT_TRUE(spent.contains(user));
@@ -119,7 +119,7 @@ TEST_F(SessionFilesTest, CancelledFileStopsRenderingAndFreesItsPlace) {
   for (int way = 0; way < 3; ++way) {
     Viewer one = attach(way == 2 ? new_id() : session);
     one.key(0, one.scene);
-    one.film(600);
+    one.video(600);
     ASSERT_TRUE(one.link->inbox.next_of(Kind::kFileProgress));
     if (way == 0) {
       v1::ClientMessage give_up;
@@ -140,16 +140,16 @@ TEST_F(SessionFilesTest, LimitsFilesPerSessionAndPerWorker) {
   device->seconds_per_megapixel = 1;
   Viewer one = attach(new_id()), two = attach(new_id()), three = attach(new_id());
   for (Viewer* viewer : {&one, &two, &three}) viewer->key(0, viewer->scene);
-  one.film(600);
-  two.film(600);
-  three.film(600);
+  one.video(600);
+  two.video(600);
+  three.video(600);
   const auto full = three.problem();
   ASSERT_TRUE(full);
   EXPECT_EQ(full->code(), to_string(ErrorCode::kTooMany));
   EXPECT_EQ(full->field(), "file");
   EXPECT_FALSE(full->fatal());
   one.key(0, one.scene);
-  one.film(600);
+  one.video(600);
   const auto busy = one.problem();
   ASSERT_TRUE(busy);
   EXPECT_EQ(busy->code(), to_string(ErrorCode::kConflict));
@@ -157,7 +157,7 @@ TEST_F(SessionFilesTest, LimitsFilesPerSessionAndPerWorker) {
   // The lane releases it within a quantum.
   for (int i = 0; i < 100; ++i) {
     three.key(0, three.scene);
-    three.film(600);
+    three.video(600);
     if (three.link->inbox.next_of(Kind::kFileProgress, 100ms)) return;
   }
   FAIL() << "the place was never released";
@@ -167,7 +167,7 @@ TEST_F(SessionFilesTest, SentFileFreesItsPlace) {
   Viewer one = attach(new_id()), two = attach(new_id()), three = attach(new_id());
   for (Viewer* viewer : {&one, &two, &three, &one}) {
     viewer->key(0, viewer->scene);
-    viewer->film(2);
+    viewer->video(2);
     EXPECT_GT(viewer->file().size(), 100u);
   }
 }
@@ -177,12 +177,12 @@ TEST_F(SessionFilesTest, NewConnectionReplacesTheFileOfTheOldOne) {
   const std::string session = new_id();
   Viewer before = attach(session);
   before.key(0, before.scene);
-  before.film(600);
+  before.video(600);
   ASSERT_TRUE(before.link->inbox.next_of(Kind::kFileProgress));
   Viewer now = attach(session);
   EXPECT_TRUE(before.link->inbox.ended());
   now.key(0, now.scene);
-  now.film(2);
+  now.video(2);
   EXPECT_GT(now.file().size(), 100u);
 }
 
@@ -194,7 +194,7 @@ TEST_F(SessionFilesTest, RefusesInvalidRequestsAndContinuesTheSession) {
     EXPECT_EQ(problem->field(), "file") << why;
     EXPECT_FALSE(problem->fatal()) << why;
   };
-  one.film(20);
+  one.video(20);
   refused("nothing is seen");
   one.key(0, v1::Scene());
   refused("no scene");
@@ -203,10 +203,10 @@ TEST_F(SessionFilesTest, RefusesInvalidRequestsAndContinuesTheSession) {
   for (std::uint32_t i = 0; i < kMostKeyViews; ++i) one.key(i, one.scene);
   one.key(kMostKeyViews, one.scene);
   refused("a view too many");
-  one.film(1'000'000);
+  one.video(1'000'000);
   refused("hours");
   one.key(0, one.scene);
-  one.film(20, 65);
+  one.video(20, 65);
   refused("odd");
   one.key(0, one.scene);
   one.picture(16385, 16);
@@ -221,7 +221,7 @@ TEST_F(SessionFilesTest, RefusesInvalidRequestsAndContinuesTheSession) {
   give_up.mutable_file();
   one.say(give_up);
   one.key(0, one.scene);
-  one.film(2);
+  one.video(2);
   EXPECT_GT(one.file().size(), 100u);
 }
 
@@ -245,6 +245,18 @@ TEST_F(SessionFilesTest, AnswersKernelQuery) {
   ASSERT_TRUE(report);
   EXPECT_EQ(report->kernel().origin(), v1::KernelReport::AHEAD_OF_TIME);
   EXPECT_EQ(one.link->inbox.count(Kind::kKernel), 1u);
+}
+
+TEST_F(SessionFilesTest, AnswersErrorCurveQueryAndLimitsItsRate) {
+  Viewer one = attach(new_id());
+  v1::ClientMessage query;
+  query.mutable_error_curve();
+  one.say(query);
+  EXPECT_TRUE(one.link->inbox.next_of(Kind::kErrorCurve));
+  one.say(query);
+  const auto problem = one.problem();
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->code(), to_string(ErrorCode::kTooMany));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 const Error& stopping() {
   static const Error error{
       ErrorCode::kUnavailable,
-      "This render worker is shutting down. The session continues on another one.",
+      "This rendering server is shutting down. The session continues on another one.",
       {}};
   return error;
 }
@@ -113,14 +113,14 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
     } else {
       if (full()) {
         return fail(ErrorCode::kOutOfMemory,
-                    "This render worker is out of memory. The session opens on another one.");
+                    "This rendering server is out of memory. The session opens on another one.");
       }
       if (open.visitor() &&
           visitors() >= visitor_slots_of_worker(options_.slots, options_.visitor_percent)) {
         return fail(ErrorCode::kTooMany, "All guest places are taken.");
       }
       if (sessions_.size() >= options_.slots && !(evicted = evict(open.visitor()))) {
-        return fail(ErrorCode::kTooMany, "All slots of this render worker are in use.");
+        return fail(ErrorCode::kTooMany, "All slots of this rendering server are in use.");
       }
       is_new = true;
       session = std::make_shared<LiveSession>(parts(), std::move(*start), when_ended(id));
@@ -391,15 +391,22 @@ void SessionHost::mark_unsaved(const std::string& id) {
     found->second->mark_unsaved();
 }
 
+SessionHost::Session SessionHost::find(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(id);
+  return found == sessions_.end() ? nullptr : found->second;
+}
+
 std::optional<RecoveryRecord> SessionHost::recovery_record(const std::string& id) const {
-  Session session;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = sessions_.find(id);
-    if (found == sessions_.end()) return std::nullopt;
-    session = found->second;
-  }
+  const Session session = find(id);
+  if (!session) return std::nullopt;
   return session->recovery_record();
+}
+
+std::optional<v1::ErrorCurve> SessionHost::error_curve(const std::string& id) const {
+  const Session session = find(id);
+  if (!session) return std::nullopt;
+  return session->error_curve();
 }
 
 std::size_t SessionHost::slots() const {

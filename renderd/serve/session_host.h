@@ -88,6 +88,8 @@ class SessionHost {
   std::vector<SavedSession> take_unsaved();
   void mark_unsaved(const std::string& id);
   std::optional<RecoveryRecord> recovery_record(const std::string& id) const;
+  /// Returns nullopt if this worker has no such session.
+  std::optional<diaphane::v1::ErrorCurve> error_curve(const std::string& id) const;
   /// Time of users with sessions on this worker.
   GpuTimeMeter& gpu_time() { return gpu_time_; }
   std::size_t used() const;
@@ -116,6 +118,7 @@ class SessionHost {
   /// Ends an evicted session. Must be called without the lock.
   void end_evicted(const Session& session);
   std::vector<Session> all() const;
+  Session find(const std::string& id) const;  // null if there is none
 
   const Options options_;
   Engine& engine_;

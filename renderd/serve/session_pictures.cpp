@@ -41,7 +41,7 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     out.set_decoder(std::move(data.decoder));
     out.set_data(std::move(data.data));
     for (const OutgoingFrame& outgoing : outgoing_frames.frames) {
-      if (outgoing.look) send_look(outgoing.connection);
+      if (outgoing.look) send_scene(outgoing.connection);
       out.set_seq(outgoing.seq);
       send(outgoing.connection, message);
       if (outgoing.state) {

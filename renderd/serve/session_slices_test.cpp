@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-#include "renderd/serve/test_worker.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {

@@ -6,7 +6,7 @@
 namespace diaphane::render {
 
 bool LiveSession::textures_ready() {
-  const std::shared_ptr<const v1::Scene> scene = state_.wanted.scene;
+  const std::shared_ptr<const v1::Scene> scene = state_.requested.scene;
   if (!scene || scene == ready_.scene) return true;
   const std::vector<TextureFile> files = texture_files(*scene);
   if (files.empty()) {
@@ -31,7 +31,7 @@ bool LiveSession::textures_ready() {
 void LiveSession::publish_version() {
   // Otherwise each quantum would be interrupted for a scene that cannot be rendered yet.
   if (textures_ready() && volume_fits())
-    version_.store(state_.wanted.version, std::memory_order_relaxed);
+    version_.store(state_.requested.version, std::memory_order_relaxed);
 }
 
 void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene,
@@ -40,20 +40,20 @@ void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene
   decoding_ = false;
   if (ended_) return;
   Outcome outcome;
-  if (state_.wanted.scene != scene) {
+  if (state_.requested.scene != scene) {
     // A newer scene arrived meanwhile. Its textures are decoded when the runner asks.
   } else if (decoded) {
     textures_ = std::move(*decoded);
-    ready_ = state_.wanted;
+    ready_ = state_.requested;
   } else {
-    outcome = render::refused(state_, state_.wanted, decoded.error());
+    outcome = render::refused(state_, state_.requested, decoded.error());
     // A session that has shown nothing yet falls back to the volume's default look.
-    if (state_.wanted.scene == scene) {
+    if (state_.requested.scene == scene) {
       fallback_clip_ = scene->clip();
-      state_.wanted.scene.reset();  // volume_ready() chooses the look
-      if (!presets_.empty()) state_.wanted.scene = first_look();
+      state_.requested.scene.reset();  // volume_ready() chooses the look
+      if (!presets_.empty()) state_.requested.scene = first_look();
     }
-    ++state_.wanted.version;
+    ++state_.requested.version;
   }
   outcome.wake = true;
   apply_to_presenter(outcome);

@@ -13,7 +13,7 @@ namespace diaphane::render {
 template <typename One>
 inline constexpr bool kSendsOnly =
     std::is_same_v<One, effect::Send> || std::is_same_v<One, effect::Configure> ||
-    std::is_same_v<One, effect::TellParticipants>;
+    std::is_same_v<One, effect::BroadcastParticipants>;
 
 /// One event of a session. Holds the lock while the rules decide, and carries out what they asked
 /// for once it has released the lock.

@@ -8,8 +8,8 @@ namespace diaphane::render {
 
 bool LiveSession::volume_fits() {
   // Before the first volume is there, volume_ready() has not started the runner.
-  if (!volume_ || !state_.wanted.scene) return true;
-  const bool with_table = state_.wanted.scene->show_table();
+  if (!volume_ || !state_.requested.scene) return true;
+  const bool with_table = state_.requested.scene->show_table();
   if (with_table == with_table_) return true;
   if (!std::exchange(loading_other_, true)) {
     // The cache may answer at once, which must not happen under the lock.
@@ -33,9 +33,9 @@ void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle
     parts_.runner.replace(runner_handle_, std::move(*renderer));
     volume_ = std::move(*loaded);
     with_table_ = with_table;
-  } else if (state_.wanted.scene && state_.wanted.scene->show_table() == with_table) {
-    outcome = render::refused(state_, state_.wanted, renderer.error());
-    ++state_.wanted.version;
+  } else if (state_.requested.scene && state_.requested.scene->show_table() == with_table) {
+    outcome = render::refused(state_, state_.requested, renderer.error());
+    ++state_.requested.version;
   }
   outcome.wake = true;
   apply_to_presenter(outcome);

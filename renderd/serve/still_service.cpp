@@ -14,7 +14,7 @@ namespace {
 
 // The gateway waits for 20 s. A picture with the samples rendered by then is better than none.
 constexpr std::chrono::seconds kLongestRendering{12};
-// For a picture that nobody waits for, the gateway allows 60 s.
+// For a background picture, the gateway allows 60 s.
 constexpr std::chrono::seconds kLongestInBackground{45};
 
 // With a fixed seed, thumbnails of one volume are always the same picture.
@@ -106,6 +106,7 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   job.canvas = order->canvas;
   job.samples = std::min(order->request.samples(), most_samples_);
   job.error = order->request.error();
+  job.smoothed = true;
   const bool background = order->request.background();
   job.rank = background ? StillRank::kBackground : StillRank::kAwaited;
   job.until = order->begun + (background ? kLongestInBackground : kLongestRendering);

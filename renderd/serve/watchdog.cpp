@@ -33,10 +33,10 @@ void Watchdog::poll() {
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     const std::uint64_t pulse = watched_[i].pulse();
     State& state = states_[i];
-    state.silent_looks = pulse == 0 || pulse != state.pulse ? 0 : state.silent_looks + 1;
+    state.silent_polls = pulse == 0 || pulse != state.pulse ? 0 : state.silent_polls + 1;
     state.pulse = pulse;
-    if (state.silent_looks > most) {
-      most = state.silent_looks;
+    if (state.silent_polls > most) {
+      most = state.silent_polls;
       longest = &watched_[i].name;
     }
   }

@@ -47,7 +47,7 @@ class Watchdog {
 
   struct State {
     std::uint64_t pulse = 0;
-    std::uint64_t silent_looks = 0;
+    std::uint64_t silent_polls = 0;
   };
   const std::vector<Watched> watched_;
   const Options options_;

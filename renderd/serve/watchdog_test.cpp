@@ -4,7 +4,8 @@
 
 #include "renderd/schedule/policy.h"
 #include "renderd/schedule/runner.h"
-#include "renderd/serve/test_worker.h"
+#include "tests/support/renderd/eventually.h"
+#include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
@@ -22,8 +23,7 @@ struct HangReports {
             }};
   }
   bool soon() const {
-    for (int i = 0; i < 500 && times == 0; ++i) std::this_thread::sleep_for(10ms);
-    return times > 0;
+    return eventually([this] { return times > 0; });
   }
 };
 
@@ -42,16 +42,20 @@ TEST(Watchdog, ReportsSilenceOnceByNameAndSuspectsItBefore) {
 
 TEST(Watchdog, IgnoresIdleAndProgressingWork) {
   HangReports reports;
-  std::atomic<std::uint64_t> pulse{1};
+  std::atomic<std::uint64_t> polls{1};
   std::atomic<bool> idle{false};
-  Watchdog watchdog({{"one", [&]() -> std::uint64_t { return idle ? 0 : pulse.load(); }}},
-                    reports.within(300ms));
-  for (int i = 0; i < 10; ++i) {  // a heartbeat every 60 ms, for more than half a second
-    std::this_thread::sleep_for(60ms);
-    ++pulse;
-  }
+  // Progress is counted by polls, so that a busy machine delays both.
+  Watchdog watchdog({{"one", [&]() -> std::uint64_t { return ++polls, idle ? 0 : polls / 2; }}},
+                    reports.within(1s));
+  const auto longer_than_the_limit = [&] {
+    const auto end = std::chrono::steady_clock::now() + 1500ms;
+    const std::uint64_t before = polls;
+    return eventually(
+        [&] { return std::chrono::steady_clock::now() > end && polls > before + 100; });
+  };
+  ASSERT_TRUE(longer_than_the_limit());
   idle = true;
-  std::this_thread::sleep_for(500ms);
+  ASSERT_TRUE(longer_than_the_limit());
   EXPECT_EQ(reports.times, 0);
   EXPECT_FALSE(watchdog.suspects());
 }
@@ -78,7 +82,7 @@ struct Looker final : RenderClient {
     request.viewport = {64, 64};
     request.version = 1;
   }
-  ViewRequest wanted() override { return request; }
+  ViewRequest requested() override { return request; }
   std::uint64_t version() const noexcept override { return 1; }
   void began(std::uint64_t, const ViewRequest&) override {}
   void refused(const ViewRequest&, const Error&) override {}
@@ -101,8 +105,7 @@ TEST(Watchdog, ReportsHungDeviceButNotALongQuantum) {
   auto volume = std::make_shared<FakeDeviceVolume>(volume::Header{});
   auto looker = std::make_shared<Looker>();
   runner.add(looker, *engine.renderer(volume, 1, 0), 0);
-  for (int i = 0; i < 500 && looker->batches == 0; ++i) std::this_thread::sleep_for(10ms);
-  ASSERT_GT(looker->batches, 0);
+  ASSERT_TRUE(eventually([&] { return looker->batches > 0; }));
   EXPECT_EQ(reports.times, 0) << "a quantum of one second is not a hang";
 
   device->hangs = true;

@@ -25,13 +25,14 @@ const Receiver* Audience::of(std::string_view participant) const {
   return const_cast<Audience*>(this)->of(participant);
 }
 
-Standing Audience::standing(const Receiver& receiver) const {
-  Standing standing;
-  standing.viewer = receiver.viewer;
-  standing.presents = presents(receiver);
-  standing.free_camera = receiver.free_camera;
-  standing.slices = receiver.viewer == ViewerKind::kGuest ? guest_slices : receiver.may_have_slices;
-  return standing;
+ViewerRights Audience::rights(const Receiver& receiver) const {
+  ViewerRights rights;
+  rights.viewer = receiver.viewer;
+  rights.presents = presents(receiver);
+  rights.free_camera = receiver.free_camera;
+  rights.slices = receiver.viewer == ViewerKind::kGuest ? guest_slices : receiver.may_have_slices;
+  rights.pointers = guest_pointers;
+  return rights;
 }
 
 bool is_inter_coded(v1::Codec codec) { return codec != v1::JPEG; }
@@ -45,7 +46,7 @@ bool has_room(const Receiver& receiver) {
 
 bool is_watching(const Receiver& receiver, TimePoint now) {
   if (!receiver.greeted || !receiver.visible || receiver.free_camera) return false;
-  return receiver.flight.unacknowledged() == 0 || now - receiver.heard_at < kStalledAfter;
+  return receiver.flight.unacknowledged() == 0 || now - receiver.last_progress_at < kStalledAfter;
 }
 
 Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to) {
@@ -69,10 +70,11 @@ v1::Audience audience_for(const Audience& audience, const Receiver& receiver) {
   v1::Audience message;
   message.set_you(receiver.participant);
   message.set_presenter(audience.presenter);
-  const Standing standing = audience.standing(receiver);
-  message.set_slices(to_proto(slice_access(standing)));
+  const ViewerRights rights = audience.rights(receiver);
+  message.set_slices(to_proto(slice_access(rights)));
   message.set_guest_slices(audience.guest_slices);
-  message.set_sets_guest_slices(may(standing, RequestKind::kGuestSlices));
+  message.set_guest_pointers(audience.guest_pointers);
+  message.set_sets_guest_slices(may(rights, RequestKind::kGuestSlices));
   for (const Receiver& one : audience.receivers) {
     if (!one.greeted) continue;
     v1::Participant& participant = *message.add_participants();
@@ -81,6 +83,7 @@ v1::Audience audience_for(const Audience& audience, const Receiver& receiver) {
     participant.set_owner(one.participant == kOwner);
     participant.set_presenter(audience.presents(one));
     participant.set_free_camera(one.free_camera);
+    participant.set_number(one.number);
   }
   return message;
 }

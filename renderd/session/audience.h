@@ -40,12 +40,21 @@ inline constexpr std::chrono::milliseconds kKernelEvery{250};
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
+/// What was sent to a viewer of the state that participants share (collaboration.h).
+struct SharedWindow {
+  std::uint64_t sent = 0;           ///< sequence number
+  std::uint64_t taken = 0;          ///< acknowledged
+  std::uint64_t slices_seen = 0;    ///< version of what was sent of the presenter's slices
+  std::uint64_t pointers_seen = 0;  ///< version of what was sent of the pointers
+};
+
 /// One connection to a session, and the messages in transit to it. Plain data.
 struct Receiver {
   std::uint64_t connection = 0;
   std::string participant{kOwner};
   std::string name;
-  std::string link;  ///< of a guest: the link by which they joined (worker.proto)
+  std::uint32_t number = 0;  ///< as small as possible and unique among the receivers
+  std::string link;          ///< of a guest: the link by which they joined (worker.proto)
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;  ///< set by the owner for visitors and public scans
 
@@ -56,13 +65,15 @@ struct Receiver {
   Canvas viewport{};               ///< as reported; 0 x 0: not yet
   std::uint64_t newest_input = 0;  ///< of this connection
   /// Time of attachment, of the last acknowledgement, or of a frame sent with none outstanding.
-  TimePoint heard_at{};
+  TimePoint last_progress_at{};
 
   SliceRequestQueue slices;               ///< with a window separate from the pictures'
   std::optional<TimePoint> depth_asked;   ///< time of the last query
   std::optional<TimePoint> kernel_asked;  ///< time of the last request
+  std::optional<TimePoint> curve_asked;   ///< time of the last request of the error curve
   bool kernel_wanted = false;             ///< requested, but not answered yet
   bool has_clipped_slices = false;        ///< of the current clip
+  SharedWindow shared;
 
   FlightWindow flight;
   LinkEstimate path;  ///< estimated capacity of its connection
@@ -73,8 +84,8 @@ struct Receiver {
   std::uint64_t sent_epoch = 0;    ///< of the newest frame sent
   std::optional<FrameInfo> shown;  ///< the newest frame sent
   std::uint64_t look_version = 0;  ///< ViewRequest::version of the newest scene sent (Look, Config)
-  bool converged_told = false;
-  bool lossless_told = false;
+  bool converged_sent = false;
+  bool lossless_sent = false;
   bool behind = false;       ///< it missed a picture for lack of room or of a key frame
   bool needs_key = true;     ///< of an inter-coded stream: it can decode nothing until a key frame
   bool free_camera = false;  ///< it sees a session of its own and receives nothing from this one
@@ -96,14 +107,15 @@ struct Audience {
   std::map<std::string, std::uint64_t> guests;
   std::map<diaphane::v1::Codec, Coding> codings;
   SliceAllowances slice_allowances;
-  bool guest_slices = false;  ///< the host allows slices for guests
+  bool guest_slices = false;   ///< the host allows slices for guests
+  bool guest_pointers = true;  ///< the presenter allows pointers of guests
 
   Receiver* find(std::uint64_t connection);
   const Receiver* find(std::uint64_t connection) const;
   Receiver* of(std::string_view participant);
   const Receiver* of(std::string_view participant) const;
   bool presents(const Receiver& receiver) const { return receiver.participant == presenter; }
-  Standing standing(const Receiver& receiver) const;
+  ViewerRights rights(const Receiver& receiver) const;
 };
 
 /// Whether frames depend on previous ones, so that a viewer who misses a frame must wait for a key

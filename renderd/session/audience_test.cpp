@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -39,8 +39,8 @@ v1::ClientMessage hello_for(v1::Codec codec) {
 struct AudienceTest : testing::Test {
   AudienceTest() {
     state.codecs = {v1::JPEG, v1::H264};
-    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
-    state.wanted.version = 1;
+    state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.requested.version = 1;
   }
   std::uint64_t arrive(const std::string& participant, const std::string& name = {}) {
     const auto viewer = participant == kOwner ? ViewerKind::kOwner : ViewerKind::kGuest;
@@ -56,7 +56,7 @@ struct AudienceTest : testing::Test {
   }
   // Encodes one picture. Returns the sequence number of the frame for each viewer who got it.
   std::map<std::uint64_t, std::uint64_t> show(v1::Codec codec = v1::JPEG) {
-    const FrameInfo info = frame(state.epoch, false, state.wanted.input_seq);
+    const FrameInfo info = frame(state.epoch, false, state.requested.input_seq);
     const Admitted admitted = admit(state, codec, info, now);
     last_key = admitted.key;
     std::map<std::uint64_t, std::uint64_t> got;
@@ -86,7 +86,7 @@ TEST_F(AudienceTest, SendsOneImageToAllWithIndividualSequenceNumbers) {
   EXPECT_EQ(got, (std::map<std::uint64_t, std::uint64_t>{{owner, 2}, {ann, 1}, {bob, 1}}));
 }
 
-TEST_F(AudienceTest, StalledFollowerSlowsNobody) {
+TEST_F(AudienceTest, StalledFollowerDoesNotSlowOthers) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
   const auto stuck = join(kBob);
@@ -108,9 +108,9 @@ TEST_F(AudienceTest, SendsMissedImageOnlyToTheViewerThatMissedIt) {
   const auto owner = join(std::string(kOwner));
   const auto slow = join(kAnn);
   for (int i = 0; i < 3; ++i) acknowledge(show(), owner);
-  state.wanted.picture_again = false;
+  state.requested.picture_again = false;
   EXPECT_TRUE(say(slow, ack(2)).room);
-  EXPECT_TRUE(state.wanted.picture_again) << "nothing else would bring it the last picture";
+  EXPECT_TRUE(state.requested.picture_again) << "nothing else would bring it the last picture";
   // The same picture again.
   FrameInfo same = *state.audience.find(owner)->shown;
   ASSERT_EQ(admit(state, v1::JPEG, same, now).admission, Admission::kGo);
@@ -178,16 +178,17 @@ TEST_F(AudienceTest, EachCodecHasItsOwnStream) {
 TEST_F(AudienceTest, IgnoresSceneAndCanvasOfFollowers) {
   join(std::string(kOwner));
   const auto ann = join(kAnn);
-  const ViewRequest before = state.wanted;
+  const ViewRequest before = state.requested;
   const Outcome refused = say(ann, turned(1));
   ASSERT_TRUE(refused.problem);
   EXPECT_EQ(refused.problem->code(), "forbidden");
   EXPECT_EQ(refused.problem->input_seq(), 1U);
   EXPECT_FALSE(refused.problem->fatal());
+  EXPECT_EQ(refused_request(state, ann, turned(3))->input_seq(), 3U);
   EXPECT_FALSE(say(ann, resized(2, 100, 50)).problem);
-  EXPECT_EQ(state.wanted.version, before.version);
-  EXPECT_EQ(state.wanted.viewport, before.viewport);
-  EXPECT_EQ(state.wanted.scene, before.scene);
+  EXPECT_EQ(state.requested.version, before.version);
+  EXPECT_EQ(state.requested.viewport, before.viewport);
+  EXPECT_EQ(state.requested.scene, before.scene);
 }
 
 TEST_F(AudienceTest, HandoverTransfersSceneControlAndCanvasSize) {
@@ -201,9 +202,9 @@ TEST_F(AudienceTest, HandoverTransfersSceneControlAndCanvasSize) {
   EXPECT_FALSE(given.problem);
   EXPECT_TRUE(given.presenter);
   EXPECT_TRUE(given.audience);
-  EXPECT_EQ(state.wanted.viewport, (Canvas{300, 200}));
+  EXPECT_EQ(state.requested.viewport, (Canvas{300, 200}));
   EXPECT_FALSE(say(ann, turned(2)).problem);
-  EXPECT_EQ(state.wanted.scene->camera().eye().x(), 2);
+  EXPECT_EQ(state.requested.scene->camera().eye().x(), 2);
   EXPECT_EQ(say(owner, turned(1)).problem->code(), "forbidden");
 }
 
@@ -241,7 +242,7 @@ TEST_F(AudienceTest, SecondConnectionOfAParticipantReplacesOnlyTheFirst) {
 TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
-  began(state, 1, state.wanted);
+  began(state, 1, state.requested);
   acknowledge(show(), owner);
   show();  // two frames are in transit to Ann
   const Outcome asked = say(ann, [] {
@@ -255,7 +256,7 @@ TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
   EXPECT_EQ(show().count(ann), 0U) << "the group's frames are not sent to her meanwhile";
   EXPECT_EQ(say(owner, handover(kAnn)).problem->code(), "conflict");
   use_free_camera(state, *state.audience.find(ann), false, now);
-  EXPECT_TRUE(state.wanted.picture_again);
+  EXPECT_TRUE(state.requested.picture_again);
   say(owner, ack(state.audience.find(owner)->flight.sent()));
   const auto got = show();
   ASSERT_EQ(got.count(ann), 1U);
@@ -265,18 +266,36 @@ TEST_F(AudienceTest, ResendsEverythingAfterAFreeCamera) {
 TEST_F(AudienceTest, SendsTheSceneWithItsFirstImageToFollowers) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);
-  state.audience.find(ann)->look_version = state.wanted.version;
-  began(state, 1, state.wanted);
+  state.audience.find(ann)->look_version = state.requested.version;
+  began(state, 1, state.requested);
   auto got = show();
   for (const OutgoingFrame& one : last.frames) EXPECT_FALSE(one.look);
   say(owner, turned(1));
-  began(state, 2, state.wanted);
+  began(state, 2, state.requested);
   show();
   ASSERT_EQ(last.frames.size(), 2U);
   for (const OutgoingFrame& one : last.frames) EXPECT_EQ(one.look, one.connection == ann);
+  for (const auto viewer : {owner, ann}) {
+    say(viewer, ack(state.audience.find(viewer)->flight.sent()));
+  }
+  show();
+  ASSERT_FALSE(last.frames.empty());
+  for (const OutgoingFrame& one : last.frames) EXPECT_FALSE(one.look) << "she has it already";
+}
+
+TEST_F(AudienceTest, NewViewersHaveNoSlicesUnlessTheyMay) {
+  const auto slices = [&](const JoinRequest& request) {
+    return state.audience.find(attach(state, request, now)->connection)->may_have_slices;
+  };
+  JoinRequest request;
+  request.participant = kAnn;
+  EXPECT_FALSE(slices(request));
+  request.may_have_slices = true;
+  EXPECT_TRUE(slices(request));
 }
 
 TEST_F(AudienceTest, LimitsTheNumberOfViewers) {
+  static_assert(kMostReceivers == 64, "docs/bounds.md");
   for (std::size_t i = 0; i < kMostReceivers; ++i) arrive("guest " + std::to_string(i));
   const auto refused = attach(state, {"one more", {}, {}}, now);
   ASSERT_FALSE(refused);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {
@@ -48,6 +48,15 @@ TEST(Depth, IsMeasuredAlongTheViewAxisOffCentre) {
   EXPECT_NEAR(visible->distance, kEye - 20, 1);
   EXPECT_NEAR(visible->place.x, 25.7, 0.3) << "the patient's left is on the right";
   EXPECT_NEAR(visible->place.z, 25.7, 0.3);
+}
+
+TEST(Depth, IsAccurateForVolumesOfUnequalSides) {
+  // 100 mm from the front to the back, and 50 mm across.
+  const auto volume = coarse_of(test::make_volume(
+      {50, 100, 50}, {1, 1, 1}, [](double, double y, double) { return opaque_from_30(y); }));
+  const auto visible = visible_point_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(visible);
+  EXPECT_NEAR(visible->distance, kEye - 50 + 30, 1);
 }
 
 TEST(Depth, IsAccurateForDownsampledVolumes) {

@@ -41,7 +41,7 @@ struct Warn {
 struct Configure {
   std::uint64_t connection = 0;
 };
-struct TellParticipants {};
+struct BroadcastParticipants {};
 
 struct WakeRunner {};
 struct LeaveRunner {
@@ -51,6 +51,13 @@ struct LeaveRunner {
 struct FindDepth {
   std::uint64_t connection = 0;
   diaphane::v1::DepthQuery query;
+};
+/// A participant points at this place of the picture that they see (0 to 1 from the upper left). To
+/// be answered with PointerFound.
+struct FindPointer {
+  std::uint64_t connection = 0;
+  std::uint64_t number = 0;
+  double x = 0, y = 0;
 };
 /// The encoders may take the next picture.
 struct PokeEncoders {};
@@ -66,7 +73,7 @@ struct CodeSlice {
   bool for_guest = false;
 };
 
-/// To be answered with TileCoded, unless nobody needs the picture any more.
+/// To be answered with TileCoded, unless the picture is no longer needed.
 struct CodeTile {
   std::uint64_t picture = 0;
   std::weak_ptr<const PictureRgb8> pixels;
@@ -132,12 +139,12 @@ struct DismissCamera {
 }  // namespace effect
 
 using Effect =
-    std::variant<effect::Send, effect::Configure, effect::TellParticipants, effect::Warn,
-                 effect::WakeRunner, effect::LeaveRunner, effect::FindDepth, effect::PokeEncoders,
-                 effect::LoadVoxels, effect::CodeSlice, effect::CodeTile, effect::StartFile,
-                 effect::AcknowledgeFile, effect::StopFile, effect::OpenCamera, effect::EnterCamera,
-                 effect::ForwardToCamera, effect::FollowPresenter, effect::SilenceCamera,
-                 effect::DismissCamera>;
+    std::variant<effect::Send, effect::Configure, effect::BroadcastParticipants, effect::Warn,
+                 effect::WakeRunner, effect::LeaveRunner, effect::FindDepth, effect::FindPointer,
+                 effect::PokeEncoders, effect::LoadVoxels, effect::CodeSlice, effect::CodeTile,
+                 effect::StartFile, effect::AcknowledgeFile, effect::StopFile, effect::OpenCamera,
+                 effect::EnterCamera, effect::ForwardToCamera, effect::FollowPresenter,
+                 effect::SilenceCamera, effect::DismissCamera>;
 using Effects = std::vector<Effect>;
 
 /// Tells a viewer about an error that does not end the connection.

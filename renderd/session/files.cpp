@@ -27,7 +27,7 @@ Effects Files::handle(const KeyViewSent& event, const SessionState& state) {
   return {};
 }
 
-Effects Files::handle(FileAsked event, const SessionState& state) {
+Effects Files::handle(FileRequested event, const SessionState& state) {
   if (!is_greeted(state, event.connection)) return {};
   if (event.request.kind_case() == v1::FileRequest::KIND_NOT_SET) return give_up();
   if (!event.volume) {
@@ -49,7 +49,7 @@ Effects Files::handle(const FileTaken& event, const SessionState& state) {
   return {effect::AcknowledgeFile{file_->id, event.seq}};
 }
 
-Effects Files::handle(FileSaid event) {
+Effects Files::handle(FileMessage event) {
   if (!makes(event.file)) return {};
   Effects effects;
   effects.emplace_back(effect::Send{file_->connection, std::move(event.message)});

@@ -15,7 +15,7 @@ struct KeyViewSent {
   const diaphane::v1::KeyView& view;
 };
 /// A request without a kind gives the current file up.
-struct FileAsked {
+struct FileRequested {
   std::uint64_t connection = 0;
   const diaphane::v1::FileRequest& request;
   std::shared_ptr<const DeviceVolume> volume;  ///< null: not loaded yet
@@ -25,7 +25,7 @@ struct FileTaken {
   std::uint64_t seq = 0;
 };
 /// The work on a file has a message for the viewer who asked for it.
-struct FileSaid {
+struct FileMessage {
   std::uint64_t file = 0;
   diaphane::v1::ServerMessage message;
   bool last = false;
@@ -36,13 +36,13 @@ struct FileRefused {
   std::vector<diaphane::v1::Scene> keys;  ///< not used, so that they serve the next request
 };
 
-/// The film or large picture that a session makes for download (docs/adr/0031), one at a time.
+/// The video or large picture that a session makes for download (docs/adr/0031), one at a time.
 class Files {
  public:
   Effects handle(const KeyViewSent& event, const SessionState& state);
-  Effects handle(FileAsked event, const SessionState& state);
+  Effects handle(FileRequested event, const SessionState& state);
   Effects handle(const FileTaken& event, const SessionState& state);
-  Effects handle(FileSaid event);
+  Effects handle(FileMessage event);
   Effects handle(FileRefused event);
   Effects handle(const ViewerLeft& event);
   Effects handle(SessionEnded event);

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/session/effects_in_test.h"
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/effects_in_test.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -21,11 +21,13 @@ struct FilesTest : testing::Test {
     key.set_index(0);
     *key.mutable_scene() = plain_scene();
   }
-  Effects ask(std::uint64_t from) { return files.handle(FileAsked{from, request, volume}, state); }
+  Effects ask(std::uint64_t from) {
+    return files.handle(FileRequested{from, request, volume}, state);
+  }
   Effects say(std::uint64_t file, bool last) {
     v1::ServerMessage message;
     message.mutable_file_part()->set_last(last);
-    return files.handle(FileSaid{file, message, last});
+    return files.handle(FileMessage{file, message, last});
   }
 
   TimePoint now{};

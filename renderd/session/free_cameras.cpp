@@ -5,7 +5,7 @@
 
 namespace diaphane::render {
 
-Effects FreeCameras::handle(const CameraAsked& event, const SessionState& state) {
+Effects FreeCameras::handle(const CameraRequested& event, const SessionState& state) {
   if (!event.on) {
     const auto found = cameras_.find(event.connection);
     if (found == cameras_.end()) return {};  // it is being withdrawn
@@ -16,8 +16,8 @@ Effects FreeCameras::handle(const CameraAsked& event, const SessionState& state)
   if (!receiver) return {};
   return {
       effect::OpenCamera{event.connection, receiver->participant, receiver->name, receiver->link,
-                         receiver->viewer, receiver->may_have_slices, state.wanted.scene,
-                         receiver->viewport.width ? receiver->viewport : state.wanted.viewport}};
+                         receiver->viewer, receiver->may_have_slices, state.requested.scene,
+                         receiver->viewport.width ? receiver->viewport : state.requested.viewport}};
 }
 
 Effects FreeCameras::handle(const CameraOpened& event, SessionState& state, TimePoint now) {
@@ -52,7 +52,7 @@ Effects FreeCameras::handle(const CameraSilenced& event, SessionState& state, Ti
   if (event.why) effects.emplace_back(problem_to(event.connection, *event.why));
   use_free_camera(state, *receiver, false, now);
   effects.emplace_back(effect::Configure{event.connection});
-  effects.emplace_back(effect::TellParticipants{});
+  effects.emplace_back(effect::BroadcastParticipants{});
   effects.emplace_back(effect::WakeRunner{});
   return effects;
 }
@@ -82,8 +82,8 @@ Effects FreeCameras::handle(SessionEnded) {
 }
 
 Effects FreeCameras::handle(SceneChanged, const SessionState& state) {
-  if (led_ == state.wanted.scene || !state.wanted.scene) return {};
-  led_ = state.wanted.scene;
+  if (led_ == state.requested.scene || !state.requested.scene) return {};
+  led_ = state.requested.scene;
   ++number_;
   Effects effects;
   for (const auto& [connection, camera] : cameras_) {
@@ -99,7 +99,8 @@ const FreeCameras::Camera* FreeCameras::of(std::uint64_t connection) const {
 
 bool concerns_picture(const v1::ClientMessage& message) {
   return message.has_scene() || message.has_ack() || message.has_need_key() ||
-         message.has_visibility() || message.has_depth_query() || message.has_kernel();
+         message.has_visibility() || message.has_depth_query() || message.has_kernel() ||
+         message.has_error_curve();
 }
 
 }  // namespace diaphane::render

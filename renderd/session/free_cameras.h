@@ -11,7 +11,7 @@
 
 namespace diaphane::render {
 
-struct CameraAsked {
+struct CameraRequested {
   std::uint64_t connection = 0;
   bool on = false;
 };
@@ -37,7 +37,7 @@ struct CameraWithdrawn {
 /// The followers of a session who see sessions of their own beside it (docs/adr/0013).
 class FreeCameras {
  public:
-  Effects handle(const CameraAsked& event, const SessionState& state);
+  Effects handle(const CameraRequested& event, const SessionState& state);
   Effects handle(const CameraOpened& event, SessionState& state, TimePoint now);
   Effects handle(const CameraSilenced& event, SessionState& state, TimePoint now);
   Effects handle(const CameraWithdrawn& event);

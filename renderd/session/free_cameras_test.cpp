@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/session/effects_in_test.h"
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/effects_in_test.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -17,7 +17,7 @@ using effect::SilenceCamera;
 struct FreeCamerasTest : testing::Test {
   FreeCamerasTest() {
     const auto scene = plain_scene();
-    state.wanted.scene = std::make_shared<const v1::Scene>(scene);
+    state.requested.scene = std::make_shared<const v1::Scene>(scene);
     receive(state, attach(state, owner(), now)->connection, hello(), now);
     JoinRequest join;
     join.participant = "guest";
@@ -25,7 +25,7 @@ struct FreeCamerasTest : testing::Test {
     receive(state, follower, hello(320, 200), now);
     cameras.handle(SceneChanged{}, state);
   }
-  Effects open() { return cameras.handle(CameraAsked{follower, true}, state); }
+  Effects open() { return cameras.handle(CameraRequested{follower, true}, state); }
   Effects opened(CameraOpened event) { return cameras.handle(event, state, now); }
   void enter() {
     open();
@@ -39,10 +39,10 @@ struct FreeCamerasTest : testing::Test {
 };
 
 TEST_F(FreeCamerasTest, OpensSessionInSizeOfFollowerAndEntersIt) {
-  const auto wanted = sole<OpenCamera>(open());
-  EXPECT_EQ(wanted.participant, "guest");
-  EXPECT_EQ(wanted.viewport, (Canvas{320, 200}));
-  EXPECT_EQ(wanted.scene, state.wanted.scene);
+  const auto requested = sole<OpenCamera>(open());
+  EXPECT_EQ(requested.participant, "guest");
+  EXPECT_EQ(requested.viewport, (Canvas{320, 200}));
+  EXPECT_EQ(requested.scene, state.requested.scene);
   EXPECT_FALSE(cameras.of(follower));
   const auto entered = sole<EnterCamera>(opened({follower, "own", std::uint64_t{7}}));
   EXPECT_EQ(entered.session, "own");
@@ -55,24 +55,24 @@ TEST_F(FreeCamerasTest, OpensSessionInSizeOfFollowerAndEntersIt) {
 TEST_F(FreeCamerasTest, FollowersLearnOfScenesInOrder) {
   enter();
   EXPECT_TRUE(cameras.handle(SceneChanged{}, state).empty());
-  state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+  state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
   const auto first = sole<effect::FollowPresenter>(cameras.handle(SceneChanged{}, state));
-  state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+  state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
   const auto second = sole<effect::FollowPresenter>(cameras.handle(SceneChanged{}, state));
   EXPECT_EQ(second.session, "own");
-  EXPECT_EQ(second.scene, state.wanted.scene);
+  EXPECT_EQ(second.scene, state.requested.scene);
   EXPECT_GT(second.number, first.number);
 }
 
 TEST_F(FreeCamerasTest, ReturnsToGroupOnlyAfterOwnSessionIsSilent) {
   enter();
-  const auto silence = sole<SilenceCamera>(cameras.handle(CameraAsked{follower, false}, state));
+  const auto silence = sole<SilenceCamera>(cameras.handle(CameraRequested{follower, false}, state));
   EXPECT_TRUE(state.audience.find(follower)->free_camera);
-  EXPECT_TRUE(cameras.handle(CameraAsked{follower, false}, state).empty());
+  EXPECT_TRUE(cameras.handle(CameraRequested{follower, false}, state).empty());
   const Effects back = cameras.handle(CameraSilenced{silence.connection, silence.why}, state, now);
   EXPECT_FALSE(state.audience.find(follower)->free_camera);
   EXPECT_EQ(only<effect::Configure>(back).size(), 1u);
-  EXPECT_EQ(only<effect::TellParticipants>(back).size(), 1u);
+  EXPECT_EQ(only<effect::BroadcastParticipants>(back).size(), 1u);
   EXPECT_TRUE(only<Send>(back).empty());
 }
 
@@ -81,6 +81,7 @@ TEST_F(FreeCamerasTest, FollowerLearnsWhyTheirSlotWasTakenBeforeTheyAreConfigure
   const Error why{ErrorCode::kTooMany, "Taken.", "own_camera_taken"};
   EXPECT_TRUE(cameras.handle(CameraWithdrawn{"another", why}).empty());
   const auto silence = sole<SilenceCamera>(cameras.handle(CameraWithdrawn{"own", why}));
+  EXPECT_TRUE(cameras.handle(ViewerLeft{silence.connection}).empty()) << "nothing to dismiss";
   const Effects back = cameras.handle(CameraSilenced{silence.connection, silence.why}, state, now);
   ASSERT_TRUE(std::holds_alternative<Send>(back.front()));
   EXPECT_EQ(std::get<Send>(back.front()).message.problem().field(), "own_camera_taken");
@@ -99,7 +100,7 @@ TEST_F(FreeCamerasTest, DismissesSessionThatNobodyCanEnter) {
   EXPECT_FALSE(state.audience.find(follower)->free_camera);
 }
 
-TEST_F(FreeCamerasTest, SaysWhyNoSessionCouldBeHad) {
+TEST_F(FreeCamerasTest, ReportsWhyNoSessionWasAvailable) {
   open();
   const Error none{ErrorCode::kTooMany, "None.", "own_camera"};
   const auto problem = sole<Send>(opened({follower, {}, tl::unexpected(none)}));

@@ -9,10 +9,10 @@ Effects LosslessTiles::handle(const PictureFinished& event, const SessionState& 
   if (!info.converged || info.moving) return {};  // a resting picture follows in settled quality
   if (last_ && last_->info.epoch == info.epoch && last_->info.samples == info.samples) return {};
   const auto& receivers = state.audience.receivers;
-  const bool wanted = std::any_of(receivers.begin(), receivers.end(), [](const Receiver& one) {
+  const bool needed = std::any_of(receivers.begin(), receivers.end(), [](const Receiver& one) {
     return one.stills != v1::STILL_FORMAT_UNSPECIFIED;
   });
-  if (!wanted) return {};
+  if (!needed) return {};
   last_ = Last{++pictures_, info, std::make_shared<const PictureRgb8>(event.picture),
                event.tiles, {},   false};
   return {};

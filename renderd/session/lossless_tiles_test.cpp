@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/session/effects_in_test.h"
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/effects_in_test.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -15,7 +15,7 @@ constexpr std::uint32_t kTiles = 4;
 
 struct LosslessTilesTest : testing::Test {
   LosslessTilesTest() {
-    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
     viewer = enter("owner");
     info.epoch = state.epoch = 1;
     info.samples = 9;
@@ -69,7 +69,7 @@ TEST_F(LosslessTilesTest, CodesEachTileOnceAndOneAheadForAllViewers) {
   EXPECT_TRUE(only<CodeTile>(room()).empty());
 }
 
-TEST_F(LosslessTilesTest, SendsWholePictureInOrderAndThenSaysSo) {
+TEST_F(LosslessTilesTest, SendsAllTilesInOrderAndThenTheMark) {
   std::vector<CodeTile> under_way = only<CodeTile>(finish_picture());
   std::vector<v1::ServerMessage> sent;
   while (!under_way.empty()) {
@@ -104,7 +104,7 @@ TEST_F(LosslessTilesTest, ForgetsPictureWithItsEpoch) {
   EXPECT_TRUE(room().empty());
 }
 
-TEST_F(LosslessTilesTest, SendsNothingMoreAfterTileThatCannotBeCoded) {
+TEST_F(LosslessTilesTest, StopsAfterATileThatCannotBeEncoded) {
   const auto order = only<CodeTile>(finish_picture());
   EXPECT_TRUE(tiles.handle(TileCoded{order[0].picture, 0, std::nullopt}, state, now).empty());
   EXPECT_TRUE(coded(order[1]).empty());

@@ -34,7 +34,7 @@ const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now)
   const Receiver* presenter = state.audience.of(state.audience.presenter);
   if (!presenter || presenter->codec != codec || !is_watching(*presenter, now)) return nullptr;
   const bool keeps_up =
-      presenter->flight.unacknowledged() == 0 || now - presenter->heard_at < kPaceFor;
+      presenter->flight.unacknowledged() == 0 || now - presenter->last_progress_at < kPaceFor;
   return keeps_up ? presenter : nullptr;
 }
 
@@ -63,9 +63,9 @@ void miss(Receiver& receiver) {
 
 void update_quality(SessionState& state, Receiver& receiver, TimePoint now) {
   const QualityPlan& plan =
-      receiver.quality.update(receiver.path, state.wanted.viewport, receiver.codec, now);
+      receiver.quality.update(receiver.path, state.requested.viewport, receiver.codec, now);
   receiver.flight.set_limit(plan.window_frames);
-  if (state.audience.presents(receiver)) state.wanted.moving_scale = plan.moving_scale;
+  if (state.audience.presents(receiver)) state.requested.moving_scale = plan.moving_scale;
 }
 
 Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, TimePoint now) {
@@ -75,38 +75,40 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
     return {Admission::kWait};  // only one picture per codec is encoded at a time
   }
   const bool inter = is_inter_coded(codec);
-  std::vector<Receiver*> wanting;
+  std::vector<Receiver*> recipients;
   std::vector<Receiver*> others;
   for (Receiver& receiver : audience.receivers) {
     if (!receiver.greeted || receiver.codec != codec || receiver.free_camera) continue;
     const bool watching = is_watching(receiver, now);
     if (!watching) receiver.behind = true;  // until it is visible or responds again
-    (watching && wants(state, receiver, frame) ? wanting : others).push_back(&receiver);
+    (watching && wants(state, receiver, frame) ? recipients : others).push_back(&receiver);
   }
-  if (wanting.empty()) return {};
+  if (recipients.empty()) return {};
 
   const auto with_room = [](const Receiver* one) { return has_room(*one); };
   const Receiver* pace = pacer(state, codec, now);
-  const bool paced = pace && std::find(wanting.begin(), wanting.end(), pace) != wanting.end();
+  const bool paced =
+      pace && std::find(recipients.begin(), recipients.end(), pace) != recipients.end();
   const bool room =
-      paced ? with_room(pace) : std::any_of(wanting.begin(), wanting.end(), with_room);
+      paced ? with_room(pace) : std::any_of(recipients.begin(), recipients.end(), with_room);
   if (!room) return {Admission::kWait};
 
   Coding& coding = audience.codings[codec];
   const bool key_may = !coding.key_at || now - *coding.key_at >= kKeyEvery;
-  const bool key = inter && std::any_of(wanting.begin(), wanting.end(), [&](const Receiver* one) {
-                     return one->needs_key && with_room(one) && (key_may || one == pace);
-                   });
+  const bool key =
+      inter && std::any_of(recipients.begin(), recipients.end(), [&](const Receiver* one) {
+        return one->needs_key && with_room(one) && (key_may || one == pace);
+      });
   const auto takes = [&](const Receiver* one) {
     return with_room(one) && (!inter || key || !one->needs_key);
   };
   // All viewers with room wait for a key frame, which is not due yet.
-  if (std::none_of(wanting.begin(), wanting.end(), takes)) return {Admission::kWait};
+  if (std::none_of(recipients.begin(), recipients.end(), takes)) return {Admission::kWait};
 
   if (key) coding.key_at = now;
   if (inter) std::for_each(others.begin(), others.end(), [](Receiver* one) { miss(*one); });
   coding.takers.clear();
-  for (Receiver* one : wanting) {
+  for (Receiver* one : recipients) {
     if (!takes(one)) {
       miss(*one);
       continue;
@@ -133,7 +135,7 @@ OutgoingFrames depart(SessionState& state, v1::Codec codec, const FrameInfo& fra
     }
     OutgoingFrame outgoing;
     outgoing.connection = connection;
-    if (receiver->flight.unacknowledged() == 0) receiver->heard_at = now;
+    if (receiver->flight.unacknowledged() == 0) receiver->last_progress_at = now;
     outgoing.seq = receiver->flight.depart();
     receiver->path.sent(outgoing.seq, coded.bytes, now);
     receiver->tiles_sent = 0;  // the frame covers the tiles
@@ -144,12 +146,12 @@ OutgoingFrames depart(SessionState& state, v1::Codec codec, const FrameInfo& fra
       receiver->look_version = state.shown.version;
       outgoing.look = true;
     }
-    if (frame.converged != receiver->converged_told || receiver->lossless_told) {
-      receiver->lossless_told = false;
+    if (frame.converged != receiver->converged_sent || receiver->lossless_sent) {
+      receiver->lossless_sent = false;
       outgoing.state.emplace();
       outgoing.state->set_epoch(frame.epoch);
       outgoing.state->set_converged(frame.converged);
-      receiver->converged_told = frame.converged;
+      receiver->converged_sent = frame.converged;
     }
     outgoing_frames.frames.push_back(std::move(outgoing));
   }
@@ -190,7 +192,7 @@ OutgoingFrame depart_tile(SessionState& state, const TileDue& due, std::uint32_t
   OutgoingFrame outgoing;
   outgoing.connection = due.connection;
   Receiver& receiver = *state.audience.find(due.connection);
-  if (receiver.flight.unacknowledged() == 0) receiver.heard_at = now;
+  if (receiver.flight.unacknowledged() == 0) receiver.last_progress_at = now;
   receiver.flight.reserve();
   outgoing.seq = receiver.flight.depart();
   receiver.path.sent(outgoing.seq, bytes, now);
@@ -200,7 +202,7 @@ OutgoingFrame depart_tile(SessionState& state, const TileDue& due, std::uint32_t
     outgoing.state->set_epoch(receiver.shown->epoch);
     outgoing.state->set_converged(true);
     outgoing.state->set_lossless(true);
-    receiver.lossless_told = true;
+    receiver.lossless_sent = true;
   }
   return outgoing;
 }

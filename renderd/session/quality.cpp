@@ -56,8 +56,8 @@ const QualityPlan& QualitySteps::update(const LinkEstimate& link, Canvas viewpor
     fits_since_ = {};
   }
 
-  const auto bytes = [](double wanted) {
-    return static_cast<std::uint32_t>(std::clamp(wanted, kFewestBytes, kMostBytes));
+  const auto bytes = [](double requested) {
+    return static_cast<std::uint32_t>(std::clamp(requested, kFewestBytes, kMostBytes));
   };
   plan_.moving_scale = kScales[step_];
   plan_.moving_bytes = bytes(usable / kFramesPerSecond);

@@ -11,6 +11,8 @@ enum class Rule {
   kPresenting,  ///< while this viewer presents
   kSteering,    ///< while this viewer presents or has a camera of their own
   kWithSlices,  ///< if the owner or host allows slices for this viewer
+  kShowing,     ///< while this viewer presents, and if slices are allowed
+  kPointing,    ///< while this viewer presents, and if the presenter allows pointers of guests
 };
 
 struct Row {
@@ -26,6 +28,7 @@ constexpr std::array<Rule, kViewers.size()> all(Rule rule) {
 // cannot have a separate camera, a role can only be handed to a connected participant, and requests
 // have rate limits.
 constexpr Rule kNo = Rule::kNever, kYes = Rule::kAlways, kSlices = Rule::kWithSlices;
+constexpr Rule kPresents = Rule::kPresenting, kShows = Rule::kShowing;
 constexpr std::array kTable{
     // clang-format off
     //                            owner  shared   public   link visitor  sample visitor  guest
@@ -44,10 +47,16 @@ constexpr std::array kTable{
     Row{RequestKind::kFileTaken,   {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
     Row{RequestKind::kKernel,      all(kYes)},
     Row{RequestKind::kGuestSlices, {kYes,  kNo,     kSlices, kNo,          kNo,            kNo}},
+    Row{RequestKind::kErrorCurve,  all(kYes)},
+    Row{RequestKind::kSliceView,   {kPresents, kPresents, kShows, kShows,  kShows,         kShows}},
+    Row{RequestKind::kMeasurements, {kPresents, kPresents, kShows, kShows, kShows,         kShows}},
+    Row{RequestKind::kPointer,     {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPointing}},
+    Row{RequestKind::kGuestPointers, all(kPresents)},
+    Row{RequestKind::kSharedTaken, all(kYes)},
     // clang-format on
 };
 
-constexpr bool is_whole() {
+constexpr bool covers_every_message() {
   for (std::size_t i = 0; i < kTable.size(); ++i) {
     if (kTable[i].request != kRequests[i]) return false;
   }
@@ -56,7 +65,7 @@ constexpr bool is_whole() {
   }
   return kTable.size() == kRequests.size();
 }
-static_assert(is_whole());
+static_assert(covers_every_message());
 
 }  // namespace
 
@@ -107,32 +116,48 @@ std::optional<RequestKind> request_of(const v1::ClientMessage& message) {
       return RequestKind::kKernel;
     case v1::ClientMessage::kGuestSlices:
       return RequestKind::kGuestSlices;
+    case v1::ClientMessage::kErrorCurve:
+      return RequestKind::kErrorCurve;
+    case v1::ClientMessage::kSliceView:
+      return RequestKind::kSliceView;
+    case v1::ClientMessage::kMeasurements:
+      return RequestKind::kMeasurements;
+    case v1::ClientMessage::kPointer:
+      return RequestKind::kPointer;
+    case v1::ClientMessage::kGuestPointers:
+      return RequestKind::kGuestPointers;
+    case v1::ClientMessage::kSharedTaken:
+      return RequestKind::kSharedTaken;
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }
   return std::nullopt;
 }
 
-bool may(const Standing& standing, RequestKind request) {
+bool may(const ViewerRights& rights, RequestKind request) {
   const Row& row = kTable[static_cast<std::size_t>(request)];
-  switch (row.rules[static_cast<std::size_t>(standing.viewer)]) {
+  switch (row.rules[static_cast<std::size_t>(rights.viewer)]) {
     case Rule::kAlways:
       return true;
     case Rule::kPresenting:
-      return standing.presents;
+      return rights.presents;
     case Rule::kSteering:
-      return standing.presents || standing.free_camera;
+      return rights.presents || rights.free_camera;
     case Rule::kWithSlices:
-      return standing.slices;
+      return rights.slices;
+    case Rule::kShowing:
+      return rights.presents && rights.slices;
+    case Rule::kPointing:
+      return rights.presents || rights.pointers;
     case Rule::kNever:
       break;
   }
   return false;
 }
 
-SliceAccess slice_access(const Standing& standing) {
-  if (!may(standing, RequestKind::kSlices)) return SliceAccess::kNone;
-  switch (standing.viewer) {
+SliceAccess slice_access(const ViewerRights& rights) {
+  if (!may(rights, RequestKind::kSlices)) return SliceAccess::kNone;
+  switch (rights.viewer) {
     case ViewerKind::kOwner:
     case ViewerKind::kShared:
     case ViewerKind::kPublic:
@@ -157,18 +182,18 @@ v1::SliceAccess to_proto(SliceAccess access) {
   return v1::SLICE_ACCESS_NONE;
 }
 
-std::optional<v1::Scene> allowed_scene(const Standing& standing, const v1::Scene* now,
-                                       v1::Scene wanted) {
-  if (standing.viewer == ViewerKind::kGuest) {
+std::optional<v1::Scene> allowed_scene(const ViewerRights& rights, const v1::Scene* now,
+                                       v1::Scene requested) {
+  if (rights.viewer == ViewerKind::kGuest) {
     if (!now) return std::nullopt;
-    wanted.clear_clip();
-    if (now->has_clip()) *wanted.mutable_clip() = now->clip();
+    requested.clear_clip();
+    if (now->has_clip()) *requested.mutable_clip() = now->clip();
   }
-  if (slice_access(standing) == SliceAccess::kNone) {
-    wanted.clear_slices();
-    if (now && now->has_slices()) *wanted.mutable_slices() = now->slices();
+  if (slice_access(rights) == SliceAccess::kNone) {
+    requested.clear_slices();
+    if (now && now->has_slices()) *requested.mutable_slices() = now->slices();
   }
-  return wanted;
+  return requested;
 }
 
 }  // namespace diaphane::render

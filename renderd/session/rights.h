@@ -41,40 +41,49 @@ enum class RequestKind {
   kFileTaken,
   kKernel,
   kGuestSlices,
+  kErrorCurve,
+  kSliceView,
+  kMeasurements,
+  kPointer,
+  kGuestPointers,
+  kSharedTaken,
 };
 inline constexpr std::array kRequests{
-    RequestKind::kHello,     RequestKind::kResize,     RequestKind::kScene,
-    RequestKind::kAck,       RequestKind::kNeedKey,    RequestKind::kVisibility,
-    RequestKind::kHandover,  RequestKind::kFreeCamera, RequestKind::kDepthQuery,
-    RequestKind::kSlices,    RequestKind::kKeyView,    RequestKind::kFile,
-    RequestKind::kFileTaken, RequestKind::kKernel,     RequestKind::kGuestSlices};
+    RequestKind::kHello,      RequestKind::kResize,        RequestKind::kScene,
+    RequestKind::kAck,        RequestKind::kNeedKey,       RequestKind::kVisibility,
+    RequestKind::kHandover,   RequestKind::kFreeCamera,    RequestKind::kDepthQuery,
+    RequestKind::kSlices,     RequestKind::kKeyView,       RequestKind::kFile,
+    RequestKind::kFileTaken,  RequestKind::kKernel,        RequestKind::kGuestSlices,
+    RequestKind::kErrorCurve, RequestKind::kSliceView,     RequestKind::kMeasurements,
+    RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken};
 /// Returns nullopt for a message that is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 
 /// The current state of a viewer.
-struct Standing {
+struct ViewerRights {
   ViewerKind viewer = ViewerKind::kGuest;
   bool presents = false;
   bool free_camera = false;
-  bool slices = false;  ///< the owner of the scan, or the host of the session, allows them
+  bool slices = false;   ///< the owner of the scan, or the host of the session, allows them
+  bool pointers = true;  ///< the presenter allows pointers of guests
 };
 
 /// The only table of access rights for the requests to a session.
-bool may(const Standing& standing, RequestKind request);
+bool may(const ViewerRights& rights, RequestKind request);
 
 enum class SliceAccess {
   kNone,
   kClipped,  ///< voxels inside the session's clip; the others are blank
   kWhole,
 };
-SliceAccess slice_access(const Standing& standing);
+SliceAccess slice_access(const ViewerRights& rights);
 diaphane::v1::SliceAccess to_proto(SliceAccess access);
 
 /// Returns the part of a scene from this viewer that is allowed. A viewer without slices cannot
 /// place any in the picture either, and the clip of a guest's scene is ignored. Returns nullopt if
 /// there is no scene yet whose clip could be kept. `now`: the session's scene, or null.
-std::optional<diaphane::v1::Scene> allowed_scene(const Standing& standing,
+std::optional<diaphane::v1::Scene> allowed_scene(const ViewerRights& rights,
                                                  const diaphane::v1::Scene* now,
-                                                 diaphane::v1::Scene wanted);
+                                                 diaphane::v1::Scene requested);
 
 }  // namespace diaphane::render

@@ -5,25 +5,27 @@
 #include <string>
 #include <string_view>
 
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
 
 std::string_view name_of(RequestKind request) {
   constexpr std::array<std::string_view, kRequests.size()> kNames{
-      "hello",      "resize",   "scene",       "ack",    "need key",
-      "visibility", "handover", "free camera", "depth",  "slices",
-      "key view",   "file",     "file taken",  "kernel", "guest slices"};
+      "hello",      "resize",         "scene",        "ack",         "need key",   "visibility",
+      "handover",   "free camera",    "depth",        "slices",      "key view",   "file",
+      "file taken", "kernel",         "guest slices", "error curve", "slice view", "measurements",
+      "pointer",    "guest pointers", "shared taken"};
   return kNames.at(static_cast<std::size_t>(request));
 }
 
-Standing standing(ViewerKind viewer, bool presents, bool free_camera, bool slices) {
-  return {viewer, presents, free_camera, slices};
+ViewerRights rights(ViewerKind viewer, bool presents, bool free_camera, bool slices,
+                    bool pointers = true) {
+  return {viewer, presents, free_camera, slices, pointers};
 }
 
 /// The rules written independently in plain terms: every viewer, every request, every situation.
-bool expected(const Standing& who, std::string_view request) {
+bool expected(const ViewerRights& who, std::string_view request) {
   const bool guest = who.viewer == ViewerKind::kGuest;
   const bool without_account =
       guest || who.viewer == ViewerKind::kLinkVisitor || who.viewer == ViewerKind::kSampleVisitor;
@@ -40,14 +42,22 @@ bool expected(const Standing& who, std::string_view request) {
   if (request == "guest slices") {
     return who.viewer == ViewerKind::kOwner || (who.viewer == ViewerKind::kPublic && who.slices);
   }
+  if (request == "slice view" || request == "measurements") {
+    const bool gets_slices =
+        who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
+    return who.presents && gets_slices;
+  }
+  if (request == "pointer") return !guest || who.presents || who.pointers;
+  if (request == "guest pointers") return who.presents;
   return true;
 }
 
 TEST(RightsTest, RequestsFollowTheAccessTable) {
   for (const ViewerKind viewer : kViewers) {
     for (const RequestKind request : kRequests) {
-      for (int bits = 0; bits < 8; ++bits) {
-        const Standing who = standing(viewer, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0);
+      for (int bits = 0; bits < 16; ++bits) {
+        const ViewerRights who =
+            rights(viewer, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0);
         EXPECT_EQ(may(who, request), expected(who, name_of(request)))
             << name_of(request) << " of viewer " << static_cast<int>(viewer) << " in situation "
             << bits;
@@ -81,12 +91,12 @@ TEST(RightsTest, ViewersWithoutAccountGetOnlyClippedSlices) {
   for (const ViewerKind viewer : kViewers) {
     const bool account = viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared ||
                          viewer == ViewerKind::kPublic;
-    EXPECT_EQ(slice_access(standing(viewer, true, true, true)),
+    EXPECT_EQ(slice_access(rights(viewer, true, true, true)),
               account ? SliceAccess::kWhole : SliceAccess::kClipped);
   }
   for (const ViewerKind viewer : {ViewerKind::kPublic, ViewerKind::kLinkVisitor,
                                   ViewerKind::kSampleVisitor, ViewerKind::kGuest}) {
-    EXPECT_EQ(slice_access(standing(viewer, true, true, false)), SliceAccess::kNone);
+    EXPECT_EQ(slice_access(rights(viewer, true, true, false)), SliceAccess::kNone);
   }
 }
 
@@ -95,39 +105,40 @@ struct AllowedScene : testing::Test {
     shown.mutable_clip()->mutable_box_low()->set_x(-3);
     shown.mutable_clip()->mutable_box_high()->set_x(3);
     shown.mutable_slices()->mutable_axial()->set_shown(true);
-    wanted.mutable_camera()->mutable_eye()->set_x(9);
-    wanted.mutable_slices()->mutable_axial()->set_position(40);
+    requested.mutable_camera()->mutable_eye()->set_x(9);
+    requested.mutable_slices()->mutable_axial()->set_position(40);
   }
-  v1::Scene shown = plain_scene(), wanted = plain_scene();
+  v1::Scene shown = plain_scene(), requested = plain_scene();
 };
 
 TEST_F(AllowedScene, GuestCannotChangeTheClip) {
   for (const bool slices : {false, true}) {
     const auto scene =
-        allowed_scene(standing(ViewerKind::kGuest, true, false, slices), &shown, wanted);
+        allowed_scene(rights(ViewerKind::kGuest, true, false, slices), &shown, requested);
     ASSERT_TRUE(scene);
     EXPECT_EQ(scene->clip().SerializeAsString(), shown.clip().SerializeAsString());
     EXPECT_EQ(scene->camera().eye().x(), 9);
     EXPECT_EQ(scene->slices().axial().position(), slices ? 40 : 0);
   }
-  EXPECT_FALSE(allowed_scene(standing(ViewerKind::kGuest, true, false, true), nullptr, wanted));
+  EXPECT_FALSE(allowed_scene(rights(ViewerKind::kGuest, true, false, true), nullptr, requested));
 }
 
 TEST_F(AllowedScene, KeepsTheShownSlicesWithoutSliceAccess) {
-  const Standing visitor = standing(ViewerKind::kLinkVisitor, true, false, false);
-  const auto scene = allowed_scene(visitor, &shown, wanted);
+  const ViewerRights visitor = rights(ViewerKind::kLinkVisitor, true, false, false);
+  const auto scene = allowed_scene(visitor, &shown, requested);
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->slices().SerializeAsString(), shown.slices().SerializeAsString());
   EXPECT_FALSE(scene->has_clip()) << "it is the visitor's own session";
-  const auto first = allowed_scene(visitor, nullptr, wanted);
+  const auto first = allowed_scene(visitor, nullptr, requested);
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->has_slices());
 }
 
 TEST_F(AllowedScene, DoesNotRestrictTheOwner) {
-  const auto scene = allowed_scene(standing(ViewerKind::kOwner, true, false, true), &shown, wanted);
+  const auto scene =
+      allowed_scene(rights(ViewerKind::kOwner, true, false, true), &shown, requested);
   ASSERT_TRUE(scene);
-  EXPECT_EQ(scene->SerializeAsString(), wanted.SerializeAsString());
+  EXPECT_EQ(scene->SerializeAsString(), requested.SerializeAsString());
 }
 
 }  // namespace

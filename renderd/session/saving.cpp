@@ -8,9 +8,9 @@ namespace {
 SavedSession saved(const SessionState& state) {
   return {state.id,
           state.placement,
-          state.wanted.scene->SerializeAsString(),
-          state.wanted.input_seq,
-          state.wanted.viewport,
+          state.requested.scene->SerializeAsString(),
+          state.requested.input_seq,
+          state.requested.viewport,
           state.audience.presenter,
           state.audience.guest_slices};
 }
@@ -18,14 +18,14 @@ SavedSession saved(const SessionState& state) {
 }  // namespace
 
 std::optional<SavedSession> take_unsaved(SessionState& state) {
-  if (!state.unsaved || !state.wanted.scene) return std::nullopt;
+  if (!state.unsaved || !state.requested.scene) return std::nullopt;
   state.unsaved = false;
   return saved(state);
 }
 
 std::optional<RecoveryRecord> recovery_record(const SessionState& state, const std::string& user_id,
                                               bool visitor) {
-  if (!state.wanted.scene) return std::nullopt;
+  if (!state.requested.scene) return std::nullopt;
   std::set<std::string> links;
   for (const Receiver& receiver : state.audience.receivers) {
     if (!receiver.link.empty()) links.insert(receiver.link);

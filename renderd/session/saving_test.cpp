@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -12,8 +12,8 @@ TEST(SavingTest, ReturnsEachChangeOnce) {
   state.id = "session";
   state.unsaved = true;
   EXPECT_FALSE(take_unsaved(state));  // there is no scene yet
-  state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
-  state.wanted.input_seq = 7;
+  state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
+  state.requested.input_seq = 7;
   const auto saved = take_unsaved(state);
   ASSERT_TRUE(saved);
   EXPECT_EQ(saved->id, "session");
@@ -26,7 +26,7 @@ TEST(SavingTest, RecordNamesEachLinkOnceAndLeavesSceneUnsaved) {
   SessionState state;
   state.unsaved = true;
   EXPECT_FALSE(recovery_record(state, "user", true));
-  state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+  state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
   attach(state, owner(), {});
   for (const char* guest : {"a", "b"}) {
     JoinRequest join;

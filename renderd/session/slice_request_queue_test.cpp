@@ -108,6 +108,25 @@ TEST_F(SliceRequestQueueTest, RequeuesReturnedSliceUnlessANewerIsRequested) {
   EXPECT_EQ(sent(), kNone);
 }
 
+TEST(SliceStackMessage, ContainsTheWholeGeometry) {
+  volume::Header header;
+  header.size = {30, 20, 10};
+  header.spacing = {1, 2, 3};
+  for (const auto& stack : stacks_of(header)) {
+    const v1::SliceStack message = to_proto(stack);
+    EXPECT_EQ(message.columns(), stack.columns);
+    EXPECT_EQ(message.rows(), stack.rows);
+    EXPECT_EQ(message.slices(), stack.slices);
+    const auto same = [](const v1::Vec3& sent, const auto& kept) {
+      return sent.x() == kept[0] && sent.y() == kept[1] && sent.z() == kept[2];
+    };
+    EXPECT_TRUE(same(message.first(), stack.first));
+    EXPECT_TRUE(same(message.right(), stack.right));
+    EXPECT_TRUE(same(message.down(), stack.down));
+    EXPECT_TRUE(same(message.next(), stack.next));
+  }
+}
+
 TEST_F(SliceRequestQueueTest, DoesNotSendForgottenRequests) {
   ASSERT_TRUE(queue.replace(request_of({{v1::AXIAL, 5}, {v1::CORONAL, 1}}), stacks));
   queue.forget();

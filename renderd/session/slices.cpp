@@ -15,12 +15,12 @@ bool same_clip(const std::optional<v1::Clip>& a, const std::optional<v1::Clip>& 
 /// Returns nullopt if this viewer may not receive slices.
 std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& receiver,
                                    const SliceDue& due) {
-  switch (slice_access(state.audience.standing(receiver))) {
+  switch (slice_access(state.audience.rights(receiver))) {
     case SliceAccess::kNone:
       break;
     case SliceAccess::kClipped:
       // The newest clip, even if no picture shows it yet.
-      if (state.wanted.scene) return SliceOrder{due, state.wanted.scene->clip()};
+      if (state.requested.scene) return SliceOrder{due, state.requested.scene->clip()};
       break;
     case SliceAccess::kWhole:
       return SliceOrder{due, std::nullopt};
@@ -54,9 +54,9 @@ Effects Slices::handle(const SlicesKnown& event) {
   return {};
 }
 
-Effects Slices::handle(const SlicesAsked& event, SessionState& state, TimePoint now) {
+Effects Slices::handle(const SlicesRequested& event, SessionState& state, TimePoint now) {
   Receiver* const receiver = state.audience.find(event.connection);
-  if (!receiver || !stacks_) return {};  // pages do not ask before they are told of slices
+  if (!receiver || !stacks_) return {};  // pages request slices only after they learn of them
   if (const auto noted = receiver->slices.replace(event.request, *stacks_); !noted) {
     return {problem_to(event.connection, noted.error())};
   }
@@ -144,8 +144,8 @@ Effects Slices::handle(SlicesTicked, SessionState& state, TimePoint now) {
 }
 
 Effects Slices::handle(SceneChanged, SessionState& state) {
-  if (clipped_by_ == state.wanted.scene) return {};
-  const auto before = std::exchange(clipped_by_, state.wanted.scene);
+  if (clipped_by_ == state.requested.scene) return {};
+  const auto before = std::exchange(clipped_by_, state.requested.scene);
   if (before && clipped_by_ && same_clip(before->clip(), clipped_by_->clip())) return {};
   Effects effects;
   for (Receiver& receiver : state.audience.receivers) {

@@ -14,7 +14,7 @@ namespace diaphane::render {
 struct SlicesKnown {
   SliceStacks stacks;
 };
-struct SlicesAsked {
+struct SlicesRequested {
   std::uint64_t connection = 0;
   const diaphane::v1::SliceRequest& request;
 };
@@ -36,7 +36,7 @@ struct AllViewersLeft {};
 class Slices {
  public:
   Effects handle(const SlicesKnown& event);
-  Effects handle(const SlicesAsked& event, SessionState& state, TimePoint now);
+  Effects handle(const SlicesRequested& event, SessionState& state, TimePoint now);
   Effects handle(const VoxelsLoaded& event, SessionState& state, TimePoint now);
   Effects handle(SliceCoded event, SessionState& state, TimePoint now);
   Effects handle(SlicesTicked event, SessionState& state, TimePoint now);

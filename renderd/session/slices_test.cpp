@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "renderd/session/effects_in_test.h"
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/effects_in_test.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -19,7 +19,7 @@ struct SlicesTest : testing::Test {
     voxels.header.content_hash = "hash";
     volume = std::make_shared<const HostVolume>(std::move(voxels));
     slices.handle(SlicesKnown{stacks_of(volume->header())});
-    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
     connection = attach(state, owner(), now)->connection;
     slices.handle(SceneChanged{}, state);
   }
@@ -33,7 +33,7 @@ struct SlicesTest : testing::Test {
     v1::SliceRequest request;
     request.add_slices()->set_plane(v1::AXIAL);
     request.mutable_slices(0)->set_index(index);
-    return slices.handle(SlicesAsked{from, request}, state, now);
+    return slices.handle(SlicesRequested{from, request}, state, now);
   }
   Effects load(const std::string& hash = "hash") {
     return slices.handle(VoxelsLoaded{volume, hash}, state, now);
@@ -42,9 +42,9 @@ struct SlicesTest : testing::Test {
     return slices.handle(SliceCoded{of.connection, of.order, std::string("data")}, state, now);
   }
   void clip_scene() {
-    v1::Scene clipped = *state.wanted.scene;
+    v1::Scene clipped = *state.requested.scene;
     clipped.mutable_clip()->mutable_box_low()->set_x(1);
-    state.wanted.scene = std::make_shared<const v1::Scene>(clipped);
+    state.requested.scene = std::make_shared<const v1::Scene>(clipped);
   }
 
   TimePoint now = TimePoint() + std::chrono::seconds(100);
@@ -82,7 +82,7 @@ TEST_F(SlicesTest, SendsCodedSliceAndTakesNewestRequestNext) {
   EXPECT_EQ(only<CodeSlice>(effects)[0].order.due.index, 5u);
 }
 
-TEST_F(SlicesTest, MakesSliceAgainIfClipChangedMeanwhile) {
+TEST_F(SlicesTest, RebuildsSliceIfTheClipChangedMeanwhile) {
   const std::uint64_t other = guest();
   ask(other, 3);
   const auto order = sole<CodeSlice>(load());
@@ -92,7 +92,7 @@ TEST_F(SlicesTest, MakesSliceAgainIfClipChangedMeanwhile) {
   EXPECT_TRUE(again.order.clip->has_box_low());
 }
 
-TEST_F(SlicesTest, SendsNothingToGuestWhoseSlicesWereSwitchedOff) {
+TEST_F(SlicesTest, SendsNothingToGuestsWithoutSliceAccess) {
   const std::uint64_t other = guest();
   ask(other, 3);
   const auto order = sole<CodeSlice>(load());
@@ -100,7 +100,7 @@ TEST_F(SlicesTest, SendsNothingToGuestWhoseSlicesWereSwitchedOff) {
   EXPECT_TRUE(coded(order).empty());
 }
 
-TEST_F(SlicesTest, TellsOnlyViewersWithClippedSlicesThatTheyAreStale) {
+TEST_F(SlicesTest, NotifiesOnlyViewersWithClippedSlicesOfStaleOnes) {
   const std::uint64_t other = guest();
   ask(other, 3);
   coded(sole<CodeSlice>(load()));
@@ -138,7 +138,7 @@ TEST_F(SlicesTest, RequestOverItsLimitWaitsForTick) {
     request.mutable_slices(0)->set_index(order.order.due.index == 0 ? 1 : 0);
     coded(order);
     request.set_taken(++sent);
-    next = slices.handle(SlicesAsked{connection, request}, state, now);
+    next = slices.handle(SlicesRequested{connection, request}, state, now);
     if (!next.empty()) order = sole<CodeSlice>(next);
   } while (!next.empty() && sent < 1000);
   EXPECT_EQ(sent, SliceAllowance::kMostASecond);

@@ -26,9 +26,9 @@ v1::Problem not_greeted() {
 }
 
 void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoint now) {
-  state.wanted.input_seq = input_seq;
-  state.wanted.last_input = now;
-  state.wanted.rest = rest;
+  state.requested.input_seq = input_seq;
+  state.requested.last_input = now;
+  state.requested.rest = rest;
   state.unsaved = true;
   if (!state.measured_since) {
     state.measured_input = input_seq;
@@ -39,9 +39,9 @@ void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoi
 // The presenter's page determines the size of the picture.
 bool take_viewport(SessionState& state, const Receiver& receiver) {
   const Canvas viewport = receiver.viewport;
-  if (viewport.width == 0 || viewport == state.wanted.viewport) return false;
-  state.wanted.viewport = viewport;
-  ++state.wanted.version;
+  if (viewport.width == 0 || viewport == state.requested.viewport) return false;
+  state.requested.viewport = viewport;
+  ++state.requested.version;
   state.unsaved = true;
   return true;
 }
@@ -61,11 +61,11 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
     return refuse(ErrorCode::kUnsupported,
                   "This page and the server have different versions. Reload the page.", true);
   }
-  const auto made_here = [&](int codec) {
+  const auto supported = [&](int codec) {
     return std::find(state.codecs.begin(), state.codecs.end(), codec) != state.codecs.end();
   };
   const auto& codecs = hello.codecs();
-  const auto chosen = std::find_if(codecs.begin(), codecs.end(), made_here);
+  const auto chosen = std::find_if(codecs.begin(), codecs.end(), supported);
   if (chosen == codecs.end()) {
     return refuse(ErrorCode::kUnsupported,
                   "This browser supports none of the available video formats.", true);
@@ -88,9 +88,9 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
   receiver.greeted = true;
   if (state.audience.presents(receiver)) {
     take_viewport(state, receiver);
-    state.wanted.last_input = now;  // the first picture is as urgent as one after a drag
+    state.requested.last_input = now;  // the first picture is as urgent as one after a drag
   }
-  state.wanted.picture_again = true;
+  state.requested.picture_again = true;
   outcome.configure = true;
   outcome.audience = true;
   outcome.wake = true;
@@ -118,7 +118,7 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
     outcome.problem = problem_of(why, update.input_seq(), false);
     return outcome;
   };
-  Canvas viewport = state.wanted.viewport;
+  Canvas viewport = state.requested.viewport;
   if (update.has_viewport()) {
     const auto checked = check_viewport(update.viewport());
     if (!checked) return refuse_update(checked.error());
@@ -129,12 +129,12 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
 
   const auto effort = check_effort(update.effort());
   if (!effort) return refuse_update(effort.error());
-  bool changed = viewport != state.wanted.viewport;
+  bool changed = viewport != state.requested.viewport;
   if (update.has_scene()) {
-    const v1::Scene* const now_shown = state.wanted.scene.get();
+    const v1::Scene* const now_shown = state.requested.scene.get();
     std::optional<v1::Scene> allowed;
     if (!state.camera_only) {
-      allowed = allowed_scene(state.audience.standing(receiver), now_shown, update.scene());
+      allowed = allowed_scene(state.audience.rights(receiver), now_shown, update.scene());
     } else if (now_shown) {
       allowed = *now_shown;
       *allowed->mutable_camera() = update.scene().camera();
@@ -144,22 +144,22 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
     }
     auto scene = std::make_shared<v1::Scene>(*std::move(allowed));
     if (const auto sound = check_scene(*scene); !sound) return refuse_update(sound.error());
-    if (!state.wanted.scene || !MessageDifferencer::Equals(*state.wanted.scene, *scene)) {
-      state.wanted.scene = std::move(scene);
+    if (!state.requested.scene || !MessageDifferencer::Equals(*state.requested.scene, *scene)) {
+      state.requested.scene = std::move(scene);
       changed = true;
     }
   }
-  state.wanted.viewport = viewport;
+  state.requested.viewport = viewport;
   // A changed limit needs a new picture, because nothing more is sent for a finished one.
-  changed = changed || state.wanted.raw != update.raw() ||
-            state.wanted.effort.stop_error != effort->stop_error ||
-            state.wanted.effort.stop_samples != effort->stop_samples;
-  state.wanted.raw = update.raw();
-  state.wanted.effort = *effort;
+  changed = changed || state.requested.raw != update.raw() ||
+            state.requested.effort.stop_error != effort->stop_error ||
+            state.requested.effort.stop_samples != effort->stop_samples;
+  state.requested.raw = update.raw();
+  state.requested.effort = *effort;
   if (changed) {
-    ++state.wanted.version;
+    ++state.requested.version;
   } else {
-    state.wanted.picture_again = true;  // the viewer waits for a frame with this number
+    state.requested.picture_again = true;  // the viewer waits for a frame with this number
   }
   note_input(state, update.input_seq(), update.rest(), now);
   outcome.wake = true;
@@ -169,11 +169,11 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
 Outcome receive_ack(SessionState& state, Receiver& receiver, const v1::Ack& ack, TimePoint now) {
   Outcome outcome;
   if (!receiver.flight.acknowledge(ack.seq())) return outcome;
-  receiver.heard_at = now;
+  receiver.last_progress_at = now;
   receiver.path.acknowledged(ack.seq(), now);
   update_quality(state, receiver, now);
   // Without a new picture, the missed one would never arrive.
-  if (receiver.behind) state.wanted.picture_again = true;
+  if (receiver.behind) state.requested.picture_again = true;
   outcome.room = true;
   outcome.wake = true;
   return outcome;
@@ -182,7 +182,7 @@ Outcome receive_ack(SessionState& state, Receiver& receiver, const v1::Ack& ack,
 Outcome receive_need_key(SessionState& state, Receiver& receiver) {
   receiver.needs_key = true;
   receiver.behind = true;
-  state.wanted.picture_again = true;
+  state.requested.picture_again = true;
   Outcome outcome;
   outcome.wake = true;
   return outcome;
@@ -191,7 +191,7 @@ Outcome receive_need_key(SessionState& state, Receiver& receiver) {
 Outcome receive_visibility(SessionState& state, Receiver& receiver, bool visible) {
   if (visible && !receiver.visible) {
     receiver.behind = true;
-    state.wanted.picture_again = true;
+    state.requested.picture_again = true;
   }
   receiver.visible = visible;
   Outcome outcome;
@@ -219,10 +219,20 @@ Outcome receive_kernel_wanted(SessionState& state, Receiver& receiver, TimePoint
   }
   receiver.kernel_asked = now;
   receiver.kernel_wanted = true;
-  state.wanted.kernel_report = true;
-  state.wanted.picture_again = true;
+  state.requested.kernel_report = true;
+  state.requested.picture_again = true;
   Outcome outcome;
   outcome.wake = true;
+  return outcome;
+}
+
+Outcome receive_curve_query(Receiver& receiver, TimePoint now) {
+  if (receiver.curve_asked && now - *receiver.curve_asked < kKernelEvery) {
+    return refuse(ErrorCode::kTooMany, "Too many requests for the error curve.", false);
+  }
+  receiver.curve_asked = now;
+  Outcome outcome;
+  outcome.error_curve = true;
   return outcome;
 }
 
@@ -252,6 +262,12 @@ Outcome receive_guest_slices(SessionState& state, bool on) {
   }
   state.unsaved = true;
   outcome.audience = true;
+  return outcome;
+}
+
+Outcome receive_guest_pointers(SessionState& state, bool on) {
+  Outcome outcome;
+  outcome.audience = std::exchange(state.audience.guest_pointers, on) != on;
   return outcome;
 }
 
@@ -321,6 +337,20 @@ Result<Canvas> check_viewport(const v1::Viewport& viewport) {
   return Canvas{*width, *height};
 }
 
+namespace {
+
+std::uint32_t smallest_free_number(const Audience& audience) {
+  const auto taken = [&](std::uint32_t number) {
+    return std::ranges::any_of(audience.receivers,
+                               [=](const Receiver& one) { return one.number == number; });
+  };
+  std::uint32_t number = 0;
+  while (taken(number)) ++number;
+  return number;
+}
+
+}  // namespace
+
 Result<Attached> attach(SessionState& state, const JoinRequest& join, TimePoint now) {
   Audience& audience = state.audience;
   Attached attached;
@@ -336,10 +366,11 @@ Result<Attached> attach(SessionState& state, const JoinRequest& join, TimePoint 
   receiver.connection = attached.connection = ++audience.connections;
   receiver.participant = join.participant;
   receiver.name = clean_name(join.name);
+  receiver.number = smallest_free_number(audience);
   receiver.link = join.link;
   receiver.viewer = join.viewer;
   receiver.may_have_slices = join.may_have_slices;
-  receiver.heard_at = now;
+  receiver.last_progress_at = now;
   if (receiver.name.empty() && receiver.participant != kOwner) {
     // A guest keeps their number after reconnecting.
     const auto number =
@@ -365,23 +396,23 @@ void use_free_camera(SessionState& state, Receiver& receiver, bool on, TimePoint
   receiver.flight = {};
   receiver.path = {};
   receiver.tiles_sent = 0;
-  receiver.lossless_told = false;
+  receiver.lossless_sent = false;
   receiver.sent_epoch = 0;
   receiver.shown.reset();
-  receiver.converged_told = false;
+  receiver.converged_sent = false;
   receiver.needs_key = true;
   receiver.behind = true;
-  receiver.heard_at = now;
-  state.wanted.picture_again = true;
+  receiver.last_progress_at = now;
+  state.requested.picture_again = true;
 }
 
 void follow(SessionState& state, const v1::Scene& presenters, TimePoint now) {
   auto scene = std::make_shared<v1::Scene>(presenters);
-  if (state.wanted.scene) *scene->mutable_camera() = state.wanted.scene->camera();
-  if (state.wanted.scene && MessageDifferencer::Equals(*state.wanted.scene, *scene)) return;
-  state.wanted.scene = std::move(scene);
-  state.wanted.last_input = now;
-  ++state.wanted.version;
+  if (state.requested.scene) *scene->mutable_camera() = state.requested.scene->camera();
+  if (state.requested.scene && MessageDifferencer::Equals(*state.requested.scene, *scene)) return;
+  state.requested.scene = std::move(scene);
+  state.requested.last_input = now;
+  ++state.requested.version;
 }
 
 std::optional<v1::Problem> refused_request(const SessionState& state, std::uint64_t connection,
@@ -390,7 +421,7 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
   if (!receiver) return std::nullopt;
   if (!receiver->greeted && !message.has_hello()) return not_greeted();
   const auto request = request_of(message);
-  if (!request || may(state.audience.standing(*receiver), *request)) {
+  if (!request || may(state.audience.rights(*receiver), *request)) {
     return std::nullopt;
   }
   const auto refusal = [](std::string why, std::string field) {
@@ -413,6 +444,14 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
                      "file");
     case RequestKind::kGuestSlices:
       return refusal("Only the host of this session can show slices to guests.", "guest_slices");
+    case RequestKind::kPointer:
+      return refusal("The presenter has turned off the pointers of guests.", "pointer");
+    case RequestKind::kSliceView:
+    case RequestKind::kMeasurements:
+      return refusal("Only a presenter who can see the slices can show them.", "slice_view");
+    case RequestKind::kGuestPointers:
+      return refusal("Only the presenter can turn the pointers of guests off or on.",
+                     "guest_pointers");
     default:
       return refusal("You can only watch in this session.", {});
   }
@@ -446,13 +485,21 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_depth_query(*receiver, message.depth_query(), now);
     case v1::ClientMessage::kKernel:
       return receive_kernel_wanted(state, *receiver, now);
+    case v1::ClientMessage::kErrorCurve:
+      return receive_curve_query(*receiver, now);
     case v1::ClientMessage::kGuestSlices:
       return receive_guest_slices(state, message.guest_slices().on());
-    // Slices and Files handle these.
+    case v1::ClientMessage::kGuestPointers:
+      return receive_guest_pointers(state, message.guest_pointers().on());
+    // Slices, Files and Collaboration handle these.
     case v1::ClientMessage::kSlices:
     case v1::ClientMessage::kKeyView:
     case v1::ClientMessage::kFile:
     case v1::ClientMessage::kFileTaken:
+    case v1::ClientMessage::kSliceView:
+    case v1::ClientMessage::kMeasurements:
+    case v1::ClientMessage::kPointer:
+    case v1::ClientMessage::kSharedTaken:
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }
@@ -460,18 +507,18 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
   return {};
 }
 
-void began(SessionState& state, std::uint64_t epoch, const ViewRequest& wanted) {
+void began(SessionState& state, std::uint64_t epoch, const ViewRequest& requested) {
   state.epoch = epoch;
-  state.shown = wanted;
+  state.shown = requested;
 }
 
-Outcome refused(SessionState& state, const ViewRequest& wanted, const Error& why) {
+Outcome refused(SessionState& state, const ViewRequest& requested, const Error& why) {
   Outcome outcome;
-  outcome.problem = problem_of(why, wanted.input_seq, false);
+  outcome.problem = problem_of(why, requested.input_seq, false);
   // If something newer arrived meanwhile, it is tried on its own.
-  if (state.wanted.version == wanted.version && state.shown.scene) {
-    state.wanted.scene = state.shown.scene;
-    state.wanted.viewport = state.shown.viewport;
+  if (state.requested.version == requested.version && state.shown.scene) {
+    state.requested.scene = state.shown.scene;
+    state.requested.viewport = state.shown.viewport;
   }
   state.measured_since.reset();
   return outcome;
@@ -480,7 +527,8 @@ Outcome refused(SessionState& state, const ViewRequest& wanted, const Error& why
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now) {
   std::vector<std::uint64_t> overdue;
   for (const Receiver& one : state.audience.receivers) {
-    if (!one.greeted && now - one.heard_at >= kGreetingWithin) overdue.push_back(one.connection);
+    if (!one.greeted && now - one.last_progress_at >= kGreetingWithin)
+      overdue.push_back(one.connection);
   }
   return overdue;
 }

@@ -22,7 +22,7 @@ struct SessionState {
   std::uint64_t placement = 0;
   std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that this worker can encode
 
-  ViewRequest wanted;  ///< the newest accepted request
+  ViewRequest requested;  ///< the newest accepted request
   /// The newest request that the renderer accepted, which is restored after a refusal.
   ViewRequest shown;
   std::uint64_t epoch = 0;  ///< of the current picture
@@ -50,6 +50,7 @@ struct Outcome {
   bool presenter = false;                        ///< send the scene to the presenter (Look)
   std::optional<bool> free_camera;  ///< a free camera was requested (true) or given up (false)
   std::optional<diaphane::v1::DepthQuery> depth;  ///< to be answered
+  bool error_curve = false;                       ///< send the error curve
   bool wake = false;                              ///< wake the runner
   bool room = false;                              ///< the encoders may take the next picture
 };
@@ -103,8 +104,8 @@ Outcome receive(SessionState& state, std::uint64_t connection,
                 const diaphane::v1::ClientMessage& message, TimePoint now);
 
 /// The renderer accepted or refused the requested scene. The Problem is sent to the presenter.
-void began(SessionState& state, std::uint64_t epoch, const ViewRequest& wanted);
-Outcome refused(SessionState& state, const ViewRequest& wanted, const Error& why);
+void began(SessionState& state, std::uint64_t epoch, const ViewRequest& requested);
+Outcome refused(SessionState& state, const ViewRequest& requested, const Error& why);
 
 /// Returns connections that have not sent a greeting in time.
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -14,9 +14,9 @@ using std::chrono::milliseconds;
 
 struct StateTest : testing::Test {
   StateTest() {
-    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
-    state.wanted.viewport = {512, 512};
-    state.wanted.version = 1;
+    state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.requested.viewport = {512, 512};
+    state.requested.version = 1;
     connect();
   }
   void connect() { me = attach(state, owner(), now)->connection; }
@@ -43,10 +43,10 @@ TEST_F(StateTest, RefusesMessagesBeforeTheGreeting) {
     const Outcome outcome = say(message);
     ASSERT_TRUE(outcome.problem);
     EXPECT_TRUE(outcome.problem->fatal());
-    EXPECT_EQ(state.wanted.version, 1U);
+    EXPECT_EQ(state.requested.version, 1U);
   }
   EXPECT_TRUE(say(hello()).configure);
-  EXPECT_EQ(state.wanted.viewport, (Canvas{640, 480}));
+  EXPECT_EQ(state.requested.viewport, (Canvas{640, 480}));
 }
 
 TEST_F(StateTest, GreetingWithUnknownProtocolOrCodecIsFatal) {
@@ -62,12 +62,12 @@ TEST_F(StateTest, GreetingWithUnknownProtocolOrCodecIsFatal) {
 TEST_F(StateTest, NewestSceneWinsAndDuplicatesAreIgnored) {
   say(hello());
   for (const std::uint64_t seq : {1, 2, 3, 7}) EXPECT_TRUE(say(turned(seq)).wake);
-  const std::uint64_t version = state.wanted.version;
+  const std::uint64_t version = state.requested.version;
   EXPECT_FALSE(say(turned(3)).wake);
   EXPECT_FALSE(say(turned(7)).wake);
-  EXPECT_EQ(state.wanted.scene->camera().eye().x(), 7);
-  EXPECT_EQ(state.wanted.version, version);
-  EXPECT_EQ(state.wanted.input_seq, 7U);
+  EXPECT_EQ(state.requested.scene->camera().eye().x(), 7);
+  EXPECT_EQ(state.requested.version, version);
+  EXPECT_EQ(state.requested.input_seq, 7U);
 }
 
 TEST_F(StateTest, ReloadedPageMayRestartItsSequenceNumbers) {
@@ -76,26 +76,26 @@ TEST_F(StateTest, ReloadedPageMayRestartItsSequenceNumbers) {
   connect();
   say(hello());
   EXPECT_TRUE(say(turned(1)).wake);
-  EXPECT_EQ(state.wanted.scene->camera().eye().x(), 1);
+  EXPECT_EQ(state.requested.scene->camera().eye().x(), 1);
 }
 
 TEST_F(StateTest, UnchangedSceneResendsTheImageWithoutRendering) {
   say(hello());
   say(turned(1));
-  const std::uint64_t version = state.wanted.version;
-  state.wanted.picture_again = false;
+  const std::uint64_t version = state.requested.version;
+  state.requested.picture_again = false;
   v1::ClientMessage same = turned(1);
   same.mutable_scene()->set_input_seq(2);
   EXPECT_TRUE(say(same).wake);
-  EXPECT_EQ(state.wanted.version, version);
-  EXPECT_TRUE(state.wanted.picture_again);
-  EXPECT_EQ(state.wanted.input_seq, 2U);
+  EXPECT_EQ(state.requested.version, version);
+  EXPECT_TRUE(state.requested.picture_again);
+  EXPECT_EQ(state.requested.input_seq, 2U);
 }
 
 TEST_F(StateTest, RefusesInvalidSceneAndNamesTheField) {
   say(hello());
   say(turned(1));
-  const ViewRequest before = state.wanted;
+  const ViewRequest before = state.requested;
   for (const double wrong :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     v1::Scene scene = plain_scene();
@@ -108,9 +108,9 @@ TEST_F(StateTest, RefusesInvalidSceneAndNamesTheField) {
     EXPECT_EQ(outcome.problem->field(), "camera.eye.y");
     EXPECT_EQ(outcome.problem->input_seq(), seq);
     EXPECT_FALSE(outcome.wake);
-    EXPECT_EQ(state.wanted.version, before.version);
-    EXPECT_EQ(state.wanted.scene, before.scene);
-    EXPECT_EQ(state.wanted.input_seq, before.input_seq);
+    EXPECT_EQ(state.requested.version, before.version);
+    EXPECT_EQ(state.requested.scene, before.scene);
+    EXPECT_EQ(state.requested.input_seq, before.input_seq);
   }
   EXPECT_TRUE(say(turned(50)).wake);
 }
@@ -126,7 +126,7 @@ TEST(VisitorCanvas, KeepsTheAspectRatioWithinTheSizeLimit) {
 
 TEST_F(StateTest, RefusesViewportOutOfRangeCompletely) {
   say(hello());
-  const Canvas before = state.wanted.viewport;
+  const Canvas before = state.requested.viewport;
   struct Case {
     std::uint32_t width, height;
     const char* field;
@@ -144,32 +144,32 @@ TEST_F(StateTest, RefusesViewportOutOfRangeCompletely) {
     ASSERT_TRUE(outcome.problem);
     EXPECT_EQ(outcome.problem->field(), wrong.field);
     EXPECT_EQ(outcome.problem->code(), wrong.code);
-    EXPECT_EQ(state.wanted.viewport, before);
-    EXPECT_EQ(state.wanted.scene->camera().eye().x(), 0) << "the update was applied partially";
+    EXPECT_EQ(state.requested.viewport, before);
+    EXPECT_EQ(state.requested.scene->camera().eye().x(), 0) << "the update was applied partially";
   }
 }
 
 TEST_F(StateTest, RevertsToTheShownSceneOnRefusal) {
   say(hello());
   say(turned(1));
-  began(state, 1, state.wanted);
+  began(state, 1, state.requested);
   say(turned(2));
-  const ViewRequest refused_one = state.wanted;
+  const ViewRequest refused_one = state.requested;
   const Outcome outcome = refused(state, refused_one, {ErrorCode::kOutOfMemory, "No memory.", ""});
   EXPECT_EQ(outcome.problem->input_seq(), 2U);
   EXPECT_FALSE(outcome.problem->fatal());
-  EXPECT_EQ(state.wanted.scene->camera().eye().x(), 1);
+  EXPECT_EQ(state.requested.scene->camera().eye().x(), 1);
   // But not if something newer was requested meanwhile.
   say(turned(3));
-  const ViewRequest old = state.wanted;
+  const ViewRequest old = state.requested;
   say(turned(4));
   refused(state, old, {ErrorCode::kOutOfMemory, "No memory.", ""});
-  EXPECT_EQ(state.wanted.scene->camera().eye().x(), 4);
+  EXPECT_EQ(state.requested.scene->camera().eye().x(), 4);
 }
 
 TEST_F(StateTest, LimitsFramesInFlightToTwo) {
   say(hello());
-  began(state, 1, state.wanted);
+  began(state, 1, state.requested);
   ASSERT_EQ(admit(frame(1)), Admission::kGo);
   EXPECT_EQ(depart(frame(1))->seq, 1U);
   ASSERT_EQ(admit(frame(1, false)), Admission::kGo);
@@ -193,7 +193,7 @@ TEST_F(StateTest, NeverSendsOutdatedFrames) {
   for (int i = 0; i < 20000; ++i) {
     switch (random() % 4) {
       case 0:
-        began(state, ++epoch, state.wanted);
+        began(state, ++epoch, state.requested);
         break;
       case 1: {
         const std::uint64_t of = epoch > 3 ? epoch - random() % 3 : epoch;
@@ -225,9 +225,9 @@ TEST_F(StateTest, SendsFramesDuringADragFasterThanTheDevice) {
   say(hello());
   int sent = 0;
   for (std::uint64_t epoch = 1; epoch <= 50; ++epoch) {
-    began(state, epoch, state.wanted);
+    began(state, epoch, state.requested);
     // The next input is handled before this epoch's picture is encoded.
-    began(state, epoch + 1, state.wanted);
+    began(state, epoch + 1, state.requested);
     if (admit(frame(epoch)) != Admission::kGo) continue;
     const auto outgoing = depart(frame(epoch));
     ASSERT_TRUE(outgoing);
@@ -239,7 +239,7 @@ TEST_F(StateTest, SendsFramesDuringADragFasterThanTheDevice) {
 
 TEST_F(StateTest, ReportsConvergenceOncePerEpoch) {
   say(hello());
-  began(state, 1, state.wanted);
+  began(state, 1, state.requested);
   FrameInfo last = frame(1);
   admit(last);
   EXPECT_FALSE(depart(last)->state);
@@ -249,7 +249,7 @@ TEST_F(StateTest, ReportsConvergenceOncePerEpoch) {
   ASSERT_TRUE(converged.state);
   EXPECT_TRUE(converged.state->converged());
   say(ack(2));
-  began(state, 2, state.wanted);
+  began(state, 2, state.requested);
   admit(frame(2));
   const OutgoingFrame again = *depart(frame(2));
   ASSERT_TRUE(again.state);
@@ -262,7 +262,7 @@ TEST_F(StateTest, MeasuresLatencyFromTheOldestUnansweredInput) {
   say(turned(1));
   now += milliseconds(10);
   say(turned(2));
-  began(state, 1, state.wanted);
+  began(state, 1, state.requested);
   now += milliseconds(10);
   admit(frame(1, true, 2));
   ASSERT_TRUE(depart(frame(1, true, 2)));
@@ -282,12 +282,12 @@ TEST_F(StateTest, HiddenDetachedAndStalledViewersDoNotWatch) {
   say(message);
   EXPECT_FALSE(watched(state, now));
   message.mutable_visibility()->set_visible(true);
-  state.wanted.picture_again = false;
+  state.requested.picture_again = false;
   say(message);
   EXPECT_TRUE(watched(state, now));
-  EXPECT_TRUE(state.wanted.picture_again);
+  EXPECT_TRUE(state.requested.picture_again);
 
-  began(state, 1, state.wanted);
+  began(state, 1, state.requested);
   admit(frame(1));
   depart(frame(1));
   now += kStalledAfter + milliseconds(1);
@@ -301,15 +301,15 @@ TEST_F(StateTest, HiddenDetachedAndStalledViewersDoNotWatch) {
 
 TEST_F(StateTest, AttachedViewerGetsTheCurrentFrame) {
   say(hello());
-  began(state, 5, state.wanted);
+  began(state, 5, state.requested);
   admit(frame(5));
   depart(frame(5));
   detach(state, me, now);
-  state.wanted.picture_again = false;
+  state.requested.picture_again = false;
   connect();
   EXPECT_EQ(admit(frame(5, false)), Admission::kDrop) << "not greeted yet";
   EXPECT_TRUE(say(hello()).configure);
-  EXPECT_TRUE(state.wanted.picture_again);
+  EXPECT_TRUE(state.requested.picture_again);
   ASSERT_EQ(admit(frame(5, false)), Admission::kGo);
   EXPECT_EQ(depart(frame(5, false))->seq, 1U);
 }
@@ -317,13 +317,13 @@ TEST_F(StateTest, AttachedViewerGetsTheCurrentFrame) {
 TEST_F(StateTest, GestureEndsOnlyWithItsLastInput) {
   say(hello());
   say(turned(1));
-  EXPECT_FALSE(state.wanted.rest);
+  EXPECT_FALSE(state.requested.rest);
   v1::ClientMessage last = turned(2);
   last.mutable_scene()->set_rest(true);
   say(last);
-  EXPECT_TRUE(state.wanted.rest);
+  EXPECT_TRUE(state.requested.rest);
   say(turned(3));
-  EXPECT_FALSE(state.wanted.rest);
+  EXPECT_FALSE(state.requested.rest);
 }
 
 TEST_F(StateTest, AnswersDepthQueriesAtALimitedRate) {
@@ -353,12 +353,12 @@ TEST_F(StateTest, AnswersKernelQueriesAtALimitedRate) {
   say(hello());
   v1::ClientMessage query;
   query.mutable_kernel();
-  state.wanted.picture_again = false;
+  state.requested.picture_again = false;
   const Outcome outcome = say(query);
   EXPECT_FALSE(outcome.problem);
   EXPECT_TRUE(outcome.wake);
-  EXPECT_TRUE(state.wanted.kernel_report);
-  EXPECT_TRUE(state.wanted.picture_again) << "even for a converged image";
+  EXPECT_TRUE(state.requested.kernel_report);
+  EXPECT_TRUE(state.requested.picture_again) << "even for a converged image";
   const Outcome too_soon = say(query);
   ASSERT_TRUE(too_soon.problem);
   EXPECT_FALSE(too_soon.problem->fatal());
@@ -373,14 +373,14 @@ TEST(SessionState, RequestsRawImagesOnlyOnDemand) {
   const std::uint64_t me = attach(state, owner(), now)->connection;
   ASSERT_FALSE(receive(state, me, hello(), now).problem);
   ASSERT_FALSE(receive(state, me, turned(1), now).problem);
-  EXPECT_FALSE(state.wanted.raw);
-  const std::uint64_t version = state.wanted.version;
+  EXPECT_FALSE(state.requested.raw);
+  const std::uint64_t version = state.requested.version;
   v1::ClientMessage raw = turned(1);
   raw.mutable_scene()->set_input_seq(2);
   raw.mutable_scene()->set_raw(true);
   ASSERT_FALSE(receive(state, me, raw, now).problem);
-  EXPECT_TRUE(state.wanted.raw);
-  EXPECT_EQ(state.wanted.version, version + 1);
+  EXPECT_TRUE(state.requested.raw);
+  EXPECT_EQ(state.requested.version, version + 1);
 }
 
 TEST(SessionState, AppliesLowerEffortAndRefusesInvalidValues) {
@@ -399,15 +399,15 @@ TEST(SessionState, AppliesLowerEffortAndRefusesInvalidValues) {
     return receive(state, me, message, now).problem;
   };
   ASSERT_FALSE(say(0, 0, 0));
-  EXPECT_EQ(state.wanted.effort.moving_scale, 1);
-  const std::uint64_t version = state.wanted.version;
+  EXPECT_EQ(state.requested.effort.moving_scale, 1);
+  const std::uint64_t version = state.requested.version;
   ASSERT_FALSE(say(0, 0, 0.5));
-  EXPECT_EQ(state.wanted.version, version) << "the picture at rest is the same";
-  EXPECT_EQ(state.wanted.effort.moving_scale, 0.5);
+  EXPECT_EQ(state.requested.version, version) << "the picture at rest is the same";
+  EXPECT_EQ(state.requested.effort.moving_scale, 0.5);
   ASSERT_FALSE(say(0.25, 100, 0.5));
-  EXPECT_EQ(state.wanted.version, version + 1) << "the stopping point changed";
-  EXPECT_EQ(state.wanted.effort.stop_error, 0.25);
-  EXPECT_EQ(state.wanted.effort.stop_samples, 100U);
+  EXPECT_EQ(state.requested.version, version + 1) << "the stopping point changed";
+  EXPECT_EQ(state.requested.effort.stop_error, 0.25);
+  EXPECT_EQ(state.requested.effort.stop_samples, 100U);
 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
@@ -422,14 +422,14 @@ TEST(SessionState, AppliesLowerEffortAndRefusesInvalidValues) {
     ASSERT_TRUE(problem) << scale;
     EXPECT_EQ(problem->field(), "effort.moving_scale");
   }
-  EXPECT_EQ(state.wanted.effort.stop_error, 0.25) << "a refused request changes nothing";
+  EXPECT_EQ(state.requested.effort.stop_error, 0.25) << "a refused request changes nothing";
 
   // Without the limit, everything applies again.
   v1::ClientMessage message = turned(1);
   message.mutable_scene()->set_input_seq(++seq);
   ASSERT_FALSE(receive(state, me, message, now).problem);
-  EXPECT_EQ(state.wanted.effort.stop_error, 0);
-  EXPECT_EQ(state.wanted.effort.stop_samples, 0U);
+  EXPECT_EQ(state.requested.effort.stop_error, 0);
+  EXPECT_EQ(state.requested.effort.stop_samples, 0U);
 }
 
 }  // namespace

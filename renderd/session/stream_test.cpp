@@ -2,7 +2,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <gtest/gtest.h>
 
-#include "renderd/session/test_messages.h"
+#include "tests/support/renderd/test_messages.h"
 
 namespace diaphane::render {
 namespace {
@@ -12,11 +12,11 @@ using std::chrono::milliseconds;
 struct StreamTest : testing::Test {
   StreamTest() {
     state.codecs = {v1::H264, v1::JPEG};
-    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
-    state.wanted.viewport = {1280, 720};
-    state.wanted.version = 1;
+    state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.requested.viewport = {1280, 720};
+    state.requested.version = 1;
     owner = join(std::string(kOwner), {v1::WEBP, v1::PNG});
-    began(state, 1, state.wanted);
+    began(state, 1, state.requested);
   }
   std::uint64_t join(const std::string& participant, const std::vector<v1::StillFormat>& stills,
                      v1::Codec codec = v1::JPEG) {
@@ -108,7 +108,7 @@ TEST_F(StreamTest, NewEpochDropsRemainingTiles) {
   send(last);
   hear(owner);
   send_tile(due().at(0));
-  began(state, 2, state.wanted);
+  began(state, 2, state.requested);
   EXPECT_TRUE(due().empty());
   EXPECT_EQ(send(frame(2)).admission, Admission::kGo);
   EXPECT_TRUE(sent_state && !sent_state->converged()) << "the mark is taken back";
@@ -150,7 +150,7 @@ TEST_F(StreamTest, SendsTilesAtThePaceOfEachCapableViewer) {
 TEST_F(StreamTest, OnlyThePresentersConnectionReducesResolutionWhileMoving) {
   const std::uint64_t other = join("guest-a", {});
   learn(owner, 0.01, 100000);
-  EXPECT_EQ(state.wanted.moving_scale, 1);
+  EXPECT_EQ(state.requested.moving_scale, 1);
   // Only the follower answers late.
   for (int i = 0; i < 40; ++i) {
     send(frame(1, false), 100000);
@@ -158,9 +158,9 @@ TEST_F(StreamTest, OnlyThePresentersConnectionReducesResolutionWhileMoving) {
     hear(owner);
     if (i % 20 == 19) hear(other);
   }
-  EXPECT_EQ(state.wanted.moving_scale, 1);
+  EXPECT_EQ(state.requested.moving_scale, 1);
   learn(owner, 0.5, 60000);
-  EXPECT_LT(state.wanted.moving_scale, 1);
+  EXPECT_LT(state.requested.moving_scale, 1);
 }
 
 TEST_F(StreamTest, SizesFramesForThePresentersConnection) {

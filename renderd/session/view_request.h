@@ -64,15 +64,17 @@ class RenderClient {
   /// the device.
   virtual bool of_visitor() const { return false; }
   /// Also marks `picture_again` as read, because the runner acts on it at once.
-  virtual ViewRequest wanted() = 0;
+  virtual ViewRequest requested() = 0;
   /// Returns ViewRequest::version without a lock. Polled while rendering.
   virtual std::uint64_t version() const noexcept = 0;
-  /// The renderer accepted `wanted`. Its pictures carry `epoch`.
-  virtual void began(std::uint64_t epoch, const ViewRequest& wanted) = 0;
-  /// The renderer refused `wanted`. The previous picture stays.
-  virtual void refused(const ViewRequest& wanted, const Error& why) = 0;
+  /// The renderer accepted `requested`. Its pictures carry `epoch`.
+  virtual void began(std::uint64_t epoch, const ViewRequest& requested) = 0;
+  /// The renderer refused `requested`. The previous picture stays.
+  virtual void refused(const ViewRequest& requested, const Error& why) = 0;
   /// The batch's seconds are the session's own, at most its part of a shared device.
   virtual void rendered(const Batch& batch) = 0;
+  /// The film after a batch. Its seconds include preparing the scene. `moving`: FrameInfo::moving.
+  virtual void progressed(const Progress&, bool /*moving*/) {}
   virtual void picture(RenderedPicture picture) = 0;
   /// Reports how it is rendered, after a picture for which this was requested.
   virtual void kernel(const KernelReport&) {}

@@ -25,7 +25,7 @@ VolumeCache::~VolumeCache() {
   work_ready_.notify_all();
   for (std::thread& thread : threads_) thread.join();
   for (const Ready& ready : abandoned) {
-    ready(fail(ErrorCode::kUnavailable, "The render worker is shutting down."));
+    ready(fail(ErrorCode::kUnavailable, "This rendering server is shutting down."));
   }
 }
 
@@ -147,7 +147,7 @@ void VolumeCache::work() {
       waiting = std::move(entry->second.waiting);
       if (volume && !make_room((*volume)->device_bytes())) {
         volume = fail(ErrorCode::kOutOfMemory,
-                      "The render worker's memory is full of scans that are in use.");
+                      "The memory of this rendering server is full of scans that are in use.");
       }
       if (volume) {
         entry->second.volume = *volume;

@@ -54,7 +54,7 @@ class VolumeCache {
   void get(const VolumeKey& key, Ready ready);
 
   /// Drops copies of volumes that were deleted or replaced in the store (anonymised), and returns
-  /// the ids. Their memory is freed once nobody uses them.
+  /// the ids. Their memory is freed once they are unused.
   std::vector<std::string> forget_outdated();
 
   /// Drops all volumes that are not in use, for callers that do not need them kept.

@@ -25,7 +25,7 @@ def monitoring(plane):
     return plane
 
 
-def test_lint_finds_nothing(plane, tmp_path):
+def test_helm_lint_passes(plane, tmp_path):
     said = plane.helm("lint", str(CHART), "--strict", "-f", values_file(tmp_path))
     assert "1 chart(s) linted, 0 chart(s) failed" in said.text and "WARNING" not in said.text, said.text
 
@@ -59,19 +59,19 @@ def test_lint_finds_nothing(plane, tmp_path):
     ({"publicUrl": "http://x", "ingress": {"enabled": True, "tlsSecret": "t"}}, "ingress.tlsSecret"),
     ({"mailFrom": "a@b\nBcc: c@d"}, "mailFrom"),
 ], ids=str)
-def test_values_that_make_no_sense_are_refused_and_named(plane, tmp_path, values, words):
+def test_invalid_values_are_refused_by_name(plane, tmp_path, values, words):
     said = plane.helm("template", "it", str(CHART), "-f", values_file(tmp_path, values), check=False)
     assert said.code != 0 and words in said.text, said.text
 
 
 @pytest.mark.parametrize("choice", CHOICES)
-def test_the_api_server_takes_every_choice_in_a_restricted_namespace(monitoring, namespace, tmp_path, choice):
+def test_the_api_server_accepts_every_variant_in_a_restricted_namespace(monitoring, namespace, tmp_path, choice):
     objects = rendered(monitoring, tmp_path, CHOICES[choice], namespace=namespace)
     said = monitoring.kubectl("create", "-n", namespace, "--dry-run=server", "--validate=strict", "-f", "-", given=objects)
     assert "would violate PodSecurity" not in said.text, said.text
 
 
-def test_every_switch_is_taken_with_every_other(monitoring, namespace, tmp_path):
+def test_every_combination_of_optional_parts_is_accepted(monitoring, namespace, tmp_path):
     """Renders each combination of optional parts."""
     switches = {
         "trial": (CHOICES["trial"], {}), "policy": ({}, {"networkPolicy": {"enabled": False}}), "ingress": (CHOICES["everything"]["ingress"], {}),
@@ -95,7 +95,7 @@ def test_every_switch_is_taken_with_every_other(monitoring, namespace, tmp_path)
 
 
 @pytest.mark.parametrize("choice", CHOICES)
-def test_pods_are_as_they_should_be(plane, tmp_path, choice):
+def test_pods_are_hardened_and_have_limits_and_probes(plane, tmp_path, choice):
     for name, spec in pod_specs(rendered(plane, tmp_path, CHOICES[choice])):
         assert spec["securityContext"]["runAsNonRoot"] and spec["securityContext"]["runAsUser"] > 0, name
         assert spec["securityContext"]["seccompProfile"]["type"] == "RuntimeDefault", name
@@ -117,7 +117,7 @@ def test_pods_are_as_they_should_be(plane, tmp_path, choice):
     ({"sizeMb": 512, "storageClassName": "local"}, {"ephemeral": {"volumeClaimTemplate": {"spec": {
         "accessModes": ["ReadWriteOnce"], "storageClassName": "local", "resources": {"requests": {"storage": "1024Mi"}}}}}}),
 ], ids=str)
-def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, wanted):
+def test_volume_copies_are_mounted_where_configured(plane, tmp_path, given, wanted):
     spec = next(one for one in rendered(plane, tmp_path, {"fleet": {"volumeCopies": given}}) if one["kind"] == "RenderFleet")["spec"]["template"]["spec"]
     volume = next((one for one in spec["volumes"] if one["name"] == "copies"), None)
     assert volume == (wanted and {"name": "copies", **wanted})
@@ -126,7 +126,7 @@ def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, want
     assert any(one["mountPath"] == "/copies" for one in spec["containers"][0]["volumeMounts"]) is (wanted is not None)
 
 
-def test_limits_reach_the_programs(plane, tmp_path):
+def test_configured_limits_reach_the_programs(plane, tmp_path):
     specs = dict(pod_specs(rendered(plane, tmp_path, {"visitorShare": 10, "fleet": {"textureMemoryMb": 256}, "legal": {"consentVersion": "2027-01-01"}})))
     environment = {name: {one["name"]: one.get("value") for one in specs[pod]["containers"][0]["env"]}
                    for name, pod in {"api": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane"}.items()}
@@ -135,7 +135,7 @@ def test_limits_reach_the_programs(plane, tmp_path):
     assert environment["api"]["DIAPHANE_CONSENT_VERSION"] == "2027-01-01"
 
 
-def test_the_installations_own_texts_are_where_the_edge_reads_them(plane, tmp_path):
+def test_custom_texts_are_mounted_where_the_edge_reads_them(plane, tmp_path):
     for given, wanted in (({}, []), ({"legal": {"configMap": "our-texts"}}, [{"name": "legal", "mountPath": "/etc/legal", "readOnly": True}])):
         objects = rendered(plane, tmp_path, given)
         spec = dict(pod_specs(objects))["Deployment/it-diaphane-api"]
@@ -188,7 +188,7 @@ def test_cert_manager_issues_each_program_a_certificate_with_its_role(plane, tmp
         assert (spec.get("dnsNames"), "server auth" in spec["usages"]) == ((["renderd.diaphane"], True) if program == "renderd" else (None, False))
 
 
-def test_one_certificate_for_all_programs_switches_roles_off(plane, tmp_path):
+def test_a_shared_certificate_disables_the_role_check(plane, tmp_path):
     objects = pod_specs(rendered(plane, tmp_path, INNER_TLS, {"innerTls": {"roles": False}}))
     names = {volume["secret"]["secretName"] for _, spec in objects for volume in spec.get("volumes", []) if volume["name"].startswith("inner-tls-")}
     assert names == {"inner"}
@@ -197,12 +197,12 @@ def test_one_certificate_for_all_programs_switches_roles_off(plane, tmp_path):
     assert sorted(told) == sorted(TALKERS.values())
 
 
-def test_with_a_digest_the_tag_decides_nothing(plane, tmp_path):
+def test_an_image_digest_overrides_the_tag(plane, tmp_path):
     images = {one["image"] for _, spec in pod_specs(rendered(plane, tmp_path, CHOICES["everything"])) for one in spec["containers"]}
     assert images == {"registry.example.org/x/diaphane@sha256:" + "a" * 64}
 
 
-def test_another_version_of_the_chart_alone_replaces_nobody(plane, tmp_path):
+def test_a_new_chart_version_alone_restarts_no_pod(plane, tmp_path):
     copy = tmp_path / "chart"
     shutil.copytree(CHART, copy)
     before = pod_specs_and_labels(rendered(plane, tmp_path, CHOICES["everything"]))
@@ -223,7 +223,7 @@ def test_unused_objects_are_not_created(plane, tmp_path):
     assert [one["metadata"]["name"] for one in rendered(plane, tmp_path, CHOICES["little"]) if one["kind"] == "Deployment"] == ["it-diaphane-api"]
 
 
-def test_nobody_talks_to_more_than_he_needs(plane, tmp_path):
+def test_network_policies_allow_only_needed_connections(plane, tmp_path):
     policies = {one["metadata"]["name"].removeprefix("it-diaphane-"): one["spec"]
                 for one in rendered(plane, tmp_path, {"monitoring": {}}) if one["kind"] == "NetworkPolicy"}
 
@@ -247,7 +247,7 @@ def spec_labels(one: dict) -> dict:
     return one["spec"]["template"]["metadata"]["labels"]
 
 
-def test_the_edge_is_the_one_of_one_machine(plane, tmp_path):
+def test_the_edge_configuration_is_valid_and_complete(plane, tmp_path):
     """nginx accepts it, every placeholder is replaced, and a trusted proxy determines the client's address."""
     for choice in ("base", "everything"):
         config = next(one for one in rendered(plane, tmp_path, CHOICES[choice]) if one["kind"] == "ConfigMap" and "nginx.conf" in one["data"])
@@ -261,7 +261,7 @@ def test_the_edge_is_the_one_of_one_machine(plane, tmp_path):
         assert done.returncode == 0, done.stderr
 
 
-def test_promtool_takes_the_rules_and_they_fire(plane, tmp_path):
+def test_promtool_accepts_the_rules_and_their_tests_pass(plane, tmp_path):
     rules = CHART / "files" / "rules.yaml"
     checked = subprocess.run([str(plane.bin / "promtool"), "check", "rules", str(rules)], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout + checked.stderr
@@ -297,7 +297,7 @@ def ready(plane, namespace: str) -> dict[str, int]:
     return {one["metadata"]["name"]: one["status"].get("readyReplicas", 0) for one in items}
 
 
-def test_installed_upgraded_rolled_back_and_taken_away(plane, installed, tmp_path):
+def test_install_upgrade_rollback_and_uninstall_succeed(plane, installed, tmp_path):
     assert ready(plane, installed) == {"it-diaphane-api": 2, "it-diaphane-ingest": 1, "it-diaphane-operator": 2}
     fleet = plane.kubectl("get", "rf/it-diaphane", "-n", installed, "-o", "json").json
     assert fleet["spec"]["warm"]["minIdleSlots"] == 4 and fleet["spec"]["sessionsPerWorker"] == 16
@@ -323,7 +323,7 @@ def test_installed_upgraded_rolled_back_and_taken_away(plane, installed, tmp_pat
     assert len(claims) == 3, "people's scans went with the release"
 
 
-def test_the_trial_brings_its_stores_along(plane, namespace, tmp_path):
+def test_the_trial_installs_its_own_stores(plane, namespace, tmp_path):
     prepare(plane, namespace, "data-it-diaphane-trial-postgres-0", "data-it-diaphane-trial-redis-0")
     plane.helm("install", "it", str(CHART), "-n", namespace, "-f", values_file(tmp_path, CHOICES["trial"]), "--wait", "--timeout", "180s")
     stores = plane.kubectl("get", "statefulset", "-n", namespace, "-o", "json").json["items"]
@@ -332,7 +332,7 @@ def test_the_trial_brings_its_stores_along(plane, namespace, tmp_path):
     plane.helm("uninstall", "it", "-n", namespace, "--wait", "--timeout", "120s")
 
 
-def test_pods_are_spread_and_not_all_evicted(plane, installed):
+def test_pods_are_spread_and_protected_by_disruption_budgets(plane, installed):
     pods = plane.kubectl("get", "pods", "-n", installed, "-l", "app.kubernetes.io/component=api", "-o", "json").json["items"]
     assert len({one["spec"]["nodeName"] for one in pods}) == 2
     budget = f"/apis/policy/v1/namespaces/{installed}/poddisruptionbudgets/it-diaphane-api"
@@ -350,7 +350,7 @@ def test_pods_are_spread_and_not_all_evicted(plane, installed):
         plane.start_program("kube-scheduler")
 
 
-def test_a_worker_that_works_is_not_evicted(plane, installed):
+def test_a_ready_worker_is_not_evicted(plane, installed):
     """`kubectl drain` cordons the node and then waits for the operator."""
     labels = {"app.kubernetes.io/name": "diaphane", "app.kubernetes.io/instance": "it", "app.kubernetes.io/component": "renderd"}
     spec = plane.kubectl("get", "rf/it-diaphane", "-n", installed, "-o", "json").json["spec"]["template"]["spec"]

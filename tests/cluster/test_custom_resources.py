@@ -81,14 +81,14 @@ def test_omitted_fields_get_defaults(plane, namespace):
                     "warm": {"minIdleSlots": 0, "maxRefillPerSecond": 0}}
 
 
-def test_all_of_a_pod_passes_through_the_template(plane, namespace):
+def test_the_template_keeps_every_pod_field(plane, namespace):
     spec = {"template": {"metadata": {"labels": {"app": "x"}, "annotations": {"note": "y"}}, "spec": {
         "containers": [{"name": "renderd", "image": "diaphane", "env": [{"name": "A", "value": "b"}], "ports": [{"containerPort": 8085}]}],
         "affinity": {"podAntiAffinity": {"x": []}}, "tolerations": [{"operator": "Exists"}], "volumes": [{"name": "v", "emptyDir": {}}]}}}
     assert create(plane, namespace, fleet(**copy.deepcopy(spec))).json["spec"]["template"] == spec["template"]
 
 
-def test_it_is_scaled_as_a_deployment_is(plane, namespace):
+def test_kubectl_scale_changes_a_fleet_up_to_its_maximum(plane, namespace):
     create(plane, namespace, fleet(maxReplicas=5))
     scale = f"/apis/diaphane.dev/v1alpha1/namespaces/{namespace}/renderfleets/gpus"
     plane.api.patch(f"{scale}/status", json={"status": {"replicas": 2, "selector": "diaphane.dev/fleet=gpus"}},
@@ -111,7 +111,7 @@ def test_spec_and_status_are_changed_separately(plane, namespace):
     assert seen["status"]["replicas"] == 1 and seen["spec"]["sessionsPerWorker"] == 16 and seen["metadata"]["generation"] == 1
 
 
-def test_a_list_shows_what_matters(plane, namespace):
+def test_kubectl_get_shows_the_main_columns(plane, namespace):
     create(plane, namespace, fleet())
     url = f"/apis/diaphane.dev/v1alpha1/namespaces/{namespace}/renderfleets/gpus/status"
     conditions = [{"type": "Available", "status": "True", "reason": "R", "message": "m", "lastTransitionTime": SINCE},
@@ -133,9 +133,9 @@ FOR_GOOD = [
     ({"nodeName": "node-1"}, "nodeName cannot change, because it reserves a GPU"),
     ({"fleetName": "x"}, "a worker cannot move to another fleet"),
     ({"fleetUid": "x"}, "a worker cannot move to another fleet"),
-    ({"fleetUid": None}, "fleetUid and template can only be set on creation"),
+    ({"fleetUid": None}, "fleetUid and template cannot change; delete the worker, and the operator creates a new one"),
     ({"templateHash": "x"}, "templateHash cannot change"),
-    ({"template": None}, "fleetUid and template can only be set on creation"),
+    ({"template": None}, "fleetUid and template cannot change; delete the worker, and the operator creates a new one"),
     ({"nodeName": None}, "nodeName: Required value"),
     ({"drain": None}, "a drain cannot be undone"),
     ({"drain": {"reason": "Idle"}}, "a drain cannot change"),
@@ -144,7 +144,7 @@ FOR_GOOD = [
 
 
 @pytest.mark.parametrize("change, words", FOR_GOOD, ids=[str(change) for change, _ in FOR_GOOD])
-def test_of_a_worker_nothing_changes_but_that_it_drains(plane, namespace, change, words):
+def test_only_the_drain_request_of_a_worker_can_change(plane, namespace, change, words):
     create(plane, namespace, worker())
     patch(plane, namespace, "rw", "gpus-0", {"drain": {"reason": "Upgrade", "since": SINCE}}, check=True)
     said = patch(plane, namespace, "rw", "gpus-0", change)
@@ -157,7 +157,7 @@ def test_of_a_worker_nothing_changes_but_that_it_drains(plane, namespace, change
     ({"drain": {"reason": "Idle", "since": "yesterday"}}, "date-time"),
     ({"nodeName": ""}, "should be at least 1 chars long"),
 ])
-def test_a_worker_that_makes_no_sense_is_refused(plane, namespace, spec, words):
+def test_an_invalid_worker_is_refused(plane, namespace, spec, words):
     said = create(plane, namespace, worker(**spec), check=False)
     assert said.code != 0 and words in said.text, said.text
 
@@ -171,11 +171,11 @@ def test_a_worker_that_makes_no_sense_is_refused(plane, namespace, spec, words):
     ("renderworker.spec.nodeName", "Node whose GPU this worker reserves"),
     ("renderworker.spec.drain.reason", "ENUM: Cordoned Upgrade Deleted Idle"),
 ])
-def test_kubectl_explains(plane, path, words):
+def test_kubectl_explain_describes_the_fields(plane, path, words):
     assert words in " ".join(plane.kubectl("explain", path).out.split())
 
 
-def test_every_field_has_its_words(plane):
+def test_every_crd_field_has_a_description(plane):
     """Except fields of every Kubernetes object, and self-explanatory names."""
     plain = {"apiVersion", "kind", "metadata", "conditions", "name", "image", "labels", "annotations", "node", "type", "status", "observedGeneration",
              "failedAt", "nodeSelector"}
@@ -196,7 +196,7 @@ def test_every_field_has_its_words(plane):
     assert silent == []
 
 
-def test_a_worker_goes_with_its_fleet(plane, namespace):
+def test_deleting_a_fleet_deletes_its_workers(plane, namespace):
     owner = create(plane, namespace, fleet()).json["metadata"]
     owned = worker()
     owned["metadata"]["ownerReferences"] = [{"apiVersion": "diaphane.dev/v1alpha1", "kind": "RenderFleet", "name": "gpus", "uid": owner["uid"],

@@ -7,7 +7,7 @@ from conftest import wait_for
 from dashboard_helpers import unanswered
 
 
-def test_every_query_about_the_operator_is_answered(cluster):
+def test_every_operator_query_of_the_dashboard_has_data(cluster):
     cluster.nodes(1)
     operator = cluster.operator()
     cluster.fleet(replicas=1)

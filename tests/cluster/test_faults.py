@@ -13,7 +13,7 @@ def uids(cluster) -> set[str]:
     return {one["metadata"]["uid"] for one in cluster.running()}
 
 
-def test_while_redis_is_away_nobody_is_added_or_taken_away(cluster):
+def test_workers_are_not_scaled_during_a_redis_outage(cluster):
     cluster.nodes(1, gpus=4)
     operator = cluster.operator()
     cluster.fleet(replicas=2)
@@ -31,7 +31,7 @@ def test_while_redis_is_away_nobody_is_added_or_taken_away(cluster):
     assert uids(cluster) == pods and cluster.over_committed() == []
 
 
-def test_a_node_that_is_lost_and_deleted_gives_its_worker_to_another(cluster):
+def test_the_worker_of_a_lost_and_deleted_node_moves_to_another(cluster):
     first, second = cluster.nodes(2, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=1)
@@ -47,7 +47,7 @@ def test_a_node_that_is_lost_and_deleted_gives_its_worker_to_another(cluster):
     assert [one["spec"]["nodeName"] for one in cluster.workers()] == [cluster.running()[0]["spec"]["nodeName"]]
 
 
-def test_a_silent_node_keeps_its_slots_until_it_is_out_of_service(cluster):
+def test_an_unreachable_node_keeps_its_slots_until_it_is_out_of_service(cluster):
     first, second = cluster.nodes(2, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=1)
@@ -73,7 +73,7 @@ def test_a_silent_node_keeps_its_slots_until_it_is_out_of_service(cluster):
     assert cluster.running()[0]["spec"]["nodeName"] == (second if lost == first else first)
 
 
-def test_an_outdated_write_is_refused_and_repeated(cluster):
+def test_a_write_of_an_outdated_object_is_refused_and_retried(cluster):
     """A worker changes constantly, so that the operator's copy of it is never current."""
     first, second = cluster.nodes(2, gpus=1)
     operator = cluster.operator()
@@ -105,7 +105,7 @@ def test_an_outdated_write_is_refused_and_repeated(cluster):
 
 
 @pytest.mark.parametrize("program", ["etcd", "kube-scheduler", "kube-controller-manager"])
-def test_a_program_of_the_control_plane_that_was_killed_holds_up_and_breaks_nothing(cluster, program):
+def test_killing_a_control_plane_program_breaks_nothing(cluster, program):
     cluster.nodes(1, gpus=4)
     cluster.operator()
     cluster.fleet(replicas=1)

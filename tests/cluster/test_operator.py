@@ -11,7 +11,7 @@ from operator_helpers import GROUP
 
 
 @pytest.mark.chosen
-def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):
+def test_a_fleet_creates_one_worker_and_pod_per_gpu(cluster):
     nodes = cluster.nodes(2, gpus=2)
     operator = cluster.operator()
     cluster.fleet(replicas=4)
@@ -30,7 +30,7 @@ def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):
     assert "diaphane_operator_leader 1" in operator.metrics()
 
 
-def test_scaling_up_and_down_and_deleting_leaves_nothing(cluster):
+def test_scaling_and_deleting_a_fleet_leaves_nothing_behind(cluster):
     cluster.nodes(1, gpus=4)
     cluster.operator()
     cluster.fleet(replicas=1)
@@ -44,7 +44,7 @@ def test_scaling_up_and_down_and_deleting_leaves_nothing(cluster):
     wait_for(lambda: cluster.plane.api.get(f"{GROUP}/namespaces/{cluster.namespace}/renderfleets/skull").status_code == 404, "the fleet's end")
 
 
-def test_missing_capacity_is_reported_and_never_overcommitted(cluster):
+def test_missing_capacity_is_reported_and_gpus_are_never_overcommitted(cluster):
     cluster.nodes(2, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=5)
@@ -53,7 +53,7 @@ def test_missing_capacity_is_reported_and_never_overcommitted(cluster):
     assert cluster.over_committed() == [] and len(cluster.workers()) == 2
 
 
-def test_a_cordoned_node_is_drained_and_no_session_is_cut(cluster):
+def test_a_cordoned_node_is_drained_without_ending_sessions(cluster):
     first, second = cluster.nodes(2, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=1, drainTimeout="10m")
@@ -96,7 +96,7 @@ def test_manually_deleted_or_edited_objects_are_restored(cluster):
     assert cluster.running()[0]["metadata"]["annotations"]["diaphane.dev/epoch"] == "2"
 
 
-def test_a_template_changed_by_hand_makes_no_pod_of_it(cluster):
+def test_a_manually_edited_worker_template_is_not_used(cluster):
     cluster.nodes(1, gpus=1)
     cluster.operator()
     cluster.fleet(replicas=1)
@@ -129,7 +129,7 @@ def test_a_foreign_pod_with_our_label_and_name_is_left_alone(cluster):
     assert still["uid"] == theirs["uid"] and "ownerReferences" not in still and "deletionTimestamp" not in still
 
 
-def test_a_leader_that_stood_still_past_its_lease_exits_and_harms_nothing(cluster):
+def test_a_leader_suspended_past_its_lease_exits_without_acting(cluster):
     cluster.nodes(2, gpus=4)
     first = cluster.operator()
     wait_for(lambda: first.ready().get("leader"), "a leader")
@@ -149,7 +149,7 @@ def test_a_leader_that_stood_still_past_its_lease_exits_and_harms_nothing(cluste
     assert before <= {one["metadata"]["uid"] for one in cluster.pods()} and cluster.over_committed() == []
 
 
-def test_the_next_leader_continues_the_work_of_a_killed_one(cluster):
+def test_the_next_leader_continues_after_the_leader_is_killed(cluster):
     cluster.nodes(2, gpus=4)
     first = cluster.operator()
     cluster.fleet(replicas=8)
@@ -164,7 +164,7 @@ def test_the_next_leader_continues_the_work_of_a_killed_one(cluster):
     wait_for(lambda: third.ready().get("leader"), "the third leader", timeout=13)
 
 
-def test_missed_events_are_listed_again_after_a_compaction(cluster):
+def test_missed_events_are_recovered_by_a_new_list_after_a_compaction(cluster):
     """Its watches are interrupted while it is suspended, and the revision at which they would resume is compacted away (410)."""
     cluster.nodes(1, gpus=4)
     leader = cluster.operator()
@@ -183,7 +183,7 @@ def test_missed_events_are_listed_again_after_a_compaction(cluster):
     cluster.plane.start_program("kube-apiserver")
     standby.pause(on=False)
     cluster.settled(3)
-    assert '"list_again"' in standby.log.read_text(encoding="utf-8")
+    assert '"relist"' in standby.log.read_text(encoding="utf-8")
 
 
 def test_the_operator_survives_and_reports_an_outage_of_the_api_server(cluster):

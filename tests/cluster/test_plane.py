@@ -17,7 +17,7 @@ def test_a_pod_with_a_gpu_is_scheduled_and_runs(plane, namespace):
     assert plane.kubectl("get", "pod", "one", "-n", namespace, "-o", "jsonpath={.spec.nodeName}").out
 
 
-def test_one_gpu_too_many_is_not_scheduled(plane, namespace):
+def test_a_pod_beyond_the_gpu_capacity_is_not_scheduled(plane, namespace):
     pod = a_pod("greedy")
     pod["spec"]["containers"][0]["resources"]["limits"]["nvidia.com/gpu"] = "9"
     plane.kubectl("create", "-n", namespace, "-f", "-", given=pod)
@@ -26,14 +26,14 @@ def test_one_gpu_too_many_is_not_scheduled(plane, namespace):
     assert "Insufficient nvidia.com/gpu" in said
 
 
-def test_a_pod_that_is_not_restricted_is_refused(plane, namespace):
+def test_a_pod_that_violates_the_restricted_standard_is_refused(plane, namespace):
     pod = a_pod("root")
     pod["spec"]["securityContext"] = {}
     said = plane.kubectl("create", "-n", namespace, "-f", "-", given=pod, check=False)
     assert said.code != 0 and 'violates PodSecurity "restricted' in said.text
 
 
-def test_a_watch_from_before_a_compaction_gets_410(plane, namespace):
+def test_a_watch_from_a_compacted_revision_gets_410(plane, namespace):
     url = f"/api/v1/namespaces/{namespace}/configmaps"
     first = plane.api.get(url).json()["metadata"]["resourceVersion"]
     for number in range(3):
@@ -45,7 +45,7 @@ def test_a_watch_from_before_a_compaction_gets_410(plane, namespace):
     assert answer.status_code == 410 or '"code":410' in answer.text
 
 
-def test_without_the_controllers_nothing_is_made_and_later_it_is(plane, namespace):
+def test_a_deployment_waits_for_a_stopped_controller_manager(plane, namespace):
     plane.stop_program("kube-controller-manager")
     pod = a_pod("x")
     deployment = {"apiVersion": "apps/v1", "kind": "Deployment", "metadata": {"name": "d"}, "spec": {
@@ -56,6 +56,6 @@ def test_without_the_controllers_nothing_is_made_and_later_it_is(plane, namespac
     plane.kubectl("rollout", "status", "-n", namespace, "deployment/d", "--timeout=120s")
 
 
-def test_a_stranger_is_sent_away(plane):
+def test_an_unauthenticated_request_is_refused(plane):
     assert plane.client(token="nobody").get("/api/v1/nodes").status_code == 401
     assert httpx.get(f"{plane.server}/api/v1/nodes", verify=False, trust_env=False).status_code == 403

@@ -307,7 +307,7 @@ def pairs(rules: list[dict]) -> set[tuple[str, str]]:
     return {(resource, verb) for rule in rules for resource in rule["resources"] for verb in rule["verbs"]}
 
 
-def test_every_right_has_its_case(plane):
+def test_every_operator_permission_has_a_test_case(plane):
     here, everywhere = chart_rights(plane)["here"], chart_rights(plane)["everywhere"]
     assert pairs(here) | pairs(everywhere) == set(NEEDED)
     assert pairs(everywhere) == {("nodes", "list"), ("nodes", "watch")}
@@ -315,13 +315,13 @@ def test_every_right_has_its_case(plane):
 
 
 @pytest.mark.parametrize("resource, verb", NEEDED)
-def test_each_right_is_needed(world, resource, verb):
+def test_each_operator_permission_is_needed(world, resource, verb):
     world.with_all(resource, verb)
     NEEDED[resource, verb](world, resource, verb)
 
 
 @pytest.mark.parametrize("verb", ["list", "watch"])
-def test_each_right_to_others_pods_is_needed_where_they_are_asked_for(world, verb):
+def test_each_permission_on_all_pods_is_needed_when_enabled(world, verb):
     world.all_pods = True
     try:
         starts(world, "pods", verb)
@@ -365,7 +365,7 @@ def tries(plane, token: str, space: str, given: set[tuple[str, str]]) -> tuple[i
     return count, let_in
 
 
-def test_rights_that_the_operator_does_not_have_are_refused(world):
+def test_operator_is_refused_everything_else(world):
     world.with_all("pods", "get")
     given = {(resource, verb) for resource, verb in NEEDED if resource != "leases" or verb == "create"}
     token = world.token_file.read_text(encoding="utf-8")
@@ -376,7 +376,7 @@ def test_rights_that_the_operator_does_not_have_are_refused(world):
     assert let_in == [] and count > 300
 
 
-def test_the_account_of_all_other_pods_may_nothing(world):
+def test_the_default_service_account_has_no_permissions(world):
     """api, ingest, renderers and hooks have neither their own account nor a token. With a token, they would have no rights."""
     count, let_in = tries(world.plane, world.plane.service_account_token(world.namespace, "default"), world.namespace, set())
     assert let_in == [] and count > 300

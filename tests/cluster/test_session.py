@@ -77,7 +77,7 @@ def page():
         browser.close()
 
 
-def test_a_session_outlives_its_pod_its_process_and_its_node(service: Service, page, tmp_path):
+def test_a_session_survives_the_loss_of_its_pod_process_and_node(service: Service, page, tmp_path):
     pictures = Path(os.environ.get("DIAPHANE_PICTURES") or tmp_path)
     pictures.mkdir(parents=True, exist_ok=True)
     disc = tmp_path / "disc"

@@ -8,7 +8,7 @@ from conftest import wait_for
 from blackhole_proxy import BlackholeProxy
 
 
-def test_a_silently_dead_watch_is_noticed_and_restarted(cluster, record_property):
+def test_a_silently_dead_watch_is_detected_and_restarted(cluster, record_property):
     """The API server sends a bookmark every minute. Without one for a minute and a quarter, the operator watches again from the
     last revision."""
     wire = BlackholeProxy(cluster.plane.server)
@@ -27,7 +27,7 @@ def test_a_silently_dead_watch_is_noticed_and_restarted(cluster, record_property
         cluster.settled(1)
         assert operator.alive() and operator.ready()["leader"]
         assert '{kind="nodes",what="silent"} 1' in operator.metrics()
-        assert '"list_again"' not in operator.log.read_text(encoding="utf-8")
+        assert '"relist"' not in operator.log.read_text(encoding="utf-8")
         assert operator.metrics().count('what="failures"} 0') == 4, "nothing failed: it was noticed"
     finally:
         for one in cluster.operators:

@@ -40,7 +40,7 @@ def left(plane, namespace: str) -> list[str]:
 
 @pytest.mark.parametrize("operator, grace, watched", [("there", 100, False), ("there", 3, True), ("killed", 3, False)],
                          ids=["drained in time", "somebody looks on for longer", "no operator"])
-def test_an_uninstall_ends_and_leaves_nothing_but_scans(plane, namespace, cluster, hooks, tmp_path, operator, grace, watched):
+def test_uninstall_finishes_and_leaves_only_the_scans(plane, namespace, cluster, hooks, tmp_path, operator, grace, watched):
     prepare(plane, namespace)
     cluster.nodes(1, gpus=2)
     fleet = {"minReplicas": 2, "nodeSelector": {"pool": namespace}, "drainTimeout": "10m", "retire": {"graceSeconds": grace}}
@@ -56,13 +56,13 @@ def test_an_uninstall_ends_and_leaves_nothing_but_scans(plane, namespace, cluste
         leader.kill()
 
     hooks.while_helm("uninstall", "it", "-n", namespace)
-    assert ('"let_go"' in hooks.ran[0][1]) is (watched or operator == "killed"), hooks.ran[0][1]
+    assert ('"finalizers_removed"' in hooks.ran[0][1]) is (watched or operator == "killed"), hooks.ran[0][1]
     assert cluster.workers() == [] and plane.api.get(f"{GROUP}/namespaces/{namespace}/renderfleets/{RELEASE}").status_code == 404
     wait_for(lambda: left(plane, namespace) == [], "the end of the pods")
     assert len(plane.kubectl("get", "pvc", "-n", namespace, "-o", "name").out.split()) == 3
 
 
-def test_the_hook_needs_each_of_its_rights(plane, namespace, cluster, tmp_path):
+def test_the_uninstall_hook_needs_each_of_its_permissions(plane, namespace, cluster, tmp_path):
     """Rights are granted one by one, and each time the next one is missing. It may not touch another fleet."""
     rules = next(one for one in rendered(plane, tmp_path, namespace=namespace) if one["kind"] == "Role" and one["metadata"]["name"] == f"{RELEASE}-retire")["rules"]
     granted = {(rule["resources"][0], verb) for rule in rules for verb in rule["verbs"]}

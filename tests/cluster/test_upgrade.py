@@ -70,7 +70,7 @@ def schema(stack) -> list[str]:
 USERS = "SELECT id, email, email_key, password_hash, created_at FROM users"
 
 
-def test_upgraded_and_rolled_back_with_sessions_and_rows_kept(plane, namespace, hooks, cluster, stack_factory, tmp_path):
+def test_upgrade_and_rollback_keep_sessions_and_rows(plane, namespace, hooks, cluster, stack_factory, tmp_path):
     stores = stack_factory(only=("postgres",))
     prepare(plane, namespace)
     plane.kubectl("patch", "secret", "diaphane", "-n", namespace, "-p", json.dumps({"stringData": {**SECRET, "postgres": stores.dsn}}))

@@ -87,7 +87,7 @@ def node(stack_factory, request):
         plane.stop()
 
 
-def test_a_session_in_real_containers(node: WholeNode, page, tmp_path):  # noqa: F811
+def test_a_session_runs_in_real_containers(node: WholeNode, page, tmp_path):  # noqa: F811
     disc = tmp_path / "disc"
     subprocess.run([Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release")) / "bin" / "diaphane-sample", "--write-dicom", disc], check=True, capture_output=True)
     wait_for(lambda: len(node.listed("renderd")) == 2, "two workers", timeout=300)

@@ -13,7 +13,7 @@ def met(results) -> dict[str, bool | None]:
     return {one.name: one.met for one in results}
 
 
-def test_the_verdict_compares_each_attack_with_the_calm_before_it():
+def test_verdict_compares_each_attack_with_the_quiet_period_before_it():
     calm = [Phase(delays_ms=[10.0] * 100), Phase(delays_ms=[20.0] * 100), Phase(delays_ms=[10.0] * 100)]
     attacked = [Phase(delays_ms=[14.0] * 100), Phase(delays_ms=[28.0] * 100), Phase(delays_ms=[90.0] * 100)]
     results = results_of(calm, attacked, [])
@@ -24,7 +24,7 @@ def test_the_verdict_compares_each_attack_with_the_calm_before_it():
     assert met(results_of(calm, attacked, []))["p95 under attack / calm"] is False
 
 
-def test_one_failed_request_or_ended_program_is_a_miss():
+def test_a_failed_request_or_a_crashed_program_misses_the_target():
     calm, attacked = [Phase(delays_ms=[10.0])], [Phase(delays_ms=[10.0])]
     assert all(one is not False for one in met(results_of(calm, attacked, [])).values())
     assert met(results_of(calm, attacked, ["api"]))["programs that exited"] is False
@@ -32,14 +32,14 @@ def test_one_failed_request_or_ended_program_is_a_miss():
     assert met(results_of(calm, attacked, []))["failed requests of ordinary users"] is False
 
 
-def test_textures_are_small_files_of_many_pixels_and_no_two_alike():
+def test_textures_are_small_distinct_files_with_many_pixels():
     first, second = abuse_clients.texture(1), abuse_clients.texture(2)
     assert first != second and len(first) < 10_000 and first[:8] == b"\x89PNG\r\n\x1a\n"
     rows = zlib.decompress(first[first.index(b"IDAT") + 4:-16])
     assert len(rows) == 4096 * (1 + 4096 // 8)
 
 
-def test_attackers_leave_other_machines_alone():
+def test_attackers_refuse_to_connect_to_other_machines():
     try:
         abuse_clients.Attack({"url": "http://example.org:80", "seconds": 1})
     except SystemExit as refused:

@@ -22,6 +22,7 @@ REQUIRED: dict[str, tuple[set[str], set[str]]] = {
     "Protobuf message": ({"bytes", "depth", "number"}, {"connection"}),
     "WebSocket frame": ({"bytes", "number", "time"}, {"connection", "account", "address", "total"}),
     "texture": ({"bytes", "number", "memory"}, {"request", "total"}),
+    "environment": ({"bytes", "number", "time", "memory", "disk"}, {"request", "account", "total"}),
     "preset": ({"bytes", "depth", "number"}, {"request", "account", "total"}),
     "recording": ({"bytes", "depth", "number", "time", "disk"}, {"request", "account"}),
     "session": ({"number", "time"}, {"account", "address", "total"}),
@@ -31,7 +32,7 @@ REQUIRED: dict[str, tuple[set[str], set[str]]] = {
     "export": ({"number", "time", "disk"}, {"account", "total"}),
     "log line": ({"bytes", "disk"}, {"request", "total"}),
     "slice": ({"number"}, {"connection"}),
-    "film or large picture": ({"bytes", "number", "time"}, {"request", "total"}),
+    "video or large picture": ({"bytes", "number", "time"}, {"request", "total"}),
     "stored volume": ({"bytes", "number", "disk"}, {"request", "account"}),
 }
 DIMENSIONS = {"bytes", "depth", "number", "time", "memory", "disk"}
@@ -41,7 +42,7 @@ DIRECTIVES = ("client_max_body_size", "client_body_timeout", "client_header_time
               "client_body_buffer_size", "limit_conn", "limit_req", "keepalive_timeout", "keepalive_requests", "worker_connections", "server")
 
 #: Code that reads input: a constant with a name like a limit must be in the table, or in NOT_OF_INPUT with a reason.
-SOURCES = ("api/shared", "api/routing", "api/accounts", "api/scans", "api/presets", "api/sharing", "api/sessions", "api/administration",
+SOURCES = ("api/shared", "api/routing", "api/accounts", "api/scans", "api/presets", "api/environments", "api/sharing", "api/sessions", "api/administration",
            "api/privacy", "api/stream", "api/http", "common", "scene", "volume", "ingest/pipeline", "ingest/dicom",
            "renderd/serve", "renderd/session", "renderd/scene", "renderd/film", "renderd/encode")
 LIMIT = re.compile(r"\bk(?:Max|Most|Largest|Longest|Deepest)\w*(?=\s*[={])")
@@ -60,7 +61,7 @@ NOT_OF_INPUT: dict[tuple[str, str], str] = {
     ("renderd/serve/still_service.cpp", "kLongestInBackground"): "rendering time inside the 60 s of a background still",
     ("renderd/session/depth.cpp", "kMostVoxels"): "of one depth query's own walk; above it, coarser steps are taken",
     ("renderd/session/histogram.cpp", "kMostBins"): "of our own answer",
-    ("renderd/session/histogram.cpp", "kMostLooked"): "of our own sampling",
+    ("renderd/session/histogram.cpp", "kMostSampled"): "of our own sampling",
     ("renderd/session/link.cpp", "kLongestBusy"): "of an estimate",
     ("renderd/session/quality.cpp", "kMostBytes"): "of our own pictures",
     ("renderd/session/quality.cpp", "kMostFrames"): "of our own pictures",
@@ -87,12 +88,12 @@ def quoted_in(file: str) -> str:
     return " ".join(squeezed(literal) for row in ROWS for where, literal in row.quotes if where == file)
 
 
-def test_the_page_is_what_the_generator_writes():
+def test_bounds_page_is_up_to_date():
     assert len(ROWS) > 110
     assert bounds.PAGE.read_text(encoding="utf-8") == bounds.page(), "run ./diaphane bounds"
 
 
-def test_each_row_quotes_what_enforces_it():
+def test_each_row_quotes_the_code_that_enforces_the_limit():
     wrong = []
     for row in ROWS:
         if not row.quotes:
@@ -105,7 +106,7 @@ def test_each_row_quotes_what_enforces_it():
     assert not wrong, "\n".join(wrong)
 
 
-def test_each_row_names_a_test_that_exists():
+def test_each_row_names_an_existing_test():
     python, cpp = _python(), _cpp()
     wrong = [f"{name(row)}: {row.tests or 'no test is named'}" for row in ROWS
              if not row.tests or not all(_is_there(test.rpartition("/")[2], python | cpp) for test in row.tests)]
@@ -117,7 +118,7 @@ def test_dimensions_are_known():
 
 
 @pytest.mark.parametrize("kind", REQUIRED)
-def test_each_kind_of_input_is_bounded_in_every_way(kind):
+def test_each_kind_of_input_is_bounded_in_every_dimension(kind):
     dimensions, scopes = REQUIRED[kind]
     mine = [row for row in ROWS if row.kind == kind]
     assert dimensions - {row.dimension for row in mine} == set(), f"{kind} is not bounded in these"
@@ -170,5 +171,5 @@ def test_each_limit_named_in_the_code_is_in_the_table():
     assert not missing, "\n".join(sorted(missing))
 
 
-def test_what_is_excepted_is_there():
+def test_every_exception_names_a_limit_in_the_code():
     assert set(NOT_OF_INPUT) - _limits_in_code() == set()

@@ -15,7 +15,7 @@ REPORT = {"bench": "made-up", "machine": {"cpu": "AMD EPYC", "cores": 2},
           "results": [{"name": "stop", "value": 0.333, "unit": "s", "spread": 0.0121, "target": 0.3, "met": False, "runs": 5}]}
 
 
-def test_the_page_is_what_the_generator_writes():
+def test_figures_page_is_up_to_date():
     assert figures.PAGE.read_text(encoding="utf-8") == figures.page(REPORTS), "run ./diaphane figures"
 
 

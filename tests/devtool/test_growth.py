@@ -17,7 +17,7 @@ def report(voxel_power, pixel_power):
     return {"engine": "cuda", "rows": rows}
 
 
-def test_powers_of_voxels_and_pixels_are_found_from_their_own_rows():
+def test_exponents_of_voxels_and_pixels_are_fitted_from_their_own_rows():
     found = {r.name: r.value for r in growth.results_of(report(0.3, 0.9))}
     for walk in ("exact", "tracking"):
         for what in ("time per pass", "time to the target"):
@@ -26,7 +26,7 @@ def test_powers_of_voxels_and_pixels_are_found_from_their_own_rows():
     assert len(found) == 8
 
 
-def test_one_point_has_no_power():
+def test_a_single_point_has_no_exponent():
     alone = report(0.3, 0.9)
     alone["rows"] = alone["rows"][:1]
     assert growth.results_of(alone) == []

@@ -22,14 +22,14 @@ def _last_stage() -> str:
     return "FROM " + _containerfile().rpartition("\nFROM ")[2]
 
 
-def test_the_image_runs_as_the_user_of_the_charts_pods():
+def test_the_image_runs_as_the_user_of_the_chart():
     helpers = (CHART / "templates" / "_helpers.tpl").read_text(encoding="utf-8")
     user, group = (re.search(rf"^{word}: (\d+)$", helpers, re.MULTILINE)[1] for word in ("runAsUser", "runAsGroup"))
     assert f"USER {user}:{group}\n" in _last_stage()
     assert int(user) == image_check.USER
 
 
-def test_every_place_that_a_pod_mounts_is_there():
+def test_every_mount_point_exists_in_the_image():
     mounted = set()
     for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml"):
         mounted |= set(re.findall(r"mountPath: ([^,}\s]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
@@ -38,16 +38,16 @@ def test_every_place_that_a_pod_mounts_is_there():
     assert mounted - {"/tmp"} == made
 
 
-def test_the_chart_starts_programs_that_the_image_takes():
+def test_the_chart_starts_only_programs_of_the_image():
     assert image.chart_programs() == ["diaphane-api", "diaphane-gateway", "diaphane-ingestd", "diaphane-operator", "diaphane-renderd"]
 
 
-def test_the_last_stage_has_nothing_of_those_before_it_but_their_files():
+def test_the_last_image_stage_only_copies_files():
     assert re.match(r"FROM scratch\nCOPY --from=whole / /\n", _last_stage())
     assert "RUN" not in _last_stage()
 
 
-def test_the_image_takes_the_modules_that_the_edge_loads():
+def test_the_image_has_the_modules_that_the_edge_loads():
     conf = (REPO / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
     assert re.findall(r"^load_module (\S+);$", conf, re.MULTILINE) == [str(module) for module in image.NGINX_MODULES]
 

@@ -7,7 +7,7 @@ import re
 from devtool import kubernetes
 
 
-def test_all_of_kubernetes_is_of_one_release():
+def test_all_kubernetes_programs_have_one_version():
     text = (kubernetes.MODULE / "go.mod").read_text(encoding="utf-8")
     replaced = dict(re.findall(r"^\s*(k8s\.io/\S+) => k8s\.io/\S+ v(\S+)$", text, re.MULTILINE))
     assert len(replaced) > 25
@@ -16,13 +16,13 @@ def test_all_of_kubernetes_is_of_one_release():
     assert f"k8s.io/kubernetes v{kubernetes.version()} h1:" in sums
 
 
-def test_another_choice_of_versions_is_built_beside(monkeypatch):
+def test_other_versions_get_a_folder_of_their_own(monkeypatch):
     one = kubernetes.folder()
     monkeypatch.setattr(kubernetes, "KWOK", kubernetes.KWOK + "1")
     assert kubernetes.folder() != one and kubernetes.folder().parent == one.parent
 
 
-def test_checkouts_share_builds(monkeypatch, tmp_path):
+def test_checkouts_share_kubernetes_builds(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(kubernetes, "folder", lambda: tmp_path / "checkout" / "key")
     assert set(kubernetes.missing()) >= set(kubernetes.PROGRAMS)

@@ -34,7 +34,7 @@ def _is_there(name: str, known: set[str]) -> bool:
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_every_test_that_is_named_is_there(page):
+def test_every_documented_test_exists(page):
     text = (REPO / "docs" / page).read_text(encoding="utf-8")
     words = {code.rpartition("/")[2] for code in re.findall(r"`([^`\s]+)`", text)}
     python, cpp = _python(), _cpp()
@@ -45,6 +45,6 @@ def test_every_test_that_is_named_is_there(page):
     assert not missing, f"docs/{page} names what no test is called: {missing}"
 
 
-def test_a_name_that_is_nobodys_is_seen():
+def test_an_unknown_test_name_is_detected():
     assert not _is_there("test_that_nobody_wrote", _python()) and not _is_there("Sandbox.WillNeverBeCalledSo…", _cpp())
     assert _is_there("test_access_matrix", _python()) and _is_there("Sandbox.*", _cpp())

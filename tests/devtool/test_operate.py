@@ -47,17 +47,17 @@ def events() -> set[str]:
 
 
 @pytest.mark.parametrize("there", [alarms, reasons, events], ids=lambda one: one.__name__)
-def test_each_is_told(there):
+def test_everything_in_the_code_is_documented(there):
     assert there() - NAMED == set()
 
 
-def test_no_alarm_condition_or_reason_is_named_that_there_is_not():
+def test_documented_alarms_conditions_and_reasons_exist():
     named = {one for one in NAMED if re.fullmatch(r"[A-Z][a-z]+(?:[A-Z]?[a-z]+)*", one)}
     assert len(named) > 30
     assert named - alarms() - reasons() - events() == set()
 
 
-def test_metrics_and_events_of_logs_are_those_of_the_programs():
+def test_documented_metrics_and_log_events_exist():
     text = sources()
     metrics = {one.partition("{")[0] for one in NAMED if one.startswith("diaphane_")}
     assert metrics and {one for one in metrics if f'"{one.rstrip("*")}' not in text} == set()
@@ -65,7 +65,7 @@ def test_metrics_and_events_of_logs_are_those_of_the_programs():
     assert len(said) > 4 and {one for one in said if f'"{one}"' not in text} == set()
 
 
-def test_values_are_those_of_the_chart():
+def test_documented_values_exist_in_the_chart():
     named = {one.partition("=")[0] for one in NAMED if one.partition(".")[0] in VALUES and re.fullmatch(r"\w+(\.[\w*]+)+(=\w+)?", one)}
     named |= {one for one in re.findall(r"--set ([\w.]+)=", PAGE)}
     assert len(named) > 12
@@ -79,7 +79,7 @@ def test_values_are_those_of_the_chart():
 
 
 @pytest.mark.parametrize("kind", ["renderfleets", "renderworkers"])
-def test_lists_are_printed_as_kubectl_prints_them(kind):
+def test_documented_lists_match_kubectl_output(kind):
     resource = yaml.safe_load((CHART / "crds" / f"{kind}.yaml").read_text(encoding="utf-8"))["spec"]
     columns = ["NAME"] + [one["name"].upper() for one in resource["versions"][0]["additionalPrinterColumns"] if not one.get("priority")]
     heads = [line.split() for line in PAGE.splitlines() if re.match(r"NAME +[A-Z]+ +[A-Z]", line)]

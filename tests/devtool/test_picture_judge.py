@@ -36,7 +36,7 @@ def test_burnt_out_and_black_pixels_are_faults_only_in_the_subject():
     assert judge("scan", "skin", outside, subject(60, 60)).faults() == []
 
 
-def test_a_subject_fills_half_to_most_of_the_picture():
+def test_a_subject_fills_at_least_half_of_the_picture():
     assert faults(subject(40, 40)) == ["fills 40%"]
     assert faults(subject(95, 60)) == ["fills 95%"]
     assert faults(np.zeros((100, 100), bool)) == ["fills 0%"]

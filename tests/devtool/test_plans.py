@@ -23,7 +23,7 @@ from devtool.console import CliError  # noqa: E402
 
 # Ports
 
-def test_a_port_that_another_start_has_chosen_is_taken():
+def test_a_port_claimed_by_another_process_is_not_available():
     import subprocess
     import sys
     port = ports.random_free()["edge"]
@@ -46,19 +46,19 @@ def test_each_start_gets_its_own_ports():
     ports.give_back(given)
 
 
-def test_free_ports_are_given_as_wanted():
+def test_default_ports_are_used_when_free():
     given, notes = ports.allot(ports.DEFAULTS, free=lambda port: True)
     assert given == ports.DEFAULTS
     assert notes == []
 
 
-def test_a_taken_port_is_named_and_the_next_free_one_given():
+def test_a_taken_port_is_reported_and_the_next_free_one_used():
     given, notes = ports.allot({"edge": 8080}, free=lambda port: port not in (8080, 8081))
     assert given == {"edge": 8082}
     assert notes == ["Port 8080 (edge) is in use. Using 8082 instead."]
 
 
-def test_no_port_is_given_twice_and_no_program_takes_the_default_of_another():
+def test_ports_are_unique_and_defaults_of_other_programs_stay_free():
     given, notes = ports.allot(ports.DEFAULTS, free=lambda port: port != 8080)
     assert len(set(given.values())) == len(given)
     assert len(notes) == 1
@@ -68,18 +68,18 @@ def test_no_port_is_given_twice_and_no_program_takes_the_default_of_another():
 
 # Packages
 
-def test_missing_packages_are_those_that_dpkg_does_not_have_installed():
+def test_missing_packages_are_those_not_installed_by_dpkg():
     answer = "git install ok installed\nnginx-light deinstall ok config-files\n"
     assert packages.missing(["git", "nginx-light", "redis-server"], lambda names: answer) == [
         "nginx-light", "redis-server"]
 
 
-def test_the_list_of_packages_has_no_comment_and_no_blank_in_it():
-    assert all(name and not set(" #[]") & set(name) for name in packages.wanted())
+def test_package_list_has_no_comments_or_blanks():
+    assert all(name and not set(" #[]") & set(name) for name in packages.required())
 
 
-def test_a_start_needs_no_browser_and_a_gpu_adds_the_cuda_compiler():
-    assert "chromium" in packages.wanted() and "chromium" not in packages.wanted(tests=False)
+def test_browsers_are_for_tests_and_the_cuda_compiler_for_gpus():
+    assert "chromium" in packages.required() and "chromium" not in packages.required(tests=False)
     assert venv.CUDA in install.parts("up", "") and venv.CUDA not in install.parts("up", "no driver")
     assert venv.CUDA in install.parts("test", "no driver") and venv.CUDA in install.parts("image", "no driver")
 
@@ -92,24 +92,24 @@ def settings():
     return plan.Settings(data=Path("/d"), ports=dict(ports.DEFAULTS), layout=layout, postgres_password="s3cret")
 
 
-def test_the_password_is_on_no_command_line(settings):
+def test_passwords_are_not_on_command_lines(settings):
     assert all("s3cret" not in word for program in plan.programs(settings) for word in program.argv)
     assert all("s3cret" not in word for word in plan.migrate(settings)[0])
 
 
-def test_only_those_that_need_the_database_get_its_password(settings):
+def test_only_database_clients_get_the_database_password(settings):
     holders = {p.name for p in plan.programs(settings) if any("s3cret" in value for value in p.env.values())}
     assert holders == {"api", "ingestd"}
 
 
-def test_stopping_takes_less_than_five_seconds_at_worst(settings):
+def test_stopping_takes_at_most_five_seconds(settings):
     tiers: dict[int, float] = {}
     for program in plan.programs(settings):
         tiers[program.tier] = max(tiers.get(program.tier, 0), program.stop_seconds)
     assert sum(tiers.values()) < 5
 
 
-def test_every_placeholder_of_the_edges_configuration_is_given(settings):
+def test_every_placeholder_of_the_edge_configuration_is_replaced(settings):
     template = (Path(__file__).resolve().parents[2] / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
     conf = plan.nginx_conf(settings, template)
     assert not [line for line in conf.splitlines() if "@" in line and not line.lstrip().startswith("#")
@@ -137,19 +137,19 @@ def graph(*links: tuple[str, str], **shapes: str) -> Graph:
     return Graph({name: shapes.get(name, "octagon") for name in names}, frozenset(links))
 
 
-def test_an_allowed_link_is_not_a_violation():
+def test_an_allowed_link_passes():
     assert linkrules.violations(graph(("a", "b")), {"a": ["b"], "b": []}) == []
 
 
-def test_a_link_that_is_not_allowed_is_found():
+def test_a_forbidden_link_is_reported():
     assert len(linkrules.violations(graph(("b", "a")), {"a": ["b"], "b": []})) == 1
 
 
-def test_a_target_without_a_rule_is_found():
+def test_a_target_without_a_rule_is_reported():
     assert len(linkrules.violations(graph(("a", "new")), {"a": ["new"]})) == 1
 
 
-def test_nothing_links_a_program_not_even_a_test():
+def test_linking_a_program_is_reported_even_in_tests():
     found = linkrules.violations(graph(("a_test", "a_main"), a_main=PROGRAM), {"a_main": []})
     assert len(found) == 1
 
@@ -158,7 +158,7 @@ def test_a_test_may_link_any_library():
     assert linkrules.violations(graph(("a_test", "b")), {"b": []}) == []
 
 
-def test_cmakes_drawing_is_read_without_the_libraries_of_others():
+def test_the_link_graph_omits_third_party_libraries():
     dot = '''
     "node0" [ label = "a", shape = octagon ];
     "node1" [ label = "/usr/lib/libz.so", shape = septagon ];
@@ -171,11 +171,25 @@ def test_cmakes_drawing_is_read_without_the_libraries_of_others():
     assert linkrules.parse(dot) == Graph({"a": "octagon", "b": "pentagon"}, frozenset({("a", "b")}))
 
 
-def test_a_header_outside_the_folder_that_owns_it_is_found():
+def test_including_an_external_header_outside_its_folder_is_reported():
     owners = {"cpprest/": ["api/http"]}
     text = '#include <cpprest/json.h>\n'
     assert linkrules.header_violations({"api/http/a.cpp": text}, owners) == []
     assert len(linkrules.header_violations({"api/scans/a.cpp": text}, owners)) == 1
+
+
+@pytest.mark.parametrize("header", ["bench/load/person.h", "tests/support/api/fake.h"])
+def test_the_product_includes_nothing_that_only_measures_or_tests_it(header):
+    text = f'#include "{header}"\n'
+    assert len(linkrules.trial_violations({"api/stream/hub.cpp": text})) == 1
+    assert linkrules.trial_violations({name: text for name in ("api/stream/hub_test.cpp", "bench/load/main.cpp", "tests/fuzz/viewer.cpp")}) == []
+
+
+def test_a_header_beside_the_product_that_only_tests_include_is_found():
+    include = '#include "api/scans/fake.h"\n'
+    sources = {"api/scans/fake.h": "", "api/scans/fake.cpp": include, "api/scans/tus_test.cpp": include, "bench/load/main.cpp": include}
+    assert len(linkrules.support_violations(sources)) == 1
+    assert linkrules.support_violations({**sources, "api/scans/tus.cpp": include}) == []
 
 
 @pytest.mark.parametrize("name, header, part", [
@@ -186,7 +200,7 @@ def test_a_header_outside_the_folder_that_owns_it_is_found():
     ("api/accounts/accounts.h", "api/scans/uploads.h", "api/accounts may include only: api/shared"),
     ("api/shared/secrets.h", "api/accounts/accounts.h", "api/shared may include only: nothing"),
 ])
-def test_an_include_against_the_order_of_layers_or_features_is_found(name, header, part):
+def test_an_include_against_the_layer_order_is_reported(name, header, part):
     book = linkrules.rules()
     found = linkrules.layer_violations({name: f'#include "{header}"\n'}, book["layers"], book["features"])
     assert len(found) == 1 and part in found[0]
@@ -197,7 +211,7 @@ def test_an_include_against_the_order_of_layers_or_features_is_found(name, heade
     ("api/accounts/account_routes.cpp", "api/sessions/render_time.h"), ("api/scans/data_set_repository.h", "api/shared/database.h"),
     ("api/main.cpp", "api/scans/data_set_repository.h"), ("api/mail/transport.h", "api/accounts/mailer.h"),
 ])
-def test_an_include_in_the_order_of_layers_and_features_is_allowed(name, header):
+def test_an_include_in_the_layer_order_passes(name, header):
     book = linkrules.rules()
     assert linkrules.layer_violations({name: f'#include "{header}"\n'}, book["layers"], book["features"]) == []
 
@@ -205,16 +219,16 @@ def test_an_include_in_the_order_of_layers_and_features_is_allowed(name, header)
 # Files and contracts
 
 @pytest.mark.parametrize("line", ["see /ro" "ot/x", "'/ho" "me/ann/scan'", "path=/wo" "rk/main"])
-def test_a_path_of_one_machine_is_found(line):
+def test_machine_specific_paths_are_reported(line):
     assert len(filelint.violations("a.md", line)) == 1
 
 
 @pytest.mark.parametrize("line", ["${HOME}/ho" "me/x is not one", "https://example.org/ro" "ot/x", "a/wo" "rk/b"])
-def test_a_lookalike_is_not_a_violation(line):
+def test_similar_paths_are_not_reported(line):
     assert filelint.violations("a.md", line) == []
 
 
-def test_a_long_function_is_found_in_product_code_alone():
+def test_long_functions_are_reported_only_in_product_code():
     body = "".join(f"  call({n});\n" for n in range(filelint.LONGEST_FUNCTION - 1))
     free = f"int f(int a,\n      int b) {{\n{body}}}\n"
     method = "class C {\n  int f() {\n" + body.replace("  ", "    ") + "  }\n};\n"
@@ -224,7 +238,7 @@ def test_a_long_function_is_found_in_product_code_alone():
     assert filelint.long_functions("api/a_test.cpp", free) == []
 
 
-def test_an_operation_that_does_not_say_how_it_fails_is_found():
+def test_an_operation_without_documented_errors_is_reported():
     whole = {"operationId": "a", "summary": "s", "responses": {"200": {}, "default": {}}}
     assert contracts.style({"paths": {"/a": {"get": whole}}}) == []
     assert len(contracts.style({"paths": {"/a": {"get": whole | {"responses": {"200": {}}}}}})) == 1
@@ -257,7 +271,7 @@ def test_pytest_cases_are_counted_by_their_results():
     assert testing.pytest_count(list(cases)) == testing.Count(1, 2, 1)
 
 
-def test_each_of_the_clusters_tests_is_run_in_one_half(monkeypatch, tmp_path):
+def test_every_cluster_test_runs_in_exactly_one_half(monkeypatch, tmp_path):
     there = {one.name for one in (paths.REPO / "tests" / "cluster").glob("test_*.py")}
     runs = []
 
@@ -270,7 +284,7 @@ def test_each_of_the_clusters_tests_is_run_in_one_half(monkeypatch, tmp_path):
     assert sorted(name for run in runs for name in run) == sorted(there)
 
 
-def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():
+def test_selected_cluster_tests_run_where_the_control_plane_is_built():
     def run(kind, plane):
         return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
 
@@ -281,7 +295,7 @@ def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():
     assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 4
 
 
-def test_suites_run_side_by_side_and_all_are_counted_and_timed(tmp_path):
+def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):
     together = threading.Barrier(2, timeout=10)
 
     def meets(_):
@@ -295,7 +309,7 @@ def test_suites_run_side_by_side_and_all_are_counted_and_timed(tmp_path):
     assert done.times[0][0] == "alone" and {name for name, _, _ in done.times[1:]} == {"one", "other"}
 
 
-def test_suites_that_run_never_need_more_cores_than_there_are(tmp_path):
+def test_running_suites_never_need_more_cores_than_available(tmp_path):
     costs = {"a": 1.0, "b": 0.5, "c": 1.0, "d": 0.5, "alone": math.inf, "e": 1.5}
     guard, running, most = threading.Lock(), [], []
 
@@ -313,7 +327,7 @@ def test_suites_that_run_never_need_more_cores_than_there_are(tmp_path):
     assert 0 < max(most) <= 2 and done.total == testing.Count(len(costs))
 
 
-def test_the_slowest_tests_of_all_reports_are_named(tmp_path):
+def test_the_slowest_tests_of_all_reports_are_listed(tmp_path):
     (tmp_path / "integration.xml").write_text('<testsuite><testcase classname="integration.test_a" name="b" time="3.5"/></testsuite>')
     (tmp_path / "ctest.xml").write_text('<testsuite><testcase classname="x" name="film_test" time="7"/></testsuite>')
     (tmp_path / "vitest.json").write_text(json.dumps({"testResults": [{"assertionResults": [{"fullName": "a page", "duration": 5000}]}]}))
@@ -326,13 +340,13 @@ def test_the_slowest_tests_of_all_reports_are_named(tmp_path):
 @pytest.mark.parametrize("version, enough", [
     ((0,), False), ((18, 20), False), ((20, 18), False), ((20, 19), True), ((21, 7), False), ((22, 12), False),
     ((22, 13), True), ((23, 11), False), ((24, 0), True), ((26, 1), True)])
-def test_a_node_is_taken_only_where_the_tools_of_the_page_run_on_it(version: tuple[int, ...], enough: bool):
+def test_node_is_used_only_if_it_is_new_enough(version: tuple[int, ...], enough: bool):
     assert venv.new_enough(version) == enough
 
 
 # GPU
 
-def test_a_gpu_is_seen_without_its_driver(tmp_path):
+def test_a_gpu_is_detected_without_its_driver(tmp_path):
     def device(name: str, vendor: str, kind: str) -> None:
         (tmp_path / name).mkdir()
         (tmp_path / name / "vendor").write_text(f"{vendor}\n")
@@ -378,7 +392,7 @@ def test_without_a_driver_gpu_tests_fail_with_a_reason(monkeypatch, capsys):
 
 # Data directories
 
-def test_a_path_that_can_hold_no_data_is_refused_before_anything_is_made(tmp_path: Path):
+def test_an_unsuitable_data_directory_is_refused_before_anything_is_created(tmp_path: Path):
     (tmp_path / "letters").mkdir()
     (tmp_path / "letters" / "dear.txt").write_text("not Diaphane's")
     (tmp_path / "file").write_text("")
@@ -390,7 +404,7 @@ def test_a_path_that_can_hold_no_data_is_refused_before_anything_is_made(tmp_pat
     assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "letters"]
 
 
-def test_the_reasons_of_all_failed_tests_are_repeated(tmp_path):
+def test_reasons_of_all_failed_tests_are_repeated(tmp_path):
     (tmp_path / "integration.xml").write_text(
         '<testsuites><testsuite><testcase classname="integration.test_a" name="good" time="1"/>'
         '<testcase classname="integration.test_a" name="bad" time="1"><failure message="assert 1 == 2">long log</failure></testcase>'
@@ -402,7 +416,7 @@ def test_the_reasons_of_all_failed_tests_are_repeated(tmp_path):
         ("integration.test_a::bad", "assert 1 ="), ("integration.test_a::broken", "no fixture"), ("a page", "expected 3")]
 
 
-def test_scripts_of_packages_keep_their_standard_output_while_apt_reports_its_status(tmp_path, monkeypatch):
+def test_package_scripts_keep_stdout_while_apt_reports_status(tmp_path, monkeypatch):
     """apt-get does not pass the file of its status on to dpkg, so that this must not be standard output."""
     apt = tmp_path / "apt-get"
     apt.write_text('#!/bin/sh\nfor word; do case $word in APT::Status-Fd=*) fd=${word#*=};; esac; done\n'

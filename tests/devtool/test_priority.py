@@ -39,7 +39,7 @@ def nice_of_group(pid: int) -> int:
 
 
 @needs_groups
-def test_the_sessions_of_a_program_and_of_its_children_get_its_priority(server):
+def test_sessions_of_a_program_and_its_children_get_its_priority(server):
     GroupPriorities().apply([(server.pid, 7)])
     pids = list(family(server.pid))
     assert len(pids) == 2
@@ -48,7 +48,7 @@ def test_the_sessions_of_a_program_and_of_its_children_get_its_priority(server):
 
 
 @needs_groups
-def test_each_session_is_set_once(server):
+def test_the_priority_of_each_session_is_set_once(server):
     priorities = GroupPriorities()
     priorities.apply([(server.pid, 7)])
     Path(f"/proc/{server.pid}/autogroup").write_text("3", encoding="ascii")
@@ -56,7 +56,7 @@ def test_each_session_is_set_once(server):
     assert nice_of_group(server.pid) == 3
 
 
-def test_a_refused_change_is_repeated(monkeypatch):
+def test_a_refused_priority_change_is_retried(monkeypatch):
     priorities, answers = GroupPriorities(), [BlockingIOError(), None]
 
     def write(self, *_, **__):

@@ -29,7 +29,7 @@ def test_the_estimate_follows_the_speed_of_the_machine(seconds_per_step):
     assert estimate.seconds_left(60 * seconds_per_step) == pytest.approx(truth, rel=0.35, abs=5.0)
 
 
-def test_a_long_step_that_is_left_counts_more_than_a_short_one():
+def test_a_remaining_long_step_counts_more_than_a_short_one():
     long, short = "Building CXX object renderd/engine/cpu/CMakeFiles/render_cpu.dir/kernel_avx2.cpp.o", "Linking CXX executable bin/diaphane-api"
     estimate = progress.BuildEstimate([long, short], jobs=1)
     before = estimate.seconds_left(0.0)
@@ -37,7 +37,7 @@ def test_a_long_step_that_is_left_counts_more_than_a_short_one():
     assert estimate.seconds_left(0.2) > 0.9 * before
 
 
-def test_a_step_that_was_not_planned_is_counted():
+def test_an_unplanned_step_is_counted():
     estimate = progress.BuildEstimate(OBJECTS[:1], jobs=1)
     for name in ("Re-running CMake...", OBJECTS[0]):
         estimate.finish(name)
@@ -56,11 +56,11 @@ def test_status_lines_of_ninja_are_distinguished_from_compiler_output(line, step
 
 @pytest.mark.parametrize("seconds,text", [(3, "a few seconds left"), (31, "about 40 seconds left"), (58, "about 1 minute left"),
                                           (95, "about 2 minutes left"), (284, "about 5 minutes left")])
-def test_the_time_left_is_rounded(seconds, text):
+def test_remaining_time_is_rounded(seconds, text):
     assert progress.time_left(seconds) == text
 
 
-def test_the_packages_to_unpack_belong_to_the_time_that_a_download_takes():
+def test_download_estimate_includes_unpacking():
     apt = progress.AptProgress()
     assert apt.read("dlstatus:1:20.0:Retrieving file 1 of 300 (40s remaining)", now=0.0)
     assert apt.read("dlstatus:150:50.0:Retrieving file 150 of 300 (10s remaining)", now=10.0)
@@ -70,7 +70,7 @@ def test_the_packages_to_unpack_belong_to_the_time_that_a_download_takes():
     assert apt.text(52.0) == "unpacking and configuring, 80%, a few seconds left"
 
 
-def test_other_output_of_apt_is_not_progress():
+def test_other_apt_output_is_not_progress():
     apt = progress.AptProgress()
     assert not any(apt.read(line, 0.0) for line in ("E: Unable to locate package libnothing", "dlstatus:", "", "dlstatus:1:many:files"))
 
@@ -80,7 +80,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_terminal_shows_the_progress_in_one_line_that_the_next_message_overwrites(monkeypatch):
+def test_terminal_progress_is_one_line_that_the_next_message_overwrites(monkeypatch):
     monkeypatch.setattr(console, "_out", terminal := Terminal())
     console.progress("1 of 3")
     console.progress("2 of 3")
@@ -89,7 +89,7 @@ def test_a_terminal_shows_the_progress_in_one_line_that_the_next_message_overwri
     assert [text.partition("] ")[2] for text in shown[1:3]] == ["1 of 3", "2 of 3"] and shown[3] == "Done\n"
 
 
-def test_a_log_gets_a_line_of_progress_every_15_seconds(monkeypatch):
+def test_a_log_gets_a_progress_line_every_15_seconds(monkeypatch):
     clock = [1000.0]
     monkeypatch.setattr(console, "_out", log := io.StringIO())
     monkeypatch.setattr(console, "time", SimpleNamespace(monotonic=lambda: clock[0]))
@@ -115,7 +115,7 @@ def start(monkeypatch):
     return done
 
 
-def test_tools_are_installed_beside_the_packages(start, monkeypatch):
+def test_tools_and_packages_are_installed_in_parallel(start, monkeypatch):
     has_npm = threading.Event()
     monkeypatch.setattr(packages, "install", lambda *_, **__: start.append("packages") if has_npm.wait(20) else None)
     monkeypatch.setattr(build, "npm_install", lambda: (start.append("npm"), has_npm.set()))
@@ -123,7 +123,7 @@ def test_tools_are_installed_beside_the_packages(start, monkeypatch):
     assert start[:3] == ["build-tools", "npm", "packages"] and set(start[3:]) == {"page", "programs"}
 
 
-def test_the_page_waits_for_the_packages_and_the_programs_wait_for_the_tools(start, monkeypatch):
+def test_page_build_waits_for_packages_and_program_build_for_tools(start, monkeypatch):
     has_packages = threading.Event()
     monkeypatch.setattr(packages, "install", lambda *_, **__: (start.append("packages"), has_packages.set()))
     monkeypatch.setattr(venv, "ensure", lambda wanted: (has_packages.wait(20), start.append(wanted.name)))
@@ -132,7 +132,7 @@ def test_the_page_waits_for_the_packages_and_the_programs_wait_for_the_tools(sta
     assert start.index("npm") < start.index("page") and "programs" in start
 
 
-def test_without_packages_neither_page_nor_programs_are_built(start, monkeypatch):
+def test_nothing_is_built_if_packages_fail_to_install(start, monkeypatch):
     def fail(*_, **__):
         raise CliError("apt-get install failed")
 
@@ -142,7 +142,7 @@ def test_without_packages_neither_page_nor_programs_are_built(start, monkeypatch
     assert "page" not in start and "programs" not in start
 
 
-def test_without_tools_the_programs_are_not_built(start, monkeypatch):
+def test_programs_are_not_built_if_tools_fail_to_install(start, monkeypatch):
     def fail(_):
         raise CliError("pip failed")
 
@@ -152,7 +152,7 @@ def test_without_tools_the_programs_are_not_built(start, monkeypatch):
     assert "programs" not in start
 
 
-def test_a_page_that_cannot_be_built_ends_the_start(start, monkeypatch):
+def test_a_failed_page_build_stops_the_start(start, monkeypatch):
     def fail():
         raise CliError("building the web page failed")
 

@@ -41,6 +41,10 @@ def test_documents_are_read_without_code_and_sources_by_comments_and_texts():
     python = '"""A docstring of words."""\nsay("the text of it")  # a comment\n'
     assert sorted((one.kind, one.text) for one in prose.passages("a.py", python)) == [
         ("comments", "# a comment"), ("comments", "A docstring of words."), ("texts", "the text of it")]
+    sql = "-- One line.\nCREATE TABLE a (\n  b text,  -- another\n  c int DEFAULT 1 --2\n);\n"
+    assert [(one.kind, one.line, one.text) for one in prose.passages("a.sql", sql)] == [
+        ("comments", 1, "-- One line."), ("comments", 3, "-- another")]
+    assert [one.text for one in prose.passages("CMakeLists.txt", "add(a)  # why\n")] == ["# why"]
 
 
 @pytest.mark.parametrize("text", [
@@ -48,10 +52,19 @@ def test_documents_are_read_without_code_and_sources_by_comments_and_texts():
     "is none of those", "60 frames a second", "for whoever asks", "it was mended", "silent for so long", "goes on elsewhere",
     "not heard of", "workers that there are", "what is wanted", "held against the limit", "takes work", "the database is away",
     "works no more.", "tried in vain", "whose it is", "he may go", "from 0 on", "names with commas", "to be looked at", "nobody asks",
+    "not any more", "a value that makes no sense", "is of no use", "the way of a session", "is thrown away", "by keys alone",
+    "holds nobody up", "may nothing",
 ])
-def test_dialect_is_found_and_its_alternative_is_named(text):
+def test_a_banned_phrase_is_found_and_its_alternative_is_named(text):
     found = prose.banned([prose.Passage("documents", "a.md", 7, text)], [{**rule, "documents": 0} for rule in RULES["banned"]])
     assert found and found[0].startswith("a.md:7: '") and re.search("write|name|say", found[0].partition("': ")[2])
+
+
+def test_names_of_tests_are_read_as_words():
+    python = "class A:\n    def test_a_server_is_away(self):\n        pass\n"
+    assert [(one.line, one.text) for one in prose.passages("a.py", python) if one.kind == "names"] == [(2, "a server is away")]
+    cpp = "TEST_F(Store,\n       IsAway) {}\nTEST(Http, ReadsHTTPHeader) {}\n"
+    assert [(one.line, one.text) for one in prose.passages("a.cpp", cpp)] == [(2, "is away"), (3, "reads http header")]
 
 
 @pytest.mark.parametrize("text", [
@@ -73,7 +86,7 @@ def test_long_subjects_of_commits_are_found():
     assert "def5678" in found and "73" in found
 
 
-def test_subjects_are_skipped_where_the_base_is_not_there(monkeypatch):
+def test_commit_subjects_are_skipped_without_the_base_commit(monkeypatch):
     said = []
     monkeypatch.setattr(prose, "say", said.append)
     assert prose.commit_subjects({"base": "f" * 40, "columns": 72}) == []
@@ -97,7 +110,7 @@ def test_cycles_of_imports_are_found():
     assert cycles.cycles(cycles.imports(sources)) == []
 
 
-def test_a_prefix_may_not_spread():
+def test_a_file_name_prefix_may_not_spread():
     assert linkrules.prefix_violations(["a/cuda_x.h", "a/cuda_y.h"], {"cuda_": 2}) == []
     [found] = linkrules.prefix_violations(["a/cuda_x.h", "a/cuda_y.h", "b/cuda_z.h"], {"cuda_": 2})
     assert "3 files begin with cuda_" in found

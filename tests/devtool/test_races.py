@@ -10,7 +10,7 @@ from devtool import paths, races
 from devtool.console import CliError
 
 
-def test_the_programs_are_tests_that_are_built():
+def test_race_programs_are_built_tests():
     built = {name for folder in ("api", "common", "directory", "operator", "renderd") for file in (paths.REPO / folder).rglob("CMakeLists.txt")
              for name in re.findall(r"diaphane_test\((\w+)", file.read_text(encoding="utf-8"))}
     assert set(races.PROGRAMS) <= built
@@ -23,7 +23,7 @@ def test_excluded_tests_are_in_existing_files():
         assert "race:libgrpc" in file.read()
 
 
-def test_only_programs_with_grpc_are_blind_to_the_order_of_locks():
+def test_only_grpc_programs_ignore_uninstrumented_modules():
     for name in races.PROGRAMS:
         assert ("ignore_noninstrumented_modules" in races.sanitizer_options(name)) == (name in races.WITH_GRPC)
 

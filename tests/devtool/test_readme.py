@@ -39,7 +39,7 @@ def _row(renderer: str) -> str:
 
 
 @pytest.mark.parametrize("renderer, time", _measured())
-def test_the_table_has_each_measured_time_to_the_error(renderer, time):
+def test_readme_table_has_each_measured_time(renderer, time):
     assert time in _row(renderer)
 
 
@@ -47,6 +47,6 @@ def test_diaphane_and_four_peers_are_measured():
     assert {renderer for renderer, _ in _measured()} == {DIAPHANE, "Clara Viz", "Mitsuba", "Cycles", "pbrt-v4"}
 
 
-def test_it_fits_on_one_and_a_half_screens():
+def test_readme_is_short():
     assert len(README.splitlines()) <= 80
     assert len(README.split()) <= 600

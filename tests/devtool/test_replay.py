@@ -21,7 +21,7 @@ def written(folder: Path, document: object) -> Path:
     return file
 
 
-def test_a_camera_is_the_scene_before_it_seen_from_there(tmp_path):
+def test_a_camera_event_changes_only_the_camera_of_the_last_scene(tmp_path):
     document = replay.read(written(tmp_path, recording(
         {"at_ms": 0, "scene": {"camera": {"eye": {"x": 1}}, "phase": {}}},
         {"at_ms": 16, "camera": {"eye": {"x": 2}}},
@@ -32,7 +32,7 @@ def test_a_camera_is_the_scene_before_it_seen_from_there(tmp_path):
         (32, {"camera": {"eye": {"x": 3}}})]
 
 
-def test_a_frame_shows_the_newest_scene_that_was_there():
+def test_a_frame_shows_the_newest_scene_received():
     played = [(0, {"n": 0}), (40, {"n": 1}), (60, {"n": 2}), (250, {"n": 3})]
     assert [scene["n"] for scene in replay.shown_at(played, 10)] == [0, 2, 2, 3], "the end is shown"
     assert [scene["n"] for scene in replay.shown_at(played, 20)] == [0, 1, 2, 2, 2, 3]

@@ -36,11 +36,11 @@ def by_name(made: dict) -> dict[str, dict]:
     (Part("pypi", "PyYAML", "6.0.3"), "pkg:pypi/pyyaml@6.0.3"),
     (Part("golang", "k8s.io/client-go", "v0.34.1"), "pkg:golang/k8s.io/client-go@v0.34.1"),
 ])
-def test_a_package_url_is_as_the_specification_writes_it(part, url):
+def test_package_urls_follow_the_specification(part, url):
     assert part.url == url
 
 
-def test_npm_s_lock_is_read_with_what_is_needed_to_run_and_its_hashes():
+def test_npm_lock_gives_runtime_packages_and_hashes():
     digest = "z4PhNX7vuL3xVChQ1m2AB9Yg5AULVxXcg/SpIdNs6c5H0NE8XYXysP+DGNKHfuwvY7kxvUdBeoGlODJ6+SfaPg=="   # hash of an empty input
     lock = {"packages": {"": {"name": "page", "version": "1"}, "node_modules/a": {"version": "1.0.0", "license": "MIT", "integrity": f"sha512-{digest}"},
                          "node_modules/a/node_modules/@x/b": {"version": "2.0.0", "dev": True}, "node_modules/c": {"link": True}}}
@@ -58,7 +58,7 @@ def test_requirements_and_go_modules_are_read():
         ("github.com/a/b", "v1.2.3"), ("example.org/api", "v0.35.0"), ("go.uber.org/zap", "v1.27.0")}
 
 
-def test_the_document_is_valid_the_same_twice_and_what_runs_wins_over_what_builds():
+def test_the_sbom_is_valid_and_reproducible_and_prefers_the_runtime_scope():
     lib = Part("deb", "libssl3", "3.0", arch="amd64")
     parts = [Part("deb", "libssl3", "3.0", needed=False, arch="amd64"), lib, Part("npm", "@x/y", "1.0.0", licence="MIT", sha512="ab" * 64),
              Part("pypi", "pytest", "9.0.2", needed=False)]
@@ -71,7 +71,7 @@ def test_the_document_is_valid_the_same_twice_and_what_runs_wins_over_what_build
     assert faults({**made, "components": [{"name": "x"}]}) != "", "the validator sees what is wrong"
 
 
-def test_this_checkout_s_list_has_what_its_programs_link_and_the_page_has():
+def test_the_sbom_lists_linked_libraries_and_page_packages():
     folder = paths.build_dir() / "bin"
     if not (folder / "diaphane-api").exists():
         pytest.fail(f"{folder} has no programs: they are built before the tests")
@@ -95,7 +95,7 @@ def test_this_checkout_s_list_has_what_its_programs_link_and_the_page_has():
     assert listed["pytest"]["scope"] == "excluded"
 
 
-def test_the_command_writes_it(tmp_path):
+def test_the_sbom_command_writes_the_file(tmp_path):
     done = subprocess.run([sys.executable, str(paths.TOOLS / "devtool"), "sbom", str(tmp_path / "bom.json")], capture_output=True, text=True,
                           env={**os.environ, "DIAPHANE_BUILD": str(paths.build_dir())})
     assert done.returncode == 0, done.stderr

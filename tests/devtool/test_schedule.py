@@ -21,13 +21,15 @@ def report(*rows: tuple) -> dict:
             "decisions": [{"policy": "marginal-gain", "sessions": 256, "seconds": 4e-6, "spread": 1e-7}]}
 
 
-def test_the_picture_of_figure_9_is_well_formed_and_has_a_cell_for_each_turn():
+def test_figure_9_is_valid_svg_with_a_cell_per_turn():
     picture = ElementTree.fromstring(figure9.svg([SITUATION, SITUATION]))
-    assert len(picture.findall("{http://www.w3.org/2000/svg}rect")) == 4
+    texts = [text.text for text in picture.iter("{http://www.w3.org/2000/svg}text")]
+    assert texts.count("1: 2") == 2 and texts.count("2: 851") == 2
+    assert any("1: 1 interacts & 2 rests; shares of the turns 90%, 10%" in text for text in texts if text)
     assert figure9.table([SITUATION]).splitlines()[2] == "| 1 | 1: 2 |"
 
 
-def test_targets_are_held_against_the_rows_for_them():
+def test_each_target_is_compared_with_its_rows():
     results = {r.name: r for r in schedule._results(report(
         ("mixed", 16, "marginal-gain", figures(50)), ("mixed", 16, "round-robin", figures(120)),
         ("mixed", 16, "error-proportional", figures(45)), ("mixed", 64, "marginal-gain", figures(90, queue=34, switching=3))), "real")}

@@ -54,7 +54,7 @@ def read(connection: socket.socket, size: int) -> float:
     return time.monotonic() - begin
 
 
-def test_an_answer_takes_a_round_trip():
+def test_a_response_takes_a_round_trip():
     with SlowNetwork(Server().port, round_trip_s=0.1) as network, socket.create_connection(("127.0.0.1", network.port)) as here:
         for _ in range(3):
             begin = time.monotonic()
@@ -64,7 +64,7 @@ def test_an_answer_takes_a_round_trip():
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.3, 1.0])
-def test_nothing_is_faster_than_the_link_and_a_loss_costs_a_round_trip(loss: float):
+def test_throughput_is_limited_and_a_loss_costs_a_round_trip(loss: float):
     size = 100_000
     with SlowNetwork(Server(size).port, round_trip_s=0.05, bits_per_s=4e6, loss=loss) as network, \
             socket.create_connection(("127.0.0.1", network.port)) as here:
@@ -75,7 +75,7 @@ def test_nothing_is_faster_than_the_link_and_a_loss_costs_a_round_trip(loss: flo
     assert network.to_viewer.bytes == size
 
 
-def test_a_full_buffer_stops_the_sender():
+def test_a_full_buffer_blocks_the_sender():
     server = Server(10_000_000)
     with SlowNetwork(server.port, bits_per_s=1e5, buffer_bytes=20_000) as network, \
             socket.create_connection(("127.0.0.1", network.port)):

@@ -81,7 +81,7 @@ def test_checkouts_share_results(checkouts):
 
 
 @pytest.mark.parametrize("change", ["source", "header", "system", "command"])
-def test_a_file_is_looked_at_again_when_it_or_a_header_or_its_command_changed(checkouts, change):
+def test_a_file_is_checked_again_when_it_a_header_or_its_command_changes(checkouts, change):
     first, fresh = checkouts
     [key] = first.todo().values()
     (tidy._CACHE / key).touch()
@@ -96,7 +96,7 @@ def test_a_file_is_looked_at_again_when_it_or_a_header_or_its_command_changed(ch
     assert list(fresh.todo()) == [fresh.source]
 
 
-def test_files_of_one_target_with_the_same_flags_are_read_together():
+def test_files_of_one_target_with_the_same_flags_are_grouped():
     def command(name: str, target: str = "api", flag: str = "-O2") -> tuple[Path, list[str]]:
         return Path(name), ["c++", flag, "-o", f"api/CMakeFiles/{target}.dir/{name}.o", "-c", name]
 
@@ -104,7 +104,7 @@ def test_files_of_one_target_with_the_same_flags_are_read_together():
     assert tidy.groups(commands) == [tidy.Group([Path("a.cpp"), Path("b.cpp")], ["-O2"])]
 
 
-def test_large_groups_are_divided_and_come_first():
+def test_large_groups_are_split_and_start_first():
     commands = {Path(f"{target}{n}.cpp"): ["c++", "-o", f"x/CMakeFiles/{target}.dir/{n}.o", "-c", f"{target}{n}.cpp"]
                 for target, count in (("small", 2), ("large", tidy._TOGETHER + 3)) for n in range(count)}
     assert [len(group.sources) for group in tidy.groups(commands)] == [tidy._TOGETHER, 3, 2]
@@ -117,7 +117,7 @@ def test_a_header_is_included_once_unless_a_file_includes_it_twice():
 
 @pytest.mark.parametrize("second, sound", [("int* second = nullptr;\n", True), ("int* second = 0;\n", False), ("int* second = first;\n", True),
                                            ("#include <cstddef>\n#include <cstddef>\nstd::size_t second = 0;\n", False)])
-def test_reading_files_together_finds_what_each_contains(tmp_path, second: str, sound: bool):
+def test_checking_files_in_groups_finds_the_problems_of_each(tmp_path, second: str, sound: bool):
     sources = [tmp_path / "first.cpp", tmp_path / "second.cpp"]
     sources[0].write_text("#include <cstddef>\nint* first = nullptr;\n")
     sources[1].write_text(second)

@@ -34,7 +34,7 @@ def allowed() -> float:
     return soak.memory_allowed("renderd", visits=6000, part=0.75)
 
 
-def test_a_leak_that_matters_is_found_and_scatter_is_not():
+def test_a_leak_is_detected_and_scatter_is_not():
     scatter = [trend_test.judge(*like_renderd(0, seed), 0, allowed()) for seed in range(400)]
     leaks = [trend_test.judge(*like_renderd(allowed(), seed), 0, allowed()) for seed in range(400)]
     # Two-sided 99%: 2 of 400 appear to grow by chance, and 2 leaks appear not to. More than 12 has a probability below 1e-6
@@ -53,18 +53,18 @@ def test_a_single_peak_is_not_growth():
     assert not trend_test.judge(times, values, 0, 1).trend
 
 
-def test_noise_is_flat_and_a_leak_within_it_grows():
+def test_a_leak_within_noise_is_detected():
     noise = [trend_test.judge(*series(0, 3, seed), 0.04, 0).word for seed in range(100)]
     leaks = [trend_test.judge(*series(0.02, 3, seed), 0.04, 0) for seed in range(100)]    # 8 in total, of which 4 are permitted
     # 99% and 98.5% of 200. Fewer than 93 has a probability below 1e-3.
     assert noise.count("flat") >= 93 and [leak.word for leak in leaks].count("grows") >= 93
 
 
-def test_a_measurement_that_is_too_short_is_unclear():
+def test_too_short_a_measurement_is_inconclusive():
     assert trend_test.judge(*series(0, 30, 2, 40), 0.02, 0).word == "unclear"
 
 
-def test_the_interval_holds_the_truth_as_often_as_it_says():
+def test_confidence_interval_has_its_nominal_coverage():
     held = sum((v := trend_test.judge(*series(0.01, 5, seed), 0.02, 0)).low <= 0.01 * 399 <= v.high for seed in range(1000))
     assert held >= 975    # 990 expected; fewer has a probability below 1e-4
 
@@ -79,7 +79,7 @@ def test_too_few_samples_are_refused():
         trend_test.judge([1.0] * 19, [1.0] * 19, 0.02, 0)
 
 
-def test_threads_of_grpc_s_executor_are_held_against_its_bound_and_the_others_must_not_grow():
+def test_grpc_executor_threads_are_counted_separately():
     ours = ["diaphane-render"] * 18 + ["event_engine", "timer_manager", "grpcpp_sync_ser"]
     assert soak.threads_of(ours + ["default-executo"] * 3 + ["resolver-execut"]) == {"threads": 21, soak.EXECUTOR: 4}
     assert soak.executor_bound() == 4 * os.sysconf("SC_NPROCESSORS_CONF")

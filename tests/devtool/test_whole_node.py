@@ -20,7 +20,7 @@ def test_missing_control_groups_are_named(monkeypatch):
     assert whole_node.absence() == "cgroup controllers are missing below /nowhere: cpu, cpuset, memory"
 
 
-def test_refused_namespaces_are_reported_with_the_reason(monkeypatch):
+def test_denied_namespaces_are_reported_with_the_reason(monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     monkeypatch.setattr(whole_node, "_no_cgroups", lambda: "")
     monkeypatch.setattr(whole_node.Path, "exists", lambda _: True)

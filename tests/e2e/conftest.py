@@ -1,6 +1,7 @@
 """Real pages in headless Chromium against the real programs.
 
     visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(wide=True, dark=True), visit(small=True)
+    fake       the built page on the made-up server of frontend/dev/fake, for tests of the page alone: a picture takes one frame
     cranium    a folder with the DICOM series of a made-up patient
     pictures   a folder for screenshots to look at: $DIAPHANE_PICTURES, without which the pages take none
 
@@ -12,13 +13,16 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
+import urllib.error
+import urllib.request
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from harness import REPO
-from devtool import chromium
+from harness import REPO, wait_until
+from devtool import chromium, ports
 from person import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)
@@ -32,6 +36,35 @@ def browser():
         browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
         yield browser
         browser.close()
+
+
+@dataclass(frozen=True)
+class FakeStack:
+    """What a test of the page alone needs of a TestStack."""
+
+    url: str
+    wait_until = staticmethod(wait_until)
+
+
+@pytest.fixture(scope="session")
+def fake():
+    given = ports.random_free()
+    url, folder = f"http://127.0.0.1:{given['edge']}", REPO / "frontend"
+    vite = ["node", folder / "node_modules" / "vite" / "bin" / "vite.js", "preview", "--config", "dev/fake/vite.config.ts"]
+    server = subprocess.Popen([*vite, "--host", "127.0.0.1", "--port", str(given["edge"]), "--strictPort"], cwd=folder,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    wait_until(lambda: server.poll() is not None or answers(url), what="the fake server")
+    yield FakeStack(url)
+    server.terminate()
+    server.wait()
+    ports.give_back(given.values())
+
+
+def answers(url: str) -> bool:
+    try:
+        return urllib.request.urlopen(url, timeout=10).status == 200
+    except urllib.error.URLError:
+        return False
 
 
 @pytest.fixture
@@ -51,7 +84,7 @@ def visit(browser: Browser):
         page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)
         if not PICTURES:
-            page.screenshot = lambda **_: b""  # nobody looks at them, and each takes up to a second of both cores
+            page.screenshot = lambda **_: b""  # a normal run discards screenshots, and each takes up to a second of both cores
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda message: faults.append(message.text)
                 if "Content Security Policy" in message.text else None)

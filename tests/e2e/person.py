@@ -48,13 +48,12 @@ class Person:
 
     @staticmethod
     def signs_up_and_in(stack: TestStack, page: Page, name: str) -> Person:
-        """Signs up, opens the mailed link, signs in."""
+        """Signs up, opens the mailed link and chooses a password, which signs in."""
         person = Person(stack, page, f"{name}-{secrets.token_hex(4)}@example.org")
         person.sign_up()
         page.goto(person.mailed_link())
         person.choose_password()
-        page.get_by_role("link", name="Go to sign-in").click()
-        person.sign_in()
+        person.shows_scans()
         return person
 
     def sign_up(self) -> None:
@@ -69,7 +68,7 @@ class Person:
     def choose_password(self) -> None:
         """Handles the page that the mailed link leads to."""
         self.page.get_by_label("Password", exact=True).fill(PASSWORD)
-        self.page.get_by_role("button", name="Confirm address and set password").click()
+        self.page.get_by_role("button", name="Set password and sign in").click()
         expect(self.page.get_by_role("heading", name="Welcome")).to_be_visible()
 
     def mailed_link(self) -> str:

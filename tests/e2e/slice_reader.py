@@ -72,6 +72,14 @@ class Reader:
         x, y = self.planes[plane].place(box, column, row)
         return box["x"] + x, box["y"] + y
 
+    def spot(self, plane: str, x: float, y: float) -> tuple[float, float]:
+        """Returns the column and row at a position in the page, as fractions of pixels."""
+        box = self.canvas(plane).bounding_box()
+        area = self.canvas(plane).evaluate("(canvas) => ({ width: canvas.clientWidth, height: canvas.clientHeight })")
+        one = self.planes[plane]
+        (x0, y0), mm = one.place(area, 0, 0), one.per_mm(area)
+        return (x - box["x"] - x0) / (one.width * mm), (y - box["y"] - y0) / (one.height * mm)
+
     def pixel(self, plane: str, x: float, y: float) -> list[int]:
         """Returns RGBA at a position of the view in CSS pixels."""
         return self.canvas(plane).evaluate(
@@ -89,6 +97,10 @@ class Reader:
     def window(self) -> tuple[int, int]:
         return tuple(int(self.page.get_by_label(label, exact=True).input_value()) for label in ("Centre", "Width"))
 
+    def sharp(self) -> None:
+        """Shows each voxel as a rectangle."""
+        self.page.get_by_role("checkbox", name="Smooth").uncheck()
+
     def says(self, plane: str, value: int) -> None:
         expect(self.pane(plane).locator(".slice-value")).to_have_text(f"{value} HU".replace("-", "−"))
 
@@ -100,6 +112,31 @@ class Reader:
             red, green, blue, alpha = self.pixel(plane, *self.planes[plane].place(self.canvas(plane).bounding_box(), column, row))
             assert red == green == blue and alpha == 255
             assert abs(red - expected) <= 0.5, (plane, column, row, value, red, expected)
+
+
+    def region(self, plane: str, one: tuple[float, float], other: tuple[float, float]) -> tuple[np.ndarray, float]:
+        """Returns the values in the ellipse between two corners in the page, and its area in mm²."""
+        (left, top), (right, bottom) = self.spot(plane, *one), self.spot(plane, *other)
+        across, down = abs(right - left) / 2, abs(bottom - top) / 2
+        slice_ = self.planes[plane].voxels[self.index(plane)]
+        row, column = np.mgrid[: slice_.shape[0], : slice_.shape[1]]
+        inside = ((column - (left + right) / 2) / across) ** 2 + ((row - (top + bottom) / 2) / down) ** 2 <= 1
+        return slice_[inside], np.pi * across * self.planes[plane].width * down * self.planes[plane].height
+
+    def shows_interpolated_values(self, plane: str, count: int) -> None:
+        """Compares device pixels with the values that numpy interpolates linearly between the voxels."""
+        centre, width = self.window()
+        slice_ = self.planes[plane].voxels[self.index(plane)].astype(float)
+        box, random = self.canvas(plane).bounding_box(), np.random.default_rng(6)
+        for _ in range(count):
+            x, y = (int(random.integers(int(0.3 * side), int(0.7 * side))) for side in (box["width"], box["height"]))
+            column, row = self.spot(plane, box["x"] + x + 0.5, box["y"] + y + 0.5)
+            left, top = int(column), int(row)
+            across, down = column - left, row - top
+            value = (1 - down) * ((1 - across) * slice_[top, left] + across * slice_[top, left + 1]) + down * ((1 - across) * slice_[top + 1, left] + across * slice_[top + 1, left + 1])
+            expected = 255 * min(1, max(0, (value - centre) / width + 0.5))
+            # The value is rounded to an integer, and the grey to one of 256.
+            assert abs(self.grey_at(plane, x, y) - expected) <= 0.51 + 0.5 * 255 / width, (plane, column, row, value)
 
 
 def spots_of(plane: Plane, count: int) -> list[tuple[int, int]]:

@@ -26,8 +26,8 @@ def open_cut(person: Person, title: str) -> str:
     return page.url.rsplit("/", 1)[1]
 
 
-def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, cranium: Path, pictures: Path):
-    page = visit(wide=True)
+def test_a_face_is_removed_permanently(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit()
     person = Person.arrives(stack, page, "cutter")
     person.has_scan(cranium, "A head")
     data_set = open_cut(person, "A head")
@@ -86,7 +86,7 @@ def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, c
     expect(page.get_by_role("button", name="Add to the gallery")).to_be_visible()
 
 
-def test_on_a_phone_the_handles_go_with_a_finger(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_the_cut_handles_work_by_touch(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(phone=True)
     person = Person.arrives(stack, page, "finger")
     data_set = person.has_scan(cranium, "A head")

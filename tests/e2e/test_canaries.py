@@ -50,7 +50,7 @@ def spoken(connection: bytes) -> bytes:
     return bytes(out)
 
 
-def test_frames_of_a_socket_are_decoded():
+def test_recorded_socket_frames_are_decoded():
     mask = b"\1\2\3\4"
     frame = b"\x82" + bytes([128 | 126]) + struct.pack(">H", 300) + mask + bytes(b ^ mask[n % 4] for n, b in enumerate(b"word" * 75))
     assert spoken(b"GET / HTTP/1.1\r\nUpgrade: websocket\r\n\r\n" + frame).endswith(b"word" * 75)
@@ -60,7 +60,7 @@ def test_frames_of_a_socket_are_decoded():
     assert spoken(b"GET / HTTP/1.1\r\nUpgrade: websocket\r\n\r\n" + frame).endswith(b"word" * 75)
 
 
-def test_no_word_of_a_scan_leaves_the_browser(stack: TestStack, browser: Browser, tmp_path: Path):
+def test_no_identifying_text_of_a_scan_leaves_the_browser(stack: TestStack, browser: Browser, tmp_path: Path):
     scan, begun = CanaryScan(), time.time()
     search = Search(scan.all_words(), begun)
     folder = disc(scan, tmp_path)

@@ -13,7 +13,7 @@ from playwright.sync_api import Locator, Page, expect
 from touch import Fingers
 from harness import TestStack
 from picture import ALIKE, SIDE, difference, facts
-from test_in_picture import middle, open_viewer
+from test_in_picture import middle, open_scan, open_viewer
 from test_settings import Hands
 from input_methods import WAYS, Mouse
 
@@ -105,7 +105,7 @@ def is_home(hands: Hands, deed: Callable[[], None], home: Eye) -> None:
 
 
 @pytest.mark.nightly
-def test_one_looks_around_by_mouse_by_keys_and_by_touch(stack: TestStack, visit, cranium: Path):
+def test_mouse_keys_and_touch_navigate_the_picture(stack: TestStack, visit, cranium: Path):
     page = visit(small=True, touch=True)
     hands = open_viewer(stack, page, cranium, "manon", 480, 400)
     page.get_by_role("button", name="Hide the tips").click()
@@ -316,11 +316,23 @@ def close(way: Mouse, frame: Locator, name: str) -> None:
     expect(frame).to_have_count(0)
 
 
-@pytest.mark.parametrize("name", ["mouse", pytest.param("keys", marks=pytest.mark.nightly), pytest.param("touch", marks=pytest.mark.nightly)])
-def test_every_control_changes_the_picture_and_all_is_undone(stack: TestStack, visit, cranium: Path, pictures: Path, name: str):
+def test_every_control_of_the_page_changes_the_scene_and_can_be_undone(fake, visit, pictures: Path):
+    """The fake server accepts every scene. The next test asks the renderer."""
+    page = visit(small=True)
+    page.request.post(f"{fake.url}/v1/sign-in")
+    scans = page.request.get(f"{fake.url}/v1/data-sets").json()["items"]
+    work_every_control(open_scan(fake, page, next(scan["id"] for scan in scans if scan["state"] == "ready"), 720, 440), "mouse", pictures)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["mouse", "keys", "touch"])
+def test_every_control_changes_the_picture_and_can_be_undone(stack: TestStack, visit, cranium: Path, pictures: Path, name: str):
     page = visit(small=True, touch=name == "touch")
-    hands = open_viewer(stack, page, cranium, name, 720, 440)
-    way = WAYS[name](page)
+    work_every_control(open_viewer(stack, page, cranium, name, 720, 440), name, pictures)
+
+
+def work_every_control(hands: Hands, name: str, pictures: Path) -> None:
+    page, way = hands.page, WAYS[name](hands.page)
     way.press(page.get_by_role("button", name="Hide the tips"))
     begun, first = hands.kept()[0], hands.picture()
     worked: dict[str, list[str]] = {}

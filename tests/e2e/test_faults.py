@@ -12,7 +12,7 @@ from harness import StackFactory, TestStack
 from person import Person
 from picture import difference, drag, last_input, pixels, wait_for_samples
 
-ENOUGH = 2  # samples per pixel
+ENOUGH = 8  # samples per pixel, for pictures that are compared
 SAID = "We can’t reach Diaphane. Trying again…"
 #: Without the gateway, the page gets tickets but no connection.
 CUT = "Connection lost. Reconnecting…"
@@ -64,14 +64,14 @@ def test_a_killed_program_is_reported_and_the_page_recovers(shaken: TestStack, v
     expect(person.card("Head")).to_have_attribute("data-state", "ready")
 
 
-def test_a_lost_network_is_reported_within_seconds_and_the_picture_follows_again(stack: TestStack, visit, cranium: Path):
+def test_a_network_outage_is_reported_and_the_stream_recovers(stack: TestStack, visit, cranium: Path):
     person = Person.arrives(stack, visit(), "anna")
     page = person.page
     person.has_scan(cranium, "Head")
     person.open_scan("Head")
     before = wait_for_samples(stack, page, 2)
     page.context.set_offline(True)
-    expect(page.get_by_role("status").get_by_text("Until then, the picture stays as it is.")).to_be_visible(timeout=3000)
+    expect(page.get_by_role("status").get_by_text("Until then, the picture stays as it is.")).to_be_visible()
     drag(page, -200, 0)
     page.context.set_offline(False)
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")

@@ -58,7 +58,7 @@ def press(page: Page, wanted: Locator, key: str = "Enter") -> None:
 
 
 @pytest.mark.nightly
-def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestStack, visit, cranium: Path):
+def test_uploading_viewing_sharing_and_signing_out_work_by_keyboard(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "keys")
     page.context.clear_cookies()
@@ -77,7 +77,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
     press(page, page.get_by_role("link", name="Add a scan").first)
     expect(page.get_by_role("heading", name="Add a scan")).to_be_focused()
     with page.expect_file_chooser() as chooser:
-        press(page, page.locator("button", has_text="Choose a folder"))
+        press(page, page.get_by_role("button", name="Choose a folder"))
     chooser.value.set_files(cranium)
     go_to(page, page.get_by_label("Your name for this scan"))
     page.keyboard.type("Key head")
@@ -141,7 +141,7 @@ def test_a_patient_with_keys_alone_uploads_looks_shares_and_leaves(stack: TestSt
 
 
 @pytest.mark.nightly
-def test_deleting_a_scan_by_keys_moves_the_focus_to_the_title(stack: TestStack, visit, cranium: Path):
+def test_deleting_a_scan_by_keyboard_moves_the_focus_to_the_title(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "keys")
     person.has_scan(cranium, "Unwanted head")

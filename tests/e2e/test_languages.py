@@ -16,9 +16,29 @@ from test_every_page import faults
 MOST_BYTES = 300_000
 SENT = """() => [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
     .filter((r) => !r.name.includes("/v1/") && !r.name.startsWith("blob:")).map((r) => [new URL(r.name).pathname, r.transferSize])"""
+#: Runs in the page: controls of the slices that overlap, leave the window, or cut off their text.
+CROWDED = """() => {
+    const name = (e) => (e.getAttribute("aria-label") ?? e.textContent).slice(0, 30);
+    const all = [...document.querySelectorAll(".slice-bar :is(label > span, label:has(> input:not([type=radio], [type=checkbox])), select, button, input[type=range])")]
+        .filter((e) => e.getClientRects().length > 0);
+    const boxes = all.map((e) => [e, e.getBoundingClientRect()]);
+    const wrong = boxes.filter(([e, box]) => box.left < 0 || box.right > innerWidth || e.scrollWidth > e.clientWidth + 1 && e.matches("span, label, button")).map(([e]) => `clipped: ${name(e)}`);
+    for (const [i, [a, one]] of boxes.entries()) for (const [b, other] of boxes.slice(0, i))
+        if (!a.contains(b) && !b.contains(a) && one.left < other.right - 1 && other.left < one.right - 1 && one.top < other.bottom - 1 && other.top < one.bottom - 1)
+            wrong.push(`overlap: ${name(a)} / ${name(b)}`);
+    const select = document.querySelector(".slice-bar select");
+    if (select) {
+        const pen = new OffscreenCanvas(1, 1).getContext("2d");
+        const style = getComputedStyle(select);
+        pen.font = style.font;
+        const room = select.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+        for (const { text } of select.options) if (pen.measureText(text).width > room) wrong.push(`clipped: ${text}`);
+    }
+    return all.length < 12 ? [`only ${all.length} controls`] : wrong;
+}"""
 
 
-def test_a_person_signs_up_and_looks_at_a_scan_in_german(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_sign_up_and_viewing_work_in_german(stack: TestStack, visit, cranium: Path, pictures: Path):
     owner = Person.arrives(stack, visit(small=True), "gerda")
     scan = owner.has_scan(cranium, "Kopf")
 
@@ -55,9 +75,15 @@ def test_a_person_signs_up_and_looks_at_a_scan_in_german(stack: TestStack, visit
     assert len(catalogues) == 1 and "/de-" in catalogues[0], sent
     page.get_by_role("button", name="Qualität anzeigen").click()
     page.screenshot(path=pictures / "viewer-german-quality.png")
+    page.locator(".quality-head button").click()
+    page.locator(".stage > canvas").press("v")
+    page.get_by_role("checkbox", name="Farben").check()  # with the slider of their strength
+    expect(page.locator(".slice-pane canvas[data-came=true]")).to_have_count(1)
+    page.screenshot(path=pictures / "slices-german.png")
+    assert page.evaluate(CROWDED) == []
 
 
-def test_the_language_is_chosen_and_kept_and_what_is_loaded_is_small(stack: TestStack, visit):
+def test_the_chosen_language_is_kept_and_only_its_texts_are_loaded(stack: TestStack, visit):
     page = visit()
     page.goto(stack.url + "/sign-in")
     expect(page.get_by_role("heading", name="Sign in")).to_be_visible()

@@ -27,7 +27,7 @@ def shows_links(page: Page, url: str) -> None:
     assert [link.get_attribute("href") for link in links.get_by_role("link").all()] == ["/privacy", "/terms", "/contact"]
 
 
-def test_a_new_installation_has_templates_that_say_what_the_operator_must_fill_in(stack: TestStack, visit, pictures: Path):
+def test_legal_templates_list_what_the_operator_must_fill_in(stack: TestStack, visit, pictures: Path):
     for number, look in enumerate(({"wide": True}, {"phone": True, "dark": True})):
         page = visit(**look)
         for path, heading in (("privacy", "Privacy notice"), ("terms", "Terms of use"), ("contact", "Contact")):
@@ -60,7 +60,7 @@ def test_the_operators_texts_replace_the_templates(stack: TestStack, visit, own_
     assert page.request.post(stack.url + "/legal/contact.en.txt").status == 405
 
 
-def test_every_page_around_an_account_links_to_them_and_administrators_are_reminded(stack: TestStack, visit):
+def test_account_pages_link_the_legal_texts_and_remind_administrators(stack: TestStack, visit):
     page = visit()
     for path in ("/", "/sign-up", "/sign-in"):
         shows_links(page, stack.url + path)
@@ -70,10 +70,10 @@ def test_every_page_around_an_account_links_to_them_and_administrators_are_remin
     shows_links(person.page, stack.url + "/account")
     person.becomes_administrator()
     person.page.goto(stack.url + "/admin/fleet")
-    expect(person.page.get_by_text("you have to fill in: Privacy notice, Terms of use, Contact")).to_be_visible()
+    expect(person.page.get_by_text("you must fill in: Privacy notice, Terms of use, Contact")).to_be_visible()
 
 
-def test_nobody_signs_up_without_agreeing_to_the_privacy_notice(stack: TestStack, visit, pictures: Path):
+def test_sign_up_requires_agreeing_to_the_privacy_notice(stack: TestStack, visit, pictures: Path):
     page = visit(phone=True)
     page.goto(stack.url + "/sign-up")
     box = page.get_by_label("I agree that this service processes my scans")
@@ -90,7 +90,7 @@ def test_nobody_signs_up_without_agreeing_to_the_privacy_notice(stack: TestStack
     assert page.get_by_label("Email address").input_value() == "careful@example.org"
 
 
-def test_people_who_have_not_agreed_yet_are_asked_before_they_see_their_scans(stack: TestStack, visit, pictures: Path):
+def test_users_without_consent_are_asked_before_they_see_their_scans(stack: TestStack, visit, pictures: Path):
     person = Person.arrives(stack, visit(wide=True), "earlier")
     page = person.page
     stack.psql("UPDATE users SET consent_version = NULL, consent_at = NULL WHERE email = %s", person.email)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import math
+import re
 from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import Facts, difference, drag, facts, pixels, spread, wait_for_samples
+from picture import Facts, difference, drag, facts, kept_view, pixels, spread, wait_for_samples
 from test_pages import check_page
+from touch import Fingers
 
 
 def same_picture(stack: TestStack, a: Page, b: Page) -> None:
@@ -98,7 +102,42 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     same_picture(stack, owner, follower)
 
 
-def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, visit, cranium: Path, pictures: Path):
+#: Runs in the page: the distance of the subject from the left and the right edge, in parts of the picture's width. The subject is
+#: brighter than any background.
+MARGINS = """(canvas) => {
+    const { width, height } = canvas;
+    const rgba = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+    let low = width, high = -1;
+    for (let i = 0; i < rgba.length; i += 4)
+        if (rgba[i] > 110) { const x = (i / 4) % width; low = Math.min(low, x); high = Math.max(high, x); }
+    return [low / width, 1 - (high + 1) / width];
+}"""
+
+
+def the_picture_fits_a_phone_that_presents(stack: TestStack, owner: Page, phone: Page, pictures: Path) -> None:
+    """Whoever presents from now on sees the whole subject, however narrow the window, and gives it back as it was."""
+
+    def distance(page: Page) -> float:
+        camera = json.loads(kept_view(page)["scene"])["camera"]
+        return math.dist(*([camera[end].get(axis, 0) for axis in "xyz"] for end in ("eye", "target")))
+
+    before = distance(owner)
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("button", name=re.compile("^Make Guest \\d presenter$")).click()
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+    expect(phone.get_by_text("Owner is presenting")).to_have_count(0)
+    canvas = phone.locator(".stage > canvas")
+    stack.wait_until(lambda: distance(phone) > 1.5 * before or phone.wait_for_timeout(50), what="the camera moving back")
+    settled(stack, phone)
+    phone.screenshot(path=pictures / "live-phone-presents.png")
+    left, right = canvas.evaluate(MARGINS)
+    assert left > 0.02 and right > 0.02, "the subject is wider than the window"
+    owner.get_by_role("button", name="Present again").click()
+    expect(phone.get_by_text("Owner is presenting")).to_be_visible()
+    stack.wait_until(lambda: abs(distance(owner) / before - 1) < 0.03 or owner.wait_for_timeout(50), what="the camera moving forward")
+
+
+def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestStack, visit, cranium: Path, pictures: Path):
     anna = Person.arrives(stack, visit(), "anna")
     anna.has_scan(cranium, "Head")
     anna.open_scan("Head")
@@ -153,6 +192,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     wait_for_samples(stack, phone, 1)
     phone.screenshot(path=pictures / "live-phone.png")
     check_page(phone)
+    the_picture_fits_a_phone_that_presents(stack, owner, phone, pictures)
     phone.close()
 
     # The role changes hands: the former presenter follows, and no earlier picture reappears.
@@ -192,7 +232,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the owner's turn")
 
 
-def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_interaction_is_recorded_only_with_revocable_consent(stack: TestStack, visit, cranium: Path, pictures: Path):
     eve = Person.arrives(stack, visit(), "eve")
     eve.has_scan(cranium, "Private Title")
     eve.open_scan("Private Title")
@@ -200,7 +240,7 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     wait_for_samples(stack, page, 1)
     drag(page, 120, 0)
     page.get_by_role("button", name="Usage recording").click()
-    switch = page.get_by_role("switch", name="Record how I look at pictures")
+    switch = page.get_by_role("switch", name="Record how I use the viewer")
     expect(switch).to_be_enabled()
     expect(switch).not_to_be_checked()
     switch.check()
@@ -233,3 +273,86 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     switch.uncheck()
     stack.wait_until(lambda: stack.psql("SELECT count(*) FROM users WHERE recording_consent_at IS NOT NULL") == [(0,)]
                      or page.wait_for_timeout(50), what="the consent taken back")
+
+
+def pointer(page: Page, inside: str, name: str):
+    return page.locator(inside).locator(".pointer", has_text=name)
+
+
+def middle_of(page: Page, element: str) -> tuple[float, float]:
+    box = page.locator(element).bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_everyone_sees_the_slices_of_the_presenter_and_where_the_others_point(stack: TestStack, visit, cranium: Path, pictures: Path):
+    anna = Person.arrives(stack, visit(), "anna")
+    anna.has_scan(cranium, "Head")
+    anna.open_scan("Head")
+    owner = anna.page
+    wait_for_samples(stack, owner, 1)
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("button", name="Create link").click()
+    link = owner.get_by_label("Link to share").input_value()
+    phone = visit(phone=True)
+    phone.goto(link)
+    phone.get_by_label("Your name (visible to others in this session)").fill("Bob")
+    phone.get_by_role("button", name="Join", exact=True).click()
+    wait_for_samples(stack, phone, 1)
+    owner.get_by_role("checkbox", name="Guests can also see the slices").check()
+    expect(owner.get_by_role("checkbox", name="Guests can point")).to_be_checked()
+    owner.screenshot(path=pictures / "live-share-pointers.png")
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+
+    # Both point at the picture: the presenter with the mouse, the guest with a finger that is held down.
+    canvas = ".stage > canvas"
+    owner.mouse.move(*middle_of(owner, canvas))
+    expect(pointer(phone, ".stage > .handle-area", "Owner")).to_be_visible()
+    finger = Fingers(phone)
+    x, y = middle_of(phone, canvas)
+    finger.say("touchStart", [(x, y)])
+    expect(pointer(owner, ".stage > .handle-area", "Bob")).to_be_visible()
+    first = pointer(owner, ".stage > .handle-area", "Bob").bounding_box()
+    finger.say("touchMove", [(x + 20, y)])
+    stack.wait_until(lambda: pointer(owner, ".stage > .handle-area", "Bob").bounding_box()["x"] > first["x"] + 5 or owner.wait_for_timeout(50), what="the pointer's move")
+    owner.mouse.move(*(n + 20 for n in middle_of(owner, canvas)))
+    owner.screenshot(path=pictures / "live-pointer-desktop.png")
+    phone.screenshot(path=pictures / "live-pointer-phone.png")
+    finger.say("touchEnd", [])
+
+    # The phone follows the presenter's slices with their window and measurement, one plane at a time.
+    owner.keyboard.press("v")
+    expect(phone.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-came", "true")
+    owner.get_by_role("radio", name="Ruler").check()
+    x, y = middle_of(owner, ".slice-pane[data-plane=axial] canvas")
+    owner.mouse.move(x - 60, y)
+    owner.mouse.down()
+    owner.mouse.move(x + 40, y + 10, steps=4)
+    owner.mouse.up()
+    expect(phone.locator(".slice-pane[data-plane=axial] .slice-measure text")).to_have_text(owner.locator(".slice-pane[data-plane=axial] .slice-measure text").text_content())
+    owner.get_by_label("Width", exact=True).fill("777")
+    owner.keyboard.press("Enter")
+    axial = owner.locator(".slice-pane[data-plane=axial] canvas")
+    axial.focus()
+    owner.keyboard.press("ArrowDown")
+    owner.keyboard.press("ArrowUp")
+    index = axial.get_attribute("data-index")
+    expect(phone.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-index", index)
+    expect(phone.locator(".slice-slider")).to_be_disabled()
+    owner.mouse.move(x, y + 40)
+    expect(pointer(phone, ".slice-pane[data-plane=axial]", "Owner")).to_be_visible()
+    owner.screenshot(path=pictures / "live-slices-desktop.png")
+    phone.screenshot(path=pictures / "live-slices-phone.png")
+    check_page(phone)
+    phone.get_by_role("radio", name="Coronal").check()
+    expect(phone.locator(".slice-pane[data-plane=coronal] canvas")).to_have_attribute("data-came", "true")
+    owner.keyboard.press("v")
+    expect(phone.locator(".slice-pane")).to_have_count(0)
+
+    # The presenter turns the pointers of guests off.
+    owner.get_by_role("button", name="View together").click()
+    owner.get_by_role("checkbox", name="Guests can point").uncheck()
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+    expect(owner.locator(".pointer")).to_have_count(0)
+    phone.get_by_role("button", name="View together").click()
+    expect(phone.get_by_text("Everyone sees where you point")).to_have_count(0)
+    phone.close()

@@ -63,7 +63,7 @@ def test_a_browser_that_blocks_storage_shows_and_changes_the_picture(stack: Test
     expect(page.get_by_role("heading", name="Meine Aufnahmen")).to_be_visible()
 
 
-def test_without_webcodecs_the_picture_comes_another_way(stack: TestStack, visit, owner):
+def test_without_webcodecs_the_picture_is_decoded_another_way(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner, NO_CODECS)
     assert page.evaluate("typeof VideoDecoder") == "undefined"
     turns(stack, page)
@@ -71,7 +71,7 @@ def test_without_webcodecs_the_picture_comes_another_way(stack: TestStack, visit
 
 
 @pytest.mark.nightly
-def test_where_the_page_is_not_secure_all_of_it_works(all_stacks: StackFactory, browser: Browser, cranium: Path, monkeypatch):
+def test_the_page_works_in_an_insecure_context(all_stacks: StackFactory, browser: Browser, cranium: Path, monkeypatch):
     """HTTP with a host name, as in a hospital's network: there is no WebCodecs, SubtleCrypto or clipboard."""
     monkeypatch.setattr(plan.Settings, "host", property(lambda _: "clinic.test"))
     stack = all_stacks.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
@@ -96,7 +96,7 @@ def test_where_the_page_is_not_secure_all_of_it_works(all_stacks: StackFactory, 
 
 
 @pytest.mark.nightly
-def test_a_lost_gpu_and_a_window_of_no_size_leave_the_same_picture(stack: TestStack, visit, owner):
+def test_the_picture_survives_a_lost_gpu_and_an_empty_window(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner)
     wait_for_samples(stack, page, 8)
     whole = pixels(page)

@@ -71,7 +71,7 @@ def rename(hands: Hands, frame, old: str, new: str) -> None:
     expect(frame.get_by_role("button", name=new, exact=True)).to_be_visible()
 
 
-def test_sides_quality_names_and_looks_are_shown(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_orientation_quality_participants_and_looks_are_shown(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(wide=True)
     hands = open_viewer(stack, page, cranium, "tilda", 1000, 640)
     page.get_by_role("button", name="Hide the tips").click()

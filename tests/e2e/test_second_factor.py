@@ -75,7 +75,7 @@ def next_code(stack: TestStack, person: Person, device: pyotp.TOTP) -> str:
 
 @pytest.mark.parametrize("look", [
     pytest.param({}, id="desk"), pytest.param({"phone": True, "dark": True}, id="phone-dark", marks=pytest.mark.nightly)])
-def test_it_is_set_up_asked_for_and_a_recovery_code_does_too(stack: TestStack, visit, pictures: Path, look: dict):
+def test_signing_in_needs_the_second_factor_or_a_recovery_code(stack: TestStack, visit, pictures: Path, look: dict):
     page, blank = visit(**look), visit()
     anna = Person.arrives(stack, page, "anna")
     page.goto(stack.url + "/account")
@@ -132,7 +132,7 @@ def test_it_is_set_up_asked_for_and_a_recovery_code_does_too(stack: TestStack, v
     expect(panel(page).get_by_role("button", name="Set up")).to_be_visible()
 
 
-def test_an_administrator_is_led_to_set_it_up_first(stack: TestStack, visit, pictures: Path):
+def test_an_administrator_must_set_up_the_second_factor_first(stack: TestStack, visit, pictures: Path):
     page, blank = visit(), visit()
     boss = Person.arrives(stack, page, "boss")
     stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", boss.email)
@@ -147,7 +147,7 @@ def test_an_administrator_is_led_to_set_it_up_first(stack: TestStack, visit, pic
     expect(page.get_by_role("button", name="Search")).to_be_visible()
 
 
-def test_a_new_password_says_what_is_missing_while_it_is_typed(stack: TestStack, visit):
+def test_the_password_field_shows_what_is_missing(stack: TestStack, visit):
     page = visit()
     person = Person(stack, page, "somebody@example.org")
     person.sign_up()
@@ -160,8 +160,8 @@ def test_a_new_password_says_what_is_missing_while_it_is_typed(stack: TestStack,
         expect(said).to_have_text(words)
     assert faults(page) == []
     password.fill("kq7 zr4 vm2")
-    page.get_by_role("button", name="Confirm address and set password").click()
+    page.get_by_role("button", name="Set password and sign in").click()
     expect(page.get_by_text("Use at least 12 characters.")).to_be_visible()
     password.fill("password1234")
-    page.get_by_role("button", name="Confirm address and set password").click()
+    page.get_by_role("button", name="Set password and sign in").click()
     expect(password).to_have_attribute("aria-invalid", "true")

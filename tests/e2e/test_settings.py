@@ -85,7 +85,7 @@ def look_from_the_front(hands: Hands) -> None:
 
 
 @pytest.mark.nightly
-def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_every_settings_panel_changes_the_picture_and_can_be_undone(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     person = Person.arrives(stack, page, "wilma")
     scan = person.has_scan(cranium, "Head")

@@ -55,10 +55,21 @@ def preset_is_reported_and_taken_down(author: Person, reader: Person, boss: Pers
     reader.page.reload()
     reader.page.get_by_role("button", name="Saved presets").click()
     expect(reader.page.get_by_text("There are no presets yet")).to_be_visible()
+
+    # The administrator changes their mind, and readers see the preset again.
+    hidden = boss.page.get_by_role("list", name="Taken down").get_by_role("listitem").filter(has_text=name)
+    expect(hidden).to_contain_text("No names of people.")
+    hidden.get_by_role("button", name=f"Restore {name}").click()
+    boss.page.screenshot(path=pictures / "restore-preset.png")
+    boss.page.get_by_role("dialog").get_by_role("button", name="Restore", exact=True).click()
+    expect(boss.page.get_by_text("Nothing is taken down.")).to_be_visible()
+    reader.page.reload()
+    reader.page.get_by_role("button", name="Saved presets").click()
+    expect(reader.page.get_by_text(name)).to_be_visible()
     reader.page.close()
 
 
-def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestStack, visit, cranium: Path, pictures: Path):
     anna = Person.arrives(stack, visit(small=True), "anna")
     scan = anna.has_scan(cranium, "A head to share")
     anna.open_scan("A head to share")

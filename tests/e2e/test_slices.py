@@ -6,6 +6,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 from playwright.sync_api import expect
 
 from touch import Fingers
@@ -27,6 +28,12 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
         slices = reader.planes[plane].voxels.shape[0]
         assert abs(reader.index(plane) - (slices - 1) / 2) <= 0.5
     page.screenshot(path=pictures / "four-up.png")
+
+    # Smooth at first, and the value under the pointer is the voxel's.
+    for plane in PLANES:
+        reader.shows_interpolated_values(plane, 40)
+    reader.sharp()
+    page.screenshot(path=pictures / "four-up-sharp.png")
 
     # Values under the pointer, and how they are drawn.
     for plane in PLANES:
@@ -77,6 +84,7 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
     expect(reader.canvas("axial")).to_have_attribute("data-index", str(before + 1))
     reader.says("axial", int(reader.planes["axial"].voxels[before + 1, row, column]))
     measured_by_mouse(reader)
+    ellipse_by_mouse(reader, pictures)
     one_alone_by_mouse(reader)
 
 
@@ -140,6 +148,73 @@ def measured_by_mouse(reader: Reader) -> None:
     expect(reader.pane("axial").locator(".slice-measure")).to_have_count(0)
 
 
+def shows_region(reader: Reader, plane: str, one: tuple[float, float], other: tuple[float, float]) -> None:
+    values, area = reader.region(plane, one, other)
+    lines = reader.pane(plane).locator(".slice-measure tspan")
+    expect(lines.nth(0)).to_have_text(f"Mean {values.mean():.1f} ± {values.std():.1f} HU".replace("-", "−"))
+    expect(lines.nth(1)).to_have_text(f"{values.min()} to {values.max()} HU".replace("-", "−"))
+    expect(lines.nth(2)).to_have_text(re.compile(rf"^{area:.{1 if area < 100 else 0}f} mm², {len(values):,} pixels$"))
+
+
+def ellipse_by_mouse(reader: Reader, pictures: Path) -> None:
+    """Drawn from corner to corner, moved by its centre and resized by its ends."""
+    page = reader.page
+    page.get_by_role("radio", name="Ellipse").check()
+    x, y = (round(n) for n in reader.at("axial", 60, 60))
+
+    def drag(start: tuple[int, int], end: tuple[int, int]) -> None:
+        page.mouse.move(*start)
+        page.mouse.down()
+        page.mouse.move(*end, steps=4)
+        page.mouse.up()
+
+    drag((x, y), (x + 90, y + 70))
+    shows_region(reader, "axial", (x, y), (x + 90, y + 70))
+    page.screenshot(path=pictures / "ellipse.png")
+    drag((x + 45, y + 35), (x + 65, y + 15))
+    shows_region(reader, "axial", (x + 20, y - 20), (x + 110, y + 50))
+    drag((x + 110, y + 15), (x + 80, y + 25))
+    shows_region(reader, "axial", (x + 20, y - 20), (x + 80, y + 50))
+    expect(reader.pane("axial").locator(".slice-measure")).to_have_count(1)
+    page.get_by_role("button", name="Delete the last measurement").click()
+
+
+def test_the_colours_of_the_look_cover_the_grey_and_follow_the_look(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(wide=True)
+    person = Person.arrives(stack, page, "olga")
+    reader = Reader(stack, page, person.has_scan(cranium, "Head"))
+    page.locator("[data-preset=bone]").click()
+    page.keyboard.press("v")
+    reader.sharp()
+    plane = reader.planes["axial"]
+    reader.set_window(500, 4000)
+    # A pixel of hard bone and one of air.
+    slice_ = plane.voxels[reader.index("axial")]
+    bone = tuple(int(n) for n in np.argwhere(slice_ > 1100)[0][::-1])
+    air = tuple(int(n) for n in np.argwhere(slice_ < -900)[0][::-1])
+
+    def colour(spot: tuple[int, int]) -> list[int]:
+        return reader.pixel("axial", *plane.place(reader.canvas("axial").bounding_box(), *spot))[:3]
+
+    grey = colour(bone)
+    assert len(set(grey)) == 1
+    page.get_by_role("checkbox", name="Colours").check()
+    stack.wait_until(lambda: len(set(colour(bone))) > 1, what="the colours of bone")
+    assert len(set(colour(air))) == 1
+    half = colour(bone)
+    page.get_by_role("slider", name="Strength of the colours").fill("100")
+    stack.wait_until(lambda: colour(bone) != half, what="stronger colours")
+    full = colour(bone)
+    # Half the strength is halfway between the grey and the colour, each rounded.
+    assert all(abs(h - (g + f) / 2) <= 1 for h, g, f in zip(half, grey, full)), (half, grey, full)
+    page.screenshot(path=pictures / "overlay.png")
+    page.locator("[data-preset=airways]").evaluate("(button) => button.click()")  # another one covers the row of looks
+    stack.wait_until(lambda: len(set(colour(bone))) == 1, what="a look without bone")
+    page.reload()
+    expect(page.get_by_role("checkbox", name="Colours")).to_be_checked()
+    expect(page.get_by_role("checkbox", name="Smooth")).not_to_be_checked()
+
+
 def one_alone_by_mouse(reader: Reader) -> None:
     """A double click maximises one slice and restores all. Settings are kept."""
     page, window = reader.page, reader.window()
@@ -167,7 +242,7 @@ def one_alone_by_mouse(reader: Reader) -> None:
     reader.shows_what_the_formula_says("coronal", spots_of(reader.planes["coronal"], 6))
 
 
-def test_keys_alone_read_slices_and_a_checker_finds_no_fault(stack: TestStack, visit, cranium: Path):
+def test_slices_work_by_keyboard_and_pass_the_accessibility_check(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "kai")
     reader = Reader(stack, page, person.has_scan(cranium, "Head"))
@@ -204,6 +279,7 @@ def test_keys_alone_read_slices_and_a_checker_finds_no_fault(stack: TestStack, v
     expect(reader.pane("axial").locator(".slice-measure text")).to_have_text(f"{5 * reader.planes['axial'].width:.1f} mm")
     page.keyboard.press("Delete")
     expect(reader.pane("axial").locator(".slice-measure")).to_have_count(0)
+    ellipse_by_keys(reader)
 
     page.keyboard.press("m")
     expect(page.locator(".slice-pane")).to_have_count(1)
@@ -216,7 +292,28 @@ def test_keys_alone_read_slices_and_a_checker_finds_no_fault(stack: TestStack, v
     expect(page.locator(".slice-pane")).to_have_count(0)
 
 
-def test_on_a_phone_slices_come_one_at_a_time(stack: TestStack, visit, cranium: Path, pictures: Path):
+def ellipse_by_keys(reader: Reader) -> None:
+    """Two corners at the crosshair, and then its lower end is picked up and put down."""
+    page, axial, plane = reader.page, reader.canvas("axial"), reader.planes["axial"]
+    page.get_by_role("radio", name="Ellipse").focus()
+    page.keyboard.press("Space")
+    axial.focus()
+
+    def press(*keys: str) -> None:
+        for key in keys:
+            page.keyboard.press(key)
+
+    size = reader.pane("axial").locator(".slice-measure tspan").nth(2)
+    press("Enter", *["Shift+ArrowRight"] * 8, *["Shift+ArrowDown"] * 6, "Enter")
+    expect(size).to_contain_text(f"{math.pi * 4 * plane.width * 3 * plane.height:.1f} mm²")
+    press(*["Shift+ArrowLeft"] * 4, "Enter")
+    expect(reader.pane("axial").get_by_role("status")).to_contain_text("Picked up")
+    press("Shift+ArrowDown", "Shift+ArrowDown", "Enter", "Shift+ArrowDown")
+    expect(size).to_contain_text(f"{math.pi * 4 * plane.width * 4 * plane.height:.1f} mm²")
+    press("Delete")
+
+
+def test_a_phone_shows_one_slice_view_at_a_time(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(phone=True)
     person = Person.arrives(stack, page, "pia")
     reader = Reader(stack, page, person.has_scan(cranium, "Head"))
@@ -224,7 +321,10 @@ def test_on_a_phone_slices_come_one_at_a_time(stack: TestStack, visit, cranium: 
     reader.index("axial")
     expect(page.locator(".slice-pane")).to_have_count(1)
     page.screenshot(path=pictures / "phone-axial.png")
+    no_label_covers_another(reader, "axial")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    ellipse_by_finger(reader, pictures)
+    reader.sharp()
     page.get_by_role("radio", name="Coronal").check()
     reader.index("coronal")
     expect(page.locator(".slice-pane")).to_have_count(1)
@@ -239,6 +339,33 @@ def test_on_a_phone_slices_come_one_at_a_time(stack: TestStack, visit, cranium: 
     expect(page.locator(".slice-pane")).to_have_count(0)
     expect(page.locator(".stage > canvas")).to_be_visible()
     page.screenshot(path=pictures / "phone-3d.png")
+
+
+def no_label_covers_another(reader: Reader, plane: str) -> None:
+    labels = reader.pane(plane).locator(".slice-letter, .slice-title, .slice-facts, .slice-scale, .slice-slider")
+    boxes = [label.bounding_box() for label in labels.all()]
+    assert len(boxes) == 8
+    for i, a in enumerate(boxes):
+        for b in boxes[:i]:
+            apart = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"] or a["y"] + a["height"] <= b["y"] or b["y"] + b["height"] <= a["y"]
+            assert apart, (a, b)
+    # The bar is as long as it says.
+    bar = reader.pane(plane).locator(".slice-scale")
+    number, unit = bar.text_content().split()
+    length = float(number) * {"mm": 1, "cm": 10}[unit] * reader.planes[plane].per_mm(reader.canvas(plane).bounding_box())
+    assert abs(bar.bounding_box()["width"] - length) < 1
+
+
+def ellipse_by_finger(reader: Reader, pictures: Path) -> None:
+    page, fingers = reader.page, Fingers(reader.page)
+    page.get_by_role("radio", name="Ellipse").check()
+    x, y = (round(n) for n in reader.at("axial", 60, 60))
+    fingers.drag([((x, y), (x + 80, y + 60))])
+    shows_region(reader, "axial", (x, y), (x + 80, y + 60))
+    fingers.drag([((x + 40, y + 30), (x + 20, y + 40))])
+    shows_region(reader, "axial", (x - 20, y + 10), (x + 60, y + 70))
+    page.screenshot(path=pictures / "phone-ellipse.png")
+    page.get_by_role("button", name="Delete the last measurement").tap()
 
 
 def read_by_fingers(reader: Reader) -> None:

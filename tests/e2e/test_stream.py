@@ -97,7 +97,7 @@ def heard_codecs(page: Page) -> set[int]:
 
 
 @pytest.mark.parametrize(("codec", "number"), [("H264", 2), ("JPEG", 1), ("MPEG1", 3)])
-def test_each_codec_has_the_right_colours_and_its_end_is_exact(quick: TestStack, visit, anna, pictures: Path, codec: str, number: int):
+def test_each_codec_has_the_right_colours_and_ends_lossless(quick: TestStack, visit, anna, pictures: Path, codec: str, number: int):
     page = view(visit, quick, anna, codec, small=True)
     lossless(quick, page)
     page.evaluate("heardStills.keepCoded(document.querySelector('canvas'))")
@@ -139,7 +139,7 @@ def test_a_damaged_tile_is_reported_and_the_streamed_picture_stays(quick: TestSt
 
 
 @pytest.mark.nightly
-def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStack, visit, anna):
+def test_a_failing_decoder_is_replaced_by_the_next_codec(quick: TestStack, visit, anna):
     """As when a graphics driver fails: the test frame is decoded, and later frames are not."""
     scan, cookies = anna
     page = visit(small=True)
@@ -161,7 +161,7 @@ def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStac
 
 
 @pytest.mark.nightly
-def test_far_away_the_picture_follows_a_hand_and_its_end_is_exact(quick: TestStack, browser: Browser, anna):
+def test_on_a_slow_network_the_picture_follows_input_and_ends_lossless(quick: TestStack, browser: Browser, anna):
     """100 ms round trip and 2 Mbit/s, as a browser sees it. For measurements: tests/integration/test_slow_network.py."""
     scan, cookies = anna
     with SlowNetwork(quick.ports["edge"], round_trip_s=0.1, bits_per_s=2e6, socks=True) as network:

@@ -79,7 +79,7 @@ def same_bytes(stack: TestStack, url: str, length: int, seed: int) -> bool:
     return len(stored) == length and hashlib.sha256(stored).digest() == hashlib.sha256(bytes_of(length, seed)).digest()
 
 
-def test_a_plain_client_creates_and_uploads_several_at_once(tus_stack: TestStack, page: Page):
+def test_a_plain_tus_client_uploads_several_files_in_parallel(tus_stack: TestStack, page: Page):
     assert page.evaluate("tus.isSupported")
     urls = page.evaluate("""() => {
         const runs = [1, 2, 3].map((seed) => begin(400000 + seed, seed));
@@ -95,7 +95,7 @@ def test_a_plain_client_creates_and_uploads_several_at_once(tus_stack: TestStack
     assert "Mustermann" not in "".join(tus_stack.log(program) for program in ("api", "edge"))
 
 
-def test_an_upload_survives_the_server_killed_in_the_middle(tus_stack: TestStack, page: Page):
+def test_an_upload_survives_killing_the_server(tus_stack: TestStack, page: Page):
     length = 3 * PART + 1234
     page.evaluate("(length) => { window.run = begin(length, 7); run.upload.start(); }", length)
     tus_stack.wait_until(lambda: page.evaluate("run.offsets.length") >= 2, what="the second part")
@@ -151,7 +151,7 @@ def test_a_restarted_browser_resumes_the_upload(tus_stack: TestStack, page: Page
     assert same_bytes(tus_stack, found["url"], length, 9)
 
 
-def test_a_terminated_upload_is_gone(tus_stack: TestStack, page: Page):
+def test_a_terminated_upload_is_not_found(tus_stack: TestStack, page: Page):
     url = page.evaluate("""() => new Promise((resolve, reject) => {
         window.run = begin(2 * 8388608, 11, { onChunkComplete: () => run.upload.abort(true).then(() => resolve(run.upload.url), reject) });
         run.upload.start();
@@ -161,7 +161,7 @@ def test_a_terminated_upload_is_gone(tus_stack: TestStack, page: Page):
     tus_stack.wait_until(lambda: not file_of(tus_stack, url).exists(), what="the file's disposal")
 
 
-def test_an_expired_upload_starts_again(tus_stack: TestStack, page: Page):
+def test_an_expired_upload_is_restarted(tus_stack: TestStack, page: Page):
     old = page.evaluate("""() => new Promise((resolve) => {
         window.run = begin(8388608 + 5, 13, { onChunkComplete: () => { run.upload.abort(); resolve(run.upload.url); } });
         run.upload.start();

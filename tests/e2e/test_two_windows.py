@@ -13,7 +13,7 @@ from picture import drag, kept_view, last_input, wait_for_samples
 
 
 @pytest.mark.nightly
-def test_a_duplicated_window_takes_over_the_picture(stack: TestStack, visit, cranium: Path):
+def test_a_duplicated_tab_takes_over_the_session(stack: TestStack, visit, cranium: Path):
     person = Person.arrives(stack, visit(), "anna")
     person.has_scan(cranium, "Head")
     person.open_scan("Head")

@@ -15,7 +15,7 @@ from picture import difference, drag, facts, kept_view, last_input, pixels, spre
 ENOUGH = 8  # samples per pixel; at 128 x 128 the noise is far below the changes of a rotation
 
 
-def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visit, cranium: Path, pictures: Path):
+def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit()
     person = Person.signs_up_and_in(stack, page, "anna")
     expect(page.get_by_text("No scans yet")).to_be_visible()
@@ -64,7 +64,7 @@ def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visi
     assert session == kept_view(page)["session_id"]
 
 
-def test_a_second_person_sees_none_of_it(stack: TestStack, visit, cranium: Path):
+def test_another_user_cannot_see_the_scan(stack: TestStack, visit, cranium: Path):
     anna = Person.arrives(stack, visit(), "anna")
     scan = anna.has_scan(cranium, "Private head")
     anna.open_scan("Private head")
@@ -93,7 +93,7 @@ def test_a_second_person_sees_none_of_it(stack: TestStack, visit, cranium: Path)
     expect(nobody.get_by_role("heading", name="Sign in")).to_be_visible()
 
 
-def test_names_never_leave_the_browser_and_are_nowhere_on_the_server(stack_factory, visit, cranium: Path):
+def test_patient_names_are_never_sent_or_stored(stack_factory, visit, cranium: Path):
     stack = stack_factory()
     person = Person.signs_up_and_in(stack, visit(), "anna")
 

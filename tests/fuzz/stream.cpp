@@ -10,8 +10,8 @@
 #include "api/proto/worker.pb.h"
 #include "renderd/scene/presets.h"
 #include "renderd/session/state.h"
-#include "renderd/session/test_messages.h"
 #include "tests/fuzz/must.h"
+#include "tests/support/renderd/test_messages.h"
 
 using namespace diaphane;
 using namespace diaphane::render;
@@ -50,8 +50,8 @@ void read_all(const std::string& bytes) {
 class Meeting {
  public:
   Meeting() {
-    group_.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
-    own_.wanted.scene = group_.wanted.scene;
+    group_.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
+    own_.requested.scene = group_.requested.scene;
     own_.camera_only = true;
     for (std::size_t i = 0; i < kPeople.size(); ++i) come(i);
     const auto alone = attach(own_, owner(), now_);
@@ -102,13 +102,13 @@ class Meeting {
       MUST(!(*outcome.free_camera && state.audience.presents(*receiver)));
       use_free_camera(state, *receiver, *outcome.free_camera, now_);
     }
-    MUST(state.wanted.scene && check_scene(*state.wanted.scene));
+    MUST(state.requested.scene && check_scene(*state.requested.scene));
     MUST(state.audience.receivers.size() <= kPeople.size());
     if (&state == &group_) {
-      follow(own_, *group_.wanted.scene, now_);
-      MUST(check_scene(*own_.wanted.scene).has_value());
+      follow(own_, *group_.requested.scene, now_);
+      MUST(check_scene(*own_.requested.scene).has_value());
     }
-    if (outcome.wake) began(state, ++epoch_, state.wanted);
+    if (outcome.wake) began(state, ++epoch_, state.requested);
     (void)watched(state, now_);
     (void)overdue_greetings(state, now_);
   }

@@ -1,17 +1,17 @@
 // Any bytes as messages of one browser to its session, each after its length in two bytes. Accepted
-// messages are executed: depth is queried, slices are cut, and the frames of a film are planned.
+// messages are executed: depth is queried, slices are cut, and the frames of a video are planned.
 #include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "renderd/scene/file_order.h"
-#include "renderd/scene/film_path.h"
 #include "renderd/scene/presets.h"
+#include "renderd/scene/video_path.h"
 #include "renderd/session/depth.h"
 #include "renderd/session/state.h"
-#include "renderd/session/test_messages.h"
 #include "tests/fuzz/must.h"
+#include "tests/support/renderd/test_messages.h"
 #include "volume/slices.h"
 
 using namespace diaphane;
@@ -43,7 +43,7 @@ const volume::Volume& ball() {
 class Browser {
  public:
   Browser() {
-    state_.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state_.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
     const auto attached = attach(state_, owner(), now_);
     MUST(attached.has_value());
     connection_ = attached->connection;
@@ -56,10 +56,11 @@ class Browser {
     if (message.has_key_view() || message.has_file()) return file(message);
     const Outcome outcome = receive(state_, connection_, message, now_);
     if (outcome.problem) MUST(!outcome.problem->message().empty());
-    if (!state_.wanted.scene) return;
-    MUST(check_scene(*state_.wanted.scene).has_value());
-    MUST(is_sound(state_.wanted.viewport) || state_.wanted.viewport == Canvas{});
-    if (outcome.wake && is_sound(state_.wanted.viewport)) began(state_, ++epoch_, state_.wanted);
+    if (!state_.requested.scene) return;
+    MUST(check_scene(*state_.requested.scene).has_value());
+    MUST(is_sound(state_.requested.viewport) || state_.requested.viewport == Canvas{});
+    if (outcome.wake && is_sound(state_.requested.viewport))
+      began(state_, ++epoch_, state_.requested);
     if (outcome.depth) depth(*outcome.depth);
   }
 
@@ -101,16 +102,16 @@ class Browser {
       if (check_picture(picture, keys_)) {
         MUST(picture.width() <= kLongestCanvas && picture.height() <= kLongestCanvas);
       }
-    } else if (message.file().has_film()) {
-      film(message.file().film());
+    } else if (message.file().has_video()) {
+      video(message.file().video());
     }
   }
 
-  void film(const v1::Film& film) const {
-    if (!check_film(film, keys_)) return;
-    MUST(film.frames() >= 2 && film.frames() <= kLongestFilmSeconds * 60);
-    for (const std::uint32_t frame : {0u, 1u, film.frames() / 2, film.frames() - 1}) {
-      const auto sound = check_scene(film_frame(film, keys_, frame));
+  void video(const v1::Video& video) const {
+    if (!check_video(video, keys_)) return;
+    MUST(video.frames() >= 2 && video.frames() <= kLongestVideoSeconds * 60);
+    for (const std::uint32_t frame : {0u, 1u, video.frames() / 2, video.frames() - 1}) {
+      const auto sound = check_scene(video_frame(video, keys_, frame));
       if (!sound)
         std::fprintf(stderr, "%s %s\n", sound.error().field.c_str(), sound.error().message.c_str());
       MUST(sound.has_value());

@@ -9,10 +9,12 @@ import uuid
 from pathlib import Path
 from typing import Any, Callable
 
+import answering_worker
 import httpx
 from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready, put_thumbnail
 from cut_helpers import KEEP, store
 from harness import TestStack
+from panoramas import hdr
 from seeds import stored, write_person
 
 ROLES = ("nobody", "unverified", "other", "view", "edit", "owner", "administrator")
@@ -24,7 +26,7 @@ WORKER = "who-may"
 
 def able_to_render(stack: TestStack) -> None:
     """Gives the worker enough slots for a whole list of attacks, for longer than it lasts."""
-    add_worker(stack, WORKER, slots=100_000, seconds=36_000)
+    add_worker(stack, WORKER, slots=100_000, seconds=36_000, address=answering_worker.address())
 
 
 def free_slots(stack: TestStack) -> None:
@@ -177,6 +179,11 @@ class World:
         assert answer.status_code == 201, answer.text
         return answer.json()["session_id"]
 
+    def environment_id(self) -> str:
+        answer = self.who_made.http.post("/v1/environments", params={"name": "Sky"}, content=hdr(4, 2, lambda x, y: (1, 1, 1)))
+        assert answer.status_code == 201, answer.text
+        return answer.json()["id"]
+
     def recording_id(self) -> str:
         answer = self.who_made.http.post("/v1/recordings", json=RECORDING)
         assert answer.status_code == 201, answer.text
@@ -254,6 +261,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "createDataSet": lambda world, who: {"bytes": 10},
     "changeUser": lambda world, who: {"quota_bytes": 1000},
     "createSession": lambda world, who: {"data_set_id": ready_to_render(world)},
+    "renameEnvironment": lambda world, who: {"name": "Park"},
     "createRecording": lambda world, who: RECORDING,
     "anonymise": lambda world, who: {"keep": KEEP, "volume_hash": world.volume_hash(), "confirm": "this cannot be undone"},
     "describeDataSet": lambda world, who: {"title": "Another"},
@@ -385,6 +393,8 @@ def question(world: World, role: str, path: str, method: str, operation: dict[st
         return who.http.build_request(method, path, content=b"0123456789", headers={**headers, **part})
     if name in ("changePreset", "deletePreset"):
         headers["If-Match"] = '"1"'
+    if name == "createEnvironment":
+        return who.http.build_request(method, path, params={"name": "Sky"}, content=hdr(4, 2, lambda x, y: (1, 1, 1)))
     if name == "importPreset":
         xml = CONTRACT.resolve(operation["requestBody"])["content"]["application/xml"]["example"]
         return who.http.build_request(method, path, content=xml, headers={"Content-Type": "application/xml"})

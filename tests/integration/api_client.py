@@ -104,9 +104,7 @@ class Person:
         forget_attempts(self.stack)
         assert self.http.post("/v1/accounts", json={"email": self.email, "consent": True}).status_code == 202
         token = link_token(self.stack, self.email)
-        answer = self.shows_password("/v1/accounts/verify", {"token": token, "password": PASSWORD})
-        assert answer.status_code == 204, answer.text
-        return self
+        return self._signed_in(self.shows_password("/v1/accounts/verify", {"token": token, "password": PASSWORD}))
 
     def is_seeded(self) -> "Person":
         forget_attempts(self.stack)
@@ -117,7 +115,9 @@ class Person:
 
     def sign_in(self) -> "Person":
         given = {"email": self.email, "password": PASSWORD, **({"code": self.device.code()} if self.device else {})}
-        answer = self.shows_password("/v1/sign-in", given)
+        return self._signed_in(self.shows_password("/v1/sign-in", given))
+
+    def _signed_in(self, answer: httpx.Response) -> "Person":
         assert answer.status_code == 200, answer.text
         self.csrf = answer.json()["csrf_token"]
         self.http.headers["X-CSRF-Token"] = self.csrf
@@ -200,7 +200,7 @@ def person(stack: TestStack) -> Person:
 
 def signed_up(stack: TestStack) -> Person:
     """Returns a signed-in user as the page makes one: with a welcoming mail, and in a browser that is known from then on."""
-    return Person(stack).sign_up().sign_in()
+    return Person(stack).sign_up()
 
 
 def make_ready(stack: TestStack, data_set_id: str) -> None:
@@ -225,17 +225,17 @@ def put_thumbnail(stack: TestStack, data_set_id: str) -> None:
     """Puts a thumbnail where the API keeps those that it rendered (api/scans/thumbnails.cpp)."""
     folder = stack.data_dir / "cache" / "thumbnails" / data_set_id
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "bone.4.jpg"
+    file = folder / "bone.5.jpg"
     file.write_bytes(b"\xff\xd8\xff")
     for path in (file, folder, folder.parent):
         stack.stack.run_as.own(path)
 
 
-def add_worker(stack: TestStack, name: str, slots: int = 4, seconds: int = 60) -> None:
-    """Adds a render worker as its heartbeat would. Nothing listens at its address."""
+def add_worker(stack: TestStack, name: str, slots: int = 4, seconds: int = 60, address: str = "127.0.0.1:1") -> None:
+    """Adds a render worker as its heartbeat would. Nothing listens at the usual address."""
     key = f"diaphane:worker:{name}"
     stack.redis.hset(key, mapping={
-        "address": "127.0.0.1:1", "incarnation": uuid.uuid4().hex, "engine": "cpu", "device": "test", "slots": slots,
+        "address": address, "incarnation": uuid.uuid4().hex, "engine": "cpu", "device": "test", "slots": slots,
         "used": 0, "draining": 0, "load": "0", "volumes": "", "epoch": "1"})
     stack.redis.expire(key, seconds)
     stack.redis.sadd("diaphane:workers", name)

@@ -23,7 +23,7 @@ from api_client import forget_attempts
 from attack_plan import ITSELF, Cell, Choice, Tally, fault_of
 from edge_attacks import Attack, Request, attacks_on, slow
 from edge_helpers import STATUS_LINE
-from harness import TestStack
+from harness import TestStack, files_below
 from psycopg import sql
 from access_matrix import OPERATIONS
 from access_matrix_fixture import World, able_to_render, free_slots, question
@@ -248,7 +248,7 @@ def state_of(stack: TestStack) -> State:
             rows.update(f"{table}: {text}" for (text,) in found)
     keys = list(stack.redis.scan_iter("diaphane:*", count=1000))
     sessions = {key: tuple(stack.redis.hmget(key, "user", "data_set", "scene")) for key in keys if re.fullmatch(r"diaphane:session:[0-9a-f-]{36}", key)}
-    files = {str(path): path.stat().st_size for folder in ("uploads", "volumes") for path in (stack.data_dir / folder).rglob("*") if path.is_file()}
+    files = {str(path): path.stat().st_size for path in files_below(stack.data_dir / "uploads", stack.data_dir / "volumes")}
     return State(rows, sessions, frozenset(key for key in keys if key.endswith(":ended")), files)
 
 
@@ -297,13 +297,13 @@ class Outcome:
     misses: list[str]
 
 
-def run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_seconds: int = 12, anew: bool = True) -> Outcome:
-    """`anew`: a role with permission to change something gets new objects for each attack. Otherwise, only when the request can
+def run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_seconds: int = 12, renew: bool = True) -> Outcome:
+    """`renew`: a role with permission to change something gets new objects for each attack. Otherwise, only when the request can
     no longer succeed."""
-    return asyncio.run(_run(stack, chosen, choice, drip_seconds, anew))
+    return asyncio.run(_run(stack, chosen, choice, drip_seconds, renew))
 
 
-async def _run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_seconds: int, anew: bool) -> Outcome:
+async def _run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_seconds: int, renew: bool) -> Outcome:
     attacker, sent = Attacker(stack), Sent(stack)
     aimed = await asyncio.to_thread(_aim, stack, chosen)
     able_to_render(stack)
@@ -312,7 +312,7 @@ async def _run(stack: TestStack, chosen: Sequence[Cell], choice: Choice, drip_se
         _ask(attacker, one, choice) for one in aimed)))
     await asyncio.to_thread(forget_attempts, stack)
     misses = changes(before, await asyncio.to_thread(state_of, stack))
-    await _at_most(4, (_change(attacker, one, choice, anew) for one in aimed if one.cell.may_change))
+    await _at_most(4, (_change(attacker, one, choice, renew) for one in aimed if one.cell.may_change))
     misses += await asyncio.to_thread(sent.smuggled)
     return Outcome({one.cell: one.tally for one in aimed}, misses + [miss for one in aimed for miss in one.tally.misses])
 
@@ -356,21 +356,21 @@ def _aim(stack: TestStack, chosen: Sequence[Cell]) -> list[Aimed]:
         return [one for some in threads.map(at, routes.values()) for one in some]
 
 
-async def _change(attacker: Attacker, aimed: Aimed, choice: Choice, anew: bool) -> None:
+async def _change(attacker: Attacker, aimed: Aimed, choice: Choice, renew: bool) -> None:
     """Sends attacks on a request that may succeed, one after the other."""
-    number, answered, most = 0, 0, 1 if anew else 1 << 30
-    used = anew or b'"code"' in aimed.request.body
+    number, answered, most = 0, 0, 1 if renew else 1 << 30
+    used = renew or b'"code"' in aimed.request.body
     while True:
         if used:
             again = await asyncio.to_thread(take_aim, attacker.stack, aimed.cell, aimed.number)
             aimed.world, aimed.request = again.world, again.request
-        attacks = [one for one in attacks_of(aimed, choice) if not one.refused and (anew or one.kind != ITSELF)]
+        attacks = [one for one in attacks_of(aimed, choice) if not one.refused and (renew or one.kind != ITSELF)]
         if number == len(attacks):
             return
         used, answered = False, 0
         while number < len(attacks) and not used:
             answered += _carried_out(await attacker.send(aimed, attacks[number]))
-            if number == 0 and anew and _carried_out(await attacker.send(aimed, Attack("again", "as it is", attacks[0].data))):
+            if number == 0 and renew and _carried_out(await attacker.send(aimed, Attack("again", "as it is", attacks[0].data))):
                 most = REPEATED
             number += 1
             used = answered >= most

@@ -23,12 +23,13 @@ def _example() -> bytes:
     return operation["requestBody"]["content"]["application/xml"]["example"].encode()
 
 
-schemathesis.openapi.media_type("application/offset+octet-stream", st.binary(max_size=2000))
+for media in ("application/offset+octet-stream", "application/octet-stream"):
+    schemathesis.openapi.media_type(media, st.binary(max_size=2000))
 schemathesis.openapi.media_type("application/xml", st.just(_example()) | st.binary(max_size=2000) | st.builds(
     lambda cut, put: _example()[:cut] + put + _example()[cut:], st.integers(0, len(_example())), st.binary(max_size=20)))
 
 
-@REQUESTS_TRANSPORT.serializer("application/offset+octet-stream", "application/xml")
+@REQUESTS_TRANSPORT.serializer("application/offset+octet-stream", "application/octet-stream", "application/xml")
 def as_bytes(context, value) -> dict:
     """Converts any generated value to bytes, including a list in place of a text."""
     return {"data": serialize_binary(value)}

@@ -65,7 +65,7 @@ def for_generation(spec: dict[str, Any]) -> dict[str, Any]:
         if isinstance(node.get("maxItems"), int) and node["maxItems"] > MANY:
             del node["maxItems"]
         for media, content in (node.get("content") or {}).items() if isinstance(node.get("content"), dict) else ():
-            if media in ("application/xml", "application/offset+octet-stream"):
+            if media in ("application/xml", "application/offset+octet-stream", "application/octet-stream"):
                 content.clear()
                 content["schema"] = {"type": "string", "format": "binary"}
     return made

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy
 from api_client import ready_without_upload
+from harness import contents_below
 
 SIDE = 32
 # Eight voxels in a row in the removed part, with values that occur nowhere else.
@@ -73,7 +74,7 @@ def order(stack, data_set: str, content: str, keep: dict = KEEP) -> None:
 def holders_of_mark(*roots: Path) -> list[str]:
     """Returns files that contain the mark at any position."""
     wanted = MARK.tobytes()
-    return [str(path) for root in roots for path in root.rglob("*") if path.is_file() and wanted in path.read_bytes()]
+    return [str(path) for path, content in contents_below(*roots) if wanted in content]
 
 
 def expected_left() -> bytes:

@@ -15,26 +15,27 @@ from pathlib import Path
 STATUS_LINE = re.compile(rb"HTTP/1\.[01] (\d{3}) ?[A-Za-z -]*\r\n")
 
 
-def connect(port: int, source: str = "127.0.0.66", timeout: float = 5.0) -> socket.socket:
+def connect(port: int, source: str = "127.0.0.66", timeout: float = 60.0) -> socket.socket:
     """Connects from another address, because limits are by address."""
     return socket.create_connection(("127.0.0.1", port), timeout=timeout, source_address=(source, 0))
 
 
-def talk(port: int, data: bytes, source: str = "127.0.0.66", timeout: float = 5.0) -> bytes:
-    """Returns everything until the other side closes, or b"" if it just closes."""
-    with connect(port, source, timeout) as one:
+def talk(port: int, data: bytes, source: str = "127.0.0.66", silence_s: float = 5.0) -> bytes:
+    """Returns everything until the other side closes or is silent after an answer, or b"" if it just closes."""
+    with connect(port, source) as one:
         try:
             one.sendall(data)
         except OSError:
             pass  # refused while still sending
-        return read_all(one)
+        return read_all(one, silence_s)
 
 
-def read_all(one: socket.socket) -> bytes:
+def read_all(one: socket.socket, silence_s: float = 5.0) -> bytes:
     got = bytearray()
     try:
         while part := one.recv(65536):
             got += part
+            one.settimeout(silence_s)
     except ConnectionResetError:
         pass
     except TimeoutError:

@@ -11,6 +11,7 @@ import struct
 import subprocess
 import time
 import uuid
+from typing import Callable
 
 from api_client import Person, ready_without_upload
 from harness import TestStack
@@ -21,6 +22,8 @@ from websockets.sync.client import connect
 MESSAGES = messages()
 ClientMessage, ServerMessage = MESSAGES["ClientMessage"], MESSAGES["ServerMessage"]
 
+#: Seconds after which something that a viewer waits for will not come. No test is decided by it, because machines are busy.
+PATIENCE_S = 60
 # Programs that a stream needs.
 PROGRAMS = ("postgres", "redis", "api", "gateway", "renderd", "edge")
 
@@ -101,8 +104,9 @@ class Viewer:
     def __init__(self, origin: str, stream_url: str, side: int = 96, greet: bool = True, port: int | None = None,
                  codec: int = 1):
         base = f"ws://127.0.0.1:{port}" if port else origin.replace("http", "ws", 1)
-        self.socket = connect(base + stream_url, origin=origin, subprotocols=["diaphane.v1"], compression=None,
-                              max_size=None, open_timeout=10, close_timeout=2)
+        # Like a browser, it sends no pings. Their answers would wait behind frames that a test does not read.
+        self.socket = connect(base + stream_url, origin=origin, subprotocols=["diaphane.v1"], compression=None, max_size=None,
+                              open_timeout=PATIENCE_S, close_timeout=2, ping_interval=None)
         self.input_seq = 0
         self.config = None
         if greet:
@@ -118,7 +122,7 @@ class Viewer:
     def send(self, message) -> None:
         self.socket.send(message.SerializeToString())
 
-    def receive(self, timeout: float = 10):
+    def receive(self, timeout: float = PATIENCE_S):
         message = ServerMessage.FromString(self.socket.recv(timeout))
         if message.WhichOneof("body") == "frame":
             ack = ClientMessage()
@@ -127,7 +131,7 @@ class Viewer:
             self.send(ack)
         return message
 
-    def until(self, kind: str, timeout: float = 15, condition=lambda _: True):
+    def until(self, kind: str, timeout: float = PATIENCE_S, condition=lambda _: True):
         deadline = time.monotonic() + timeout
         while (left := deadline - time.monotonic()) > 0:
             message = self.receive(left)
@@ -135,7 +139,7 @@ class Viewer:
                 return getattr(message, kind)
         raise AssertionError(f"no such {kind} within {timeout} s")
 
-    def frame(self, timeout: float = 15, condition=lambda _: True):
+    def frame(self, timeout: float = PATIENCE_S, condition=lambda _: True):
         return self.until("frame", timeout, condition)
 
     def turn(self, degrees_like: float) -> int:
@@ -149,7 +153,7 @@ class Viewer:
         self.send(update)
         return self.input_seq
 
-    def close_code(self, timeout: float = 10) -> int:
+    def close_code(self, timeout: float = PATIENCE_S) -> int:
         """Reads to the end. Returns the close code of the stream, or 1006 if the connection was lost."""
         deadline = time.monotonic() + timeout
         try:
@@ -160,3 +164,16 @@ class Viewer:
 
     def leave(self) -> None:
         self.socket.close()
+
+
+def come_back(viewer_of: Callable[[], Viewer | None]) -> Viewer:
+    """Tries to connect again until there is a viewer."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        try:
+            if viewer := viewer_of():
+                return viewer
+        except Exception:  # noqa: BLE001 - not yet
+            pass
+        time.sleep(0.05)
+    raise AssertionError(f"the picture was not back within {PATIENCE_S} s")

@@ -43,7 +43,7 @@ def wait_cut(running, owner, data_set: str) -> dict:
     def done():
         view = owner.http.get(f"/v1/data-sets/{data_set}/anonymise").json()
         return view if view["state"] == "ready" else None
-    return running.wait_until(done, 30, "the cut")
+    return running.wait_until(done, what="the cut")
 
 
 def loaded(running) -> str:
@@ -63,14 +63,14 @@ def picture(running, owner, data_set: str):
     return running.wait_until(made, 60, "a picture")
 
 
-def test_nothing_remains_of_the_parts_cut_away(running, owner, scan):
+def test_nothing_remains_of_the_removed_parts(running, owner, scan):
     data_set, content = scan
     made = owner.http.post(f"/v1/data-sets/{data_set}/presets", json={"name": "mine", "scene": SCENE(owner, data_set)})
     assert made.status_code == 201, made.text
     preset = made.json()
     old_picture = picture(running, owner, data_set)
     session, _ = open_session(owner, data_set)
-    running.wait_until(lambda: data_set in loaded(running), 10, "the worker's copy")
+    running.wait_until(lambda: data_set in loaded(running), what="the worker's copy")
     assert len(holders_of_mark(running.data_dir)) == 1, "the search would find nothing anyway"
     problem(owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"}), 409, "not-anonymised")
 
@@ -84,8 +84,8 @@ def test_nothing_remains_of_the_parts_cut_away(running, owner, scan):
     assert owner.http.get(f"/v1/data-sets/{data_set}").json()["volume"]["size"] == [32, 32, 16]
     problem(owner.http.post(f"/v1/sessions/{session}/tickets"), 404, "not-found")
     # The new picture of the preset may have had the worker load what is left.
-    running.wait_until(lambda: data_set not in loaded(running) or loads(running, data_set) > 1, 10, "the worker's copy is let go")
-    running.wait_until(lambda: running.psql("SELECT count(*) FROM disposals WHERE id = %s", data_set) == [(0,)], 15,
+    running.wait_until(lambda: data_set not in loaded(running) or loads(running, data_set) > 1, what="the worker's copy is let go")
+    running.wait_until(lambda: running.psql("SELECT count(*) FROM disposals WHERE id = %s", data_set) == [(0,)], what=
                        "what was noted is disposed of")
     assert holders_of_mark(running.data_dir) == []
 
@@ -195,7 +195,7 @@ def test_a_cut_that_would_leave_nothing_is_refused(running, owner, scan):
     assert "Too little" in view["problem"] and view["anonymised_at"] is None and view["volume_hash"] == content
 
 
-def test_nobody_else_may(running, owner, scan):
+def test_only_the_owner_can_anonymise_a_scan(running, owner, scan):
     data_set, content = scan
     stranger = person(running)
     problem(stranger.http.get(f"/v1/data-sets/{data_set}/anonymise"), 404, "not-found")
@@ -206,7 +206,7 @@ def test_nobody_else_may(running, owner, scan):
 def test_the_worker_releases_a_deleted_data_set(running, owner, scan):
     data_set, _ = scan
     picture(running, owner, data_set)
-    running.wait_until(lambda: data_set in loaded(running), 10, "the worker's copy")
+    running.wait_until(lambda: data_set in loaded(running), what="the worker's copy")
     assert owner.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
-    running.wait_until(lambda: data_set not in loaded(running), 15, "the worker's copy is let go")
+    running.wait_until(lambda: data_set not in loaded(running), what="the worker's copy is let go")
     assert not (running.data_dir / "volumes" / data_set).exists()

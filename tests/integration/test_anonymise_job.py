@@ -38,7 +38,7 @@ def finish(stack, data_sets: list[str], port: int) -> None:
     other = run_ingestd(stack, port)
     try:
         for data_set in data_sets:
-            stack.wait_until(lambda one=data_set: is_cut(stack, one), 15, "the cut")
+            stack.wait_until(lambda one=data_set: is_cut(stack, one), what="the cut")
     finally:
         other.terminate()
         other.communicate(timeout=10)
@@ -67,13 +67,13 @@ def test_a_cut_removes_the_outside_and_keeps_the_inside(stores_and_api, port):
     check_cut(stores_and_api, data_set)
 
 
-def test_killed_before_each_of_its_steps_it_leaves_the_old_or_the_new_and_another_finishes(stores_and_api, killer, port):
+def test_a_cut_killed_before_any_step_leaves_a_complete_volume_and_is_finished(stores_and_api, killer, port):
     told, cut_before_the_end = [], []
     for step in range(1, 100):
         data_set, content = ready_data_set(stores_and_api)
         order(stores_and_api, data_set, content)
         doomed = run_ingestd(stores_and_api, port, killer, step)
-        stores_and_api.wait_until(lambda: doomed.poll() is not None or is_cut(stores_and_api, data_set), 15, "its end")
+        stores_and_api.wait_until(lambda: doomed.poll() is not None or is_cut(stores_and_api, data_set), what="its end")
         if doomed.poll() is None:  # it has no more steps than that
             doomed.terminate()
             doomed.communicate(timeout=10)
@@ -96,7 +96,7 @@ def test_killed_before_each_of_its_steps_it_leaves_the_old_or_the_new_and_anothe
         check_cut(stores_and_api, data_set)
 
 
-def test_killed_between_exchange_and_erasing_nothing_stays_although_no_ingestd_comes_back(stores_and_api, port, tmp_path):
+def test_a_cut_killed_before_erasing_leaves_no_data_even_without_ingestd(stores_and_api, port, tmp_path):
     data_set, content = ready_data_set(stores_and_api)
     order(stores_and_api, data_set, content)
     (tmp_path / "exchanged").touch()

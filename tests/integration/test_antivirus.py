@@ -65,7 +65,7 @@ def test_infected_uploads_are_refused_and_unscanned_ones_wait(stack_factory, dae
     data_set = enqueue(stack, good)
     stack.wait_until(lambda: stack.psql("SELECT waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [("service",)], what="it waits")
     assert upload_path(stack, data_set).read_bytes() == good
-    assert metric(stack, "unchecked") >= 1 and '"event":"malware_not_looked_for"' in stack.log("ingestd")
+    assert metric(stack, "unchecked") >= 1 and '"event":"virus_scanner_unavailable"' in stack.log("ingestd")
     daemon.start()
     assert wait_end(stack, data_set)[0] == "ready", "it resumes by itself"
 
@@ -78,7 +78,7 @@ def test_unscanned_uploads_pass_if_configured(stack_factory, tmp_path):
 
 
 @pytest.mark.parametrize(("address", "words"), [("clamd", "neither an absolute path"), ("10.0.0.1:3310", "would not use TLS")])
-def test_addresses_that_make_no_sense_are_refused(all_stacks, address, words):
+def test_invalid_antivirus_addresses_are_refused(all_stacks, address, words):
     def said(*more: str) -> str:
         return subprocess.run([str(all_stacks.layout().bin / "diaphane-ingestd"), "--antivirus", address, *more], capture_output=True, text=True, env={},
                               timeout=60).stderr

@@ -32,7 +32,7 @@ def entries(admin: Person, account: str, **query: str) -> list[dict]:
     return admin.http.get("/v1/admin/audit", params={"account": account, **query}).json()["items"]
 
 
-def test_the_role_is_given_and_taken_by_a_command_on_the_machine_alone(api):  # noqa: F811
+def test_only_the_local_command_grants_and_revokes_the_role(api):  # noqa: F811
     one = person(api)
     problem(one.http.get("/v1/admin/users"), 403, "forbidden")
     done = command(api, "grant", one.email)
@@ -48,7 +48,7 @@ def test_the_role_is_given_and_taken_by_a_command_on_the_machine_alone(api):  # 
         assert command(api, *words).returncode == code
 
 
-def test_accounts_are_found_by_a_part_of_the_address_or_the_id_page_by_page(api, admin):  # noqa: F811
+def test_accounts_are_searched_by_address_or_id_with_pages(api, admin):  # noqa: F811
     some = [Person(api, f"findme-{i}-{admin.email}").sign_up() for i in range(3)]
     seen, cursor = [], None
     while True:
@@ -66,7 +66,7 @@ def test_accounts_are_found_by_a_part_of_the_address_or_the_id_page_by_page(api,
     assert admin.http.get("/v1/admin/users", params={"query": "%_'"}).json()["items"] == []
 
 
-def test_quotas_are_changed_hold_at_once_and_are_in_the_log(api, admin):  # noqa: F811
+def test_a_new_quota_applies_immediately_and_is_logged(api, admin):  # noqa: F811
     one = person(api)
     path = f"/v1/admin/users/{one.id}"
     changed = admin.http.patch(path, json={"quota_bytes": 1000, "render_quota_ms": 5}).json()
@@ -81,7 +81,7 @@ def test_quotas_are_changed_hold_at_once_and_are_in_the_log(api, admin):  # noqa
     assert log["account.render-quota-changed"]["subject_email"] == one.email
 
 
-def test_a_disabled_account_is_out_at_once_and_comes_back_when_enabled(api, admin):  # noqa: F811
+def test_a_disabled_account_is_signed_out_until_it_is_enabled(api, admin):  # noqa: F811
     one = person(api)
     made = one.data_set(10)["data_set"]["id"]
     make_ready(api, made)
@@ -109,7 +109,7 @@ def test_a_disabled_account_is_out_at_once_and_comes_back_when_enabled(api, admi
     remove_worker(api, "admin-test")
 
 
-def test_the_log_is_filtered_and_read_page_by_page(api, admin):  # noqa: F811
+def test_the_audit_log_is_filtered_and_paged(api, admin):  # noqa: F811
     me = person(api).id
     path = f"/v1/admin/users/{me}"
     for size in range(5):
@@ -126,7 +126,7 @@ def test_the_log_is_filtered_and_read_page_by_page(api, admin):  # noqa: F811
         problem(admin.http.get("/v1/admin/audit", params=wrong), 422, "invalid")
 
 
-def test_that_an_administrator_looked_is_in_the_log(api, admin):  # noqa: F811
+def test_views_by_administrators_are_logged(api, admin):  # noqa: F811
     one = person(api)
 
     def looks() -> list[dict]:
@@ -204,7 +204,7 @@ def test_render_time_is_counted_and_limited_after_a_grace_period(api, admin):  #
     remove_worker(api, "render-time")
 
 
-def test_render_time_of_nobody_we_know_is_dropped(api):  # noqa: F811
+def test_render_time_of_unknown_accounts_is_dropped(api):  # noqa: F811
     api.redis.hset("diaphane:render_time", mapping={"00000000-0000-4000-8000-000000000000": 5, "nonsense": 7})
     api.wait_until(lambda: not api.redis.exists("diaphane:render_time"), what="it being taken")
     assert api.psql("SELECT 1 FROM render_time WHERE user_id = '00000000-0000-4000-8000-000000000000'") == []

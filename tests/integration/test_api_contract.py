@@ -8,11 +8,13 @@ import random
 import re
 import uuid
 
+import answering_worker
 import pytest
 from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
                         problem, put_thumbnail, remove_worker, signed_up)
 from cut_helpers import KEEP, store
 from access_matrix_fixture import put_picture
+from panoramas import hdr
 from seeds import PRIVACY_NOTICE
 
 OPERATIONS = list(CONTRACT.operations())
@@ -25,7 +27,7 @@ def address(path: str, **ids: str) -> str:
 
 
 @pytest.mark.parametrize("operation", [o for o in OPERATIONS if o[2].get("security", [0]) and {} not in o[2].get("security", [0])], **names)
-def test_requests_without_a_sign_in_are_refused(api, operation):  # noqa: F811
+def test_unauthenticated_requests_are_refused(api, operation):  # noqa: F811
     path, method, _ = operation
     answer = client(api).request(method, address(path), headers={"Tus-Resumable": "1.0.0"})
     assert answer.status_code == 401
@@ -42,7 +44,7 @@ def boss(api):  # noqa: F811
 
 
 FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "takeDownPreset",
-                      "restorePreset", "listReports", "dismissReport"}
+                      "restorePreset", "listReports", "listTakeDowns", "dismissReport"}
 
 
 def caller(one, boss, operation):
@@ -50,7 +52,7 @@ def caller(one, boss, operation):
 
 
 @pytest.mark.parametrize("operation", [o for o in OPERATIONS if "{" in o[0]], **names)
-def test_missing_objects_are_not_found(api, one, boss, operation):  # noqa: F811
+def test_missing_objects_give_404(api, one, boss, operation):  # noqa: F811
     path, method, spec = operation
     one = caller(one, boss, operation)
     xml = CONTRACT.resolve(spec.get("requestBody", {})).get("content", {}).get("application/xml")
@@ -120,7 +122,7 @@ def valid(part: dict):
 
 
 @pytest.mark.parametrize("operation", WITH_BODY, **names)
-def test_a_body_that_the_schema_refuses_is_refused_by_field(api, one, boss, operation):  # noqa: F811
+def test_a_body_that_violates_the_schema_is_refused_by_field(api, one, boss, operation):  # noqa: F811
     path, method, spec = operation
     one = caller(one, boss, operation)
     body = body_schema(operation)
@@ -146,7 +148,7 @@ def test_a_body_that_is_not_a_json_object_is_refused(api, one, boss, operation):
     problem(answer, 413, "body-too-large")
 
 
-def test_head_is_answered_like_get_but_without_a_body(api, one):  # noqa: F811
+def test_head_gives_the_response_of_get_without_the_body(api, one):  # noqa: F811
     for path in ("/v1/me", "/v1/data-sets", "/v1/sessions"):
         answer = one.http.head(path)
         assert answer.status_code == 200 and answer.content == b""
@@ -218,21 +220,23 @@ def report_ways(stack, data_set: str) -> None:
     reports = boss.http.get("/v1/reports").json()["items"]
     boss.http.delete(f"/v1/reports/{reports[0]['id']}")
     boss.http.post(f"/v1/data-sets/{data_set}/take-down", json={"reason": "A name is on it."})
+    boss.http.get("/v1/take-downs")
     boss.http.delete(f"/v1/data-sets/{data_set}/take-down")
     boss.is_no_administrator()
 
 
-def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # noqa: F811
+def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss):  # noqa: F811
     """Runs the shortest valid sequence through all operations, so that this also holds for this file alone."""
     signed_up(api)
     made = one.upload(b"x" * 10)["id"]
     make_ready(api, made)
     put_thumbnail(api, made)
-    add_worker(api, "contract-test")
+    add_worker(api, "contract-test", address=answering_worker.address())
     one.http.get(f"/v1/data-sets/{made}/thumbnails/bone")
     session = one.http.post("/v1/sessions", json={"data_set_id": made}).json()["session_id"]
     one.http.post(f"/v1/sessions/{session}/tickets")
     one.http.get(f"/v1/sessions/{session}")
+    one.http.get(f"/v1/sessions/{session}/error-curve")
     one.http.patch(f"/v1/data-sets/{made}", json={"title": "a", "body_part": "head"})
     api.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", made)
     one.http.post(f"/v1/data-sets/{made}/visibility", json={"visibility": "public"})
@@ -258,6 +262,11 @@ def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # 
     token = one.http.post(f"/v1/sessions/{session}/links").json()["token"]
     client(api).post("/v1/join", json={"token": token, "key": "0" * 64})
     one.http.delete(f"/v1/sessions/{session}/links")
+    environment = one.http.post("/v1/environments", params={"name": "Sky"}, content=hdr(4, 2, lambda x, y: (1, 1, 1))).json()["id"]
+    one.http.get("/v1/environments")
+    one.http.get(f"/v1/environments/{environment}")
+    one.http.patch(f"/v1/environments/{environment}", json={"name": "Park"})
+    one.http.delete(f"/v1/environments/{environment}")
     one.http.post("/v1/recording-consent")
     recording = {"format": "diaphane-interaction", "version": 1, "viewport": {"width": 64, "height": 64},
                  "events": [{"at_ms": 0, "scene": {}}]}

@@ -32,7 +32,7 @@ def until_well(stack, ask) -> httpx.Response:
     return stack.wait_until(lambda: a if (a := ask()).status_code < 500 else None, what="the recovery")
 
 
-def test_a_lost_postgres_is_reported_and_recovered_from(stack, one):
+def test_an_outage_of_postgres_is_reported_and_recovered_from(stack, one):
     data = os.urandom(3000)
     made = one.data_set(len(data))
     assert one.patch(made["upload_url"], 0, data[:1000]).status_code == 204
@@ -51,7 +51,7 @@ def test_a_lost_postgres_is_reported_and_recovered_from(stack, one):
     assert (stack.data_dir / "uploads" / f"{made['data_set']['id']}.tar").read_bytes() == data
 
 
-def test_a_killed_postgres_loses_nothing_that_was_answered(stack, one):
+def test_a_killed_postgres_loses_nothing_acknowledged(stack, one):
     made = [one.data_set(100)["data_set"]["id"] for _ in range(5)]
     stack.kill("postgres")
     until_well(stack, lambda: one.http.get("/v1/me"))
@@ -59,7 +59,7 @@ def test_a_killed_postgres_loses_nothing_that_was_answered(stack, one):
     assert set(made) <= set(listed)
 
 
-def test_without_redis_only_sessions_are_away(stack, one):
+def test_without_redis_only_sessions_are_unavailable(stack, one):
     made = one.upload(b"x" * 100)["id"]
     make_ready(stack, made)
     stack.stop("redis")
@@ -74,7 +74,7 @@ def test_without_redis_only_sessions_are_away(stack, one):
     assert one.http.get("/v1/sessions").json() == {"items": []}
 
 
-def test_a_killed_api_comes_back_with_all_that_was_answered(stack, one):
+def test_a_restarted_api_has_everything_it_acknowledged(stack, one):
     data = os.urandom(3000)
     made = one.data_set(len(data))
     assert one.patch(made["upload_url"], 0, data[:1000]).status_code == 204
@@ -85,7 +85,7 @@ def test_a_killed_api_comes_back_with_all_that_was_answered(stack, one):
     assert one.http.get(f"/v1/data-sets/{made['data_set']['id']}").json()["state"] == "queued"
 
 
-def test_a_mail_that_could_not_be_sent_is_sent_later(stack):
+def test_a_mail_that_fails_is_sent_later(stack):
     one = Person(stack)
     folder = stack.data_dir / "mail"
     folder.chmod(0o500)
@@ -108,7 +108,7 @@ def api_back(stack):
     stack.wait_ready("api")
 
 
-def test_a_stopped_api_finishes_what_is_in_flight(stack, one, api_back):
+def test_api_finishes_requests_in_flight_before_it_stops(stack, one, api_back):
     """SIGTERM while two requests wait for Postgres: both are answered, and later ones are refused."""
     def waiting() -> bool:
         return stack.psql("SELECT count(*) FROM pg_stat_activity WHERE wait_event_type = 'Lock'")[0][0] == 2
@@ -129,7 +129,7 @@ def test_a_stopped_api_finishes_what_is_in_flight(stack, one, api_back):
     problem(answer, answer.status_code, "unavailable")
 
 
-def test_one_address_gets_half_of_the_connections_to_the_api_at_most(stack, one):
+def test_one_address_gets_at_most_half_of_the_api_connections(stack, one):
     """While the API's answers wait for Postgres, requests from one address pile up."""
     request = (f"GET /v1/data-sets HTTP/1.1\r\nHost: localhost:{stack.ports['edge']}\r\n"
                f"Cookie: {'; '.join(f'{name}={value}' for name, value in one.http.cookies.items())}\r\n\r\n").encode()

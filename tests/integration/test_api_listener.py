@@ -19,7 +19,7 @@ def stack(all_stacks):
 
 
 def connect(stack) -> socket.socket:
-    return socket.create_connection(("127.0.0.1", stack.ports["api"]), timeout=5)
+    return socket.create_connection(("127.0.0.1", stack.ports["api"]), timeout=60)
 
 
 def exchange(stack, raw: bytes) -> bytes:
@@ -40,7 +40,7 @@ def status(answer: bytes) -> int:
 
 def still_serves(stack) -> None:
     # If it were blocked, this request would wait until the other peers leave.
-    assert httpx.get(f"http://127.0.0.1:{stack.ports['api']}/v1/me", timeout=5).status_code == 401
+    assert httpx.get(f"http://127.0.0.1:{stack.ports['api']}/v1/me", timeout=60).status_code == 401
 
 
 def cpu_seconds(stack) -> float:
@@ -49,14 +49,14 @@ def cpu_seconds(stack) -> float:
     return (int(fields[11]) + int(fields[12])) / 100
 
 
-def test_it_listens_on_loopback_only(stack):
+def test_the_api_listens_only_on_loopback(stack):
     port = f":{stack.ports['api']:04X}"
     with open("/proc/net/tcp", encoding="ascii") as file:
         listening = [line.split()[1] for line in file.readlines()[1:] if line.split()[3] == "0A"]
     assert [a for a in listening if a.endswith(port)] == ["0100007F" + port]
 
 
-def test_posts_whose_bodies_never_come_hold_nobody_up(stack):
+def test_requests_without_their_body_do_not_block_others(stack):
     with contextlib.ExitStack() as open_ones:
         for _ in range(100):
             peer = open_ones.enter_context(connect(stack))
@@ -71,7 +71,7 @@ def send_until_answered(peer: socket.socket, head: bytes) -> bytes:
     """Continues the body, because the library only checks for a response when more of the body arrives."""
     peer.sendall(head)
     peer.setblocking(False)
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
         with contextlib.suppress(BlockingIOError, ConnectionError):
             peer.send(b"x" * 65536)
@@ -81,7 +81,7 @@ def send_until_answered(peer: socket.socket, head: bytes) -> bytes:
     raise AssertionError("no answer")
 
 
-def test_a_body_that_is_refused_ends_its_connection_and_no_thread_spins(stack):
+def test_a_refused_body_closes_its_connection_and_no_thread_spins(stack):
     head = b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 900000000\r\n\r\n"
     for _ in range(20):
         with connect(stack) as peer:
@@ -93,7 +93,7 @@ def test_a_body_that_is_refused_ends_its_connection_and_no_thread_spins(stack):
     still_serves(stack)
 
 
-def test_peers_that_leave_in_the_middle_are_forgotten(stack):
+def test_clients_that_disconnect_during_a_request_leave_no_work(stack):
     whole = b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n" + b"x" * 50
     for cut in range(1, len(whole), 3):
         with connect(stack) as peer:
@@ -105,13 +105,13 @@ def test_peers_that_leave_in_the_middle_are_forgotten(stack):
 
 
 @pytest.mark.parametrize("target", [b"//x/v1/me", b"/v1//me", b"/v1/%6de", b"/v1/../v1/me", b"/v1/./me", b"/v1/me/", b"/"])
-def test_no_other_spelling_of_a_route_is_a_route(stack, target):
+def test_other_spellings_of_a_route_are_not_found(stack, target):
     answer = exchange(stack, b"GET " + target + b" HTTP/1.1\r\nHost: x\r\n\r\n")
     assert status(answer) in (400, 404)
 
 
 @pytest.mark.parametrize(("path", "status_line"), [(b"/v1/me", b"HTTP/1.1 401 Unauthorized"), (b"/v1/nowhere", b"HTTP/1.1 404 Not Found")])
-def test_an_answer_has_the_standard_phrase_of_its_status(stack, path, status_line):
+def test_a_response_has_the_standard_reason_phrase(stack, path, status_line):
     assert exchange(stack, b"GET " + path + b" HTTP/1.1\r\nHost: x\r\n\r\n").splitlines()[0] == status_line
 
 
@@ -120,38 +120,36 @@ def test_trace_is_not_echoed(stack):
     assert status(answer) == 405 and b"a" * 64 not in answer
 
 
-def test_a_method_that_nobody_knows_is_refused(stack):
+def test_an_unknown_method_is_refused(stack):
     for method in (b"BREW", b"PUT", b"CONNECT", b"get"):
         assert status(exchange(stack, method + b" /v1/me HTTP/1.1\r\nHost: x\r\n\r\n")) in (400, 401, 405)
 
 
-def test_bodies_in_memory_are_bounded_in_all(stack):
+def test_the_total_size_of_bodies_in_memory_is_bounded(stack):
     """Announced parts of 8 MiB that never arrive. Beyond the budget, clients are told to retry."""
     head = (b"PATCH /v1/uploads/00000000-0000-4000-8000-000000000000 HTTP/1.1\r\nHost: x\r\nTus-Resumable: 1.0.0\r\n"
             b"Content-Type: application/offset+octet-stream\r\nContent-Length: 8388608\r\n\r\n")
+
+    def answer_to(head: bytes) -> bytes:
+        with connect(stack) as peer, contextlib.suppress(ConnectionError):
+            return send_until_answered(peer, head)
+        return b""
+
     with contextlib.ExitStack() as open_ones:
         for _ in range(16):
             open_ones.enter_context(connect(stack)).sendall(head)
-        time.sleep(0.2)
-        with connect(stack) as one_more:
-            answer = send_until_answered(one_more, head)
-        assert status(answer) == 503 and b"Retry-After" in answer
+        stack.wait_until(lambda: answer_to(head).startswith(b"HTTP/1.1 503 ") and b"Retry-After" in answer_to(head), what="a refusal")
         still_serves(stack)
-    time.sleep(0.2)
-    with connect(stack) as peer:   # released once they disconnect
-        peer.sendall(head + b"x" * 8388608)
-        assert status(peer.recv(65536)) == 401
+    stack.wait_until(lambda: answer_to(head).startswith(b"HTTP/1.1 401 "), what="the budget released by those who disconnected")
 
 
-def test_it_ends_in_time_although_peers_hold_on(stack):
+def test_the_api_stops_in_time_with_open_connections(stack):
     with contextlib.ExitStack() as open_ones:
         for _ in range(20):
             open_ones.enter_context(connect(stack)).sendall(
                 b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Length: 1000\r\n\r\n{")
             open_ones.enter_context(connect(stack))
-        began = time.monotonic()
         stack.stop("api")
-        assert time.monotonic() - began < 5
     assert not any("did not stop in time" in event for event in stack.events)
     stack.start("api")
     stack.wait_ready("api")

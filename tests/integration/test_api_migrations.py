@@ -42,15 +42,16 @@ def schema(database: str) -> list[tuple]:
              ORDER BY 1, 2""").fetchall()
 
 
-def test_up_down_and_up_again_give_the_same_schema(stores, database):
+@pytest.mark.parametrize("newest", [2, pytest.param(1000, marks=pytest.mark.nightly, id="all")])
+def test_migrating_up_down_and_up_gives_the_same_schema(stores, database, newest):
     names = sorted(path.name.removesuffix(".up.sql") for path in stores.stack.layout.migrations.glob("*.up.sql"))
     assert len(names) >= 4 and [name[:4] for name in names] == sorted({name[:4] for name in names})
     assert migrate(stores, database, "up").stdout.split() == [word for name in names for word in ("up", name)]
     whole = schema(database)
     assert {"users", "data_sets", "uploads", "ingest_jobs", "schema_migrations"} <= {row[0] for row in whole}
     assert migrate(stores, database, "up").stdout == "nothing to do\n"
-    # One by one, and each migration up again restores the previous state.
-    for name in reversed(names[1:]):
+    # The newest ones one by one, and each migration up again restores the previous state.
+    for name in list(reversed(names[1:]))[:newest]:
         before = schema(database)
         assert migrate(stores, database, "down").stdout.split() == ["down", name]
         below = schema(database)
@@ -58,14 +59,15 @@ def test_up_down_and_up_again_give_the_same_schema(stores, database):
         assert schema(database) == before
         assert migrate(stores, database, "down").stdout.split() == ["down", name]
         assert schema(database) == below
-    assert migrate(stores, database, "down", "--steps", "5").stdout.split() == ["down", "0001_accounts"]
+    below = [name for name in reversed(names) if name not in names[1:][-newest:]]
+    assert migrate(stores, database, "down", "--steps", "1000").stdout.split() == [word for name in below for word in ("down", name)]
     assert {row[0] for row in schema(database)} == {"schema_migrations"}
     assert migrate(stores, database, "up", "--steps", "1").stdout.split() == ["up", "0001_accounts"]
     assert migrate(stores, database, "up").returncode == 0
     assert schema(database) == whole
 
 
-def test_two_at_once_wait_for_each_other(stores, database):
+def test_concurrent_migrations_wait_for_each_other(stores, database):
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(4) as pool:
@@ -74,7 +76,7 @@ def test_two_at_once_wait_for_each_other(stores, database):
     assert sum("0001_accounts" in d.stdout for d in done) == 1
 
 
-def test_a_migration_that_fails_leaves_nothing_of_itself(stores, database, tmp_path):
+def test_a_failed_migration_is_rolled_back(stores, database, tmp_path):
     (tmp_path / "0001_good.up.sql").write_text("CREATE TABLE good (a int);")
     (tmp_path / "0002_bad.up.sql").write_text("CREATE TABLE half (a int); SELECT nonsense;")
     done = migrate(stores, database, "up", migrations=tmp_path)
@@ -82,7 +84,7 @@ def test_a_migration_that_fails_leaves_nothing_of_itself(stores, database, tmp_p
     assert {row[0] for row in schema(database)} == {"good", "schema_migrations"}
 
 
-def test_errors_have_their_exit_codes(stores, database, tmp_path):
+def test_migration_errors_have_exit_codes(stores, database, tmp_path):
     assert migrate(stores, database, "sideways").returncode == 78
     assert migrate(stores, database, "up", "--surprise", "1").returncode == 64
     assert migrate(stores, database, "up", migrations=tmp_path).returncode == 1

@@ -56,7 +56,7 @@ def delete(who, preset: dict, etag: str | None = None):
     return who.http.delete(f"/v1/presets/{preset['id']}", headers={"If-Match": etag or preset["etag"]})
 
 
-def test_the_whole_scene_comes_back_as_it_was_saved(api, one):  # noqa: F811
+def test_a_saved_scene_is_returned_unchanged(api, one):  # noqa: F811
     made = private(api, one)
     scene = copy.deepcopy(SCENE) | {"bounces": 3, "clip": {"boxLow": {"x": -1}, "boxHigh": {"x": 1}},
                                     "slices": {"axial": {"shown": True, "position": 0.1}, "windowWidth": 400}}
@@ -67,7 +67,7 @@ def test_the_whole_scene_comes_back_as_it_was_saved(api, one):  # noqa: F811
     assert names(one, made) == ["All of it"]
 
 
-def test_a_change_needs_the_version_that_it_is_about(api, one):  # noqa: F811
+def test_a_change_needs_the_current_version(api, one):  # noqa: F811
     preset = saved(one, private(api, one))
     problem(change(one, preset, {"name": "New"}), 428, "precondition-required")
     problem(one.http.delete(f"/v1/presets/{preset['id']}"), 428, "precondition-required")
@@ -110,7 +110,7 @@ def test_view_only_users_cannot_save_or_change_presets(api, one, other):  # noqa
     assert delete(one, theirs).status_code == 204   # the owner of the scan may
 
 
-def test_the_crowd_votes_once_each_and_the_best_comes_first(api, one, other, third, shown):  # noqa: F811
+def test_each_user_has_one_vote_and_presets_are_sorted_by_votes(api, one, other, third, shown):  # noqa: F811
     first, second = saved(one, shown, "First"), saved(other, shown, "Second")
     vote = lambda who, preset, value: who.http.post(f"/v1/presets/{preset['id']}/vote", json={"value": value}).json()  # noqa: E731
     assert names(third, shown) == ["First", "Second"]
@@ -154,7 +154,7 @@ def test_a_hostile_scene_is_refused_by_its_field(api, one, shown, broken, field)
     assert [e["field"] for e in document["errors"]] == [field], document
 
 
-def test_a_later_version_and_a_huge_one_are_refused_by_name(api, one, shown):  # noqa: F811
+def test_newer_versions_and_huge_scenes_are_refused_by_field(api, one, shown):  # noqa: F811
     answer = one.http.post(f"/v1/data-sets/{shown}/presets", json={"name": "a", "scene": SCENE, "version": 2})
     document = problem(answer, 422, "invalid")
     assert document["errors"] == [{"field": "version", "message": "is newer than this server supports (1)"}]
@@ -223,11 +223,11 @@ def one_good_xml(who, data_set: str) -> str:
     return xml
 
 
-def test_xml_that_is_too_large_is_not_read(api, one, shown):  # noqa: F811
+def test_too_large_xml_is_refused_unread(api, one, shown):  # noqa: F811
     problem(import_xml(one, shown, HEAD + " " * 300_000 + "</preset>"), 413, "body-too-large")
 
 
-def test_the_same_idempotency_key_makes_one_preset(api, one, other, shown):  # noqa: F811
+def test_the_same_idempotency_key_creates_one_preset(api, one, other, shown):  # noqa: F811
     from concurrent.futures import ThreadPoolExecutor
 
     key = {"Idempotency-Key": "a-try-of-mine"}
@@ -253,7 +253,7 @@ def picture_of(who, preset: dict, data_set: str | None = None, **headers: str):
     return who.http.get(f"/v1/data-sets/{data_set or preset['data_set_id']}/presets/{preset['id']}/thumbnail", headers=headers)
 
 
-def test_everyone_who_may_read_a_preset_gets_its_picture(api, one, other):  # noqa: F811
+def test_every_reader_of_a_preset_gets_its_picture(api, one, other):  # noqa: F811
     made = private(api, one)
     preset = saved(one, made)
     assert preset["pictured_at"] is None
@@ -283,7 +283,7 @@ def test_everyone_who_may_read_a_preset_gets_its_picture(api, one, other):  # no
     api.wait_until(lambda: not file.parent.exists(), what="the picture's end")
 
 
-def test_a_picture_goes_with_the_data_set_and_with_its_authors_account(api, one, shown):  # noqa: F811
+def test_a_preset_picture_is_deleted_with_its_data_set_or_author(api, one, shown):  # noqa: F811
     from api_client import PASSWORD, forget_attempts
 
     author = person(api)
@@ -349,7 +349,7 @@ def test_a_scan_opens_with_the_owners_default_preset(api, one, other, third, sho
     remove_worker(api, "presets-test")
 
 
-def test_a_preset_that_offends_is_reported_and_taken_down(api, one, other, third, shown):  # noqa: F811
+def test_an_offensive_preset_can_be_reported_and_taken_down(api, one, other, third, shown):  # noqa: F811
     boss = person(api)
     offending = saved(other, shown, "A bad word")
     assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": offending["id"]}).status_code == 204
@@ -381,7 +381,10 @@ def test_a_preset_that_offends_is_reported_and_taken_down(api, one, other, third
     assert [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == shown] == []
     [entry] = api.psql("SELECT actor, action, subject, details::text FROM audit_log WHERE subject_id = %s", offending["id"])
     assert entry[:3] == ("administrator", "preset.taken-down", "preset") and "slur" not in entry[3]
+    [listed] = [one for one in boss.http.get("/v1/take-downs").json()["items"] if one["data_set_id"] == shown]
+    assert (listed["preset_id"], listed["preset_name"], listed["reason"]) == (offending["id"], "A bad word", "A slur.")
     assert boss.http.delete(f"/v1/presets/{offending['id']}/take-down").status_code == 204
+    assert [one for one in boss.http.get("/v1/take-downs").json()["items"] if one["data_set_id"] == shown] == []
     assert names(third, shown) == ["A bad word"]
     # A wrong report is dismissed. Administrators cannot see private presets.
     report(third)

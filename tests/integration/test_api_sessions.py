@@ -25,7 +25,7 @@ def worker(api):  # noqa: F811
     remove_worker(api, "session-test")
 
 
-def test_the_way_of_a_session(api, one, ready, worker):  # noqa: F811
+def test_a_session_is_created_listed_and_ended(api, one, ready, worker):  # noqa: F811
     made = one.http.post("/v1/sessions", json={"data_set_id": ready})
     assert made.status_code == 201
     session = made.json()["session_id"]
@@ -56,7 +56,7 @@ def test_without_a_worker_the_response_asks_to_retry(api, one, ready):  # noqa: 
     problem(one.http.get(f"/v1/data-sets/{ready}/thumbnails/skin"), 503, "no-worker")
 
 
-def test_a_picture_that_is_being_made_holds_a_few_threads_of_the_api_only(api, one, ready, worker):  # noqa: F811
+def test_a_slow_thumbnail_blocks_only_a_few_api_threads(api, one, ready, worker):  # noqa: F811
     """The worker never responds. 40 requests for one new picture once blocked all threads for as long as rendering took."""
     with socket.create_server(("127.0.0.1", 0)) as silent, ThreadPoolExecutor(40) as pool:
         api.redis.hset(f"diaphane:worker:{worker}", "address", f"127.0.0.1:{silent.getsockname()[1]}")
@@ -83,8 +83,8 @@ def test_a_cached_thumbnail_comes_from_the_edge(api, one, ready):  # noqa: F811
     folder = api.data_dir / "cache" / "thumbnails" / ready
     folder.mkdir(parents=True)
     picture = b"\xff\xd8\xff" + bytes(2000)
-    (folder / "bone.4.jpg").write_bytes(picture)
-    for path in (folder / "bone.4.jpg", folder, folder.parent):
+    (folder / "bone.5.jpg").write_bytes(picture)
+    for path in (folder / "bone.5.jpg", folder, folder.parent):
         api.stack.run_as.own(path)
     answer = one.http.get(f"/v1/data-sets/{ready}/thumbnails/bone")
     assert answer.status_code == 200 and answer.content == picture
@@ -94,7 +94,7 @@ def test_a_cached_thumbnail_comes_from_the_edge(api, one, ready):  # noqa: F811
     problem(one.http.get(f"/v1/data-sets/{ready}/thumbnails/nothing"), 404, "not-found")
 
 
-def test_deleting_a_data_set_ends_the_sessions_that_look_at_it(api, one, worker):  # noqa: F811
+def test_deleting_a_data_set_ends_its_sessions(api, one, worker):  # noqa: F811
     made = one.upload(b"x" * 100)["id"]
     make_ready(api, made)
     session = one.http.post("/v1/sessions", json={"data_set_id": made}).json()["session_id"]

@@ -18,7 +18,7 @@ def assisted(stack_factory):
     helper.kill()
 
 
-def test_an_assistant_killed_in_mid_session_costs_only_its_share(assisted):
+def test_killing_an_assistant_loses_only_its_samples(assisted):
     stack, helper = assisted
     somebody = person(stack)
     ball = store_ball(stack, somebody)

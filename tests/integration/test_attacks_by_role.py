@@ -43,9 +43,9 @@ def ordinary(attacked, somebody):
 
 
 @pytest.mark.nightly
-def test_every_route_in_every_role_stands_some_of_each_attack(attacked, ordinary):
+def test_every_route_and_role_withstands_a_sample_of_each_attack(attacked, ordinary):
     chosen = cells(routes())
-    found = run(attacked, chosen, some_of(EACH), anew=False)
+    found = run(attacked, chosen, some_of(EACH), renew=False)
     print(printed(table(found.tallies)))
     assert found.misses == []
     assert set(found.tallies) == set(chosen)
@@ -54,9 +54,9 @@ def test_every_route_in_every_role_stands_some_of_each_attack(attacked, ordinary
     assert all(answered[role] > 20 for role in ("other", "view", "edit", "owner", "administrator")), answered
 
 
-def test_a_few_routes_stand_the_whole_list(attacked, ordinary):
+def test_selected_routes_withstand_every_attack(attacked, ordinary):
     chosen = [one for one in routes() if one.name in WHOLE]
-    found = run(attacked, cells(chosen, ("nobody", "owner")), all_of_them, drip_seconds=0, anew=False)
+    found = run(attacked, cells(chosen, ("nobody", "owner")), all_of_them, drip_seconds=0, renew=False)
     print(printed(table(found.tallies)))
     assert found.misses == []
 
@@ -69,7 +69,7 @@ def test_a_request_that_bypasses_the_edge_is_detected(attacked, path):
     assert len(sent.smuggled()) == 1
 
 
-def test_changes_are_detected(attacked, somebody):
+def test_changes_by_an_attack_are_detected(attacked, somebody):
     before = state_of(attacked)
     made = somebody.data_set(10)["data_set"]["id"]
     found = changes(before, state_of(attacked))
@@ -79,12 +79,12 @@ def test_changes_are_detected(attacked, somebody):
 
 # The plan itself
 
-def test_every_operation_the_stream_and_the_pages_are_there():
+def test_the_attack_plan_covers_all_operations_the_stream_and_the_pages():
     assert {one.name for one in routes()} > {*OPERATIONS, "stream", "/", "/scans"}
     assert {one.role for one in cells(routes())} == set(ROLES)
 
 
-def test_some_of_each_are_all_of_them_in_the_end():
+def test_the_samples_cover_every_attack_together():
     """Over all cells, every attack occurs, and in every role every kind does."""
     one = Request(b"PATCH", b"/v1/x", ((b"Cookie", b"a" * 64), (b"X-CSRF-Token", b"b" * 64)), b"{}")
     listed = attacks_on(one)
@@ -109,10 +109,10 @@ BAD, ODD = Attack("", "", b"", refused=True), Attack("", "", b"")
     ("owner", ODD, [204], True), ("view", ODD, [204], False), ("view", ODD, [403], True), ("view", ODD, [500], False),
     ("owner", ODD, [204, 401], False), ("owner", ODD, [502], False),
 ])
-def test_what_is_a_miss(role, attack, statuses, well):
+def test_responses_are_judged_by_role_and_attack(role, attack, statuses, well):
     assert (fault_of(Cell(ROUTE, role), attack, statuses) == "") == well
 
 
-def test_the_table_adds_up():
+def test_the_result_table_adds_up():
     tallies = {Cell(ROUTE, "owner"): Tally(5, 3, 2, 0, ["x"])}
     assert table(tallies) == [{"group": "data-sets", "routes": 1, "role": "owner", "sent": 5, "refused": 3, "answered": 2, "closed": 0, "misses": 1}]

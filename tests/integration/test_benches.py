@@ -47,7 +47,7 @@ def test_load_reports_where_the_time_is_spent(tmp_path):
 
 
 @pytest.mark.nightly
-def test_nothing_grows_fast_while_fifty_people_come_and_go(tmp_path):
+def test_resources_do_not_grow_with_fifty_users_coming_and_going(tmp_path):
     """The soak's short form of 24 s. For the long one: `./diaphane bench soak`."""
     done = bench("soak", "--quick", "--json", str(tmp_path / "results.json"))
     assert done.returncode == 0, done.stdout + done.stderr
@@ -58,7 +58,7 @@ def test_nothing_grows_fast_while_fifty_people_come_and_go(tmp_path):
 
 
 @pytest.mark.nightly
-def test_heads_are_distinguished_from_other_parts_by_kind(tmp_path):
+def test_head_detection_results_are_reported_by_body_part(tmp_path):
     """One synthetic body of each kind. `./diaphane bench heads` has twenty, and real scans."""
     done = bench("heads", "--quick", "--out", str(tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
@@ -83,6 +83,7 @@ def test_attacks_are_reported_by_route_group_and_role(tmp_path):
     assert json.loads((tmp_path / "edge-attacks.json").read_text())["misses"] == []
 
 
+@pytest.mark.nightly
 def test_the_contract_is_reported_by_phase(tmp_path):
     done = bench("contract", "--only", "getMe", "--phases", "coverage", "--json", str(tmp_path / "results.json"))
     assert done.returncode == 0, done.stdout + done.stderr
@@ -91,7 +92,7 @@ def test_the_contract_is_reported_by_phase(tmp_path):
 
 
 @pytest.mark.nightly
-def test_an_attack_fails_nothing_that_ordinary_people_ask_for(tmp_path):
+def test_an_attack_fails_no_request_of_ordinary_users(tmp_path):
     """A few attackers for a few seconds. The long form is `./diaphane bench abuse`. Latencies are not judged here."""
     bench("abuse", "--quick", "--json", str(tmp_path / "results.json"))
     results = {r["name"]: r for r in json.loads((tmp_path / "results.json").read_text())["results"]}

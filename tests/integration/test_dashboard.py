@@ -24,7 +24,7 @@ def metrics(stack: TestStack) -> str:
     return "".join(stack.metrics(one) for one in PROGRAMS)
 
 
-def test_every_query_of_the_dashboard_is_answered(stack):
+def test_every_dashboard_query_has_data(stack):
     somebody = person(stack)
     ball = store_ball(stack, somebody)
     session, url = open_session(somebody, ball)

@@ -51,7 +51,7 @@ def unharmed(running, one, ball):
     assert running.pids == pids, "a program ended"
 
 
-def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory):
+def test_sixteen_sessions_keep_their_scenes_when_their_worker_is_killed(stack_factory):
     stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_SLOTS": str(SIXTEEN)})
     people = [person(stack), person(stack)]  # eight each, the maximum
     balls = [store_ball(stack, one, 24) for one in people]
@@ -60,7 +60,7 @@ def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory
     def look(number: int) -> Viewer:
         viewer = Viewer(stack.url, sessions[number][2], side=32)
         seq = viewer.turn(10 + number)
-        viewer.frame(timeout=30, condition=lambda shown: shown.input_seq >= seq)
+        viewer.frame(condition=lambda shown: shown.input_seq >= seq)
         return viewer
 
     with ThreadPoolExecutor(SIXTEEN) as together:
@@ -72,7 +72,7 @@ def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory
         def come_back(number: int) -> Viewer:
             assert viewers[number].close_code() == 4503
             somebody, session, _ = sessions[number]
-            return back_again(stack, somebody, session, 15)
+            return back_again(stack, somebody, session)
 
         for viewer, again in zip(viewers, together.map(come_back, range(SIXTEEN))):
             assert again.config.scene == viewer.config.scene
@@ -89,7 +89,7 @@ def test_a_second_worker_with_the_same_name_is_refused(running, unharmed):
     second = subprocess.Popen(program.argv, env=env, stderr=subprocess.PIPE, text=True)
     incarnations, key = set(), "diaphane:worker:local"
     try:
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while second.poll() is None and time.monotonic() < deadline:
             incarnations.add(running.redis.hget(key, "incarnation"))
             time.sleep(0.1)
@@ -102,7 +102,7 @@ def test_a_second_worker_with_the_same_name_is_refused(running, unharmed):
             second.kill()
 
 
-def test_ten_thousand_scenes_a_second_close_that_stream_alone(running, opened, unharmed):
+def test_ten_thousand_scenes_per_second_close_only_that_stream(running, opened, unharmed):
     viewer = Viewer(running.url, opened[1])
     viewer.frame()
     update = ClientMessage()
@@ -120,12 +120,12 @@ def test_ten_thousand_scenes_a_second_close_that_stream_alone(running, opened, u
 
     thread = threading.Thread(target=flood)
     thread.start()
-    assert viewer.close_code(20) == 4429
+    assert viewer.close_code() == 4429
     thread.join()
     assert sending.is_set()
 
 
-def test_a_hundred_megabytes_in_one_message_are_never_held(running, one, opened, unharmed):
+def test_a_message_of_100_megabytes_is_not_buffered(running, one, opened, unharmed):
     before = resident_mb(running.pids["gateway"])
     with connect_raw(running.ports["stream"], timeout=10) as raw:
         raw.sendall(handshake(running.url, opened[1][-64:]))
@@ -142,7 +142,7 @@ def test_a_hundred_megabytes_in_one_message_are_never_held(running, one, opened,
     assert resident_mb(running.pids["gateway"]) - before < 20
 
 
-def test_half_a_message_waits_for_the_rest_and_harms_nobody(running, opened, unharmed):
+def test_an_incomplete_message_does_not_affect_others(running, opened, unharmed):
     files = f"/proc/{running.pids['gateway']}/fd"
     before = len(os.listdir(files))
     with connect_raw(running.ports["stream"], timeout=5) as raw:
@@ -152,10 +152,10 @@ def test_half_a_message_waits_for_the_rest_and_harms_nobody(running, opened, unh
         time.sleep(0.3)
         seq = unharmed.turn(1)
         unharmed.frame(condition=lambda shown: shown.input_seq >= seq)
-    running.wait_until(lambda: len(os.listdir(files)) <= before + 2, 5, "its descriptors to be given back")
+    running.wait_until(lambda: len(os.listdir(files)) <= before + 2, what="its descriptors to be given back")
 
 
-def test_half_a_protobuf_closes_the_stream_and_the_session_stays(running, one, opened, unharmed):
+def test_a_truncated_protobuf_closes_the_stream_but_not_the_session(running, one, opened, unharmed):
     viewer = Viewer(running.url, opened[1])
     seq = viewer.turn(12)
     viewer.frame(condition=lambda shown: shown.input_seq >= seq)
@@ -170,7 +170,7 @@ def test_half_a_protobuf_closes_the_stream_and_the_session_stays(running, one, o
     again.leave()
 
 
-def test_old_epochs_and_numbers_that_never_were_change_nothing(running, opened, unharmed):
+def test_stale_epochs_and_invalid_numbers_are_ignored(running, opened, unharmed):
     viewer = Viewer(running.url, opened[1])
     seq = viewer.turn(15)
     shown = viewer.frame(condition=lambda picture: picture.input_seq >= seq)
@@ -189,7 +189,7 @@ def test_old_epochs_and_numbers_that_never_were_change_nothing(running, opened, 
     viewer.leave()
 
 
-def test_a_stream_address_is_of_no_use_to_another_person_nor_twice_nor_late(running, one, ball, opened, unharmed):
+def test_a_stream_url_works_once_in_time_and_only_for_its_user(running, one, ball, opened, unharmed):
     other = person(running)
     problem(other.http.post(f"/v1/sessions/{opened[0]}/tickets"), 404, "not-found")
     assert other.http.delete(f"/v1/sessions/{opened[0]}").status_code == 404
@@ -217,7 +217,7 @@ def clock_of(stack, name: str) -> float:
     return datetime.fromisoformat(json.loads(stack.log(name).splitlines()[-1])["time"]).timestamp()
 
 
-def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory, all_stacks):
+def test_wall_clock_jumps_do_not_end_streams_or_refuse_users(stack_factory, all_stacks):
     """The clocks of api, gateway and renderd jump an hour ahead and an hour back. The monotonic clock is unaffected, and so is
     Redis, whose time is the only one that two programs share."""
     offset = all_stacks.folder() / "offset"
@@ -251,7 +251,7 @@ def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory
         another.leave()
         for name in ("api", "gateway", "renderd"):
             # The gateway logs the end of the stream a moment after the viewer has left.
-            stack.wait_until(lambda name=name, jump=jump: abs(clock_of(stack, name) - time.time() - jump) < 600, 10, f"the jump of {name}'s clock")
+            stack.wait_until(lambda name=name, jump=jump: abs(clock_of(stack, name) - time.time() - jump) < 600, what=f"the jump of {name}'s clock")
     viewer.leave()
-    back_again(stack, somebody, session, 5).leave()
+    back_again(stack, somebody, session).leave()
     assert dict(stack.pids) == pids

@@ -80,7 +80,7 @@ def state(somebody, data_set: str) -> str:
     return answer.json()["state"] if answer.status_code == 200 else f"{answer.status_code}"
 
 
-def test_an_upload_whose_last_part_finds_the_disk_full_is_kept(running):
+def test_an_upload_is_kept_if_the_disk_is_full_at_its_last_part(running):
     stack, disk = running
     somebody, data = person(stack), bundle(series())
     made = somebody.data_set(len(data))
@@ -98,7 +98,7 @@ def test_an_upload_whose_last_part_finds_the_disk_full_is_kept(running):
     stack.wait_until(lambda: not upload_path(stack, one).exists(), what="the original's end")
 
 
-def test_a_job_that_ends_while_the_disk_is_full_is_finished_later(running):
+def test_a_job_that_ends_while_the_disk_is_full_is_completed_later(running):
     stack, disk = running
     somebody = person(stack)
     ingestd = stack.pids["ingestd"]
@@ -109,7 +109,7 @@ def test_a_job_that_ends_while_the_disk_is_full_is_finished_later(running):
     os.kill(child, signal.SIGSTOP)
     disk.fill()
     os.kill(child, signal.SIGCONT)
-    stack.wait_until(lambda: '"event":"postgres_away"' in stack.log("ingestd"), what="ingestd notices")
+    stack.wait_until(lambda: '"event":"postgres_unavailable"' in stack.log("ingestd"), what="ingestd notices")
     assert upload_path(stack, one).exists()
     disk.make_room()
     stack.wait_until(lambda: state(somebody, one) == "ready", what="the volume")
@@ -117,7 +117,7 @@ def test_a_job_that_ends_while_the_disk_is_full_is_finished_later(running):
     assert (volume_path(stack, one) / "voxels.i16").stat().st_size == 2 * 20 * 16 * 16
 
 
-def test_a_deletion_that_finds_the_disk_full_is_carried_out_later(running):
+def test_a_deletion_during_a_full_disk_is_completed_later(running):
     stack, disk = running
     somebody = person(stack)
     one = somebody.upload(bundle(series()))["id"]

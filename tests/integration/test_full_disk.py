@@ -80,12 +80,12 @@ def wait_through(stack, disk: Disk, done: Callable[[], object], told: Callable[[
     """Waits until `done`. If the disk fills up before, `told` must become true and `whole` must pass before it is freed."""
     stack.wait_until(lambda: disk.full or done(), what="the end, or a full disk")
     if disk.full:
-        stack.wait_until(lambda: told() or done(), 20, "the person is told")
+        stack.wait_until(lambda: told() or done(), what="the person is told")
         if not done():
             whole()
         disk.make_room()
         stack.psql("UPDATE ingest_jobs SET not_before = now()")  # as if the pause of a waiting job were over
-    stack.wait_until(done, 30, "the end")
+    stack.wait_until(done, what="the end")
     disk.make_room()  # later steps are not tested
 
 
@@ -173,7 +173,7 @@ def test_an_export_waits_for_room_at_every_write(running):
 
 
 @pytest.mark.nightly
-def test_a_deletion_is_carried_out_however_full_the_disk_is(running, owner):
+def test_a_deletion_succeeds_on_a_full_disk_at_every_write(running, owner):
     stack, disk = running
 
     def act() -> None:

@@ -37,7 +37,7 @@ class Watcher(threading.Thread):
         try:
             while not self.stopping.is_set():
                 seq = self.viewer.turn(2)
-                self.viewer.frame(timeout=60, condition=lambda shown: shown.input_seq >= seq)
+                self.viewer.frame(condition=lambda shown: shown.input_seq >= seq)
                 self.turns += 1
         except Exception as fault:  # noqa: BLE001 - whatever ended the stream is the finding
             self.fault = fault
@@ -81,7 +81,7 @@ def watched(stack):
         somebody.http.delete(f"/v1/sessions/{session}")
 
 
-def test_kill_9_of_the_rest_api_cuts_no_stream(stack, watched):
+def test_killing_the_rest_api_interrupts_no_stream(stack, watched):
     stack.kill("api", restart=False)
     watched()
     assert httpx.get(stack.url + "/v1/me").status_code == 502, "the REST API is gone meanwhile"
@@ -115,7 +115,7 @@ def test_restarting_the_rest_api_under_load_interrupts_no_stream(stack, watched)
     assert 200 in statuses and statuses <= {200, 502, 503}, statuses
 
 
-def test_kill_9_of_the_gateway_fails_no_rest_request_and_viewers_come_back(stack):
+def test_killing_the_gateway_fails_no_rest_request_and_viewers_reconnect(stack):
     somebody = person(stack)
     session, url = open_session(somebody, store_ball(stack, somebody, 24))
     viewer = Viewer(stack.url, url)
@@ -129,7 +129,7 @@ def test_kill_9_of_the_gateway_fails_no_rest_request_and_viewers_come_back(stack
         statuses.append(somebody.http.get("/v1/me").status_code)
     assert set(statuses) == {200}
     assert viewer.close_code() not in (1000, 4404), "the session is not over"
-    again = back_again(stack, somebody, session, 30)
+    again = back_again(stack, somebody, session)
     assert again.config.scene == viewer.config.scene and again.config.input_seq == seq
     again.leave()
     assert stack.pids["api"] == api

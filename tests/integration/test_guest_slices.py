@@ -90,7 +90,7 @@ def ask_for_all(viewer: Viewer, plane: int = AXIAL, count: int = 40) -> list:
     for index in range(count):
         wish(viewer, (plane, index), taken=taken)
         while True:
-            message = viewer.receive(15)
+            message = viewer.receive()
             kind = message.WhichOneof("body")
             if kind == "slice":
                 got.append(message.slice)
@@ -188,7 +188,7 @@ def test_allowed_slices_contain_only_the_inside_of_the_clip(running, one, scan, 
     one.http.delete(f"/v1/sessions/{session}")
 
 
-def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(running, one, scan):
+def test_presenting_guests_and_free_cameras_cannot_undo_the_clip(running, one, scan):
     session, url = open_session(one, scan)
     owner = Viewer(running.url, url)
     clip_to_box(owner)
@@ -221,10 +221,10 @@ def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(
     # Nor can they permit slices or make files.
     set_guest_slices(follower, True)
     assert follower.until("problem").field == "guest_slices"
-    film = ClientMessage()
-    film.file.picture.width = film.file.picture.height = 64
-    film.file.picture.error = 1
-    follower.send(film)
+    files = ClientMessage()
+    files.file.picture.width = files.file.picture.height = 64
+    files.file.picture.error = 1
+    follower.send(files)
     refusal = follower.until("problem")
     assert (refusal.code, refusal.field) == ("forbidden", "file")
     follower.leave()
@@ -233,7 +233,7 @@ def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(
 
 
 @pytest.mark.parametrize("allowed", [False, True])
-def test_a_visitor_by_a_link_has_slices_only_of_a_link_that_allows_them(running, one, scan, allowed):
+def test_link_visitors_get_slices_only_if_the_link_allows_them(running, one, scan, allowed):
     body = {"hours": 1, "slices": True} if allowed else {"hours": 1}
     link = one.http.post(f"/v1/data-sets/{scan}/links", json=body).json()
     assert link["slices"] is allowed
@@ -260,7 +260,7 @@ def test_a_visitor_by_a_link_has_slices_only_of_a_link_that_allows_them(running,
     one.http.delete(f"/v1/data-sets/{scan}/links/{link['id']}")
 
 
-def test_of_a_sample_a_visitor_has_the_slices_inside_the_clip(running, one, scan):
+def test_visitors_of_a_sample_get_slices_inside_the_clip(running, one, scan):
     running.psql("UPDATE data_sets SET is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() WHERE id = %s", scan)
     try:
         viewer = visitor(running, data_set_id=scan)
@@ -274,7 +274,7 @@ def test_of_a_sample_a_visitor_has_the_slices_inside_the_clip(running, one, scan
         running.psql("UPDATE data_sets SET is_sample = false, visibility = 'private', published_at = NULL WHERE id = %s", scan)
 
 
-def test_of_a_public_scan_others_have_slices_while_its_owner_allows_them(running, one, scan):
+def test_viewers_of_a_public_scan_get_slices_while_the_owner_allows_them(running, one, scan):
     running.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", scan)
     path = f"/v1/data-sets/{scan}/visibility"
     assert one.http.post(path, json={"visibility": "public"}).json()["public_slices"] is False
@@ -300,7 +300,7 @@ def test_of_a_public_scan_others_have_slices_while_its_owner_allows_them(running
     one.http.delete(f"/v1/sessions/{mine}")
 
 
-def test_slices_come_at_a_bounded_rate(running, one, scan):
+def test_slices_per_second_are_limited(running, one, scan):
     session, url = open_session(one, scan)
     viewer = Viewer(running.url, url)
 

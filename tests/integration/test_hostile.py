@@ -30,7 +30,7 @@ def test_each_hostile_upload_is_refused_and_the_next_one_works(small, step: int)
     assert list((small.data_dir / "scratch").iterdir()) == []
 
 
-def test_a_miss_is_seen():
+def test_each_kind_of_failure_is_detected():
     # Tests each kind of failure, because the test above shows none.
     case = Case("", "x", ("damaged",), lambda: [])
     words = "These are words for it."
@@ -41,7 +41,7 @@ def test_a_miss_is_seen():
         assert miss.fault and miss.fault.upper() in table([miss])
 
 
-def test_the_limit_of_memory_is_there(small):
+def test_the_memory_limit_is_enforced(small):
     # Harmless zeros, but too many for 1 GB, which shows that the limit applies.
     many = Case("", "many zeros", ("too_large",), lambda: [tar_header(size=980 << 20), 980 << 20, bytes(1024)])
     (end,) = outcomes(small, [many])

@@ -47,7 +47,7 @@ def wait_ends(stack, somebody, ids: list[str]) -> list[dict]:
     return [stack.wait_until(lambda i=i: (now := state(somebody, i))["state"] in ("ready", "refused") and now, what="the end") for i in ids]
 
 
-def test_volumes_count_against_the_quota_however_small_their_uploads_were(running):
+def test_volumes_count_against_the_quota_by_their_own_size(running):
     somebody = person(running)
     data = small_upload_of_a_large_volume()
     quota = 2 * VOLUME + 6 * len(data)
@@ -66,8 +66,8 @@ def test_volumes_count_against_the_quota_however_small_their_uploads_were(runnin
     assert used["used_bytes"] == 2 * VOLUME <= used["bytes"] == quota
 
 
-def test_a_quota_that_shrinks_during_a_build_is_kept(running):
-    """The final check: the quota was sufficient when the job was claimed, but is not any more."""
+def test_a_quota_reduced_during_a_build_is_enforced(running):
+    """The final check: the quota was sufficient when the job was claimed, but no longer is."""
     somebody = person(running)
     data = small_upload_of_a_large_volume()
     made = somebody.data_set(len(data))
@@ -89,7 +89,7 @@ def test_a_quota_that_shrinks_during_a_build_is_kept(running):
     running.wait_until(lambda: not volume_path(running, end["id"]).exists(), what="the volume's end")
 
 
-def test_accounts_are_served_in_turn(running):
+def test_jobs_of_different_accounts_take_turns(running):
     """One account has 20 uploads, and another one has a later one. That is among the first to be processed."""
     running.stop("ingestd")
     many, single = person(running), person(running)
@@ -99,7 +99,7 @@ def test_accounts_are_served_in_turn(running):
     running.start("ingestd")
     wait_ends(running, single, [last])
     wait_ends(running, many, first)
-    begun = [line.split('"data_set":"')[1][:36] for line in running.log("ingestd")[before:].splitlines() if '"ingest_begun"' in line]
+    begun = [line.split('"data_set":"')[1][:36] for line in running.log("ingestd")[before:].splitlines() if '"ingest_started"' in line]
     assert sorted(begun) == sorted([*first, last]) and begun.index(last) <= 2, begun.index(last)
 
 
@@ -119,7 +119,7 @@ def test_a_slow_job_of_one_account_does_not_hold_up_another(running):
     assert [end["state"] for end in wait_ends(running, slow, [stuck, behind])] == ["ready", "ready"]
 
 
-def test_an_account_has_a_limited_number_of_scans_under_way_and_in_all(strict):
+def test_pending_and_total_scans_per_account_are_limited(strict):
     stack = strict
     somebody, other = person(stack), person(stack)
     for _ in range(3):
@@ -134,7 +134,7 @@ def test_an_account_has_a_limited_number_of_scans_under_way_and_in_all(strict):
     assert "5 scans" in problem(somebody.announce(10), 409, "too-many-data-sets")["detail"]
 
 
-def test_a_volume_too_large_for_the_light_worker_is_built_by_the_other(running):
+def test_a_volume_too_large_for_the_light_worker_is_built_by_the_heavy_one(running):
     """While another user's job occupies the other worker, only the light one can claim it, and then hands it over."""
     somebody, large = person(running), person(running)
     data = small_upload_of_a_large_volume()
@@ -144,7 +144,7 @@ def test_a_volume_too_large_for_the_light_worker_is_built_by_the_other(running):
     assert wait_ends(running, somebody, [first])[0]["state"] == wait_ends(running, large, [second])[0]["state"] == "ready"
 
 
-def test_an_export_waits_while_other_exports_take_all_the_room(strict):
+def test_an_export_waits_for_disk_space_of_other_exports(strict):
     stack = strict
     other, somebody = person(stack), person(stack)
     made = somebody.data_set(10)["data_set"]["id"]

@@ -24,7 +24,7 @@ def rows():
     return run.run(ALL)
 
 
-def test_some_cases_give_the_expected_result():
+def test_selected_cases_give_the_expected_result():
     build.npm_install()
     rows = run.run(FEW)
     assert len(rows) == len(FEW) and not any(row.faults for row in rows)
@@ -32,7 +32,7 @@ def test_some_cases_give_the_expected_result():
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("number", range(len(ALL)), ids=[f"{case.number or 'real'}: {case.name}" for case in ALL])
-def test_a_case_gives_the_expected_result(rows, number):
+def test_every_case_gives_the_expected_result(rows, number):
     assert not rows[number].faults
 
 

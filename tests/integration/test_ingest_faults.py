@@ -66,10 +66,10 @@ def is_gone(pid: int) -> bool:
         return True
 
 
-def test_a_killed_ingestd_takes_its_child_along_and_the_job_is_taken_up_again(ingest, head):
+def test_the_child_of_a_killed_ingestd_ends_and_the_job_is_retried(ingest, head):
     data_set, child = frozen_child(ingest, head)
     ingest.kill("ingestd")
-    ingest.wait_until(lambda: is_gone(child), 3, "the child's end")
+    ingest.wait_until(lambda: is_gone(child), what="the child's end")
     assert upload_path(ingest, data_set).exists(), "it is needed again"
     assert wait_end(ingest, data_set)[0] == "ready"
     nothing_left(ingest, data_set)
@@ -92,7 +92,7 @@ def test_leftovers_of_a_killed_ingestd_are_removed(ingest, head):
     assert (whole / "voxels.i16").stat().st_size == 256 * 256 * 108 * 2
 
 
-def test_a_job_that_ends_ingestd_every_time_waits_longer_and_is_never_lost(ingest, head):
+def test_a_job_that_crashes_ingestd_is_retried_with_growing_delays(ingest, head):
     data_set, _ = frozen_child(ingest, head)
     for interruptions in range(1, 4):
         ingest.kill("ingestd")
@@ -115,7 +115,7 @@ def interrupted(stack, data_set: str, times: int) -> None:
 
 
 def begun(stack, since: int) -> list[str]:
-    return [line.split('"data_set":"')[1][:36] for line in stack.log("ingestd")[since:].splitlines() if '"ingest_begun"' in line]
+    return [line.split('"data_set":"')[1][:36] for line in stack.log("ingestd")[since:].splitlines() if '"ingest_started"' in line]
 
 
 def test_a_job_that_was_interrupted_twice_runs_after_others_and_alone(ingest, head):
@@ -139,7 +139,7 @@ def test_a_job_that_was_interrupted_twice_runs_after_others_and_alone(ingest, he
     assert wait_end(ingest, caught)[0] == wait_end(ingest, later)[0] == "ready"
 
 
-def test_a_job_that_was_interrupted_is_taken_up_in_the_end_however_many_others_wait(ingest, head):
+def test_an_interrupted_job_is_retried_even_if_many_others_wait(ingest, head):
     ingest.stop("ingestd")
     since = len(ingest.log("ingestd"))
     others = [enqueue(ingest, b"x") for _ in range(10)]
@@ -151,8 +151,8 @@ def test_a_job_that_was_interrupted_is_taken_up_in_the_end_however_many_others_w
     assert {wait_end(ingest, other)[0] for other in others} == {"refused"}
 
 
-@pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT, signal.SIGSYS])
-def test_a_crash_of_the_child_is_a_refusal_and_touches_no_other_upload(ingest, head, by):
+@pytest.mark.parametrize("by", [signal.SIGSEGV, *(pytest.param(by, marks=pytest.mark.nightly) for by in (signal.SIGABRT, signal.SIGSYS))])
+def test_a_crash_of_the_child_refuses_only_its_upload(ingest, head, by):
     other = enqueue(ingest, head)
     assert wait_end(ingest, other)[0] == "ready"
     before = (volume_path(ingest, other) / "volume.json").read_bytes()
@@ -167,7 +167,7 @@ def test_a_crash_of_the_child_is_a_refusal_and_touches_no_other_upload(ingest, h
     assert (volume_path(ingest, other) / "volume.json").read_bytes() == before
 
 
-def test_a_killed_child_is_tried_again(ingest, head):
+def test_a_job_whose_child_was_killed_is_retried(ingest, head):
     """As the kernel does when memory is short."""
     data_set, child = frozen_child(ingest, head)
     os.kill(child, signal.SIGKILL)
@@ -178,7 +178,8 @@ def test_a_killed_child_is_tried_again(ingest, head):
     nothing_left(ingest, data_set)
 
 
-def test_a_machine_without_memory_refuses_no_upload(stack_factory):
+@pytest.mark.nightly
+def test_low_memory_refuses_no_upload(stack_factory):
     """A limit on ingestd's writable memory simulates a machine with too little: the child is below its own limit."""
     ingest = stack_factory(only=PROGRAMS)
     plane = code.rle_zeros(512 * 512)
@@ -191,7 +192,7 @@ def test_a_machine_without_memory_refuses_no_upload(stack_factory):
     try:
         ingest.wait_until(lambda: ingest.psql("SELECT attempts, waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(1, "memory")],
                           what="it waits")
-        assert upload_path(ingest, data_set).exists() and "got no memory below its limit" in ingest.log("ingestd")
+        assert upload_path(ingest, data_set).exists() and "ran out of memory before the child process reached its limit" in ingest.log("ingestd")
     finally:
         subprocess.run(["prlimit", "--pid", str(pid), "--data=unlimited:"], check=True, **ingest.stack.run_as.popen())
     ingest.psql("UPDATE ingest_jobs SET not_before = now()")
@@ -229,7 +230,8 @@ def test_uploads_wait_while_their_disk_is_not_mounted(ingest, head):
         nothing_left(ingest, data_set)
 
 
-def test_a_child_that_gets_no_cpu_time_is_ended_and_the_upload_is_not_lost(stack_factory, head):
+@pytest.mark.nightly
+def test_a_child_without_cpu_time_is_ended_and_its_job_retried(stack_factory, head):
     # Only here, because on a busy machine other children would get too little in so short a time.
     ingest = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_TIME_LIMIT_S": "8"})
     data_set, child = frozen_child(ingest, head)
@@ -238,11 +240,10 @@ def test_a_child_that_gets_no_cpu_time_is_ended_and_the_upload_is_not_lost(stack
     nothing_left(ingest, data_set)
 
 
-def test_a_stop_gives_the_job_back_in_time_and_counts_no_attempt(ingest, head):
+def test_stopping_ingestd_returns_the_job_without_counting_an_attempt(ingest, head):
     data_set, child = frozen_child(ingest, head)
-    before = time.monotonic()
     ingest.stop("ingestd")
-    assert time.monotonic() - before < 4.5
+    assert not any("did not stop in time" in event for event in ingest.events)
     assert is_gone(child)
     assert state(ingest, data_set)[0] == "queued"
     assert ingest.psql("SELECT attempts, leased_by FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(0, None)]
@@ -251,7 +252,7 @@ def test_a_stop_gives_the_job_back_in_time_and_counts_no_attempt(ingest, head):
     assert wait_end(ingest, data_set)[0] == "ready"
 
 
-def test_a_lost_postgres_in_mid_build_loses_nothing(ingest, head):
+def test_an_outage_of_postgres_during_a_build_loses_nothing(ingest, head):
     data_set, child = frozen_child(ingest, head)
     ingest.kill("postgres", restart=False)
     os.kill(child, signal.SIGCONT)
@@ -265,13 +266,13 @@ def test_a_lost_postgres_in_mid_build_loses_nothing(ingest, head):
 def test_a_deleted_data_set_stops_its_build(ingest, head):
     data_set, child = frozen_child(ingest, head)
     ingest.psql("DELETE FROM data_sets WHERE id = %s", data_set)
-    ingest.wait_until(lambda: is_gone(child), 3, "the child's end")
-    ingest.wait_until(lambda: not upload_path(ingest, data_set).exists(), 3, "the original's end")
+    ingest.wait_until(lambda: is_gone(child), what="the child's end")
+    ingest.wait_until(lambda: not upload_path(ingest, data_set).exists(), what="the original's end")
     nothing_left(ingest, data_set)
     assert not volume_path(ingest, data_set).exists()
 
 
-def test_a_child_without_enough_memory_is_a_refusal(stack_factory, head):
+def test_an_upload_that_needs_too_much_memory_is_refused(stack_factory, head):
     small = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_MEMORY_LIMIT_MB": "700"})
     roomy = enqueue(small, head)
     ended = wait_end(small, roomy)

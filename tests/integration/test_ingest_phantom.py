@@ -52,7 +52,7 @@ GEOMETRIES = {
 
 @pytest.mark.parametrize("packed", [False, True], ids=["a file a slice", "enhanced"])
 @pytest.mark.parametrize("name", GEOMETRIES)
-def test_a_ball_is_where_it_was(tmp_path, name, packed):
+def test_markers_keep_their_positions_in_the_volume(tmp_path, name, packed):
     orientation, places, gap, tilt = GEOMETRIES[name]
     balls = [turned(ball, orientation) for ball in BALLS]
     slices = stack(places, gap, tilt, origin=turned(CORNER, orientation), orientation=orientation, **SIZE)
@@ -95,7 +95,7 @@ def seen_from(eye: tuple[float, float, float]) -> dict:
 
 @pytest.mark.parametrize("name", ["regular", "tilt", "oblique tilt", "gaps", "rows from the right", "columns from below",
                                   "coronal", "sagittal"])
-def test_left_is_left_in_the_picture(tmp_path, name):
+def test_the_picture_is_not_mirrored(tmp_path, name):
     """A ball at the patient's left (+x), in front (-y) and above (+z) of the centre, seen from three sides."""
     orientation, places, gap, tilt = GEOMETRIES[name]
     ball = np.array((9.0, -8.0, 7.0))

@@ -31,7 +31,7 @@ def disc(tmp_path_factory) -> Path:
     return folder
 
 
-def test_a_series_is_listed_for_a_person(disc):
+def test_a_series_is_listed_as_text(disc):
     done = scan(str(disc))
     assert done.returncode == 0 and done.stderr == ""
     assert "111 files, 1 series, 1 suitable" in done.stdout
@@ -40,7 +40,7 @@ def test_a_series_is_listed_for_a_person(disc):
         assert word in done.stdout, word
 
 
-def test_a_series_is_listed_for_a_program(disc):
+def test_a_series_is_listed_as_json(disc):
     done = scan(str(disc), "--json")
     assert done.returncode == 0
     found = json.loads(done.stdout)
@@ -66,7 +66,7 @@ def test_the_reason_for_an_unsuitable_series_is_reported(disc, tmp_path):
     assert not series["suitable"] and series["reason"]["code"] == "too_few_slices" and series["size"] is None
 
 
-def test_folders_and_words_that_make_no_sense(tmp_path, disc):
+def test_invalid_folders_and_arguments_have_exit_codes(tmp_path, disc):
     assert scan(str(tmp_path / "nowhere")).returncode == 66
     assert scan(str(disc / "README.TXT")).returncode == 66
     empty = scan(str(tmp_path))

@@ -40,7 +40,7 @@ def never_restarted(stack):
     before = stack.pids["api"]
     yield
     assert stack.pids["api"] == before, stack.log("api")[-2000:]
-    assert httpx.get(f"http://127.0.0.1:{stack.ports['api']}/v1/me", timeout=5).status_code == 401
+    assert httpx.get(f"http://127.0.0.1:{stack.ports['api']}/v1/me", timeout=60).status_code == 401
 
 
 def within(name: str, value: str) -> str:
@@ -107,7 +107,7 @@ def test_a_recording_that_is_too_large_when_stored_is_refused(attacker):
     assert [e["field"] for e in errors] == ["events"] and "1 MiB" in errors[0]["message"]
 
 
-def test_an_ordinary_client_notices_nothing_of_a_flood_of_deep_nesting(stack, attacker):
+def test_a_flood_of_deeply_nested_json_does_not_slow_other_clients(stack, attacker):
     """As in the attack: the same few bodies repeatedly over four connections, while another user works."""
     ordinary = person(stack)
     over, refused, others = threading.Event(), [], []

@@ -35,7 +35,7 @@ def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
                          what="it renders for its neighbour's pictures")
         assert gauge(stack.metrics("renderd"), "diaphane_renderd_helpers") == 1
         assert gauge(metrics_at(neighbour.admin_port), "diaphane_renderd_helped_pictures") >= 1
-        assert stack.log("renderd").count('"helper_asked"') == 1, "not to and fro"
+        assert stack.log("renderd").count('"helper_requested"') == 1, "not to and fro"
 
         # Lent time does not block new sessions.
         session, url = open_session(somebody, ball)
@@ -43,7 +43,7 @@ def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
         visitor = Viewer(stack.url, url, side=256)
         looking.append(visitor)
         visitor.frame()
-        stack.wait_until(moves(*looking, until=lambda: '"helper_given_back"' in stack.log("renderd")), timeout=60,
+        stack.wait_until(moves(*looking, until=lambda: '"helper_released"' in stack.log("renderd")), timeout=60,
                          what="it is given back")
         stack.wait_until(moves(*looking, until=lambda: gauge(metrics_at(neighbour.admin_port), "diaphane_renderd_helped_pictures") == 0),
                          what="it helps nobody")
@@ -53,10 +53,10 @@ def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
 
         visitor.leave()
         looking.remove(visitor)
-        stack.wait_until(moves(*looking, until=lambda: stack.log("renderd").count('"helper_asked"') > 1), timeout=60,
+        stack.wait_until(moves(*looking, until=lambda: stack.log("renderd").count('"helper_requested"') > 1), timeout=60,
                          what="it is asked again")
         neighbour.kill()
-        stack.wait_until(moves(*looking, until=lambda: stack.log("renderd").count('"helper_given_back"') > 1), timeout=60,
+        stack.wait_until(moves(*looking, until=lambda: stack.log("renderd").count('"helper_released"') > 1), timeout=60,
                          what="a dead one is let go")
         for viewer in looking:
             seq = viewer.turn(30)

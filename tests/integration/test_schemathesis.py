@@ -10,6 +10,6 @@ from api_client import api  # noqa: F401
 
 @pytest.mark.parametrize("phases", [("examples",), pytest.param(("examples", "coverage", "fuzzing"), marks=pytest.mark.nightly)],
                          ids=["examples", "all phases"])
-def test_no_generated_request_is_answered_outside_of_the_contract(api, tmp_path, phases):  # noqa: F811
+def test_every_response_to_generated_requests_follows_the_contract(api, tmp_path, phases):  # noqa: F811
     found = contract_run.run(api, tmp_path, phases=phases, examples=3)
     assert found.well, found.output[-8000:]

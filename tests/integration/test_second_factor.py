@@ -35,7 +35,7 @@ def step_now() -> int:
     return int(time.time() // Device.STEP)
 
 
-def test_the_whole_way(api):  # noqa: F811
+def test_set_up_sign_in_and_removal_of_a_second_factor(api):  # noqa: F811
     one, path = person(api), "/v1/me/second-factor"
     elsewhere = Person(api, one.email).sign_in()
     assert one.http.get(path).json() == {"set_up_at": None, "recovery_codes": 0, "required": False}
@@ -75,7 +75,7 @@ def test_the_whole_way(api):  # noqa: F811
                                  "account.recovery-code-used", "account.second-factor-removed"]
 
 
-def test_a_code_is_used_once_also_of_many_at_a_time(api):  # noqa: F811
+def test_a_code_works_once_even_in_concurrent_requests(api):  # noqa: F811
     one = person(api)
     one.sets_up_second_factor()
     problem(sign_in(api, one, one.device.at(one.device.given)), 401, "wrong-code")
@@ -90,7 +90,7 @@ def test_a_code_is_used_once_also_of_many_at_a_time(api):  # noqa: F811
     problem(sign_in(api, one, one.device.at(one.device.given - 1)), 401, "wrong-code")
 
 
-def test_clocks_may_be_apart_a_little(api):  # noqa: F811
+def test_a_small_clock_difference_is_accepted(api):  # noqa: F811
     """For the exact tolerance: Totp.ToleratesClockSkewOfOneStep."""
     one = person(api)
     one.sets_up_second_factor()
@@ -99,7 +99,7 @@ def test_clocks_may_be_apart_a_little(api):  # noqa: F811
         assert sign_in(api, one, one.device.at(step_now() + apart)).status_code == status, apart
 
 
-def test_codes_are_not_guessed(api):  # noqa: F811
+def test_guesses_of_codes_are_limited(api):  # noqa: F811
     one = person(api)
     codes = one.sets_up_second_factor()
     forget_attempts(api)
@@ -130,7 +130,7 @@ def test_a_recovery_code_works_once_and_its_use_is_mailed(api):  # noqa: F811
     told(api, one, "recovery code of your Diaphane account was used")
 
 
-def test_nothing_that_is_stored_makes_a_code(api):  # noqa: F811
+def test_stored_data_cannot_produce_a_code(api):  # noqa: F811
     one = person(api)
     codes = one.sets_up_second_factor()
     [[sealed]] = api.psql("SELECT sealed_secret FROM second_factors WHERE user_id = %s", one.id)
@@ -147,14 +147,14 @@ def test_nothing_that_is_stored_makes_a_code(api):  # noqa: F811
     assert key.stat().st_mode & 0o777 == 0o600 and len(key.read_text(encoding="ascii").strip()) == 64
 
 
-def test_a_set_up_is_finished_within_an_hour(api):  # noqa: F811
+def test_an_unfinished_set_up_expires_after_an_hour(api):  # noqa: F811
     one = person(api)
     device = Device(one.http.post("/v1/me/second-factor", json={"password": PASSWORD}).json()["secret"])
     api.psql("UPDATE second_factors SET begun_at = begun_at - interval '61 minutes' WHERE user_id = %s", one.id)
     problem(one.http.post("/v1/me/second-factor/confirm", json={"code": device.code()}), 409, "conflict")
 
 
-def test_a_new_password_by_mail_does_not_pass_by_the_second_factor(api):  # noqa: F811
+def test_a_password_reset_does_not_bypass_the_second_factor(api):  # noqa: F811
     one, new = person(api), "another long and quiet one"
     one.sets_up_second_factor()
     one.http.post("/v1/password-reset", json={"email": one.email})
@@ -198,7 +198,7 @@ OF_THE_ROLE = sorted(name for name, row in ROWS.items() if row["administrator"] 
 
 
 @pytest.mark.parametrize("name", OF_THE_ROLE)
-def test_without_it_the_role_opens_nothing(api, name):  # noqa: F811
+def test_administrators_without_a_second_factor_have_no_special_rights(api, name):  # noqa: F811
     forget_attempts(api)
     world = World(api)
     operation, _, exposure = name.partition(":")

@@ -19,7 +19,7 @@ def policy_of(answer: httpx.Response) -> dict[str, list[str]]:
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_every_answer_has_a_strict_policy(api, path):  # noqa: F811
+def test_every_response_has_a_strict_content_security_policy(api, path):  # noqa: F811
     answer = httpx.get(api.url + path)
     policy = policy_of(answer)
     assert policy["default-src"] == ["'none'"] and policy["script-src"] == ["'self'"] and policy["style-src"] == ["'self'"]
@@ -58,7 +58,7 @@ class Inline(HTMLParser):
             self.found.append(f"<{self.inside}>: {data.strip()[:60]}")
 
 
-def test_the_page_has_nothing_inline():
+def test_the_page_has_no_inline_scripts_or_styles():
     pages = [REPO / "frontend" / "index.html", *(REPO / "frontend" / "dist").glob("*.html")]
     for page in pages:
         parser = Inline()
@@ -69,7 +69,7 @@ def test_the_page_has_nothing_inline():
         assert not re.search(r"dangerouslySetInnerHTML|\.innerHTML|\beval\(|new Function\(|document\.write", text), source
 
 
-def test_a_cookie_is_out_of_reach_of_scripts_and_other_pages(api):  # noqa: F811
+def test_the_session_cookie_is_http_only_and_same_site(api):  # noqa: F811
     one = person(api)
     answer = one.http.post("/v1/me/password", json={"current": "a long and quiet password", "password": "another long and quiet one"})
     assert answer.status_code == 204 and "set-cookie" not in answer.headers

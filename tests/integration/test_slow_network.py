@@ -74,7 +74,7 @@ def drag(viewer: Viewer, seconds: float) -> Drag:
                          [(BITS_PER_S, 0.02, H264),
                           pytest.param(BITS_PER_S, 0.0, H264, marks=pytest.mark.nightly),
                           pytest.param(BITS_PER_S / 5, 0.0, JPEG, marks=pytest.mark.nightly)])
-def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, bits_per_s: float, loss: float, codec: int):
+def test_latency_stays_bounded_on_a_slow_network(stack: TestStack, bits_per_s: float, loss: float, codec: int):
     person = Person(stack).is_seeded()
     session, url = open_session(person, store_ball(stack, person))
     with SlowNetwork(stack.ports["edge"], ROUND_TRIP_S, bits_per_s, BUFFER, loss) as network:

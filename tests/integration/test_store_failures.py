@@ -79,7 +79,7 @@ def readiness(stack, program: str = "api") -> dict[str, bool]:
 # Two simultaneous requests
 
 
-def test_one_of_three_accounts_gets_an_address_that_all_confirm_at_once_and_no_log_has_it(stack):
+def test_only_one_of_three_accounts_confirming_an_address_at_once_gets_it(stack):
     address = f"wanted-{uuid.uuid4().hex[:12]}@example.org"
     people, tokens = [], []
     for _ in range(3):
@@ -155,7 +155,7 @@ def is_clear(answer: httpx.Response) -> bool:
     return answer.status_code < 500 and answer.status_code not in (400, 403, 405, 415, 422)
 
 
-def test_nothing_that_an_account_asks_for_while_it_is_deleted_is_a_fault(stack, one):
+def test_requests_of_an_account_being_deleted_cause_no_internal_error(stack, one):
     data_set = public_data_set(stack, one)
     answers = {}
     for name, asked in OF_AN_ACCOUNT.items():
@@ -183,7 +183,7 @@ def test_publishing_a_scan_that_is_being_taken_down_is_refused(stack, one):
 # Hanging stores
 
 
-def test_a_frozen_postgres_keeps_no_request_waiting_and_its_connections_are_thrown_away(stack, one):
+def test_requests_do_not_hang_on_a_frozen_postgres_and_its_connections_are_dropped(stack, one):
     assert one.http.get("/v1/me").status_code == 200
     before = stack.psql("SELECT now()")[0][0]
     with frozen(stack, "postgres"):
@@ -204,7 +204,7 @@ def test_a_frozen_postgres_keeps_no_request_waiting_and_its_connections_are_thro
     stack.wait_until(lambda: stack.psql(left, before) == [(0,)], what="the end of the connections in doubt")
 
 
-def test_a_frozen_redis_keeps_no_request_waiting(stack, one):
+def test_requests_do_not_hang_on_a_frozen_redis(stack, one):
     data_set = ready_without_upload(stack, one)
     add_worker(stack, "frozen-test")
     with frozen(stack, "redis"):
@@ -215,7 +215,7 @@ def test_a_frozen_redis_keeps_no_request_waiting(stack, one):
     stack.wait_until(lambda: readiness(stack)["redis"], what="the recovery")
 
 
-def test_ingestd_notices_a_frozen_postgres_and_continues_after_it(stack_factory):
+def test_ingestd_recovers_from_a_frozen_postgres(stack_factory):
     stack = stack_factory(only=("postgres", "redis", "api", "ingestd", "edge"))
     who = person(stack)
     with frozen(stack, "postgres"):
@@ -288,7 +288,7 @@ def cutter(stack):
     way.close()
 
 
-def test_a_commit_whose_outcome_is_unknown_is_never_a_fault(stack, one, cutter):
+def test_a_commit_with_an_unknown_outcome_causes_no_internal_error(stack, one, cutter):
     assert one.http.get("/v1/me").status_code == 200
     cutter.cutting.set()
     for path in ("/v1/me", "/v1/data-sets", "/v1/gallery"):

@@ -14,25 +14,25 @@ from devtool.processes import Identity, boot, kill_group, wait_gone
 from devtool.stack import Stack
 
 
-def test_the_stores_run_as_an_ordinary_user_and_answer(stores):
+def test_the_stores_run_as_an_ordinary_user(stores):
     assert stores.psql("SELECT current_user, current_database()") == [("diaphane", "diaphane")]
     assert stores.redis.ping()
     for program in ("postgres", "redis"):
         assert os.stat(f"/proc/{stores.pids[program]}").st_uid != 0
 
 
-def test_the_programs_role_is_not_a_superuser(stores):
+def test_the_database_role_is_not_a_superuser(stores):
     assert stores.psql("SELECT rolsuper FROM pg_roles WHERE rolname = current_user") == [(False,)]
 
 
-def test_a_killed_program_is_started_again(stores):
+def test_a_killed_program_is_restarted(stores):
     before = stores.pids["redis"]
     assert stores.kill("redis") == before
     stores.wait_ready("redis")
     assert stores.pids["redis"] != before
 
 
-def test_writes_survive_a_kill_of_the_store(stores):
+def test_writes_survive_killing_the_store(stores):
     stores.psql("CREATE TABLE IF NOT EXISTS house_test (value int)")
     stores.psql("INSERT INTO house_test VALUES (%s)", 42)
     stores.kill("postgres")
@@ -55,9 +55,8 @@ def test_stop_and_start_on_the_same_directory_keeps_everything(all_stacks):
     first.psql("CREATE TABLE kept (value text)")
     first.psql("INSERT INTO kept VALUES ('here')")
     first.redis.set("kept", "here")
-    before = time.monotonic()
     all_stacks.shut(first, keep_data=True)
-    assert time.monotonic() - before < 5
+    assert not any("did not stop in time" in event for event in first.events)
     again = all_stacks.open(only=("postgres", "redis"), data_dir=first.data_dir)
     try:
         assert again.psql("SELECT value FROM kept") == [("here",)]
@@ -66,14 +65,14 @@ def test_stop_and_start_on_the_same_directory_keeps_everything(all_stacks):
         all_stacks.shut(again)
 
 
-def test_nothing_of_a_stopped_stack_is_left_running(all_stacks):
+def test_stopping_a_stack_leaves_no_process_running(all_stacks):
     running = all_stacks.open(only=("postgres", "redis"))
     identities = [Identity.of(pid) for pid in running.pids.values()]
     all_stacks.shut(running)
     assert wait_gone(identities, 0.5) == []
 
 
-def test_a_recorded_pid_that_is_another_process_by_now_is_left_alone(all_stacks):
+def test_a_recorded_pid_of_an_unrelated_process_is_left_alone(all_stacks):
     bystander = os.fork()
     if bystander == 0:
         signal.pause()
@@ -97,10 +96,10 @@ def workers_of(running) -> list[Identity]:
     return [one for one in Identity.of(master).group() if one.pid != master]
 
 
-def test_a_killed_edge_serves_again_and_its_orphaned_workers_are_gone(all_stacks):
+def test_a_killed_edge_is_restarted_without_orphaned_workers(all_stacks):
     running = all_stacks.open(only=("edge",))
     try:
-        workers = running.wait_until(lambda: workers_of(running), 10, "workers")
+        workers = running.wait_until(lambda: workers_of(running), what="workers")
         before = running.kill("edge")
         running.wait_ready("edge")
         assert running.pids["edge"] != before
@@ -139,14 +138,14 @@ def leave_workers(all_stacks) -> tuple[Path, list[Identity]]:
     return data, workers
 
 
-def test_down_ends_workers_whose_master_and_supervisor_were_killed(all_stacks):
+def test_down_ends_orphaned_edge_workers(all_stacks):
     data, workers = leave_workers(all_stacks)
     done = subprocess.run([str(REPO / "diaphane"), "down", "--data", str(data)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0 and "Stopped" in done.stdout, done.stdout + done.stderr
     assert wait_gone(workers, 1) == []
 
 
-def test_the_next_start_ends_workers_whose_master_and_supervisor_were_killed(all_stacks):
+def test_the_next_start_ends_orphaned_edge_workers(all_stacks):
     data, workers = leave_workers(all_stacks)
     running = all_stacks.open(only=("edge",), data_dir=data)
     try:
@@ -155,7 +154,7 @@ def test_the_next_start_ends_workers_whose_master_and_supervisor_were_killed(all
         all_stacks.shut(running)
 
 
-def test_a_group_of_another_boot_or_of_another_leader_is_left_alone(all_stacks):
+def test_a_process_group_of_another_boot_or_leader_is_left_alone(all_stacks):
     bystander = subprocess.Popen(["/bin/sleep", "100"], start_new_session=True)
     try:
         real = Identity.of(bystander.pid)

@@ -39,7 +39,7 @@ def passed_on(stack_factory):
     server.server_close()
 
 
-def test_the_edge_passes_the_cookie_of_https_before_any_other(passed_on):
+def test_the_edge_prefers_the_https_cookie(passed_on):
     secure, plain = f"__Host-diaphane={'a' * 64}", f"diaphane={'b' * 64}"
     assert passed_on(secure) == secure and passed_on(plain) == plain
     for order in (f"{secure}; {plain}", f"{plain}; {secure}", f"x=1; {plain}; {secure}; y=2"):
@@ -59,7 +59,7 @@ def certificate(folder: Path, name: str) -> Path:
     return folder / f"{name}.crt"
 
 
-def test_postgres_is_reached_by_tls_and_only_with_the_right_certificate(stack_factory, tmp_path):
+def test_postgres_connections_require_tls_and_the_right_certificate(stack_factory, tmp_path):
     stack = stack_factory(only=("postgres",))
     database = stack.data_dir / "postgres"
     right, other = certificate(tmp_path, "right"), certificate(tmp_path, "other")

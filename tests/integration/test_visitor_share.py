@@ -68,7 +68,7 @@ def fill(stack, count: int) -> tuple[list[Viewer], Callable[[], None]]:
     return viewers, end
 
 
-def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, owner, ball):
+def test_guests_with_free_cameras_leave_slots_for_account_holders(stack, owner, ball):
     session, url = open_session(owner, ball)
     presenter = Viewer(stack.url, url, side=32)
     token = link_of(owner, session)
@@ -105,7 +105,7 @@ def test_guests_with_their_own_cameras_leave_account_holders_their_slots(stack, 
     stack.wait_until(lambda: worker_counts(stack, used=0), timeout=90, what="an empty worker")
 
 
-def test_visits_from_one_address_leave_account_holders_their_slots(stack, owner, sample):
+def test_visitors_from_one_address_leave_slots_for_account_holders(stack, owner, sample):
     came = [visit(stack, sample) for _ in range(SLOTS)]
     assert [answer.status_code for answer in came] == [201] * SHARE + [503] * (SLOTS - SHARE)
     problem(came[-1], 503, "busy")

@@ -175,7 +175,7 @@ def _read(viewer: Viewer, attack: Attack, taken: list[int]) -> None:
             ack = make()
             ack.ack.seq, ack.ack.epoch = message.frame.seq, message.frame.epoch
             viewer.socket_.send(ack.SerializeToString())
-    except Exception as ended:  # noqa: BLE001 - closed, or nothing comes any more
+    except Exception as ended:  # noqa: BLE001 - closed, or nothing arrives
         attack.note(f"stream ended: {type(ended).__name__}")
 
 
@@ -192,7 +192,7 @@ class Requests:
             answer = self.connection.getresponse()
             return answer.status, answer.read()
         except Exception:
-            self.connection.close()    # and opened again by the next request
+            self.connection.close()    # the next request opens it again
             raise
 
     def send_json(self, path: str, body: dict) -> tuple[int, bytes]:

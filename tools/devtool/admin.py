@@ -33,5 +33,5 @@ def run(data: Path, what: str, email: str | None) -> int:
     binary = paths.build_dir() / "bin" / "diaphane-api"
     if not binary.exists():
         raise CliError(f"{binary} is missing. Run ./diaphane up to build it")
-    words = [what] if email is None else [what, email]
-    return subprocess.run([str(binary), "admin", *words], env={**os.environ, "DIAPHANE_POSTGRES": settings.dsn}).returncode
+    arguments = [what] if email is None else [what, email]
+    return subprocess.run([str(binary), "admin", *arguments], env={**os.environ, "DIAPHANE_POSTGRES": settings.dsn}).returncode

@@ -56,7 +56,7 @@ class Person:
         raise TimeoutError("the email did not arrive within 20 s")
 
     def upload(self, bundle: Path) -> str:
-        """Uploads a bundle completely. Returns the id of the new data set."""
+        """Uploads a bundle completely. Returns the ID of the new data set."""
         data = bundle.read_bytes()
         made = self._post("/v1/data-sets", {"title": "bench", "bytes": len(data)}).json()
         for offset in range(0, len(data), PART):
@@ -88,14 +88,14 @@ class Person:
 
 
 class Viewer:
-    """Speaks diaphane.v1 like the page, but only acknowledges frames."""
+    """Uses the protocol diaphane.v1 like the page, but only acknowledges frames."""
 
     def __init__(self, origin: str, stream_url: str, width: int, height: int, codec: int = 1, address: str | None = None):
         from websockets.sync.client import connect
 
         self.messages = messages()
         self.socket_ = connect(origin.replace("http", "ws", 1) + stream_url, origin=origin, subprotocols=["diaphane.v1"],
-                               max_size=None, compression=None, **({"source_address": (address, 0)} if address else {}))
+                               max_size=None, compression=None, ping_interval=None, **({"source_address": (address, 0)} if address else {}))
         hello = self.messages["ClientMessage"]()
         hello.hello.protocol = 1
         hello.hello.codecs.append(codec)
@@ -123,13 +123,13 @@ class Viewer:
         self.socket_.send(update.SerializeToString())
         return self.input_seq
 
-    def film(self, wanted, timeout: float = 3600) -> bytes:
+    def video(self, request, timeout: float = 3600) -> bytes:
         """Returns the file that a message requests, of the scene with which the connection began."""
         view = self.messages["ClientMessage"]()
         view.key_view.index = 0
         view.key_view.scene.CopyFrom(self.config.scene)
         self.socket_.send(view.SerializeToString())
-        self.socket_.send(wanted.SerializeToString())
+        self.socket_.send(request.SerializeToString())
         parts = []
         while True:
             part = self._until("file_part", timeout)

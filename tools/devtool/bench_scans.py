@@ -1,9 +1,7 @@
-"""The real scans on which benches of ingest and of volumes measure."""
+"""The real scans that the benchmarks of ingest and of volumes use."""
 
 from __future__ import annotations
 
-import gzip
-import struct
 import subprocess
 from pathlib import Path
 
@@ -16,7 +14,7 @@ SHARED_SCANS = paths.REPO.parent / "shared" / "scans"
 
 
 def scans_of(folder: Path, scratch: Path) -> list[Path]:
-    """Returns the NIfTI files of the folder and those that Debian packages have. `scratch` takes what must be converted."""
+    """Returns the NIfTI files of the folder and those that Debian packages have. Converted files go to `scratch`."""
     found: list[Path] = []
     if not folder.is_dir():
         say(f"skipped: the scans of {folder}, which does not exist")
@@ -38,13 +36,11 @@ def scans_of(folder: Path, scratch: Path) -> list[Path]:
 
 def _first_moment(file: Path, scratch: Path) -> Path:
     """Returns the file, or the first volume of a time series as a new file."""
-    data = bytearray(gzip.decompress(file.read_bytes()))
-    dimensions = struct.unpack_from("<8h", data, 40)
-    if dimensions[0] <= 3:
+    import nibabel
+
+    image = nibabel.load(file)
+    if image.ndim <= 3:
         return file
-    start, bits = int(struct.unpack_from("<f", data, 108)[0]), struct.unpack_from("<h", data, 72)[0]
-    size = dimensions[1] * dimensions[2] * dimensions[3] * bits // 8
-    struct.pack_into("<8h", data, 40, 3, *dimensions[1:4], 1, 1, 1, 1)
     first = scratch / file.name
-    first.write_bytes(gzip.compress(bytes(data[:start + size])))
+    nibabel.save(image.slicer[..., 0], first)
     return first

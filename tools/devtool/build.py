@@ -34,20 +34,20 @@ def configure(preset: str = "release") -> Path:
     """Returns the build directory of a preset, configured if it was not, or if the compilers changed."""
     folder = paths.REPO / "build" / preset
     env = environment()
-    wanted = build_stamp.digest([paths.REPO / "CMakePresets.json"], env.get("CUDACXX", ""))
-    if not (folder / "build.ninja").exists() or not build_stamp.is_current(f"configure-{preset}", wanted):
+    expected = build_stamp.digest([paths.REPO / "CMakePresets.json"], env.get("CUDACXX", ""))
+    if not (folder / "build.ninja").exists() or not build_stamp.is_current(f"configure-{preset}", expected):
         step(f"Configuring build/{preset}")
         fresh = ["--fresh"] if (folder / "CMakeCache.txt").exists() else []
         done = subprocess.run(["cmake", "--preset", preset, *fresh], cwd=paths.REPO, env=env, stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode != 0:
             raise CliError(f"CMake failed to configure build/{preset}:\n{done.stdout}")
-        build_stamp.set_current(f"configure-{preset}", wanted)
+        build_stamp.set_current(f"configure-{preset}", expected)
     return folder
 
 
 def ninja(folder: Path, targets: list[str]) -> None:
-    """Builds the targets. Prints nothing if they are current, the progress while they are built, and all that a compiler says."""
+    """Builds the targets. Prints nothing if they are current, the progress while they are built, and all output of the compilers."""
     if not targets:
         return
     estimate = progress.BuildEstimate(_planned_steps(folder, targets), jobs())
@@ -72,8 +72,8 @@ def ninja(folder: Path, targets: list[str]) -> None:
 
 
 def _planned_steps(folder: Path, targets: list[str]) -> list[str]:
-    """Returns what Ninja will do, as far as it knows before CMake has looked for new files."""
-    # A dry run of build.ninja itself would stop before the targets, because CMake's look for new files is always due.
+    """Returns what Ninja will do, as far as it is known before CMake has checked for new files."""
+    # A dry run of build.ninja itself would stop before the targets, because CMake's check for new files is always due.
     plan = folder / "plan.ninja"
     if not plan.exists():
         plan.symlink_to("build.ninja")
@@ -103,7 +103,7 @@ def build_programs(*names: str) -> None:
     ninja(folder, [f"bin/{name}" for name in names] or known)
 
 
-#: What an instance on one machine runs.
+#: The programs of an instance on one machine.
 RUN_BY_UP = ("diaphane-api", "diaphane-gateway", "diaphane-ingestd", "diaphane-renderd", "diaphane-sample")
 
 
@@ -117,23 +117,23 @@ def _page_inputs() -> list[Path]:
         (paths.REPO / "api" / "proto").glob("*.proto"))
 
 
-def npm(*words: str, env: dict[str, str] | None = None, cwd: Path = paths.FRONTEND) -> subprocess.CompletedProcess:
+def npm(*arguments: str, env: dict[str, str] | None = None, cwd: Path = paths.FRONTEND) -> subprocess.CompletedProcess:
     node = venv.ensure_node()
     environ = {**os.environ, "PATH": f"{node}:{os.environ.get('PATH', '')}", "CI": "true",
                "NO_COLOR": "1", **(env or {})}
-    return subprocess.run(["npm", *words], cwd=cwd, env=environ, stdin=subprocess.DEVNULL,
+    return subprocess.run(["npm", *arguments], cwd=cwd, env=environ, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
 def npm_install() -> None:
-    wanted = build_stamp.digest([paths.FRONTEND / "package.json", paths.FRONTEND / "package-lock.json"])
-    if (paths.FRONTEND / "node_modules").is_dir() and build_stamp.is_current("npm", wanted):
+    expected = build_stamp.digest([paths.FRONTEND / "package.json", paths.FRONTEND / "package-lock.json"])
+    if (paths.FRONTEND / "node_modules").is_dir() and build_stamp.is_current("npm", expected):
         return
     step("Installing the web page's npm packages")
     done = npm("ci", "--no-audit", "--no-fund")
     if done.returncode != 0:
         raise CliError("npm ci failed:\n" + "\n".join(done.stdout.splitlines()[-30:]))
-    build_stamp.set_current("npm", wanted)
+    build_stamp.set_current("npm", expected)
 
 
 def may_build_page() -> bool:
@@ -150,12 +150,12 @@ def build_page() -> bool:
     if not may_build_page():
         return False
     npm_install()
-    wanted = build_stamp.digest(_page_inputs())
-    if (paths.FRONTEND / "dist" / "index.html").exists() and build_stamp.is_current("page", wanted):
+    expected = build_stamp.digest(_page_inputs())
+    if (paths.FRONTEND / "dist" / "index.html").exists() and build_stamp.is_current("page", expected):
         return False
     step("Building the web page")
     done = npm("run", "build")
     if done.returncode != 0:
         raise CliError("building the web page failed:\n" + "\n".join(done.stdout.splitlines()[-40:]))
-    build_stamp.set_current("page", wanted)
+    build_stamp.set_current("page", expected)
     return True

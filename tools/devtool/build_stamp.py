@@ -20,9 +20,9 @@ def digest(inputs: Iterable[Path], *words: str) -> str:
     return sums.hexdigest()
 
 
-def is_current(name: str, wanted: str) -> bool:
+def is_current(name: str, expected: str) -> bool:
     try:
-        return (paths.STAMPS / name).read_text(encoding="ascii") == wanted
+        return (paths.STAMPS / name).read_text(encoding="ascii") == expected
     except OSError:
         return False
 

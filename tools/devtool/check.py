@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import concurrent.futures
+import functools
 import subprocess
+import threading
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Callable
 
-from . import build, contracts, filelint, install, linkrules, paths, prose, tidy
+from . import build, contracts, filelint, install, linkrules, passed, paths, prose, tidy
 from .console import CliError, say, step
 from .testing import Count
 
 _PAGE_SUFFIXES = (".ts", ".tsx", ".js", ".mjs")
-PAGE_SOURCES = "**/*.{ts,tsx,js,mjs}"       # in frontend/; .prettierignore excludes generated files
+#: Everything that the checks of the page's code depend on. The lock file contains the versions of the tools.
+_PAGE = ("frontend/", "api/proto/")
 
 
 @dataclass(frozen=True)
@@ -19,6 +24,9 @@ class Check:
     name: str
     findings: Callable[[], list[str]]
     slow: bool = False      # needs minutes without a cache
+    #: The beginnings of the names of all files on which the findings depend, if they depend on nothing else. The check is skipped
+    #: while these are as they were when it passed, in whichever checkout.
+    inputs: tuple[str, ...] = ()
 
 
 CHECKS = [
@@ -27,8 +35,8 @@ CHECKS = [
     Check("format", lambda: _format(fix=False)),
     Check("contracts", contracts.check),
     Check("links", linkrules.check),
-    Check("types", lambda: _npm_check("exec", "--", "tsc", "-b")),
-    Check("lint", lambda: _npm_check("exec", "--", "eslint", ".")),
+    Check("types", lambda: _npm_check("exec", "--", "tsc", "-b"), inputs=_PAGE),
+    Check("lint", lambda: _npm_check("exec", "--", "eslint", "."), inputs=_PAGE),
     Check("tidy", tidy.check, slow=True),
 ]
 
@@ -53,16 +61,31 @@ def count(slow: bool) -> Count:
 
 def _count(checks: list[Check]) -> Count:
     total = Count()
-    for check in checks:
-        try:
-            findings = check.findings()
-        except CliError as error:
-            findings = [str(error)]
-        for finding in findings:
-            say(finding)
-        step(f"check {check.name}: {'passed' if not findings else f'{len(findings)} findings'}")
-        total += Count(failed=1) if findings else Count(passed=1)
+    with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
+        for check, findings in zip(checks, pool.map(findings_of, checks)):
+            for finding in findings:
+                say(finding)
+            step(f"check {check.name}: {'passed' if not findings else f'{len(findings)} findings'}")
+            total += Count(failed=1) if findings else Count(passed=1)
     return total
+
+
+def findings_of(check: Check) -> list[str]:
+    entry = _entry(check) if check.inputs else None
+    if entry and passed.has(entry):
+        return []
+    try:
+        findings = check.findings()
+    except CliError as error:
+        findings = [str(error)]
+    if entry and not findings:
+        passed.keep([entry])
+    return findings
+
+
+def _entry(check: Check) -> Path:
+    files = [path for path in filelint.files() if str(path.relative_to(paths.REPO)).startswith(check.inputs)]
+    return passed.entry(files, check.name, Path(__file__).read_text(encoding="utf-8"))
 
 
 def _format(fix: bool) -> list[str]:
@@ -70,22 +93,42 @@ def _format(fix: bool) -> list[str]:
 
 
 def _format_cpp(fix: bool) -> list[str]:
-    sources = [str(path.relative_to(paths.REPO)) for path in linkrules.cpp_sources()]
+    version = subprocess.run(["clang-format", "--version"], capture_output=True, text=True).stdout
+    entries = _not_passed(linkrules.cpp_sources(), version, (paths.REPO / ".clang-format").read_text(encoding="utf-8"))
+    if not entries:
+        return []
     command = ["clang-format", "-i"] if fix else ["clang-format", "--dry-run", "--Werror"]
-    done = subprocess.run([*command, *sources], cwd=paths.REPO, capture_output=True, text=True)
+    done = subprocess.run([*command, *map(str, entries)], cwd=paths.REPO, capture_output=True, text=True)
     if done.returncode == 0:
+        passed.keep([] if fix else entries.values())
         return []
     names = sorted({line.split(":")[0] for line in done.stderr.splitlines() if ": error: " in line})
     return [f"{name}: not formatted with clang-format (run ./diaphane check --fix)" for name in names] or [done.stderr]
+
+
+def _not_passed(files: list[Path], *words: str) -> dict[Path, Path]:
+    """Returns the files, by their names in the checkout, that a formatter has not passed as they are now."""
+    entries = {path.relative_to(paths.REPO): passed.entry([path], "format", *words) for path in files}
+    return {name: entry for name, entry in entries.items() if not passed.has(entry)}
 
 
 def _format_page(fix: bool) -> list[str]:
     """Runs Prettier on the page's TypeScript and JavaScript."""
     if not (paths.FRONTEND / "package.json").exists():
         return []
-    build.npm_install()
-    done = build.npm("exec", "--", "prettier", "--write" if fix else "--list-different", PAGE_SOURCES)
-    return [] if done.returncode == 0 else unformatted(done.stdout)
+    with _ONE:
+        build.npm_install()
+    settings = [(paths.FRONTEND / name).read_text(encoding="utf-8") for name in (".prettierrc.json", ".prettierignore", "package-lock.json")]
+    sources = [path for path in filelint.files() if path.is_relative_to(paths.FRONTEND) and path.suffix in _PAGE_SUFFIXES]
+    entries = _not_passed(sources, *settings)
+    if not entries:
+        return []
+    names = [str((paths.REPO / name).relative_to(paths.FRONTEND)) for name in entries]
+    done = build.npm("exec", "--", "prettier", "--write" if fix else "--list-different", *names)
+    if done.returncode == 0:
+        passed.keep([] if fix else entries.values())
+        return []
+    return unformatted(done.stdout)
 
 
 def unformatted(output: str) -> list[str]:
@@ -97,14 +140,24 @@ def unformatted(output: str) -> list[str]:
     return findings or [output.strip()]
 
 
-def _npm(*words: str) -> subprocess.CompletedProcess | None:
+def _npm(*arguments: str) -> subprocess.CompletedProcess | None:
     if not (paths.FRONTEND / "package.json").exists():
         return None
-    build.npm_install()
-    generated = build.npm("run", "protocol")
-    return build.npm(*words) if generated.returncode == 0 else generated
+    with _ONE:
+        build.npm_install()
+        generated = _protocol()
+    return build.npm(*arguments) if generated.returncode == 0 else generated
 
 
-def _npm_check(*words: str) -> list[str]:
-    done = _npm(*words)
+#: Checks that run side by side prepare the page one after another.
+_ONE = threading.Lock()
+
+
+@functools.cache
+def _protocol() -> subprocess.CompletedProcess:
+    return build.npm("run", "protocol")
+
+
+def _npm_check(*arguments: str) -> list[str]:
+    done = _npm(*arguments)
     return [] if done is None or done.returncode == 0 else [done.stdout.strip()]

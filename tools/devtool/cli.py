@@ -35,30 +35,54 @@ def main(arguments: list[str]) -> int:
         return 141
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="./diaphane", description="Diaphane shows CT and MR scans as photo-realistic 3D pictures.")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+class _Commands:
+    def __init__(self) -> None:
+        self.parser = argparse.ArgumentParser(prog="./diaphane", description="Diaphane shows CT and MR scans as photo-realistic 3D pictures.")
+        self.all = self.parser.add_subparsers(metavar="COMMAND", required=True)
 
-    def command(name: str, run, about: str, rest: bool = False) -> argparse.ArgumentParser:
-        # The tools with `rest` arguments have their own --help.
-        made = commands.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", add_help=not rest)
+    def __call__(self, name: str, run, about: str, rest: bool = False, data: bool = False) -> argparse.ArgumentParser:
+        """`rest`: the tool parses its own arguments. `data`: it works on a data directory."""
+        made = self.all.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", add_help=not rest)
         made.set_defaults(run=run, takes_rest=rest)
+        if data:
+            made.add_argument("--data", metavar="FOLDER", type=lambda text: Path(text).expanduser().resolve(),
+                              help=f"data directory (default: {users.default_data_dir()})")
         return made
 
-    def with_data(made: argparse.ArgumentParser) -> None:
-        made.add_argument("--data", metavar="FOLDER", type=lambda text: Path(text).expanduser().resolve(),
-                          help=f"data directory (default: {users.default_data_dir()})")
 
-    up = command("up", _up, "install missing dependencies, build and start everything; press Ctrl-C to stop")
-    with_data(up)
+def _parser() -> argparse.ArgumentParser:
+    command = _Commands()
+    _add_instance(command)
+    _add_scans(command)
+    _add_checks(command)
+    _add_documents(command)
+    command.all.add_parser("help", help="show this help").set_defaults(run=lambda *_: command.parser.print_help() or 0)
+    return command.parser
+
+
+def _add_instance(command: _Commands) -> None:
+    up = command("up", _up, "install missing dependencies, build and start everything; press Ctrl-C to stop", data=True)
     up.add_argument("--no-install", action="store_true", help=_NO_INSTALL)
     up.add_argument("--detach", action="store_true", help="run in the background and return once everything is ready; stop it with `./diaphane down`")
     up.add_argument("--port", type=_port, metavar="N", help="port of the web page (default: 8080, or the next free port)")
     up.add_argument("--engine", choices=("auto", "cpu", "cuda"), default="auto", help="rendering engine; auto uses CUDA if a GPU is available (default: auto)")
-    with_data(command("down", _down, "stop the instance that runs on a data directory"))
-    status = command("status", _status, "show each program with its port and state, and the rendering engine and device")
-    with_data(status)
+    command("down", _down, "stop the instance that runs on a data directory", data=True)
+    status = command("status", _status, "show each program with its port and state, and the rendering engine and device", data=True)
     status.add_argument("--json", action="store_true", help="print the status as JSON")
+
+
+def _add_scans(command: _Commands) -> None:
+    command("sample", _sample, "upload the sample scan again, or write it as DICOM files (--write-dicom FOLDER)", rest=True, data=True)
+    administrators = command("admin", _admin, "manage the administrators of a running instance: grant, revoke, list, reset-2fa", data=True)
+    administrators.add_argument("what", choices=("grant", "revoke", "list", "reset-2fa", "forget-factor"), metavar="{grant,revoke,list,reset-2fa}",
+                                help="grant or revoke the administrator role, list all administrators, or turn off a user's second factor")
+    administrators.add_argument("email", nargs="?", metavar="EMAIL", help="confirmed email address of the account (not used by list)")
+    command("scan", _tool("diaphane-scan"), "list the series in a folder or an archive and say which are suitable (FOLDER or FILE.zip [--json] [--build VOLUME])", rest=True)
+    command("render", _tool("diaphane-render"), "render a picture without a server (INPUT ..., see --help)", rest=True)
+    command("replay", _replay, "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
+
+
+def _add_checks(command: _Commands) -> None:
     test = command("test", _test, "build and run the tests; the last line of output is `N passed, N failed`")
     test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu", "cluster", "node"),
                       help="run only these tests (default: unit, integration and e2e)")
@@ -68,27 +92,29 @@ def _parser() -> argparse.ArgumentParser:
     check = command("check", _check, "run the static checks: formatting, prose, linters, types, link rules and API contracts")
     check.add_argument("--fix", action="store_true", help="let clang-format, Prettier and ESLint fix what they can")
     check.add_argument("--only", metavar="NAME", action="append", help="run only this check: files, prose, format, contracts, links, types, lint or tidy (repeatable)")
-    with_data(command("sample", _sample, "upload the sample scan again, or write it as DICOM files (--write-dicom FOLDER)",
-                      rest=True))
-    administrators = command("admin", _admin, "manage the administrators of a running instance: grant, revoke, list, reset-2fa")
-    with_data(administrators)
-    administrators.add_argument("what", choices=("grant", "revoke", "list", "reset-2fa", "forget-factor"), metavar="{grant,revoke,list,reset-2fa}",
-                                help="grant or revoke the administrator role, list all administrators, or turn off a user's second factor")
-    administrators.add_argument("email", nargs="?", metavar="EMAIL", help="confirmed email address of the account (not used by list)")
-    command("scan", _tool("diaphane-scan"), "list the series in a folder and say which are suitable (FOLDER [--json] [--build VOLUME])", rest=True)
-    command("render", _tool("diaphane-render"), "render a picture without a server (INPUT ..., see --help)", rest=True)
-    command("replay", _replay, "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
     fuzz = command("fuzz", _fuzz, "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
-    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, tar, report, volume, viewer, stream, fields, preset, recording or scene_xml (default: all)")
+    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
     fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="duration per target in seconds (default: 60)")
     fuzz.add_argument("--minimise", action="store_true", help="then minimise the corpus in tests/fuzz/corpus without losing coverage")
     races = command("races", _races, "run the multi-threaded tests under ThreadSanitizer")
     races.add_argument("programs", nargs="*", metavar="PROGRAM", help="test program (default: all multi-threaded ones)")
+    mutants = command("mutants", _mutants, "put random faults into the product and count those that the tests notice")
+    mutants.add_argument("--count", type=int, default=300, metavar="N", help="number of mutants (default: 300)")
+    mutants.add_argument("--seed", type=int, default=1, metavar="N", help="draw other mutants (default: 1)")
+    mutants.add_argument("--area", action="append", metavar="NAME",
+                         help="renderer, scheduler, access, ingest, operator, page or tools (repeatable; default: all but tools)")
+    mutants.add_argument("--jobs", type=int, metavar="N", help="copies of the sources that are tested in parallel (default: three quarters of the cores)")
+    mutants.add_argument("--minutes", type=float, metavar="N", help="start no more mutants after this time")
+    mutants.add_argument("--deep", action="store_true", help="let the integration tests look for what the unit tests missed")
+    mutants.add_argument("--json", type=Path, metavar="FILE", help="write each mutant and its outcome to this file")
     bench = command("bench", _bench, "run a benchmark; without a name, list all benchmarks", rest=True)
     bench.add_argument("name", nargs="?", metavar="NAME", help="benchmark to run")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results to this file")
     bench.add_argument("--quick", action="store_true", help="fewer repetitions")
     bench.set_defaults(print_help=bench.print_help)    # NAME --help belongs to the measurement
+
+
+def _add_documents(command: _Commands) -> None:
     command("bounds", lambda *_: _bounds(), "write docs/bounds.md from docs/bounds.toml")
     command("figures", lambda *_: _figures(), "write docs/figures.md from the benchmark results in docs/figures/")
     bill = command("sbom", _sbom, "write the software bill of materials as CycloneDX JSON")
@@ -105,8 +131,6 @@ def _parser() -> argparse.ArgumentParser:
     pictures.add_argument("--size", choices=("phone", "tablet", "desk"), help="only this size")
     pictures.add_argument("--look", choices=("light", "dark"), help="only this colour scheme")
     command("guide", lambda *_: _guide(), "recreate the pictures of docs/guide.md")
-    commands.add_parser("help", help="show this help").set_defaults(run=lambda *_: parser.print_help() or 0)
-    return parser
 
 
 def _port(text: str) -> int:
@@ -211,9 +235,10 @@ def _admin(options: argparse.Namespace, _: list[str]) -> int:
 
 def _tool(name: str):
     def run(_: argparse.Namespace, rest: list[str]) -> int:
-        from . import run_binary
+        from . import run_binary, unpack
 
-        return run_binary.run(name, rest)
+        with unpack.unpacked(rest) as arguments:
+            return run_binary.run(name, arguments, wait=arguments != rest)
 
     return run
 
@@ -234,6 +259,12 @@ def _fuzz(options: argparse.Namespace, _: list[str]) -> int:
     from . import fuzz
 
     return fuzz.run(options.target, options.seconds, options.minimise)
+
+
+def _mutants(options: argparse.Namespace, _: list[str]) -> int:
+    from . import mutants
+
+    return mutants.command(options)
 
 
 def _bench(options: argparse.Namespace, rest: list[str]) -> int:

@@ -36,7 +36,7 @@ def _openapi() -> list[str]:
 def style(spec: dict) -> list[str]:
     """Checks what client generators and readers need beyond validity."""
     found = []
-    seen: set[str] = set()
+    visited: set[str] = set()
     for path, item in spec.get("paths", {}).items():
         for method in (m for m in _METHODS if m in item):
             operation = item[method]
@@ -44,9 +44,9 @@ def style(spec: dict) -> list[str]:
             identity = operation.get("operationId")
             if not identity:
                 found.append(f"{name} has no operationId")
-            elif identity in seen:
+            elif identity in visited:
                 found.append(f"{name}: operationId {identity} is used twice")
-            seen.add(identity or "")
+            visited.add(identity or "")
             if not operation.get("summary"):
                 found.append(f"{name} has no summary")
             if not any(str(code)[0] in "4d" for code in operation.get("responses", {})):

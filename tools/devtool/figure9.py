@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-from html import escape
+import matplotlib
+from matplotlib.figure import Figure
 
-from .plot import COLOURS, STYLE
-
-CELL, ROW, LEFT, TOP, GAP = 74, 19, 12, 62, 14
+from .plot import COLOURS, STYLE, text_of
 
 
+@matplotlib.rc_context(STYLE)
 def svg(situations: list[dict]) -> str:
-    rows = len(situations[0]["turns"])
-    height = TOP + ROW * rows + 26 + 15 * len(situations)
-    width = 2 * LEFT + (CELL + GAP) * len(situations)
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-             'role="img" aria-label="Whose iteration is computed, in seven situations">', STYLE,
-             '<style> .cell { font-size: 11px; fill: #fff } </style>',
-             f'<text class="title" x="{LEFT}" y="17">Node and its iteration, one turn a row (thesis, Figure 9)</text>']
-    for number, situation in enumerate(situations):
-        x = LEFT + number * (CELL + GAP)
-        nodes = len(situation["begin"])
-        parts += [f'<text class="title" x="{x}" y="38">{number + 1}</text>',
-                  f'<text x="{x}" y="53">{nodes} nodes</text>']
-        for row, (node, iteration) in enumerate(situation["turns"]):
-            y = TOP + row * ROW
-            parts.append(f'<rect x="{x}" y="{y}" width="{CELL}" height="{ROW - 2}" rx="2" fill="{COLOURS[node - 1]}"/>'
-                         f'<text class="cell" style="fill:#fff" x="{x + 6}" y="{y + 13}">{node}</text>'
-                         f'<text class="cell" style="fill:#fff" text-anchor="end" x="{x + CELL - 6}" y="{y + 13}">{iteration}</text>')
-    for number, situation in enumerate(situations):
-        shares = ", ".join(f"{100 * share:.0f}%" for share in situation["shares"])
-        parts.append(f'<text x="{LEFT}" y="{TOP + ROW * rows + 22 + 15 * number}">'
-                     f'{number + 1}: {escape(situation["what"].split(": ", 1)[1])}; shares of the turns {shares}</text>')
-    return "\n".join([*parts, "</svg>", ""])
+    turns = list(zip(*(situation["turns"] for situation in situations)))
+    shares = "\n".join(f"{number}: {one['what'].split(': ', 1)[1]}; shares of the turns {', '.join(f'{share:.0%}' for share in one['shares'])}"
+                       for number, one in enumerate(situations, 1))
+    height = 0.22 * (len(turns) + 1) + 0.15 * len(situations) + 0.6
+    figure = Figure(figsize=(1.2 * len(situations), height))
+    axes = figure.subplots(gridspec_kw={"left": 0.01, "right": 0.99, "top": 1 - 0.4 / height, "bottom": (0.15 * len(situations) + 0.2) / height})
+    axes.axis("off")
+    axes.set_title("Node and its iteration, one turn a row (thesis, Figure 9)")
+    table = axes.table([[f"{node}: {iteration}" for node, iteration in row] for row in turns], bbox=(0, 0, 1, 1), cellLoc="center",
+                       cellColours=[[COLOURS[node - 1] for node, _ in row] for row in turns],
+                       colLabels=[f"{number} ({len(one['begin'])} nodes)" for number, one in enumerate(situations, 1)])
+    for (row, _), cell in table.get_celld().items():
+        cell.set(edgecolor="none", facecolor=cell.get_facecolor() if row else "none")
+        if row:
+            cell.set_text_props(color="white")
+    figure.text(0.01, 0.08 / height, shares)
+    return text_of(figure)
 
 
 def table(situations: list[dict]) -> str:

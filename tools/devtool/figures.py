@@ -18,7 +18,7 @@ from .console import CliError, say
 FOLDER = paths.REPO / "docs" / "figures"
 PAGE = paths.REPO / "docs" / "figures.md"
 
-# The machine of reports whose caption names no other.
+# The machine of all reports whose caption does not name one.
 MACHINE = "AMD EPYC, 2 cores"
 
 INTRODUCTION = """\
@@ -35,8 +35,8 @@ with 2 cores unless a caption names another.
 TARGETS = "targets"
 
 # Reports of benches that the page only links.
-ONLY_LINKED = ("body", "cluster", "contract", "edge", "edge-attacks", "exact-walk", "film", "first-picture", "growth", "hostile", "image", "ingest",
-               "link", "render", "slice-interpolation", "slices", "soak", "stability", "still-codecs", "tests")
+ONLY_LINKED = ("body", "cluster", "contract", "edge", "edge-attacks", "exact-walk", "first-picture", "growth", "hostile", "image", "ingest",
+               "link", "render", "slice-interpolation", "slices", "soak", "stability", "still-codecs", "tests", "video")
 
 # For each other bench: what it measures, a pattern for the names of the results to show, and words that the description already
 # contains and that are removed from the names.
@@ -90,14 +90,14 @@ def page(found: dict[str, dict]) -> str:
     benches = {report["bench"] for report in found.values()}
     parts = [INTRODUCTION]
     for bench in [*(name for name in SECTIONS if name in benches), *sorted(benches - set(SECTIONS) - set(ONLY_LINKED))]:
-        about, pattern, said = SECTIONS.get(bench, ("", "", ""))
+        about, pattern, redundant = SECTIONS.get(bench, ("", "", ""))
         parts.append(f"\n## {bench}\n" + (_wrapped(about) if about else ""))
         more = []
         for name, report in found.items():
             if report["bench"] == bench:
                 shown = [result for result in report["results"] if _is_shown(result, pattern)]
                 if shown:
-                    parts.append(_report(name, report, shown, said))
+                    parts.append(_report(name, report, shown, redundant))
                 else:
                     more.append(f"[{name}](figures/{name})")
         if more:
@@ -111,11 +111,11 @@ def _is_shown(result: dict, pattern: str) -> bool:
     return result.get("target") is not None if pattern == TARGETS else bool(re.search(pattern, result["name"]))
 
 
-def _report(name: str, report: dict, shown: list[dict], said: str) -> str:
+def _report(name: str, report: dict, shown: list[dict], redundant: str) -> str:
     targets = any(result.get("target") is not None for result in shown)
     lines = ["|Figure|Value|Target|", "|---|---|---|"] if targets else ["|Figure|Value|", "|---|---|"]
     for result in shown:
-        lines.append(f"|{_written(result['name'], said)}|{_value(result)}|" + (f"{_target(result)}|" if targets else ""))
+        lines.append(f"|{_written(result['name'], redundant)}|{_value(result)}|" + (f"{_target(result)}|" if targets else ""))
     notes = [*report.get("notes", []), *(result["note"] for result in shown if result.get("note"))]
     return "\n".join(["", _wrapped(_caption(name, report)), *lines, ""]) + ("\n" + _wrapped(" ".join(notes)) if notes else "")
 
@@ -128,9 +128,9 @@ def _caption(name: str, report: dict) -> str:
     hardware = f"{len(gpus)} {gpus[0]}" if len(gpus) > 1 else gpus[0] if gpus else machine["cpu"] + cores
     load = report.get("load")
     runs = max((result.get("runs", 1) for result in report["results"]), default=1)
-    said = [f"[{name}](figures/{name})", hardware if hardware != MACHINE else None, report.get("date"), f"load {load[0]:g}–{load[1]:g}" if isinstance(load, list) else load,
+    facts = [f"[{name}](figures/{name})", hardware if hardware != MACHINE else None, report.get("date"), f"load {load[0]:g}–{load[1]:g}" if isinstance(load, list) else load,
             f"{runs} runs" if runs > 1 else None, report.get("scope")]
-    return ", ".join(part for part in said if part) + ":"
+    return ", ".join(part for part in facts if part) + ":"
 
 
 def _value(result: dict) -> str:
@@ -160,9 +160,9 @@ def _number(value: float, digits: int) -> str:
     return written.rstrip("0").rstrip(".") if decimals else written
 
 
-def _written(name: str, said: str) -> str:
+def _written(name: str, redundant: str) -> str:
     """Returns the name of a result without the words of the description, capitalised."""
-    short = re.sub(said, "", name) if said else name
+    short = re.sub(redundant, "", name) if redundant else name
     return _sizes(re.sub(r"\b(cpu|cuda)\b", lambda engine: engine[0].upper(), short))
 
 

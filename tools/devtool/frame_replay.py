@@ -49,7 +49,7 @@ IN_FLIGHT = 2
 
 
 class Played:
-    """What was sent, and what the page acknowledged."""
+    """The sent pictures and the acknowledgements of the page."""
 
     def __init__(self) -> None:
         self.over = threading.Event()
@@ -60,13 +60,13 @@ class Played:
         self._wants_key = False
         self._lock = threading.Lock()
 
-    def hear(self, said) -> None:
+    def hear(self, message) -> None:
         with self._lock:
-            self._wants_key |= said.HasField("need_key")
-            if said.ack.seq:
-                self._acknowledged.add(said.ack.seq)
-            if said.ack.presented_us:
-                self.presented.add(said.ack.seq)
+            self._wants_key |= message.HasField("need_key")
+            if message.ack.seq:
+                self._acknowledged.add(message.ack.seq)
+            if message.ack.presented_us:
+                self.presented.add(message.ack.seq)
 
     def has_room(self) -> bool:
         with self._lock:
@@ -107,8 +107,8 @@ def player(recorded: Recorded, rate: float, seconds: float) -> Iterator[tuple[in
 
     def hear(socket) -> None:
         with contextlib.suppress(ConnectionClosed):
-            for said in socket:
-                played.hear(recorded.kinds["ClientMessage"].FromString(said))
+            for received in socket:
+                played.hear(recorded.kinds["ClientMessage"].FromString(received))
 
     def meet(socket) -> None:
         socket.recv()  # Hello

@@ -13,7 +13,7 @@ from pathlib import Path
 from . import build, install, paths
 from .console import CliError, say, step, warn
 
-TARGETS = ("precheck", "codestream", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml")
+TARGETS = ("precheck", "codestream", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml", "panorama")
 SOURCES = paths.REPO / "tests" / "fuzz"
 #: A run that is longer or uses more memory is a finding.
 SECONDS_A_RUN, MEGABYTES = 5, 1024
@@ -26,11 +26,11 @@ class Found:
     target: str
     runs: int
     edges: int      # of the target's code that these runs and the corpora reached
-    words: str      # text of the finding, if any
+    failure: str      # text of the finding, if any
 
     @property
-    def well(self) -> bool:
-        return not self.words
+    def ok(self) -> bool:
+        return not self.failure
 
 
 def run(target: str | None, seconds: int, minimise: bool = False, may_install: bool = True) -> int:
@@ -40,13 +40,13 @@ def run(target: str | None, seconds: int, minimise: bool = False, may_install: b
     chosen = TARGETS if target is None else (target,)
     all_found = fuzz(chosen, seconds)
     for found in all_found:
-        say(f"{found.target:<12} {found.runs:>9} runs, {found.edges:>5} edges covered: {'passed' if found.well else 'FAILED'}")
-        if not found.well:
-            warn(found.words)
-    if minimise and all(found.well for found in all_found):
+        say(f"{found.target:<12} {found.runs:>9} runs, {found.edges:>5} edges covered: {'passed' if found.ok else 'FAILED'}")
+        if not found.ok:
+            warn(found.failure)
+    if minimise and all(found.ok for found in all_found):
         for name in chosen:
             _minimise(name)
-    return 0 if all(found.well for found in all_found) else 1
+    return 0 if all(found.ok for found in all_found) else 1
 
 
 def fuzz(targets: tuple[str, ...], seconds: int) -> list[Found]:
@@ -70,9 +70,9 @@ def _fuzz(folder: Path, name: str, seconds: int) -> Found:
         env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         errors="replace")
     stats = [line.split() for line in done.stderr.splitlines() if line.startswith("stat::number_of_executed_units")]
-    words = "" if done.returncode == 0 else "\n".join(done.stderr.splitlines()[-60:])
+    failure = "" if done.returncode == 0 else "\n".join(done.stderr.splitlines()[-60:])
     edges = re.findall(r"^#\d+\s+\w+\s+cov: (\d+)", done.stderr, re.MULTILINE)
-    return Found(name, int(stats[0][1]) if stats else 0, int(edges[-1]) if edges else 0, words)
+    return Found(name, int(stats[0][1]) if stats else 0, int(edges[-1]) if edges else 0, failure)
 
 
 def _environment() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Whether CUDA finds a device, according to the driver that the programs use."""
+"""Checks whether CUDA finds a device with the driver that the programs use."""
 
 from __future__ import annotations
 

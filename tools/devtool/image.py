@@ -15,7 +15,7 @@ from .console import CliError, say, step
 
 CHART = paths.REPO / "helm" / "diaphane"
 LIMIT = 600_000_000
-#: Besides the chart's programs: tools for a person in a pod, if the build contains them.
+#: Tools for people in a pod, besides the chart's programs, if the build contains them.
 _TOOLS = ("diaphane-scan", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
 #: Modules that the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
@@ -158,14 +158,14 @@ def folder() -> Path:
     return paths.REPO / "build" / "image"
 
 
-def buildah(*words: str, capture: bool = True) -> str:
+def buildah(*arguments: str, capture: bool = True) -> str:
     """Runs buildah with its own store. Uses no overlay file system and no namespaces, which are not available everywhere."""
     store = folder()
-    command = ["buildah", "--root", str(store / "store"), "--runroot", str(store / "run"), "--storage-driver", "vfs", *words]
+    command = ["buildah", "--root", str(store / "store"), "--runroot", str(store / "run"), "--storage-driver", "vfs", *arguments]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, text=True, env={**os.environ, "BUILDAH_ISOLATION": "chroot"},
                           stdout=subprocess.PIPE if capture else None, stderr=subprocess.STDOUT if capture else None)
     if done.returncode != 0:
-        raise CliError(f"buildah {words[0]} failed:\n" + "\n".join((done.stdout or "").splitlines()[-30:]))
+        raise CliError(f"buildah {arguments[0]} failed:\n" + "\n".join((done.stdout or "").splitlines()[-30:]))
     return (done.stdout or "").strip()
 
 
@@ -204,9 +204,9 @@ def _base() -> str:
 
 def _mirror(release: str) -> str:
     """Returns the mirror from which this machine installs Debian."""
-    told = subprocess.run(["apt-get", "indextargets", "--format", "$(REPO_URI)", "Identifier: Packages", f"Codename: {release}", "Component: main"],
+    urls = subprocess.run(["apt-get", "indextargets", "--format", "$(REPO_URI)", "Identifier: Packages", f"Codename: {release}", "Component: main"],
                           capture_output=True, text=True).stdout.split()
-    return told[0] if told else "http://deb.debian.org/debian"
+    return urls[0] if urls else "http://deb.debian.org/debian"
 
 
 def run(out: Path | None, check: bool, base: str | None, source: bool, only_stage: Path | None) -> int:

@@ -64,15 +64,15 @@ def compilers(files: Iterable[str]) -> list[str]:
 
 def _walk(root: Path) -> tuple[int, list[str]]:
     """Returns the total bytes of all files, counting each once whatever its links, and the paths of executables."""
-    total, programs, seen = 0, [], set()
+    total, programs, visited = 0, [], set()
     for where, _, names in os.walk(root):
         for name in names:
             file = Path(where) / name
-            told = file.lstat()
-            if not stat.S_ISDIR(told.st_mode) and (told.st_dev, told.st_ino) not in seen:
-                seen.add((told.st_dev, told.st_ino))
-                total += told.st_size
-            if told.st_mode & 0o111:
+            status = file.lstat()
+            if not stat.S_ISDIR(status.st_mode) and (status.st_dev, status.st_ino) not in visited:
+                visited.add((status.st_dev, status.st_ino))
+                total += status.st_size
+            if status.st_mode & 0o111:
                 programs.append("/" + str(file.relative_to(root)))
     return total, programs
 

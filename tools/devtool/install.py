@@ -1,4 +1,4 @@
-"""Finds and installs what is missing on this machine for a purpose."""
+"""Finds and installs the dependencies that this machine lacks for a purpose."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ PARTS = {
     "check": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
     "bench": [venv.BUILD, venv.TESTS],
 }
-#: What needs neither a browser nor linters nor fuzzers.
+#: Purposes that need no browser, linters or fuzzers.
 _WITHOUT_TESTS = ("up", "image")
-#: What compiles the CUDA engine only where it can run.
+#: Purposes that compile the CUDA engine only on machines that can run it.
 _CUDA_WITH_GPU = ("up", "bench")
 
 
@@ -28,11 +28,11 @@ def missing(purpose: str) -> tuple[list[str], list[venv.Part]]:
     absent = [part for part in parts(purpose, gpu.absence()) if not part.current()]
     if (paths.FRONTEND / "package.json").exists() and venv.node_bin() is None:
         absent.append(venv.NODE)
-    return packages.missing(packages.wanted(tests=purpose not in _WITHOUT_TESTS)), absent
+    return packages.missing(packages.required(tests=purpose not in _WITHOUT_TESTS)), absent
 
 
 def ensure(purpose: str, may_install: bool = True) -> None:
-    """Installs what is missing and reports it."""
+    """Installs the missing dependencies and reports them."""
     debian, absent = missing_or_exit(purpose, may_install)
     if debian:
         packages.install(debian)
@@ -41,7 +41,7 @@ def ensure(purpose: str, may_install: bool = True) -> None:
 
 
 def missing_or_exit(purpose: str, may_install: bool) -> tuple[list[str], list[venv.Part]]:
-    """Returns what missing() returns. With `may_install` false, reports it and exits if anything is missing."""
+    """Returns the result of missing(). If `may_install` is false, reports it and exits if anything is missing."""
     debian, absent = missing(purpose)
     if may_install or not (debian or absent):
         return debian, absent

@@ -108,17 +108,17 @@ def _build(name: str) -> None:
 def version_flags() -> str:
     """Sets the same version for all programs of the module, because kubectl and helm compare versions with the server."""
     major, minor, _ = version().split(".")
-    said = {"gitVersion": f"v{version()}", "gitMajor": major, "gitMinor": minor}
-    return " ".join(["-s -w", *(f"-X k8s.io/component-base/version.{key}={value}" for key, value in said.items())])
+    stamps = {"gitVersion": f"v{version()}", "gitMajor": major, "gitMinor": minor}
+    return " ".join(["-s -w", *(f"-X k8s.io/component-base/version.{key}={value}" for key, value in stamps.items())])
 
 
-def build_go(words: list[str], where: Path, **env: str) -> str:
-    # Static, so that they need nothing from the machine. The environment chooses the source of modules (GOPROXY).
-    done = subprocess.run([str(go()), *words], cwd=where,
+def build_go(arguments: list[str], where: Path, **env: str) -> str:
+    # Linked statically, so that they need no libraries of the machine. The environment chooses the source of modules (GOPROXY).
+    done = subprocess.run([str(go()), *arguments], cwd=where,
                           env={**os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env},
                           stdin=subprocess.DEVNULL, capture_output=True, text=True)
     if done.returncode != 0:
-        raise CliError(f"go {' '.join(words)} failed:\n" + "\n".join((done.stdout + done.stderr).splitlines()[-20:]))
+        raise CliError(f"go {' '.join(arguments)} failed:\n" + "\n".join((done.stdout + done.stderr).splitlines()[-20:]))
     return done.stdout
 
 
@@ -136,10 +136,10 @@ def go() -> Path:
 
 def _go_version(program: Path) -> tuple[int, ...]:
     try:
-        said = subprocess.run([str(program), "version"], capture_output=True, text=True, timeout=20, cwd="/").stdout
+        output = subprocess.run([str(program), "version"], capture_output=True, text=True, timeout=20, cwd="/").stdout
     except (OSError, subprocess.SubprocessError):
         return (0,)
-    found = re.search(r"go(\d+)\.(\d+)", said)
+    found = re.search(r"go(\d+)\.(\d+)", output)
     return tuple(map(int, found.groups())) if found else (0,)
 
 

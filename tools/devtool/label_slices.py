@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
-# By label (outside, body, support, metal): factors of the grey value, and what is added.
+# By label (outside, body, support, metal): factors of the grey value, and offsets that are added to it.
 _TINTS = np.array([[0.2, 0.2, 0.6], [1, 1, 1], [1, 0.25, 0.25], [1, 1, 0]])
 _FLOORS = np.array([[0, 0, 40], [12, 12, 12], [90, 0, 0], [120, 120, 0]])
 _GAP = 4
@@ -40,7 +39,7 @@ def write_slices(row: dict[str, Any], folder: Path, to: Path) -> None:
     for tile in tiles:
         sheet[:tile.shape[0], left:left + tile.shape[1]] = tile
         left += tile.shape[1] + _GAP
-    (to / f"{row['name'].replace(' ', '-').replace(',', '')}.png").write_bytes(png(sheet))
+    Image.fromarray(sheet).save(to / f"{row['name'].replace(' ', '-').replace(',', '')}.png")
 
 
 def _upright(row: dict[str, Any], values: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[float]]:
@@ -74,14 +73,3 @@ def _decoded(data: bytes) -> np.ndarray:
         at += 1
         counts.append(number())
     return np.repeat(np.array(labels, np.uint8), counts).reshape(size[::-1])
-
-
-def png(rgb: np.ndarray) -> bytes:
-    """Returns an image of shape (height, width, 3) as a PNG file."""
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    height, width, _ = rgb.shape
-    rows = b"".join(b"\0" + row.tobytes() for row in np.ascontiguousarray(rgb))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b""))

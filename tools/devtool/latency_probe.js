@@ -18,7 +18,7 @@
   let last = "";
   const moves = (event) => {
     const at = `${event.clientX} ${event.clientY}`;
-    if (at !== last) moved ??= { event: event.timeStamp }; // the browser tells a move twice: raw, and with the next picture
+    if (at !== last) moved ??= { event: event.timeStamp }; // the browser reports a move twice: raw, and with the next frame
     last = at;
   };
   for (const kind of ["pointerrawupdate", "pointermove"]) addEventListener(kind, moves, { capture: true });

@@ -61,11 +61,11 @@ def _some_files(folder: Path) -> list[Path]:
 def _mirror(source: Path, target: Path) -> None:
     """Copies changed files and removes deleted ones. Excludes tests, which are large and never run from the copy."""
     target.mkdir(mode=0o755, exist_ok=True)
-    wanted = {p.name for p in source.iterdir() if not p.name.endswith(("_test", "_bench"))}
+    needed = {p.name for p in source.iterdir() if not p.name.endswith("_test")}
     for stale in target.iterdir():
-        if stale.name not in wanted:
+        if stale.name not in needed:
             shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
-    for name in sorted(wanted):
+    for name in sorted(needed):
         one, other = source / name, target / name
         if one.is_dir():
             _mirror(one, other)

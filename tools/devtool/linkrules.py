@@ -14,6 +14,7 @@ from . import build, cycles, filelint, paths
 from .console import CliError
 
 RULES = Path(__file__).with_name("link_rules.toml")
+TRIALS = ("bench", "tests")    # folders of code that only measures and tests the product
 PROGRAM = "egg"            # shapes in CMake's graph
 UNKNOWN = "septagon"
 _NODE = re.compile(r'^\s*"(node\d+)" \[ label = "([^"]+)", shape = (\w+) \];')
@@ -95,8 +96,26 @@ def _layer(name: str, layers: dict[str, dict], features: dict[str, list[str]]) -
     return next((layer for layer, rule in layers.items() if any(fnmatch(name, pattern) for pattern in rule["files"])), None)
 
 
+def trial_violations(sources: dict[str, str]) -> list[str]:
+    """Returns product files that include code for measuring or testing."""
+    return [f"{name} includes {header}, but only tests and benchmarks may include {header.partition('/')[0]}/"
+            for name, text in sorted(sources.items()) if not _is_trial(name.rpartition(".")[0])
+            for header in _INCLUDE.findall(text) if _is_trial(header)]
+
+
+def support_violations(sources: dict[str, str]) -> list[str]:
+    """Returns headers in product folders that only tests and benchmarks include."""
+    users: dict[str, set[str]] = {}
+    for name, text in sources.items():
+        for header in _INCLUDE.findall(text):
+            users.setdefault(header, set()).add(name.rpartition(".")[0])
+    return [f"{name} is included by tests and benchmarks alone: move it into tests/support/"
+            for name in sorted(sources) if name in users and not _is_trial(name)
+            and all(_is_trial(user) for user in users[name] - {name.rpartition(".")[0]})]
+
+
 def prefix_violations(sources: Iterable[str], limits: dict[str, int]) -> list[str]:
-    """Returns files with a prefix that a folder should express."""
+    """Returns files whose prefix should be a folder."""
     found = []
     for prefix, limit in limits.items():
         count = sum(name.rpartition("/")[2].startswith(prefix) for name in sources)
@@ -106,7 +125,7 @@ def prefix_violations(sources: Iterable[str], limits: dict[str, int]) -> list[st
 
 
 def _is_trial(name: str) -> bool:
-    return name.endswith(("_test", "_bench", "_test_support", "_fake", "_fakes")) or "/testing/" in name
+    return name.endswith("_test") or name.startswith(tuple(f"{room}/" for room in TRIALS))
 
 
 def rules() -> dict:
@@ -128,7 +147,8 @@ def check() -> list[str]:
     pages = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8") for path in filelint.files()
              if path.suffix in (".ts", ".tsx") and path.is_relative_to(paths.FRONTEND)}
     return (violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
-            + layer_violations(sources, book["layers"], book["features"]) + prefix_violations(sources, book["prefixes"])
+            + layer_violations(sources, book["layers"], book["features"])
+            + trial_violations(sources) + support_violations(sources) + prefix_violations(sources, book["prefixes"])
             + [f"cycle: {', '.join(part)}" for graph in (cycles.includes(sources), cycles.imports(pages)) for part in cycles.cycles(graph)])
 
 

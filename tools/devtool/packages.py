@@ -18,8 +18,8 @@ SERVICES = {"postgresql": "postgresql", "redis-server": "redis-server", "nginx-l
 _POLICY = Path("/usr/sbin/policy-rc.d")
 
 
-def wanted(tests: bool = True) -> list[str]:
-    """Returns what packages.txt lists, or without `tests` only what building and running needs."""
+def required(tests: bool = True) -> list[str]:
+    """Returns the packages in packages.txt, or without `tests` only those for building and running."""
     lines = (paths.TOOLS / "packages.txt").read_text(encoding="utf-8").splitlines()
     names = [name for line in lines if (name := line.partition("#")[0].strip())]
     section = names.index("[tests]")
@@ -60,16 +60,16 @@ def _as_root() -> list[str]:
         return []
     if not shutil.which("sudo"):
         raise CliError("Debian packages are missing, and sudo is not available to install them. Run as root:\n"
-                         "apt-get update && apt-get install --no-install-recommends " + " ".join(missing(wanted())))
+                         "apt-get update && apt-get install --no-install-recommends " + " ".join(missing(required())))
     return ["sudo"]
 
 
-def _apt(*words: str, check: bool = True, afterwards: str = "") -> int:
+def _apt(*arguments: str, check: bool = True, afterwards: str = "") -> int:
     # sudo closes all files but the standard ones, and apt-get does not pass its status file on to dpkg, whose scripts need
     # standard output. Hence a shell makes the status file, after sudo, from a copy of standard output.
     command = [*_as_root(), "sh", "-c", 'exec "$@" 3>&1', "sh", "env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8",
-               "apt-get", "-qq", "-y", "-o", "Dpkg::Use-Pty=0", "-o", "APT::Status-Fd=3", *words]
-    what = "Updating Debian's package lists" if words[0] == "update" else "Installing Debian packages"
+               "apt-get", "-qq", "-y", "-o", "Dpkg::Use-Pty=0", "-o", "APT::Status-Fd=3", *arguments]
+    what = "Updating Debian's package lists" if arguments[0] == "update" else "Installing Debian packages"
     state = AptProgress()
     output = []
     with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -80,7 +80,7 @@ def _apt(*words: str, check: bool = True, afterwards: str = "") -> int:
             else:
                 output.append(line.rstrip("\n"))
     if running.returncode != 0 and check:
-        raise CliError(f"apt-get {words[0]} failed:\n" + "\n".join(output[-20:]))
+        raise CliError(f"apt-get {arguments[0]} failed:\n" + "\n".join(output[-20:]))
     return running.returncode
 
 

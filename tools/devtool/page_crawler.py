@@ -53,22 +53,18 @@ def go(page, url: str, place: Place, data_set: str) -> None:
     for form in forms:
         page.goto("about:blank")    # a change behind the # alone would load nothing
         page.goto(url + form)
-        settle(page)
+        page.wait_for_selector("h1", state="attached")
         if place.path == "/nothing-here" or page.get_by_role("heading", name="Page not found").count() == 0:
+            settle(page)
             return
     raise CliError(f"no address is known for /{place.path}: add it to tools/devtool/page_crawler.py")
 
 
-def settle(page, milliseconds: int = 15_000) -> None:
-    """Waits until there is a heading, nothing is loading, and a viewer has its picture and overlays. Limited in time, because a
-    viewer without a renderer never gets there."""
-    page.wait_for_selector("h1", timeout=milliseconds, state="attached")
-    for _ in range(20):
-        if page.get_by_text("Loading…", exact=True).count() == 0:
+def settle(page) -> None:
+    """Waits until nothing is loading, and a viewer has its picture and overlays. Limited in time, because a viewer without a
+    renderer never gets there."""
+    for _ in range(100):
+        if page.get_by_text("Loading…", exact=True).count() == 0 and page.locator(".stage canvas:not([data-samples])").count() == 0:
             break
-        page.wait_for_timeout(250)
-    for _ in range(20):
-        if page.locator(".stage canvas:not([data-samples])").count() == 0:
-            break
-        page.wait_for_timeout(250)
+        page.wait_for_timeout(100)
     page.wait_for_timeout(250)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import OpenEXR
 
 MOST_BURNT, MOST_BLACK = 0.005, 0.05
 LEAST_FILLED, MOST_FILLED = 0.5, 0.85
@@ -41,7 +41,7 @@ def judge(scan: str, preset: str, picture: np.ndarray, subject: np.ndarray) -> J
     if not subject.any():
         return Judged(scan, preset, 0, 0, 0, 0)
     inside = picture[subject]
-    # By the luminance of sRGB, weighted after the transfer curve, which is close enough near black.
+    # Uses the luminance of sRGB, weighted after the transfer curve, which is accurate enough near black.
     grey = inside @ np.array([0.2126, 0.7152, 0.0722])
     return Judged(scan, preset, float((inside.min(axis=1) >= BURNT).mean()), float((grey < BLACK).mean()),
                   _extent(subject.sum(axis=1)), _extent(subject.sum(axis=0)))
@@ -69,40 +69,7 @@ def _extent(counts: np.ndarray) -> float:
     return float((last - first + 1) / len(counts))
 
 
-def read_ppm(data: bytes) -> np.ndarray:
-    """Returns row, column, RGB in 8 bits."""
-    magic, size, _most, pixels = data.split(b"\n", 3)
-    width, height = map(int, size.split())
-    assert magic == b"P6"
-    return np.frombuffer(pixels, np.uint8).reshape(height, width, 3)
-
-
-def read_exr(data: bytes) -> np.ndarray:
-    """Reads what diaphane-render writes: 32-bit B, G and R, in ZIP blocks of 16 rows. Returns channel, row, column."""
-    at, attributes = 8, {}
-    while data[at]:
-        name, kind_and_rest = data[at:].split(b"\0", 1)
-        kind = kind_and_rest.split(b"\0", 1)[0]
-        at += len(name) + len(kind) + 2
-        length = struct.unpack_from("<I", data, at)[0]
-        attributes[name] = data[at + 4:at + 4 + length]
-        at += 4 + length
-    _left, _top, right, bottom = struct.unpack("<4i", attributes[b"dataWindow"])
-    width, height = right + 1, bottom + 1
-    assert attributes[b"compression"] == b"\3"
-    picture = np.empty((3, height, width), np.float32)
-    for offset in struct.unpack_from(f"<{(height + 15) // 16}Q", data, at + 1):
-        top, size = struct.unpack_from("<2i", data, offset)
-        rows = min(16, height - top)
-        packed = data[offset + 8:offset + 8 + size]
-        if size < rows * width * 12:
-            # Differences of bytes, then the even and the odd bytes apart (OpenEXR's ZIP).
-            steps = np.frombuffer(zlib.decompress(packed), np.uint8).astype(np.int64)
-            steps[1:] -= 128
-            halves = (np.cumsum(steps) % 256).astype(np.uint8)
-            middle = (len(halves) + 1) // 2
-            plain = np.empty_like(halves)
-            plain[0::2], plain[1::2] = halves[:middle], halves[middle:]
-            packed = plain.tobytes()
-        picture[:, top:top + rows] = np.frombuffer(packed, "<f4").reshape(rows, 3, width).transpose(1, 0, 2)
-    return picture
+def read_exr(file: Path) -> np.ndarray:
+    """Returns channel, row, column."""
+    with OpenEXR.File(str(file), separate_channels=True) as picture:
+        return np.stack([picture.channels()[name].pixels for name in "BGR"])

@@ -163,7 +163,7 @@ def _ingestd(s: Settings) -> Program:
                scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"])
     return Program(
         name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,), nice=10,
-        # Like the renderer, leaves cores free for work that somebody waits for.
+        # Leaves cores free for work that a user waits for, like the renderer.
         cores=int(env.get("DIAPHANE_THREADS") or 0), ready=Ready("http", s.ports["ingestd-admin"]), env=env)
 
 

@@ -57,13 +57,13 @@ def give_back(given: Iterable[int]) -> None:
             mark.close()
 
 
-def allot(wanted: dict[str, int], free=is_free) -> tuple[dict[str, int], list[str]]:
+def allot(requested: dict[str, int], free=is_free) -> tuple[dict[str, int], list[str]]:
     """Returns a port for each name, and messages about those that were in use."""
     given: dict[str, int] = {}
     notes = []
-    for name, first in wanted.items():
+    for name, first in requested.items():
         # Leaves another program's default port free as long as there is another choice.
-        reserved = {port for other, port in wanted.items() if other != name}
+        reserved = {port for other, port in requested.items() if other != name}
         port = first
         while port in given.values() or (port != first and port in reserved) or not free(port):
             port += 1

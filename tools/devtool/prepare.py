@@ -1,4 +1,4 @@
-"""Installs and builds what an instance on one machine runs. Work that waits for the network runs beside work that computes."""
+"""Installs and builds the programs of an instance on one machine. Downloads and compilation run in parallel."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .console import step
 
 
 def for_up(may_install: bool) -> None:
-    """Installs Debian packages and then builds the programs. Beside them, it installs tools from PyPI and npm packages, and builds
+    """Installs Debian packages and then builds the programs. In parallel, it installs tools from PyPI and npm packages, and builds
     the web page."""
     debian, parts = install.missing_or_exit("up", may_install)
     with concurrent.futures.ThreadPoolExecutor(max_workers=1) as beside:    # carries out its work in the order given
@@ -29,7 +29,7 @@ def _install_tools(parts: list[venv.Part]) -> None:
 
 
 def _install_npm_packages(tools: concurrent.futures.Future) -> None:
-    tools.result()    # an error there ends this, too
+    tools.result()    # an error there also ends this thread
     if build.may_build_page():
         build.npm_install()
 

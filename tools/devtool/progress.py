@@ -33,7 +33,7 @@ def ninja_step(line: str) -> str | None:
 
 
 def is_work(step: str) -> bool:
-    """Returns false for CMake's look for new files, which every build begins with."""
+    """Returns false for CMake's check for new files, which every build begins with."""
     return not step.startswith("Re-checking globbed directories")
 
 
@@ -48,7 +48,7 @@ def time_left(seconds: float) -> str:
 
 @dataclass
 class BuildEstimate:
-    """What is left of a build. Steps differ in length, so they are weighted, and the measured speed corrects the weights."""
+    """The remaining work of a build. Steps differ in length, so they are weighted, and the measured speed corrects the weights."""
 
     steps: list[str]
     jobs: int
@@ -75,7 +75,7 @@ class BuildEstimate:
 
 @dataclass
 class AptProgress:
-    """What apt-get's option APT::Status-Fd reports: lines of `dlstatus:` while it downloads and of `pmstatus:` while it installs."""
+    """The status lines of apt-get's option APT::Status-Fd: lines of `dlstatus:` while it downloads and of `pmstatus:` while it installs."""
 
     percent: float = 0.0
     doing: str = ""

@@ -13,23 +13,27 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Iterator
 
-from . import build, filelint, paths, build_stamp
+from . import build, build_stamp, filelint, passed, paths
 from .console import CliError, say
 
 RULES = Path(__file__).with_name("prose_rules.toml")
 LINTER = paths.TOOLS / "prose"
 #: File types whose comments and texts are the project's English prose. German texts and generated files are excluded.
 _C_LIKE = {".h", ".cpp", ".cu", ".cuh", ".ts", ".tsx", ".js", ".mjs", ".proto"}
-_HASH = {".yaml", ".yml", ".toml", ".cmake", ".sh"}
+_HASH = {".yaml", ".yml", ".toml", ".cmake", ".sh", ".in"}
+#: Files without a type of their own that have comments with #.
+_HASH_NAMES = {"CMakeLists.txt", "Containerfile", "diaphane", "packages.txt", ".clang-tidy"}
 _LEFT_OUT = ("frontend/src/texts/de", "tools/devtool/prose_rules.toml", "tools/devtool/prose.py", "tests/devtool/test_prose.py")
 _URL = re.compile(r"\w://|\]\([^)]*\)|^\s*\[[^\]]+\]:")
 _STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"|`(?:[^`\\]|\\.)*`')
+_TEST_NAME = re.compile(r"^\s*(?:async )?def test_(\w+)|^TEST(?:_[FP])?\(\s*\w+,\s*(\w+)", re.MULTILINE)
+_WORD_BOUNDARY = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|_")
 _C_TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\\n]|\\.)*"|`(?:[^`\\]|\\.)*`|\'(?:[^\'\\\n]|\\.)\'', re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Passage:
-    """A piece of prose, at `name`:`line`. `kind` is documents, texts or comments."""
+    """A piece of prose, at `name`:`line`. `kind` is documents, texts, comments or names (of tests)."""
 
     kind: str
     name: str
@@ -40,7 +44,7 @@ class Passage:
 def check() -> list[str]:
     rules = tomllib.loads(RULES.read_text(encoding="utf-8"))
     sources = {str(path.relative_to(paths.REPO)): path.read_text(encoding="utf-8", errors="replace") for path in filelint.files()
-               if path.suffix in _C_LIKE | _HASH | {".md", ".py", ".lua", ".sql"}}
+               if path.suffix in _C_LIKE | _HASH | {".md", ".py", ".lua", ".sql"} or path.name in _HASH_NAMES}
     documents = {name: text for name, text in sources.items() if name.endswith(".md")}
     return (wide_lines(documents, rules["documents"]) + too_many_words(documents, rules["documents"])
             + banned([one for name, text in sources.items() for one in passages(name, text)], rules["banned"])
@@ -77,10 +81,14 @@ def too_many_words(documents: dict[str, str], rules: dict) -> list[str]:
 # Banned phrases
 
 def passages(name: str, text: str) -> Iterator[Passage]:
-    """Yields documents by lines without code, texts as string literals, and comments as written."""
+    """Yields documents by lines without code, texts as string literals, comments as written, and names of tests as words."""
     if name.startswith(_LEFT_OUT):
         return
     suffix = Path(name).suffix
+    if suffix in (".py", ".cpp", ".cu"):
+        for found in _TEST_NAME.finditer(text):
+            words = _WORD_BOUNDARY.sub(" ", found[1] or found[2]).lower()
+            yield Passage("names", name, text.count("\n", 0, found.start(found.lastindex)) + 1, words)
     if suffix == ".md":
         yield from _document(name, text)
     elif suffix == ".py":
@@ -89,9 +97,10 @@ def passages(name: str, text: str) -> Iterator[Passage]:
         yield from _c_like(name, text)
     else:
         mark = "--" if suffix in (".lua", ".sql") else "#"
+        comment = re.compile(rf"(?:^|\s)({mark}\s.*)")
         for number, line in enumerate(text.splitlines(), 1):
-            if line.lstrip().startswith(mark):
-                yield Passage("comments", name, number, line.strip())
+            if found := comment.search(line):
+                yield Passage("comments", name, number, found[1].strip())
 
 
 def _document(name: str, text: str) -> Iterator[Passage]:
@@ -136,7 +145,7 @@ def banned(all_passages: list[Passage], rules: list[dict]) -> list[str]:
     found = []
     for rule in rules:
         pattern = re.compile(rule["pattern"], re.IGNORECASE)
-        for kind in ("documents", "texts", "comments"):
+        for kind in ("documents", "texts", "comments", "names"):
             hits = [f"{one.name}:{one.line}: '{hit[0]}': {rule['instead']}" for one in all_passages if one.kind == kind
                     for hit in [pattern.search(one.text)] if hit]
             found += over(hits, rule.get(kind, 0), f"'{rule['pattern']}' in {kind}")
@@ -146,8 +155,8 @@ def banned(all_passages: list[Passage], rules: list[dict]) -> list[str]:
 # Commits
 
 def commit_subjects(rules: dict) -> list[str]:
-    def git(*words: str) -> subprocess.CompletedProcess:
-        return subprocess.run(["git", *words], cwd=paths.REPO, capture_output=True, text=True)
+    def git(*arguments: str) -> subprocess.CompletedProcess:
+        return subprocess.run(["git", *arguments], cwd=paths.REPO, capture_output=True, text=True)
 
     if git("merge-base", "--is-ancestor", rules["base"], "HEAD").returncode != 0:
         say(f"commit subjects are not checked: this clone does not contain commit {rules['base'][:12]}")
@@ -170,9 +179,8 @@ def long_subjects(listed: list[str], columns: int) -> list[str]:
 
 def textlint(sources: dict[str, str]) -> list[str]:
     """Checks documents, and the page's texts with the line numbers of their sources."""
-    _install()
     folder = paths.REPO / "build" / "prose"
-    files = [str(paths.REPO / name) for name in sources if name.endswith(".md")]
+    files = [paths.REPO / name for name in sources if name.endswith(".md")]
     for name, text in sources.items():
         if name.startswith("frontend/src/texts/en/"):
             copy = folder / f"{name}.txt"
@@ -182,8 +190,14 @@ def textlint(sources: dict[str, str]) -> list[str]:
                 if one.kind == "texts":     # on every second line, so that each is a paragraph
                     lines[2 * (one.line - 1)] += f"{one.text} | "
             copy.write_text("\n".join(lines), encoding="utf-8")
-            files.append(str(copy))
-    done = build.npm("exec", "--", "textlint", "--format", "json", *files, cwd=LINTER)
+            files.append(copy)
+    settings = [path.read_text(encoding="utf-8") for path in sorted(LINTER.iterdir()) if path.is_file()]
+    entries = {path: passed.entry([path], "textlint", *settings) for path in files}
+    files = [path for path, entry in entries.items() if not passed.has(entry)]
+    if not files:
+        return []
+    _install()
+    done = build.npm("exec", "--", "textlint", "--format", "json", *map(str, files), cwd=LINTER)
     start = done.stdout.find("[{")
     if start < 0:
         raise CliError(f"textlint failed:\n{done.stdout[-2000:]}")
@@ -194,14 +208,16 @@ def textlint(sources: dict[str, str]) -> list[str]:
         for message in file["messages"]:
             line = (message["line"] + 1) // 2 if copied else message["line"]
             found.append(f"{name}:{line}: {message['message']} ({message['ruleId']})")
+        if not file["messages"]:
+            passed.keep([entries[path]])
     return found
 
 
 def _install() -> None:
-    wanted = build_stamp.digest([LINTER / "package.json", LINTER / "package-lock.json"])
-    if (LINTER / "node_modules").is_dir() and build_stamp.is_current("prose", wanted):
+    expected = build_stamp.digest([LINTER / "package.json", LINTER / "package-lock.json"])
+    if (LINTER / "node_modules").is_dir() and build_stamp.is_current("prose", expected):
         return
     done = build.npm("ci", "--no-audit", "--no-fund", cwd=LINTER)
     if done.returncode != 0:
         raise CliError("npm ci failed in tools/prose:\n" + "\n".join(done.stdout.splitlines()[-30:]))
-    build_stamp.set_current("prose", wanted)
+    build_stamp.set_current("prose", expected)

@@ -26,13 +26,13 @@ def readyz(port: int) -> dict:
         return {}
 
 
-def redis_command(path: str, *words: str) -> bytes:
+def redis_command(path: str, *arguments: str) -> bytes:
     """Returns the raw response (RESP) to one small command."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
         connection.settimeout(1.0)
         connection.connect(path)
-        parts = [f"${len(w.encode())}\r\n{w}\r\n" for w in words]
-        connection.sendall(f"*{len(words)}\r\n{''.join(parts)}".encode())
+        parts = [f"${len(w.encode())}\r\n{w}\r\n" for w in arguments]
+        connection.sendall(f"*{len(arguments)}\r\n{''.join(parts)}".encode())
         return connection.recv(65536)
 
 

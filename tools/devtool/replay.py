@@ -176,13 +176,13 @@ def _in_venv(rest: list[str]) -> int:
 
 def run(rest: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="./diaphane replay", description=__doc__)
-    parser.add_argument("recording", type=Path, help="recording exported from the viewer")
+    parser.add_argument("recording", type=Path, metavar="RECORDING", help="recording exported from the viewer")
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--link", help="link to a live session (from the viewer's Share dialog), to replay in real time")
-    where.add_argument("--scan", help="folder or file with a scan, to render to pictures")
-    parser.add_argument("--out", type=Path, help="output folder for the pictures")
-    parser.add_argument("--fps", type=float, default=10, help="pictures per second of the recording (default: 10)")
-    parser.add_argument("--samples", type=int, default=16, help="samples per pixel (default: 16)")
+    where.add_argument("--link", metavar="LINK", help="link to a live session (from the viewer's Share dialog), to replay in real time")
+    where.add_argument("--scan", metavar="SCAN", help="folder or file with a scan, to render to pictures; requires --out")
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="output folder for the pictures")
+    parser.add_argument("--fps", type=float, metavar="N", default=10, help="pictures per second of the recording (default: 10)")
+    parser.add_argument("--samples", type=int, metavar="N", default=16, help="samples per pixel (default: 16)")
     options = parser.parse_args(rest)
     document = read(options.recording)
     if options.link:

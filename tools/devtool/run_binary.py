@@ -10,12 +10,15 @@ from . import build, console, datadir, install, paths, supervise
 from .console import CliError
 
 
-def run(name: str, arguments: list[str]) -> int:
+def run(name: str, arguments: list[str], wait: bool = False) -> int:
+    """Becomes the program, or waits for its end, because something must be cleaned up afterwards."""
     console.to_stderr()
     binary = paths.build_dir() / "bin" / name
     if not binary.exists() or os.environ.get("DIAPHANE_BUILD") is None:
         install.ensure("up")
         build.build_programs(name)
+    if wait:
+        return subprocess.run([binary, *arguments]).returncode
     os.execv(binary, [name, *arguments])
 
 

@@ -178,7 +178,7 @@ HEADERS_ONLY = ("libboost-dev", "libexpected-dev", "nlohmann-json3-dev", "libtin
 
 def here(folder: Path) -> tuple[list[Program], list[Part]]:
     """Returns the parts of the programs in `folder`, of this checkout's lock files, and of this machine's Debian packages."""
-    binaries = sorted(file for file in folder.glob("diaphane-*") if file.is_file() and not file.name.endswith(("_test", "_bench")))
+    binaries = sorted(file for file in folder.glob("diaphane-*") if file.is_file() and not file.name.endswith("_test"))
     if not binaries:
         raise CliError(f"no programs found in {folder}. Run ./diaphane up to build them")
     linked = {file: linked_files(file) for file in binaries}
@@ -187,7 +187,7 @@ def here(folder: Path) -> tuple[list[Program], list[Part]]:
     programs = [Program(file.name, [libraries[owner[library]].url for library in linked[file] if owner.get(library) in libraries])
                 for file in binaries]
     parts = list(libraries.values()) + list(debian_parts((*RUN, *HEADERS_ONLY), needed=True).values())
-    parts += debian_parts(packages.wanted(), needed=False).values()
+    parts += debian_parts(packages.required(), needed=False).values()
     parts += npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
     for file in (paths.TOOLS / "requirements.txt", paths.TOOLS / "cuda-requirements.txt", paths.TOOLS / "check-requirements.txt", paths.REPO / "tests" / "requirements.txt"):
         parts += python_parts(file.read_text(encoding="utf-8"))
@@ -198,8 +198,8 @@ def here(folder: Path) -> tuple[list[Program], list[Part]]:
 
 
 def run(out: Path | None) -> int:
-    def git(*words: str) -> str:
-        return subprocess.run(["git", "-C", str(paths.REPO), *words], capture_output=True, text=True).stdout.strip()
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", "-C", str(paths.REPO), *arguments], capture_output=True, text=True).stdout.strip()
 
     if out is None:
         to_stderr()

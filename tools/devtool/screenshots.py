@@ -141,7 +141,7 @@ def _found(page, stack: Stack) -> Iterator[tuple[str, object]]:
         few.mkdir()
         for file in sorted(disc.iterdir())[:3]:
             file.rename(few / file.name)
-        page.get_by_role("button", name="Choose another folder").click()
+        page.get_by_role("button", name="Choose other files").click()
         page.get_by_label("Choose a folder").set_input_files(few)
         page.wait_for_selector(".hidden-series")
         yield "person-add-nothing", page

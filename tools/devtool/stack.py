@@ -44,7 +44,7 @@ class Running:
     program: Program
     process: subprocess.Popen | None = None
     identity: Identity | None = None
-    wanted: bool = False
+    should_run: bool = False
     started_at: float = 0.0
     start_at: float = 0.0                # monotonic time at which to restart a dead program
     backoff: float = BACKOFF_FIRST
@@ -150,7 +150,7 @@ class Stack:
     def start_program(self, name: str) -> None:
         with self.guard_:
             entry = self.running_[name]
-            entry.wanted = True
+            entry.should_run = True
             if entry.process is None:
                 self._spawn(entry)
 
@@ -158,7 +158,7 @@ class Stack:
         """Stops the program in order and keeps it stopped until start_program()."""
         with self.guard_:
             entry = self.running_[name]
-            entry.wanted = False
+            entry.should_run = False
         self._stop_tier([entry])
         with self.guard_:
             entry.process = entry.identity = None
@@ -168,7 +168,7 @@ class Stack:
         """Sends SIGKILL to simulate a fault. The supervisor restarts the program unless `restart` is false. Returns the pid."""
         with self.guard_:
             entry = self.running_[name]
-            entry.wanted = restart
+            entry.should_run = restart
             identity = entry.identity
             if identity is None:
                 raise CliError(f"{name} is not running")
@@ -187,7 +187,7 @@ class Stack:
                 entry.ever_ready = True
                 return
             if time.monotonic() > deadline:
-                raise CliError(f"{name} was not ready after {timeout:.0f} s{self._last_words(name)}")
+                raise CliError(f"{name} was not ready after {timeout:.0f} s{self._last_output(name)}")
             time.sleep(0.03)
 
     def is_ready(self, name: str) -> bool:
@@ -290,10 +290,10 @@ class Stack:
                 entry.backoff = BACKOFF_FIRST
             entry.start_at = now + entry.backoff
             entry.backoff = min(2 * entry.backoff, BACKOFF_MOST)
-            if entry.wanted:
+            if entry.should_run:
                 self.on_event(f"{entry.program.name} exited ({_manner(entry.last_exit)}). Restarting it.")
             self._record()
-        if entry.process is None and entry.wanted and now >= entry.start_at and self._may_start(entry):
+        if entry.process is None and entry.should_run and now >= entry.start_at and self._may_start(entry):
             entry.restarts += 1
             self._spawn(entry)
 
@@ -304,16 +304,16 @@ class Stack:
         entry = self.running_[name]
         while time.monotonic() < deadline and not self.stop_requested.is_set():
             if entry.process is None and entry.last_exit in CONFIG_EXITS:
-                raise CliError(f"{name} rejected its configuration (exit {entry.last_exit}){self._last_words(name)}")
+                raise CliError(f"{name} rejected its configuration (exit {entry.last_exit}){self._last_output(name)}")
             if entry.restarts >= 4:
-                raise CliError(f"{name} keeps exiting ({_manner(entry.last_exit)}){self._last_words(name)}")
+                raise CliError(f"{name} keeps exiting ({_manner(entry.last_exit)}){self._last_output(name)}")
             if self.is_ready(name):
                 entry.ever_ready = True
                 return
             time.sleep(0.03)
         if self.stop_requested.is_set():
             raise CliError("stopped before everything was ready", 130)
-        raise CliError(f"{name} did not become ready in time{self._last_words(name)}")
+        raise CliError(f"{name} did not become ready in time{self._last_output(name)}")
 
     def _stop_tier(self, entries: list[Running]) -> None:
         # Copied, because the watcher drops a process as soon as it has ended.
@@ -332,7 +332,7 @@ class Stack:
             kill_group(identity)
             entry.identity = None
 
-    def _last_words(self, name: str) -> str:
+    def _last_output(self, name: str) -> str:
         text = logfiles.tail(self.log_path(name))
         return f"; last lines of {self.log_path(name)}:\n{text}" if text else ""
 

@@ -60,13 +60,13 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
 
 
 def _ports(options: UpOptions) -> dict[str, int]:
-    wanted = dict(ports.DEFAULTS)
+    requested = dict(ports.DEFAULTS)
     if options.port is not None:
-        wanted["edge"] = options.port
+        requested["edge"] = options.port
     # Ports of a killed supervisor become free once its remaining processes are ended.
     record = datadir.read_record(options.data)
     ours = set(record.get("ports", {}).values()) if datadir.left_running(record) else set()
-    given, notes = ports.allot(wanted, lambda port: (port in ours or ports.is_free(port)) and ports.claim(port))
+    given, notes = ports.allot(requested, lambda port: (port in ours or ports.is_free(port)) and ports.claim(port))
     for note in notes:
         say(note)
     return given
@@ -108,8 +108,8 @@ def detach(options: UpOptions) -> int:
         finally:
             os._exit(code)
     os.close(writing)
-    with os.fdopen(reading, encoding="utf-8", errors="replace") as words:
-        for line in words:
+    with os.fdopen(reading, encoding="utf-8", errors="replace") as output:
+        for line in output:
             print(line, end="", flush=True)
     record = datadir.read_record(options.data)
     if record.get("ready") and record["supervisor"]["pid"] == child:
@@ -117,13 +117,13 @@ def detach(options: UpOptions) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) or 1
 
 
-def _held_in_background(options: UpOptions, words: int) -> int:
+def _held_in_background(options: UpOptions, output: int) -> int:
     os.setsid()
     nothing = os.open(os.devnull, os.O_RDONLY)
-    for source, target in ((nothing, 0), (words, 1), (words, 2)):
+    for source, target in ((nothing, 0), (output, 1), (output, 2)):
         os.dup2(source, target)
     os.close(nothing)
-    os.close(words)
+    os.close(output)
 
     def on_ready() -> None:
         log = os.open(options.data / "logs" / "supervisor.log", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)

@@ -1,7 +1,7 @@
 """`./diaphane test`: builds, runs the suites, counts their cases, and ends with their times and `N passed, N failed`.
 
 There are two lanes. The gate is what every change must pass. The nightly lane (`--all`) adds the tests with the mark `nightly`,
-longer fuzzing, the sanitizers, and the Kubernetes suites.
+longer fuzzing, the sanitizers, mutants, and the Kubernetes suites.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ import threading
 import time
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Callable
 
-from . import build, clamav, fuzz, gpu, install, kubernetes, paths, races, whole_node
+from . import build, clamav, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
 from .console import CliError, say, step, warn
 
 
@@ -58,7 +59,7 @@ def suites(nightly: bool = False) -> list[Suite]:
     return [
         Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), cores=1),
         Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), cores=1),
-        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports), cores=beside),
+        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports, nightly), cores=beside),
         Suite("web page", "unit", _vitest, cores=beside),
         Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0), cores=beside),
         Suite("tools", "unit", lambda reports: _pytest("devtool", reports), cores=beside),
@@ -66,14 +67,15 @@ def suites(nightly: bool = False) -> list[Suite]:
         Suite("Kubernetes", "cluster", _cluster),
         Suite("Kubernetes node", "node", _whole_node),
         Suite("sanitizers", "sanitizers", _sanitizers),
+        Suite("mutants", "mutants", _mutants),
         Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
     ]
 
 
 #: Run only on request, because they need a device, or minutes to build Kubernetes or everything else once more.
-BY_NAME = ("gpu", "cluster", "node", "sanitizers")
-#: Of these, what the nightly lane runs where the machine can.
-NIGHTLY = ("cluster", "node", "sanitizers")
+BY_NAME = ("gpu", "cluster", "node", "sanitizers", "mutants")
+#: Those of them that the nightly lane runs if the machine can.
+NIGHTLY = ("cluster", "node", "sanitizers", "mutants")
 #: Cluster tests with the mark `chosen` run with all other tests if the control plane is already built.
 CHOSEN = "chosen"
 
@@ -93,7 +95,7 @@ def is_run(suite: Suite, kind: str | None, plane: bool, nightly: bool = False) -
 
 
 class Run:
-    """What the suites of a run have counted, and how long each took."""
+    """The counts and durations of the suites of a run."""
 
     def __init__(self) -> None:
         self.total = Count()
@@ -180,7 +182,7 @@ def _build(kind: str | None, cluster: bool = False, node: bool = False) -> None:
         kubernetes.ensure()
     if kind == "node" or (cluster and node):
         whole_node.ensure()
-    # The cluster tests open a page in a browser, too.
+    # The cluster tests also open a page in a browser.
     if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
         build.npm_install()
         if kind != "unit":
@@ -249,7 +251,7 @@ def _fresh(folder: Path) -> Path:
 
 # GoogleTest
 
-def _ctest(selection: list[str], reports: Path) -> Count:
+def _ctest(selection: list[str], reports: Path, nightly: bool = False) -> Count:
     folder = paths.build_dir()
     cases = folder / "reports"
     for old in cases.glob("*.json"):
@@ -259,7 +261,7 @@ def _ctest(selection: list[str], reports: Path) -> Count:
     done = subprocess.run(
         ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()),
          "--output-junit", str(junit), *selection],
-        env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env={**build.environment(), **({"DIAPHANE_NIGHTLY": "1"} if nightly else {})}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         text=True, errors="replace")
     if done.returncode != 0:
         say(done.stdout)
@@ -295,9 +297,9 @@ def _fuzz(seconds: int) -> Count:
     """0 seconds: replays the kept corpus."""
     found = fuzz.fuzz(fuzz.TARGETS, seconds)
     for one in found:
-        if not one.well:
-            say(f"fuzz {one.target}:\n{one.words}")
-    return Count(passed=sum(one.well for one in found), failed=sum(not one.well for one in found))
+        if not one.ok:
+            say(f"fuzz {one.target}:\n{one.failure}")
+    return Count(passed=sum(one.ok for one in found), failed=sum(not one.ok for one in found))
 
 
 def _sanitizers(reports: Path) -> Count:
@@ -314,6 +316,18 @@ def _sanitizers(reports: Path) -> Count:
     count = pytest_count(_testcases(junit)).at_least_one_failed(done.returncode)
     raced = races.run([], may_install=False) == 0
     return count + Count(passed=int(raced), failed=int(not raced))
+
+
+#: After this time, the nightly lane starts no more mutants.
+NIGHTLY_MUTANT_SECONDS = 2.5 * 3600
+
+
+def _mutants(_: Path) -> Count:
+    """Another draw each day. The outcomes are kept in build/reports/mutants.json."""
+    options = mutants.Options(seed=date.today().toordinal(), jobs=mutants.default_jobs(), json=paths.REPO / "build" / "reports" / "mutants.json",
+                              end=time.monotonic() + NIGHTLY_MUTANT_SECONDS, deep=True)
+    enough = mutants.run(options, may_install=False) == 0
+    return Count(passed=int(enough), failed=int(not enough))
 
 
 # Vitest

@@ -51,7 +51,7 @@ def check() -> list[str]:
                     (_CACHE / todo.pop(source)).touch()
         results = list(pool.map(lambda item: _tidy(item[0], database, _CACHE / item[1]), todo.items()))
     _forget_old()
-    return [words for words in results if words]
+    return [text for text in results if text]
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,11 @@ class Group:
 def groups(commands: dict[Path, list[str]]) -> list[Group]:
     """Returns the files that can be read together, the largest groups first."""
     alike: dict[tuple[str, ...], list[Path]] = {}
-    for source, words in commands.items():
-        at = words.index("-o")
+    for source, arguments in commands.items():
+        at = arguments.index("-o")
         # The folder of a target's objects tells the targets apart.
-        target = words[at + 1].partition(".dir/")[0]
-        flags = [word for word in [*words[1:at], *words[at + 2:]] if word not in ("-c", str(source))]
+        target = arguments[at + 1].partition(".dir/")[0]
+        flags = [word for word in [*arguments[1:at], *arguments[at + 2:]] if word not in ("-c", str(source))]
         alike.setdefault((target, *flags), []).append(source)
     found = [Group(sources[first:first + _TOGETHER], list(flags)) for (_, *flags), sources in alike.items()
              for first in range(0, len(sources), _TOGETHER)]
@@ -111,12 +111,12 @@ def _commands(folder: Path, database: Path) -> dict[Path, list[str]]:
         if entry["file"].endswith(".cu"):    # compiled by nvcc, whose flags clang does not know
             continue
         # The launcher (ccache) comes before the compiler.
-        words = shlex.split(entry["command"])
-        first = next(i for i, word in enumerate(words) if re.search(r"(^|/)(c\+\+|g\+\+|clang\+\+)(-\d+)?$", word))
+        arguments = shlex.split(entry["command"])
+        first = next(i for i, word in enumerate(arguments) if re.search(r"(^|/)(c\+\+|g\+\+|clang\+\+)(-\d+)?$", word))
         text = Path(entry["file"]).read_text(encoding="utf-8", errors="replace") if "/Unity/" in entry["file"] else None
-        for source, command in compiled_alone(entry["file"], words[first:], text).items():
+        for source, command in compiled_alone(entry["file"], arguments[first:], text).items():
             # Excludes tests, which would take half of the time and follow GoogleTest's style.
-            if source.suffix != ".cpp" or source.stem.endswith(("_test", "_bench")) or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
+            if source.suffix != ".cpp" or source.stem.endswith("_test") or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
                 continue
             commands[source] = _for_clang(command)
     database.mkdir(exist_ok=True)
@@ -147,7 +147,7 @@ def compiled_alone(file: str, command: list[str], unity: str | None = None) -> d
 def _changed(commands: dict[Path, list[str]], folder: Path, common: str, pool: concurrent.futures.Executor) -> dict[Path, str]:
     """Returns the files that clang-tidy has not passed as they are now, each with the key of its result."""
     # While none of the headers that were found last time, in whichever checkout, has changed, these are still all.
-    keys = {source: _digest(source, words, _recalled(source, words), common) for source, words in commands.items()}
+    keys = {source: _digest(source, arguments, _recalled(source, arguments), common) for source, arguments in commands.items()}
     changed = [source for source, key in keys.items() if not _passed(key)]
     for source, found in zip(changed, pool.map(lambda source: _headers(commands[source], folder), changed)):
         _recall_next_time(source, commands[source], found)
@@ -164,7 +164,7 @@ def _passed(key: str) -> bool:
 
 
 def _portable(text: str) -> str:
-    """Returns what is the same in all checkouts."""
+    """Returns the parts that are the same in all checkouts."""
     return text.replace(str(paths.REPO), ".")
 
 
@@ -199,13 +199,13 @@ def _headers(command: list[str], folder: Path) -> list[Path]:
     return [(folder / name).resolve() for name in names]
 
 
-def _for_clang(words: list[str]) -> list[str]:
+def _for_clang(arguments: list[str]) -> list[str]:
     kept = []
     skip = False
-    for number, word in enumerate(words):
+    for number, word in enumerate(arguments):
         if skip:
             skip = False
-        elif word == "-include" and "cmake_pch" in words[number + 1]:
+        elif word == "-include" and "cmake_pch" in arguments[number + 1]:
             skip = True
         elif not word.startswith(_NOT_FOR_CLANG):
             kept.append(word)

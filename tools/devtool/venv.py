@@ -47,8 +47,8 @@ def ensure(part: Part) -> None:
     step(f"Installing {part.what}")
     if not paths.VENV_PYTHON.exists():
         _run([_system_python(), "-m", "venv", str(paths.VENV)])
-    words = ["-r", str(part.file)] if part.file else [part.requirement]
-    _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words])
+    arguments = ["-r", str(part.file)] if part.file else [part.requirement]
+    _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *arguments])
     if part is CUDA:
         _cuda_links()
     if part is NODE:

@@ -71,7 +71,7 @@ def _left_out(page) -> None:
     _press("Optimisations")(page)
 
 
-def _film(page) -> None:
+def _video(page) -> None:
     page.keyboard.press("s")
     page.get_by_role("dialog").get_by_label("File type", exact=True).select_option("turntable")
 
@@ -89,7 +89,7 @@ STEPS = (
     Step("cut", _cut_in_half),
     Step("slices", lambda page: page.keyboard.press("v")),
     Step("take", lambda page: page.keyboard.press("s")),
-    Step("film", _film),
+    Step("video", _video),
     Step("presets", _press("Saved presets")),
     Step("share", _press("View together")),
     Step("help", _press("Controls")),

@@ -81,7 +81,7 @@ def folder() -> Path:
 
 
 def ensure() -> Path:
-    """Fetches and builds what is missing."""
+    """Fetches and builds the missing parts."""
     if absent := packages.missing(list(_INSTALLED)):
         packages.install(absent)
     folder().mkdir(parents=True, exist_ok=True)
@@ -130,8 +130,8 @@ def image_archive() -> Path:
 
 @contextmanager
 def place() -> Iterator[Path]:
-    """Yields a folder whose name is also that of a control group. Both are removed once nothing runs in NAMESPACES any more,
-    however it ended."""
+    """Yields a folder whose name is also that of a control group. Both are removed once nothing runs in NAMESPACES,
+    however the run ended."""
     settings = {name: (Path("/proc/sys") / name).read_text() for name in _TUNED if (Path("/proc/sys") / name).exists()}
     made = Path(tempfile.mkdtemp(prefix="diaphane-node-", dir="/var/tmp"))
     made.chmod(0o755)

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Builds the renderer with its CUDA engine, runs the tests that need a device and measures, on a machine that has
-# CUDA 13, CMake 3.31 or later, Ninja, Protobuf and GoogleTest, and perhaps nothing else (docs/gpu.md).
-#   HEADERS  folder with include/{tl,nlohmann,CLI}, where the machine lacks them (tools/gpu/headers.sh)
-#   CRANIUM  the scene's volume (tools/gpu/cranium_volume.py); without it nothing is measured
-#   OUT      where logs, pictures and render.json go; default out/
-#   CONFIGURE, TARGETS  further arguments of CMake; what to build instead of everything
-#   STEPS    of "build unit gpu memcheck engine measure convergence stability schedule growth"; default the first six
+# Builds the renderer with its CUDA engine, runs the tests that need a device, and measures the renderer. The machine needs
+# only CUDA 13, CMake 3.31 or later, Ninja, Protobuf and GoogleTest (docs/gpu.md). Environment variables:
+#   HEADERS    folder with include/{tl,nlohmann,CLI}, if the machine lacks them (tools/gpu/headers.sh)
+#   CRANIUM    volume to measure (tools/gpu/cranium_volume.py); if unset, nothing is measured
+#   OUT        folder for logs, pictures and render.json (default: out/)
+#   CONFIGURE  further arguments for CMake
+#   TARGETS    targets to build (default: all)
+#   STEPS      any of "build unit gpu memcheck engine measure convergence stability schedule growth" (default: the first six)
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 OUT=${OUT:-$PWD/out}
@@ -15,7 +16,7 @@ CRANIUM=${CRANIUM:-}
 mkdir -p "$OUT"
 failed=0
 wants() { [[ " $STEPS " == *" $1 "* ]]; }
-step() { # name, command...: runs it, keeps its output, says how it went
+step() { # name, command...: runs the command, stores its output and prints the outcome
   local name=$1 start=$SECONDS
   shift
   if "$@" > "$OUT/$name.log" 2>&1; then
@@ -63,10 +64,10 @@ if wants measure && [[ -n $CRANIUM ]]; then
   "${render[@]}" --engine cpu --samples 256 --out "$OUT/cpu.ppm"
   python3 tools/gpu/compare_ppm.py "$OUT/cuda.ppm" "$OUT/cpu.ppm"
   rm "$OUT"/cuda.ppm "$OUT"/cpu.ppm
-  "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cranium.png" || true  # where libpng is
+  "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cranium.png" || true  # fails without libpng
   DIAPHANE_CRANIUM=$CRANIUM python3 tools/gpu/bench.py "$BUILD" "$OUT/render.json" || failed=1
 fi
-# Error against run time: convergence-cuda.json and .csv, all scenes; docs/error-vs-time.md says how plots come of them.
+# Error over time for all scenes: convergence-cuda.json and .csv. docs/error-vs-time.md describes how to plot them.
 # CONVERGENCE: options of `./diaphane bench convergence`.
 if wants convergence; then
   DIAPHANE_CRANIUM=$CRANIUM step convergence python3 tools/gpu/bench.py "$BUILD" "$OUT/convergence.json" convergence \
@@ -75,15 +76,15 @@ fi
 if wants stability; then
   step stability python3 tools/gpu/bench.py "$BUILD" "$OUT/stability.json" stability --engine cuda --out "$OUT"
 fi
-# The scheduler's policies on the device, then simulated with the costs measured there. SCHEDULE: options of `./diaphane bench
-# schedule`.
+# Scheduling policies on the device, then in a simulation with the costs measured there. SCHEDULE: options of `./diaphane
+# bench schedule`.
 if wants schedule; then
   DIAPHANE_CRANIUM=$CRANIUM step schedule-real python3 tools/gpu/bench.py "$BUILD" "$OUT/schedule-real-results.json" schedule \
-    --real --engine cuda --out "$OUT/schedule" ${SCHEDULE:-}
+    --real --engine cuda --no-plots --out "$OUT/schedule" ${SCHEDULE:-}
   step schedule-simulated python3 tools/gpu/bench.py "$BUILD" "$OUT/schedule-simulated-results.json" schedule \
-    --simulate --costs "$OUT/schedule/costs.json" --out "$OUT/schedule" ${SCHEDULE:-}
+    --simulate --no-plots --costs "$OUT/schedule/costs.json" --out "$OUT/schedule" ${SCHEDULE:-}
 fi
-# How cost grows: growth-cuda.json and .csv. GROWTH: options of `./diaphane bench growth`.
+# Growth of the cost: growth-cuda.json and .csv. GROWTH: options of `./diaphane bench growth`.
 if wants growth; then
   DIAPHANE_CRANIUM=$CRANIUM step growth python3 tools/gpu/bench.py "$BUILD" "$OUT/growth.json" growth --engine cuda \
     --out "$OUT" ${GROWTH:-}

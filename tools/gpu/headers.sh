@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Copies the header-only libraries that the renderer needs into FOLDER/include, for a machine that has CUDA, Protobuf,
-# GoogleTest and libpng but not these (docs/gpu.md).
+# Copies the header-only libraries that the renderer needs into FOLDER/include, for a machine that lacks them (docs/gpu.md).
 set -euo pipefail
 folder=${1:?usage: tools/gpu/headers.sh FOLDER}
 mkdir -p "$folder/include"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Copies all libraries that programs and libraries load, stripped, but for the C library and its own, which must be the
-# kernel's and loader's on the machine that runs them.
+# Copies all libraries that the given files load, and strips them. Excludes those of glibc, which must match the loader of
+# the machine that runs the programs.
 #
 #   tools/gpu/libraries.sh FOLDER FILE...
 set -euo pipefail

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Packs all programs of Diaphane, its stores, its edge and `./diaphane bench` for a machine that has a GPU and none of
-# these (docs/gpu.md).
+# Packs all programs of Diaphane, Postgres, Redis, nginx and `./diaphane bench` for a GPU machine without them
+# (docs/gpu.md).
 #
-#   tools/gpu/stack_bundle.sh BUILD FOLDER    here; BUILD has all programs, renderd with CUDA, and the page is built
+#   tools/gpu/stack_bundle.sh BUILD FOLDER    here; BUILD contains all programs and renderd with CUDA, and the page is built
 #   tar c -C FOLDER . | xz -T0 > FOLDER.tar.xz
-#   FOLDER/bench abuse                        there, as root in a container of one's own: it writes below /usr
+#   FOLDER/bench abuse                        on the GPU machine, as root in a disposable container, because it writes below /usr
 set -euo pipefail
 build=${1:?usage: tools/gpu/stack_bundle.sh BUILD FOLDER}
 folder=${2:?usage: tools/gpu/stack_bundle.sh BUILD FOLDER}
@@ -20,7 +20,7 @@ for program in api gateway ingestd renderd sample; do
   strip -o "$folder/app/build/bin/diaphane-$program" "$build/bin/diaphane-$program"
 done
 
-# What the programs expect below /usr. Python and its libraries come along, because the bench needs this version.
+# Files that the programs expect below /usr. Includes Python and its libraries, because the bench needs this version.
 (cd / && tar ch --exclude=__pycache__ --exclude='llvmjit*' --exclude=bitcode --exclude=pgxs --exclude=test --exclude=config-3.11-* \
   usr/lib/postgresql/15/{bin/{postgres,initdb,psql,pg_isready},lib} usr/share/postgresql/15 usr/share/postgresql-common usr/sbin/nginx \
   usr/lib/nginx/modules/{ndk_http_module,ngx_http_lua_module}.so usr/share/lua usr/bin/redis-server \
@@ -34,7 +34,7 @@ find "$folder" -name __pycache__ -prune -exec rm -rf {} +
 
 find "$folder"/app/build "$folder"/root "$venv" -type f \( -perm -u+x -o -name '*.so*' \) -print0 \
   | xargs -0 "$repo/tools/gpu/libraries.sh" "$folder/lib"
-# The machine's own protoc needs a C++ library that is at least as new as the compiler there.
+# Excludes the C++ library, because protoc of the GPU machine needs one that is as new as the compiler there.
 rm -f "$folder"/lib/{libstdc++,libgcc_s}.so*
 
 cat > "$folder/bench" <<'BENCH'
@@ -42,7 +42,7 @@ cat > "$folder/bench" <<'BENCH'
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cp -a --update=none "$here/root/." /
-# Last in the search path, for programs that start with an empty environment.
+# Appended to the search path, for programs that start with an empty environment.
 echo "$here/lib" > /etc/ld.so.conf.d/zz-diaphane.conf
 ldconfig
 mkdir -p /var/lib/nginx /var/log/nginx
@@ -50,7 +50,7 @@ export DIAPHANE_BUILD=$here/app/build PYTHONDONTWRITEBYTECODE=1
 export DIAPHANE_NVRTC="${DIAPHANE_NVRTC:-/usr/local/cuda/lib64}"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader 2>/dev/null || true
 echo "$(nproc) cores, $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)"
-# For these programs alone: the shell's own tools keep the machine's libraries.
+# Set only for these programs, so that the tools of the shell use the machine's libraries.
 export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 exec "$here/app/.tools/venv/bin/python" "$here/app/tools/devtool" bench "$@"
 BENCH

@@ -23,8 +23,8 @@ const parts: { at: V; size: V; tint: number }[] = [
 ];
 
 export function draw(scene: Scene, width: number, height: number, samples: number): Buffer {
-  const w = Math.max(16, Math.round(width / 2));
-  const h = Math.max(16, Math.round(height / 2));
+  const w = Math.max(16, Math.round(width / 4));
+  const h = Math.max(16, Math.round(height / 4));
   const eye = of(scene.camera?.eye);
   const forward = norm(sub(of(scene.camera?.target), eye));
   const right = norm(cross(forward, of(scene.camera?.up)));

@@ -1,10 +1,16 @@
 import { randomUUID } from "node:crypto";
 import type { IncomingMessage, ServerResponse } from "node:http";
-import type { Plugin } from "vite";
+import type { Duplex } from "node:stream";
+import type { Plugin, PreviewServer } from "vite";
 import { WebSocketServer } from "ws";
 import type { DataSet, Me } from "../../src/api/types";
 import { draw } from "./picture";
 import { sceneNamed, serveStream, type FakeSession } from "./stream";
+
+/** What Vite's development and preview servers have in common. */
+interface Emitter {
+  on(event: "upgrade", listener: (request: IncomingMessage, socket: Duplex, head: Buffer) => void): unknown;
+}
 
 const me: Me = {
   id: randomUUID(),
@@ -165,7 +171,7 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         problem(404, "not-found");
         return;
       }
-      if (!sessions.has(session)) sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n });
+      if (!sessions.has(session)) sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n, epoch: 1n });
       say(201, { session_id: session, stream_url: `/stream?ticket=${session}` });
       return;
     }
@@ -176,22 +182,20 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
 }
 
 export function fakeServer(): Plugin {
-  return {
-    name: "fake-server",
-    configureServer(server) {
-      server.middlewares.use((request, response, next) => {
-        if (request.url?.startsWith("/v1/")) void answer(request, response);
-        else next();
+  const serve = ({ middlewares, httpServer }: Pick<PreviewServer, "middlewares"> & { httpServer: Emitter | null }) => {
+    middlewares.use((request, response, next) => {
+      if (request.url?.startsWith("/v1/")) void answer(request, response);
+      else next();
+    });
+    const streams = new WebSocketServer({ noServer: true });
+    httpServer?.on("upgrade", (request: IncomingMessage, socket: Duplex, head: Buffer) => {
+      if (!request.url?.startsWith("/stream")) return;
+      const session = sessions.get(new URL(request.url, "http://x").searchParams.get("ticket") ?? "");
+      streams.handleUpgrade(request, socket, head, (ws) => {
+        if (session) serveStream(ws, session);
+        else ws.close(4401);
       });
-      const streams = new WebSocketServer({ noServer: true });
-      server.httpServer?.on("upgrade", (request: IncomingMessage, socket, head) => {
-        if (!request.url?.startsWith("/stream")) return;
-        const session = sessions.get(new URL(request.url, "http://x").searchParams.get("ticket") ?? "");
-        streams.handleUpgrade(request, socket as never, head as never, (ws) => {
-          if (session) serveStream(ws, session);
-          else ws.close(4401);
-        });
-      });
-    },
+    });
   };
+  return { name: "fake-server", configureServer: serve, configurePreviewServer: serve };
 }

@@ -2,11 +2,13 @@ import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import type { WebSocket } from "ws";
 import { SceneSchema, type Scene } from "../../src/protocol/gen/api/proto/scene_pb";
 import {
+  AudienceSchema,
   ClientMessageSchema,
   Codec,
   FrameQuality,
   HistogramSchema,
   ServerMessageSchema,
+  SliceAccess,
   type ServerMessage,
 } from "../../src/protocol/gen/api/proto/stream_pb";
 import {
@@ -104,28 +106,40 @@ const histogram = create(HistogramSchema, {
   ),
 });
 
+/** The owner, alone, who may use the slices. */
+const audience = create(AudienceSchema, {
+  you: "anna",
+  participants: [{ id: "anna", owner: true, presenter: true }],
+  presenter: "anna",
+  slices: SliceAccess.WHOLE,
+});
+/** Samples per pixel of a finished picture, and by which factor they grow. Few pictures, as each takes time to draw. */
+const finished = 64;
+const growth = 8;
+
 export interface FakeSession {
   scene: Scene;
   inputSeq: bigint;
+  /** Grows across connections, as a renderer's does. */
+  epoch: bigint;
 }
 
 export function serveStream(socket: WebSocket, session: FakeSession): void {
   let size = { width: 640, height: 480 };
-  let epoch = 1n;
   let seq = 0n;
   let samples = 0;
   let begun = Date.now();
   const say = (body: ServerMessage["body"]) =>
     socket.send(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
   const restart = () => {
-    epoch += 1n;
+    session.epoch += 1n;
     samples = 0;
     begun = Date.now();
   };
   const tick = setInterval(() => {
     if (seq === 0n && samples < 0) return;
-    const next = samples === 0 ? 1 : samples * 2;
-    if (next > 2048 || socket.bufferedAmount > 0) return;
+    const next = samples === 0 ? 1 : samples * growth;
+    if (next > finished || socket.bufferedAmount > 0) return;
     if (Date.now() - begun < next * 12 && next > 1) return;
     samples = next;
     const moving = samples <= 2 ? 2 : 1;
@@ -142,7 +156,7 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
         $typeName: "diaphane.v1.Frame",
         codec: Codec.JPEG,
         key: true,
-        epoch,
+        epoch: session.epoch,
         seq: ++seq,
         inputSeq: session.inputSeq,
         iteration: BigInt(samples),
@@ -167,10 +181,16 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
         framesSkipped: 0n,
       },
     });
-    if (samples >= 2048)
+    if (samples >= finished)
       say({
         case: "state",
-        value: { $typeName: "diaphane.v1.State", epoch, converged: true, lossless: false, biased: false },
+        value: {
+          $typeName: "diaphane.v1.State",
+          epoch: session.epoch,
+          converged: true,
+          lossless: false,
+          biased: false,
+        },
       });
   }, 30);
   samples = -1;
@@ -201,6 +221,7 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
           })),
         },
       });
+      say({ case: "audience", value: audience });
       restart();
     } else if (body.case === "scene") {
       session.inputSeq = body.value.inputSeq;

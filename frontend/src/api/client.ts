@@ -1,4 +1,5 @@
 import { AnonymiseApi } from "./anonymise";
+import { EnvironmentsApi } from "./environments";
 import { SecondFactorApi } from "./second_factor";
 import { PresetsApi, SharingApi } from "./sharing";
 import { language } from "../texts";
@@ -71,8 +72,9 @@ export class Api {
     await this.send("POST", "/v1/me/consent", { version });
   }
 
-  async verify(token: string, password: string): Promise<void> {
-    await this.send("POST", "/v1/accounts/verify", { token, password });
+  /** Also signs in. */
+  async verify(token: string, password: string): Promise<Me> {
+    return this.known(await this.json<Me>("POST", "/v1/accounts/verify", { token, password }));
   }
 
   /** Rejects with `code-needed` if the account has a second factor and `code` is empty. */
@@ -261,6 +263,7 @@ export class Api {
   readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
   readonly secondFactor = new SecondFactorApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
+  readonly environments = new EnvironmentsApi((...call) => this.send(...call));
 
   private known(me: Me): Me {
     this.token = me.csrf_token;

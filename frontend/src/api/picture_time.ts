@@ -23,7 +23,7 @@ export function pictureTime(time: Me["render_time"]): PictureTime {
  * The time after which to ask the server again. Several open pictures use the time in parallel, so it is short enough
  * for all of them.
  */
-export function askedAgainMs(time: Me["render_time"]): number {
+export function pollDelayMs(time: Me["render_time"]): number {
   const leftMs = time.quota_ms - time.used_ms;
   const nextMs = saidAtMs.find((at) => at < leftMs) ?? 0;
   return Math.min(Math.max((leftMs - nextMs) / 3, 5000), 2 * minuteMs);

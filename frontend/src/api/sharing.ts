@@ -8,6 +8,8 @@ import type {
   Report,
   SavedPreset,
   SharedPerson,
+  TakeDown,
+  ViewEntry,
   Visit,
 } from "./types";
 
@@ -18,6 +20,10 @@ export type Send = (method: string, path: string, body?: unknown, init?: Request
 const once = () => ({ headers: { "Idempotency-Key": randomKey() } });
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
+
+type Hidden = Pick<TakeDown, "data_set_id" | "preset_id">;
+const takeDownOf = ({ data_set_id: dataSetId, preset_id: presetId }: Hidden): string =>
+  `/v1/${presetId === null ? `data-sets/${dataSetId}` : `presets/${presetId}`}/take-down`;
 
 /** The routes of api/openapi.yaml with the tag `sharing`, one function each. */
 export class SharingApi {
@@ -61,6 +67,12 @@ export class SharingApi {
     await this.send("DELETE", `/v1/data-sets/${id}/links/${link}`);
   }
 
+  /** Who viewed the scan, latest first. `own` includes the owner. */
+  views(id: string, own: boolean, cursor: string | null): Promise<Page<ViewEntry>> {
+    const query = new URLSearchParams({ own: String(own), ...(cursor === null ? {} : { cursor }) });
+    return read(this.send("GET", `/v1/data-sets/${id}/views?${query.toString()}`));
+  }
+
   gallery(question: GalleryQuery, cursor: string | null, signal?: AbortSignal): Promise<Page<DataSet>> {
     const query = new URLSearchParams();
     for (const [name, value] of Object.entries(question) as [string, string][])
@@ -87,7 +99,7 @@ export class SharingApi {
     await this.send("POST", `/v1/data-sets/${id}/reports`, { reason, words });
   }
 
-  /** The following three functions are for administrators. */
+  /** The following five functions are for administrators. */
   async reports(): Promise<readonly Report[]> {
     return (await read<Page<Report>>(this.send("GET", "/v1/reports"))).items;
   }
@@ -97,9 +109,16 @@ export class SharingApi {
   }
 
   /** Takes down the subject of the report, which is a preset or a scan. */
-  async takeDown({ data_set_id: dataSetId, preset_id: presetId }: Report, reason: string): Promise<void> {
-    const what = presetId === null ? `data-sets/${dataSetId}` : `presets/${presetId}`;
-    await this.send("POST", `/v1/${what}/take-down`, { reason });
+  async takeDown(report: Report, reason: string): Promise<void> {
+    await this.send("POST", takeDownOf(report), { reason });
+  }
+
+  async takeDowns(): Promise<readonly TakeDown[]> {
+    return (await read<Page<TakeDown>>(this.send("GET", "/v1/take-downs"))).items;
+  }
+
+  async liftTakeDown(one: TakeDown): Promise<void> {
+    await this.send("DELETE", takeDownOf(one));
   }
 
   async publicName(): Promise<string> {

@@ -60,13 +60,13 @@ interface FakeWindow {
 const upload = { ...inPhase(begun("a", 100), "sending"), sent: 40 };
 
 for (const withLocks of [true, false]) {
-  test(`a new window hears at once what the others send (${withLocks ? "with" : "without"} locks)`, () => {
+  test(`a new tab learns immediately what the others send (${withLocks ? "with" : "without"} locks)`, () => {
     const browser = new Browser(withLocks);
     browser.open().sends = [upload];
     expect(browser.open().others.views()).toMatchObject([{ data_set_id: "a", sent: 40 }]);
   });
 
-  test(`of two windows one sends, until it lets go (${withLocks ? "with" : "without"} locks)`, async () => {
+  test(`only one of two tabs sends, until it releases the upload (${withLocks ? "with" : "without"} locks)`, async () => {
     const browser = new Browser(withLocks);
     const [first, second] = [browser.open(), browser.open()];
     expect(await first.others.claim("a")).toBe(true);
@@ -82,7 +82,7 @@ for (const withLocks of [true, false]) {
   });
 }
 
-test("a window that sends and sleeps is still the one that sends", async () => {
+test("a sending tab that sleeps keeps its upload", async () => {
   const browser = new Browser();
   const [first, second] = [browser.open(), browser.open()];
   await first.others.claim("a");
@@ -94,14 +94,14 @@ test("a window that sends and sleeps is still the one that sends", async () => {
   expect(await second.others.claim("a")).toBe(false);
 });
 
-test("a window that does not know of it yet does not send it either", async () => {
+test("a tab that does not know of an upload yet does not send it", async () => {
   const browser = new Browser();
   const [first, second] = [browser.open(), browser.open()];
   const both = Promise.all([first.others.claim("a"), second.others.claim("a")]);
   expect((await both).filter((may) => may)).toHaveLength(1);
 });
 
-test("what a window sent that is gone without a word may be gone on with", async () => {
+test("the uploads of a tab that was closed can be resumed", async () => {
   const browser = new Browser();
   const [first, second] = [browser.open(), browser.open()];
   await first.others.claim("a");
@@ -113,7 +113,7 @@ test("what a window sent that is gone without a word may be gone on with", async
   expect(await second.others.claim("a")).toBe(true);
 });
 
-test("without locks, silence tells that a window has gone", () => {
+test("without locks, a silent tab counts as closed", () => {
   const browser = new Browser(false);
   const [first, second] = [browser.open(), browser.open()];
   first.sends = [upload];

@@ -29,7 +29,7 @@ export function thisBrowser(): BetweenWindows {
  * broadcast.
  */
 export class TabCoordinator {
-  private readonly heard = new Map<string, { readonly view: UploadView; readonly atMs: number }>();
+  private readonly others = new Map<string, { readonly view: UploadView; readonly atMs: number }>();
   private readonly releases = new Map<string, () => void>();
 
   /** @param changed is called when the uploads of other windows have changed. @param own returns this window's uploads. */
@@ -69,28 +69,28 @@ export class TabCoordinator {
     if (sent.length > 0) this.say({ sent: sent.map((view) => ({ ...view, marks: [] })), ended: [], ask: false });
   }
 
-  /** The uploads of other windows, without those that no window sends any more. */
+  /** The uploads of other windows, without those that no window is sending any longer. */
   views(): readonly UploadView[] {
     const since = this.between.locks ? -Infinity : this.between.nowMs() - silentMs;
-    return [...this.heard.values()].filter(({ atMs }) => atMs > since).map(({ view }) => view);
+    return [...this.others.values()].filter(({ atMs }) => atMs > since).map(({ view }) => view);
   }
 
   /** Forgets the uploads of windows that were closed without a message. The caller runs it periodically. */
   async forgetClosedTabs(): Promise<void> {
-    const heard = [...this.heard.keys()]; // A lock that was acquired after the query is not missed.
-    if (heard.length === 0) return;
+    const others = [...this.others.keys()]; // A lock that was acquired after the query is not missed.
+    if (others.length === 0) return;
     if (this.between.locks) {
       const { held = [] } = await this.between.locks.query();
       const names = new Set(held.map(({ name }) => name));
-      for (const id of heard) if (!names.has(lockName(id))) this.heard.delete(id);
+      for (const id of others) if (!names.has(lockName(id))) this.others.delete(id);
     }
     this.changed();
   }
 
   private hear(word: Word): void {
     const atMs = this.between.nowMs();
-    for (const view of word.sent) this.heard.set(view.data_set_id, { view, atMs });
-    for (const id of word.ended) this.heard.delete(id);
+    for (const view of word.sent) this.others.set(view.data_set_id, { view, atMs });
+    for (const id of word.ended) this.others.delete(id);
     if (word.ask) this.broadcast();
     if (word.sent.length + word.ended.length > 0) this.changed();
   }

@@ -115,7 +115,7 @@ export interface DataSet {
   /** Whether users of the gallery may see the slices. */
   readonly public_slices: boolean;
   readonly refusal: { readonly code: string; readonly text: string } | null;
-  /** What a queued scan waits for, other than its turn. Only the owner gets it. */
+  /** The condition that a queued scan waits for, besides its turn. Only the owner gets it. */
   readonly waiting_for: "room" | "memory" | "service" | "interruption" | null;
   readonly volume: {
     readonly modality: "CT" | "MR" | "PT" | "OTHER";
@@ -152,6 +152,23 @@ export interface DataSetLink {
   readonly slices: boolean;
 }
 
+/** An entry of the log of who viewed a scan. */
+export interface ViewEntry {
+  readonly id: string;
+  readonly route: "owner" | "person" | "gallery" | "administrator" | "link" | "live-link" | "export";
+  /** The address of a person, as the owner entered it. Null for other routes and for a deleted account. */
+  readonly email: string | null;
+  readonly link_created_at: string | null;
+  /** The first part of an address, such as "203.0.0.0/16", or empty. */
+  readonly network: string;
+  /** Whether this request comes from the same network. */
+  readonly same_network: boolean;
+  readonly browser: string;
+  readonly first_at: string;
+  readonly last_at: string;
+  readonly times: number;
+}
+
 export interface Report {
   readonly id: string;
   readonly data_set_id: string;
@@ -164,6 +181,17 @@ export interface Report {
   readonly words: string;
   readonly taken_down: boolean;
   readonly created_at: string;
+}
+
+/** A scan or preset that an administrator has taken down. */
+export interface TakeDown {
+  readonly data_set_id: string;
+  readonly title: string;
+  /** The preset, or null if the scan itself is taken down. */
+  readonly preset_id: string | null;
+  readonly preset_name: string;
+  readonly reason: string;
+  readonly taken_down_at: string;
 }
 
 export interface GalleryQuery {
@@ -236,4 +264,14 @@ export interface RecordingInfo {
 export interface Recordings {
   readonly consent: boolean;
   readonly items: readonly RecordingInfo[];
+}
+
+/** A panorama that a user has stored to light scans with. */
+export interface Environment {
+  readonly id: string;
+  readonly mine: boolean;
+  /** Only for its owner. */
+  readonly name?: string;
+  /** 32 x 16 pixels in sRGB, in hexadecimal. */
+  readonly preview: string;
 }

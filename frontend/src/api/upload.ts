@@ -3,13 +3,13 @@ import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpSta
 /** The only file that uses tus-js-client (docs/adr/0021). */
 
 export const partBounds = { first: 1 << 20, least: 1 << 18, most: 8 << 20 } as const;
-/** What a part takes at most: a pause or a closed window loses the part that is on its way. */
+/** Maximum duration of a part, because a pause or a closed window loses the part in transit. */
 const partMs = 2000;
 
 /** The size of the next part, after one of `bytes` took `ms`. */
 export function nextPartBytes(bytes: number, ms: number): number {
-  const wanted = (bytes * partMs) / Math.max(1, ms);
-  return Math.round(Math.min(partBounds.most, Math.max(partBounds.least, wanted)));
+  const target = (bytes * partMs) / Math.max(1, ms);
+  return Math.round(Math.min(partBounds.most, Math.max(partBounds.least, target)));
 }
 
 /** How an upload ended: it is complete, or the server rejected it permanently with this status. */
@@ -28,7 +28,7 @@ export interface RunningUpload {
   /** Stops sending. The server keeps what has arrived. */
   stop(): void;
   /** Resumes at the server's offset after `stop`, or ends the current wait before a retry. */
-  goOn(): void;
+  resume(): void;
 }
 
 const waitsMs = [300, 1000, 2000, 4000, 8000];
@@ -42,7 +42,7 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
   let failures = 0;
   let partBegan = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const goOn = () => {
+  const resume = () => {
     clearTimeout(timer);
     if (sending) return;
     sending = true;
@@ -78,17 +78,17 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
       const wait = status === 507 ? fullWaitMs : (waitsMs[Math.min(failures, waitsMs.length - 1)] ?? 8000);
       failures += 1;
       events.stalled(status === 507 ? "storage_full" : "connection");
-      timer = setTimeout(goOn, wait);
+      timer = setTimeout(resume, wait);
     },
   });
-  goOn();
+  resume();
   return {
     stop: () => {
       sending = false;
       clearTimeout(timer);
       void upload.abort(false).catch(() => undefined);
     },
-    goOn,
+    resume,
   };
 }
 

@@ -4,20 +4,20 @@ import { begun, stalled, inPhase, isOpen, nextToSend, refused, timeLeft, withPro
 
 const sending = inPhase(begun("a", 100), "sending");
 
-test("a stall is over when more has arrived than before it, not when a try begins", () => {
+test("a stall ends when new data has arrived, not when a retry begins", () => {
   const cut = stalled(withProgress(sending, 40, 0), "connection");
   expect(withProgress(cut, 0, 1000).phase).toBe("stalled");
   expect(withProgress({ ...cut, sent: 40 }, 40, 1000).phase).toBe("stalled");
   expect(withProgress({ ...cut, sent: 40 }, 41, 1000).phase).toBe("sending");
 });
 
-test("what the person has paused stays paused, whatever is told late", () => {
+test("a paused upload stays paused despite late events", () => {
   const paused = inPhase(sending, "paused");
   expect(withProgress(paused, 50, 0).phase).toBe("paused");
   expect(stalled(paused, "connection").phase).toBe("paused");
 });
 
-test("the time that was waited does not count as slow sending", () => {
+test("waiting time does not count as slow sending", () => {
   let view = withProgress(withProgress(sending, 0, 0), 20, 4000);
   expect(timeLeft(view)).toBeCloseTo(16);
   view = withProgress(inPhase(inPhase(view, "paused"), "sending"), 20, 1_000_000);
@@ -30,7 +30,7 @@ test("each refusal has its reason", () => {
   expect(isOpen(refused(sending, { kind: "refused", status: 410 }))).toBe(false);
 });
 
-test("those that wait begin in their order, and only so many at once", () => {
+test("waiting uploads start in order, up to a maximum number at once", () => {
   const waiting = ["a", "b", "c"].map((id) => begun(id, 100));
   expect(nextToSend(waiting, 2)).toBe("a");
   expect(nextToSend([sending, ...waiting.slice(1)], 2)).toBe("b");
@@ -38,7 +38,7 @@ test("those that wait begin in their order, and only so many at once", () => {
   expect(nextToSend([inPhase(sending, "paused"), inPhase(sending, "elsewhere"), ...waiting], 1)).toBe("a");
 });
 
-test("retries only what a later try can fix", () => {
+test("only errors that a later try can fix are retried", () => {
   for (const status of [0, 408, 409, 423, 429, 460, 500, 502, 503, 507]) expect(worthRetrying(status, 99)).toBe(true);
   for (const status of [400, 401, 404, 410, 412, 413, 415, 422]) expect(worthRetrying(status, 0)).toBe(false);
   expect(worthRetrying(403, 0)).toBe(true);

@@ -35,7 +35,7 @@ export class Uploads {
 
   constructor(private readonly api: Api) {
     addEventListener("online", () => {
-      for (const [id, own] of this.own) if (this.phase(id) === "stalled") own.running?.goOn();
+      for (const [id, own] of this.own) if (this.phase(id) === "stalled") own.running?.resume();
     });
     addEventListener("beforeunload", (event) => {
       if ([...this.uploadViews.value.values()].some(isOpen)) event.preventDefault(); // the browser asks the user whether to leave
@@ -139,7 +139,7 @@ export class Uploads {
       const own = id === null ? undefined : this.own.get(id);
       if (id === null || !own) return;
       this.change(id, (view) => inPhase(view, "sending"));
-      if (own.running) own.running.goOn();
+      if (own.running) own.running.resume();
       else own.running = this.send(id, own);
     }
   }
@@ -191,11 +191,11 @@ export class Uploads {
 
   private mergeTabs(): void {
     const kept = [...this.uploadViews.value].filter(([, view]) => view.phase !== "elsewhere");
-    const heard = this.tabs.views().filter((view) => !this.own.has(view.data_set_id));
-    if (heard.length === 0 && kept.length === this.uploadViews.value.size) return;
+    const others = this.tabs.views().filter((view) => !this.own.has(view.data_set_id));
+    if (others.length === 0 && kept.length === this.uploadViews.value.size) return;
     this.uploadViews.value = new Map([
       ...kept,
-      ...heard.map((view) => [view.data_set_id, inPhase(view, "elsewhere")] as const),
+      ...others.map((view) => [view.data_set_id, inPhase(view, "elsewhere")] as const),
     ]);
   }
 

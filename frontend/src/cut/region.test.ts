@@ -12,14 +12,14 @@ import {
   placeOf,
   rangeOf,
   toBody,
-  whole,
+  wholeRegion,
 } from "./region";
 
 const bounds = boundsOf({ size: [100, 200, 50], spacing: [1, 1, 4], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] });
 const front = { eye: vec3(0, -500, 0), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 };
 const screen = { width: 800, height: 600 };
 
-test("the bounds of a turned volume hold all of it", () => {
+test("the bounds of a rotated volume contain all of it", () => {
   expect(bounds).toEqual({ low: vec3(-50, -100, -100), high: vec3(50, 100, 100) });
   const c = Math.SQRT1_2;
   const turned = boundsOf({ size: [100, 100, 10], spacing: [1, 1, 1], direction: [c, -c, 0, c, c, 0, 0, 0, 1] });
@@ -27,7 +27,7 @@ test("the bounds of a turned volume hold all of it", () => {
   expect(turned.high.z).toBe(5);
 });
 
-test("the server's proposal comes back to it unchanged", () => {
+test("the server's proposal is sent back unchanged", () => {
   const down = (50 * Math.PI) / 180;
   const normal = [0, -Math.cos(down), -Math.sin(down)];
   const region = fromProposal(
@@ -38,10 +38,10 @@ test("the server's proposal comes back to it unchanged", () => {
   const plane = toBody(region).planes?.[0];
   const side = (p: readonly number[]) => p.reduce((sum, v, i) => sum + v * (normal[i] ?? 0), 0);
   expect(side(plane?.point ?? [])).toBeCloseTo(side([3, -20, -30]), 9);
-  expect(toBody(whole(bounds)).planes).toEqual([]);
+  expect(toBody(wholeRegion(bounds)).planes).toEqual([]);
 });
 
-test("a proposal for a head that looks aside stays the plane that it is, and is drawn in it", () => {
+test("a proposal for a turned head keeps its plane and is drawn in it", () => {
   const normal = [0.35, -0.75, -0.56].map((v, _, all) => v / Math.hypot(...all));
   const point = [12, -40, -25];
   const region = fromProposal(
@@ -72,7 +72,7 @@ test("a proposal for a head that looks aside stays the plane that it is, and is 
 test("no handle leaves the scan, and the box never closes", () => {
   for (const handle of handles) {
     for (const to of [-9999, 9999]) {
-      const region = moved(handle, to, whole(bounds), bounds);
+      const region = moved(handle, to, wholeRegion(bounds), bounds);
       for (const axis of ["x", "y", "z"] as const) {
         expect(region.low[axis]).toBeGreaterThanOrEqual(bounds.low[axis]);
         expect(region.high[axis]).toBeLessThanOrEqual(bounds.high[axis]);
@@ -85,7 +85,7 @@ test("no handle leaves the scan, and the box never closes", () => {
   }
 });
 
-test("the middle is in the middle of the picture, left of the patient on its right, up is up", () => {
+test("the centre is in the middle of the picture, the patient's left on its right, and the head above", () => {
   const middle = onScreen(front, screen, vec3(0, 0, 0));
   expect(middle?.x).toBeCloseTo(400, 6);
   expect(middle?.y).toBeCloseTo(300, 6);
@@ -96,9 +96,9 @@ test("the middle is in the middle of the picture, left of the patient on its rig
   expect(onScreen(front, screen, vec3(0, -600, 0))).toBeNull();
 });
 
-test("a handle stays under the hand that drags it", () => {
+test("a handle stays under the pointer that drags it", () => {
   const handle = { kind: "face", axis: "z", side: "high" } as const;
-  const region = whole(bounds);
+  const region = wholeRegion(bounds);
   const at = placeOf(handle, region);
   if (!at) throw new Error("no place");
   const by = dragged(front, screen, at.place, at.along, { x: 0, y: 40 }) ?? 0;
@@ -112,7 +112,7 @@ test("a handle stays under the hand that drags it", () => {
 });
 
 test("the plane's polygon lies in the plane and in the box", () => {
-  const region = { ...whole(bounds), plane: { on: true, tilt: 50, aside: 0, offset: 20 } };
+  const region = { ...wholeRegion(bounds), plane: { on: true, tilt: 50, aside: 0, offset: 20 } };
   const points = planeInRegion(region);
   expect(points.length).toBe(4);
   for (const p of points) {
@@ -122,20 +122,18 @@ test("the plane's polygon lies in the plane and in the box", () => {
   expect(planeInRegion({ ...region, plane: { ...region.plane, offset: 999 } })).toEqual([]);
 });
 
-test("how much goes is said about right", () => {
-  expect(partThatGoes(whole(bounds), bounds)).toBe(0);
-  expect(partThatGoes(moved({ kind: "face", axis: "z", side: "high" }, 0, whole(bounds), bounds), bounds)).toBeCloseTo(
-    0.5,
-    6,
-  );
-  expect(partThatGoes({ ...whole(bounds), plane: { on: true, tilt: 0, aside: 0, offset: 0 } }, bounds)).toBeCloseTo(
-    0.5,
-    6,
-  );
+test("the removed share is estimated approximately", () => {
+  expect(partThatGoes(wholeRegion(bounds), bounds)).toBe(0);
+  expect(
+    partThatGoes(moved({ kind: "face", axis: "z", side: "high" }, 0, wholeRegion(bounds), bounds), bounds),
+  ).toBeCloseTo(0.5, 6);
+  expect(
+    partThatGoes({ ...wholeRegion(bounds), plane: { on: true, tilt: 0, aside: 0, offset: 0 } }, bounds),
+  ).toBeCloseTo(0.5, 6);
 });
 
-test("no two handles lie on each other: of those the held one stays, then the plane's, then the nearer one", () => {
-  const box = whole(bounds),
+test("of overlapping handles only one is shown: the dragged one, then the plane's, then the nearest", () => {
+  const box = wholeRegion(bounds),
     cut = { ...box, plane: { ...box.plane, on: true, tilt: 0, offset: 100 - 1 } };
   const names = (region: typeof box, held: (typeof handles)[number] | null = null) =>
     handlesToTake(front, screen, region, held).map(({ handle }) =>

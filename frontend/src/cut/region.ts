@@ -54,7 +54,7 @@ const degrees = (angle: number): number => (angle * 180) / Math.PI;
 const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 
 /** Returns the whole scan. Its plane is off and placed in front of and below the middle. */
-export function whole(bounds: Box): Region {
+export function wholeRegion(bounds: Box): Region {
   const reach = bounds.high.y;
   return { low: bounds.low, high: bounds.high, plane: { on: false, tilt: 50, aside: 0, offset: reach * 0.5 } };
 }
@@ -69,7 +69,7 @@ const vector = ([x = 0, y = 0, z = 0]: readonly number[]): Vec3 => vec3(x, y, z)
 const numbers = (v: Vec3): [number, number, number] => [v.x, v.y, v.z];
 
 export function fromProposal(proposal: RegionBody, bounds: Box): Region {
-  const start = whole(bounds);
+  const start = wholeRegion(bounds);
   const first = proposal.planes?.[0];
   if (!first) return start;
   const normal = vector(first.normal);

@@ -125,13 +125,6 @@ export function panned(orbit: Orbit, right: number, down: number): Orbit {
   return { ...orbit, target: add(orbit.target, shift) };
 }
 
-/** Moves the eye back for a portrait picture, because presets are fitted by height. */
-export function fittedToAspect(pose: CameraPose, aspect: number): CameraPose {
-  if (!(aspect > 0) || aspect >= 1) return pose;
-  const away = subtract(pose.eye, pose.target);
-  return { ...pose, eye: add(pose.target, scale(away, 1 / aspect)) };
-}
-
 /** Shows as much in another picture: by height in a wide one, by width in one that is narrower than high. */
 export function refitted(pose: CameraPose, aspectBefore: number, aspect: number): CameraPose {
   if (!(aspectBefore > 0) || !(aspect > 0)) return pose;

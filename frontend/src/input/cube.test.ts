@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { cubeFaces } from "./cube";
+import { orbitOf } from "./camera";
+import { cubeFaces, poseFromSide } from "./cube";
 import { vec3 } from "./vec3";
 
 const from = (x: number, y: number, z: number) =>
@@ -19,5 +20,18 @@ describe("the orientation cube", () => {
     expect(middle("L").x).toBeGreaterThan(middle("A").x);
     expect(middle("S").y).toBeLessThan(middle("A").y); // y goes down
     expect(faces.map((face) => face.letter).sort()).toEqual(["A", "L", "S"]);
+  });
+  it("turns to the side that is pressed, upright and at the same distance", () => {
+    const pose = { eye: vec3(210, -480, 215), target: vec3(10, 20, 15), up: vec3(0.3, 0, 0.9), verticalFovDegrees: 30 };
+    for (const letter of ["L", "R", "A", "P", "S", "I"]) {
+      const turned = poseFromSide(pose, letter);
+      expect(cubeFaces(turned).map((face) => face.letter)).toEqual([letter]);
+      expect(orbitOf(turned).distance).toBeCloseTo(orbitOf(pose).distance, 6);
+      expect(orbitOf(turned).roll).toBeCloseTo(0, 6);
+      expect(turned.target).toEqual(pose.target);
+    }
+    // From above, the patient's left stays on the right of the picture, as from the front.
+    for (const letter of ["S", "I"])
+      expect(orbitOf(poseFromSide(pose, letter)).azimuth).toBeCloseTo(orbitOf(poseFromSide(pose, "A")).azimuth, 6);
   });
 });

@@ -1,5 +1,5 @@
 import { inPicture, orbitFrame, orbitOf, patientAxes, type CameraPose } from "./camera";
-import { add, cross, scale, vec3, type Vec3 } from "./vec3";
+import { add, cross, length, scale, subtract, vec3, type Vec3 } from "./vec3";
 
 /** One visible face of the orientation cube. y points down, and half the length of an edge is 1. */
 export interface CubeFace {
@@ -33,4 +33,16 @@ export function cubeFaces(pose: CameraPose): CubeFace[] {
     })
     .filter((face) => face.facing > 0.02)
     .sort((a, b) => a.facing - b.facing);
+}
+
+/**
+ * Views the target from the side of a face, at the same distance. The head is at the top of the picture. From above and
+ * below, the picture is the one to which a camera in front of the patient rises or sinks.
+ */
+export function poseFromSide(pose: CameraPose, letter: string): CameraPose {
+  const axis = patientAxes.find((one) => one.letter === letter)?.axis;
+  if (!axis) return pose;
+  const distance = length(subtract(pose.eye, pose.target));
+  const up = vec3(0, axis.z, Math.abs(axis.z) > 0.5 ? 0 : 1);
+  return { ...pose, eye: add(pose.target, scale(axis, distance)), up };
 }

@@ -9,18 +9,18 @@ export interface LoadedText extends LegalText {
 type Get = (url: string) => Promise<Response>;
 
 /**
- * Loads a text of the installation in `wanted`. If that one is still the template, but the operator has filled in
+ * Loads a text of the installation in `requested`. If that one is still the template, but the operator has filled in
  * another language, returns that one.
  */
-export async function loadLegalText(page: LegalPage, wanted: Language, get: Get = fetch): Promise<LoadedText> {
+export async function loadLegalText(page: LegalPage, requested: Language, get: Get = fetch): Promise<LoadedText> {
   const load = async (language: Language): Promise<LoadedText> => {
     const response = await get(`/legal/${page}.${language}.txt`);
     if (!response.ok) throw new Error(`${page}.${language}: ${response.status.toFixed(0)}`);
     return { ...readLegalText(await response.text()), language };
   };
-  const first = await load(wanted);
+  const first = await load(requested);
   if (!first.isTemplate) return first;
-  const others = (Object.keys(languages) as Language[]).filter((one) => one !== wanted);
+  const others = (Object.keys(languages) as Language[]).filter((one) => one !== requested);
   for (const other of others) {
     const text = await load(other).catch(() => first);
     if (!text.isTemplate) return text;

@@ -11,7 +11,7 @@ export interface Role {
   readonly freeCamera: boolean;
   /** Whether the viewer came by a link to someone's session. A guest can't change what is cut away. */
   readonly guest: boolean;
-  /** Null while the presenter is away. */
+  /** Null while the presenter is disconnected. */
   readonly presenter: Participant | null;
 }
 

@@ -97,12 +97,12 @@ export function lightHandles(scene: Scene, screen: Area): Handle[] {
   if (!eye) return [];
   const radius = ballRadius(screen);
   return scene.lights.flatMap((light, index) => {
-    const seen = light.disabled ? null : lights.seenDirection(light, eye);
-    if (!seen) return [];
-    const n = unitOf(seen);
+    const direction = light.disabled ? null : lights.seenDirection(light, eye);
+    if (!direction) return [];
+    const n = unitOf(direction);
     const of = { kind: "light", index } as const;
     const point = { x: screen.width / 2 + n.x * radius, y: screen.height / 2 - n.y * radius };
-    return [{ key: keyOf(of), of, ...point, now: seen.right, low: -180, high: 180, rank: index, behind: n.z < 0 }];
+    return [{ key: keyOf(of), of, ...point, now: direction.right, low: -180, high: 180, rank: index, behind: n.z < 0 }];
   });
 }
 
@@ -162,11 +162,11 @@ export function handleStepped(scene: Scene, bounds: Box, handle: Handle, right: 
     case "light": {
       const eye = eyeOf(scene),
         light = scene.lights[of.index];
-      const seen = eye && light && lights.seenDirection(light, eye);
-      return seen
+      const direction = eye && light && lights.seenDirection(light, eye);
+      return direction
         ? lights.aimLight(scene, of.index, eye, {
-            right: turned(seen.right + 5 * right),
-            up: clamp(seen.up + 5 * up, -90, 90),
+            right: turned(direction.right + 5 * right),
+            up: clamp(direction.up + 5 * up, -90, 90),
           })
         : scene;
     }

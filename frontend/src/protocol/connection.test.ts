@@ -20,7 +20,7 @@ const toLive: ConnectionEvent[] = [
 ];
 
 describe("the connection", () => {
-  it("gets a ticket, opens, greets and is live", () => {
+  it("gets a ticket, opens, sends a greeting and is live", () => {
     expect(run(toLive.slice(0, 1)).effects).toEqual(["ask_ticket", "timer"]);
     expect(run(toLive.slice(0, 2)).effects).toEqual(["open", "timer"]);
     expect(run(toLive.slice(0, 3)).effects).toEqual(["greet", "timer"]);

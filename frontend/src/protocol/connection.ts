@@ -47,7 +47,7 @@ export type ConnectionEvent =
   | { readonly kind: "closed"; readonly code: number }
   | { readonly kind: "lost" } // the connection is open, but the server can't be reached
   | { readonly kind: "timeout" } // of a wait, or of a step that took too long
-  | { readonly kind: "again" } // this page has reasons of its own to greet anew
+  | { readonly kind: "again" } // the page itself asked for a new greeting
   | { readonly kind: "wake" } // the network is back, or the page is looked at again
   | { readonly kind: "stop" };
 

@@ -23,7 +23,7 @@ function atHand(live = true) {
   return { queries, sent, timers };
 }
 const answer = (id: bigint, distance: number | null) =>
-  create(DepthSchema, { id, found: distance !== null, distance: distance ?? 0 });
+  create(DepthSchema, { id, found: distance !== null, distance: distance ?? 0, place: { x: 1, y: 2, z: 3 } });
 
 describe("depth queries", () => {
   it("get their own answers in any order", async () => {
@@ -34,10 +34,10 @@ describe("depth queries", () => {
       { id: 1n, x: 0.25, y: 0.5 },
       { id: 2n, x: 1, y: 0 },
     ]);
-    queries.heard(answer(2n, null));
-    queries.heard(answer(1n, 480));
-    queries.heard(answer(9n, 1)); // nobody asked
-    expect(await first).toEqual({ answered: true, seen: { distance: 480 } });
+    queries.receive(answer(2n, null));
+    queries.receive(answer(1n, 480));
+    queries.receive(answer(9n, 1)); // nobody asked
+    expect(await first).toEqual({ answered: true, seen: { distance: 480, place: { x: 1, y: 2, z: 3 } } });
     expect(await second).toEqual({ answered: true, seen: null });
     expect(timers.size).toBe(0);
   });
@@ -51,7 +51,7 @@ describe("depth queries", () => {
     expect(await lost).toEqual(none);
     const late = one.queries.ask(0, 0);
     for (const task of one.timers.values()) task();
-    one.queries.heard(answer(2n, 5));
+    one.queries.receive(answer(2n, 5));
     expect(await late).toEqual(none);
   });
 });

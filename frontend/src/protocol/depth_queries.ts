@@ -1,10 +1,13 @@
+import { vec3, type Vec3 } from "../input/vec3";
 import { encodeDepthQuery } from "./messages";
 import type { Depth } from "./gen/api/proto/stream_pb";
 
-/** What is visible at a point of the picture. Null if that is background or there was no response. */
+/** The surface at a point of the picture. Null for the background, or without a response. */
 export interface SeenPlace {
   /** Distance from the eye along the view axis, in mm. */
   readonly distance: number;
+  /** In mm in world space. */
+  readonly place: Vec3;
 }
 
 export type Answered = { readonly answered: true; readonly seen: SeenPlace | null } | { readonly answered: false };
@@ -37,8 +40,10 @@ export class DepthQueries {
     });
   }
 
-  heard(depth: Depth): void {
-    this.settle(depth.id, { answered: true, seen: depth.found ? { distance: depth.distance } : null });
+  receive(depth: Depth): void {
+    const { x = 0, y = 0, z = 0 } = depth.place ?? {};
+    const seen = depth.found ? { distance: depth.distance, place: vec3(x, y, z) } : null;
+    this.settle(depth.id, { answered: true, seen });
   }
 
   /** Ends all queries, because the connection is lost. */

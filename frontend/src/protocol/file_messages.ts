@@ -1,10 +1,11 @@
 import { create, toBinary } from "@bufbuild/protobuf";
 import {
   ClientMessageSchema,
-  Film_Path as FilmPath,
+  ErrorCurveQuerySchema,
+  Video_Path as VideoPath,
   FileRequestSchema,
   FileTakenSchema,
-  FilmSchema,
+  VideoSchema,
   KernelQuerySchema,
   KeyViewSchema,
   LargePictureSchema,
@@ -12,7 +13,8 @@ import {
 } from "./gen/api/proto/stream_pb";
 import type { Scene, Viewport } from "./messages";
 
-export { KernelReport_Origin as KernelOrigin, type FilePart, type KernelReport } from "./gen/api/proto/stream_pb";
+export { KernelReport_Origin as KernelOrigin } from "./gen/api/proto/stream_pb";
+export type { ErrorCurve, FilePart, KernelReport } from "./gen/api/proto/stream_pb";
 
 type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (body: ClientMessage["body"]): Bytes =>
@@ -42,11 +44,11 @@ export function encodeFile(order: FileOrder): Bytes[] {
     order.kind === "picture"
       ? ({ case: "picture", value: create(LargePictureSchema, { ...size, error }) } as const)
       : ({
-          case: "film",
-          value: create(FilmSchema, {
+          case: "video",
+          value: create(VideoSchema, {
             ...size,
             error,
-            path: order.kind === "tour" ? FilmPath.TOUR : FilmPath.TURNTABLE,
+            path: order.kind === "tour" ? VideoPath.TOUR : VideoPath.TURNTABLE,
             frames: order.frames,
             framesPerSecond: order.framesPerSecond,
           }),
@@ -58,3 +60,4 @@ export const encodeFileTaken = (seq: bigint): Bytes =>
   encoded({ case: "fileTaken", value: create(FileTakenSchema, { seq }) });
 
 export const encodeKernelQuery = (): Bytes => encoded({ case: "kernel", value: create(KernelQuerySchema) });
+export const encodeCurveQuery = (): Bytes => encoded({ case: "errorCurve", value: create(ErrorCurveQuerySchema) });

@@ -166,12 +166,12 @@ export function encodeGuestSlices(on: boolean): Bytes {
   );
 }
 
-const planeNumbers: Readonly<Record<Plane, AnatomicalPlane>> = {
+export const planeNumbers: Readonly<Record<Plane, AnatomicalPlane>> = {
   axial: AnatomicalPlane.AXIAL,
   coronal: AnatomicalPlane.CORONAL,
   sagittal: AnatomicalPlane.SAGITTAL,
 };
-const planeOf = (number: AnatomicalPlane): Plane | null =>
+export const planeOf = (number: AnatomicalPlane): Plane | null =>
   (Object.entries(planeNumbers) as [Plane, AnatomicalPlane][]).find(([, one]) => one === number)?.[0] ?? null;
 
 export function encodeSlices(lacking: readonly SliceId[], taken: bigint): Bytes {
@@ -220,7 +220,8 @@ export function encodeVisibility(visible: boolean): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "visibility", value } }));
 }
 
-const plain = (v: { x: number; y: number; z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
+export const plain = (v: { x: number; y: number; z: number } | undefined): Vec3 =>
+  v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0);
 
 /** Returns the camera of a scene, or null if it has none. */
 export function cameraOf(scene: Scene): CameraPose | null {
@@ -278,7 +279,10 @@ export function sameLook(a: Scene, b: Scene): boolean {
   return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
 }
 
-export const sameScene = (a: Scene, b: Scene): boolean => equals(SceneSchema, a, b);
+/** Whether two scenes have the same JSON text, which does not tell -0 from 0. A scene that this tab stored is JSON. */
+export const sameScene = (a: Scene, b: Scene): boolean => restored(a) === restored(b);
+
+const restored = (scene: Scene): string => sceneToJson(sceneFromJson(sceneToJson(scene)) ?? scene);
 
 /** Whether two scenes differ only in their cameras. */
 export const sameButForCamera = (a: Scene, b: Scene): boolean =>

@@ -34,13 +34,13 @@ describe("the watch over a silent connection", () => {
     expect(lost).toBe(1);
   });
 
-  it("leaves a server alone that owes nothing, or that talks", async () => {
+  it("does not probe a server that owes no answer or is sending", async () => {
     reachable = false;
     await vi.advanceTimersByTimeAsync(60_000);
     watch.expect(true);
     for (let i = 0; i < 20; ++i) {
       await vi.advanceTimersByTimeAsync(1000);
-      watch.heard();
+      watch.messageReceived();
     }
     watch.expect(false);
     await vi.advanceTimersByTimeAsync(60_000);
@@ -55,7 +55,7 @@ describe("the watch over a silent connection", () => {
     expect(probes).toBeLessThan(6);
   });
 
-  it("does not take the browser's word that it is offline, but probes at once", async () => {
+  it("probes immediately when the browser reports that it is offline", async () => {
     watch.check();
     await vi.advanceTimersByTimeAsync(0);
     expect(lost).toBe(0);
@@ -69,7 +69,7 @@ describe("the watch over a silent connection", () => {
     reachable = false;
     await vi.advanceTimersByTimeAsync(1);
     watch.check();
-    watch.heard();
+    watch.messageReceived();
     await vi.advanceTimersByTimeAsync(0);
     expect(lost).toBe(0);
   });

@@ -28,7 +28,7 @@ export class SilenceWatch {
   constructor(private readonly dependencies: SilenceDependencies) {}
 
   /** A message has arrived. */
-  heard(): void {
+  messageReceived(): void {
     this.heardMs = this.dependencies.nowMs();
     this.waitMs = quietMs;
   }
@@ -38,7 +38,7 @@ export class SilenceWatch {
     if (due === this.due) return;
     this.due = due;
     this.disarm();
-    this.heard();
+    this.messageReceived();
     if (due) this.arm(this.waitMs);
   }
 

@@ -3,15 +3,22 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import { fullEffort } from "../scene/effort";
 import { SceneSchema, type Scene } from "./gen/api/proto/scene_pb";
 import {
+  AnatomicalPlane,
   ClientMessageSchema,
   Codec,
   AudienceSchema,
   ConfigSchema,
+  ExactSliceSchema,
+  FilePartSchema,
+  FileProgressSchema,
   FrameSchema,
   LookSchema,
+  ProblemSchema,
+  SlicesStaleSchema,
   StateSchema,
   ServerMessageSchema,
   StillFormat,
+  StillSchema,
   type ClientMessage,
   type ServerMessage,
 } from "./gen/api/proto/stream_pb";
@@ -67,6 +74,8 @@ class World {
         stats: () => undefined,
         fileProgress: (done) => this.seen.push(`file ${done}`),
         filePart: (part) => this.seen.push(`part ${part.seq}`),
+        errorCurve: (curve) => this.seen.push(`curve of ${curve.points.length}`),
+        shared: () => this.seen.push("shared"),
         kernel: (report) => this.seen.push(`without ${report.leftOut.join(", ")}`),
         problem: () => this.seen.push("problem"),
       },
@@ -219,11 +228,11 @@ describe("the stream client", () => {
     again.client.start();
     await again.live(6, 12);
     expect(again.updates()).toEqual([]);
-    const anew = new World();
-    anew.client.remember(scene(6), 12);
-    anew.client.start();
-    await anew.live(1, 0);
-    expect(anew.updates()).toEqual([{ seq: 13, x: 6 }]);
+    const next = new World();
+    next.client.remember(scene(6), 12);
+    next.client.start();
+    await next.live(1, 0);
+    expect(next.updates()).toEqual([{ seq: 13, x: 6 }]);
   });
 
   it("ignores events of an old socket", async () => {
@@ -276,6 +285,25 @@ describe("the stream client", () => {
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "needKey"]);
   });
 
+  it("sends requests only while connected", async () => {
+    const ask = () => {
+      world.client.wantSlices([{ plane: "coronal", index: 3 }], 7n);
+      world.client.handOver("ann");
+      world.client.setGuestSlices(true);
+    };
+    ask();
+    await world.live();
+    ask();
+    expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "slices", "handover", "guestSlices"]);
+    expect(world.sent[1]?.body.value).toMatchObject({
+      slices: [{ plane: AnatomicalPlane.CORONAL, index: 3 }],
+      taken: 7n,
+    });
+    world.sockets.at(-1)?.closed(4503);
+    ask();
+    expect(world.sent).toHaveLength(4);
+  });
+
   const audience = (presenter: string, freeCamera = false) =>
     world.say({
       case: "audience",
@@ -300,6 +328,23 @@ describe("the stream client", () => {
     expect(world.configs.at(-1)).toBe(9);
     world.say({ case: "look", value: create(LookSchema, { scene: scene(10), inputSeq: 4n }) });
     expect(world.looks).toEqual([10]);
+  });
+
+  it("ignores a late scene of the last presenter once it has changed the scene itself", async () => {
+    await world.live(1, 0);
+    const presents = (presenter: string) =>
+      world.say({ case: "audience", value: create(AudienceSchema, { you: "me", presenter }) });
+    const looks = (x: number) => world.say({ case: "look", value: create(LookSchema, { scene: scene(x) }) });
+    presents("other");
+    looks(2);
+    presents("me");
+    looks(3);
+    world.client.setScene(scene(4));
+    looks(5);
+    expect(world.looks).toEqual([2, 3]);
+    presents("other");
+    looks(6);
+    expect(world.looks).toEqual([2, 3, 6]);
   });
 
   it("sends the effort with and without a scene, but not the full effort", async () => {
@@ -341,6 +386,28 @@ describe("the stream client", () => {
     world.screen();
     const said = world.sent.slice(before).flatMap(({ body }) => (body.case === "scene" ? [body.value] : []));
     expect(said.map(({ effort }) => effort?.stopError ?? 0)).toEqual([0]);
+  });
+
+  it("hands on what arrives", async () => {
+    await world.live();
+    world.seen = [];
+    world.say({ case: "frame", value: create(FrameSchema) });
+    world.say({ case: "still", value: create(StillSchema) });
+    world.say({ case: "slice", value: create(ExactSliceSchema) });
+    world.say({ case: "slicesStale", value: create(SlicesStaleSchema) });
+    world.say({ case: "problem", value: create(ProblemSchema) });
+    world.say({ case: "fileProgress", value: create(FileProgressSchema, { done: 0.5 }) });
+    world.say({ case: "filePart", value: create(FilePartSchema, { seq: 2n }) });
+    expect(world.seen).toEqual(["frame", "still", "slice", "slices stale", "problem", "file 0.5", "part 2"]);
+  });
+
+  it("drops the scene that was waiting for the next screen refresh when it becomes a follower", async () => {
+    await world.live(1, 0);
+    world.client.setScene(scene(5));
+    world.client.setScene(scene(6));
+    world.config(9, 3, true);
+    world.screen();
+    expect(world.updates()).toEqual([{ seq: 1, x: 5 }]);
   });
 
   it("sends scenes once it is the presenter, and no longer when the role moves on", async () => {

@@ -37,11 +37,12 @@ import {
 import {
   encodeFile,
   encodeFileTaken,
-  encodeKernelQuery,
   type FileOrder,
   type FilePart,
+  type ErrorCurve,
   type KernelReport,
 } from "./file_messages";
+import type { SharedState } from "./shared_messages";
 import { SilenceWatch, type SilenceDependencies } from "./silence_watch";
 import { fullEffort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
@@ -96,8 +97,11 @@ export interface StreamEvents {
   /** Progress of the ordered file, from 0 to 1. */
   fileProgress(done: number): void;
   filePart(part: FilePart): void;
-  /** The kernel that renders the picture, after a request. */
+  // After a request: the kernel that renders the picture, and the error of the current view.
   kernel(report: KernelReport): void;
+  errorCurve(curve: ErrorCurve): void;
+  /** What the other participants show. */
+  shared(shared: SharedState): void;
 }
 
 /**
@@ -124,6 +128,8 @@ export class StreamClient {
   private holding = false;
   /** Whether this page controls the scene: it presents, or it has a free camera. */
   private leading = true;
+  /** Whether this page has changed the scene since it took control. A scene of the last presenter is older. */
+  private edited = false;
   private freeCamera = false;
   private readonly depths: DepthQueries;
   private readonly silence: SilenceWatch;
@@ -170,7 +176,7 @@ export class StreamClient {
     if (this.state.phase === "live") this.silence.check();
   }
 
-  /** Before `start`: what an earlier visit wanted last. Said only to a worker that has seen less. */
+  /** The last request of an earlier visit, sent only to a worker that has not received it. Call before `start`. */
   remember(scene: Scene, inputSeq: number): void {
     this.scene = scene;
     this.lastInputSeq = inputSeq;
@@ -197,6 +203,7 @@ export class StreamClient {
 
   setScene(scene: Scene, rest = false): void {
     if (!this.leading) return;
+    this.edited = true;
     this.scene = scene;
     this.scenePending = true;
     this.restPending = rest;
@@ -243,7 +250,7 @@ export class StreamClient {
     if (this.state.phase === "live") this.socket?.send(encodeSlices(lacking, taken));
   }
 
-  /** Asks for the distance of what is visible at a point of the picture. */
+  /** Asks for the distance of the surface at a point of the picture. */
   depthAt(x: number, y: number): Promise<Answered> {
     return this.depths.ask(x, y);
   }
@@ -257,10 +264,6 @@ export class StreamClient {
     this.say(encodeFileTaken(seq));
   }
 
-  askForKernel(): void {
-    this.say(encodeKernelQuery());
-  }
-
   needKey(): void {
     if (this.state.phase === "live") this.socket?.send(encodeNeedKey());
   }
@@ -271,7 +274,8 @@ export class StreamClient {
     if (times.presentedMs !== undefined) this.happened({ kind: "picture" });
   }
 
-  private say(message: Uint8Array<ArrayBuffer>): boolean {
+  /** Sends a message now. Returns false without a connection. */
+  say(message: Uint8Array<ArrayBuffer>): boolean {
     if (this.state.phase !== "live" || !this.socket) return false;
     this.socket.send(message);
     return true;
@@ -343,8 +347,7 @@ export class StreamClient {
         if (this.leading && this.scene) this.ownPose = cameraOf(this.scene);
         this.socket?.send(encodeFreeCamera(true));
       }
-      this.leading = false;
-      this.scenePending = false;
+      this.leading = this.edited = this.scenePending = false;
       this.scene = null;
     } else if (!this.leading) {
       this.leading = true;
@@ -358,34 +361,34 @@ export class StreamClient {
     }
   }
 
-  private heardAudience(audience: Audience): void {
+  private receiveAudience(audience: Audience): void {
     const me = audience.participants.find(({ id }) => id === audience.you);
     this.leading = audience.presenter === audience.you || (me?.freeCamera ?? false);
-    if (!this.leading) this.scenePending = false;
+    if (!this.leading) this.scenePending = this.edited = false;
     this.events.audience(audience);
   }
 
   private received(data: Uint8Array): void {
-    let message;
+    let body;
     try {
-      message = decodeServerMessage(data);
+      ({ body } = decodeServerMessage(data));
     } catch {
       this.happened({ kind: "closed", code: 4400 });
       return;
     }
-    const body = message.body;
     switch (body.case) {
       case "config":
         this.configured(body.value);
         break;
       case "frame":
-        this.events.frame(body.value);
-        break;
       case "still":
-        this.events.still(body.value);
-        break;
       case "slice":
-        this.events.slice(body.value);
+      case "stats":
+      case "filePart":
+      case "kernel":
+      case "errorCurve":
+      case "shared":
+        this.events[body.case](body.value as never); // the value belongs to the case
         break;
       case "slicesStale":
         this.events.slicesStale();
@@ -394,19 +397,15 @@ export class StreamClient {
         this.expectMessages(!body.value.converged);
         this.events.state(body.value);
         break;
-      case "stats":
-        this.events.stats(body.value);
-        break;
       case "audience":
-        this.heardAudience(body.value);
+        this.receiveAudience(body.value);
         break;
       case "look":
-        if (!body.value.scene || (this.freeCamera && this.leading)) break;
-        this.scene = body.value.scene;
-        this.events.look(body.value.scene);
+        if (!body.value.scene || (this.leading && (this.freeCamera || this.edited))) break;
+        this.events.look((this.scene = body.value.scene));
         break;
       case "depth":
-        this.depths.heard(body.value);
+        this.depths.receive(body.value);
         break;
       case "problem":
         // If no slot is free for it, it is not requested again automatically.
@@ -415,12 +414,6 @@ export class StreamClient {
         break;
       case "fileProgress":
         this.events.fileProgress(body.value.done);
-        break;
-      case "filePart":
-        this.events.filePart(body.value);
-        break;
-      case "kernel":
-        this.events.kernel(body.value);
         break;
       default: // of a later protocol: nothing that this page must know
     }
@@ -483,17 +476,17 @@ export class StreamClient {
 
   private open(url: string): void {
     const number = ++this.socketNumber;
-    const heard = (task: () => void) => {
+    const ifCurrent = (task: () => void) => {
       if (number === this.socketNumber) task();
     };
     this.socket = this.dependencies.openSocket(url, {
-      opened: () => heard(() => this.happened({ kind: "opened" })),
+      opened: () => ifCurrent(() => this.happened({ kind: "opened" })),
       message: (data) =>
-        heard(() => {
-          this.silence.heard();
+        ifCurrent(() => {
+          this.silence.messageReceived();
           this.received(data);
         }),
-      closed: (code) => heard(() => this.happened({ kind: "closed", code })),
+      closed: (code) => ifCurrent(() => this.happened({ kind: "closed", code })),
     });
   }
 }

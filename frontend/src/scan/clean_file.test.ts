@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { pieceOf } from "./piece";
 import { HeaderReader } from "./read_file";
 import { scanFiles } from "./scan";
 import { concat, makeSeries, makeSlice, type MadeSlice } from "./testing";
@@ -36,7 +37,7 @@ describe("the uploaded part of a slice", () => {
     for (const [i, blob] of blobs.entries()) {
       const text = await blob.text();
       for (const word of ["Secret", "Head 1.5", "1.2.5", "1.2.3.", "HEAD", "PAD"]) expect(text).not.toContain(word);
-      const read = await new HeaderReader().read(blob, i);
+      const read = await new HeaderReader().read(pieceOf(blob), i);
       const found = read.kind === "headers" ? read.headers[0] : undefined;
       if (!found) throw new Error(read.kind);
       expect(found).toMatchObject({
@@ -84,13 +85,15 @@ describe("the uploaded part of a slice", () => {
     const plain = makeSlice({ syntax: "1.2.840.10008.1.2.4.70", pixels: fragments, patientName: "Secret^Name" });
     plain.set([255, 255, 255, 255], plain.length - fragments.length - 4); // of undefined length
     const files = [new Blob([concat([plain, new TextEncoder().encode("Secret tail")])])];
-    const read = await new HeaderReader().read(files[0] ?? new Blob(), 0);
+    const read = await new HeaderReader().read(pieceOf(files[0] ?? new Blob()), 0);
     const found = read.kind === "headers" ? read.headers[0] : undefined;
     if (!found) throw new Error(read.kind);
     const { from, to } = found.voxels ?? { from: 0, to: 0 };
     expect(new Uint8Array(await (files[0] ?? new Blob()).slice(from, to).arrayBuffer())).toEqual(fragments);
     expect(found.truncated).toBe(false);
     const cut = new Blob([plain.slice(0, plain.length - 10)]);
-    expect(await new HeaderReader().read(cut, 0)).toMatchObject({ headers: [{ truncated: true, voxels: null }] });
+    expect(await new HeaderReader().read(pieceOf(cut), 0)).toMatchObject({
+      headers: [{ truncated: true, voxels: null }],
+    });
   });
 });

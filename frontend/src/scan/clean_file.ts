@@ -7,7 +7,7 @@ import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./typ
  */
 
 /** Numbers and coded words, by type. Free text is not among them. */
-const wanted: Readonly<
+const keptTags: Readonly<
   Record<
     string,
     "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy" | "offsets"
@@ -51,7 +51,7 @@ const wanted: Readonly<
   x7fe00001: "offsets",
 };
 
-export const wantedTags: readonly string[] = Object.keys(wanted);
+export const wantedTags: readonly string[] = Object.keys(keptTags);
 
 const imageWords = new Set([
   "ORIGINAL",
@@ -86,7 +86,7 @@ const imageWords = new Set([
 
 /** Returns the element as it may be sent, or null if its value does not have the expected form. */
 export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptElement | null {
-  const kind = wanted[tag];
+  const kind = keptTags[tag];
   if (kind === undefined) return null;
   const plain = () => new Uint8Array(bytes);
   if (kind === "us") return bytes.length === 2 ? { tag, vr: vr === "SS" ? "SS" : "US", bytes: plain() } : null;

@@ -3,7 +3,7 @@ export type Correction =
   "tilt" | "spacing" | "missing" | "duplicates" | "overview" | "size" | "damaged" | "brightness" | "negative";
 
 /** Words that only the sentence of this correction contains (ingest/dicom/classify.cpp). The first match counts. */
-const words: readonly (readonly [Correction, RegExp])[] = [
+const patterns: readonly (readonly [Correction, RegExp])[] = [
   ["tilt", /gantry tilt/i],
   ["missing", /missing/i],
   ["duplicates", /twice|duplicate/i],
@@ -17,7 +17,7 @@ const words: readonly (readonly [Correction, RegExp])[] = [
 
 /** The kinds of these corrections, each once. An unknown sentence has no kind. */
 export function correctionsOf(sentences: readonly string[]): Correction[] {
-  const found = sentences.flatMap((sentence) => words.find(([, pattern]) => pattern.test(sentence))?.[0] ?? []);
+  const found = sentences.flatMap((sentence) => patterns.find(([, pattern]) => pattern.test(sentence))?.[0] ?? []);
   return [...new Set(found)];
 }
 

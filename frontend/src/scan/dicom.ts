@@ -1,4 +1,5 @@
 import dicomParser, { type DataSet } from "dicom-parser";
+import type { ArchiveFormat } from "./archives";
 import { keptElement, wantedTags } from "./clean_file";
 import { bytesOf, framesOf } from "./frames";
 import type { SliceHeader } from "./types";
@@ -10,6 +11,7 @@ export type HeaderRead =
   | { readonly kind: "more" } // the header continues after these bytes
   | { readonly kind: "not_dicom" }
   | { readonly kind: "directory" } // the list of contents of a disc
+  | { readonly kind: "archive"; readonly format: ArchiveFormat }
   | { readonly kind: "unreadable" };
 
 const explicitLittle = "1.2.840.10008.1.2.1";
@@ -39,14 +41,14 @@ export function readHeader(bytes: Uint8Array, file: number, fileBytes: number): 
     const partial = (thrown as { dataSet?: DataSet } | null)?.dataSet;
     if (partial?.string("x00020002") === mediaDirectory) return { kind: "directory" };
     if (!complete) return { kind: "more" };
-    if (!partial?.elements.x0020000e) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
+    if (!partial?.elements.x0020000e) return form.isDicom ? { kind: "unreadable" } : { kind: "not_dicom" };
     cutOff = true;
     data = partial; // the file ends after the required elements: a damaged slice of a known series
   }
   if (data.string("x00020002") === mediaDirectory) return { kind: "directory" };
   if (!complete && !data.elements[pixelData]) return { kind: "more" };
   const header = headerOf(data, form, file, fileBytes, cutOff);
-  if (!header) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
+  if (!header) return form.isDicom ? { kind: "unreadable" } : { kind: "not_dicom" };
   return { kind: "headers", headers: framesOf(data, header) };
 }
 
@@ -68,23 +70,23 @@ interface Form {
   /** The length of `bytes` minus that of the file. */
   readonly shift: number;
   /** Whether the file identifies itself as DICOM. If not, it only looks like it. */
-  readonly sure: boolean;
+  readonly isDicom: boolean;
 }
 
 /** Recognises files with a preamble, without one, and with nothing but data elements (case 20 of ingest). */
 function guessForm(bytes: Uint8Array): Form | null {
-  if (textAt(bytes, 128, 4) === "DICM") return { bytes, shift: 0, sure: true };
+  if (textAt(bytes, 128, 4) === "DICM") return { bytes, shift: 0, isDicom: true };
   if (bytes.length < 16) return null;
   const group = (bytes[0] ?? 0) | ((bytes[1] ?? 0) << 8);
   const explicit = /^[A-Z]{2}$/.test(textAt(bytes, 4, 2));
   if (group === 0x0002 && explicit) {
     const preamble = new Uint8Array(132);
     preamble.set([0x44, 0x49, 0x43, 0x4d], 128);
-    return { bytes: joined(preamble, bytes), shift: 132, sure: false };
+    return { bytes: joined(preamble, bytes), shift: 132, isDicom: false };
   }
-  if (group === 0x0800 && explicit) return { bytes, syntax: bigEndian, shift: 0, sure: false };
+  if (group === 0x0800 && explicit) return { bytes, syntax: bigEndian, shift: 0, isDicom: false };
   if (group !== 0x0008) return null;
-  return { bytes, syntax: explicit ? explicitLittle : implicitLittle, shift: 0, sure: false };
+  return { bytes, syntax: explicit ? explicitLittle : implicitLittle, shift: 0, isDicom: false };
 }
 
 /**
@@ -193,18 +195,18 @@ function voxelsOf(data: DataSet, form: Form, syntax: string, format: PixelFormat
   if (!element) return { pixels: null, voxels: null, truncated: false };
   const { rows, columns, frames, samples, bitsAllocated } = format;
   const native = [explicitLittle, implicitLittle, bigEndian].includes(syntax);
-  const wanted = (rows * columns * frames * samples * bitsAllocated) / 8;
+  const pixelBytes = (rows * columns * frames * samples * bitsAllocated) / 8;
   const offset = element.dataOffset - form.shift;
   return {
-    pixels: native && syntax !== bigEndian ? { offset, length: wanted } : null,
+    pixels: native && syntax !== bigEndian ? { offset, length: pixelBytes } : null,
     // read_file.ts finds the end of compressed voxels from their fragments.
     voxels: {
       from: offset,
-      to: native ? offset + wanted + (wanted % 2) : fileBytes,
+      to: native ? offset + pixelBytes + (pixelBytes % 2) : fileBytes,
       vr: element.vr === "OB" ? "OB" : "OW",
       encapsulated: !native,
     },
-    truncated: native && (element.length < wanted || offset + wanted > fileBytes),
+    truncated: native && (element.length < pixelBytes || offset + pixelBytes > fileBytes),
   };
 }
 

@@ -1,11 +1,12 @@
 import { describe, expect, it } from "vitest";
 import { judge } from "./judge";
+import { pieceOf } from "./piece";
 import { HeaderReader } from "./read_file";
 import { makeSeries, makeSlice, type MadeSlice } from "./testing";
 import type { SliceHeader } from "./types";
 
 async function headers(blobs: readonly Blob[]): Promise<SliceHeader[]> {
-  const reads = await Promise.all(blobs.map((blob, i) => new HeaderReader().read(blob, i)));
+  const reads = await Promise.all(blobs.map((blob, i) => new HeaderReader().read(pieceOf(blob), i)));
   return reads.flatMap((read) => (read.kind === "headers" ? read.headers : []));
 }
 
@@ -38,6 +39,12 @@ describe("the judgement of a series", () => {
     );
     expect(verdict).toMatchObject({ suitable: true });
     if (verdict.suitable) expect(verdict.sizeMm[2]).toBeCloseTo(30, 6);
+  });
+
+  it("takes directions that were rounded for one, and wider turns for several", async () => {
+    const turned = (angle: number) => series((i) => ({ orientation: [1, 0, 0, 0, 1, i % 2 ? angle : 0] }), 48);
+    expect(await refusal(turned(0.0035))).toBe("suitable");
+    expect(await refusal(turned(0.0045))).toBe("mixed");
   });
 
   it("allows a jitter of two per cent, and announces resampling for more", async () => {

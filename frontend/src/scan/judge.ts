@@ -45,17 +45,17 @@ const refuse = (reason: Reason, count = 0): Unsuitable => ({ suitable: false, re
 export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
   const ofClass = all.filter(isSlice);
   if (ofClass.length === 0) return refuse("no_slices", all.length);
-  const whole = ofClass.filter((slice) => !slice.truncated);
+  const complete = ofClass.filter((slice) => !slice.truncated);
   // A file that ends within its header does not state its encoding, so the others decide.
   const coded = ofClass.filter((slice) => slice.transferSyntax !== "");
   if (coded.some((slice) => !transferSyntaxes.has(slice.transferSyntax)))
     return refuse("unsupported_compression", ofClass.length);
-  if (whole.length === 0) return refuse("damaged", ofClass.length);
-  if (whole.some((slice) => slice.modality !== whole[0]?.modality)) return refuse("mixed", whole.length);
-  if (whole.some(isView)) return refuse("views_not_slices", whole.length);
-  if (!whole.every(isOriginal)) return refuse("not_original");
+  if (complete.length === 0) return refuse("damaged", ofClass.length);
+  if (complete.some((slice) => slice.modality !== complete[0]?.modality)) return refuse("mixed", complete.length);
+  if (complete.some(isView)) return refuse("views_not_slices", complete.length);
+  if (!complete.every(isOriginal)) return refuse("not_original");
 
-  const single = withoutDoubles(whole);
+  const single = withoutDoubles(complete);
   if (!single) return refuse("repeated_identifier");
   const kept = single.filter((slice) => !slice.imageType.includes("LOCALIZER"));
   if (kept.length === 0) return refuse("scout", single.length);
@@ -64,8 +64,8 @@ export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
     return refuse("screenshots", kept.length);
   return judgeGeometry(kept, {
     scouts: single.length - kept.length,
-    doubles: whole.length - single.length,
-    damaged: ofClass.length - whole.length,
+    doubles: complete.length - single.length,
+    damaged: ofClass.length - complete.length,
     others: 0,
   });
 }

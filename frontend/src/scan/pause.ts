@@ -12,12 +12,12 @@ export function pauses(): () => Promise<void> | undefined {
   let began = performance.now();
   return () => {
     if (performance.now() - began < longestMs) return undefined;
-    return new Promise((goOn) => {
+    return new Promise((resolve) => {
       const { port1, port2 } = new MessageChannel(); // setTimeout would wait for at least 4 ms each time
       port1.onmessage = () => {
         port1.close();
         began = performance.now();
-        goOn();
+        resolve();
       };
       port2.postMessage(null);
     });

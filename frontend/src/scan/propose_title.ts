@@ -5,12 +5,12 @@ const longest = 80;
 /** Shorter parts of a name, such as "de", occur in any text. */
 const shortestNamePart = 3;
 
-const words = (text: string): string[] => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
+const wordsOf = (text: string): string[] => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
 
 /** Whether a text of the scan contains part of the patient's name or their number. */
 function namesPatient(text: string, { name, id }: Series["patient"]): boolean {
-  const found = new Set(words(text));
-  return words(`${name} ${id}`).some((part) => part.length >= shortestNamePart && found.has(part));
+  const found = new Set(wordsOf(text));
+  return wordsOf(`${name} ${id}`).some((part) => part.length >= shortestNamePart && found.has(part));
 }
 
 /**

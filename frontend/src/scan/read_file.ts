@@ -1,5 +1,7 @@
 import { readAtMost } from "../streams";
+import { archiveFormat } from "./archives";
 import { deflatedFrom, readHeader, type HeaderRead } from "./dicom";
+import { beginningOf, wholeOf, type Piece } from "./piece";
 import type { SliceHeader } from "./types";
 
 /** 8 KB contain most CT headers, and 64 KB nearly all. The last step is a limit that no header reaches. */
@@ -14,13 +16,13 @@ export class HeaderReader {
   private usual = 0;
 
   /** Never throws, because a bad file must not stop the scan. */
-  async read(file: Blob, index: number): Promise<HeaderRead> {
+  async read(file: Piece, index: number): Promise<HeaderRead> {
     try {
       for (let step = this.usual; step < steps.length; step++) {
         const size = Math.min(steps[step] ?? 0, file.size);
-        const bytes = new Uint8Array(await file.slice(0, size).arrayBuffer());
+        const bytes = await beginningOf(file, size);
         const deflated = deflatedFrom(bytes);
-        if (deflated !== null) return await readDeflated(file.slice(deflated), index, file.size);
+        if (deflated !== null) return await readDeflated((await wholeOf(file)).slice(deflated), index);
         const read = readHeader(bytes, index, file.size);
         if (read.kind === "headers") {
           const [{ voxels } = { voxels: null }] = read.headers;
@@ -31,18 +33,22 @@ export class HeaderReader {
           );
           return { kind: "headers", headers: await withEndOfFragments(file, bytes, read.headers) };
         }
+        if (read.kind === "not_dicom") {
+          const format = archiveFormat(bytes);
+          return format ? { kind: "archive", format } : read;
+        }
         if (read.kind !== "more") return read;
         if (size === file.size) break;
       }
     } catch {
-      // The file is not readable on disk, or its elements are nested too deeply.
+      // The file is not readable on disk, damaged in its archive, or its elements are nested too deeply.
     }
     return { kind: "unreadable" };
   }
 }
 
 /** Inflates the file. The result has no file header and is what is sent. */
-async function readDeflated(packed: Blob, index: number, fileBytes: number): Promise<HeaderRead> {
+async function readDeflated(packed: Blob, index: number): Promise<HeaderRead> {
   // If the file is cut off, what precedes the end is used.
   const { bytes } = await readAtMost(
     packed.stream().pipeThrough(new DecompressionStream("deflate-raw")),
@@ -51,19 +57,20 @@ async function readDeflated(packed: Blob, index: number, fileBytes: number): Pro
   const read = readHeader(bytes, index, bytes.length);
   if (read.kind !== "headers") return { kind: "unreadable" };
   const inflated = new Blob([bytes]);
-  return { kind: "headers", headers: read.headers.map((header) => ({ ...header, file_bytes: fileBytes, inflated })) };
+  return { kind: "headers", headers: read.headers.map((header) => ({ ...header, inflated })) };
 }
 
 const mostFragments = 100_000;
 
 /** Compressed voxels end with their last fragment, and what follows is not sent. */
 async function withEndOfFragments(
-  file: Blob,
+  piece: Piece,
   begin: Uint8Array<ArrayBuffer>,
   headers: readonly SliceHeader[],
 ): Promise<readonly SliceHeader[]> {
   const voxels = headers[0]?.voxels;
   if (!voxels?.encapsulated) return headers;
+  const file = await wholeOf(piece);
   let at = voxels.from;
   for (let i = 0; i < mostFragments && at + 8 <= file.size; i++) {
     // A read costs about one millisecond, so the bytes that are already there are used first.

@@ -1,5 +1,6 @@
 import { deflateRawSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
+import { pieceOf } from "./piece";
 import { HeaderReader } from "./read_file";
 import { scanFiles } from "./scan";
 import { concat, makeSeries, makeSlice } from "./testing";
@@ -11,7 +12,7 @@ const scan = (files: readonly Blob[]) =>
     () => false,
   );
 const header = async (blob: Blob) => {
-  const read = await new HeaderReader().read(blob, 0);
+  const read = await new HeaderReader().read(pieceOf(blob), 0);
   return read.kind === "headers" ? (read.headers[0] ?? "nothing") : read.kind;
 };
 
@@ -56,7 +57,7 @@ describe("reading a header", () => {
         sizes.push(((to ?? 0) - (from ?? 0)) / 1024);
         return slice(from, to);
       };
-      expect(await reader.read(blob, 0)).toMatchObject({ headers: [{ rows: 8 }] });
+      expect(await reader.read(pieceOf(blob), 0)).toMatchObject({ headers: [{ rows: 8 }] });
       return sizes.map(Math.floor);
     };
     expect(await reads(10)).toEqual([8]);

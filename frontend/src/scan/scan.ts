@@ -1,10 +1,12 @@
+import { Budget, filesIn, type ArchiveFault, type ArchiveFormat } from "./archives";
 import { allThere, Arriving } from "./arriving";
 import { uploadParts } from "./clean_file";
 import { fingerprint } from "./fingerprint";
 import { isSlice, judge } from "./judge";
+import { pieceOf, wholeOf, type Piece } from "./piece";
 import { HeaderReader } from "./read_file";
 import { drawThumbnail } from "./thumbnail";
-import type { Chosen, ScanResult, Series, SliceHeader, Suitable, Thumbnail } from "./types";
+import type { Chosen, FaultyArchive, ScanResult, Series, SliceHeader, Suitable, Thumbnail } from "./types";
 import { planOf } from "./upload_plan";
 
 /** Number of files read at the same time: enough to keep a disk busy, and few enough for a phone. */
@@ -12,40 +14,142 @@ const atOnce = 12;
 
 export type Progress = (done: number, total: number) => void;
 
-/** Reads every file, whatever its name, and sorts the slices into series. */
+/** An archive in an archive in an archive is still opened, and one of those may be a compressed tar. */
+const mostNested = 4;
+
+/** Reads every file, whatever its name, also those in archives, and sorts the slices into series. */
 export async function scanFiles(
   given: readonly Blob[] | Arriving,
   progress: Progress,
   stopped: () => boolean,
 ): Promise<ScanResult> {
   const arriving = given instanceof Arriving ? given : allThere(given);
-  const { files, total } = arriving;
-  const headers: SliceHeader[] = [];
-  let notDicom = 0;
-  let unreadable = 0;
-  let next = 0;
-  let done = 0;
-  const reader = new HeaderReader();
-  const worker = async () => {
-    while (next < total && !stopped()) {
-      const index = next++;
-      const file = await arriving.file(index);
-      if (!file) continue;
-      const read = await reader.read(file, index);
-      if (read.kind === "headers") headers.push(...read.headers);
-      else if (read.kind === "not_dicom") notDicom += 1;
-      else if (read.kind === "unreadable") unreadable += 1;
-      progress(++done, total);
-    }
-  };
-  await Promise.all(Array.from({ length: atOnce }, worker));
+  const search = new Search(progress, stopped);
+  await search.read(arriving.total, async (i) => {
+    const file = await arriving.file(i);
+    return file && pieceOf(file);
+  });
+  await search.openArchives();
+  const { pieces, headers } = search;
   headers.sort((a, b) => a.file - b.file || a.frame - b.frame); // independent of the order in which the disk delivered them
   const series: Series[] = [];
   const slicesOnly = headers.filter(isSlice);
-  for (const [key, slices] of bySeries(slicesOnly)) series.push(await seriesOf(key, slices, files));
+  for (const [key, slices] of bySeries(slicesOnly)) series.push(await seriesOf(key, slices, pieces));
   series.sort(byUse);
-  const notSlices = headers.length - slicesOnly.length;
-  return { series, notDicom, unreadable, notSlices, files: total };
+  const sent = new Set(series.flatMap(({ upload }) => [...upload.files]));
+  return {
+    series,
+    unpacked: pieces.slice(arriving.total).map((piece, i) => (sent.has(arriving.total + i) ? piece : null)),
+    faults: search.faults,
+    notDicom: search.notDicom,
+    unreadable: search.unreadable,
+    notSlices: headers.length - slicesOnly.length,
+    files: search.files,
+  };
+}
+
+interface Archive {
+  /** Index of the chosen file that it is, or that it is in. */
+  readonly file: number;
+  readonly index: number;
+  readonly format: ArchiveFormat;
+  readonly depth: number;
+}
+
+/** What is found in the chosen files, and then in the archives among them. */
+class Search {
+  readonly pieces: Piece[] = [];
+  readonly headers: SliceHeader[] = [];
+  readonly faults: FaultyArchive[] = [];
+  notDicom = 0;
+  unreadable = 0;
+  private readonly archives: Archive[] = [];
+  private readonly budget = new Budget();
+  private readonly reader = new HeaderReader();
+  private done = 0;
+
+  constructor(
+    private readonly progress: Progress,
+    private readonly stopped: () => boolean,
+  ) {}
+
+  /** Number of files that are not archives. */
+  get files(): number {
+    return this.pieces.length - this.archives.length;
+  }
+
+  /** Reads `count` further files, several at a time. `within`: the archive that they are in. */
+  async read(count: number, pieceAt: (i: number) => Promise<Piece | undefined>, within?: Archive): Promise<void> {
+    const first = this.pieces.length;
+    const total = first + count;
+    const found: Archive[] = [];
+    let next = 0;
+    const worker = async () => {
+      while (next < count && !this.stopped()) {
+        const i = next++;
+        const piece = await pieceAt(i);
+        if (!piece) continue;
+        const index = first + i;
+        this.pieces[index] = piece;
+        const read = await this.reader.read(piece, index);
+        if (read.kind === "headers") this.headers.push(...read.headers);
+        else if (read.kind === "not_dicom") this.notDicom += 1;
+        else if (read.kind === "unreadable") this.unreadable += 1;
+        else if (read.kind === "archive") {
+          const depth = (within?.depth ?? 0) + 1;
+          found.push({ file: within?.file ?? index, index, format: read.format, depth });
+        }
+        this.progress(++this.done, total);
+      }
+    };
+    await Promise.all(Array.from({ length: atOnce }, worker));
+    this.archives.push(...found.sort((a, b) => a.index - b.index));
+  }
+
+  /** Opens archives one after the other, also those that it finds in archives, so that the order is always the same. */
+  async openArchives(): Promise<void> {
+    for (const archive of this.archives) {
+      if (this.stopped()) return;
+      const inside = await this.list(archive);
+      await this.read(inside.length, (i) => Promise.resolve(inside[i]), archive);
+    }
+  }
+
+  private async list(archive: Archive): Promise<Piece[]> {
+    const blob = await this.contentOf(archive);
+    const inside: Piece[] = [];
+    if (!blob) return inside;
+    for await (const one of filesIn(blob, archive.format, this.budget)) {
+      if (typeof one === "string") this.report(archive, one);
+      else inside.push(one);
+    }
+    return inside;
+  }
+
+  private async contentOf(archive: Archive): Promise<Blob | null> {
+    const piece = this.pieces[archive.index];
+    if (!piece) return null;
+    if (archive.depth > mostNested) {
+      this.report(archive, "nested");
+      return null;
+    }
+    const unpacked = piece.zipped?.isDeflated ? piece.size : 0;
+    if (unpacked > this.budget.bytesLeft) {
+      this.report(archive, "large");
+      return null;
+    }
+    this.budget.takeBytes(unpacked);
+    try {
+      return await wholeOf(piece);
+    } catch {
+      this.report(archive, "damaged");
+      return null;
+    }
+  }
+
+  private report({ file }: Archive, fault: ArchiveFault): void {
+    if (!this.faults.some((known) => known.file === file && known.fault === fault)) this.faults.push({ file, fault });
+  }
 }
 
 /**
@@ -63,7 +167,7 @@ function bySeries(headers: readonly SliceHeader[]): Map<string, SliceHeader[]> {
   return groups;
 }
 
-async function seriesOf(key: string, slices: readonly SliceHeader[], files: readonly Blob[]): Promise<Series> {
+async function seriesOf(key: string, slices: readonly SliceHeader[], pieces: readonly Piece[]): Promise<Series> {
   const first = slices[0];
   const judged = judge(slices);
   const ordered = judged.suitable ? judged.slices : slices;
@@ -77,7 +181,7 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], files: read
     patient: first?.patient ?? { name: "", id: "", birthDate: "" },
     slices: ordered.length,
     verdict: judged.suitable ? withoutSlices(judged) : judged,
-    thumbnail: judged.suitable ? await middleSlice(ordered, files) : null,
+    thumbnail: judged.suitable ? await middleSlice(ordered, pieces) : null,
     upload: planOf(judged.suitable ? uploadParts(ordered) : []),
     fingerprint: fingerprint(ordered),
   };
@@ -92,12 +196,13 @@ const withoutSlices = ({ size, sizeMm, leftOut, repairs }: Chosen): Suitable => 
   repairs,
 });
 
-async function middleSlice(ordered: readonly SliceHeader[], files: readonly Blob[]): Promise<Thumbnail | null> {
+async function middleSlice(ordered: readonly SliceHeader[], pieces: readonly Piece[]): Promise<Thumbnail | null> {
   const slice = ordered[Math.floor(ordered.length / 2)];
-  const file = slice ? (slice.inflated ?? files[slice.file]) : undefined;
-  if (!slice?.pixels || !file) return null;
+  const piece = slice && pieces[slice.file];
+  if (!slice?.pixels || !piece) return null;
   try {
     const { offset, length } = slice.pixels;
+    const file = slice.inflated ?? (await wholeOf(piece));
     return drawThumbnail(slice, await file.slice(offset, offset + length).arrayBuffer());
   } catch {
     return null; // a series without a thumbnail is still shown

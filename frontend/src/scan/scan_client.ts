@@ -36,7 +36,7 @@ async function handOver(worker: Worker, files: readonly File[], signal: AbortSig
   const say = (message: ToWorker) => worker.postMessage(message);
   say({ kind: "begin", total: files.length });
   // The browser is still processing the selection, and the first access would wait for all of it.
-  await new Promise((goOn) => setTimeout(goOn, settlingMs));
+  await new Promise((resolve) => setTimeout(resolve, settlingMs));
   const pause = pauses();
   let handed = 0;
   for (let at = 0; at < files.length && !signal.aborted; at++) {

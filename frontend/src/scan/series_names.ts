@@ -11,10 +11,10 @@ export function seriesNames(
   const nameOf = ({ description }: Pick<Series, "description">) => description.trim() || untitled;
   const names = new Map<string, string>();
   for (const one of series) {
-    const alike = series.filter((other) => nameOf(other) === nameOf(one));
-    const numbers = new Set(alike.map(({ seriesNumber }) => seriesNumber));
-    const numbered = numbers.size === alike.length && one.seriesNumber !== null;
-    const mark = alike.length === 1 ? "" : numbered ? ` (${one.seriesNumber})` : ` (${alike.indexOf(one) + 1})`;
+    const sameName = series.filter((other) => nameOf(other) === nameOf(one));
+    const numbers = new Set(sameName.map(({ seriesNumber }) => seriesNumber));
+    const numbered = numbers.size === sameName.length && one.seriesNumber !== null;
+    const mark = sameName.length === 1 ? "" : numbered ? ` (${one.seriesNumber})` : ` (${sameName.indexOf(one) + 1})`;
     names.set(one.key, nameOf(one) + mark);
   }
   return names;

@@ -56,9 +56,9 @@ export function arrange(positions: readonly Vector[], axes: Axes, pixel: number)
   const places = 1 + gaps.filter((gap) => gap > jitterMm).length;
   if (places < placed.length) return repeated(places, placed.length);
 
-  const whole = minus(last.at, first.at);
-  const height = dot(whole, axes.normal);
-  const [shiftX, shiftY] = [dot(whole, axes.row), dot(whole, axes.column)];
+  const extent = minus(last.at, first.at);
+  const height = dot(extent, axes.normal);
+  const [shiftX, shiftY] = [dot(extent, axes.row), dot(extent, axes.column)];
   const shear = (Math.atan2(Math.hypot(shiftX, shiftY), height) * 180) / Math.PI;
   if (shear > steepestTilt) return no("tilted");
   const spacing = height / gaps.length;
@@ -116,8 +116,8 @@ function judgeUneven(gaps: readonly number[], height: number): Uneven {
   }
   const [least, most] = [sorted[0] ?? 1, sorted.at(-1) ?? 1];
   if (most > mostVarying * least) return { reason: "varying_spacing", count: 0 };
-  const wanted = mains[0] ?? sorted[Math.floor(sorted.length / 10)] ?? least;
-  return { slices: 1 + Math.ceil(height / wanted - 0.01), repair: { kind: "varying", fromMm: least, toMm: most } };
+  const target = mains[0] ?? sorted[Math.floor(sorted.length / 10)] ?? least;
+  return { slices: 1 + Math.ceil(height / target - 0.01), repair: { kind: "varying", fromMm: least, toMm: most } };
 }
 
 const alike = (a: number, b: number) => Math.abs(a - b) <= 2 * toleranceOf(Math.min(a, b)) + rounding;

@@ -1,6 +1,9 @@
+import type { ArchiveFault } from "./archives";
+import type { Piece } from "./piece";
+
 /** The parts of a file's header that the scan needs. They stay in the browser and are never sent. */
 export interface SliceHeader {
-  /** Index into the chosen files. */
+  /** Index into the chosen files, followed by those of archives. */
   readonly file: number;
   /** Index of the frame, for a file with several frames that have positions. */
   readonly frame: number;
@@ -74,7 +77,7 @@ export interface GroupedElement extends KeptElement {
   readonly group: string;
 }
 
-/** What is sent of a file: a new header, followed by a range of the file. */
+/** The upload of a file: a new header, followed by a range of the file. */
 export interface UploadPart {
   readonly file: number;
   readonly head: Uint8Array<ArrayBuffer>;
@@ -84,7 +87,7 @@ export interface UploadPart {
   readonly inflated: Blob | null;
 }
 
-/** What is sent of a series: its parts in order. The header of part i ends at `headEnds[i]`. */
+/** The upload of a series: its parts in order. The header of part i ends at `headEnds[i]`. */
 export interface UploadPlan {
   readonly heads: Uint8Array<ArrayBuffer>;
   readonly headEnds: Uint32Array<ArrayBuffer>;
@@ -200,10 +203,21 @@ export interface Series {
 
 export interface ScanResult {
   readonly series: readonly Series[];
+  /** The files of archives, which follow the chosen files in the indices of the uploads. Null if no upload needs one. */
+  readonly unpacked: readonly (Piece | null)[];
+  readonly faults: readonly FaultyArchive[];
   /** Files that are not DICOM or could not be read. */
   readonly notDicom: number;
   readonly unreadable: number;
   /** Reports, screenshots, plans and other files without slices, which are never listed. */
   readonly notSlices: number;
+  /** Including those in archives, but not the archives. */
   readonly files: number;
+}
+
+/** What is wrong with a chosen archive, or with an archive in it. */
+export interface FaultyArchive {
+  /** Index into the chosen files. */
+  readonly file: number;
+  readonly fault: ArchiveFault;
 }

@@ -1,4 +1,5 @@
 import { pauses } from "./pause";
+import { pieceOf, wholeOf, type Piece } from "./piece";
 import type { UploadPart, UploadPlan } from "./types";
 
 /** Packs thousands of parts into a few buffers, so that a worker can hand them to the page quickly. */
@@ -30,14 +31,20 @@ export const sizesOf = (plan: UploadPlan): number[] =>
   Array.from(plan.files, (_, i) => headOf(plan, i).length + spanOf(plan, i));
 
 /**
- * Returns the contents of the parts, which are read only when they are sent. Works in steps, because each part costs
- * about one millisecond.
+ * Returns the contents of the parts, which are read only when they are sent, unless an archive compresses them.
+ * `unpacked`: ScanResult.unpacked. Works in steps, because each part costs about one millisecond. Throws DamagedPiece.
  */
-export async function partBlobs(plan: UploadPlan, files: readonly Blob[]): Promise<Blob[]> {
+export async function partBlobs(
+  plan: UploadPlan,
+  files: readonly Blob[],
+  unpacked: readonly (Piece | null)[] = [],
+): Promise<Blob[]> {
   const pause = pauses();
   const blobs: Blob[] = [];
   for (const [i, file] of plan.files.entries()) {
-    const source = plan.inflated.get(file) ?? files[file];
+    const chosen = files[file];
+    const piece = chosen ? pieceOf(chosen) : unpacked[file - files.length];
+    const source = plan.inflated.get(file) ?? (piece && (await wholeOf(piece)));
     const from = plan.froms[i] ?? 0;
     if (source) blobs.push(new Blob([headOf(plan, i), source.slice(from, from + spanOf(plan, i))]));
     await pause();

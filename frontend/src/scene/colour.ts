@@ -5,7 +5,8 @@ import { clamp } from "./numbers";
 export const rgb = (r: number, g: number, b: number): Rgb => create(RgbSchema, { r, g, b });
 const none = rgb(0, 0, 0);
 
-const toScreen = (linear: number): number =>
+/** Returns a linear component in [0, 1] as sRGB. */
+export const screenValue = (linear: number): number =>
   linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
 const fromScreen = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
 
@@ -14,7 +15,7 @@ export function hexOf(colour: Rgb | undefined): string {
   const { r, g, b } = colour ?? none;
   return `#${[r, g, b]
     .map((c) =>
-      Math.round(255 * toScreen(clamp(c, 0, 1)))
+      Math.round(255 * screenValue(clamp(c, 0, 1)))
         .toString(16)
         .padStart(2, "0"),
     )

@@ -47,9 +47,9 @@ export function moveFace(scene: Scene, bounds: Box, axis: Axis, side: Side, to: 
   const box = boxOf(scene, bounds);
   const value = within(to, faceLimits(scene, bounds, axis, side), box[side][axis]);
   const moved = { ...box, [side]: { ...box[side], [axis]: value } };
-  const whole = axes.every((one) => moved.low[one] <= bounds.low[one] && moved.high[one] >= bounds.high[one]);
+  const isWholeBox = axes.every((one) => moved.low[one] <= bounds.low[one] && moved.high[one] >= bounds.high[one]);
   const { planes, cutsLight } = clipOf(scene);
-  const corners = whole ? {} : { boxLow: message(moved.low), boxHigh: message(moved.high) };
+  const corners = isWholeBox ? {} : { boxLow: message(moved.low), boxHigh: message(moved.high) };
   return { ...scene, clip: { ...create(ClipSchema), planes, cutsLight, ...corners } };
 }
 
@@ -114,8 +114,8 @@ export function movePlane(scene: Scene, bounds: Box, index: number, to: Partial<
 /** Gives a plane another normal and keeps the point `through` on it. */
 export function turnPlane(scene: Scene, bounds: Box, index: number, normal: Vec3, through: Vec3): Scene {
   const old = planesOf(scene)[index];
-  const way = directionOf(seenFromFront(normal), old?.right);
-  return movePlane(scene, bounds, index, { ...way, offset: dot(normalOf(way), through) });
+  const planeDirection = directionOf(seenFromFront(normal), old?.right);
+  return movePlane(scene, bounds, index, { ...planeDirection, offset: dot(normalOf(planeDirection), through) });
 }
 
 export const removePlane = (scene: Scene, index: number): Scene => {

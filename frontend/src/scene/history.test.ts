@@ -5,7 +5,7 @@ const step = (history: History<number>, before: number, what = "a", nowMs = 0, h
   changed(history, before, { what, held, nowMs });
 
 describe("undo", () => {
-  it("goes back step by step and forward again", () => {
+  it("goes back and forward step by step", () => {
     const two = step(step(nothingYet, 1, "a"), 2, "b");
     const once = undone(two, 3);
     const twice = once && undone(once.history, once.value);

@@ -133,6 +133,9 @@ export const setGradient = (scene: Scene, gradient: number): Scene => ({
   },
 });
 
+/** A clearly visible g of Henyey-Greenstein. */
+export const firstForward = 0.5;
+
 export const setForward = (scene: Scene, g: number): Scene => {
   const old = scene.phase ?? create(PhaseSchema);
   return { ...scene, phase: { ...old, g: within(g, forwardLimits, old.g) } };

@@ -6,6 +6,7 @@ import { strengthOf } from "./colour";
 import { directionOf, directionOnBall, fromWorld, ofPatient, seenFromFront, toWorld, unitOf } from "./direction";
 import {
   addLight,
+  aspectOf,
   colourLight,
   dimLight,
   facesMiddle,
@@ -14,8 +15,12 @@ import {
   placeLight,
   placeOf,
   radianceOf,
+  shapeLight,
   sizeLight,
   sizeOf,
+  targetOf,
+  turnLight,
+  turnLightTo,
 } from "./lights";
 import { someScene } from "./testing";
 
@@ -95,12 +100,15 @@ describe("the strength of a light", () => {
   });
 
   it("is the same for a new light of every shape, which is above on the left", () => {
-    for (const shape of ["rectangle", "disk", "sphere"] as const) {
+    for (const shape of ["rectangle", "disk", "sphere", "box"] as const) {
       const scene = addLight(someScene(), shape, "new", 150);
       const added = light(scene, scene.lights.length - 1);
       const place = placeOf(added);
       expect(place && place.right < 0 && place.up > 0).toBe(true);
-      const area = shape === "rectangle" ? (sizeOf(added) ?? 0) ** 2 : (Math.PI * (sizeOf(added) ?? 0) ** 2) / 4;
+      // A box shows three of its faces, each tilted.
+      const tilted = (0.8 + 0.6 + 0.8) / Math.hypot(0.8, 0.6, 0.8);
+      const part = { rectangle: 1, disk: Math.PI / 4, sphere: Math.PI / 4, box: tilted }[shape];
+      const area = part * (sizeOf(added) ?? 0) ** 2;
       expect((strengthOf(radianceOf(added)) * area) / (place?.distance ?? 1) ** 2).toBeCloseTo(8, 6);
     }
   });
@@ -108,6 +116,79 @@ describe("the strength of a light", () => {
   it("stays the same in another colour", () => {
     const blue = light(colourLight(someScene(), 0, { $typeName: "diaphane.v1.Rgb", r: 0.1, g: 0.1, b: 0.5 }), 0);
     expect(strengthOf(radianceOf(blue))).toBeCloseTo(40, 9);
+  });
+});
+
+describe("the target of a light", () => {
+  it("is the middle until the light is turned, and stays where it is when the light moves", () => {
+    for (const index of [0, 1]) {
+      const turned = turnLight(placeLight(someScene(), index, { right: 30, up: 20 }), index, { right: 40, up: -25 });
+      expect(targetOf(light(placeLight(someScene(), index, {}), index))).toEqual({ right: 0, up: 0 });
+      expect(targetOf(light(turned, index))?.right).toBeCloseTo(40, 4);
+      let moved = turned;
+      for (const direction of directions) moved = placeLight(moved, index, { ...direction, distance: 400 });
+      expect(targetOf(light(moved, index))?.right).toBeCloseTo(40, 4);
+      expect(targetOf(light(moved, index))?.up).toBeCloseTo(-25, 4);
+      expect(placeOf(light(turned, index))?.right).toBeCloseTo(30, 6);
+    }
+  });
+
+  it("is to the right and up as the light sees it", () => {
+    const scene = turnLight(placeLight(someScene(), 1, { right: 0, up: 0, distance: 500 }), 1, { right: 500, up: 0 });
+    const { shape } = light(scene, 1);
+    // From in front of the patient, the right is the patient's left (+x) and the way to the patient is +y.
+    expect(shape.case === "disk" && shape.value.normal?.x).toBeCloseTo(Math.SQRT1_2, 6);
+    expect(shape.case === "disk" && shape.value.normal?.y).toBeCloseTo(Math.SQRT1_2, 6);
+  });
+
+  it("can be a point of the picture, if it is in front of the light", () => {
+    const pose = cameraOf(someScene());
+    if (!pose) throw new Error("no camera");
+    const front = placeLight(someScene(), 1, { right: 0, up: 0, distance: 500 });
+    const turned = turnLightTo(front, 1, pose, vec3(30, 20, -10));
+    if (!turned) throw new Error("not turned");
+    const { shape } = light(turned, 1);
+    if (shape.case !== "disk") throw new Error("no disk");
+    const normal = vec3(shape.value.normal?.x ?? 0, shape.value.normal?.y ?? 0, shape.value.normal?.z ?? 0);
+    const way = vec3(30, 520, -10);
+    expect(dot(normal, way) / length(way)).toBeCloseTo(1, 9);
+    expect(turnLightTo(front, 1, pose, vec3(0, -900, 0))).toBeNull();
+  });
+
+  it("does not exist for lights that shine in all directions", () => {
+    for (const shape of ["sphere", "box", "environment"] as const) {
+      const scene = addLight(someScene(), shape, "new", 100);
+      expect(targetOf(light(scene, scene.lights.length - 1))).toBeNull();
+      expect(turnLight(scene, scene.lights.length - 1, { right: 10 })).toBe(scene);
+    }
+  });
+});
+
+describe("the aspect of a light", () => {
+  it("changes a square and keeps its area, its place and its brightness", () => {
+    const wide = light(shapeLight(someScene(), 0, { width: 4 }), 0);
+    const before = light(someScene(), 0);
+    expect(aspectOf(wide)).toEqual({ width: expect.closeTo(4, 9) as number, depth: null });
+    expect(sizeOf(wide)).toBeCloseTo(2 * (sizeOf(before) ?? 0), 6);
+    expect(placeOf(wide)?.distance).toBeCloseTo(placeOf(before)?.distance ?? 0, 6);
+    expect(strengthOf(radianceOf(wide))).toBe(strengthOf(radianceOf(before)));
+  });
+
+  it("changes a box, which is as bright as before", () => {
+    const scene = addLight(someScene(), "box", "new", 100);
+    const index = scene.lights.length - 1;
+    const flat = light(shapeLight(shapeLight(scene, index, { width: 2 }), index, { depth: 0.1 }), index);
+    expect(aspectOf(flat)?.width).toBeCloseTo(2, 9);
+    expect(aspectOf(flat)?.depth).toBeCloseTo(0.1, 9);
+    const edges = [Math.SQRT2, Math.SQRT1_2, 0.1 * Math.SQRT1_2] as const;
+    const surface = 2 * (edges[0] * edges[1] + edges[1] * edges[2] + edges[2] * edges[0]);
+    expect(strengthOf(radianceOf(flat)) * surface).toBeCloseTo(6 * strengthOf(radianceOf(light(scene, index))), 3);
+    expect(placeOf(flat)?.distance).toBeCloseTo(placeOf(light(scene, index))?.distance ?? 0, 6);
+  });
+
+  it("does not exist for round lights", () => {
+    expect(aspectOf(light(someScene(), 1))).toBeNull();
+    expect(shapeLight(someScene(), 1, { width: 3 })).toEqual(someScene());
   });
 });
 

@@ -2,18 +2,19 @@ import { create } from "@bufbuild/protobuf";
 import type { CameraPose } from "../input/camera";
 import { add, cross, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import {
+  BoxLightSchema,
   DiskLightSchema,
   EnvironmentLightSchema,
   LightSchema,
   RectangleLightSchema,
   SphereLightSchema,
-  Vec3Schema,
   type Light,
   type Rgb,
   type Scene,
 } from "../protocol/gen/api/proto/scene_pb";
 import { rgb, scaled, strengthOf, withHue } from "./colour";
-import { across, directionOf, fromWorld, ofPatient, seenFromFront, toWorld, unitOf, type Direction } from "./direction";
+import { directionOf, fromWorld, ofPatient, seenFromFront, toWorld, unitOf, type Direction } from "./direction";
+import { message, middleOf, placed, surfaceOf, targetAlong, targetOf, vector, type Target } from "./light_geometry";
 import { replaced, within, without, type Limits } from "./numbers";
 
 /** Limits within those of scene/check_lights.cpp. */
@@ -23,13 +24,13 @@ export const sizeLimits: Limits = { low: 1, high: 3000 };
 export const intensityLimits: Limits = { low: 0.01, high: 100 };
 export const turnLimits: Limits = { low: -180, high: 180 };
 export const tiltLimits: Limits = { low: -90, high: 90 };
+export const targetLimits: Limits = { low: -1000, high: 1000 };
+export const aspectLimits: Limits = { low: 0.05, high: 20 };
 const brightest = 1e12;
 
+export type { Target };
+export { targetOf };
 export type Shape = Exclude<Light["shape"]["case"], undefined>;
-
-const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 =>
-  v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0);
-const message = (v: Vec3) => create(Vec3Schema, v);
 
 const withLight = (scene: Scene, index: number, edit: (light: Light) => Light): Scene => {
   const light = scene.lights[index];
@@ -37,25 +38,6 @@ const withLight = (scene: Scene, index: number, edit: (light: Light) => Light): 
   const edited = edit(light);
   return edited === light ? scene : { ...scene, lights: replaced(scene.lights, index, edited) };
 };
-
-/** Returns the centre in the light's own frame. Null for the environment, which has no position. */
-function middleOf(light: Light): Vec3 | null {
-  const { shape } = light;
-  switch (shape.case) {
-    case "rectangle":
-      return add(vector(shape.value.corner), scale(add(vector(shape.value.u), vector(shape.value.v)), 0.5));
-    case "disk":
-    case "sphere":
-      return vector(shape.value.centre);
-    case "box":
-      return add(
-        vector(shape.value.corner),
-        scale(add(add(vector(shape.value.u), vector(shape.value.v)), vector(shape.value.w)), 0.5),
-      );
-    default:
-      return null;
-  }
-}
 
 export interface Place extends Direction {
   /** Distance from the middle in mm. */
@@ -87,7 +69,7 @@ export function aimLight(scene: Scene, index: number, pose: CameraPose, seen: Di
   return placeLight(scene, index, directionOf(seenFromFront(toWorld(pose, unitOf(seen), true))));
 }
 
-/** Moves a light and turns it to the middle. */
+/** Moves a light, which keeps its target. */
 export function placeLight(scene: Scene, index: number, to: Partial<Place>): Scene {
   return withLight(scene, index, (light) => {
     const old = placeOf(light);
@@ -100,37 +82,69 @@ export function placeLight(scene: Scene, index: number, to: Partial<Place>): Sce
   });
 }
 
-function placed(light: Light, towards: Vec3, distance: number): Light {
-  const { shape } = light;
-  const middle = scale(towards, distance);
-  const facing = scale(towards, -1);
-  switch (shape.case) {
-    case "rectangle": {
-      const [a, b] = across(facing, light.cameraLocked ? vec3(0, 1, 0) : vec3(0, 0, 1));
-      const u = scale(a, length(vector(shape.value.u))),
-        v = scale(b, length(vector(shape.value.v)));
-      const corner = subtract(middle, scale(add(u, v), 0.5));
-      return {
-        ...light,
-        shape: { case: "rectangle", value: { ...shape.value, corner: message(corner), u: message(u), v: message(v) } },
-      };
-    }
-    case "disk":
-      return {
-        ...light,
-        shape: { case: "disk", value: { ...shape.value, centre: message(middle), normal: message(facing) } },
-      };
-    case "sphere":
-      return { ...light, shape: { case: "sphere", value: { ...shape.value, centre: message(middle) } } };
-    case "box": {
-      const old = middleOf(light) ?? middle;
-      const corner = add(vector(shape.value.corner), subtract(middle, old));
-      return { ...light, shape: { case: "box", value: { ...shape.value, corner: message(corner) } } };
-    }
-    default:
-      return light;
-  }
+/** Turns a light to another target. */
+export const turnLight = (scene: Scene, index: number, to: Partial<Target>): Scene =>
+  withLight(scene, index, (light) => {
+    const middle = middleOf(light);
+    const old = targetOf(light);
+    if (!middle || !old) return light;
+    const target = {
+      right: within(to.right ?? old.right, targetLimits, old.right),
+      up: within(to.up ?? old.up, targetLimits, old.up),
+    };
+    return placed(light, normalize(middle, vec3(0, 0, 1)), length(middle), target);
+  });
+
+/** Turns a light to a point of the world. Null if the point is not in front of the light, so that it cannot. */
+export function turnLightTo(scene: Scene, index: number, pose: CameraPose, point: Vec3): Scene | null {
+  const light = scene.lights[index];
+  const middle = light && middleOf(light);
+  if (!light || !middle) return null;
+  const target = targetAlong(light, subtract(light.cameraLocked ? fromWorld(pose, point) : point, middle));
+  return target && turnLight(scene, index, target);
 }
+
+/** Returns the width of a square or box relative to its height, and for a box also its depth. Null for round lights. */
+export function aspectOf({ shape }: Light): { readonly width: number; readonly depth: number | null } | null {
+  if (shape.case !== "rectangle" && shape.case !== "box") return null;
+  const height = length(vector(shape.value.v));
+  return {
+    width: length(vector(shape.value.u)) / height,
+    depth: shape.case === "box" ? length(vector(shape.value.w)) / height : null,
+  };
+}
+
+/** Changes the proportions of a light and keeps its brightness on the patient. A square also keeps its area. */
+export const shapeLight = (scene: Scene, index: number, to: { readonly width?: number; readonly depth?: number }) =>
+  withLight(scene, index, (light) => {
+    const { shape } = light;
+    const old = aspectOf(light);
+    const middle = middleOf(light);
+    if (!old || !middle || (shape.case !== "rectangle" && shape.case !== "box")) return light;
+    const wider = Math.sqrt(within(to.width ?? old.width, aspectLimits, old.width) / old.width);
+    const u = scale(vector(shape.value.u), wider),
+      v = scale(vector(shape.value.v), 1 / wider);
+    const half = add(u, v);
+    if (shape.case === "rectangle") {
+      const corner = message(subtract(middle, scale(half, 0.5)));
+      return { ...light, shape: { ...shape, value: { ...shape.value, corner, u: message(u), v: message(v) } } };
+    }
+    const depth = within(to.depth ?? old.depth ?? 1, aspectLimits, old.depth ?? 1);
+    const before = vector(shape.value.w);
+    const w = scale(before, (depth * length(v)) / length(before));
+    const value = {
+      ...shape.value,
+      corner: message(subtract(middle, scale(add(half, w), 0.5))),
+      u: message(u),
+      v: message(v),
+      w: message(w),
+      radiance: dimmed(
+        shape.value.radiance,
+        surfaceOf(vector(shape.value.u), vector(shape.value.v), before) / surfaceOf(u, v, w),
+      ),
+    };
+    return { ...light, shape: { ...shape, value } };
+  });
 
 /** Returns the longest edge or the diameter in mm. Null for the environment. */
 export function sizeOf(light: Light): number | null {
@@ -245,15 +259,24 @@ export function lockLight(scene: Scene, index: number, locked: boolean, pose: Ca
 /** Irradiance at the middle of a new light with intensity 1, so that all shapes start equally bright. */
 const irradiance = 8;
 
+/** The area of a new light of size 1 as the middle sees it. */
+const areaSeen: Readonly<Record<Shape, (towards: Vec3) => number>> = {
+  rectangle: () => 1,
+  disk: () => Math.PI / 4,
+  sphere: () => Math.PI / 4,
+  environment: () => 1,
+  box: ({ x, y, z }) => Math.abs(x) + Math.abs(y) + Math.abs(z),
+};
+
 /**
  * Adds a light that is locked to the camera, above on the left, at a distance that suits a volume of this radius in mm.
  */
-export function addLight(scene: Scene, shape: Exclude<Shape, "box">, name: string, radius: number): Scene {
+export function addLight(scene: Scene, shape: Shape, name: string, radius: number): Scene {
   if (scene.lights.length >= mostLights) return scene;
   const distance = within(3 * radius, distanceLimits, 500);
   const edge = within(radius, sizeLimits, 100);
   const towards = normalize(vec3(-0.8, 0.6, 0.8), vec3(0, 0, 1));
-  const area = shape === "rectangle" ? edge * edge : Math.PI * (edge / 2) ** 2;
+  const area = edge * edge * areaSeen[shape](towards);
   const strength = (irradiance * distance * distance) / area;
   const radiance = shape === "environment" ? rgb(0.3, 0.3, 0.3) : rgb(strength, strength, strength);
   const light = create(LightSchema, {
@@ -265,7 +288,7 @@ export function addLight(scene: Scene, shape: Exclude<Shape, "box">, name: strin
   return { ...scene, lights: [...scene.lights, placed(light, towards, distance)] };
 }
 
-function firstShape(shape: Exclude<Shape, "box">, edge: number, radiance: Rgb): Light["shape"] {
+function firstShape(shape: Shape, edge: number, radiance: Rgb): Light["shape"] {
   switch (shape) {
     case "rectangle":
       return {
@@ -291,6 +314,17 @@ function firstShape(shape: Exclude<Shape, "box">, edge: number, radiance: Rgb): 
       return {
         case: shape,
         value: create(SphereLightSchema, { centre: { x: 0, y: 0, z: 1 }, radius: edge / 2, radiance }),
+      };
+    case "box":
+      return {
+        case: shape,
+        value: create(BoxLightSchema, {
+          corner: { x: 0, y: 0, z: 0 },
+          u: { x: edge, y: 0, z: 0 },
+          v: { x: 0, y: edge, z: 0 },
+          w: { x: 0, y: 0, z: edge },
+          radiance,
+        }),
       };
     case "environment":
       return { case: shape, value: create(EnvironmentLightSchema, { radiance }) };

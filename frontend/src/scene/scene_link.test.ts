@@ -4,30 +4,51 @@ import { describe, expect, it } from "vitest";
 import { OpacityPointSchema, SceneSchema, type Scene } from "../protocol/gen/api/proto/scene_pb";
 import { linkOf, sceneOfLink } from "./scene_link";
 import { someScene } from "./testing";
+import { setTexture, type TextureFiles } from "./textures";
 
-const link = async (scene: Scene): Promise<string> => (await linkOf(scene)) ?? "";
-const kind = async (hash: string) => (await sceneOfLink(hash)).kind;
+const files: TextureFiles = new Map([
+  ["window", new Uint8Array([1, 2, 3])],
+  ["studio", new Uint8Array([1, 2, 4])],
+]);
+const link = async (scene: Scene): Promise<string> => (await linkOf(scene, files)) ?? "";
+const restored = async (hash: string): Promise<Scene> => {
+  const linked = await sceneOfLink(hash, files);
+  return linked.kind === "scene" ? linked.scene : expect.unreachable();
+};
+const kind = async (hash: string) => (await sceneOfLink(hash, files)).kind;
 const address = (bytes: Uint8Array, version = "1") =>
   `#view=${version}.${Buffer.from(deflateRawSync(bytes)).toString("base64url")}`;
 
 describe("a scene in a URL", () => {
-  it("is restored with everything but its names", async () => {
+  it("is restored with everything, such as the names of lights and materials", async () => {
     const scene = someScene();
-    const back = await sceneOfLink(await link(scene));
-    const bare = someScene();
-    for (const channel of bare.transferFunction?.channels ?? []) channel.name = "";
-    for (const light of bare.lights) light.name = "";
-    expect(back.kind === "scene" && equals(SceneSchema, back.scene, bare)).toBe(true);
-    expect(scene.lights[0]?.name).toBe("key"); // what is shown stays as it is
+    expect(equals(SceneSchema, await restored(await link(scene)), scene)).toBe(true);
+    expect(scene.lights.map(({ name }) => name)).toContain("key");
   });
-  it("contains no user's text and no image", async () => {
+  it("refers to the built-in patterns of lights", async () => {
+    const window = files.get("window") ?? expect.unreachable();
+    const scene = setTexture(someScene(), 0, window, 40);
+    const hash = await link(scene);
+    expect(equals(SceneSchema, await restored(hash), scene)).toBe(true);
+    // Another browser encodes the same pattern in other bytes.
+    const other = await sceneOfLink(hash, new Map([["window", new Uint8Array([9])]]));
+    expect(other.kind === "scene" && other.scene.lights[0]?.shape.value?.texture).toMatchObject({
+      picture: new Uint8Array([9]),
+      projectionDegrees: 40,
+    });
+  });
+  it("contains no image, and nobody else's either", async () => {
+    const scene = setTexture(someScene(), 0, new Uint8Array([7, 7, 7]), 40);
+    expect(await link(scene)).toBe(await link(someScene()));
+    const written = address(toBinary(SceneSchema, create(SceneSchema, scene)));
+    expect(equals(SceneSchema, await restored(written), someScene())).toBe(true);
+  });
+  it("has no longer names than the page accepts, whoever wrote it", async () => {
     const scene = someScene();
-    const [channel] = scene.transferFunction?.channels ?? [];
-    if (channel) channel.name = "Erika Mustermann";
-    const [light] = scene.lights;
-    if (light) light.name = "born 1937";
-    const plain = await link(someScene());
-    expect(await link(scene)).toBe(plain);
+    for (const one of [...scene.lights, ...(scene.transferFunction?.channels ?? [])]) one.name = "x".repeat(500);
+    const back = await restored(address(toBinary(SceneSchema, scene)));
+    expect(back.lights.every(({ name }) => name.length === 60)).toBe(true);
+    expect(back.transferFunction?.channels.every(({ name }) => name.length === 60)).toBe(true);
   });
   it("is short and has only characters that mail programs and messengers keep", async () => {
     const hash = await link(someScene());
@@ -41,7 +62,7 @@ describe("a scene in a URL", () => {
     );
     const [channel] = scene.transferFunction?.channels ?? [];
     if (channel) channel.opacity = points;
-    expect(await linkOf(scene)).toBeNull();
+    expect(await linkOf(scene, files)).toBeNull();
   });
 });
 

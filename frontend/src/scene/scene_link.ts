@@ -1,6 +1,8 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { SceneSchema, type Light, type Scene } from "../protocol/gen/api/proto/scene_pb";
+import { SceneSchema, type Scene } from "../protocol/gen/api/proto/scene_pb";
 import { readAtMost, type StreamEnd } from "../streams";
+import { patternOf, setTexture, textureOf, type TextureFiles } from "./textures";
+import { longestName } from "./transfer";
 
 /** A scene in the fragment of a URL, which servers never see: version, point, deflated Protobuf in base64url. */
 const version = 1;
@@ -13,31 +15,44 @@ const mostBytes = 65_536;
 export type LinkedScene =
   { readonly kind: "none" | "damaged" | "newer" } | { readonly kind: "scene"; readonly scene: Scene };
 
-/** Removes names, which the user typed, and images, which the user chose. */
-function withoutWords(scene: Scene): Scene {
-  const bare = (light: Light): Light => {
-    const shape = light.shape.case
-      ? { ...light.shape, value: { ...light.shape.value, texture: undefined } }
-      : light.shape;
-    return { ...light, name: "", shape } as Light;
-  };
-  return {
-    ...scene,
-    lights: scene.lights.map(bare),
-    ...(scene.transferFunction
-      ? {
-          transferFunction: {
-            ...scene.transferFunction,
-            channels: scene.transferFunction.channels.map((channel) => ({ ...channel, name: "" })),
-          },
-        }
-      : {}),
-  };
+/** A link refers to a built-in pattern by its name instead of containing its file. */
+const reference = "pattern:";
+
+/** Replaces the files of all textures. A light whose texture has no replacement loses it. */
+function withFiles(scene: Scene, replace: (file: Uint8Array) => Uint8Array<ArrayBuffer> | undefined): Scene {
+  return scene.lights.reduce((changed, light, i) => {
+    const file = textureOf(light);
+    if (!file) return changed;
+    return setTexture(changed, i, replace(file) ?? null, light.shape.value?.texture?.projectionDegrees);
+  }, scene);
 }
 
-/** Returns the fragment with its #, or null if the scene is too large for a URL. */
-export async function linkOf(scene: Scene): Promise<string | null> {
-  const bytes = toBinary(SceneSchema, create(SceneSchema, withoutWords(scene)));
+/** Limits names to the length that the page accepts, because others can write links as well. */
+const withShortNames = (scene: Scene): Scene => {
+  const short = <Named extends { name: string }>(one: Named): Named => ({
+    ...one,
+    name: one.name.slice(0, longestName),
+  });
+  const { transferFunction } = scene;
+  return {
+    ...scene,
+    lights: scene.lights.map(short),
+    ...(transferFunction
+      ? { transferFunction: { ...transferFunction, channels: transferFunction.channels.map(short) } }
+      : {}),
+  };
+};
+
+/**
+ * Returns the fragment with its #, or null if the scene is too large for a URL. The user's own images are left out.
+ * `files` are those of the built-in patterns.
+ */
+export async function linkOf(scene: Scene, files: TextureFiles): Promise<string | null> {
+  const referring = withFiles(scene, (file) => {
+    const name = patternOf(files, file);
+    return name && new TextEncoder().encode(reference + name);
+  });
+  const bytes = toBinary(SceneSchema, create(SceneSchema, withShortNames(referring)));
   if (bytes.length > mostBytes) return null;
   const { bytes: packed, end } = await through(bytes, new CompressionStream("deflate-raw"), mostText);
   const text = `#view=${version}.${base64url(packed)}`;
@@ -45,17 +60,20 @@ export async function linkOf(scene: Scene): Promise<string | null> {
 }
 
 /** Accepts any text. Whether the scene is valid is for the renderer to decide. */
-export async function sceneOfLink(hash: string): Promise<LinkedScene> {
+export async function sceneOfLink(hash: string, files: TextureFiles): Promise<LinkedScene> {
   if (!hash.startsWith("#view=")) return { kind: "none" };
-  const [, said = "", text = ""] = pattern.exec(hash) ?? [];
-  if (said !== "" && Number(said) > version) return { kind: "newer" };
-  if (Number(said) !== version || hash.length > mostText) return { kind: "damaged" };
+  const [, linkVersion = "", text = ""] = pattern.exec(hash) ?? [];
+  if (linkVersion !== "" && Number(linkVersion) > version) return { kind: "newer" };
+  if (Number(linkVersion) !== version || hash.length > mostText) return { kind: "damaged" };
   try {
     const { bytes, end } = await through(bytesOf(text), new DecompressionStream("deflate-raw"), mostBytes);
     if (end !== "whole") return { kind: "damaged" };
     const scene = fromBinary(SceneSchema, bytes);
-    const whole = scene.camera?.eye && scene.camera.target && scene.transferFunction;
-    return whole ? { kind: "scene", scene: withoutWords(scene) } : { kind: "damaged" };
+    const isComplete = scene.camera?.eye && scene.camera.target && scene.transferFunction;
+    if (!isComplete) return { kind: "damaged" };
+    const byReference = new Map([...files].map(([name, file]) => [reference + name, file]));
+    const complete = withFiles(scene, (text) => byReference.get(new TextDecoder().decode(text)));
+    return { kind: "scene", scene: withShortNames(complete) };
   } catch {
     return { kind: "damaged" };
   }

@@ -106,7 +106,7 @@ const crossed = (a: Vector, b: Vector): Vec3 => {
   return vec3(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx);
 };
 
-/** Collects what is wrong with a scene. */
+/** Collects the errors of a scene. */
 class Findings {
   readonly found: string[] = [];
 
@@ -124,7 +124,7 @@ class Findings {
   }
 }
 
-/** What the server's check (scene/check_scene.cpp, check_lights.cpp) finds wrong with a scene. */
+/** Returns the errors that the server (scene/check_scene.cpp, check_lights.cpp) would find in a scene. */
 export function refused(scene: Scene): string[] {
   const findings = new Findings();
   checkTransfer(scene, findings);

@@ -4,13 +4,19 @@ import {
   isSky,
   lampTextures,
   mostTextureBytes,
+  projectionFor,
   setTexture,
   skyTextures,
   textureFits,
   textureNames,
   textureOf,
   texturePixels,
+  type TextureName,
 } from "./textures";
+import { length } from "../input/vec3";
+import { cameraOf } from "../protocol/messages";
+import { heightAtTarget } from "./lens";
+import { middleOf } from "./light_geometry";
 import { resetPart } from "./parts";
 import { refused, someScene } from "./testing";
 
@@ -52,7 +58,31 @@ describe("textures of lights", () => {
     const { width, height, rgba } = texturePixels("horizon");
     expect(rgba[0]).toBeGreaterThan(200);
     expect(rgba[4 * width * (height - 1)]).toBeLessThan(60);
-    for (const light of someScene().lights) expect(textureNames(light)).toBe(isSky(light) ? skyTextures : lampTextures);
+    for (const light of someScene().lights)
+      if (isSky(light)) expect(textureNames(light)).toBe(skyTextures);
+      else expect(textureNames(light)).toContain("ring");
+  });
+
+  it("are offered only where they are visible: a square or disk can project them", () => {
+    for (const light of someScene().lights)
+      if (!isSky(light))
+        expect(textureNames(light).includes("window")).toBe(["rectangle", "disk"].includes(light.shape.case ?? ""));
+  });
+
+  it("are projected over the picture, unless the surface of the lamp shows them", () => {
+    const scene = someScene();
+    const angle = (index: number, name?: TextureName) =>
+      projectionFor(scene, scene.lights[index] ?? expect.unreachable(), name);
+    for (const name of ["window", "blinds", undefined] as const) {
+      const half = (angle(0, name) * Math.PI) / 360;
+      const lamp = middleOf(scene.lights[0] ?? expect.unreachable());
+      const height = heightAtTarget(cameraOf(scene) ?? expect.unreachable());
+      expect(2 * Math.tan(half) * length(lamp ?? expect.unreachable())).toBeCloseTo(0.8 * height, 6);
+    }
+    expect(angle(0, "soft")).toBe(0);
+    expect(angle(2, "window")).toBe(0); // a sphere
+    expect(setTexture(scene, 0, bytes(9), 33).lights[0]?.shape.value?.texture?.projectionDegrees).toBe(33);
+    expect(refused(setTexture(scene, 0, bytes(9), 33))).toEqual([]);
   });
 
   it("keep the shape of the user's own image", () => {

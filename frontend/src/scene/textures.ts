@@ -1,14 +1,32 @@
 import { create } from "@bufbuild/protobuf";
+import { length } from "../input/vec3";
+import { cameraOf } from "../protocol/messages";
 import { TextureSchema, type Light, type Scene } from "../protocol/gen/api/proto/scene_pb";
-import { clamp, replaced } from "./numbers";
+import { heightAtTarget } from "./lens";
+import { middleOf } from "./light_geometry";
+import { clamp, degrees, replaced } from "./numbers";
 
 /** Generated patterns: screens in front of a lamp, and surroundings for the environment. */
 export const lampTextures = ["soft", "ring", "window", "blinds"] as const;
 export const skyTextures = ["horizon", "studio", "evening"] as const;
 export type TextureName = (typeof lampTextures)[number] | (typeof skyTextures)[number];
 
+/** Those that a lamp can show on its surface. The others are seen only where a lamp projects them. */
+const surfaceTextures = ["soft", "ring"] as const;
+const isOnSurface = (name: TextureName | undefined): boolean =>
+  (surfaceTextures as readonly (TextureName | undefined)[]).includes(name);
+
 export const isSky = (light: Light): boolean => light.shape.case === "environment";
-export const textureNames = (light: Light): readonly TextureName[] => (isSky(light) ? skyTextures : lampTextures);
+const canProject = (light: Light): boolean => light.shape.case === "rectangle" || light.shape.case === "disk";
+export const textureNames = (light: Light): readonly TextureName[] =>
+  isSky(light) ? skyTextures : canProject(light) ? lampTextures : surfaceTextures;
+
+/** The files of the built-in patterns. */
+export type TextureFiles = ReadonlyMap<TextureName, Uint8Array<ArrayBuffer>>;
+
+/** Returns the built-in pattern that a file contains. */
+export const patternOf = (files: TextureFiles, file: Uint8Array): TextureName | undefined =>
+  [...files].find(([, bytes]) => bytes.length === file.length && bytes.every((byte, i) => byte === file[i]))?.[0];
 
 /** Limit for all images together. Every change sends the whole scene, in a message of at most 64 KB. */
 export const mostTextureBytes = 36_000;
@@ -25,12 +43,37 @@ export const textureFits = (scene: Scene, index: number, bytes: number): boolean
   scene.lights.reduce((sum, light, i) => sum + (i === index ? 0 : (textureOf(light)?.length ?? 0)), bytes) <=
   mostTextureBytes;
 
-/** Sets or removes the PNG or JPEG image of a light. Ignores an image that does not fit. */
-export function setTexture(scene: Scene, index: number, picture: Uint8Array<ArrayBuffer> | null): Scene {
+/** How much of the height of the picture a projected pattern covers, so that no part of the patient is beside it. */
+const coveredPart = 0.8;
+
+/**
+ * Returns the angle in which a lamp projects a pattern over what the picture shows, in degrees. 0 leaves the pattern
+ * on the surface of the lamp. From there, it only dims the light, because every point of the patient sees all of it.
+ * `name` is undefined for the user's own image.
+ */
+export function projectionFor(scene: Scene, light: Light, name: TextureName | undefined): number {
+  const pose = cameraOf(scene);
+  const middle = middleOf(light);
+  if (!pose || !middle || !canProject(light) || isOnSurface(name)) return 0;
+  const parallel = scene.camera?.orthographicHeight ?? 0;
+  const height = parallel > 0 ? parallel : heightAtTarget(pose);
+  return clamp(2 * degrees(Math.atan((coveredPart * height) / 2 / Math.max(length(middle), 1))), 1, 170);
+}
+
+/**
+ * Sets or removes the PNG or JPEG image of a light, projected or on its surface. Ignores an image that does not fit.
+ */
+export function setTexture(
+  scene: Scene,
+  index: number,
+  picture: Uint8Array<ArrayBuffer> | null,
+  projectionDegrees = 0,
+): Scene {
   const light = scene.lights[index];
   if (!light?.shape.value || (picture && !textureFits(scene, index, picture.length))) return scene;
   const value: Record<string, unknown> = { ...light.shape.value };
-  if (picture) value.texture = create(TextureSchema, { picture });
+  if (picture && light.shape.case === "environment") value.stored = "";
+  if (picture) value.texture = create(TextureSchema, { picture, projectionDegrees });
   else Reflect.deleteProperty(value, "texture"); // the types distinguish an absent field from an undefined one
   return {
     ...scene,

@@ -1,10 +1,14 @@
-import { dot, length, subtract, type Vec3 } from "../input/vec3";
-import type { Plane } from "./stack";
+import { add, dot, length, scale, subtract, type Vec3 } from "../input/vec3";
+import { placeOf, spotOf, type Plane, type Stack } from "./stack";
 
-export type MeasureKind = "ruler" | "angle";
-const pointsOf: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3 };
+export const measureKinds = ["ruler", "angle", "ellipse"] as const;
+export type MeasureKind = (typeof measureKinds)[number];
+const pointsOf: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3, ellipse: 2 };
 
-/** Points in world space (mm) within one slice. The second point of an angle is its vertex. */
+/**
+ * Points in world space (mm) within one slice. The second point of an angle is its vertex. Those of an ellipse are two
+ * opposite corners of the rectangle around it.
+ */
 export interface Measure {
   readonly kind: MeasureKind;
   readonly plane: Plane;
@@ -14,10 +18,10 @@ export interface Measure {
 
 export const isWhole = ({ kind, points }: Measure): boolean => points.length === pointsOf[kind];
 
-/** Returns mm or degrees, or null while points are missing. */
+/** Returns the length in mm or the angle in degrees, or null while points are missing. */
 export function measured({ kind, points }: Measure): number | null {
   const [a, b, c] = points;
-  if (!a || !b) return null;
+  if (!a || !b || kind === "ellipse") return null;
   if (kind === "ruler") return length(subtract(b, a));
   if (!c) return null;
   const one = subtract(a, b);
@@ -51,3 +55,67 @@ export function withLastPoint(measures: readonly Measure[], point: Vec3): readon
 
 /** Removes the last measurement, which may be unfinished. */
 export const withoutLast = (measures: readonly Measure[]): readonly Measure[] => measures.slice(0, -1);
+
+/**
+ * Returns the points by which a measurement can be changed. Those of an ellipse are its left, right, upper and lower
+ * ends, which resize it, and its centre, which moves it.
+ */
+export function handlesOf(stack: Stack, { kind, points }: Measure): readonly Vec3[] {
+  const [a, b] = points;
+  if (kind !== "ellipse" || !a || !b) return points;
+  const [one, other] = [spotOf(stack, a), spotOf(stack, b)];
+  const column = (one.column + other.column) / 2;
+  const row = (one.row + other.row) / 2;
+  return [
+    placeOf(stack, { ...one, row }),
+    placeOf(stack, { ...other, row }),
+    placeOf(stack, { ...one, column }),
+    placeOf(stack, { ...other, column }),
+    placeOf(stack, { ...one, column, row }),
+  ];
+}
+
+/** Moves a handle to a point. */
+export function withHandle(stack: Stack, measure: Measure, handle: number, to: Vec3): Measure {
+  const { kind, points } = measure;
+  const [a, b] = points;
+  if (kind !== "ellipse" || !a || !b) return { ...measure, points: points.map((old, i) => (i === handle ? to : old)) };
+  if (handle === 4) {
+    const by = subtract(to, scale(add(a, b), 0.5));
+    return { ...measure, points: [add(a, by), add(b, by)] };
+  }
+  const { column, row } = spotOf(stack, to);
+  const changed = handle < 2 ? { column } : { row };
+  return {
+    ...measure,
+    points: points.map((old, i) => (i === handle % 2 ? placeOf(stack, { ...spotOf(stack, old), ...changed }) : old)),
+  };
+}
+
+/** A handle of a measurement, by their indices. */
+export interface Held {
+  readonly measure: number;
+  readonly handle: number;
+}
+
+/** Returns the nearest handle in a slice within `reach` mm of a point. Of equally near ones, the newest. */
+export function handleNear(
+  measures: readonly Measure[],
+  stack: Stack,
+  slice: number,
+  place: Vec3,
+  reach: number,
+): Held | null {
+  let nearest: Held | null = null;
+  let least = reach;
+  measures.forEach((one, measure) => {
+    if (one.plane !== stack.plane || one.slice !== slice || !isWhole(one)) return;
+    handlesOf(stack, one).forEach((at, handle) => {
+      const away = length(subtract(at, place));
+      if (away > least) return;
+      least = away;
+      nearest = { measure, handle };
+    });
+  });
+  return nearest;
+}

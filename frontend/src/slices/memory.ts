@@ -1,9 +1,17 @@
 import type { Vec3 } from "../input/vec3";
-import { isWhole, type Measure } from "./measure";
+import { clamp } from "../scene/numbers";
+import { isWhole, measureKinds, type Measure, type MeasureKind } from "./measure";
 import { planes, type Plane } from "./stack";
 import type { Window } from "./window";
 
-/** What the slice views of a volume keep across a reload. */
+/** The colours of the look over the grey. `strength` is 0 to 1. */
+export interface OverlaySetting {
+  readonly shown: boolean;
+  readonly strength: number;
+}
+export const firstOverlay: OverlaySetting = { shown: false, strength: 0.5 };
+
+/** The state of the slice views of a volume that survives a reload. */
 export interface RememberedSlices {
   /** The volume that it belongs to. */
   readonly volume: string;
@@ -11,9 +19,11 @@ export interface RememberedSlices {
   readonly crosshair: Vec3;
   readonly window: Window;
   readonly measures: readonly Measure[];
+  readonly smooth: boolean;
+  readonly overlay: OverlaySetting;
 }
 
-/** Of the measurements, the newest. */
+/** The newest measurements. */
 export const mostRemembered = 200;
 
 const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
@@ -28,13 +38,19 @@ function isMeasure(value: unknown): value is Measure {
   return (
     typeof one === "object" &&
     one !== null &&
-    (one.kind === "ruler" || one.kind === "angle") &&
+    measureKinds.includes(one.kind as MeasureKind) &&
     planes.includes(one.plane as Plane) &&
     isNumber(one.slice) &&
     Array.isArray(one.points) &&
     one.points.every(isPoint) &&
     isWhole(one as Measure)
   );
+}
+
+function overlayFrom(value: unknown): OverlaySetting {
+  const one = value as Partial<Record<keyof OverlaySetting, unknown>> | null | undefined;
+  const strength = isNumber(one?.strength) ? clamp(one.strength, 0, 1) : firstOverlay.strength;
+  return { shown: one?.shown === true, strength };
 }
 
 export const slicesToText = (slices: RememberedSlices): string =>
@@ -54,6 +70,8 @@ export function slicesFromText(text: string | null): RememberedSlices | null {
       crosshair: value.crosshair,
       window: { centre: window.centre, width: window.width },
       measures: value.measures,
+      smooth: value.smooth !== false,
+      overlay: overlayFrom(value.overlay),
     };
   } catch {
     return null;

@@ -1,5 +1,8 @@
+import { signal } from "@preact/signals";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { vec3 } from "../input/vec3";
+import { rgb } from "../scene/colour";
+import { someScene } from "../scene/testing";
 import { slicesFromText, slicesToText } from "./memory";
 import { Slices } from "./model";
 import type { SliceId } from "./store";
@@ -60,7 +63,10 @@ describe("the slices of a scan", () => {
     slices.goTo(axial, 0);
     slices.setWindow({ centre: 1, width: 2 });
     const ruler = { kind: "ruler", plane: "axial", slice: 0, points: [vec3(0, 0, -6), vec3(2, 0, -6)] } as const;
-    slices.measures.value = [ruler, { ...ruler, points: [vec3(0, 0, -6)] }];
+    const ellipse = { ...ruler, kind: "ellipse" } as const;
+    slices.measures.value = [ruler, ellipse, { ...ruler, points: [vec3(0, 0, -6)] }];
+    slices.smooth.value = false;
+    slices.overlay.value = { shown: true, strength: 0.25 };
     const remembered = slicesFromText(slicesToText(slices.remembered() ?? expect.unreachable()));
 
     const again = new Slices(() => undefined, remembered);
@@ -69,12 +75,51 @@ describe("the slices of a scan", () => {
     expect(again.view.value).toBe("four");
     expect(again.index(axial)).toBe(0);
     expect(again.window.value).toEqual({ centre: 1, width: 2 });
-    expect(again.measures.value).toEqual([ruler]); // the other one was not finished
+    expect(again.measures.value).toEqual([ruler, ellipse]); // the other one was not finished
+    expect(again.smooth.value).toBe(false);
+    expect(again.overlay.value).toEqual({ shown: true, strength: 0.25 });
 
     const other = new Slices(() => undefined, remembered);
     other.configured([axial, sagittal, coronal], { ...header, contentHash: "another" });
     expect(other.measures.value).toEqual([]);
     expect(other.open.value).toBe(false);
+  });
+  it("are smooth and grey if nothing else was kept", () => {
+    const old = '{"volume":"a","crosshair":{"x":0,"y":0,"z":0},"window":{"centre":1,"width":2},"measures":[]}';
+    expect(slicesFromText(old)).toMatchObject({ smooth: true, overlay: { shown: false, strength: 0.5 } });
+  });
+  it("move a measurement by its handle within its slice only", () => {
+    const slices = begun();
+    slices.goTo(axial, 1);
+    const ruler = { kind: "ruler", plane: "axial", slice: 1, points: [vec3(0, 0, -3), vec3(2, 0, -3)] } as const;
+    slices.measures.value = [ruler];
+    expect(slices.hold(axial, vec3(1, 0, -3), 0.5)).toBe(false);
+    expect(slices.hold(axial, vec3(1.9, 0, -3), 0.5)).toBe(true);
+    slices.moveHeld(axial, vec3(2, 1, -3));
+    expect(slices.measures.value).toEqual([{ ...ruler, points: [vec3(0, 0, -3), vec3(2, 1, -3)] }]);
+    slices.scroll(axial, 1);
+    slices.moveHeld(axial, vec3(9, 9, 0));
+    expect(slices.measures.value[0]?.points[1]).toEqual(vec3(2, 1, -3));
+    slices.measures.value = [ruler, { ...ruler, points: [vec3(0, 0, -3)] }];
+    slices.goTo(axial, 1);
+    expect(slices.hold(axial, vec3(2, 0, -3), 0.5)).toBe(false); // an unfinished one comes first
+  });
+  it("have the look's colours if they are shown, also after the look has changed", () => {
+    const look = signal(someScene().transferFunction ?? null);
+    const slices = new Slices(
+      () => undefined,
+      null,
+      () => look.value,
+    );
+    slices.configured([axial, sagittal, coronal], header);
+    const red = () => (slices.table.value[55] ?? 0) & 255;
+    const blue = () => ((slices.table.value[55] ?? 0) >> 16) & 255;
+    expect(red()).toBe(blue());
+    slices.overlay.value = { shown: true, strength: 1 };
+    const muscle = look.value?.channels[0] ?? expect.unreachable();
+    expect(red()).toBeGreaterThan(blue() + 50);
+    look.value = { ...(look.value ?? expect.unreachable()), channels: [{ ...muscle, diffuse: rgb(0, 0, 1) }] };
+    expect(blue()).toBeGreaterThan(red() + 50);
   });
   it("begin again if what was kept is damaged", () => {
     for (const text of [null, "{", "[]", '{"volume":"a"}', '{"volume":"a","crosshair":{"x":"1"},"measures":[]}'])

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { vec3 } from "../input/vec3";
-import { edgesOf, heldWithin, inSlice, isInside, pixelOf, placeOf, saidPlace, sideOf, spotOf } from "./stack";
+import { edgesOf, heldWithin, inSlice, isInside, pixelOf, placeOf, placeParts, sideOf, spotOf } from "./stack";
 import { axial, coronal, sagittal } from "./testing";
 
 describe("a point", () => {
@@ -18,7 +18,7 @@ describe("a point", () => {
     expect(inSlice(axial, vec3(0, 0, 0), -1).z).toBe(-6);
   });
   it("is described by the sides of the patient", () => {
-    expect(saidPlace(vec3(-2, 3, -4.5))).toEqual([
+    expect(placeParts(vec3(-2, 3, -4.5))).toEqual([
       { side: "R", mm: 2 },
       { side: "P", mm: 3 },
       { side: "I", mm: 4.5 },

@@ -17,6 +17,9 @@ export interface Stack {
   readonly next: Vec3;
 }
 
+/** The value of a clipped slice where nothing is shown. */
+export const blank = -32768;
+
 /** A position in pixels and slices. 0 is the centre of the first one. */
 export interface Spot {
   readonly column: number;
@@ -24,7 +27,7 @@ export interface Spot {
   readonly slice: number;
 }
 
-const along = (way: Vec3, fromFirst: Vec3): number => dot(fromFirst, way) / dot(way, way);
+const along = (vector: Vec3, fromFirst: Vec3): number => dot(fromFirst, vector) / dot(vector, vector);
 
 export function spotOf(stack: Stack, place: Vec3): Spot {
   const fromFirst = subtract(place, stack.first);
@@ -39,21 +42,21 @@ export function placeOf(stack: Stack, { column, row, slice }: Spot): Vec3 {
   return add(add(stack.first, scale(stack.right, column)), add(scale(stack.down, row), scale(stack.next, slice)));
 }
 
-const whole = (n: number, count: number): number => Math.min(count - 1, Math.max(0, Math.round(n)));
+const nearestIndex = (n: number, count: number): number => Math.min(count - 1, Math.max(0, Math.round(n)));
 
 /** Returns the pixel and the slice that contain a point, or the nearest ones. */
 export function pixelOf(stack: Stack, place: Vec3): Spot {
   const spot = spotOf(stack, place);
   return {
-    column: whole(spot.column, stack.columns),
-    row: whole(spot.row, stack.rows),
-    slice: whole(spot.slice, stack.slices),
+    column: nearestIndex(spot.column, stack.columns),
+    row: nearestIndex(spot.row, stack.rows),
+    slice: nearestIndex(spot.slice, stack.slices),
   };
 }
 
 /** Returns the same point in another slice of the stack, limited to the existing slices. */
 export function inSlice(stack: Stack, place: Vec3, slice: number): Vec3 {
-  return placeOf(stack, { ...spotOf(stack, place), slice: whole(slice, stack.slices) });
+  return placeOf(stack, { ...spotOf(stack, place), slice: nearestIndex(slice, stack.slices) });
 }
 
 /** Returns the centre of the pixel that is nearest to a point. */
@@ -75,8 +78,8 @@ const sides = [
 ] as const;
 
 /** Returns the side of the patient towards which a direction along a patient axis points. */
-export function sideOf(way: Vec3): string {
-  const parts = [way.x, way.y, way.z];
+export function sideOf(vector: Vec3): string {
+  const parts = [vector.x, vector.y, vector.z];
   const axis = parts.reduce((best, part, i) => (Math.abs(part) > Math.abs(parts[best] ?? 0) ? i : best), 0);
   return sides[axis]?.[(parts[axis] ?? 0) > 0 ? 1 : 0] ?? "";
 }
@@ -90,7 +93,7 @@ export const edgesOf = (stack: Stack) => ({
 });
 
 /** Returns a point as a side and a distance from the middle in mm, per axis. */
-export const saidPlace = (place: Vec3): readonly { readonly side: string; readonly mm: number }[] =>
+export const placeParts = (place: Vec3): readonly { readonly side: string; readonly mm: number }[] =>
   [vec3(place.x, 0, 0), vec3(0, place.y, 0), vec3(0, 0, place.z)].map((part) => ({
     side: sideOf(part),
     mm: length(part),
@@ -106,7 +109,7 @@ interface Box {
 /** Whether a point is inside the volume. An oblique volume leaves corners of its slices empty. */
 export function isInside({ size, spacing, direction }: Box, place: Vec3): boolean {
   return [0, 1, 2].every((axis) => {
-    const way = vec3(direction[axis] ?? 0, direction[3 + axis] ?? 0, direction[6 + axis] ?? 0);
-    return Math.abs(dot(way, place)) <= ((size[axis] ?? 0) * (spacing[axis] ?? 0)) / 2 + 1e-6;
+    const vector = vec3(direction[axis] ?? 0, direction[3 + axis] ?? 0, direction[6 + axis] ?? 0);
+    return Math.abs(dot(vector, place)) <= ((size[axis] ?? 0) * (spacing[axis] ?? 0)) / 2 + 1e-6;
   });
 }

@@ -9,14 +9,14 @@ function coded(values: readonly number[]): Uint8Array<ArrayBuffer> {
 
 function world(inflated = (data: Uint8Array<ArrayBuffer>) => Promise.resolve(data)) {
   const asked: { lacking: readonly SliceId[]; taken: bigint }[] = [];
-  const came: SliceId[] = [];
+  const received: SliceId[] = [];
   let damaged = 0;
   let frames: (() => void)[] = [];
   const store = new SliceStore({
     ask: (lacking, taken) => asked.push({ lacking, taken }),
     inflate: inflated,
     nextFrame: (task) => frames.push(task),
-    came: (slice) => came.push(slice),
+    received: (slice) => received.push(slice),
     damaged: () => (damaged += 1),
   });
   const frame = () => {
@@ -24,7 +24,7 @@ function world(inflated = (data: Uint8Array<ArrayBuffer>) => Promise.resolve(dat
     frames = [];
     for (const task of due) task();
   };
-  return { store, asked, came, frame, damaged: () => damaged };
+  return { store, asked, received, frame, damaged: () => damaged };
 }
 const coming = (seq: number, index: number, more: Partial<Coming> = {}): Coming => ({
   seq: BigInt(seq),
@@ -51,7 +51,7 @@ describe("a slice's bytes", () => {
 
 describe("the slice store", () => {
   it("requests only the newest slice once per screen refresh, and acknowledges it", async () => {
-    const { store, asked, came, frame } = world();
+    const { store, asked, received, frame } = world();
     for (const index of [1, 2, 3]) store.show("axial", index);
     store.show("coronal", 7);
     frame();
@@ -65,7 +65,7 @@ describe("the slice store", () => {
       },
     ]);
     await store.receive(coming(1, 3));
-    expect(came).toEqual([{ plane: "axial", index: 3 }]);
+    expect(received).toEqual([{ plane: "axial", index: 3 }]);
     expect([...(store.get({ plane: "axial", index: 3 }) ?? [])]).toEqual([1, -2, 32767, -32768]);
     frame();
     expect(asked[1]).toEqual({ lacking: [{ plane: "coronal", index: 7 }], taken: 1n });
@@ -83,14 +83,14 @@ describe("the slice store", () => {
   });
   it("requests slices again after a lost connection, and drops those of the old one", async () => {
     let go: (data: Uint8Array<ArrayBuffer>) => void = () => undefined;
-    const { store, asked, came, frame } = world(() => new Promise((resolve) => (go = resolve)));
+    const { store, asked, received, frame } = world(() => new Promise((resolve) => (go = resolve)));
     store.show("axial", 3);
     frame();
     const reading = store.receive(coming(9, 3));
     store.connected();
     go(coded([0, 0, 0, 0]));
     await reading;
-    expect(came).toEqual([]);
+    expect(received).toEqual([]);
     frame();
     expect(asked.at(-1)).toEqual({ lacking: [{ plane: "axial", index: 3 }], taken: 0n });
   });

@@ -20,7 +20,7 @@ export interface StoreParts {
   readonly inflate: (data: Uint8Array<ArrayBuffer>) => Promise<Uint8Array<ArrayBuffer>>;
   /** Runs `task` once before the next screen refresh. */
   readonly nextFrame: (task: () => void) => void;
-  readonly came: (slice: SliceId) => void;
+  readonly received: (slice: SliceId) => void;
   /** Called for an invalid slice. */
   readonly damaged: () => void;
 }
@@ -87,7 +87,7 @@ export class SliceStore {
       if (connection !== this.connection) return;
       this.keep(slice, values);
       this.beingRead.delete(key(slice));
-      this.parts.came({ plane: slice.plane, index: slice.index });
+      this.parts.received({ plane: slice.plane, index: slice.index });
     } catch {
       if (connection === this.connection) this.parts.damaged(); // not requested again, because the same bytes would arrive
     }

@@ -1,4 +1,5 @@
 import { clamp } from "../scene/numbers";
+import type { LookColours } from "./look_colours";
 
 /** The range of values shown between black and white. */
 export interface Window {
@@ -21,15 +22,25 @@ export function greyOf(value: number, { centre, width }: Window): number {
   return Math.round(255 * clamp((value - centre) / width + 0.5, 0, 1));
 }
 
+/** The colours of a look over the grey. With `strength` 1, they hide it. */
+export interface Overlay {
+  readonly colours: LookColours;
+  readonly strength: number;
+}
+
 /**
  * Returns a table that is indexed by the bits of a 16-bit value, for one lookup per pixel. Entries are RGBA in the
  * machine's byte order.
  */
-export function tableOf(window: Window): Uint32Array {
+export function tableOf(window: Window, overlay: Overlay | null = null): Uint32Array {
   const table = new Uint32Array(65536);
+  const bytes = new Uint8ClampedArray(table.buffer);
   for (let bits = 0; bits < 65536; ++bits) {
     const grey = greyOf(bits < 32768 ? bits : bits - 65536, window);
-    table[bits] = (255 << 24) | (grey << 16) | (grey << 8) | grey;
+    const part = overlay ? (overlay.strength * (overlay.colours[4 * bits + 3] ?? 0)) / 255 : 0;
+    for (let i = 0; i < 3; ++i)
+      bytes[4 * bits + i] = part > 0 ? grey + part * ((overlay?.colours[4 * bits + i] ?? 0) - grey) : grey;
+    bytes[4 * bits + 3] = 255;
   }
   return table;
 }

@@ -9,7 +9,7 @@ const sources = (folder: string) =>
     .filter((name) => name.endsWith(".cpp") && !name.includes("_test"))
     .map((name) => readFileSync(new URL(folder + name, root), "utf8"));
 
-test("each action that the server writes into the audit log has its words in each language", () => {
+test("each action in the server's audit log has a text in each language", () => {
   const action = /["']((?:accounts?|administrator|audit-log|data-set|preset|reports?)\.[a-z-]+)["']/g;
   const texts = ["api/", "ingest/pipeline/"].flatMap(sources);
   const names = [...new Set(texts.flatMap((text) => [...text.matchAll(action)].map(([, name]) => name ?? "")))].sort();

@@ -6,12 +6,12 @@ const isLanguage = (text: string | null): text is Language => text !== null && O
 
 const languageOf = (tag: string): string => tag.split("-", 1)[0]?.toLowerCase() ?? "";
 
-/** `kept` is the user's earlier choice. `wanted` lists the browser's BCP 47 tags, most preferred first. */
-export function chooseLanguage(kept: string | null, wanted: readonly string[]): Language {
+/** `kept` is the user's earlier choice. `preferred` lists the browser's BCP 47 tags, most preferred first. */
+export function chooseLanguage(kept: string | null, preferred: readonly string[]): Language {
   if (isLanguage(kept)) return kept;
-  return wanted.map(languageOf).find(isLanguage) ?? "en";
+  return preferred.map(languageOf).find(isLanguage) ?? "en";
 }
 
 /** The locale for numbers and dates: en-GB and en-US differ. */
-export const placeOf = (language: Language, wanted: readonly string[]): string =>
-  wanted.find((tag) => languageOf(tag) === language) ?? language;
+export const placeOf = (language: Language, preferred: readonly string[]): string =>
+  preferred.find((tag) => languageOf(tag) === language) ?? language;

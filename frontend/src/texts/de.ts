@@ -6,6 +6,7 @@ import { common } from "./de/common";
 import { consent } from "./de/consent";
 import { cut } from "./de/cut";
 import { home } from "./de/home";
+import { curve } from "./de/curve";
 import { kernel } from "./de/kernel";
 import { legal } from "./de/legal";
 import { live } from "./de/live";
@@ -31,6 +32,7 @@ export const de: Texts = {
   consent,
   cut,
   home,
+  curve,
   kernel,
   legal,
   live,

@@ -18,15 +18,15 @@ export const language = signal<Language>("en");
 /** The user's locale, for dates and numbers in `Intl`. */
 export const place = (): string => placeOf(language.value, navigator.languages);
 
-export async function loadTexts(wanted: Language): Promise<void> {
-  t = await catalogues[wanted]();
-  language.value = wanted;
+export async function loadTexts(chosen: Language): Promise<void> {
+  t = await catalogues[chosen]();
+  language.value = chosen;
 }
 
 export const firstLanguage = (): Language => chooseLanguage(local.getItem(key), navigator.languages);
 
 /** Changes the language now and for later visits. */
-export async function changeLanguage(wanted: Language): Promise<void> {
-  await loadTexts(wanted);
-  local.setItem(key, wanted);
+export async function changeLanguage(chosen: Language): Promise<void> {
+  await loadTexts(chosen);
+  local.setItem(key, chosen);
 }

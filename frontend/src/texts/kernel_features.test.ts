@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import { kernel as de } from "./de/kernel";
 import { kernel as en } from "./en/kernel";
 
-test("each feature that a renderer names has its words in each language", () => {
+test("each feature that a renderer reports has a text in each language", () => {
   const header = readFileSync(new URL("../../../renderd/kernel/features.h", import.meta.url), "utf8");
   const list = /kFeatureNames\[kFeatureCount\] = \{([^}]*)\}/.exec(header)?.[1] ?? "";
   const names = [...list.matchAll(/"([^"]+)"/g)].map(([, name]) => name ?? "").sort();

@@ -11,19 +11,19 @@ const problem = (kind: string, detail = "", message = "") => ({
 });
 
 describe("a problem of the server", () => {
-  it("is told in the server's own sentence in English", () => {
+  it("uses the server's sentence in English", () => {
     expect(problemText(problem("conflict", "Somebody is quicker."))).toBe("Somebody is quicker.");
     expect(problemText(problem("invalid", "Wrong.", "must be shorter"))).toBe("must be shorter");
     expect(serverSentence("", "Try again.")).toBe("Try again.");
   });
-  it("is told in German on the German page, by its kind", async () => {
+  it("uses the German text of its type on the German page", async () => {
     await loadTexts("de");
     expect(problemText(problem("invalid", "Wrong.", "must be shorter"))).toContain("Eingabe");
     expect(problemText(problem("too-many-data-sets", "You have too many scans."))).toContain("Aufnahmen");
     expect(problemText(problem("of-a-later-version", "Something new."))).toBe(problemText(problem("internal")));
     expect(problemText(problem("constructor", "x"))).toBe(problemText(problem("internal")));
   });
-  it("has the page's own words where they are better than the server's", () => {
+  it("uses the page's own text where it is better than the server's", () => {
     expect(problemText(problem("offline", "x"))).toContain("connection");
   });
 });

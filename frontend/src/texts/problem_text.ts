@@ -1,13 +1,13 @@
 import { language, t } from ".";
 import type { ApiProblem } from "../api/client";
 
-/** The server writes its sentences in English. In another language, or without one, `otherwise` is said. */
+/** The server writes its sentences in English. In other languages, and without a sentence, returns `otherwise`. */
 export const serverSentence = (sentence: string, otherwise: string): string =>
   language.value === "en" && sentence !== "" ? sentence : otherwise;
 
 type Kinds = Readonly<Record<string, string>>;
 
-/** What a problem of the server means, by its kind. */
+/** The message for a problem that the server reports, by its kind. */
 export function problemText({ kind, detail, errors }: Pick<ApiProblem, "kind" | "detail" | "errors">): string {
   const always: Kinds = t.problems.always;
   if (Object.hasOwn(always, kind)) return always[kind] ?? t.problems.internal;

@@ -21,6 +21,8 @@ const ignoredEvents: StreamEvents = {
   fileProgress: nothing,
   filePart: nothing,
   kernel: nothing,
+  errorCurve: nothing,
+  shared: nothing,
 };
 
 /** The progress of a background session. `Done` is its result, `Reason` a reason to fail that other sessions do not have. */
@@ -31,7 +33,7 @@ export type BackgroundState<Done, Reason extends string = never> =
   | {
       readonly kind: "failed";
       readonly trouble: Trouble | "refused_scene" | "stopped" | Reason;
-      readonly said: string;
+      readonly message: string;
     };
 
 export interface BackgroundParts<State> {
@@ -55,7 +57,7 @@ export class BackgroundSession<Done, Reason extends string = never> {
     private readonly parts: BackgroundParts<BackgroundState<Done, Reason>>,
     size: Viewport,
     stills: Abilities["stills"],
-    heard: Partial<Omit<StreamEvents, "connection">>,
+    onEvent: Partial<Omit<StreamEvents, "connection">>,
   ) {
     this.client = new StreamClient(
       {
@@ -71,7 +73,7 @@ export class BackgroundSession<Done, Reason extends string = never> {
       },
       {
         ...ignoredEvents,
-        ...heard,
+        ...onEvent,
         connection: ({ phase, trouble }) => {
           if (trouble !== null && (phase === "stopped" || phase === "elsewhere")) this.fail(trouble, "");
           else if (trouble !== this.waits) {
@@ -97,13 +99,13 @@ export class BackgroundSession<Done, Reason extends string = never> {
     this.fail("stopped", "");
   }
 
-  isAt(done: number | null): void {
+  reportProgress(done: number | null): void {
     this.done = done;
     this.report();
   }
 
-  fail(trouble: Trouble | "refused_scene" | "stopped" | Reason, said: string): void {
-    this.finish({ kind: "failed", trouble, said });
+  fail(trouble: Trouble | "refused_scene" | "stopped" | Reason, message: string): void {
+    this.finish({ kind: "failed", trouble, message });
   }
 
   finish(state: BackgroundState<Done, Reason>): void {

@@ -27,7 +27,7 @@ class Hours {
 }
 
 describe("the size of the canvas", () => {
-  it("is reported once when it has settled", () => {
+  it("is reported once after it has stopped changing", () => {
     const hours = new Hours();
     const reported: number[] = [];
     const debouncer = new ResizeDebouncer({ width: 100, height: 50 }, (size) => reported.push(size.width), hours.clock);

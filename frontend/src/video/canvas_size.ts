@@ -13,7 +13,7 @@ export interface Clock {
 /** Limits how often a changing size is reported, because the server starts a new picture for each size. */
 export class ResizeDebouncer {
   private reported: Viewport;
-  private wanted: Viewport;
+  private current: Viewport;
   private changingSince = 0;
   private disarm: (() => void) | null = null;
 
@@ -23,21 +23,21 @@ export class ResizeDebouncer {
     private readonly clock: Clock,
   ) {
     this.reported = first;
-    this.wanted = first;
+    this.current = first;
   }
 
   changed(size: Viewport): void {
-    if (same(size, this.wanted)) return;
-    this.wanted = size;
+    if (same(size, this.current)) return;
+    this.current = size;
     const now = this.clock.nowMs();
     if (this.disarm) this.disarm();
     else this.changingSince = now;
     const left = this.changingSince + reportedEveryMs - now;
     this.disarm = this.clock.after(Math.max(0, Math.min(settledAfterMs, left)), () => {
       this.disarm = null;
-      if (same(this.wanted, this.reported)) return;
-      this.reported = this.wanted;
-      this.report(this.wanted);
+      if (same(this.current, this.reported)) return;
+      this.reported = this.current;
+      this.report(this.current);
     });
   }
 

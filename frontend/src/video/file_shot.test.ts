@@ -1,7 +1,7 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import {
-  Film_Path as FilmPath,
+  Video_Path as VideoPath,
   FilePartSchema,
   FileProgressSchema,
   ProblemSchema,
@@ -49,8 +49,8 @@ describe("an exported file", () => {
     const seen = world.sent[1]?.body;
     expect(seen?.case === "visibility" && seen.value.visible).toBe(false);
     const file = world.sent[3]?.body;
-    expect(file?.case === "file" && file.value.kind.case === "film" && file.value.kind.value).toMatchObject({
-      path: FilmPath.TURNTABLE,
+    expect(file?.case === "file" && file.value.kind.case === "video" && file.value.kind.value).toMatchObject({
+      path: VideoPath.TURNTABLE,
       frames: 200,
       framesPerSecond: 25,
       width: 640,
@@ -105,7 +105,7 @@ describe("an exported file", () => {
       refused.config();
       await settled();
       refused.problem("invalid", "file");
-      expect(refused.state).toEqual({ kind: "failed", trouble: "refused_scene", said: "Too many lights." });
+      expect(refused.state).toEqual({ kind: "failed", trouble: "refused_scene", message: "Too many lights." });
     });
   });
 });
@@ -134,5 +134,5 @@ it("reports that no rendering time is left, and ends", async () => {
   spent.ticketSource = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
   spent.shot.start();
   await settled();
-  expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });
+  expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", message: "" });
 });

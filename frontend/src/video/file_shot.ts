@@ -3,8 +3,8 @@ import type { Problem } from "../protocol/messages";
 import { BackgroundSession, type BackgroundParts, type BackgroundState } from "./background_session";
 
 /** Limits of the protocol that the page checks. */
-export const longestFilmSide = 1920;
-export const longestFilmS = 60;
+export const longestVideoSide = 1920;
+export const longestVideoS = 60;
 export const longestLargeSide = 16384;
 
 /** The session renders no picture of its own, so its size is the smallest possible one. */
@@ -17,7 +17,7 @@ const partsInMemory = 64;
 export type FileState = BackgroundState<{ readonly kind: "done"; readonly file: Blob }, "busy">;
 
 /**
- * A file that a worker creates: a film, or a picture that is too large for a page. Its session renders nothing else. If
+ * A file that a worker creates: a video, or a picture that is too large for a page. Its session renders nothing else. If
  * the worker is lost, another one starts again.
  */
 export class FileShot {
@@ -39,7 +39,7 @@ export class FileShot {
       config: () => this.ask(),
       frame: (frame) => this.session.client.ack(frame, { receivedMs: 0 }, 0),
       problem: (problem) => this.refused(problem),
-      fileProgress: (done) => this.session.isAt(Math.min(1, Math.max(0, done))),
+      fileProgress: (done) => this.session.reportProgress(Math.min(1, Math.max(0, done))),
       filePart: (part) => this.receive(part),
     });
     this.session.client.setVisible(false);
@@ -58,7 +58,7 @@ export class FileShot {
     this.partsSeen = 0n;
     this.fresh = [];
     this.file = this.empty();
-    this.session.isAt(null);
+    this.session.reportProgress(null);
     this.session.client.askForFile(this.order);
   }
 

@@ -165,7 +165,7 @@ describe("a chained frame", () => {
     expect(bench.givenUp).toEqual([]);
   });
 
-  it("makes its codec be given up after three failures in a row", async () => {
+  it("abandons its codec after three failures in a row", async () => {
     const bench = new Bench();
     for (let n = 1; n <= mostFailures; n++) {
       expect(bench.givenUp).toEqual([]);
@@ -175,7 +175,7 @@ describe("a chained frame", () => {
     expect(bench.givenUp).toEqual([Codec.H264]);
   });
 
-  it("may fail now and then", async () => {
+  it("may fail occasionally", async () => {
     const bench = new Bench();
     for (let n = 0, seq = 1; n < 2 * mostFailures; n++) {
       for (let m = 0; m < forgottenAfter; m++) await bench.given(h264(seq++, 1, m === 0));
@@ -184,7 +184,7 @@ describe("a chained frame", () => {
     expect(bench.givenUp).toEqual([]);
   });
 
-  it("of an unknown codec makes that be given up, too", () => {
+  it("abandons an unknown codec as well", () => {
     const bench = new Bench();
     for (let seq = 1; seq <= mostFailures; seq++)
       bench.pipeline.receive(create(FrameSchema, { codec: Codec.MPEG1, seq: BigInt(seq) }));

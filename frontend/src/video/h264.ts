@@ -19,7 +19,7 @@ export class H264Decoder implements FrameDecoder {
 
   constructor() {
     this.decoder = new VideoDecoder({
-      output: (frame) => this.cameOut(frame),
+      output: (frame) => this.frameDecoded(frame),
       error: (error) => this.failed(error),
     });
   }
@@ -58,7 +58,7 @@ export class H264Decoder implements FrameDecoder {
     this.configured = codec;
   }
 
-  private cameOut(frame: VideoFrame): void {
+  private frameDecoded(frame: VideoFrame): void {
     const waiting = this.pending.get(frame.timestamp);
     this.pending.delete(frame.timestamp);
     this.watch();

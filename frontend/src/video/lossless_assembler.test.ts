@@ -70,7 +70,7 @@ describe("the lossless picture", () => {
     expect(bench.acks).toHaveLength(2);
   });
 
-  it("is refused if one level of one colour differs", async () => {
+  it("is refused if a single colour value differs", async () => {
     const bench = new Bench();
     const nearly = rgbOf(pixels(0));
     nearly[5] = (nearly[5] ?? 0) + 1;

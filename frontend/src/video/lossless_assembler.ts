@@ -103,8 +103,8 @@ export class LosslessAssembler {
     const height = Math.max(...tiles.map((tile) => tile.y + tile.height));
     const samples = Number(still.iteration);
     this.tiles = new Map();
-    const whole = tiles.reduce((area, tile) => area + tile.width * tile.height, 0) === width * height;
-    this.shown = whole && this.parts.show(tiles, { epoch: still.epoch, samples, error: still.error, width, height });
+    const covered = tiles.reduce((area, tile) => area + tile.width * tile.height, 0) === width * height;
+    this.shown = covered && this.parts.show(tiles, { epoch: still.epoch, samples, error: still.error, width, height });
     return this.shown;
   }
 

@@ -1,6 +1,10 @@
 import type { Viewport } from "../protocol/messages";
 import type { TilePixels } from "./lossless_assembler";
 import type { Picture } from "./picture";
+import { pictureIn } from "./picture_in";
+
+/** The fraction of a follower's picture at its upper and lower edge that runs into the page. */
+const faded = 0.08;
 
 /**
  * Draws frames on a canvas of device pixels. A frame may be smaller while moving, or have an older shape while
@@ -8,7 +12,7 @@ import type { Picture } from "./picture";
  */
 export class Painter {
   private readonly context: CanvasRenderingContext2D;
-  private whole = false;
+  private fitsWindow = false;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     const context = canvas.getContext("2d", { alpha: false });
@@ -17,8 +21,8 @@ export class Painter {
   }
 
   /** For a follower, whose canvas has another shape: shows the presenter's whole picture, with borders. */
-  showWhole(whole: boolean): void {
-    this.whole = whole;
+  fitToWindow(fitsWindow: boolean): void {
+    this.fitsWindow = fitsWindow;
   }
 
   /** Keeps the shown picture until the first frame of the new size. */
@@ -51,24 +55,37 @@ export class Painter {
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
   }
 
-  /** The field of view is vertical, so pictures are fitted by height and centred. */
   private draw(source: CanvasImageSource, width: number, height: number): void {
     if (width === 0 || height === 0) return;
     const canvas = this.canvas;
-    const fitting = (width * canvas.height) / height;
-    if (this.whole && fitting > 1.02 * canvas.width) {
-      const shownHeight = (height * canvas.width) / width;
-      this.context.imageSmoothingEnabled = true;
-      this.context.imageSmoothingQuality = "high";
-      this.context.clearRect(0, 0, canvas.width, canvas.height);
-      this.context.drawImage(source, 0, (canvas.height - shownHeight) / 2, canvas.width, shownHeight);
-      return;
-    }
-    // The sides of a smaller frame are rounded to whole pixels, which does not change its shape.
-    const shownWidth = Math.abs(fitting - canvas.width) < 0.02 * canvas.width ? canvas.width : fitting;
-    this.context.imageSmoothingEnabled = shownWidth !== width || canvas.height !== height;
+    const place = pictureIn(canvas, { width, height }, this.fitsWindow);
+    this.context.imageSmoothingEnabled = place.width !== width || place.height !== height;
     this.context.imageSmoothingQuality = "high";
-    if (shownWidth < canvas.width - 1) this.context.clearRect(0, 0, canvas.width, canvas.height);
-    this.context.drawImage(source, (canvas.width - shownWidth) / 2, 0, shownWidth, canvas.height);
+    if (place.width < canvas.width - 1 || place.height < canvas.height - 1) this.clear();
+    this.context.drawImage(source, place.x, place.y, place.width, place.height);
+    if (place.y > 1) this.fadeEdges(place.y, place.height);
+  }
+
+  /** The background of the page, which the canvas shows next to the picture. Opaque: "rgb(r, g, b)". */
+  private ground(): string {
+    return getComputedStyle(this.canvas).backgroundColor;
+  }
+
+  private clear(): void {
+    this.context.fillStyle = this.ground();
+    this.context.fillRect(0, 0, this.canvas.width, this.canvas.height);
+  }
+
+  /** Lets the upper and the lower edge of the picture run into the page. */
+  private fadeEdges(top: number, height: number): void {
+    const ground = this.ground();
+    const clear = ground.replace("rgb(", "rgba(").replace(")", ", 0)");
+    const fade = this.context.createLinearGradient(0, top, 0, top + height);
+    fade.addColorStop(0, ground);
+    fade.addColorStop(faded, clear);
+    fade.addColorStop(1 - faded, clear);
+    fade.addColorStop(1, ground);
+    this.context.fillStyle = fade;
+    this.context.fillRect(0, top - 1, this.canvas.width, height + 2); // the edges may lie between two pixels
   }
 }

@@ -1,4 +1,4 @@
-/** What is known about the picture on the screen. */
+/** Facts about the picture on the screen. */
 export interface PictureFacts {
   readonly epoch: number;
   readonly inputSeq: number;
@@ -12,7 +12,10 @@ export interface PictureFacts {
   readonly smoothed: boolean;
 }
 
+/** The state of a picture after a pass. */
 export interface ErrorPoint {
+  /** Per pixel. */
+  readonly samples: number;
   readonly seconds: number;
   readonly error: number;
 }

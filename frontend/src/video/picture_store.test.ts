@@ -1,7 +1,7 @@
 import { create, type MessageInitShape } from "@bufbuild/protobuf";
 import { createHash } from "node:crypto";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { FrameSchema, StillSchema } from "../protocol/gen/api/proto/stream_pb";
+import { ErrorCurveSchema, FrameSchema, StillSchema } from "../protocol/gen/api/proto/stream_pb";
 import { Codec, type Frame, type Still } from "../protocol/messages";
 import { rgbOf } from "./lossless_assembler";
 import { PictureStore } from "./picture_store";
@@ -116,11 +116,21 @@ describe("a streamed picture", () => {
   it("adds a point to the curve of its epoch, and a new epoch starts a new curve", async () => {
     await show(frame(1), frame(2));
     expect(store.curve.value).toEqual([
-      { seconds: 1, error: 1 },
-      { seconds: 2, error: 0.5 },
+      { samples: 10, seconds: 1, error: 1 },
+      { samples: 20, seconds: 2, error: 0.5 },
     ]);
     await show(frame(3, 2));
     expect(store.curve.value).toHaveLength(1);
+  });
+
+  it("takes the worker's curve of its epoch, with passes that were never shown", async () => {
+    await show(frame(1), frame(3));
+    const point = (samples: bigint, seconds: number, error: number) => ({ samples, seconds, error });
+    const points = [point(2n, 0.2, 0.9), point(10n, 1, 0.8), point(20n, 2, 0.5)];
+    store.takeCurve(create(ErrorCurveSchema, { epoch: 2n, points }));
+    expect(store.curve.value).toHaveLength(2);
+    store.takeCurve(create(ErrorCurveSchema, { epoch: 1n, points }));
+    expect(store.curve.value.map(({ samples }) => samples)).toEqual([2, 10, 20, 30]);
   });
 
   it("starts a new curve when the samples count from the beginning again", async () => {

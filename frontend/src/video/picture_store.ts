@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import type { ErrorCurve } from "../protocol/file_messages";
 import type { Codec, Frame, FrameTimes, Still, Viewport } from "../protocol/messages";
 import { FramePipeline } from "./frame_pipeline";
 import { makeDecoder } from "./ladder";
@@ -10,7 +11,7 @@ import { withPoint } from "./plot_scale";
 import { sha256 } from "./sha256";
 import { decodeStill } from "./tile_pixels";
 
-/** What the pictures need of the session. */
+/** The part of the session that the pictures need. */
 export interface PictureParts {
   readonly ack: (shown: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number) => void;
   readonly needKey: () => void;
@@ -71,6 +72,13 @@ export class PictureStore {
   setConverged(epoch: number | null): void {
     this.convergedEpoch = epoch ?? -1;
     this.converged.value = this.convergedEpoch === this.picture.value?.epoch;
+  }
+
+  /** Takes the worker's curve, if it is that of the shown view, and keeps what the pictures have shown since. */
+  takeCurve({ epoch, points }: ErrorCurve): void {
+    if (Number(epoch) !== this.picture.value?.epoch) return;
+    const whole = points.map(({ samples, seconds, error }) => ({ samples: Number(samples), seconds, error }));
+    this.curve.value = [...whole, ...this.curve.value].reduce(withPoint, []);
   }
 
   /** Starts with a new configuration and discards everything that arrived before it. */

@@ -3,7 +3,11 @@ import { plotOf, withPoint } from "./plot_scale";
 
 describe("the plot of error against time", () => {
   it("is a straight line if the error falls with the square root of time", () => {
-    const points = [1, 4, 16, 64].map((seconds) => ({ seconds, error: 0.5 / Math.sqrt(seconds) }));
+    const points = [1, 4, 16, 64].map((seconds) => ({
+      samples: 8 * seconds,
+      seconds,
+      error: 0.5 / Math.sqrt(seconds),
+    }));
     const way =
       plotOf(points, 190, 74)
         ?.line.split(" ")
@@ -15,8 +19,8 @@ describe("the plot of error against time", () => {
   it("stays inside its frame and labels whole decades", () => {
     const plot = plotOf(
       [
-        { seconds: 0.01, error: 0.9 },
-        { seconds: 30, error: 0.004 },
+        { samples: 2, seconds: 0.01, error: 0.9 },
+        { samples: 6000, seconds: 30, error: 0.004 },
       ],
       190,
       74,
@@ -27,30 +31,56 @@ describe("the plot of error against time", () => {
   });
   it("does not go back in time for a picture that was tone-mapped faster than the previous one", () => {
     const told = [
-      { seconds: 2, error: 0.3 },
-      { seconds: 1.5, error: 0.2 },
-      { seconds: 0, error: 0.1 },
-      { seconds: 4, error: Number.NaN },
-      { seconds: 3, error: 0.1 },
+      { samples: 1, seconds: 2, error: 0.3 },
+      { samples: 2, seconds: 1.5, error: 0.2 },
+      { samples: 3, seconds: 0, error: 0.1 },
+      { samples: 4, seconds: 4, error: Number.NaN },
+      { samples: 5, seconds: 3, error: 0.1 },
     ];
     expect(told.reduce(withPoint, [])).toEqual([
-      { seconds: 2, error: 0.3 },
-      { seconds: 2, error: 0.2 },
-      { seconds: 3, error: 0.1 },
+      { samples: 1, seconds: 2, error: 0.3 },
+      { samples: 2, seconds: 2, error: 0.2 },
+      { samples: 5, seconds: 3, error: 0.1 },
     ]);
   });
   it("is empty for a single point or unknown errors", () => {
-    expect(plotOf([{ seconds: 1, error: 0.1 }], 190, 74)).toBeNull();
+    expect(plotOf([{ samples: 1, seconds: 1, error: 0.1 }], 190, 74)).toBeNull();
     expect(
       plotOf(
         [
-          { seconds: 1, error: Infinity },
-          { seconds: 2, error: Number.NaN },
-          { seconds: 0, error: 1 },
+          { samples: 1, seconds: 1, error: Infinity },
+          { samples: 2, seconds: 2, error: Number.NaN },
+          { samples: 3, seconds: 0, error: 1 },
         ],
         190,
         74,
       ),
     ).toBeNull();
+  });
+  it("has a guide of slope -1/2 that ends where the curve does and stays inside the box", () => {
+    const points = [
+      { samples: 4, seconds: 0.1, error: 0.9 },
+      { samples: 400, seconds: 10, error: 0.08 },
+    ];
+    const plot = plotOf(points, 200, 100);
+    const [from, to] = plot?.guide.split(" ").map((pair) => pair.split(",").map(Number)) ?? [];
+    expect(to).toEqual([200, 54.8]);
+    expect(plot?.line.endsWith("200.0,54.8")).toBe(true);
+    // A decade of time is 100 wide, a decade of error is 50 high: half a decade of error per decade of time.
+    expect(((to?.[1] ?? 0) - (from?.[1] ?? 0)) / ((to?.[0] ?? 0) - (from?.[0] ?? 0))).toBeCloseTo(25 / 100, 2);
+    expect(from?.[1]).toBeGreaterThanOrEqual(0);
+    expect(plot?.vertical.map(({ seconds }) => seconds)).toEqual([0.1, 1, 10]);
+    expect(plot?.samples).toEqual([
+      { at: expect.closeTo(200 * 0.199, 0) as number, samples: 10 },
+      { at: expect.closeTo(200 * 0.699, 0) as number, samples: 100 },
+    ]);
+  });
+  it("keeps the first and the last point, and steps of five percent between them", () => {
+    const all = Array.from({ length: 20_000 }, (_, i) => ({ samples: i + 1, seconds: i + 1, error: 1 / (i + 1) }));
+    const curve = all.reduce(withPoint, []);
+    expect(curve[0]?.samples).toBe(1);
+    expect(curve.at(-1)?.samples).toBe(20_000);
+    expect(curve.length).toBeLessThan(220);
+    expect([...curve, ...curve].reduce(withPoint, [])).toEqual(curve);
   });
 });

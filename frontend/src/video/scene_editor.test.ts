@@ -1,6 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
-import { PresetSchema, SceneSchema } from "../protocol/gen/api/proto/scene_pb";
+import { PhaseSchema, PresetSchema, SceneSchema } from "../protocol/gen/api/proto/scene_pb";
 import { ConfigSchema } from "../protocol/gen/api/proto/stream_pb";
 import { cameraOf, withClip, type Preset, type Scene } from "../protocol/messages";
 import { setExposure } from "../scene/lens";
@@ -67,11 +67,30 @@ describe("SceneEditor.configured", () => {
     expect(eye()).toBeCloseTo(before, 6);
   });
 
+  it("moves the undo steps back as well when the window becomes upright", () => {
+    begin();
+    editor.change("density", denser(2));
+    const eye = () => cameraOf(editor.scene.value ?? someScene())?.eye.y ?? 0;
+    const before = eye();
+    editor.resized({ width: 400, height: 300 }, { width: 200, height: 400 });
+    editor.undo();
+    expect(density(editor)).toBe(1.1);
+    expect(eye()).toBeCloseTo(2 * before, 6);
+  });
+
   it("keeps the undo steps when a reconnection brings the same scene", () => {
     begin();
     editor.change("density", denser(2));
     const now = editor.scene.value ?? someScene();
     editor.configured(create(ConfigSchema, { scene: create(SceneSchema, now) }), false);
+    expect(editor.steps.value.past).toHaveLength(1);
+  });
+
+  it("keeps the undo steps of a scene that was stored as JSON, which has no -0", () => {
+    const at = (x: number): Scene => ({ ...someScene(), phase: create(PhaseSchema, { g: x }) });
+    begin(at(0));
+    editor.change("density", denser(2));
+    editor.configured(create(ConfigSchema, { scene: denser(2)(at(-0)) }), false);
     expect(editor.steps.value.past).toHaveLength(1);
   });
 
@@ -223,6 +242,26 @@ describe("presets", () => {
     editor.beginWith(glass());
     expect(editor.scene.value && cameraOf(editor.scene.value)?.eye).toEqual({ x: 0, y: -500, z: 60 });
     expect(editor.steps.value.past).toHaveLength(steps);
+  });
+});
+
+describe("A saved scene", () => {
+  const upright = { width: 200, height: 400 };
+  const eye = (scene: Scene | null) => cameraOf(scene ?? someScene())?.eye.y;
+
+  it("is shown from farther away in an upright window, and saved as it was", () => {
+    begin();
+    size = upright;
+    editor.showScene(someScene());
+    expect(eye(editor.scene.value)).toBeCloseTo(-1000, 6);
+    expect(eye(editor.toSave())).toBeCloseTo(-500, 6);
+  });
+
+  it("is the shown one in a wide window", () => {
+    begin();
+    editor.showScene(someScene());
+    expect(eye(editor.scene.value)).toBe(-500);
+    expect(editor.toSave()).toBe(editor.scene.value);
   });
 });
 

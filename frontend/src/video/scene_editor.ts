@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { applyGesture } from "../input/apply_gesture";
-import { fittedToAspect, refitted, type CameraPose } from "../input/camera";
+import { refitted, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
 import {
   cameraOf,
@@ -15,7 +15,7 @@ import {
 import { changed, nothingYet, redone, rested, undone, type History, type Moved } from "../scene/history";
 import { resetPart, type Part } from "../scene/parts";
 
-/** What the editor needs of the session. */
+/** The part of the session that the editor needs. */
 export interface EditorParts {
   /** Whether this viewer controls the scene. */
   readonly leads: () => boolean;
@@ -24,6 +24,16 @@ export interface EditorParts {
   readonly send: (scene: Scene, rest: boolean) => void;
   /** Sends that the last edit is finished. */
   readonly rest: () => void;
+}
+
+/** Saved scenes are framed for this shape, and for every wider one: the camera's field of view is vertical. */
+const square: Viewport = { width: 1, height: 1 };
+
+/** Moves the camera so that a picture of another shape shows as much. */
+function reframed(scene: Scene, before: Viewport, after: Viewport): Scene {
+  const pose = cameraOf(scene);
+  const fitted = pose && refitted(pose, before.width / before.height, after.width / after.height);
+  return fitted && fitted !== pose ? withCamera(scene, fitted) : scene;
 }
 
 /** The scene of one session, its edits and the steps to undo. */
@@ -93,9 +103,9 @@ export class SceneEditor {
     if (begun) this.change(`reset ${part}`, (scene) => resetPart(scene, begun, part));
   }
 
-  private go(way: (steps: History<Scene>, now: Scene) => Moved<Scene> | null): void {
+  private go(step: (steps: History<Scene>, now: Scene) => Moved<Scene> | null): void {
     const scene = this.scene.value;
-    const moved = scene && this.parts.leads() ? way(this.steps.value, scene) : null;
+    const moved = scene && this.parts.leads() ? step(this.steps.value, scene) : null;
     if (!moved) return;
     this.setScene(moved.value, null, true);
     this.steps.value = moved.history;
@@ -116,25 +126,40 @@ export class SceneEditor {
 
   /** Starts with a look and its own camera. */
   beginWith(preset: Preset): void {
-    const pose = preset.scene && cameraOf(preset.scene);
-    if (preset.scene) this.setScene(pose ? withCamera(preset.scene, this.fitted(pose)) : preset.scene, null, true);
+    if (preset.scene) this.setScene(this.framed(preset.scene), null, true);
   }
 
-  /** Replaces the whole scene: look, lights, cuts and camera. */
-  showScene(scene: Scene): void {
-    this.setScene(scene, { what: "scene", held: false }, true);
+  /** Replaces the whole scene by a saved one: look, lights, cuts and camera. */
+  showScene(saved: Scene): void {
+    this.setScene(this.framed(saved), { what: "scene", held: false }, true);
   }
 
-  /** Keeps the subject in the picture when the window, or what lies beside the picture, changes its shape. No step to undo. */
+  /** Returns a saved scene as this window shows it. */
+  framed(saved: Scene): Scene {
+    return reframed(saved, square, this.parts.canvasSize());
+  }
+
+  /** Returns the scene as presets and links keep it, so that a window of any shape shows the whole subject. */
+  toSave(): Scene | null {
+    const scene = this.scene.value;
+    return scene && reframed(scene, this.parts.canvasSize(), square);
+  }
+
+  /**
+   * Keeps the subject in view when the picture changes its shape: with the window or the panels next to it, or because
+   * someone in another window presents from now on. Not an undo step.
+   */
   resized(before: Viewport, after: Viewport): void {
     const scene = this.scene.value;
-    const pose = scene && cameraOf(scene);
-    if (!scene || !pose) return;
-    const fitted = refitted(pose, before.width / before.height, after.width / after.height);
-    if (fitted !== pose) this.setScene(withCamera(scene, fitted), null, true);
+    if (!scene || !this.parts.leads()) return;
+    const fitted = (one: Scene) => reframed(one, before, after);
+    if (fitted(scene) === scene) return;
+    this.setScene(fitted(scene), null, true);
+    const { past, future, open } = this.steps.value;
+    this.steps.value = { past: past.map(fitted), future: future.map(fitted), open };
   }
 
-  /** The same with another clip, while a hand moves it or (`rest`) has moved it. */
+  /** Sets the clip while the user drags it, and once more when they release it (`rest`). */
   cutScene(scene: Scene, rest: boolean): void {
     this.setScene(scene, null, rest);
   }
@@ -156,13 +181,7 @@ export class SceneEditor {
     const first = this.begun.value;
     const same = scene && first && sameLook(first, scene) ? first : null;
     const begun = same ?? (this.activePreset() ?? this.presets.value[0])?.scene;
-    const pose = begun && cameraOf(begun);
-    return pose ? this.fitted(pose) : null;
-  }
-
-  private fitted(pose: CameraPose): CameraPose {
-    const { width, height } = this.parts.canvasSize();
-    return fittedToAspect(pose, width / height);
+    return begun ? cameraOf(this.framed(begun)) : null;
   }
 
   /** `change` describes the undo step. Null for none. */

@@ -97,7 +97,7 @@ describe("an exported picture", () => {
   });
   it("ends with the renderer's message if it refuses the scene", () => {
     world.say({ case: "problem", value: create(ProblemSchema, { message: "Too many lights." }) });
-    expect(world.state).toEqual({ kind: "failed", trouble: "refused_scene", said: "Too many lights." });
+    expect(world.state).toEqual({ kind: "failed", trouble: "refused_scene", message: "Too many lights." });
   });
 });
 
@@ -132,7 +132,7 @@ it("reports that no rendering time is left, and ends", async () => {
   spent.ticketSource = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
   spent.shot.start();
   await settled();
-  expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });
+  expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", message: "" });
 });
 
 it("reports that it waits for a free renderer", async () => {

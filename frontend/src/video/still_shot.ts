@@ -49,9 +49,9 @@ export interface ShotParts extends BackgroundParts<ShotState> {
 }
 
 /** Returns the fraction of the work that is done, given that four times the samples halve the noise. */
-export function partDone(error: number, wanted: number): number | null {
-  if (!Number.isFinite(error) || error <= 0 || wanted <= 0) return null;
-  return Math.min(1, (wanted / error) ** 2);
+export function partDone(error: number, target: number): number | null {
+  if (!Number.isFinite(error) || error <= 0 || target <= 0) return null;
+  return Math.min(1, (target / error) ** 2);
 }
 
 /** The error at which the renderer stops by default (docs/contracts.md). */
@@ -102,10 +102,10 @@ export class StillShot {
     this.lossless.epochIs(frame.epoch);
     const own = frame.inputSeq > 1n && frame.width === this.order.size.width && frame.height === this.order.size.height;
     const samples = Number(frame.iteration);
-    const wanted = this.order.error || renderersError;
+    const target = this.order.error || renderersError;
     if (own && !this.session.isOver()) {
       this.epoch = frame.epoch;
-      this.session.isAt(partDone(frame.error, wanted));
+      this.session.reportProgress(partDone(frame.error, target));
     }
     const enough = own && !this.session.isOver() && !this.busy && frame.error <= this.order.error; // an error of 0 is never reached, and the tiles end the picture
     if (enough) {

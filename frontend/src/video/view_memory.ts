@@ -1,4 +1,5 @@
 import { sceneFromJson, sceneToJson, type Scene } from "../protocol/messages";
+import { nothingYet, type History } from "../scene/history";
 
 /** The view of a data set, which this tab remembers across reloads. */
 export interface RememberedView {
@@ -7,13 +8,19 @@ export interface RememberedView {
   /** The scene at the start of the session. */
   readonly begun: Scene | null;
   readonly input_seq: number;
+  /** The steps to undo and to redo. */
+  readonly steps: History<Scene>;
 }
 
 type Store = Pick<Storage, "getItem" | "setItem">;
 const keyOf = (dataSetId: string) => `diaphane.view.${dataSetId}`;
+const stepsKeyOf = (dataSetId: string) => `diaphane.steps.${dataSetId}`;
+
+/** Browsers store about 5 million characters for a tab. Older steps do not survive a reload. */
+const mostStepCharacters = 1_000_000;
 
 export function rememberedView(store: Store, dataSetId: string): RememberedView {
-  const nothing: RememberedView = { session_id: null, scene: null, begun: null, input_seq: 0 };
+  const nothing: RememberedView = { session_id: null, scene: null, begun: null, input_seq: 0, steps: nothingYet };
   try {
     const value = JSON.parse(store.getItem(keyOf(dataSetId)) ?? "null") as Record<string, unknown> | null;
     if (!value) return nothing;
@@ -23,6 +30,7 @@ export function rememberedView(store: Store, dataSetId: string): RememberedView 
       scene: typeof scene === "string" ? sceneFromJson(scene) : null,
       begun: typeof begun === "string" ? sceneFromJson(begun) : null,
       input_seq: typeof inputSeq === "number" && Number.isSafeInteger(inputSeq) ? inputSeq : 0,
+      steps: rememberedSteps(store, dataSetId),
     };
   } catch {
     return nothing;
@@ -31,9 +39,45 @@ export function rememberedView(store: Store, dataSetId: string): RememberedView 
 
 export function rememberView(store: Store, dataSetId: string, view: RememberedView): void {
   const text = (scene: Scene | null) => (scene ? sceneToJson(scene) : null);
+  const { steps, ...rest } = view;
   try {
-    store.setItem(keyOf(dataSetId), JSON.stringify({ ...view, scene: text(view.scene), begun: text(view.begun) }));
+    store.setItem(keyOf(dataSetId), JSON.stringify({ ...rest, scene: text(view.scene), begun: text(view.begun) }));
+    rememberSteps(store, dataSetId, steps);
   } catch {
     // The storage is full or not allowed, so the view starts again after a reload.
   }
+}
+
+/** What each store received last, because views are remembered several times per second. */
+const written = new WeakMap<Store, { readonly dataSetId: string; readonly steps: History<Scene> }>();
+/** Scenes are immutable, and most steps were there the last time. */
+const texts = new WeakMap<Scene, string>();
+
+function rememberSteps(store: Store, dataSetId: string, steps: History<Scene>): void {
+  const last = written.get(store);
+  if (last?.dataSetId === dataSetId && last.steps === steps) return;
+  written.set(store, { dataSetId, steps });
+  let left = mostStepCharacters;
+  const newest = (scenes: readonly Scene[]): string[] => {
+    const fitting: string[] = [];
+    for (const scene of scenes.toReversed()) {
+      const text = texts.get(scene) ?? sceneToJson(scene);
+      texts.set(scene, text);
+      left -= text.length;
+      if (left < 0) break;
+      fitting.unshift(text);
+    }
+    return fitting;
+  };
+  store.setItem(stepsKeyOf(dataSetId), JSON.stringify({ past: newest(steps.past), future: newest(steps.future) }));
+}
+
+function rememberedSteps(store: Store, dataSetId: string): History<Scene> {
+  const value = JSON.parse(store.getItem(stepsKeyOf(dataSetId)) ?? "{}") as Record<string, unknown>;
+  const scenes = (list: unknown): Scene[] =>
+    (Array.isArray(list) ? list : []).flatMap((text) => {
+      const scene = typeof text === "string" ? sceneFromJson(text) : null;
+      return scene ? [scene] : [];
+    });
+  return { past: scenes(value.past), future: scenes(value.future), open: null };
 }

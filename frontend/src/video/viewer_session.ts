@@ -1,7 +1,9 @@
 import { signal } from "@preact/signals";
+import type { Area, Point } from "../input/flat";
+import { Collaboration } from "../live/collaboration";
 import type { Place } from "../live/place";
 import type { Answered } from "../protocol/depth_queries";
-import type { KernelReport } from "../protocol/file_messages";
+import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../protocol/file_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
 import { firstState, type ConnectionState } from "../protocol/connection";
 import {
@@ -28,6 +30,7 @@ import { serverSentence } from "../texts/problem_text";
 import { tab } from "../storage";
 import { ResizeDebouncer } from "./canvas_size";
 import type { Painter } from "./painter";
+import { pictureIn } from "./picture_in";
 import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
 import { rememberView, rememberedView } from "./view_memory";
@@ -39,6 +42,8 @@ const effortKey = "diaphane.effort";
 /** The longest side of a picture that the protocol allows. */
 const longestSide = 4096;
 const rememberedEveryMs = 250;
+const curveWithinMs = 2000;
+const curveEveryMs = 400;
 const slicesKey = (key: string) => `diaphane.slices.${key}`;
 
 const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
@@ -46,6 +51,12 @@ const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
   [SliceAccess.CLIPPED]: "clipped",
   [SliceAccess.WHOLE]: "whole",
 };
+
+function problemText(field: string, message: string): string {
+  if (field === "own_camera") return t.live.noFreeCamera;
+  if (field === "own_camera_taken") return t.live.freeCameraTaken;
+  return serverSentence(message, t.problems.notTaken);
+}
 
 /** One viewer's connection to a data set, with its pictures and the editor of its scene. Independent of any view. */
 export class ViewerSession {
@@ -65,6 +76,8 @@ export class ViewerSession {
   readonly effort = signal<Effort>(fullEffort);
   /** The slice views next to the 3D picture. */
   readonly slices: Slices;
+  /** What the participants show each other. */
+  readonly collaboration: Collaboration;
   /** The server's explanation of the last input that it rejected. */
   readonly problem = signal("");
 
@@ -84,7 +97,10 @@ export class ViewerSession {
   private readonly resizeDebouncer: ResizeDebouncer;
   private currentSessionId: string | null;
   private canvasSize: Viewport;
+  private curveRequestedMs = -Infinity;
+  private followed = false;
   private remembering: ReturnType<typeof setTimeout> | undefined;
+  private curveCame: () => void = () => undefined;
 
   constructor(
     private readonly place: Place,
@@ -97,6 +113,7 @@ export class ViewerSession {
     this.slices = new Slices(
       (lacking, taken) => this.client.wantSlices(lacking, taken),
       slicesFromText(tab.getItem(slicesKey(place.key))),
+      () => this.editor.scene.value?.transferFunction ?? null,
     );
     this.currentSessionId = before.session_id;
     this.canvasSize = withinBounds(size, longestSide);
@@ -121,6 +138,12 @@ export class ViewerSession {
       this.events(),
       this.canvasSize,
     );
+    this.collaboration = new Collaboration({
+      say: (message) => this.client.say(message),
+      after,
+      slices: this.slices,
+      audience: this.audience,
+    });
     this.pictures = new PictureStore(painter, {
       ack: (shown, times, queue) => this.client.ack(shown, times, queue),
       needKey: () => this.client.needKey(),
@@ -135,6 +158,7 @@ export class ViewerSession {
     if (before.scene) {
       this.client.remember(before.scene, before.input_seq);
       this.editor.scene.value = before.scene;
+      this.editor.steps.value = before.steps;
     }
   }
 
@@ -150,6 +174,7 @@ export class ViewerSession {
     this.remember();
     this.client.stop();
     this.resizeDebouncer.stop();
+    this.collaboration.stop();
     this.slices.stop();
     this.pictures.close();
     this.place.leave(id);
@@ -187,7 +212,7 @@ export class ViewerSession {
   }
 
   /**
-   * Asks for the distance of what is visible at a point of the picture. `x` and `y` range from 0 to 1, from the top
+   * Asks for the distance of the surface at a point of the picture. `x` and `y` range from 0 to 1, from the top
    * left.
    */
   depthAt(x: number, y: number): Promise<Answered> {
@@ -196,7 +221,31 @@ export class ViewerSession {
 
   /** The answer arrives in `kernel` with the next picture. */
   askForKernel(): void {
-    this.client.askForKernel();
+    this.client.say(encodeKernelQuery());
+  }
+
+  /**
+   * Asks the worker for the whole curve of the current view, which has passes that were never shown. It replaces the
+   * curve of the pictures. Resolves with the answer, or without one after a while. Does not ask for a curve that is
+   * hardly older, because the worker refuses more than four requests per second.
+   */
+  async refreshCurve(): Promise<void> {
+    const nowMs = performance.now();
+    if (nowMs - this.curveRequestedMs < curveEveryMs || !this.client.say(encodeCurveQuery())) return;
+    this.curveRequestedMs = nowMs;
+    await new Promise<void>((resolve) => {
+      this.curveCame = resolve;
+      setTimeout(resolve, curveWithinMs);
+    });
+  }
+
+  /** Moves this viewer's pointer. `at` is in CSS pixels from the top left of the canvas, whose size is `area`. */
+  pointAt(at: Point | null, area: Area): void {
+    const picture = this.pictures.picture.value;
+    const place = picture && pictureIn(area, picture, !this.client.leads);
+    const x = at && place ? (at.x - place.x) / place.width : -1;
+    const y = at && place ? (at.y - place.y) / place.height : -1;
+    this.collaboration.point(x >= 0 && x <= 1 && y >= 0 && y <= 1 ? { x, y } : null);
   }
 
   wake(): void {
@@ -249,6 +298,7 @@ export class ViewerSession {
       scene: this.editor.scene.value,
       begun: this.editor.begun.value,
       input_seq: this.client.inputSeq,
+      steps: this.editor.steps.value,
     });
     const slices = this.slices.remembered();
     if (slices) tab.setItem(slicesKey(this.place.key), slicesToText(slices));
@@ -270,22 +320,33 @@ export class ViewerSession {
       audience: (audience) => {
         this.audience.value = audience;
         this.slices.allow(sliceAccess[audience.slices]);
-        this.painter.showWhole(!this.client.leads);
+        this.collaboration.audienceChanged(audience);
+        this.painter.fitToWindow(!this.client.leads);
         if (!this.client.leads) this.editor.forgetSteps();
+        else if (this.followed) this.tookOver();
+        this.followed = !this.client.leads;
       },
       look: (scene) => this.editor.replace(scene),
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
-      problem: ({ field, message }) =>
-        (this.problem.value =
-          field === "own_camera"
-            ? t.live.noFreeCamera
-            : field === "own_camera_taken"
-              ? t.live.freeCameraTaken
-              : serverSentence(message, t.problems.notTaken)),
+      problem: ({ field, message }) => {
+        // The presenter turned off the pointers of guests while this one moved.
+        if (field !== "pointer") this.problem.value = problemText(field, message);
+      },
       fileProgress: () => undefined,
       filePart: () => undefined,
       kernel: (report) => (this.kernel.value = report),
+      errorCurve: (curve) => {
+        this.pictures.takeCurve(curve);
+        this.curveCame();
+      },
+      shared: (shared) => this.collaboration.receive(shared),
     };
+  }
+
+  /** Until now, someone else framed the picture, for a window of another shape. */
+  private tookOver(): void {
+    const shown = this.pictures.picture.value;
+    if (shown) this.editor.resized(shown, this.canvasSize);
   }
 
   private resized(size: Viewport): void {
@@ -304,6 +365,7 @@ export class ViewerSession {
     this.treatment.value = config.treatment ?? null;
     this.slices.configured(stacksOf(config.sliceStacks), config.volume);
     this.histogram.value = config.histogram ?? null;
+    this.collaboration.connected();
     this.editor.configured(config, !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0);
     this.rememberSoon();
   }

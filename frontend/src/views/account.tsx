@@ -6,7 +6,7 @@ import { problemText } from "../texts/problem_text";
 import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
 import { ConsentBox } from "./consent";
-import { Field } from "./field";
+import { CurrentPassword, EmailField } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { MailedPassword } from "./mailed_password";
 import { Link, navigate } from "./router";
@@ -55,14 +55,7 @@ export function SignUp() {
   return (
     <AccountFrame title={t.titles.signUp} lead={t.account.signUpLead}>
       <Form onSubmit={submit} busy={busy} label={t.account.signUp} {...fault(faults.form)}>
-        <Field
-          label={t.account.email}
-          type="email"
-          autocomplete="email"
-          value={email}
-          onInput={setEmail}
-          {...fault(faults.email)}
-        />
+        <EmailField autocomplete="email" value={email} onInput={setEmail} {...fault(faults.email)} />
         <ConsentBox given={consents} onChange={setConsents} {...fault(faults.consent)} />
       </Form>
       <p class="muted">
@@ -100,18 +93,9 @@ export function SignIn() {
   return (
     <AccountFrame title={t.titles.signIn} lead={t.account.signInLead}>
       <Form onSubmit={submit} busy={busy} label={t.account.signIn} {...fault(faults.form)}>
-        <Field
-          label={t.account.email}
-          type="email"
-          autocomplete="username"
-          value={email}
-          onInput={setEmail}
-          {...fault(faults.email)}
-        />
-        <Field
+        <EmailField autocomplete="username" value={email} onInput={setEmail} {...fault(faults.email)} />
+        <CurrentPassword
           label={t.account.password}
-          type="password"
-          autocomplete="current-password"
           value={password}
           onInput={setPassword}
           {...fault(faults.password)}
@@ -190,34 +174,20 @@ function SignInCode({ email, password, onBack }: SignInCodeProps) {
 /** The page that the link in the confirmation email opens. */
 export function Verify({ token }: { readonly token: string }) {
   const app = useApp();
-  const [done, setDone] = useState(false);
-  if (done)
-    return (
-      <AccountFrame title={t.account.verifiedTitle}>
-        <Notice kind="good">{t.account.verified}</Notice>
-        <p>
-          <Link href="/sign-in" class="button button-main">
-            {t.account.toSignIn}
-          </Link>
-        </p>
-      </AccountFrame>
-    );
   return (
-    <AccountFrame title={t.titles.verify} lead={t.account.verifyLead}>
-      <MailedPassword
-        token={token}
-        page="/verify"
-        label={t.account.password}
-        button={t.account.verifySubmit}
-        redeem={(mailed, password) => app.api.verify(mailed, password)}
-        onDone={() => {
-          history.replaceState(null, "", "/sign-in"); // a reload has no token to redeem again
-          setDone(true);
-        }}
-      />
-      <p class="muted">
-        <Link href="/sign-in">{t.account.toSignIn}</Link>
-      </p>
-    </AccountFrame>
+    <MailedPassword
+      token={token}
+      page="/verify"
+      title={t.titles.verify}
+      lead={t.account.verifyLead}
+      label={t.account.password}
+      button={t.account.verifySubmit}
+      doneTitle={t.account.verifiedTitle}
+      doneText={t.account.verified(app.me.value?.email ?? "")}
+      next={{ href: "/add", label: t.scans.add }}
+      redeem={async (mailed, password) => app.signedIn(await app.api.verify(mailed, password))}
+    >
+      <Link href="/sign-in">{t.account.toSignIn}</Link>
+    </MailedPassword>
   );
 }

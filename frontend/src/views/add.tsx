@@ -75,7 +75,6 @@ export function Add() {
 
 function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
   const [over, setOver] = useState(false);
-  const input = useRef<HTMLInputElement>(null);
   useDroppedFiles((files) => {
     setOver(false);
     onFiles(files);
@@ -95,25 +94,48 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
       <p class="muted" aria-hidden="true">
         {t.add.or}
       </p>
+      <div class="drop-buttons">
+        <Picker text={t.add.choose} kind="folder" onFiles={onFiles} />
+        <Picker text={t.add.chooseFiles} kind="files" onFiles={onFiles} />
+      </div>
+    </div>
+  );
+}
+
+interface PickerProps {
+  readonly text: string;
+  readonly kind: "folder" | "files";
+  readonly onFiles: (files: File[]) => void;
+}
+
+/** Phones can choose only files, and a folder is easier to choose than its files elsewhere. */
+function Picker({ text, kind, onFiles }: PickerProps) {
+  const input = useRef<HTMLInputElement>(null);
+  return (
+    <>
       <input
         ref={(element) => {
           input.current = element;
-          if (element) element.webkitdirectory = true; // a property that is missing from the types of JSX
+          if (element) element.webkitdirectory = kind === "folder"; // a property that is missing from the types of JSX
         }}
         type="file"
         class="visually-hidden"
-        aria-label={t.add.choose}
+        aria-label={text}
         multiple
         tabIndex={-1}
         onChange={(event) => {
           const files = [...(event.currentTarget.files ?? [])];
-          event.currentTarget.value = ""; // the same folder may be chosen again
+          event.currentTarget.value = ""; // the same files may be chosen again
           if (files.length > 0) onFiles(files);
         }}
       />
-      <button type="button" class="button button-main" onClick={() => input.current?.click()}>
-        {t.add.choose}
+      <button
+        type="button"
+        class={`button${kind === "folder" ? " button-main" : ""}`}
+        onClick={() => input.current?.click()}
+      >
+        {text}
       </button>
-    </div>
+    </>
   );
 }

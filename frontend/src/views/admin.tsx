@@ -10,7 +10,7 @@ import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
 import { Table } from "./table";
 
-const fleetAskedEveryMs = 2000;
+const fleetPollIntervalMs = 2000;
 
 export function Admin({ part }: { readonly part: AdminPart }) {
   return (
@@ -55,7 +55,7 @@ function FleetState() {
         if (!here) return;
         setWrong(app.explain(thrown));
       }
-      timer = setTimeout(() => void load(), fleetAskedEveryMs);
+      timer = setTimeout(() => void load(), fleetPollIntervalMs);
     };
     void load();
     return () => {

@@ -1,6 +1,9 @@
+import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import type { AuditEntry } from "../api/types";
 import { t } from "../texts";
+import { Address } from "./address";
+import { detailsText } from "./audit_details";
 import { Field } from "./field";
 import { dateText } from "./format";
 import { MoreButton } from "./more_button";
@@ -94,9 +97,7 @@ function AuditTable({ entries }: { readonly entries: readonly AuditEntry[] }) {
           whoOf(entry),
           <Action code={entry.action} />,
           subjectOf(entry),
-          Object.entries(entry.details)
-            .map(([name, value]) => `${name} ${value}`)
-            .join(", "),
+          detailsText(entry),
         ],
       }))}
     />
@@ -119,8 +120,8 @@ function subjectOf({ subject, subject_email: subjectEmail, subject_id: subjectId
   return subjectEmail ?? (subjectId ? `${name} ${subjectId.slice(0, 8)}` : name);
 }
 
-function whoOf(entry: AuditEntry): string {
+function whoOf(entry: AuditEntry): ComponentChildren {
   if (entry.actor === "machine") return t.admin.machine;
   if (entry.actor_id === null && ["link", "live-link"].includes(String(entry.details.by))) return t.admin.guest;
-  return entry.actor_email ?? t.admin.gone;
+  return entry.actor_email ? <Address email={entry.actor_email} /> : t.admin.gone;
 }

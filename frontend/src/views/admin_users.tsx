@@ -1,10 +1,12 @@
 import { useState } from "preact/hooks";
 import type { User } from "../api/types";
+import { typedNumber } from "../scene/numbers";
 import { t } from "../texts";
+import { Address } from "./address";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
-import { bytesText, dateText } from "./format";
+import { bytesText, dateText, numberText } from "./format";
 import { Loading } from "./loading";
 import { MoreButton } from "./more_button";
 import { navigate } from "./router";
@@ -66,7 +68,7 @@ function UserTable({ users, change }: UserTableProps) {
       rows={users.map((user) => ({
         key: user.id,
         cells: [
-          user.email,
+          <Address email={user.email} />,
           <States user={user} />,
           user.data_sets,
           t.myAccount.storageUsed(bytesText(user.quota.used_bytes), bytesText(user.quota.bytes)),
@@ -154,8 +156,8 @@ function UserDialog({ user, onClose }: UserDialogProps) {
   );
 }
 
-const inTenths = (value: number): string => String(Math.round(value * 10) / 10);
-const isWrongNumber = (text: string): boolean => text.trim() === "" || !(Number(text) >= 0);
+const inTenths = (value: number): string => numberText(Math.round(value * 10) / 10);
+const limits = { low: 0, high: 1e9 };
 
 /** `onChanged` is called when the server has taken a change. */
 function useUserForm(user: User, onChanged: () => void) {
@@ -175,16 +177,14 @@ function useUserForm(user: User, onChanged: () => void) {
     }
   };
   const save = async () => {
-    const found = {
-      ...(isWrongNumber(gb) ? { quota_bytes: t.admin.numberWrong } : {}),
-      ...(isWrongNumber(hours) ? { render_quota_ms: t.admin.numberWrong } : {}),
-    };
-    setFaults(found);
-    if (Object.keys(found).length > 0) return;
-    await send({
-      quota_bytes: Math.round(Number(gb) * gigabyte),
-      render_quota_ms: Math.round(Number(hours) * hourMs),
+    const storage = typedNumber(gb, limits);
+    const time = typedNumber(hours, limits);
+    setFaults({
+      ...(storage === null ? { quota_bytes: t.admin.numberWrong } : {}),
+      ...(time === null ? { render_quota_ms: t.admin.numberWrong } : {}),
     });
+    if (storage === null || time === null) return;
+    await send({ quota_bytes: Math.round(storage * gigabyte), render_quota_ms: Math.round(time * hourMs) });
   };
   return { gb, setGb, hours, setHours, faults, busy, save, setDisabled: (disabled: boolean) => send({ disabled }) };
 }

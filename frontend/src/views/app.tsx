@@ -24,7 +24,7 @@ import { SharedByLink, SharedSample } from "./shared";
 import { AppContext, useApp, type AppState } from "./state";
 import { OwnViewer } from "./viewer/viewer";
 
-/** A change of the language mounts the page again, because it has read the old texts. Uploads and the account stay. */
+/** A change of the language mounts the page again, because it contains the old texts. Uploads and the account stay. */
 export function App({ state }: { readonly state: AppState }) {
   return (
     <AppContext.Provider value={state}>
@@ -41,7 +41,7 @@ function Page() {
   if (linked) return linked;
   if (app.unreachable.value) return framed(<Unreachable />);
   if (me === undefined) return framed(<Loading page />);
-  // Somebody who has to sign in first is then on the page that they asked for.
+  // After signing in, users reach the page that they requested.
   return openPage(at, me) ?? (me === null ? framed(<SignIn />) : accountPage(at, me));
 }
 
@@ -150,7 +150,7 @@ function NotFound() {
   );
 }
 
-/** Leads people away from the forms to sign up and in, because they are signed in already. */
+/** Leads users away from the sign-up and sign-in forms, because they are already signed in. */
 function Elsewhere() {
   useEffect(() => navigate("/scans", true), []);
   return null;

@@ -11,7 +11,7 @@ interface ConsentBoxProps {
   readonly fault?: string;
 }
 
-/** Asks for the consent to the processing of health data. Nobody but the user ticks it. */
+/** Asks for the consent to the processing of health data. It is never ticked by default. */
 export function ConsentBox({ given, onChange, fault: wrong }: ConsentBoxProps) {
   const id = useId();
   return (
@@ -38,7 +38,7 @@ export function ConsentBox({ given, onChange, fault: wrong }: ConsentBoxProps) {
   );
 }
 
-/** In place of a page of somebody who has not agreed to the current privacy notice yet. */
+/** Replaces the page for users who have not agreed to the current privacy notice. */
 export function ConsentFirst({ version }: { readonly version: string }) {
   const app = useApp();
   const [given, setGiven] = useState(false);

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { t } from "../texts";
 import { focusTitle } from "./shell";
 
 export interface DialogProps {
@@ -39,5 +40,16 @@ export function Dialog({ title, onClose, children }: DialogProps) {
         {children}
       </div>
     </dialog>
+  );
+}
+
+/** The only button of a dialog that has nothing to confirm. */
+export function CloseButton({ onClick }: { readonly onClick: () => void }) {
+  return (
+    <div class="dialog-buttons">
+      <button type="button" class="button button-main" onClick={onClick}>
+        {t.close}
+      </button>
+    </div>
   );
 }

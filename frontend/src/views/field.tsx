@@ -18,6 +18,21 @@ export interface FieldProps {
   readonly verbatim?: boolean;
 }
 
+/** The properties that a field of a fixed kind does not set itself. */
+interface KnownFieldProps extends Pick<FieldProps, "value" | "onInput" | "fault"> {
+  readonly label?: string;
+}
+
+/** An email address. `autocomplete`: "username" to sign in, "email" for a new address. */
+export function EmailField(props: KnownFieldProps & { readonly autocomplete: "username" | "email" }) {
+  return <Field label={t.account.email} type="email" {...props} />;
+}
+
+/** The current password of the account. */
+export function CurrentPassword(props: KnownFieldProps) {
+  return <Field label={t.myAccount.current} type="password" autocomplete="current-password" {...props} />;
+}
+
 /** A labelled input with its hint and its error, connected for screen readers. */
 export function Field(props: FieldProps) {
   const id = useId();

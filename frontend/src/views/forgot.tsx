@@ -2,7 +2,7 @@ import { useState } from "preact/hooks";
 import { t } from "../texts";
 import { looksLikeEmail } from "./account";
 import { AccountFrame } from "./account_frame";
-import { Field } from "./field";
+import { EmailField } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { useMailedToken } from "./mailed_link";
 import { MailedPassword } from "./mailed_password";
@@ -48,14 +48,7 @@ export function Forgot() {
   return (
     <AccountFrame title={t.titles.forgot} lead={t.account.forgotLead}>
       <Form onSubmit={submit} busy={busy} label={t.account.forgotSend} {...fault(faults.form)}>
-        <Field
-          label={t.account.email}
-          type="email"
-          autocomplete="username"
-          value={email}
-          onInput={setEmail}
-          {...fault(faults.email)}
-        />
+        <EmailField autocomplete="username" value={email} onInput={setEmail} {...fault(faults.email)} />
       </Form>
       <p class="muted">
         <Link href="/sign-in">{t.account.toSignIn}</Link>
@@ -67,36 +60,24 @@ export function Forgot() {
 /** The page that the link in the password email opens. */
 export function Reset({ token }: { readonly token: string }) {
   const app = useApp();
-  const [done, setDone] = useState(false);
-  if (done)
-    return (
-      <AccountFrame title={t.titles.reset}>
-        <Notice kind="good">{t.account.resetDone}</Notice>
-        <p>
-          <Link href="/sign-in" class="button button-main">
-            {t.account.toSignIn}
-          </Link>
-        </p>
-      </AccountFrame>
-    );
   return (
-    <AccountFrame title={t.titles.reset} lead={t.account.resetLead}>
-      <MailedPassword
-        token={token}
-        page="/reset"
-        label={t.account.newPassword}
-        button={t.account.reset}
-        redeem={(mailed, password) => app.api.resetPassword(mailed, password)}
-        onDone={() => {
-          app.me.value = null;
-          history.replaceState(null, "", "/sign-in"); // a reload has no token to redeem again
-          setDone(true);
-        }}
-      />
-      <p class="muted">
-        <Link href="/forgot">{t.account.askAgain}</Link>
-      </p>
-    </AccountFrame>
+    <MailedPassword
+      token={token}
+      page="/reset"
+      title={t.titles.reset}
+      lead={t.account.resetLead}
+      label={t.account.newPassword}
+      button={t.account.reset}
+      doneTitle={t.titles.reset}
+      doneText={t.account.resetDone}
+      next={{ href: "/sign-in", label: t.account.toSignIn }}
+      redeem={async (mailed, password) => {
+        await app.api.resetPassword(mailed, password);
+        app.me.value = null;
+      }}
+    >
+      <Link href="/forgot">{t.account.askAgain}</Link>
+    </MailedPassword>
   );
 }
 

@@ -21,6 +21,7 @@ describe("texts of numbers", () => {
     ]);
     await loadTexts("de");
     expect([numberText(1.23456), numberText(-0.00001), numberText(12345.6)]).toEqual(["1,235", "-0,00001", "12346"]);
+    expect(bytesText(0)).toBe("0 Byte");
     expect(bytesText(14_512_128)).toBe("14,5 MB");
     expect(dateText("2026-12-01T12:00:00Z")).toMatch(/^01\.12\.2026/);
     await loadTexts("en");

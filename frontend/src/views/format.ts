@@ -3,14 +3,16 @@ import { place } from "../texts";
 
 /** Decimal units, as for disks and quotas. */
 export function bytesText(bytes: number): string {
-  const units = ["bytes", "KB", "MB", "GB", "TB"];
+  const units = ["", "KB", "MB", "GB", "TB"];
   let value = bytes;
   let unit = 0;
   while (value >= 1000 && unit < units.length - 1) {
     value /= 1000;
     unit += 1;
   }
-  return `${fixedText(value, unit === 0 || value >= 100 ? 0 : 1)} ${units[unit] ?? ""}`;
+  if (unit === 0)
+    return new Intl.NumberFormat(place(), { style: "unit", unit: "byte", unitDisplay: "long" }).format(value);
+  return `${fixedText(value, value >= 100 ? 0 : 1)} ${units[unit] ?? ""}`;
 }
 
 /** Formats a number with a fixed number of decimal places. */
@@ -26,6 +28,10 @@ export const numberText = (value: number, digits?: number): string =>
   new Intl.NumberFormat(place(), { maximumFractionDigits: 20, useGrouping: false }).format(
     Number(shortNumber(value, digits)),
   );
+
+/** A number with all of its digits, such as a power of ten at an axis. */
+export const plainNumberText = (value: number): string =>
+  new Intl.NumberFormat(place(), { maximumFractionDigits: 20 }).format(value);
 
 /** A fraction as a whole percentage in the user's language: 80%, or with a space. */
 export const percentText = (share: number): string =>

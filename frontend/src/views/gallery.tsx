@@ -24,7 +24,7 @@ export function Gallery() {
     <div class="page">
       <div>
         <PageTitle text={text.title} />
-        <p class="muted">{known ? text.lead : text.leadNobody}</p>
+        <p class="muted">{known ? `${text.lead} ${t.sharing.views.toldPerson}` : text.leadNobody}</p>
       </div>
       {known ? null : (
         <Notice kind="info">

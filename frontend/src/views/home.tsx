@@ -9,17 +9,17 @@ import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
 import { useSamples } from "./use_samples";
 
-/** The front page for people who are not signed in: what this is and is not, and a sample at one press. */
+/** The front page for people who are not signed in: what Diaphane is and is not, and a link to a sample. */
 export function Home() {
   const samples = useSamples();
   const sample = samples?.[0] ?? null;
   const text = t.home;
   const app = useApp();
-  useEffect(() => () => void (app.farewell.value = ""), [app]);
+  useEffect(() => () => void (app.signOutNotice.value = ""), [app]);
   return (
     <div class="home">
       <section class="home-text">
-        {app.farewell.value ? <Notice kind="good">{app.farewell.value}</Notice> : null}
+        {app.signOutNotice.value ? <Notice kind="good">{app.signOutNotice.value}</Notice> : null}
         <PageTitle text={text.title} />
         <p class="lead">{text.what}</p>
         <p class="lead">{text.privacy}</p>

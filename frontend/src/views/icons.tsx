@@ -58,7 +58,7 @@ export function Icon({ name }: { readonly name: IconName }) {
   );
 }
 
-/** Slices of a head, one behind the other, the nearest the clearest. */
+/** Slices of a head, one behind the other. The nearest is the most opaque. */
 export function Mark() {
   return (
     <svg class="mark" viewBox="0 0 32 32" aria-hidden="true" focusable="false">

@@ -33,6 +33,7 @@ export function Join({ token }: { readonly token: string }) {
             hint={t.live.nameHint}
             most={40}
           />
+          <p class="muted">{t.sharing.views.toldGuest}</p>
           <button type="submit" class="button button-main">
             {t.live.join}
           </button>

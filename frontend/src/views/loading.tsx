@@ -1,6 +1,6 @@
 import { t } from "../texts";
 
-/** Shown while the first data of a page or a list is on its way. */
+/** Shown while the first data of a page or a list is loading. */
 export function Loading({ page = false }: { readonly page?: boolean }) {
   return (
     <p class={page ? "page muted" : "muted"} role="status">

@@ -1,23 +1,70 @@
+import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { t } from "../texts";
+import { AccountFrame } from "./account_frame";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { NewPassword } from "./new_password";
+import { Link } from "./router";
 import { Notice } from "./shell";
 import { useApp } from "./state";
 import { shortestPassword } from "./strength";
 
-export interface MailedPasswordProps {
+interface PasswordFormProps {
   readonly token: string;
   /** The URL after the token has been removed. */
   readonly page: string;
   readonly label: string;
   readonly button: string;
   readonly redeem: (token: string, password: string) => Promise<void>;
-  readonly onDone: () => void;
 }
 
-/** The form behind an emailed link for choosing a password. */
-export function MailedPassword({ token, page, label, button, redeem, onDone }: MailedPasswordProps) {
+export interface MailedPasswordProps extends PasswordFormProps {
+  readonly title: string;
+  readonly lead: string;
+  readonly doneTitle: string;
+  readonly doneText: string;
+  /** Where users go afterwards. A reload leads there as well, because it has no token to redeem again. */
+  readonly next: { readonly href: string; readonly label: string };
+  /** The link below the form. */
+  readonly children: ComponentChildren;
+}
+
+/** The page behind an emailed link for choosing a password. */
+export function MailedPassword({ title, lead, doneTitle, doneText, next, children, ...form }: MailedPasswordProps) {
+  const [done, setDone] = useState(false);
+  if (done)
+    return (
+      <AccountFrame title={doneTitle}>
+        <Notice kind="good">{doneText}</Notice>
+        <p>
+          <Link href={next.href} class="button button-main">
+            {next.label}
+          </Link>
+        </p>
+      </AccountFrame>
+    );
+  return (
+    <AccountFrame title={title} lead={lead}>
+      <PasswordForm
+        {...form}
+        onDone={() => {
+          history.replaceState(null, "", next.href);
+          setDone(true);
+        }}
+      />
+      <p class="muted">{children}</p>
+    </AccountFrame>
+  );
+}
+
+function PasswordForm({
+  token,
+  page,
+  label,
+  button,
+  redeem,
+  onDone,
+}: PasswordFormProps & { readonly onDone: () => void }) {
   const app = useApp();
   const [kept] = useState(token);
   const [password, setPassword] = useState("");

@@ -1,6 +1,6 @@
 import { t } from "../texts";
 
-/** Reads the next page of a list. */
+/** Loads the next page of a list. */
 export function MoreButton({ onClick }: { readonly onClick: () => void }) {
   return (
     <p>

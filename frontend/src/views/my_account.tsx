@@ -6,7 +6,7 @@ import { problemText } from "../texts/problem_text";
 import { looksLikeEmail } from "./account";
 import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
-import { Field } from "./field";
+import { CurrentPassword, EmailField } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { bytesText, dateText, dayText } from "./format";
 import { Loading } from "./loading";
@@ -175,22 +175,14 @@ function Address({ me }: { readonly me: Me }) {
       <p>{t.myAccount.addressNow(me.email)}</p>
       {sent ? <Notice kind="good">{t.myAccount.addressSent(sent)}</Notice> : null}
       <Form onSubmit={submit} busy={busy} label={t.myAccount.changeAddress} {...fault(faults.form)}>
-        <Field
+        <EmailField
           label={t.myAccount.newAddress}
-          type="email"
           autocomplete="email"
           value={email}
           onInput={setEmail}
           {...fault(faults.email)}
         />
-        <Field
-          label={t.myAccount.current}
-          type="password"
-          autocomplete="current-password"
-          value={password}
-          onInput={setPassword}
-          {...fault(faults.password)}
-        />
+        <CurrentPassword value={password} onInput={setPassword} {...fault(faults.password)} />
       </Form>
     </section>
   );
@@ -228,14 +220,7 @@ function Password() {
       <h2 id="password">{t.myAccount.password}</h2>
       {done ? <Notice kind="good">{t.myAccount.passwordChanged}</Notice> : null}
       <Form onSubmit={submit} busy={busy} label={t.myAccount.changePassword} {...fault(faults.form)}>
-        <Field
-          label={t.myAccount.current}
-          type="password"
-          autocomplete="current-password"
-          value={current}
-          onInput={setCurrent}
-          {...fault(faults.current)}
-        />
+        <CurrentPassword value={current} onInput={setCurrent} {...fault(faults.current)} />
         <NewPassword label={t.account.newPassword} value={password} onInput={setPassword} {...fault(faults.password)} />
       </Form>
     </section>
@@ -338,14 +323,7 @@ function Removal({ coded }: { readonly coded: boolean }) {
         <Dialog title={t.myAccount.removeTitle} onClose={close}>
           <p>{t.myAccount.removeText}</p>
           <Form onSubmit={submit} busy={busy} danger label={t.myAccount.removeYes} {...fault(faults.form)}>
-            <Field
-              label={t.myAccount.current}
-              type="password"
-              autocomplete="current-password"
-              value={password}
-              onInput={setPassword}
-              {...fault(faults.password)}
-            />
+            <CurrentPassword value={password} onInput={setPassword} {...fault(faults.password)} />
             {coded ? <CodeField value={code} onInput={setCode} {...fault(faults.code)} /> : null}
           </Form>
           <div class="dialog-buttons">
@@ -359,7 +337,7 @@ function Removal({ coded }: { readonly coded: boolean }) {
   );
 }
 
-/** The password and the code of somebody who deletes their account. */
+/** The password and the code that deleting the account requires. */
 function useRemoval(coded: boolean) {
   const app = useApp();
   const [asking, setAsking] = useState(false);

@@ -1,4 +1,4 @@
-/** Runs `work` and ignores further calls until it has ended, because a double click is not meant twice. */
+/** Runs `work` and ignores further calls until it has ended, because nobody means a double click twice. */
 export function oneAtATime<Given extends unknown[]>(
   work: (...given: Given) => Promise<unknown>,
 ): (...given: Given) => void {

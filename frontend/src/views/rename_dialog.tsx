@@ -29,18 +29,16 @@ export function RenameDialog({ set, rename, onClose }: RenameDialogProps) {
   };
   return (
     <Dialog title={t.scans.renameTitle} onClose={onClose}>
-      <div class="rename">
-        <Form onSubmit={submit} busy={busy} label={t.scans.renameSave} {...fault(faults.form)}>
-          <Field
-            label={t.sharing.details.name}
-            value={title}
-            onInput={setTitle}
-            most={80}
-            hint={t.sharing.details.nameHint}
-            {...fault(faults.title)}
-          />
-        </Form>
-      </div>
+      <Form onSubmit={submit} busy={busy} label={t.scans.renameSave} {...fault(faults.form)}>
+        <Field
+          label={t.sharing.details.name}
+          value={title}
+          onInput={setTitle}
+          most={80}
+          hint={t.sharing.details.nameHint}
+          {...fault(faults.title)}
+        />
+      </Form>
       <div class="dialog-buttons">
         <button type="button" class="button" onClick={onClose}>
           {t.cancel}

@@ -1,5 +1,5 @@
 import { useCallback, useEffect, useState } from "preact/hooks";
-import type { Report } from "../api/types";
+import type { Report, TakeDown } from "../api/types";
 import { t } from "../texts";
 import { AdminTabs } from "./admin";
 import { Dialog } from "./dialog";
@@ -11,14 +11,14 @@ import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 
 /** The name of the preset or of the scan that the report is about. */
-const nameOf = (report: Report): string => report.preset_name || report.title;
+const nameOf = (of: Pick<Report, "preset_name" | "title">): string => of.preset_name || of.title;
 const reasonOf = ({ preset_id: presetId, reason }: Report): string | undefined =>
   (presetId === null ? undefined : t.sharing.report.reasonsPreset[reason]) ?? t.sharing.report.reasons[reason];
 
-/** For administrators: reports about public scans and presets. */
+/** For administrators: reports about public scans and presets, and everything that is taken down. */
 export function Reports() {
   const app = useApp();
-  const { reports, fault, takeDown, dismiss } = useReports();
+  const { reports, takenDown, fault, takeDown, lift, dismiss } = useReports();
   const [taking, setTaking] = useState<Report | null>(null);
   const text = t.sharing.reports;
   useFocusKept(reports?.length);
@@ -40,6 +40,7 @@ export function Reports() {
           />
         ))}
       </ul>
+      {takenDown ? <TakenDown items={takenDown} lift={lift} /> : null}
       {taking ? (
         <TakeDownDialog
           report={taking}
@@ -54,15 +55,20 @@ export function Reports() {
   );
 }
 
-/** The open reports. They are read again after each decision. */
+/** The open reports, and everything that is taken down. Both are loaded again after each decision. */
 function useReports() {
   const app = useApp();
   const [reports, setReports] = useState<readonly Report[] | null>(null);
+  const [takenDown, setTakenDown] = useState<readonly TakeDown[] | null>(null);
   const [fault, setFault] = useState("");
-  const load = useCallback(
-    () => app.api.sharing.reports().then(setReports, (thrown: unknown) => setFault(app.explain(thrown))),
-    [app],
-  );
+  const load = useCallback(async () => {
+    try {
+      setReports(await app.api.sharing.reports());
+      setTakenDown(await app.api.sharing.takeDowns());
+    } catch (thrown) {
+      setFault(app.explain(thrown));
+    }
+  }, [app]);
   useEffect(() => void load(), [load]);
   const act = (work: Promise<void>) => {
     setFault("");
@@ -70,8 +76,10 @@ function useReports() {
   };
   return {
     reports,
+    takenDown,
     fault,
     takeDown: (report: Report, reason: string) => act(app.api.sharing.takeDown(report, reason)),
+    lift: (one: TakeDown) => act(app.api.sharing.liftTakeDown(one)),
     dismiss: (report: Report) => act(app.api.sharing.dismiss(report.id)),
   };
 }
@@ -124,6 +132,64 @@ function ReportItem({ report, onTakeDown, onDismiss }: ReportItemProps) {
         </button>
       </div>
     </li>
+  );
+}
+
+interface TakenDownProps {
+  readonly items: readonly TakeDown[];
+  readonly lift: (one: TakeDown) => void;
+}
+
+/** Everything that is taken down, with the reasons and a button to restore it. */
+function TakenDown({ items, lift }: TakenDownProps) {
+  const [lifting, setLifting] = useState<TakeDown | null>(null);
+  const text = t.sharing.reports;
+  return (
+    <section aria-labelledby="taken-down">
+      <h2 id="taken-down">{text.takenDown}</h2>
+      {items.length === 0 ? <p class="muted">{text.noneTakenDown}</p> : null}
+      <ul class="saved-presets" aria-label={text.takenDown}>
+        {items.map((one) => (
+          <li key={one.preset_id ?? one.data_set_id}>
+            <h3 class="card-title">{one.preset_id === null ? one.title : text.preset(one.preset_name)}</h3>
+            <p>
+              {one.reason} <small class="muted">{dateText(one.taken_down_at)}</small>
+            </p>
+            {one.preset_id === null ? null : <p class="muted">{one.title}</p>}
+            <div class="saved-acts">
+              <button
+                type="button"
+                class="button button-small"
+                aria-label={text.liftOf(nameOf(one))}
+                onClick={() => setLifting(one)}
+              >
+                {text.lift}
+              </button>
+            </div>
+          </li>
+        ))}
+      </ul>
+      {lifting ? (
+        <Dialog title={text.liftOf(nameOf(lifting))} onClose={() => setLifting(null)}>
+          <p>{lifting.preset_id === null ? text.liftLead : text.liftPresetLead}</p>
+          <div class="dialog-buttons">
+            <button type="button" class="button" onClick={() => setLifting(null)}>
+              {t.cancel}
+            </button>
+            <button
+              type="button"
+              class="button button-main"
+              onClick={() => {
+                lift(lifting);
+                setLifting(null);
+              }}
+            >
+              {text.lift}
+            </button>
+          </div>
+        </Dialog>
+      ) : null}
+    </section>
   );
 }
 

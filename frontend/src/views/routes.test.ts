@@ -1,14 +1,14 @@
 import { expect, test } from "vitest";
 import { firstWords, routeOf } from "./routes";
 
-test("an unknown address is not a page, whatever word it begins with", () => {
+test("an unknown path is not a page, whatever it begins with", () => {
   expect(routeOf("/nothing", "")).toEqual({ page: "not_found" });
   expect(routeOf("/constructor", "")).toEqual({ page: "not_found" });
   expect(routeOf("/view/../../etc", "")).toEqual({ page: "not_found" });
   expect(routeOf("/join", "#short")).toEqual({ page: "not_found" });
 });
 
-test("a secret is read from behind the #, an id from the path", () => {
+test("a secret is read from the fragment, and an ID from the path", () => {
   const secret = "0f".repeat(32);
   const id = "0123abcd-0000-4000-8000-000000000000";
   expect(routeOf("/join", `#${secret}`)).toEqual({ page: "join", token: secret });
@@ -16,18 +16,18 @@ test("a secret is read from behind the #, an id from the path", () => {
   expect(routeOf(`/view/${id}`, "")).toEqual({ page: "view", dataSetId: id });
 });
 
-test("parts of the administration are known", () => {
+test("the sections of the administration have routes", () => {
   expect(routeOf("/admin", "")).toEqual({ page: "admin", part: "users" });
   expect(routeOf("/admin/audit", "")).toEqual({ page: "admin", part: "audit" });
   expect(routeOf("/admin/nothing", "")).toEqual({ page: "not_found" });
   expect(routeOf("/reset", "#token=abc")).toEqual({ page: "reset", token: "abc" });
 });
 
-test("every first word is one word of a path", () => {
+test("every first word is a single path segment", () => {
   for (const word of firstWords) expect(word).toMatch(/^[a-z-]*$/);
 });
 
-test("there is a front page of its own", () => {
+test("the front page has its own route", () => {
   expect(routeOf("/", "")).toEqual({ page: "home" });
   expect(routeOf("/scans", "")).toEqual({ page: "scans" });
 });

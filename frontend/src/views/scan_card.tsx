@@ -15,7 +15,7 @@ import { useThumbnail } from "./thumbnail";
 export const titleOf = (set: DataSet): string =>
   set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitledOn(dateText(set.created_at)));
 
-/** The look that suits the kind of scan. Only a CT tells bone apart. */
+/** The look that suits the kind of scan. Only CT values distinguish bone. */
 export const lookOf = (set: DataSet): PresetName => (set.volume && set.volume.modality !== "CT" ? "skin" : "bone");
 
 export interface ScanCardProps {
@@ -23,15 +23,18 @@ export interface ScanCardProps {
   readonly upload: UploadView | null;
   readonly onRemove: () => void;
   readonly onRename: () => void;
+  /** Opens the log of who viewed the scan. */
+  readonly onViews: () => void;
 }
 
-export function ScanCard({ set, upload, onRemove, onRename }: ScanCardProps) {
+export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardProps) {
   const ready = set.state === "ready";
   const title = titleOf(set);
+  const still = isStill(set, upload);
   const remove = upload && isOpen(upload) ? t.scans.cancelUpload(title) : t.scans.remove(title);
   return (
     <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
-      <Picture set={set} />
+      <Picture set={set} still={still} />
       <div class="card-text">
         <h3>
           {ready ? (
@@ -53,13 +56,14 @@ export function ScanCard({ set, upload, onRemove, onRename }: ScanCardProps) {
           ) : null}
           {set.taken_down ? <span class="chip chip-refused">{t.sharing.takenDown}</span> : null}
           {set.volume ? <span class="chip">{set.volume.modality}</span> : null}
-          {ready ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
+          {ready || still ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
         </p>
         {set.owned || !set.owner_name ? null : <p class="muted">{t.sharing.gallery.by(set.owner_name)}</p>}
         <Details set={set} upload={upload} />
       </div>
       {set.owned ? (
         <div class="card-tools">
+          {ready ? <IconButton icon="eye" label={t.sharing.views.openOf(title)} onClick={onViews} /> : null}
           <IconButton icon="pencil" label={t.scans.rename(title)} onClick={onRename} />
           <IconButton icon="trash" label={remove} onClick={onRemove} />
         </div>
@@ -78,11 +82,16 @@ const pictureOfState = {
   expired: "alert",
 } as const satisfies Record<DataSet["state"], IconName>;
 
-function Picture({ set }: { readonly set: DataSet }) {
+/** Whether an upload has stopped for now. Its text says why, and the card must not look busy. */
+const isStill = (set: DataSet, upload: UploadView | null): boolean =>
+  set.state === "uploading" && (upload === null || upload.phase === "paused" || upload.phase === "stalled");
+
+function Picture({ set, still }: { readonly set: DataSet; readonly still: boolean }) {
   const ready = set.state === "ready";
   const url = useThumbnail(set.id, lookOf(set), ready);
   const working =
-    set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null);
+    (set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null)) &&
+    !still;
   return (
     <div class={`card-picture${working ? " card-working" : ""}`}>
       {url !== null ? (
@@ -197,7 +206,7 @@ function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload
       </p>
       <p>
         <Link href="/add" class="button button-small" label={t.scans.upload.resumeOf(titleOf(set))}>
-          {t.scans.goOn}
+          {t.scans.resumeInterrupted}
         </Link>
       </p>
     </>

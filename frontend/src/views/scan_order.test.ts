@@ -14,7 +14,7 @@ describe("the date in a title", () => {
   ])("is found in %s (%s)", (title, locale, wanted) => {
     expect(dateInTitle(title, locale)).toBe(Date.parse(wanted));
   });
-  it("is none where a title has only numbers", () => {
+  it("is not found in a title without one", () => {
     for (const title of ["", "Head 1", "T1 2024", "45.13.2024", "Series 12 of 2024"])
       expect(dateInTitle(title, "en-GB"), title).toBeNull();
   });
@@ -37,7 +37,7 @@ describe("the order of the scans", () => {
     expect(titles("title")).toEqual(["Head", "Knee 2, 3 Mar 2026", "Knee 10, 1 Jan 2025", ""]);
     expect(titles("size")).toEqual(["Head", "Knee 10, 1 Jan 2025", "Knee 2, 3 Mar 2026", ""]);
   });
-  it("is that of the server unless a known one was kept", () => {
+  it("is the server's unless a valid one was stored", () => {
     expect(scanOrderOf(null)).toBe("added");
     expect(scanOrderOf("colour")).toBe("added");
     expect(scanOrderOf("size")).toBe("size");

@@ -18,6 +18,7 @@ import { useApp } from "./state";
 import { useWarmThumbnails } from "./thumbnail";
 import { useDroppedFiles } from "./use_dropped_files";
 import { useScans } from "./use_scans";
+import { ViewLogDialog } from "./view_log";
 
 /** The number of newest scans whose pictures are prepared before they are opened. */
 const warmed = 4;
@@ -28,6 +29,7 @@ export function Scans() {
   const { sets, fault, remove, rename } = useScans();
   const [removing, setRemoving] = useState<DataSet | null>(null);
   const [renaming, setRenaming] = useState<DataSet | null>(null);
+  const [viewsOf, setViewsOf] = useState<DataSet | null>(null);
   useFocusKept(sets?.length);
   useDroppedFiles(addFiles);
   return (
@@ -45,8 +47,15 @@ export function Scans() {
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       {sets === null && !fault ? <Loading /> : null}
       {sets ? (
-        <List sets={sets} uploads={app.uploads.views.value} onRemove={setRemoving} onRename={setRenaming} />
+        <List
+          sets={sets}
+          uploads={app.uploads.views.value}
+          onRemove={setRemoving}
+          onRename={setRenaming}
+          onViews={setViewsOf}
+        />
       ) : null}
+      {viewsOf ? <ViewLogDialog dataSetId={viewsOf.id} onClose={() => setViewsOf(null)} /> : null}
       {renaming ? <RenameDialog set={renaming} rename={rename} onClose={() => setRenaming(null)} /> : null}
       {removing ? (
         <RemoveDialog
@@ -126,9 +135,10 @@ interface ListProps {
   readonly uploads: ReadonlyMap<string, UploadView>;
   readonly onRemove: (set: DataSet) => void;
   readonly onRename: (set: DataSet) => void;
+  readonly onViews: (set: DataSet) => void;
 }
 
-function List({ sets, uploads, onRemove, onRename }: ListProps) {
+function List({ sets, uploads, onRemove, onRename, onViews }: ListProps) {
   useWarmThumbnails(
     sets
       .filter((set) => set.state === "ready")
@@ -147,6 +157,7 @@ function List({ sets, uploads, onRemove, onRename }: ListProps) {
         upload={uploads.get(set.id) ?? null}
         onRemove={() => onRemove(set)}
         onRename={() => onRename(set)}
+        onViews={() => onViews(set)}
       />
     </li>
   );
@@ -171,6 +182,7 @@ function List({ sets, uploads, onRemove, onRename }: ListProps) {
       {shared.length > 0 ? (
         <section class="others">
           <h2>{t.sharing.withMe}</h2>
+          <p class="muted">{t.sharing.views.toldPerson}</p>
           <ul class="cards">{shared.map(card)}</ul>
         </section>
       ) : null}

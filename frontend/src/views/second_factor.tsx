@@ -3,7 +3,7 @@ import type { NewSecret, SecondFactor as State } from "../api/second_factor";
 import { t } from "../texts";
 import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
-import { Field } from "./field";
+import { CurrentPassword } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { dayText } from "./format";
 import { Loading } from "./loading";
@@ -84,14 +84,7 @@ function SetUp({ required, onDone }: SetUpProps) {
         <p class="muted">{t.secondFactor.about}</p>
         {required ? <Notice kind="bad">{t.secondFactor.required}</Notice> : null}
         <Form busy={busy} label={t.secondFactor.begin} {...fault(faults.form)} onSubmit={begin}>
-          <Field
-            label={t.myAccount.current}
-            type="password"
-            autocomplete="current-password"
-            value={password}
-            onInput={setPassword}
-            {...fault(faults.password)}
-          />
+          <CurrentPassword value={password} onInput={setPassword} {...fault(faults.password)} />
         </Form>
       </>
     );
@@ -203,14 +196,7 @@ function AskBoth({ what, required, onClose, onDone }: AskBothProps) {
       <p>{text.text}</p>
       {what === "remove" && required ? <p>{t.secondFactor.removeRequired}</p> : null}
       <Form onSubmit={submit} busy={busy} danger={what === "remove"} label={text.yes} {...fault(faults.form)}>
-        <Field
-          label={t.myAccount.current}
-          type="password"
-          autocomplete="current-password"
-          value={password}
-          onInput={setPassword}
-          {...fault(faults.password)}
-        />
+        <CurrentPassword value={password} onInput={setPassword} {...fault(faults.password)} />
         <CodeField value={code} onInput={setCode} {...fault(faults.code)} />
       </Form>
       <div class="dialog-buttons">
@@ -222,7 +208,7 @@ function AskBoth({ what, required, onClose, onDone }: AskBothProps) {
   );
 }
 
-/** Shown instead of an administrator's page. */
+/** Replaces the administrator's pages until two-factor authentication is set up. */
 export function SecondFactorFirst() {
   return (
     <div class="page page-narrow">

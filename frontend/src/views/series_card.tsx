@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { proposedTitle } from "../scan/propose_title";
 import type { Recommendation } from "../scan/recommend";
-import type { Series, Suitable, Thumbnail } from "../scan/types";
+import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
 import { t } from "../texts";
 import { Field } from "./field";
 import { bytesText, dicomDateText } from "./format";
@@ -15,17 +15,19 @@ export interface SeriesCardProps {
   readonly name: string;
   readonly verdict: Suitable;
   readonly files: readonly File[];
+  /** ScanResult.unpacked. */
+  readonly unpacked: ScanResult["unpacked"];
   /** Nothing else can be uploaded from this folder. */
   readonly only: boolean;
   /** Given if this series is recommended among several. */
   readonly best: Recommendation["why"] | null;
-  /** Is given what starts the upload with the title that is in the form, and null once it has begun. */
+  /** Receives a function that starts the upload with the title in the form, and null once it has begun. */
   readonly onReady: (start: (() => Promise<void>) | null) => void;
 }
 
 /** A series that can be uploaded: its facts, and the form for uploading it. */
-export function SeriesCard({ series, name, verdict, files, only, best, onReady }: SeriesCardProps) {
-  const upload = useSeriesUpload(series, files, only);
+export function SeriesCard({ series, name, verdict, files, unpacked, only, best, onReady }: SeriesCardProps) {
+  const upload = useSeriesUpload(series, files, unpacked, only);
   return (
     <article class="series-card">
       <Preview thumbnail={series.thumbnail} />
@@ -112,10 +114,10 @@ function UploadForm({ series, upload, onReady }: UploadFormProps) {
           hint={t.add.titleHint}
         />
       ) : (
-        <p>{t.add.goOnText(interruptedAt)}</p>
+        <p>{t.add.resumeText(interruptedAt)}</p>
       )}
       <button type="submit" class="button button-main" disabled={busy} aria-busy={busy}>
-        {busy ? t.add.starting : interruptedAt === null ? t.add.upload : t.add.goOn}
+        {busy ? t.add.starting : interruptedAt === null ? t.add.upload : t.add.resume}
       </button>
     </form>
   );

@@ -37,8 +37,9 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
           {t.add.privacyShort} {suitable.length > 1 ? t.add.several : ""}
         </Notice>
       ) : (
-        <Nothing files={files} result={result} hidden={hidden.length} />
+        <Nothing result={result} hidden={hidden.length} />
       )}
+      <FaultyArchives files={files} faults={result.faults} />
       {suitable.length > 1 ? <UploadAll all={all} count={suitable.length} /> : null}
       <ul class="series">
         {suitable.map((series) =>
@@ -49,6 +50,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
                 name={names.get(series.key) ?? ""}
                 verdict={series.verdict}
                 files={files}
+                unpacked={result.unpacked}
                 only={suitable.length === 1}
                 best={series.key === best?.key ? best.why : null}
                 onReady={(start) => all.set(series.key, start)}
@@ -79,7 +81,7 @@ function UploadAll({ all, count }: { readonly all: ReturnType<typeof useUploadAl
   );
 }
 
-/** Starts the uploads that have not begun, one after the other, so that each finds out whether it still fits. */
+/** Starts the uploads that have not begun, one after the other, so that each checks whether it still fits. */
 function useUploadAll() {
   const starts = useRef(new Map<string, () => Promise<void>>());
   const [busy, setBusy] = useState(false);
@@ -103,7 +105,7 @@ interface HiddenSeriesProps {
   readonly open: boolean;
 }
 
-/** What can't be shown, and why. */
+/** The series that can't be shown, with the reasons. */
 function HiddenSeries({ hidden, names, open }: HiddenSeriesProps) {
   if (hidden.length === 0) return null;
   return (
@@ -133,13 +135,22 @@ function Rest({ result }: { readonly result: ScanResult }) {
   return lines.length > 0 ? <p class="muted">{lines.join(" ")}</p> : null;
 }
 
-interface NothingProps extends Pick<SeriesListProps, "files" | "result"> {
+interface FaultyArchivesProps extends Pick<SeriesListProps, "files">, Pick<ScanResult, "faults"> {}
+
+function FaultyArchives({ files, faults }: FaultyArchivesProps) {
+  return faults.map(({ file, fault }) => (
+    <Notice key={`${file} ${fault}`} kind="bad">
+      {t.add.archives[fault](files[file]?.name ?? "")}
+    </Notice>
+  ));
+}
+
+interface NothingProps extends Pick<SeriesListProps, "result"> {
   readonly hidden: number;
 }
 
-function Nothing({ files, result, hidden }: NothingProps) {
-  if (files.length > 0 && files.every(({ name }) => /\.zip$/i.test(name)))
-    return <Notice kind="bad">{t.add.zip}</Notice>;
+function Nothing({ result, hidden }: NothingProps) {
+  if (result.files === 0 && result.faults.length > 0) return null;
   if (result.files === 0) return <Notice kind="bad">{t.add.nothingEmpty}</Notice>;
   if (hidden > 0) return <Notice kind="bad">{t.add.nothingHint}</Notice>;
   if (result.notSlices > 0) return <Notice kind="bad">{t.add.onlyReports}</Notice>;

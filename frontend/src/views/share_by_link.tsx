@@ -4,7 +4,7 @@ import { t } from "../texts";
 import { Choice } from "./choice";
 import { CopyField } from "./copy_field";
 import { dateText } from "./format";
-import { Said } from "./state";
+import { UserError } from "./state";
 import { useAct } from "./use_act";
 import { Switch } from "./viewer/settings/controls";
 
@@ -60,7 +60,7 @@ function useLinks(dataSetId: string) {
   const copy = () =>
     act(async () => {
       await navigator.clipboard.writeText(made).catch(() => {
-        throw new Said(text.copyFailed);
+        throw new UserError(text.copyFailed);
       });
       return text.copied;
     });

@@ -2,13 +2,14 @@ import { useId, useState } from "preact/hooks";
 import { bodyParts, type DataSet } from "../api/types";
 import { t } from "../texts";
 import { Choice } from "./choice";
-import { Dialog } from "./dialog";
+import { CloseButton, Dialog } from "./dialog";
 import { Field } from "./field";
 import { SharePublicly } from "./share_publicly";
 import { ShareByLink } from "./share_by_link";
 import { ShareWithPeople } from "./share_with_people";
 import { Notice } from "./shell";
 import { useAct } from "./use_act";
+import { ViewLogDialog } from "./view_log";
 
 export interface ShareScanProps {
   readonly set: DataSet;
@@ -35,12 +36,22 @@ export function ShareScanDialog({ set, onChange, onClose }: ShareScanProps) {
           <SharePublicly set={set} onChange={onChange} />
         </>
       )}
-      <div class="dialog-buttons">
-        <button type="button" class="button button-main" onClick={onClose}>
-          {t.close}
-        </button>
-      </div>
+      <Views dataSetId={set.id} />
+      <CloseButton onClick={onClose} />
     </Dialog>
+  );
+}
+
+/** Opens the log of who viewed the scan. */
+function Views({ dataSetId }: { readonly dataSetId: string }) {
+  const [open, setOpen] = useState(false);
+  return (
+    <p>
+      <button type="button" class="button" onClick={() => setOpen(true)}>
+        {t.sharing.views.open}
+      </button>
+      {open ? <ViewLogDialog dataSetId={dataSetId} onClose={() => setOpen(false)} /> : null}
+    </p>
   );
 }
 

@@ -15,7 +15,7 @@ import { Viewer } from "./viewer/viewer";
 
 const keyName = (where: string) => `diaphane.visit.${where.slice(0, 8)}`;
 
-/** The same visitor after a reload; another tab is another visit. */
+/** Identifies the visitor across reloads. Another tab is another visit. */
 function visitorKey(where: string): string {
   const known = tab.getItem(keyName(where));
   if (known !== null && /^[0-9a-f]{64}$/.test(known)) return known;
@@ -28,7 +28,7 @@ function visitorKey(where: string): string {
 function useVisit(what: { readonly token: string } | { readonly data_set_id: string }, where: string) {
   const app = useApp();
   const [key, setKey] = useState(() => visitorKey(where));
-  // eslint-disable-next-line react-hooks/exhaustive-deps -- `what` is made anew with each render and says the same as `where`
+  // eslint-disable-next-line react-hooks/exhaustive-deps -- `what` is a new object in each render but always matches `where`
   const place = useMemo(() => visitPlace(app.api, what, key), [app, where, key]);
   const again = () => {
     tab.removeItem(keyName(where));
@@ -37,7 +37,7 @@ function useVisit(what: { readonly token: string } | { readonly data_set_id: str
   return { place, again };
 }
 
-/** Where a link to a scan leads: what it is, and then the picture. No account is needed. */
+/** The page behind a link to a scan: first a description, then the picture. Needs no account. */
 export function SharedByLink({ token }: { readonly token: string }) {
   const app = useApp();
   const [leads, setLeads] = useState<{ readonly data_set: DataSet; readonly expires_at: string } | null>(null);
@@ -61,6 +61,7 @@ export function SharedByLink({ token }: { readonly token: string }) {
             <h2>{titleOf(leads.data_set)}</h2>
             {leads.data_set.description ? <p class="card-description">{leads.data_set.description}</p> : null}
             {leads.data_set.owner_name ? <p class="muted">{text.by(leads.data_set.owner_name)}</p> : null}
+            <p class="muted">{t.sharing.views.toldGuest}</p>
             <button type="button" class="button button-main button-wide" onClick={() => setLooking(true)}>
               {text.look}
             </button>

@@ -11,7 +11,7 @@ import { problemText } from "../texts/problem_text";
 const askedAgainAfterMs = 2000;
 
 /** An error message for the user. */
-export class Said extends Error {}
+export class UserError extends Error {}
 
 /** The state that all pages share. */
 export class AppState {
@@ -21,8 +21,8 @@ export class AppState {
   readonly me = signal<Me | null | undefined>(undefined);
   /** The first request has failed so far and is repeated. */
   readonly unreachable = signal(false);
-  /** Said once on the front page: what has just been done. */
-  readonly farewell = signal("");
+  /** The result of the last action, shown once on the front page. */
+  readonly signOutNotice = signal("");
   private again: ReturnType<typeof setTimeout> | undefined;
 
   async load(): Promise<void> {
@@ -37,6 +37,11 @@ export class AppState {
   }
 
   signedIn(me: Me): void {
+    if (this.me.value && this.me.value.id !== me.id) {
+      // The link in a mail can sign in another user than the one in this browser.
+      this.uploads.stopAll();
+      tab.clear();
+    }
     this.me.value = me;
   }
 
@@ -50,18 +55,19 @@ export class AppState {
     }
   }
 
-  /** Nobody is signed in any more. `farewell` is said on the front page. */
-  leave(farewell: string): void {
+  /** The user is signed out. The front page shows `signOutNotice`. */
+  leave(signOutNotice: string): void {
     tab.clear();
-    this.farewell.value = farewell;
+    this.signOutNotice.value = signOutNotice;
     this.me.value = null;
   }
 
-  /** Returns a message for an error. An expired session leads to the sign-in page. */
+  /** Returns a message for an error. It leads to the sign-in page if the session has expired, and to the privacy notice if that has changed. */
   explain(thrown: unknown): string {
-    if (thrown instanceof Said) return thrown.message;
+    if (thrown instanceof UserError) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;
     if (thrown.kind === "unauthenticated") this.me.value = null;
+    if (thrown.kind === "consent-needed") void this.load();
     return problemText(thrown);
   }
 }

@@ -1,4 +1,4 @@
-/** What can honestly be said about a new password before it is sent. Only the server knows which ones are common. */
+/** An estimate of the strength of a new password before it is sent. Only the server knows the common ones. */
 
 /** In characters as users count them, like the server's limit. */
 export const shortestPassword = 12;

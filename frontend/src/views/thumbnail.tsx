@@ -5,11 +5,11 @@ import { t } from "../texts";
 import { useApp } from "./state";
 
 /** Each picture is rendered on its first request, so requests run one by one and do not delay the viewer. */
-let lastAsked: Promise<unknown> = Promise.resolve();
+let lastRequest: Promise<unknown> = Promise.resolve();
 
 function inTurn<T>(task: () => Promise<T>): Promise<T> {
-  const result = lastAsked.then(task, task);
-  lastAsked = result.catch(() => undefined);
+  const result = lastRequest.then(task, task);
+  lastRequest = result.catch(() => undefined);
   return result;
 }
 
@@ -28,7 +28,7 @@ const notYet: Later = (problem) => problem.status === 404 || busy(problem);
  */
 function usePicture(
   name: string,
-  wanted: boolean,
+  enabled: boolean,
   later: Later,
   load: (signal: AbortSignal) => Promise<Blob>,
 ): string | null {
@@ -36,7 +36,7 @@ function usePicture(
   const newest = useRef(load);
   newest.current = load;
   useEffect(() => {
-    if (!wanted) return;
+    if (!enabled) return;
     const leaving = new AbortController();
     let made: string | null = null;
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -61,33 +61,33 @@ function usePicture(
       setUrl(null);
       if (made !== null) URL.revokeObjectURL(made);
     };
-  }, [name, wanted, later]);
+  }, [name, enabled, later]);
   return url;
 }
 
 /** A data set's picture under a look that every scan has. */
-export function useThumbnail(dataSetId: string, preset: PresetName, wanted: boolean): string | null {
+export function useThumbnail(dataSetId: string, preset: PresetName, enabled: boolean): string | null {
   const app = useApp();
-  return usePicture(`${dataSetId} ${preset}`, wanted, busy, (signal) => app.api.thumbnail(dataSetId, preset, signal));
+  return usePicture(`${dataSetId} ${preset}`, enabled, busy, (signal) => app.api.thumbnail(dataSetId, preset, signal));
 }
 
-/** What a saved preset shows: asked for once it comes into sight. */
+/** The picture of a saved preset. It is requested once it becomes visible. */
 export function PresetPicture({ preset }: { readonly preset: PresetInfo }) {
   const app = useApp();
   const place = useRef<HTMLSpanElement>(null);
-  const [seen, setSeen] = useState(false);
+  const [visible, setVisible] = useState(false);
   useEffect(() => {
     const element = place.current;
     if (!element) return;
     const watch = new IntersectionObserver((entries) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;
-      setSeen(true);
+      setVisible(true);
       watch.disconnect();
     });
     watch.observe(element);
     return () => watch.disconnect();
   }, []);
-  const url = usePicture(`${preset.id} ${preset.etag}`, seen, notYet, (signal) =>
+  const url = usePicture(`${preset.id} ${preset.etag}`, visible, notYet, (signal) =>
     app.api.presets.picture(preset, signal),
   );
   return (
@@ -98,8 +98,8 @@ export function PresetPicture({ preset }: { readonly preset: PresetInfo }) {
 }
 
 /**
- * Has the pictures of these data sets made while nobody waits for them: the viewer then has its looks at once,
- * instead of rendering them beside the view.
+ * Requests the pictures of these data sets before the user opens them, so that the viewer shows its looks
+ * immediately instead of rendering them next to the view.
  */
 export function useWarmThumbnails(dataSetIds: readonly string[]): void {
   const app = useApp();

@@ -5,21 +5,21 @@ import { useApp } from "./state";
 /** Runs one action at a time. `outcome` is the text that the last one returned, or its error. */
 export function useAct() {
   const app = useApp();
-  const [said, setSaid] = useState("");
+  const [message, setMessage] = useState("");
   const [fault, setFault] = useState("");
   const [busy, setBusy] = useState(false);
   const act = (work: () => Promise<string>) => {
     setBusy(true);
-    setSaid("");
+    setMessage("");
     setFault("");
     work()
-      .then(setSaid, (thrown: unknown) => setFault(app.explain(thrown)))
+      .then(setMessage, (thrown: unknown) => setFault(app.explain(thrown)))
       .finally(() => setBusy(false));
   };
   const outcome = (
     <>
       <p class="muted" role="status">
-        {said}
+        {message}
       </p>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
     </>

@@ -2,7 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { DataSet, GalleryQuery } from "../api/types";
 import { useApp } from "./state";
 
-const askedAfterTypingMs = 300;
+const typingDelayMs = 300;
 export const wholeGallery: GalleryQuery = { q: "", body_part: "", modality: "" };
 
 /** Searches the gallery a moment after the last change of the query, or again when `known` changes. */
@@ -25,7 +25,7 @@ export function useGallerySearch(known: boolean) {
           if (!leaving.signal.aborted) setFault(app.explain(thrown));
         },
       );
-    const timer = setTimeout(() => void search(), question === wholeGallery ? 0 : askedAfterTypingMs);
+    const timer = setTimeout(() => void search(), question === wholeGallery ? 0 : typingDelayMs);
     return () => {
       clearTimeout(timer);
       leaving.abort();

@@ -32,7 +32,7 @@ export function useScans() {
       }
       timer = setTimeout(() => void load(), wait);
     };
-    // A lost network is reported at once, and the list is read again when it is back.
+    // Reports a lost network immediately, and loads the list again when the network is back.
     const loadNow = () => {
       clearTimeout(timer);
       void load();
@@ -53,7 +53,7 @@ export function useScans() {
     }
     setRound(round + 1);
   };
-  /** Rejects with what is wrong. */
+  /** Rejects with ApiProblem. */
   const rename = async (set: DataSet, title: string) => {
     const changed = await app.api.sharing.describe(set.id, { title });
     setSets((before) => before?.map((one) => (one.id === set.id ? changed : one)) ?? null);

@@ -2,6 +2,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import { SentElsewhere } from "../api/uploads";
 import { bundleSize } from "../scan/bundle";
+import { DamagedPiece, type Piece } from "../scan/piece";
 import type { Series } from "../scan/types";
 import { partBlobs, sizesOf } from "../scan/upload_plan";
 import { t } from "../texts";
@@ -13,22 +14,27 @@ import { useApp } from "./state";
  * The upload of one series: its size, whether it was interrupted before, and what prevents it. The list stays open for
  * the others, unless it is the `only` one.
  */
-export function useSeriesUpload(series: Series, files: readonly File[], only: boolean) {
+export function useSeriesUpload(
+  series: Series,
+  files: readonly File[],
+  unpacked: readonly (Piece | null)[],
+  only: boolean,
+) {
   const app = useApp();
   const [busy, setBusy] = useState(false);
   const [fault, setFault] = useState("");
   const [begun, setBegun] = useState(false);
-  // The size is computed without making the parts. A disc has thousands, and only an upload needs them.
+  // Computes the size without the parts, because a disc has thousands and only an upload needs them.
   const bytes = useMemo(() => bundleSize(sizesOf(series.upload)), [series]);
   const interruptedAt = useInterruption(series.fingerprint, bytes);
   const quota = app.me.value?.quota;
   const free = quota ? Math.max(0, quota.bytes - quota.used_bytes) : Infinity;
-  const tooMuch = interruptedAt === null && bytes > free ? t.add.overQuota(bytesText(bytes), bytesText(free)) : "";
+  const overQuota = interruptedAt === null && bytes > free ? t.add.overQuota(bytesText(bytes), bytesText(free)) : "";
   const start = async (title: string) => {
     setBusy(true);
     setFault("");
     try {
-      await app.uploads.start(await partBlobs(series.upload, files), title, series.fingerprint);
+      await app.uploads.start(await partBlobs(series.upload, files, unpacked), title, series.fingerprint);
       if (only) navigate("/scans");
       else setBegun(true);
     } catch (thrown) {
@@ -36,7 +42,7 @@ export function useSeriesUpload(series: Series, files: readonly File[], only: bo
       setBusy(false);
     }
   };
-  return { bytes, busy, begun, interruptedAt, fault: fault || tooMuch, start };
+  return { bytes, busy, begun, interruptedAt, fault: fault || overQuota, start };
 }
 
 /** How many percent of these files an interrupted upload has sent, or null if there is none. */
@@ -55,6 +61,7 @@ function useInterruption(fingerprint: string, bytes: number): number | null {
 /** The errors that only an upload can have. */
 function uploadFault(thrown: unknown, bytes: number, free: number): string | null {
   if (thrown instanceof SentElsewhere) return t.add.sentElsewhere;
+  if (thrown instanceof DamagedPiece) return t.add.damagedInArchive;
   if (!(thrown instanceof ApiProblem)) return null;
   switch (thrown.kind) {
     case "over-quota":

@@ -1,4 +1,4 @@
-{{/* nginx's configuration of one machine (api/edge/nginx.conf.in), with a pod's places. */}}
+{{/* The nginx configuration of a single machine (api/edge/nginx.conf.in), with the ports and paths of a pod. */}}
 {{- define "diaphane.edge" -}}
 {{- $text := .Files.Get "files/nginx.conf.in" -}}
 {{- if not $text }}{{ fail "files/nginx.conf.in is missing: package the chart from a checkout, where the file is a symbolic link" }}{{ end -}}

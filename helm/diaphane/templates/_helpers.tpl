@@ -6,8 +6,8 @@
 {{- if .Values.image.digest }}{{ printf "%s@%s" .Values.image.repository .Values.image.digest }}{{ else }}{{ printf "%s:%s" .Values.image.repository (.Values.image.tag | default .Chart.AppVersion) }}{{ end -}}
 {{- end -}}
 
-{{/* Labels by which pods are chosen: never changed, and the only ones that pods have, so that another version of the chart alone replaces
-     nobody. Called with a list of the root and the component. */}}
+{{/* The labels that select pods. They never change, and pods have no others, so that a new version of the chart alone replaces no pod. Call it with
+     a list of the root and the component. */}}
 {{- define "diaphane.selector" -}}
 app.kubernetes.io/name: diaphane
 app.kubernetes.io/instance: {{ (index . 0).Release.Name }}
@@ -34,20 +34,20 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{ if .Values.redis.tls }}rediss://{{ end }}{{ include "diaphane.redis" . }}
 {{- end -}}
 
-{{/* The beginning of the names of the secrets with certificates, or nothing without TLS. */}}
+{{/* The prefix of the names of the secrets with certificates. Empty without TLS. */}}
 {{- define "diaphane.innerTlsSecrets" -}}
 {{- with .Values.innerTls -}}
 {{- if .secretName }}{{ .secretName }}{{ else if .issuer.name }}{{ printf "%s-inner" (include "diaphane.name" $) }}{{ end -}}
 {{- end -}}
 {{- end -}}
 
-{{/* The secret of a program, which is its own unless certificates have no roles. This and the next two are called with a list of the root and the
-     program. */}}
+{{/* The secret with the certificate of a program. Without roles, all programs share one secret. Call this and innerTlsMounts and innerTlsVolumes with
+     a list of the root and the program. */}}
 {{- define "diaphane.innerTlsSecret" -}}
 {{- include "diaphane.innerTlsSecrets" (index . 0) }}{{ if (index . 0).Values.innerTls.roles }}-{{ index . 1 }}{{ end -}}
 {{- end -}}
 
-{{/* How a program reaches others of ours and Redis; `innerTlsMounts` and `innerTlsVolumes` go with it. */}}
+{{/* Environment variables for TLS to Diaphane's other programs and to Redis. Use them with innerTlsMounts and innerTlsVolumes. */}}
 {{- define "diaphane.innerTls" -}}
 {{- if include "diaphane.innerTlsSecrets" . }}
 - {name: DIAPHANE_INNER_TLS_CA, value: /inner-tls/ca.crt}
@@ -63,7 +63,7 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{- end }}
 {{- end -}}
 
-{{/* The whole directory: files mounted one by one would not be renewed. */}}
+{{/* Mounts the whole directory, because Kubernetes does not update files that are mounted with subPath. */}}
 {{- define "diaphane.innerTlsMounts" -}}
 {{- if include "diaphane.innerTlsSecrets" (index . 0) }}
 - {name: inner-tls-{{ index . 1 }}, mountPath: /inner-tls, readOnly: true}
@@ -80,7 +80,7 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{- end }}
 {{- end -}}
 
-{{/* The authority that signed Postgres's certificate, which libpq reads by this variable; `postgresCaMounts` and `postgresCaVolumes` go with it. */}}
+{{/* Environment variable that tells libpq the CA of the Postgres certificate. Use it with postgresCaMounts and postgresCaVolumes. */}}
 {{- define "diaphane.postgresCa" -}}
 {{- if .Values.postgres.caSecretName }}
 - {name: PGSSLROOTCERT, value: /postgres-ca/ca.crt}
@@ -116,7 +116,7 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{ $of.existingClaim | default (printf "%s-%s" (include "diaphane.name" (index . 0)) (index . 1)) }}
 {{- end -}}
 
-{{/* Pod Security "restricted", and a root that nobody writes to. */}}
+{{/* Meets the Pod Security standard "restricted". */}}
 {{- define "diaphane.podSecurity" -}}
 runAsNonRoot: true
 runAsUser: 10001
@@ -132,7 +132,7 @@ readOnlyRootFilesystem: true
 capabilities: {drop: [ALL]}
 {{- end -}}
 
-{{/* What a pod of ours has beside containers and volumes: a list of the root, the values of the component. */}}
+{{/* The parts of a pod spec that all components share. Call it with a list of the root and the values of the component. */}}
 {{- define "diaphane.pod" -}}
 {{- $root := index . 0 -}}{{- $part := index . 1 -}}
 automountServiceAccountToken: false
@@ -156,8 +156,8 @@ tolerations: {{ toJson . }}
 {{- end }}
 {{- end -}}
 
-{{/* Spread over nodes, and over zones where there are any: a list of the root and the component. Zones by anti-affinity: a second spread constraint
-     would make the scheduler pass over the first on nodes that have no zone. */}}
+{{/* Spreads the pods over nodes, and over zones if there are any. Zones use anti-affinity, because with a second spread constraint, the scheduler would
+     ignore the first one on nodes without a zone. Call it with a list of the root and the component. */}}
 {{- define "diaphane.spread" -}}
 {{- $on := . -}}
 topologySpreadConstraints:
@@ -178,7 +178,7 @@ affinity:
               {{- include "diaphane.selector" $on | nindent 14 }}
 {{- end -}}
 
-{{/* Of the admin port, called with its name: alive says nothing of what it depends on. */}}
+{{/* Probes of the admin port. /healthz ignores dependencies, so that an outage of Postgres or Redis restarts no pod. Call it with the name of the port. */}}
 {{- define "diaphane.probes" -}}
 startupProbe:
   httpGet: {path: /healthz, port: {{ . }}}

@@ -128,8 +128,8 @@ Result<void> send_parts(Client& client, const std::string& bundle, const std::st
                            {"Tus-Resumable: 1.0.0", "Content-Type: application/offset+octet-stream",
                             "Upload-Offset: " + std::to_string(sent), checksum(part)});
     }
-    const bool well = answer.status == (ask ? 200 : 204) && !answer.offset.empty();
-    if (well) {
+    const bool accepted = answer.status == (ask ? 200 : 204) && !answer.offset.empty();
+    if (accepted) {
       const std::uint64_t stands = std::strtoull(answer.offset.c_str(), nullptr, 10);
       if (stands > sent) last_progress = std::chrono::steady_clock::now();
       sent = stands;

@@ -64,9 +64,9 @@ int main(int argc, char** argv) {
   std::string folder, volume;
   bool json = false;
   dicom::ScanLimits limits;
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
+  const std::vector<std::string> positional(argv + 1, argv + argc);
+  for (std::size_t i = 0; i < positional.size(); ++i) {
+    const std::string& word = positional[i];
     if (word == "--help" || word == "-h") {
       std::fputs(kUsage, stdout);
       return 0;
@@ -74,11 +74,11 @@ int main(int argc, char** argv) {
     if (word == "--json") {
       json = true;
     } else if (word == "--build") {
-      if (i + 1 == words.size())
+      if (i + 1 == positional.size())
         return complain(kExitUsage, "--build: missing argument VOLUME (see --help)");
-      volume = words[++i];
+      volume = positional[++i];
     } else if (word == "--most-voxels") {
-      const std::string text = i + 1 == words.size() ? "" : words[++i];
+      const std::string text = i + 1 == positional.size() ? "" : positional[++i];
       const auto [stop, error] =
           std::from_chars(text.data(), text.data() + text.size(), limits.most_voxels);
       if (error != std::errc() || stop != text.data() + text.size()) {

@@ -90,9 +90,9 @@ std::string as_text(const dicom::Scan& scan) {
                      counted(scan.series.size(), "series", "series") + ", " +
                      std::to_string(suitable) + " suitable\n";
   std::size_t number = 0;
-  for (const bool wanted : {true, false}) {
+  for (const bool accepted : {true, false}) {
     for (const dicom::Series& series : scan.series) {
-      if (series.assessment.suitable == wanted) text += paragraph(++number, series);
+      if (series.assessment.suitable == accepted) text += paragraph(++number, series);
     }
   }
   return text + left_out_lines(scan.left_out);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
 namespace {

@@ -6,12 +6,14 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_folders.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 // Compares the whole estimator with one that shares only the definition of the scene. That one uses
 // double precision, the standard library's generator, one majorant for the volume, no grid, no
@@ -220,7 +222,7 @@ TEST(BruteForce, AgreesOnEveryTileOfTheCranium) {
   volume::measure(volume);
   std::string json;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
-      std::fopen(DIAPHANE_SCENES "/cranium.json", "r"), &std::fclose);
+      std::fopen((std::string(test::kScenes) + "/cranium.json").c_str(), "r"), &std::fclose);
   ASSERT_NE(file, nullptr);
   for (int c = std::fgetc(file.get()); c != EOF; c = std::fgetc(file.get()))
     json.push_back(static_cast<char>(c));

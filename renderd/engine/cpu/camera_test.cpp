@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "renderd/engine/cpu/optics_test_support.h"
 #include "renderd/kernel/estimator.h"
-#include "renderd/math/test_statistics.h"
+#include "tests/support/renderd/optics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -10,8 +10,8 @@
 #include "renderd/engine/cpu/engine.h"
 #include "renderd/film/denoise.h"
 #include "renderd/film/tone.h"
-#include "renderd/math/test_statistics.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -70,9 +70,9 @@ class FilmMemory {
   explicit FilmMemory(std::uint64_t bytes) : free_(static_cast<std::int64_t>(bytes)) {}
 
   bool take(std::uint64_t bytes) {
-    const auto wanted = static_cast<std::int64_t>(bytes);
-    if (free_.fetch_sub(wanted) >= wanted) return true;
-    free_ += wanted;
+    const auto amount = static_cast<std::int64_t>(bytes);
+    if (free_.fetch_sub(amount) >= amount) return true;
+    free_ += amount;
     return false;
   }
   void give_back(std::uint64_t bytes) { free_ += static_cast<std::int64_t>(bytes); }
@@ -186,7 +186,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     return {};
   }
 
-  void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  void prepare_denoising(bool enabled) override { guided_ = enabled; }
   void set_precedence(unsigned precedence) override { threads_.set_precedence(precedence); }
   void raise_precedence(unsigned precedence) override { threads_.raise_precedence(precedence); }
 
@@ -303,13 +303,17 @@ class CpuFrameRenderer final : public FrameRenderer {
 
 class CpuEngine final : public Engine {
  public:
-  CpuEngine(unsigned threads, std::uint64_t film_bytes)
-      : pool_(std::make_shared<ThreadPool>(threads)),
+  CpuEngine(unsigned threads, std::uint64_t film_bytes, std::string no_gpu)
+      : no_gpu_(std::move(no_gpu)),
+        pool_(std::make_shared<ThreadPool>(threads)),
         films_(std::make_shared<FilmMemory>(film_bytes > 0 ? film_bytes : usable_memory() / 4)) {}
 
   EngineInfo info() const override {
-    return {"cpu", std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")",
-            machine_memory(), kTilesAThread * kWorkTile * kWorkTile * pool_->threads()};
+    std::string device =
+        std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")";
+    if (!no_gpu_.empty()) device += ", no GPU: " + no_gpu_;
+    return {"cpu", std::move(device), machine_memory(),
+            kTilesAThread * kWorkTile * kWorkTile * pool_->threads()};
   }
 
   Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
@@ -332,14 +336,16 @@ class CpuEngine final : public Engine {
                                               method);
   }
 
+  const std::string no_gpu_;
   std::shared_ptr<ThreadPool> pool_;
   std::shared_ptr<FilmMemory> films_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_cpu_engine(unsigned threads, std::uint64_t film_bytes) {
-  return std::make_unique<CpuEngine>(threads, film_bytes);
+std::unique_ptr<Engine> make_cpu_engine(unsigned threads, std::uint64_t film_bytes,
+                                        std::string no_gpu) {
+  return std::make_unique<CpuEngine>(threads, film_bytes, std::move(no_gpu));
 }
 
 }  // namespace diaphane::render

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "renderd/engine/frame_renderer.h"
 
@@ -13,6 +14,10 @@ namespace diaphane::render {
 ///
 /// The pictures of all its renderers together take at most `film_bytes`; 0 means a quarter of the
 /// memory that this process may use. A picture that would exceed this is refused with kOutOfMemory.
-std::unique_ptr<Engine> make_cpu_engine(unsigned threads, std::uint64_t film_bytes = 0);
+///
+/// `no_gpu`: why it replaces a GPU. It becomes part of EngineInfo::device, so that everyone who
+/// sees the device also sees the reason.
+std::unique_ptr<Engine> make_cpu_engine(unsigned threads, std::uint64_t film_bytes = 0,
+                                        std::string no_gpu = {});
 
 }  // namespace diaphane::render

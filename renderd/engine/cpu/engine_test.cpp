@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {
@@ -285,10 +285,13 @@ TEST(CpuEngine, RefusesVolumeWithMissingVoxels) {
 
 /// From 64 samples on, the estimated error is within 10% of the true one for a scene like the
 /// cranium. The true error is the root mean square over independent pictures, compared with a
-/// converged picture whose own noise is subtracted.
+/// converged picture whose own noise is subtracted. In the smaller picture of the gate, about 400
+/// pixels have contents. Over eight pictures, the spread of the ratio is below 2% (see
+/// Estimate.IsWithinTenPercentFrom64SamplesForBothPointSets).
 TEST(ErrorEstimate, IsWithinTenPercentOfTheTrueError) {
-  constexpr Canvas kSmall{64, 64};
-  constexpr std::uint32_t kReference = 2048;
+  const std::uint32_t side = test::gate_or_nightly(32u, 64u);
+  const Canvas kSmall{side, side};
+  const std::uint32_t kReference = test::gate_or_nightly(512u, 2048u);
   const volume::Volume volume = test::skull_volume();
   Session reference = session(volume, 2, 99);
   ASSERT_TRUE(reference.renderer->set_scene(test::skull_scene(), kSmall));
@@ -307,7 +310,8 @@ TEST(ErrorEstimate, IsWithinTenPercentOfTheTrueError) {
   }
   std::sort(values.begin(), values.end());
   const double white = values.at(values.size() * 99 / 100);
-  for (const auto& [samples, filmic] : {std::pair{64u, false}, {256u, false}, {64u, true}}) {
+  const std::uint32_t most = test::gate_or_nightly(128u, 256u);
+  for (const auto& [samples, filmic] : {std::pair{64u, false}, {most, false}, {64u, true}}) {
     const auto tone = [&, filmic = filmic](double x) {
       x /= white;
       if (filmic) x = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);

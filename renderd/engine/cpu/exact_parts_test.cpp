@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "renderd/kernel/exact_estimator.h"
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/exact_tables.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 // Tests parts of the exact walk whose errors are hard to see in whole pictures: a cell along which
 // the value has two turning points, rays that end by chance, pieces closer than two voxel values,

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "renderd/kernel/exact_estimator.h"
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/exact_tables.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 // Compares the exact walk with numerical integration and with tracking.
 
@@ -85,7 +85,7 @@ TEST(ExactWalk, OpticalDepthMatchesRayMarching) {
     const test::Prepared p(test::skull_volume(), scene);
     const auto view = p.view();
     double most = 0;
-    for (const RaySegment& segment : segments(view, 96)) {
+    for (const RaySegment& segment : segments(view, test::gate_or_nightly(32, 96))) {
       if (!(segment.span.begin < segment.span.end)) continue;
       const double walked = walked_depth(view, segment), stepped = stepped_depth(view, segment);
       // 40,000 steps over at most 110 mm are 3 um each. At each kink and border the error of the
@@ -272,9 +272,10 @@ TEST(ExactEstimate, MatchesTheMeanOfTracking) {
     const auto exact = tiles_of(p, 40, 2, [](const auto& v, auto x, auto y, auto s) {
       return exact_estimate<kF>(v, x, y, s);
     });
-    const auto tracked = tiles_of(p, 40, 16, [](const auto& v, auto x, auto y, auto s) {
-      return estimate<kF.with(Feature::kSteepExtinction)>(v, x, y, s);
-    });
+    const auto tracked =
+        tiles_of(p, 40, test::gate_or_nightly(4u, 16u), [](const auto& v, auto x, auto y, auto s) {
+          return estimate<kF.with(Feature::kSteepExtinction)>(v, x, y, s);
+        });
     for (std::size_t i = 0; i < exact.size(); ++i) {
       const double limit = test::critical_t(test::sidak(kAlpha, 4 * exact.size()), 60);
       EXPECT_LT(std::abs(test::welch(exact[i], tracked[i])), limit)

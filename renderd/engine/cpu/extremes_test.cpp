@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/presets.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -1,6 +1,6 @@
 // Lights in whole pictures. If two pictures must have the same mean, Welch's t compares each tile
-// of 8 x 8 pixels. One observation is the mean over a tile of one small picture, and there are 64
-// pictures of each. The significance is 1e-4 over all tiles (Sidak), with fixed seeds.
+// of 8 x 8 pixels. One observation is the mean over a tile of one small picture, and there are
+// kPictures of each. The significance is 1e-4 over all tiles (Sidak), with fixed seeds.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,9 +10,9 @@
 
 #include "renderd/engine/cpu/engine.h"
 #include "renderd/kernel/estimator.h"
-#include "renderd/math/test_statistics.h"
-#include "renderd/scene/test_scenes.h"
-#include "renderd/scene/test_textures.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
+#include "tests/support/renderd/test_textures.h"
 
 namespace diaphane::render {
 namespace {
@@ -21,7 +21,8 @@ using Scene = diaphane::v1::Scene;
 using Tiles = std::vector<test::Moments>;
 
 constexpr Canvas kCanvas{24, 16};
-constexpr std::uint32_t kTile = 8, kPictures = 64, kSamples = 8;
+constexpr std::uint32_t kTile = 8, kSamples = 8;
+const std::uint32_t kPictures = test::gate_or_nightly(24u, 64u);
 constexpr double kAlpha = 1e-4;
 
 std::vector<float> picture_of(const Scene& scene, Method method = {}, std::uint64_t first = 0,

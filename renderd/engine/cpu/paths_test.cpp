@@ -8,14 +8,19 @@
 
 #include "renderd/engine/cpu/kernel.h"
 #include "renderd/kernel/variants.h"
-#include "renderd/math/test_statistics.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {
 
 constexpr double kAlpha = 1e-3;
 constexpr Canvas kCanvas{16, 16};
+const std::uint32_t kPictures = test::gate_or_nightly(40u, 200u);
+/// Returns the limit for one of `tests` comparisons of means over kPictures observations.
+double limit_of(std::size_t tests) {
+  return test::critical_t(test::sidak(kAlpha, tests), kPictures - 1);
+}
 
 /// Returns the mean of a picture's red component. Each sample of the whole picture is one
 /// observation.
@@ -67,7 +72,7 @@ TEST(WhiteFurnace, ApproachesOneWithMoreBounces) {
   constexpr double kExtinction = 0.05;
   const double diagonal = std::sqrt(48.0 * 48 + 48 * 48 + 48 * 48);
   const double stays = -std::expm1(-kExtinction * diagonal);
-  const double limit = test::critical_z(test::sidak(kAlpha, 3 * 2 * std::size(kLooks)));
+  const double limit = limit_of(3 * 2 * std::size(kLooks));
   for (const Look& look : kLooks) {
     for (const bool roulette : {true, false}) {
       double before = 0;
@@ -75,7 +80,7 @@ TEST(WhiteFurnace, ApproachesOneWithMoreBounces) {
         const test::Prepared p(test::skull_volume(), furnace(look, kExtinction, bounces), kCanvas);
         SceneView<LinearVolume> view = p.view(bounces + (roulette ? 0 : 1));
         view.roulette = roulette;
-        const test::Moments m = red_of(view, p.scene().features, 128);
+        const test::Moments m = red_of(view, p.scene().features, kPictures);
         const double noise = limit * m.error_of_mean() + 1e-5;
         EXPECT_LT(m.mean, 1 + noise) << look.name << " " << bounces;
         EXPECT_GT(m.mean, before - noise) << look.name << " " << bounces;
@@ -90,7 +95,7 @@ TEST(WhiteFurnace, ApproachesOneWithMoreBounces) {
 /// brightness, is as bright as the walls, whatever its properties. The requirement is 1 +- 0.025,
 /// and the statistical bound is much tighter.
 TEST(EmittingSphere, EnclosedEmitterIsAsBrightAsItsWalls) {
-  const double limit = test::critical_z(test::sidak(kAlpha, 2 * 2 * std::size(kLooks)));
+  const double limit = limit_of(2 * 2 * std::size(kLooks));
   for (const Look& look : kLooks) {
     for (const double extinction : {0.1, 4.0}) {
       diaphane::v1::Scene scene = furnace(look, extinction, 64);
@@ -103,7 +108,7 @@ TEST(EmittingSphere, EnclosedEmitterIsAsBrightAsItsWalls) {
       for (const bool roulette : {true, false}) {
         SceneView<LinearVolume> view = p.view(roulette ? 3 : 4);
         view.roulette = roulette;
-        const test::Moments m = red_of(view, p.scene().features, 128);
+        const test::Moments m = red_of(view, p.scene().features, kPictures);
         // At most 0.75^64 of a path's weight remains at the end.
         EXPECT_NEAR(m.mean, 1, limit * m.error_of_mean() + 1e-5) << look.name << " " << extinction;
         EXPECT_NEAR(m.mean, 1, 0.025) << look.name << " " << extinction;
@@ -124,7 +129,8 @@ TEST(Emission, HomogeneousCubeEmitsItsAbsorptance) {
     f.set_extinction_per_mm(2 * depth / 20);
     test::set_camera(scene, 0, -500, 0, 0.002);
     const test::Prepared p(test::constant_volume(10, 1000, 2), scene, {4, 4});
-    const test::Moments m = red_of(p.view(), p.scene().features, 40'000);
+    const test::Moments m =
+        red_of(p.view(), p.scene().features, test::gate_or_nightly(10'000u, 40'000u));
     const double exact = -3 * std::expm1(-depth);
     EXPECT_NEAR(m.mean, exact, limit * m.error_of_mean() + 1e-5 * exact) << depth;
   }
@@ -144,7 +150,7 @@ TEST(Bounces, OneBounceEqualsNone) {
 /// With a lamp and a sky, paths with and without roulette have the same mean, and so does the
 /// kernel with all features.
 TEST(Paths, RouletteAndExtraFeaturesKeepTheMean) {
-  const double limit = test::critical_z(test::sidak(kAlpha, 3 * std::size(kLooks)));
+  const double limit = limit_of(3 * std::size(kLooks));
   for (const Look& look : kLooks) {
     diaphane::v1::Scene scene = test::skull_scene();
     scene.mutable_phase()->set_g(look.g);
@@ -153,9 +159,9 @@ TEST(Paths, RouletteAndExtraFeaturesKeepTheMean) {
     const test::Prepared p(test::skull_volume(), scene, {24, 24});
     SceneView<LinearVolume> plain = p.view(1), all = p.view(2), without = p.view(3);
     without.roulette = false;
-    const test::Moments a = red_of(plain, p.scene().features, 200);
-    const test::Moments b = red_of(all, kAllFeatures, 200);
-    const test::Moments c = red_of(without, p.scene().features, 200);
+    const test::Moments a = red_of(plain, p.scene().features, kPictures);
+    const test::Moments b = red_of(all, kAllFeatures, kPictures);
+    const test::Moments c = red_of(without, p.scene().features, kPictures);
     EXPECT_LT(std::abs(test::welch(a, b)), limit) << look.name;
     EXPECT_LT(std::abs(test::welch(a, c)), limit) << look.name;
     EXPECT_LT(std::abs(test::welch(b, c)), limit) << look.name;
@@ -177,9 +183,9 @@ TEST(Paths, EveryLightSamplingTechniqueHasTheSameMean) {
   for (const Mis mis : {Mis::kBoth, Mis::kLight, Mis::kScatter}) {
     SceneView<LinearVolume> view = p.view(1 + static_cast<std::uint64_t>(mis));
     view.mis = mis;
-    of[static_cast<std::size_t>(mis)] = red_of(view, p.scene().features, 300);
+    of[static_cast<std::size_t>(mis)] = red_of(view, p.scene().features, kPictures);
   }
-  const double limit = test::critical_z(test::sidak(kAlpha, 2));
+  const double limit = limit_of(2);
   EXPECT_LT(std::abs(test::welch(of[0], of[1])), limit);
   EXPECT_LT(std::abs(test::welch(of[0], of[2])), limit);
 }
@@ -192,9 +198,9 @@ TEST(Shading, ExtraFeaturesKeepTheMean) {
             0.1);
   scene.mutable_transfer_function()->mutable_channels(0)->set_gloss(0.5);
   const test::Prepared p(test::skull_volume(), scene, {24, 24});
-  EXPECT_LT(std::abs(test::welch(red_of(p.view(1), p.scene().features, 300),
-                                 red_of(p.view(2), kAllFeatures, 300))),
-            test::critical_z(kAlpha));
+  EXPECT_LT(std::abs(test::welch(red_of(p.view(1), p.scene().features, kPictures),
+                                 red_of(p.view(2), kAllFeatures, kPictures))),
+            limit_of(1));
 }
 
 /// Extreme parameters give no value that is not finite, and none that is brighter than the

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "renderd/kernel/estimator.h"
-#include "renderd/math/test_statistics.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 // The furnace of single scattering. In a uniform environment of radiance L, a medium of albedo a
 // cannot return L, because light that is scattered twice is missing. The radiance is known exactly:
@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kAlpha = 1e-3;
 constexpr double kEdge = 20;  // mm
+const std::uint64_t kSamples = test::gate_or_nightly(60'000, 400'000);
 
 /// Returns the distance in mm from `p` inside the cube [0, kEdge]^3 to its surface along the unit
 /// vector `d`.
@@ -87,7 +88,7 @@ TEST(Furnace, SingleScatteringInAUniformSkyMatchesTheIntegral) {
     const test::Prepared p = cube(s.extinction, s.albedo, s.g);
     const auto view = p.view();
     test::Moments red, green;
-    for (std::uint64_t i = 0; i < 400'000; ++i) {
+    for (std::uint64_t i = 0; i < kSamples; ++i) {
       const Sample sample =
           s.g == 0
               ? estimate<Features{}.with(Feature::kEnvironment)>(view, 0, 0, i)
@@ -118,7 +119,7 @@ TEST(Lamp, SingleScatteringMatchesTheIntegral) {
     const test::Prepared p(test::constant_volume(10, 1000, 2), scene, {1, 1});
     const auto view = p.view();
     test::Moments moments;
-    for (std::uint64_t i = 0; i < 400'000; ++i) {
+    for (std::uint64_t i = 0; i < kSamples; ++i) {
       moments.add(
           g == 0 ? estimate<Features{}.with(Feature::kAreaLights)>(view, 0, 0, i).radiance.x
                  : estimate<Features{}.with(Feature::kAreaLights).with(Feature::kAnisotropicPhase)>(
@@ -154,7 +155,7 @@ TEST(Lamp, SingleScatteringMatchesTheIntegral) {
 template <Features F>
 test::Moments mean_with(const SceneView<LinearVolume>& view) {
   test::Moments m;
-  for (std::uint64_t i = 0; i < 100; ++i) {
+  for (std::uint64_t i = 0; i < test::gate_or_nightly(16u, 100u); ++i) {
     for (std::uint32_t y = 0; y < view.height; ++y) {
       for (std::uint32_t x = 0; x < view.width; ++x) {
         const Float3 c = estimate<F>(view, x, y, i).radiance;

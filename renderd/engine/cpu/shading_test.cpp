@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "renderd/kernel/scatter.h"
-#include "renderd/math/test_statistics.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/engine/cpu/optics_test_support.h"
 #include "renderd/film/tone.h"
 #include "renderd/kernel/estimator.h"
-#include "renderd/math/test_statistics.h"
 #include "renderd/scene/clip_slices.h"
+#include "tests/support/renderd/optics.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "renderd/kernel/phase.h"
-#include "renderd/math/test_statistics.h"
-#include "renderd/scene/test_scenes.h"
+#include "tests/support/renderd/test_scenes.h"
+#include "tests/support/renderd/test_statistics.h"
 
 // Beer and Lambert: along a straight path, the fraction exp(-optical depth) of the light remains.
 // The optical depth of each medium here is known in closed form. Delta tracking must let this

@@ -1,4 +1,5 @@
 #include "renderd/engine/cuda/acceleration_kernels.h"
+#include "renderd/engine/cuda/warp_reduce.cuh"
 
 namespace diaphane::render::cuda {
 namespace {
@@ -40,8 +41,8 @@ __global__ void range_kernel(TextureVolume volume, Int3 cells, std::int32_t coun
     low = min(low, value);
     high = max(high, value);
   }
-  low = __reduce_min_sync(~0u, low);
-  high = __reduce_max_sync(~0u, high);
+  low = warp_min(low);
+  high = warp_max(high);
   if (threadIdx.x % kWarp == 0) {
     ranges[cell] = {static_cast<std::int16_t>(low), static_cast<std::int16_t>(high)};
     atomicMin(&low_high[0], low);
@@ -110,12 +111,10 @@ __global__ void bounds_kernel(const ValueRange* ranges, Int3 cells, std::int32_t
     if (b.majorant > 0.0f) low = high = coordinates(cell, cells);
   }
   const std::uint32_t occupied = __popc(__ballot_sync(~0u, b.majorant > 0.0f));
-  const std::int32_t lows[3] = {__reduce_min_sync(~0u, low.x), __reduce_min_sync(~0u, low.y),
-                                __reduce_min_sync(~0u, low.z)};
-  const std::int32_t highs[3] = {__reduce_max_sync(~0u, high.x), __reduce_max_sync(~0u, high.y),
-                                 __reduce_max_sync(~0u, high.z)};
+  const std::int32_t lows[3] = {warp_min(low.x), warp_min(low.y), warp_min(low.z)};
+  const std::int32_t highs[3] = {warp_max(high.x), warp_max(high.y), warp_max(high.z)};
   // Floats that are not negative have the same order as their bits.
-  const std::int32_t widest = __reduce_max_sync(~0u, __float_as_int(b.majorant - b.minorant));
+  const std::int32_t widest = warp_max(__float_as_int(b.majorant - b.minorant));
   if (threadIdx.x % kWarp != 0 || occupied == 0) return;
   for (int axis = 0; axis < 3; ++axis) {
     atomicMin(&summary->low[axis], lows[axis]);

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "renderd/engine/cuda/device_test_support.h"
+#include "tests/support/renderd/test_device.h"
 
 namespace diaphane::render::cuda {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "renderd/engine/cpu/engine.h"
-#include "renderd/engine/cuda/device_test_support.h"
-#include "renderd/scene/test_textures.h"
+#include "tests/support/renderd/test_device.h"
+#include "tests/support/renderd/test_textures.h"
 
 namespace diaphane::render::cuda {
 namespace {

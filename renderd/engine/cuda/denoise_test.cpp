@@ -5,9 +5,9 @@
 #include <random>
 
 #include "renderd/engine/cpu/denoise.h"
-#include "renderd/engine/cuda/device_test_support.h"
 #include "renderd/engine/cuda/film.h"
-#include "renderd/engine/cuda/test_kernels.h"
+#include "tests/support/renderd/test_device.h"
+#include "tests/support/renderd/test_kernels.h"
 
 namespace diaphane::render::cuda {
 namespace {

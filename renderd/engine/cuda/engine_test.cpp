@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <thread>
 
-#include "renderd/engine/cuda/device_test_support.h"
 #include "renderd/engine/cuda/error.h"
-#include "renderd/engine/cuda/test_kernels.h"
+#include "tests/support/renderd/test_device.h"
+#include "tests/support/renderd/test_kernels.h"
 
 namespace diaphane::render::cuda {
 namespace {

@@ -8,7 +8,7 @@ Error error_of(cudaError_t status) {
   // Clears an error that is not sticky, so that the next call on this thread does not report it
   // again.
   cudaGetLastError();
-  const std::string said =
+  const std::string description =
       std::string(cudaGetErrorName(status)) + ": " + cudaGetErrorString(status);
   switch (status) {
     case cudaErrorMemoryAllocation:
@@ -23,9 +23,9 @@ Error error_of(cudaError_t status) {
     case cudaErrorNoKernelImageForDevice:
     case cudaErrorUnsupportedPtxVersion:
     case cudaErrorInvalidDeviceFunction:
-      return {ErrorCode::kUnavailable, "no CUDA device is available (" + said + ")", {}};
+      return {ErrorCode::kUnavailable, "no CUDA device is available (" + description + ")", {}};
     default:
-      return {ErrorCode::kDeviceLost, "the CUDA device was lost (" + said + ")", {}};
+      return {ErrorCode::kDeviceLost, "the CUDA device was lost (" + description + ")", {}};
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "renderd/engine/cuda/exact_types.h"
 #include "renderd/engine/cuda/texture_volume.cuh"
+#include "renderd/engine/cuda/warp_reduce.cuh"
 #include "renderd/kernel/exact_estimator.h"
 
 // Kernel 1 of the exact walk, with one thread per item. It is compiled by nvcc (ahead of time) and
@@ -65,7 +66,7 @@ __device__ __forceinline__ void copy_hits(const ExactView& exact, const StagedHi
 __device__ __forceinline__ std::uint32_t hits_in_tile(const ExactItem& item, int first, int end) {
   std::int32_t mine = 0;
   for (int kind = first; kind < end; ++kind) mine += item.hits_of(kind);
-  return __reduce_add_sync(~0u, static_cast<std::uint32_t>(mine));
+  return warp_sum(static_cast<std::uint32_t>(mine));
 }
 
 template <std::uint32_t Bits>

@@ -1,4 +1,5 @@
 #include "renderd/engine/cuda/exact_kernels.h"
+#include "renderd/engine/cuda/warp_reduce.cuh"
 
 namespace diaphane::render::cuda {
 namespace {
@@ -34,8 +35,8 @@ __global__ void range_kernel(TextureVolume volume, Int3 bricks, std::int32_t cou
     low = min(low, value);
     high = max(high, value);
   }
-  low = __reduce_min_sync(~0u, low);
-  high = __reduce_max_sync(~0u, high);
+  low = warp_min(low);
+  high = warp_max(high);
   if (threadIdx.x % kWarp == 0)
     ranges[brick] = {static_cast<std::int16_t>(low), static_cast<std::int16_t>(high)};
 }

@@ -151,11 +151,11 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
   /// together.
   const auto note = [&] {
     if (hit == kNoHit || wants != kRay) return;
-    const float seen = walk.transmittance();
+    const float visibility = walk.transmittance();
     HitRecord& record = scratch.hits[hit];
-    record.a *= seen;
-    record.b *= seen;
-    record.c *= seen;
+    record.a *= visibility;
+    record.b *= visibility;
+    record.c *= visibility;
     hit = kNoHit;
   };
   for (;;) {

@@ -39,15 +39,15 @@ Result<std::uint64_t> ExactMemory::reserve(const ExactNeeds& needs, std::uint64_
   if (room(needs) >= items) return items;
   std::size_t free = 0, total = 0;
   DIAPHANE_CUDA_TRY(cudaMemGetInfo(&free, &total));
-  for (std::uint64_t wanted = std::min<std::uint64_t>(items, free / 2 / needs.bytes());;
-       wanted /= 2) {
-    wanted = std::max(wanted, least);
-    if (room(needs) >= wanted) break;
-    const auto made = grow(needs, wanted);
-    if (made) break;
+  for (std::uint64_t items_per_launch = std::min<std::uint64_t>(items, free / 2 / needs.bytes());;
+       items_per_launch /= 2) {
+    items_per_launch = std::max(items_per_launch, least);
+    if (room(needs) >= items_per_launch) break;
+    const auto grown = grow(needs, items_per_launch);
+    if (grown) break;
     // Half of the memory is enough too, with more launches.
-    if (made.error().code != ErrorCode::kOutOfMemory || wanted == least) {
-      return tl::unexpected(made.error());
+    if (grown.error().code != ErrorCode::kOutOfMemory || items_per_launch == least) {
+      return tl::unexpected(grown.error());
     }
   }
   return std::min(room(needs), items);
@@ -89,8 +89,8 @@ Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint
 bool ExactWorkspace::serves(std::size_t memory, const ExactNeeds& needs, std::uint64_t items) {
   if (memories_[memory].room(needs) >= items) return true;
   if (items >= refused_[memory]) return false;
-  const auto made = memories_[memory].reserve(needs, items, items);
-  if (made && *made >= items) return true;
+  const auto grown = memories_[memory].reserve(needs, items, items);
+  if (grown && *grown >= items) return true;
   refused_[memory] = items;
   return false;
 }

@@ -68,13 +68,13 @@ void CudaFilm::reshape(Canvas canvas) {
   rows_ = RowCounts(canvas.height);
 }
 
-Result<void> CudaFilm::keep_guides(bool wanted) {
+Result<void> CudaFilm::keep_guides(bool enabled) {
   guided_ = false;
-  if (wanted) {
+  if (enabled) {
     if (guides_.data() == nullptr) display_ = {};  // guides and display share the memory
     DIAPHANE_TRY(ensure(guides_, pixels()));
   }
-  guided_ = wanted;
+  guided_ = enabled;
   return {};
 }
 

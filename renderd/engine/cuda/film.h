@@ -29,7 +29,7 @@ class CudaFilm {
   static Result<CudaFilm> make(Canvas canvas);
   /// Whether reshape() can change it to `canvas`.
   bool holds(Canvas canvas) const;
-  /// Changes the canvas. No work may use the film any more, and clear() must follow. Does not
+  /// Changes the canvas. No work may still use the film, and clear() must follow. Does not
   /// allocate or free memory, which would delay every session of the device.
   void reshape(Canvas canvas);
   /// Sets the curve of display() and of the error. The default is linear.
@@ -47,7 +47,7 @@ class CudaFilm {
 
   /// Sets whether guides are kept from the next clear(). They take 6 bytes per pixel. The memory is
   /// kept, and holds the displayed picture while no guides are kept.
-  Result<void> keep_guides(bool wanted);
+  Result<void> keep_guides(bool enabled);
   /// Also resets the share to the whole picture.
   Result<void> clear(cudaStream_t stream);
   /// These implement FilmExchange::set_share(), take_film() and merge_film(). The last two wait for

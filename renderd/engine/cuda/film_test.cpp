@@ -4,8 +4,8 @@
 #include <cstring>
 #include <random>
 
-#include "renderd/engine/cuda/device_test_support.h"
-#include "renderd/engine/cuda/test_kernels.h"
+#include "tests/support/renderd/test_device.h"
+#include "tests/support/renderd/test_kernels.h"
 
 namespace diaphane::render::cuda {
 namespace {

@@ -36,8 +36,8 @@ class LaunchSize {
   void learn(std::uint64_t work, double ms, std::uint32_t samples = 1) {
     const double fits = ms > 0 ? static_cast<double>(work) * kTargetMs / ms : kLargest;
     // A short launch with little work takes as long as its longest path, whatever its size.
-    const bool telling = ms >= kTargetMs / 4 || static_cast<double>(work) >= kFirst / 16;
-    if (telling) fits_seen_ = std::min(fits_seen_, fits);
+    const bool informative = ms >= kTargetMs / 4 || static_cast<double>(work) >= kFirst / 16;
+    if (informative) fits_seen_ = std::min(fits_seen_, fits);
     const double most = std::min(4 * static_cast<double>(work_), unseen_most_);
     work_ = static_cast<std::uint64_t>(
         std::clamp(std::min(fits, fits_all_), 1.0, std::clamp(most, 1.0, kLargest)));

@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <span>
 #include <string_view>
 
 #include "renderd/engine/cuda/exact.h"
 #include "renderd/engine/cuda/kernel_sources.h"
 #include "renderd/engine/cuda/trace.h"
 #include "renderd/kernel/variants.h"
+#include "tests/support/renderd/test_statistics.h"
 
 namespace diaphane::render::cuda {
 namespace {
@@ -28,12 +30,15 @@ class NvrtcTest : public ::testing::Test {
 };
 
 /// Each compilation takes a second or more, so only three feature sets are compiled: none, those of
-/// a typical scene, and all. The code does not contain what a scene does not need.
+/// a typical scene, and, in the nightly lane, all. The build compiles the same sources with all
+/// features. The code does not contain what a scene does not need.
 TEST_F(NvrtcTest, CompilesEveryKernelSmallerWithFewerFeatures) {
+  const Features sets[] = {Features{}, kVariants[1], kAllFeatures};
   for (const KernelTemplate* kernel : kKernels) {
     std::size_t size = 0;
     std::string symbol;
-    for (const Features features : {Features{}, kVariants[1], kAllFeatures}) {
+    for (const Features features :
+         std::span(sets).first(test::gate_or_nightly(std::size_t{2}, std::size_t{3}))) {
       const auto compiled = nvrtc_->compile(*kernel, features, 90);
       ASSERT_TRUE(compiled) << kernel->name << " " << features.bits << ": "
                             << compiled.error().message;

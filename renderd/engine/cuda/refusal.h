@@ -12,7 +12,7 @@
 namespace diaphane::render::cuda {
 
 /// The oldest compute capability with code in the program, times ten (cmake/Cuda.cmake).
-inline constexpr int kOldestCapability = 80;
+inline constexpr int kOldestCapability = 75;
 
 struct DeviceDescription {
   std::string name;

@@ -26,7 +26,12 @@ TEST(Refusal, KeepsTheMessageWithoutADevice) {
 TEST(Refusal, NamesInsufficientComputeCapability) {
   const Error error = explain_refusal(kNoDevice, {"Tesla V100", 70, 16ULL << 30});
   EXPECT_EQ(error.code, ErrorCode::kUnavailable);
-  EXPECT_EQ(error.message, "Tesla V100 has compute capability 7.0, but 8.0 or later is required");
+  EXPECT_EQ(error.message, "Tesla V100 has compute capability 7.0, but 7.5 or later is required");
+}
+
+TEST(Refusal, DoesNotBlameTheComputeCapabilityOfTuring) {
+  EXPECT_EQ(explain_refusal(kNoDevice, {"Tesla T4", 75, 16ULL << 30}).message,
+            "Tesla T4: " + kNoDevice.message);
 }
 
 TEST(Refusal, NamesTheMemoryOfAFullDevice) {

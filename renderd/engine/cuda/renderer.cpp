@@ -232,8 +232,8 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work, std::
   // Long launches are not queued behind each other, because a stop has to wait for all queued
   // launches.
   const std::size_t ahead = launch_milliseconds_ > LaunchSize::kTargetMs ? 1 : kAhead;
-  while (flight.launched - flight.seen >= ahead) {
-    const std::size_t oldest = flight.seen++;
+  while (flight.launched - flight.completed >= ahead) {
+    const std::size_t oldest = flight.completed++;
     DIAPHANE_CUDA_TRY(cudaEventSynchronize(event(oldest + 1)));
     float ms = 0;
     DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&ms, event(oldest), event(oldest + 1)));
@@ -325,8 +325,8 @@ Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bo
   if (film_->empty()) DIAPHANE_TRY(choose_variants());
   DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
   const std::uint64_t before = film_->drawn();
-  const auto whole = trace_until(before + samples, stop, flight);
-  DIAPHANE_TRY(whole);
+  const auto traced = trace_until(before + samples, stop, flight);
+  DIAPHANE_TRY(traced);
   batch.samples = static_cast<std::uint32_t>(film_->drawn() - before);
   auto dropped = film_->dropped(stream_.get());
   DIAPHANE_TRY(dropped);

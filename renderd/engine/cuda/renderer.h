@@ -39,7 +39,7 @@ class CudaRenderer : public FrameRenderer {
   Result<void> display(PictureRgb8& out) override;
   Result<void> radiance(PictureRgbF& out) override;
   Result<void> contents(std::vector<std::uint8_t>& out) override;
-  void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  void prepare_denoising(bool enabled) override { guided_ = enabled; }
   void set_precedence(unsigned precedence) override;
   Result<void> set_share(const Share& share) override;
   Result<bool> take_film(FilmPart& out) override;
@@ -72,7 +72,7 @@ class CudaRenderer : public FrameRenderer {
   /// The launches of one call. They are measured, and the call waits for the oldest if too many are
   /// in flight.
   struct Flight {
-    std::size_t launched = 0, seen = 0;
+    std::size_t launched = 0, completed = 0;
     std::array<std::uint64_t, kAhead + 1> work{};
     std::array<std::uint32_t, kAhead + 1> samples{};  ///< per pixel
   };

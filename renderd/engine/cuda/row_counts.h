@@ -33,14 +33,14 @@ class RowCounts {
   /// samples. The rows never overtake those above them, so no pixel gets a sample twice.
   Piece next(std::uint64_t target, std::uint32_t most) const {
     const std::uint64_t have = least();
-    std::uint64_t wanted = std::min<std::uint64_t>(target - have, most);
+    std::uint64_t samples = std::min<std::uint64_t>(target - have, most);
     std::uint32_t first = 0;
     if (!flat()) {
       const Step& above = steps_[steps_.size() - 2];
       first = above.last_row;
-      wanted = std::min(wanted, above.samples - have);
+      samples = std::min(samples, above.samples - have);
     }
-    return {first, steps_.back().last_row, have, static_cast<std::uint32_t>(wanted)};
+    return {first, steps_.back().last_row, have, static_cast<std::uint32_t>(samples)};
   }
 
   /// Records that the first `rows` rows of `piece`, a result of next(), are done.

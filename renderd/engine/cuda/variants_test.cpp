@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "renderd/engine/cuda/device_test_support.h"
 #include "renderd/engine/cuda/engine.h"
 #include "renderd/engine/cuda/nvrtc.h"
+#include "tests/support/renderd/test_device.h"
 
 namespace diaphane::render::cuda {
 namespace {

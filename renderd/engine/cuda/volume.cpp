@@ -107,11 +107,11 @@ Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
   // If this memory is not available, cells are read from the texture.
   constexpr double kMostOfVolume = 1.6;
   constexpr std::size_t kSlot = 64;
-  const auto wanted = static_cast<std::size_t>(
+  const auto requested_slots = static_cast<std::size_t>(
       kMostOfVolume * 2 * static_cast<double>(header_.voxel_count()) / (kSlot * sizeof(CellNode)));
   // Indices of nodes have 31 bits.
   constexpr std::size_t kMostSlots = (std::size_t{1} << 31) / kSlot - 1;
-  const std::size_t slots = std::min({wanted, bricks, kMostSlots});
+  const std::size_t slots = std::min({requested_slots, bricks, kMostSlots});
   if (slots > 0 && ensure(exact_->nodes, kSlot * slots))
     exact_->capacity = static_cast<std::uint32_t>(slots);
   exact_->made = true;

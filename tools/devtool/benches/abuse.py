@@ -43,7 +43,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 @dataclass
 class Phase:
-    """What the ordinary users experienced in it."""
+    """The experience of the ordinary users during one phase."""
 
     delays_ms: list[float] = field(default_factory=list)
     requests: int = 0

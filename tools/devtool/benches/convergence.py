@@ -8,7 +8,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from .. import paths, plot
+from .. import paths
 from ..bench import Result, result
 from ..bench_volumes import volume_for
 from ..console import CliError, say
@@ -136,6 +136,8 @@ def csv_of(reports: list[dict]) -> str:
 
 
 def plot_of(report: dict) -> str:
+    from .. import plot
+
     title = f"{report['scene']} on {report['volume']}, {report['width']} x {report['height']}, {report['device']}"
     panels, legend = [], []
     for axis, words in (("samples", "samples a pixel"), ("milliseconds", "milliseconds")):

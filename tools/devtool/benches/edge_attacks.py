@@ -48,7 +48,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         # One group at a time, because protected data is compared before and after it.
         for group in dict.fromkeys(one.group for one in chosen):
             here = cells([one for one in chosen if one.group == group], roles)
-            found = run(stack, here, choice, 3 if quick else 12, anew=not quick)
+            found = run(stack, here, choice, 3 if quick else 12, renew=not quick)
             tallies |= found.tallies
             misses += found.misses
             say(f"{group}: {sum(one.sent for one in found.tallies.values())} sent, {len(found.misses)} misses, {time.monotonic() - begun:.0f} s")

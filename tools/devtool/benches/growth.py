@@ -1,4 +1,4 @@
-"""How cost grows with the volume and the picture, with `diaphane-renderd-bench growth` on each available engine."""
+"""How the cost grows with the size of the volume and of the picture, with `diaphane-renderd-bench growth` on each available engine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the movement of a hand to the pixels of the canvas, in Chromium, end to end on one machine.
+"""From a movement of the mouse to the pixels of the canvas, in Chromium, end to end on one machine.
 
 The worker draws the number of the newest input into each picture (renderd/encode/frame_mark.h). The page's canvas is read back
 before each displayed frame (latency_probe.js). The time of an input is the browser's timestamp of the event."""
@@ -35,7 +35,7 @@ WARM_UP = 30  # inputs until the worker knows the cost of a picture of this scen
 
 @dataclass(frozen=True)
 class Step:
-    """The stages of one input in milliseconds. `other` is what no timestamp divides: sockets, edge, gateway, and waiting in the
+    """The stages of one input in milliseconds. `other` is the rest, which no timestamp divides: sockets, edge, gateway, and waiting in the
     worker."""
 
     whole: float

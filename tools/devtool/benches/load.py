@@ -1,4 +1,4 @@
-"""Many viewers at the real gateway and a real renderd: time from an input to the first frame that shows it, and its parts."""
+"""Many viewers of the real gateway and a real renderd: the time from an input to the first frame that shows it, and its parts."""
 
 from __future__ import annotations
 

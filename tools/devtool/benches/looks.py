@@ -1,4 +1,4 @@
-"""Pictures of every preset of every scan, and what is wrong with them in numbers: burnt-out or black areas, and subjects that fill
+"""Renders every preset of every scan and measures faults of the pictures: burnt-out or black areas, and subjects that fill
 too little or too much of the picture."""
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     import numpy as np
 
-    from ..label_slices import png
+    from PIL import Image
+
     from ..picture_judge import judge
 
     options.out.mkdir(parents=True, exist_ok=True)
@@ -58,7 +59,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
                 judged.append(judge(name, preset, row[-1], subject))
                 say(f"{name:<28} {preset:<8} {', '.join(judged[-1].faults()) or 'in order'}")
                 rows.append(np.concatenate(row, axis=1))
-            (options.out / f"{name}.png").write_bytes(png(np.concatenate(rows, axis=0)))
+            Image.fromarray(np.concatenate(rows, axis=0)).save(options.out / f"{name}.png")
     (options.out / "looks.json").write_text(json.dumps([asdict(one) for one in judged], indent=1) + "\n", encoding="utf-8")
     say(f"Sheets, with columns {', '.join(stages)}: {options.out}")
     return [result("pictures", [len(judged)], ""), result("pictures with a fault", [sum(bool(one.faults()) for one in judged)], "", at_most=0)]
@@ -72,11 +73,12 @@ def _render(*arguments: object) -> str:
 
 
 def _picture(scratch: Path, scan: Path, *arguments: str) -> np.ndarray:
-    from ..picture_judge import read_ppm
+    import numpy as np
+    from PIL import Image
 
     file = scratch / "picture.ppm"
     _render(scan, *arguments, "--out", file)
-    return read_ppm(file.read_bytes())
+    return np.asarray(Image.open(file))
 
 
 def _subject(scratch: Path, scan: Path, *arguments: str) -> np.ndarray:
@@ -85,4 +87,4 @@ def _subject(scratch: Path, scan: Path, *arguments: str) -> np.ndarray:
 
     file = scratch / "picture.exr"
     _render(scan, *arguments, "--samples", "16", "--out", file)
-    return subject_in(read_exr(file.read_bytes()))
+    return subject_in(read_exr(file))

@@ -1,4 +1,4 @@
-"""What a visitor's browser loads, and how long that takes: the page from the edge in Chromium without a cache."""
+"""The bytes that a visitor's browser loads, and the time that it takes: the page from the edge in Chromium without a cache."""
 
 from __future__ import annotations
 

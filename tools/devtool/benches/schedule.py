@@ -7,7 +7,7 @@ import json
 import subprocess
 from pathlib import Path
 
-from .. import figure9, paths
+from .. import paths
 from ..bench import Result
 from ..bench_volumes import cranium
 from ..console import CliError, say
@@ -35,13 +35,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu", help="engine of the real renderer")
     parser.add_argument("--scale", type=float, help="scale of the viewports, to suit slow devices (default: 1/16 on the real CPU, else 1)")
     parser.add_argument("--volume", help="directory of the volume store, or made:N (default: the sample scan)")
+    parser.add_argument("--no-plots", action="store_true", help="draw no figure-9.svg")
     parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "schedule", help="output directory for JSON, CSV and figure-9.svg (default: %(default)s)")
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     options.out.mkdir(parents=True, exist_ok=True)
     results = []
-    _figure9(options.out)
+    if not options.no_plots:
+        _figure9(options.out)
     if options.simulate or not options.real:
         results += _results(_run("simulated", _simulated(quick, options), options.out), "simulated")
     if options.real or not options.simulate:
@@ -51,6 +53,8 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 
 def _figure9(out: Path) -> None:
+    from .. import figure9
+
     file = out / "figure-9.json"
     say(_bench("--figure9", str(file)))
     situations = json.loads(file.read_text(encoding="utf-8"))

@@ -72,7 +72,7 @@ def _people(stack, data_set: str, seconds: float, scale: float, options: argpars
 
 
 def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[tuple[str, str], list[tuple[float, float]]]]:
-    """Returns the final report of the simulated users, and what the programs used meanwhile: (program, what) -> (seconds, value).
+    """Returns the final report of the simulated users, and the resources that the programs used: (program, what) -> (seconds, value).
     """
     series: dict[tuple[str, str], list[tuple[float, float]]] = {}
     pids, begin, next_device = dict(stack.pids), time.monotonic(), 0.0

@@ -28,11 +28,18 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     with tempfile.TemporaryDirectory() as folder:
         pictures = options.pictures or _render(Path(folder), quick, options)
         said = _run("diaphane-still-bench", *map(str, pictures))
+    return results_of(json.loads(said)["benchmarks"])
+
+
+def results_of(rows: list[dict]) -> list[Result]:
+    """`rows`: Google Benchmark's aggregates of each codec."""
     results = []
-    for line in said.splitlines():
-        row = json.loads(line)
-        results.append(Result(f"{row['name']}: bytes", row["bytes"], ""))
-        results.append(Result(f"{row['name']}: time", row["ms"], "ms", row["spread_ms"]))
+    spread = {row["run_name"]: row["cpu_time"] for row in rows if row["aggregate_name"] == "stddev"}
+    for row in rows:
+        if row["aggregate_name"] == "median":
+            name = row["run_name"].partition("/")[0]
+            results.append(Result(f"{name}: bytes", row["bytes"], ""))
+            results.append(Result(f"{name}: time", row["cpu_time"], "ms", spread[row["run_name"]], runs=row["repetitions"]))
     return results
 
 

@@ -1,1 +1,1 @@
-"""How well heads are detected: real and synthetic volumes, each labelled, and the table of results."""
+"""The accuracy of head detection: labelled real and synthetic volumes, and the table of results."""

@@ -44,10 +44,10 @@ def judge(samples: Iterable[Sample], scratch: Path) -> list[Judged]:
         done = subprocess.run([str(paths.build_dir() / "bin" / "diaphane-head"), str(folder)], capture_output=True, text=True)
         if done.returncode != 0:
             raise CliError(f"diaphane-head: {done.stderr.strip()}")
-        said = json.loads(done.stdout)
-        left = face_left(sample.scan, sample.face, said["proposal"]) if sample.face and said["proposal"] else None
-        judged.append(Judged(sample.kind, sample.name, sample.is_head, said["found"], said["sign"], said["seconds"],
-                             said["proposal"] is not None, left))
+        result = json.loads(done.stdout)
+        left = face_left(sample.scan, sample.face, result["proposal"]) if sample.face and result["proposal"] else None
+        judged.append(Judged(sample.kind, sample.name, sample.is_head, result["found"], result["sign"], result["seconds"],
+                             result["proposal"] is not None, left))
         shutil.rmtree(folder)
     return judged
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import nibabel
 import numpy as np
 
 Vector = tuple[float, float, float]
@@ -46,20 +46,12 @@ def read(folder: Path) -> Scan:
 
 
 def read_nifti(file: Path, modality: str, scale_to: float | None = None) -> Scan:
-    """Reads NIfTI-1, little endian, without sheared axes. `scale_to`: scales floats to this maximum."""
-    data = gzip.decompress(file.read_bytes())
-    shape = np.frombuffer(data, "<i2", 3, 42)
-    kind = {2: "u1", 4: "<i2", 8: "<i4", 16: "<f4", 64: "<f8", 512: "<u2"}[int(np.frombuffer(data, "<i2", 1, 70)[0])]
-    start = int(np.frombuffer(data, "<f4", 1, 108)[0])
-    slope, intercept = (float(v) for v in np.frombuffer(data, "<f4", 2, 112))
-    values = np.frombuffer(data, kind, int(np.prod(shape.astype(int))), start).reshape(shape[::-1]).astype(np.float32)
-    if slope not in (0.0, 1.0) or intercept:
-        values = values * (slope or 1.0) + intercept
-    values = np.nan_to_num(values)
+    """Reads NIfTI without sheared axes. `scale_to`: scales floats to this maximum."""
+    image = nibabel.load(file)
+    values = np.nan_to_num(image.get_fdata(dtype=np.float32)).T
     if scale_to is not None:
         values = values * (scale_to / values.max())
-    axes = np.frombuffer(data, "<f4", 12, 280).reshape(3, 4)[:, :3].astype(float)     # sform: columns, RAS
-    axes = np.diag([-1.0, -1.0, 1.0]) @ axes
+    axes = np.diag([-1.0, -1.0, 1.0]) @ image.affine[:3, :3]     # columns; from RAS
     spacing = np.linalg.norm(axes, axis=0)
     direction = axes / spacing
     if np.linalg.det(direction) < 0:

@@ -46,11 +46,11 @@ class Volume:
 
     def worst_error(self, truth: Values, unit: float, air: int) -> float:
         """Returns the largest difference from the phantom, in its values, over the voxels that are not air."""
-        wanted = truth(self.places()) / unit
+        expected_values = truth(self.places()) / unit
         there = self.voxels != air
         if there.mean() < 0.2:
             return float("inf")
-        return float(np.abs(self.voxels - wanted)[there].max()) * unit
+        return float(np.abs(self.voxels - expected_values)[there].max()) * unit
 
     def marker(self, near: np.ndarray, radius: float) -> np.ndarray:
         """Returns the centre of the ball near a place in mm, weighted by the excess over air."""

@@ -50,12 +50,12 @@ def _like(reference: Path | None) -> Callable[[Volume], str]:
         if reference is None:
             return ""
         ds = pydicom.dcmread(reference)
-        wanted = ds.pixel_array.astype(float)
+        expected = ds.pixel_array.astype(float)
         if ds.Modality == "CT":
-            wanted = wanted * float(ds.RescaleSlope) + float(ds.RescaleIntercept)
+            expected = expected * float(ds.RescaleSlope) + float(ds.RescaleIntercept)
         if "PixelPaddingValue" in ds:
-            wanted = np.where(ds.pixel_array == ds.PixelPaddingValue, volume.voxels[0], wanted)
-        off = np.abs(volume.voxels - wanted).max()
+            expected = np.where(ds.pixel_array == ds.PixelPaddingValue, volume.voxels[0], expected)
+        off = np.abs(volume.voxels - expected).max()
         return "" if off <= 0.5 else f"a voxel is {off} off what pydicom decodes"
     return check
 

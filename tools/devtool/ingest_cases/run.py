@@ -44,8 +44,8 @@ def _of_server(case: Case, server: Judged) -> list[str]:
     return _off(case, server)
 
 
-def _matches(wanted: str, outcome: str) -> bool:
-    return "built" not in outcome if wanted == ANY_BUT_BUILT else outcome == wanted
+def _matches(expected: str, outcome: str) -> bool:
+    return "built" not in outcome if expected == ANY_BUT_BUILT else outcome == expected
 
 
 def _off(case: Case, server: Judged) -> list[str]:
@@ -60,8 +60,8 @@ def _off(case: Case, server: Judged) -> list[str]:
 
 
 def _of_browser(case: Case, browser: Judged) -> list[str]:
-    wanted = case.expected if case.browser is None else case.browser
-    return [] if _matches(wanted, browser.outcome) else [f"the browser: {browser.outcome}, not {wanted} ({browser.words})"]
+    expected = case.expected if case.browser is None else case.browser
+    return [] if _matches(expected, browser.outcome) else [f"the browser: {browser.outcome}, not {expected} ({browser.words})"]
 
 
 def _of_sent(case: Case, server: Judged, sent: Judged) -> list[str]:

@@ -26,8 +26,9 @@ export const account: Texts["account"] = {
   toSignIn: "Zur Anmeldung",
   verifyLead:
     "Damit bestätigen Sie Ihre E-Mail-Adresse. Wenn Sie kein Konto bei Diaphane angelegt haben, schließen Sie diese Seite einfach.",
-  verifySubmit: "Adresse bestätigen und Passwort festlegen",
-  verified: "Ihre Adresse ist bestätigt und Ihr Passwort festgelegt. Sie können sich jetzt anmelden.",
+  verifySubmit: "Passwort festlegen und anmelden",
+  verified: (email: string) =>
+    `Ihre Adresse ist bestätigt und Ihr Passwort festgelegt. Sie sind als ${email} angemeldet.`,
   verifiedTitle: "Willkommen",
   verifyNoToken:
     "Dieser Link ist unvollständig. Öffnen Sie den Link in der E-Mail noch einmal, oder kopieren Sie ihn ganz.",

@@ -3,20 +3,21 @@ import { count, fixed, number } from "./counting";
 import { reasons } from "./reasons";
 
 export const add: Texts["add"] = {
-  lead: "Wählen Sie den Ordner oder die CD, die Sie vom Krankenhaus bekommen haben. Diaphane findet die Aufnahmen darin, egal wie die Dateien heißen.",
+  lead: "Wählen Sie den Ordner, die CD oder die ZIP-Datei, die Sie vom Krankenhaus bekommen haben. Diaphane findet die Aufnahmen darin, egal wie die Dateien heißen.",
   privacy:
     "Name, Datumsangaben und Kennnummern der untersuchten Person werden aus den Dateien entfernt, bevor etwas diesen Browser verlässt. Wir behalten nur die 3D-Bilddaten und löschen die hochgeladenen Dateien.",
   privacyShort:
     "Den Namen der untersuchten Person sehen nur Sie, hier in diesem Browser. Er wird entfernt, bevor etwas hochgeladen wird.",
-  drop: "Ziehen Sie einen Ordner hierher",
+  drop: "Ziehen Sie einen Ordner oder eine ZIP-Datei hierher",
   dropping: "Loslassen, um die Dateien zu lesen",
   or: "oder",
   choose: "Ordner wählen",
+  chooseFiles: "Dateien wählen",
   scanning: "Die Dateien werden gelesen …",
   scanned: (done, total) => `${number.format(done)} von ${count(total, "Datei", "Dateien")}`,
   stop: "Anhalten",
-  another: "Anderen Ordner wählen",
-  failed: "Der Ordner konnte nicht gelesen werden. Bitte versuchen Sie es noch einmal.",
+  another: "Andere Dateien wählen",
+  failed: "Die Dateien konnten nicht gelesen werden. Bitte versuchen Sie es noch einmal.",
   found: (n) =>
     n === 1 ? "1 Bildserie kann angezeigt werden" : `${number.format(n)} Bildserien können angezeigt werden`,
   nothing: "Keine Aufnahme gefunden, die angezeigt werden kann",
@@ -35,7 +36,20 @@ export const add: Texts["add"] = {
     n === 1
       ? "1 Datei ist keine DICOM-Datei und wurde nicht berücksichtigt."
       : `${number.format(n)} Dateien sind keine DICOM-Dateien und wurden nicht berücksichtigt.`,
-  zip: "Das ist eine ZIP-Datei. Entpacken Sie sie zuerst, und wählen Sie dann den entpackten Ordner.",
+  archives: {
+    encrypted: (name) =>
+      `„${name}“ ist mit einem Passwort geschützt. Entpacken Sie die Datei zuerst mit dem Passwort und wählen Sie dann den entpackten Ordner.`,
+    damaged: (name) =>
+      `„${name}“ ist beschädigt oder unvollständig. Darum konnten nicht alle Dateien darin gelesen werden. Kopieren Sie die Datei oder laden Sie sie noch einmal herunter.`,
+    nested: (name) =>
+      `„${name}“ enthält zu tief verschachtelte Archive. Entpacken Sie die Datei zuerst und wählen Sie dann den entpackten Ordner.`,
+    large: (name) =>
+      `„${name}“ enthält mehr, als diese Seite entpacken kann. Entpacken Sie die Datei zuerst und wählen Sie dann den Ordner mit Ihrer Aufnahme.`,
+    format: (name) =>
+      `„${name}“ ist so gepackt, dass Browser es nicht lesen können. Entpacken Sie die Datei zuerst und wählen Sie dann den entpackten Ordner.`,
+  },
+  damagedInArchive:
+    "Eine Datei dieser Aufnahme ist in ihrem Archiv beschädigt. Darum wurde nichts hochgeladen. Kopieren Sie das Archiv oder laden Sie es noch einmal herunter.",
   unreadable: (n) => `${count(n, "Datei konnte", "Dateien konnten")} nicht gelesen werden.`,
   seriesUntitled: "Serie ohne Namen",
   slices: (n) => count(n, "Schicht", "Schichten"),
@@ -65,8 +79,8 @@ export const add: Texts["add"] = {
       left.others > 0 ? `${count(left.others, "Schicht", "Schichten")} anderer Größe übersprungen` : "",
       left.damaged > 0 ? `${count(left.damaged, "beschädigte Schicht", "beschädigte Schichten")} übersprungen` : "",
     ].filter((text) => text !== ""),
-  goOn: "Upload fortsetzen",
-  goOnText: (percent) =>
+  resume: "Upload fortsetzen",
+  resumeText: (percent) =>
     `Der Upload dieser Aufnahme wurde bei ${percent} % unterbrochen. Er wird dort fortgesetzt, wo er aufgehört hat.`,
   sentElsewhere: "Diese Aufnahme wird bereits in einem anderen Fenster dieses Browsers hochgeladen.",
   storageFull:
@@ -74,7 +88,7 @@ export const add: Texts["add"] = {
   repair: (repair) => {
     switch (repair.kind) {
       case "straightened":
-        return `schräg aufgenommen, wird um ${fixed(repair.degrees, 1)}° aufgerichtet`;
+        return `schräg aufgenommen, die Neigung von ${fixed(repair.degrees, 1)}° wird korrigiert`;
       case "filled_in":
         return `${count(repair.slices, "fehlende Schicht wird", "fehlende Schichten werden")} aus den Nachbarschichten ergänzt`;
       case "varying":

@@ -27,7 +27,7 @@ export const cut: Texts["cut"] = {
       : `${percent} % der Aufnahme ${percent === 1 ? "wird" : "werden"} gelöscht.`,
   keepAll: "Alles behalten",
   propose: "Vorgeschlagenen Schnitt verwenden",
-  goOn: "Endgültig zuschneiden …",
+  confirmCut: "Endgültig zuschneiden …",
   leave: "Abbrechen",
   confirmTitle: "Das lässt sich nicht rückgängig machen",
   confirmLead:
@@ -44,7 +44,7 @@ export const cut: Texts["cut"] = {
   done: "Was Sie weggeschnitten haben, ist endgültig gelöscht.",
   donePrivate: "Die Aufnahme ist weiterhin privat.",
   doneShared:
-    "Die Aufnahme ist nicht in der Galerie, aber wer sie von Ihnen geteilt bekam oder einen Link hat, kann sie weiterhin öffnen.",
+    "Die Aufnahme ist nicht in der Galerie, aber alle, mit denen Sie sie geteilt haben oder die einen Link haben, können sie weiterhin öffnen.",
   look: "Aufnahme ansehen und teilen",
   failed: "Die Aufnahme konnte nicht zugeschnitten werden und ist unverändert. Versuchen Sie es noch einmal.",
   back: "Zurück zu meinen Aufnahmen",

@@ -14,6 +14,9 @@ export const live: Texts["live"] = {
   guestSlices: "Gäste dürfen auch die Schichten sehen",
   guestSlicesHint:
     "Sie sehen dann die genauen Werte der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
+  guestPointers: "Gäste dürfen auf Stellen zeigen",
+  pointHint:
+    "Alle sehen, worauf Sie zeigen. Bewegen Sie die Maus über das Bild oder eine Schicht, oder halten Sie einen Finger darauf.",
   ended: "Der Link ist deaktiviert. Alle Verbindungen darüber wurden getrennt.",
   here: "Wer ist dabei?",
   you: " (Sie)",

@@ -8,7 +8,7 @@ export const presets: Texts["presets"] = {
   none: "Noch keine Voreinstellungen. Stellen Sie das Bild so ein, wie es Ihnen gefällt, und speichern Sie es als Voreinstellung.",
   name: "Name der neuen Voreinstellung",
   nameHint:
-    "Alle, die diese Aufnahme mit ihrem Konto öffnen können, können diesen Namen lesen, auch wenn Sie sie erst später mit ihnen teilen. Verwenden Sie deshalb keinen Personennamen.",
+    "Alle, die diese Aufnahme mit ihrem Konto öffnen können, sehen diesen Namen, auch Personen, mit denen Sie sie erst später teilen. Verwenden Sie deshalb keinen Personennamen.",
   save: "Aktuelle Ansicht speichern",
   saved: (name) => `Als ${name} gespeichert.`,
   withoutPatterns: "Die Muster der Lichter werden in einer Voreinstellung nicht gespeichert.",

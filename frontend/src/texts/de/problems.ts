@@ -3,13 +3,13 @@ import type { Texts } from "../shape";
 export const problems: Texts["problems"] = {
   unreachable: "Diaphane ist nicht erreichbar. Wir versuchen es weiter …",
   internal: "Bei uns ist etwas schiefgegangen. Versuchen Sie es gleich noch einmal.",
-  notTaken: "Der Server hat diese Änderung nicht angenommen.",
+  notTaken: "Der Server hat diese Änderung nicht angenommen. Laden Sie die Seite neu und versuchen Sie es noch einmal.",
   always: {
     offline: "Diaphane ist nicht erreichbar. Prüfen Sie Ihre Verbindung und versuchen Sie es noch einmal.",
     "wrong-credentials":
       "Die E-Mail-Adresse oder das Passwort ist falsch. Prüfen Sie beides und versuchen Sie es noch einmal.",
     disabled:
-      "Dieses Konto wurde von der Administration gesperrt. Wenden Sie sich an die Stelle, die diesen Diaphane-Server betreibt.",
+      "Dieses Konto wurde von der Administration gesperrt. Wenden Sie sich an die Administration dieses Diaphane-Servers.",
     "link-expired": "Dieser Link ist abgelaufen oder wurde schon benutzt. Fordern Sie einen neuen an.",
     busy: "Diaphane ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",
     unavailable: "Diaphane ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",
@@ -22,7 +22,8 @@ export const problems: Texts["problems"] = {
     unauthenticated: "Sie sind abgemeldet. Melden Sie sich wieder an.",
     "wrong-code": "Dieser Code ist falsch oder abgelaufen. Versuchen Sie es mit dem nächsten.",
     forbidden: "Dazu haben Sie keine Berechtigung.",
-    "second-factor-required": "Richten Sie zuerst die Zwei-Faktor-Anmeldung ein.",
+    "consent-needed": "Die Datenschutzerklärung hat sich geändert. Laden Sie die Seite neu und lesen Sie sie.",
+    "second-factor-required": "Richten Sie zuerst die Zwei-Faktor-Authentifizierung ein.",
     "not-found": "Das gibt es nicht mehr, oder Sie haben keinen Zugriff darauf.",
     conflict: "Das ist gerade nicht möglich. Laden Sie die Seite neu und versuchen Sie es noch einmal.",
     "not-ready": "Diese Aufnahme wird noch vorbereitet. Versuchen Sie es gleich noch einmal.",

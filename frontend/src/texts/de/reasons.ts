@@ -8,7 +8,7 @@ export const reasons: Texts["add"]["reasons"] = {
   views_not_slices: () => "Diese Bilder zeigen eine Aufnahme von vielen Seiten. Es sind keine Schichten.",
   not_original: () =>
     "Diese Bilder wurden aus einer Aufnahme berechnet. Nur die ursprünglichen Schichten können angezeigt werden.",
-  no_position: () => "In den Dateien steht nicht, an welche Stelle im Körper jedes Bild gehört.",
+  no_position: () => "In den Dateien steht nicht, welches Bild an welche Stelle im Körper gehört.",
   no_spacing: () =>
     "In den Dateien steht nicht, wie groß die Bilder in Millimetern sind, oder die Angabe kann nicht stimmen.",
   bad_orientation: () => "Die Dateien enthalten unmögliche Angaben zur Lage der Bilder im Körper.",
@@ -39,9 +39,9 @@ export const reasons: Texts["add"]["reasons"] = {
   too_short: (n) => `Die Schichten decken nur ${number.format(n)} mm des Körpers ab. Mindestens 20 mm sind nötig.`,
   too_large: () => "Diese Serie ist zu groß. Erlaubt sind 1 GB pro Datei und 1024 × 1024 × 1024 Punkte pro Aufnahme.",
   over_quota: () =>
-    "Für diese Aufnahme reicht Ihr Speicherplatz nicht aus. Löschen Sie andere Aufnahmen, und laden Sie diese noch einmal hoch.",
+    "Für diese Aufnahme reicht Ihr Speicherplatz nicht aus. Löschen Sie andere Aufnahmen und laden Sie diese noch einmal hoch.",
   values_out_of_range: () => "Die Werte dieser Aufnahme sind in einer Form gespeichert, die nicht unterstützt wird.",
   no_memory: () =>
-    "Der Server hatte bei jedem Versuch zu wenig Arbeitsspeicher oder Zeit für diese Aufnahme, obwohl sie nicht zu groß ist. Laden Sie die Aufnahme später noch einmal hoch, oder wenden Sie sich an die Betreiber dieses Servers.",
+    "Der Server hatte bei jedem Versuch zu wenig Arbeitsspeicher oder Zeit für diese Aufnahme, obwohl sie nicht zu groß ist. Laden Sie die Aufnahme später noch einmal hoch, oder wenden Sie sich an die Administration dieses Servers.",
   upload_gone: () => "Der Upload ist nicht mehr vorhanden. Laden Sie die Aufnahme noch einmal hoch.",
 };

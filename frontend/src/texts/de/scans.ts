@@ -74,7 +74,7 @@ export const scans: Texts["scans"] = {
   interrupted: (percent) => `Unterbrochen bei ${percent} %`,
   interruptedHint:
     "Wählen Sie denselben Ordner noch einmal, um den Upload dort fortzusetzen, wo er aufgehört hat. Zum Schutz Ihrer Dateien kann der Browser den Ordner nicht von selbst öffnen.",
-  goOn: "Fortsetzen",
+  resumeInterrupted: "Fortsetzen",
   cancelUpload: (title) => `Upload von ${title} abbrechen`,
   cancelTitle: "Upload abbrechen?",
   cancelText: (title) =>

@@ -89,6 +89,36 @@ export const sharing: Texts["sharing"] = {
     isPrivate: "Die Aufnahme ist nicht mehr in der Galerie.",
     takenDown: (reason) => `Die Administration hat diese Aufnahme gesperrt. Grund: ${reason}`,
   },
+  views: {
+    open: "Wer hat diese Aufnahme angesehen?",
+    openOf: (title) => `Wer hat ${title} angesehen?`,
+    title: "Wer hat diese Aufnahme angesehen?",
+    lead: "Jedes Mal, wenn jemand diese Aufnahme öffnet, halten wir fest, wann, auf welchem Weg und ungefähr von wo. Kleine Bilder in Listen zählen nicht. Einträge werden nach 90 Tagen gelöscht.",
+    own: "Auch anzeigen, wann ich sie angesehen habe",
+    nobodyElse: "In den letzten 90 Tagen hat sonst niemand diese Aufnahme angesehen.",
+    nobody: "In den letzten 90 Tagen hat niemand diese Aufnahme angesehen.",
+    gone: "Eine Person, deren Konto gelöscht wurde",
+    link: (day) => `Jemand mit dem Link vom ${day}`,
+    routes: {
+      owner: "Sie",
+      person: "Eine Person, mit der Sie die Aufnahme geteilt haben",
+      gallery: "Jemand aus der Galerie",
+      administrator: "Die Administration",
+      link: "Jemand mit einem Link",
+      "live-link": "Ein Gast beim gemeinsamen Ansehen",
+      export: "Sie, beim Herunterladen Ihrer Daten",
+    },
+    times: (n, since) => `${n}-mal seit ${since}`,
+    browser: (name) =>
+      name
+        .replace("Unknown browser", "Unbekannter Browser")
+        .replace(" on a Mac", " auf einem Mac")
+        .replace(" on ", " unter "),
+    sameNetwork: "dasselbe Netz wie Ihres gerade",
+    network: (start) => `Netz ${start}`,
+    toldGuest: "Wem die Aufnahme gehört, kann sehen, wann, auf welchem Weg und ungefähr von wo Sie sie ansehen.",
+    toldPerson: "Wem die Aufnahmen gehören, kann sehen, wann, auf welchem Weg und ungefähr von wo Sie sie ansehen.",
+  },
   gallery: {
     nav: "Galerie",
     title: "Galerie",
@@ -144,6 +174,14 @@ export const sharing: Texts["sharing"] = {
     reasonHint: "Die betroffene Person wird das lesen.",
     dismiss: "Verwerfen",
     dismissOf: (title) => `Meldung zu ${title} verwerfen`,
+    takenDown: "Gesperrt",
+    noneTakenDown: "Nichts ist gesperrt.",
+    lift: "Sperre aufheben",
+    liftOf: (title) => `Sperre von ${title} aufheben`,
+    liftLead:
+      "Die Aufnahme bleibt privat, bis die Person, der sie gehört, sie wieder veröffentlicht. Der Vorgang wird im Protokoll vermerkt.",
+    liftPresetLead:
+      "Alle, die die Aufnahme ansehen können, sehen diese Voreinstellung wieder. Der Vorgang wird im Protokoll vermerkt.",
   },
   visit: {
     title: "Mit Ihnen wurde eine Aufnahme geteilt",

@@ -1,5 +1,10 @@
 import type { Texts } from "../shape";
-import { fixed } from "./counting";
+import { count, fixed } from "./counting";
+
+/** A typographic minus. */
+const signed = (text: string): string => text.replace("-", "−");
+/** The values of a CT are in Hounsfield units. */
+const withUnit = (text: string, hounsfield: boolean): string => `${signed(text)}${hounsfield ? " HE" : ""}`;
 
 export const slices: Texts["slices"] = {
   open: "Schichten zeigen (V)",
@@ -8,18 +13,20 @@ export const slices: Texts["slices"] = {
   views: "Anordnung",
   view: { picture: "3D", four: "Alle", axial: "Axial", sagittal: "Sagittal", coronal: "Koronal" },
   tools: "Werkzeug",
-  tool: { window: "Fenster", crosshair: "Fadenkreuz", ruler: "Lineal", angle: "Winkel" },
+  tool: { window: "Fenster", crosshair: "Fadenkreuz", ruler: "Lineal", angle: "Winkel", ellipse: "Ellipse" },
   toolHelp: {
     window: "Ziehen Sie seitwärts, um den Kontrast zu ändern, und auf oder ab, um die Helligkeit zu ändern.",
     crosshair:
       "Ziehen, klicken oder tippen Sie, um alle drei Schichten durch diese Stelle zu legen. Mit der Maus geht das jederzeit auch, wenn Sie die Umschalttaste halten und den Zeiger bewegen.",
     ruler:
-      "Ziehen Sie von einem Punkt zum anderen, oder klicken oder tippen Sie beide an. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz.",
+      "Ziehen Sie von einem Punkt zum anderen, oder klicken oder tippen Sie beide an. Ziehen Sie ein Ende, um es zu verschieben. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz oder nimmt den Punkt dort auf.",
     angle:
-      "Klicken oder tippen Sie drei Punkte an. Der zweite ist der Scheitelpunkt. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz.",
+      "Klicken oder tippen Sie drei Punkte an. Der zweite ist der Scheitelpunkt. Ziehen Sie einen Punkt, um ihn zu verschieben. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz oder nimmt den Punkt dort auf.",
+    ellipse:
+      "Misst die Werte in einer Ellipse. Ziehen Sie von einer Ecke zur gegenüberliegenden, oder klicken oder tippen Sie beide an. Ziehen Sie die Mitte, um die Ellipse zu verschieben, und einen Punkt am Rand, um ihre Größe zu ändern. Mit der Tastatur setzt die Eingabetaste eine Ecke am Fadenkreuz oder nimmt den Punkt dort auf.",
   },
   usual: "Fenster",
-  usualOwn: "Benutzerdefiniert",
+  usualOwn: "Eigene",
   usualWindows: { soft: "Weichteile", lung: "Lunge", bone: "Knochen", brain: "Gehirn" },
   centre: "Zentrum",
   width: "Weite",
@@ -33,12 +40,29 @@ export const slices: Texts["slices"] = {
   number: (index, count) => `${index} von ${count}`,
   title: (view, index, count) => `${view} ${index}/${count}`,
   place: (parts) => `${parts.map(({ side, mm }) => `${side} ${fixed(mm, 1)}`).join("  ")} mm`,
-  hu: (value) => `${value} HE`.replace("-", "−"),
-  value: (value) => `Wert ${value}`.replace("-", "−"),
+  hu: (value) => withUnit(String(value), true),
+  value: (value) => signed(`Wert ${value}`),
   cutAway: "Weggeschnitten",
   nothing: "Außerhalb der Aufnahme",
   ruler: (mm) => `${fixed(mm, 1)} mm`,
   angle: (degrees) => `${fixed(degrees, 1)}°`,
+  ellipse: (mean, deviation, hounsfield) =>
+    `Mittel ${withUnit(`${fixed(mean, 1)} ± ${fixed(deviation, 1)}`, hounsfield)}`,
+  ellipseRange: (minimum, maximum, hounsfield) =>
+    `${signed(String(minimum))} bis ${withUnit(String(maximum), hounsfield)}`,
+  ellipseSize: (area, pixels) => `${fixed(area, area < 100 ? 1 : 0)} mm², ${count(pixels, "Pixel", "Pixel")}`,
+  ellipseEmpty: "Keine Werte darin",
+  held: "Aufgenommen. Umschalt und Pfeile verschieben den Punkt, die Eingabetaste legt ihn ab.",
+  scale: (length) => `Maßstab: ${length}`,
+  millimetres: (mm) => `${String(mm).replace(".", ",")} mm`,
+  centimetres: (cm) => `${cm} cm`,
+  display: "Darstellung",
+  smooth: "Weich",
+  smoothHelp:
+    "Zeigt weiche Übergänge zwischen den gespeicherten Werten. Schalten Sie das aus, um jeden gespeicherten Wert als scharfes Rechteck zu sehen. Angezeigte Werte und Messungen sind immer die gespeicherten.",
+  overlay: "Farben",
+  overlayHelp: "Zeigt die Farben des 3D-Bildes über den grauen Schichten.",
+  overlayStrength: "Stärke der Farben",
   said: (title, value, place) => `${title}, ${value}, ${place}`,
   unsupported:
     "Dieser Browser ist zu alt, um die Schichten zu zeigen. Aktualisieren Sie ihn, oder verwenden Sie einen anderen Browser.",

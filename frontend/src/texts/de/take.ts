@@ -40,13 +40,13 @@ export const take: Texts["take"] = {
     rendering: "Das Bild wird berechnet",
     saved: "Das Bild wurde gespeichert.",
     stopped: "Es wurde kein Bild gespeichert.",
-    failed: "Das Bild konnte nicht berechnet werden.",
+    failed: "Das Bild konnte nicht berechnet werden. Versuchen Sie es noch einmal.",
   },
-  ofFilm: {
+  ofVideo: {
     rendering: "Das Video wird berechnet",
     saved: "Das Video wurde gespeichert.",
     stopped: "Es wurde kein Video gespeichert.",
-    failed: "Das Video konnte nicht berechnet werden.",
+    failed: "Das Video konnte nicht berechnet werden. Versuchen Sie es noch einmal.",
   },
   busy: "Der Server berechnet gerade Dateien für andere. Versuchen Sie es in ein paar Minuten noch einmal.",
   hide: "Diese Meldung ausblenden",
@@ -56,12 +56,12 @@ export const take: Texts["take"] = {
     "Ein fließender Übergang von einer gespeicherten Voreinstellung zur nächsten: Blickpunkt, Farben und Lichter ändern sich allmählich. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   seconds: "Länge in Sekunden",
   rate: "Bilder pro Sekunde",
-  filmSizes: {
+  videoSizes: {
     small: (width, height) => `Klein, ${width} × ${height}`,
     medium: (width, height) => `Mittel, ${width} × ${height}`,
     large: (width, height) => `Groß, ${width} × ${height}`,
   },
-  filmHint: (frames) =>
+  videoHint: (frames) =>
     frames > 0
       ? `Für dieses Video ${frames === 1 ? "wird" : "werden"} ${count(frames, "Bild", "Bilder")} berechnet. Das verbraucht Rechenzeit.`
       : "Das verbraucht Rechenzeit.",
@@ -73,11 +73,11 @@ export const take: Texts["take"] = {
   wrongViews: (most) => `Wählen Sie 2 bis ${most} Ansichten für die Tour.`,
   earlier: "Nach oben",
   earlierOf: (name) => `${name} nach oben`,
-  saveFilm: "Video speichern",
+  saveVideo: "Video speichern",
   link: "Link zu dieser Ansicht teilen",
   linkLead:
-    "Wer diese Aufnahme schon öffnen darf, sieht sie so, wie sie jetzt ist: mit Ihren Farben, Lichtern und Schnitten und aus Ihrem Blickwinkel. Der Link gibt niemandem sonst Zugriff auf die Aufnahme und enthält keinen Namen.",
-  linkWithoutPatterns: "Die Muster Ihrer Lichter sind in dem Link nicht enthalten.",
+    "Wer die Aufnahme schon öffnen darf, sieht sie, wie sie jetzt ist: mit Ihren Farben, Lichtern, Schnitten und Ihrem Blickwinkel. Andere erhalten durch den Link keinen Zugriff auf die Aufnahme. Er enthält die Namen Ihrer Lichter und Materialien, aber nicht den Namen des Patienten oder der Patientin.",
+  linkWithoutPatterns: "Ihre eigenen Bilder als Lichtmuster sind in dem Link nicht enthalten.",
   linkField: "Link",
   linkTooLarge:
     "Diese Ansicht enthält zu viele Einzelheiten für einen Link. Speichern Sie sie stattdessen als Voreinstellung.",
@@ -86,5 +86,5 @@ export const take: Texts["take"] = {
   notCopied: "Der Link konnte nicht kopiert werden. Markieren Sie ihn und kopieren Sie ihn selbst.",
   linkDamaged: "Dieser Link ist beschädigt oder unvollständig. Die Aufnahme wird deshalb wie gewohnt gezeigt.",
   linkNewer:
-    "Dieser Link stammt aus einer neueren Version von Diaphane. Die Aufnahme wird deshalb wie gewohnt gezeigt. Laden Sie die Seite neu, und versuchen Sie es noch einmal.",
+    "Dieser Link stammt aus einer neueren Version von Diaphane. Die Aufnahme wird deshalb wie gewohnt gezeigt. Laden Sie die Seite neu und versuchen Sie es noch einmal.",
 };

@@ -2,6 +2,7 @@ import type { Texts } from "../shape";
 import { count, fixed, number } from "./counting";
 
 export const viewer: Texts["viewer"] = {
+  lostEnvironment: "Die Umgebung dieser Ansicht existiert nicht mehr. Ein gleichmäßiges Licht ersetzt sie.",
   back: "Meine Aufnahmen",
   stage:
     "3D-Ansicht der Aufnahme. Die Pfeiltasten drehen, Plus und Minus zoomen, R setzt die Ansicht zurück, 1 bis 5 wählen eine Darstellung, und das Fragezeichen zeigt alle Tasten.",
@@ -114,6 +115,7 @@ export const viewer: Texts["viewer"] = {
   percent: (error) =>
     `${new Intl.NumberFormat("de", { minimumSignificantDigits: 2, maximumSignificantDigits: 2 }).format(100 * error)} %`,
   orientation: (side) => `Ansicht von ${side}`,
+  viewFrom: (side) => `Von ${side} ansehen`,
   sides: {
     L: "links (vom Patienten aus)",
     R: "rechts (vom Patienten aus)",
@@ -139,6 +141,13 @@ export const viewer: Texts["viewer"] = {
     ["Rückgängig machen", "Menü links", "Menü links", "Strg + Z"],
     ["Wiederholen", "Menü links", "Menü links", "Strg + Umschalt + Z"],
     ["Schichten zeigen", "Knopf oben", "Knopf oben", "V"],
+    [
+      "In einer Schicht messen",
+      "Lineal, Winkel oder Ellipse, dann ziehen",
+      "Lineal, Winkel oder Ellipse, dann ziehen",
+      "Eingabe",
+    ],
+    ["Weiche oder farbige Schichten", "„Weich“ und „Farben“ darüber", "„Weich“ und „Farben“ darüber", "Leertaste"],
     ["Vollbild", "Knopf oben", "", "F"],
     ["Speichern oder teilen", "Knopf oben", "Knopf oben", "S"],
   ],

@@ -4,19 +4,20 @@ import { reasons } from "./reasons";
 
 /** Adding a scan: choosing the folder, the series found in it, and why some of them can't be shown. */
 export const add = {
-  lead: "Choose the folder or disc that the hospital gave you. Diaphane finds the scans in it, whatever the files are called.",
+  lead: "Choose the folder, the disc or the ZIP file that the hospital gave you. Diaphane finds the scans in it, whatever the files are called.",
   privacy:
     "The patient’s name, dates and ID numbers are removed from the files before anything leaves this browser. We keep only the 3D image data and delete the uploaded files.",
   privacyShort: "The patient’s name is shown only to you, in this browser. It is removed before anything is uploaded.",
-  drop: "Drop a folder here",
+  drop: "Drop a folder or a ZIP file here",
   dropping: "Drop to read the files",
   or: "or",
   choose: "Choose a folder",
+  chooseFiles: "Choose files",
   scanning: "Reading the files…",
   scanned: (done: number, total: number) => `${number.format(done)} of ${count(total, "file", "files")}`,
   stop: "Stop",
-  another: "Choose another folder",
-  failed: "The folder couldn’t be read. Try again.",
+  another: "Choose other files",
+  failed: "The files couldn’t be read. Try again.",
   found: (n: number) => `${count(n, "image series", "image series")} can be shown`,
   nothing: "No scan found that can be shown",
   nothingEmpty: "This folder is empty. Choose another one.",
@@ -28,7 +29,20 @@ export const add = {
     n === 1
       ? "1 file is not a DICOM file and was ignored."
       : `${number.format(n)} files are not DICOM files and were ignored.`,
-  zip: "This is a ZIP file. Unpack it first, then choose the unpacked folder.",
+  archives: {
+    encrypted: (name: string) =>
+      `“${name}” is protected by a password. Unpack it with the password first, then choose the unpacked folder.`,
+    damaged: (name: string) =>
+      `“${name}” is damaged or incomplete, so not all of its files could be read. Copy or download it again.`,
+    nested: (name: string) =>
+      `“${name}” contains archives within archives within archives. Unpack it first, then choose the unpacked folder.`,
+    large: (name: string) =>
+      `“${name}” contains more than this page can unpack. Unpack it first, then choose the folder with your scan.`,
+    format: (name: string) =>
+      `“${name}” is packed in a way that browsers can’t read. Unpack it first, then choose the unpacked folder.`,
+  },
+  damagedInArchive:
+    "A file of this scan is damaged in its archive, so nothing was uploaded. Copy or download the archive again.",
   unreadable: (n: number) => `${count(n, "file", "files")} couldn’t be read.`,
   seriesUntitled: "Untitled series",
   slices: (n: number) => count(n, "slice", "slices"),
@@ -58,15 +72,15 @@ export const add = {
       left.others > 0 ? `${count(left.others, "slice", "slices")} of a different size skipped` : "",
       left.damaged > 0 ? `${count(left.damaged, "damaged slice", "damaged slices")} skipped` : "",
     ].filter((text) => text !== ""),
-  goOn: "Resume upload",
-  goOnText: (percent: number) =>
+  resume: "Resume upload",
+  resumeText: (percent: number) =>
     `The upload of this scan was interrupted at ${percent}%. It will resume where it stopped.`,
   sentElsewhere: "This scan is already being uploaded in another window of this browser.",
   storageFull: "The server has run out of space, so nothing was uploaded. Try again later.",
   repair: (repair: Repair) => {
     switch (repair.kind) {
       case "straightened":
-        return `scanned at an angle, will be straightened by ${repair.degrees.toFixed(1)}°`;
+        return `scanned at an angle; the tilt of ${repair.degrees.toFixed(1)}° will be corrected`;
       case "filled_in":
         return `${count(repair.slices, "missing slice", "missing slices")} will be filled in from the neighbouring ones`;
       case "varying":

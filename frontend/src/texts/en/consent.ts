@@ -6,5 +6,6 @@ export const consent = {
   notice: "Read the privacy notice (opens in a new tab)",
   missing: "Tick this box to continue.",
   go: "Continue",
-  otherwise: "If you don’t agree, you can sign out, or download or delete your data on the page “Your account”.",
+  otherwise:
+    "If you don’t agree, you can sign out. You can also download or delete your data on the page “Your account”.",
 } as const;

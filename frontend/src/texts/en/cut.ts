@@ -23,7 +23,7 @@ export const cut = {
     percent === 0 ? "You haven’t cut anything away yet." : `${percent}% of the scan will be deleted.`,
   keepAll: "Keep everything",
   propose: "Use the suggested cut",
-  goOn: "Cut permanently…",
+  confirmCut: "Cut permanently…",
   leave: "Cancel",
   confirmTitle: "This can’t be undone",
   confirmLead:

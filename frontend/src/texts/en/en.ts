@@ -5,6 +5,7 @@ import { common } from "./common";
 import { consent } from "./consent";
 import { cut } from "./cut";
 import { home } from "./home";
+import { curve } from "./curve";
 import { kernel } from "./kernel";
 import { legal } from "./legal";
 import { live } from "./live";
@@ -30,6 +31,7 @@ export const en = {
   consent,
   cut,
   home,
+  curve,
   kernel,
   legal,
   live,

@@ -13,6 +13,9 @@ export const live = {
   guestSlices: "Guests can also see the slices",
   guestSlicesHint:
     "They then see the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
+  guestPointers: "Guests can point",
+  pointHint:
+    "Everyone sees where you point. Move the mouse over the picture or a slice, or press and hold with a finger.",
   ended: "Link disabled. Everyone using it has been disconnected.",
   here: "People here",
   you: " (you)",

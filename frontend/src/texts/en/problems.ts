@@ -2,12 +2,12 @@
 export const problems = {
   unreachable: "We can’t reach Diaphane. Trying again…",
   internal: "Something went wrong on our side. Try again in a moment.",
-  notTaken: "The server didn’t accept this change.",
-  /** By the kind of a problem: said instead of the server’s own sentence. */
+  notTaken: "The server didn’t accept this change. Reload the page and try again.",
+  /** Shown instead of the server’s own sentence, by kind of problem. */
   always: {
     offline: "We couldn’t reach Diaphane. Check your connection and try again.",
     "wrong-credentials": "The email address or password is wrong. Check both and try again.",
-    disabled: "An administrator has disabled this account. Contact the people who run this Diaphane server.",
+    disabled: "An administrator has disabled this account. Contact the administrator of this Diaphane server.",
     "link-expired": "This link has expired or has already been used. Request a new one.",
     busy: "Diaphane is busy at the moment. Try again shortly.",
     unavailable: "Diaphane is busy at the moment. Try again shortly.",
@@ -15,12 +15,13 @@ export const problems = {
       "The connection was lost while your change was being saved. Reload the page to see whether it was saved.",
     internal: "Something went wrong on our side. Try again in a moment.",
   },
-  /** By the kind of a problem: said where the server’s sentence is in another language, or missing. */
+  /** Shown if the server’s sentence is missing or in another language, by kind of problem. */
   kinds: {
     invalid: "Check what you have entered.",
     unauthenticated: "You are signed out. Sign in again.",
     "wrong-code": "This code is wrong or has expired. Try the next one.",
     forbidden: "You don’t have permission to do this.",
+    "consent-needed": "The privacy notice has changed. Reload the page and read it.",
     "second-factor-required": "Set up two-factor authentication first.",
     "not-found": "This no longer exists, or you don’t have access to it.",
     conflict: "This isn’t possible at the moment. Reload the page and try again.",

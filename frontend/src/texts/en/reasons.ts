@@ -9,7 +9,8 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   views_not_slices: () => "These images show a scan from many sides. They are not slices.",
   not_original: () => "These images were computed from a scan. Only the original slices can be shown.",
   no_position: () => "The files don’t say where in the body each image belongs.",
-  no_spacing: () => "The files don’t say how large the images are in millimetres, or what they say can’t be right.",
+  no_spacing: () =>
+    "The files don’t say how large the images are in millimetres, or the size they give can’t be right.",
   bad_orientation: () => "The files contain impossible information about how the images lie in the body.",
   one_position: () => "All images show the same place at different times, so there is no depth to show.",
   cine: () => "This is a video of a single place in the body, so there is no depth to show.",
@@ -37,6 +38,6 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   over_quota: () => "You don’t have enough storage left for this scan. Delete other scans, then upload this one again.",
   values_out_of_range: () => "The values of this scan are stored in a form that isn’t supported.",
   no_memory: () =>
-    "The server ran out of memory or time each time it processed this scan, although the scan is within the limits. Upload it again later, or contact the people who run this server.",
+    "The server ran out of memory or time each time it processed this scan, although the scan is within the limits. Upload it again later, or contact the administrator of this server.",
   upload_gone: () => "The upload is no longer available. Upload the scan again.",
 };

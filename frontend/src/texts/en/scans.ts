@@ -74,7 +74,7 @@ export const scans = {
   interrupted: (percent: number) => `Interrupted at ${percent}%`,
   interruptedHint:
     "Choose the same folder again to resume the upload where it stopped. To protect your files, the browser can’t reopen the folder by itself.",
-  goOn: "Resume",
+  resumeInterrupted: "Resume",
   cancelUpload: (title: string) => `Cancel the upload of ${title}`,
   cancelTitle: "Cancel this upload?",
   cancelText: (title: string) =>

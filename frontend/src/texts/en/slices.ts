@@ -1,3 +1,10 @@
+import { count, fixed } from "./counting";
+
+/** A typographic minus. */
+const signed = (text: string): string => text.replace("-", "−");
+/** The values of a CT are in Hounsfield units. */
+const withUnit = (text: string, hounsfield: boolean): string => `${signed(text)}${hounsfield ? " HU" : ""}`;
+
 /** The slice views next to the 3D picture. */
 export const slices = {
   open: "Show the slices (V)",
@@ -6,15 +13,17 @@ export const slices = {
   views: "Layout",
   view: { picture: "3D", four: "All", axial: "Axial", sagittal: "Sagittal", coronal: "Coronal" },
   tools: "Tool",
-  tool: { window: "Window", crosshair: "Crosshair", ruler: "Ruler", angle: "Angle" },
+  tool: { window: "Window", crosshair: "Crosshair", ruler: "Ruler", angle: "Angle", ellipse: "Ellipse" },
   toolHelp: {
     window: "Drag sideways to change the contrast, and up or down to change the brightness.",
     crosshair:
       "Drag, click or tap to move all three slices to that point. With a mouse, you can also hold Shift and move the pointer at any time.",
     ruler:
-      "Drag from one point to another, or click or tap both. With the keyboard, Enter sets a point at the crosshair.",
+      "Drag from one point to another, or click or tap both. Drag an end to move it. With the keyboard, Enter sets a point at the crosshair, or picks up the point there.",
     angle:
-      "Click or tap three points. The second one is the vertex. With the keyboard, Enter sets a point at the crosshair.",
+      "Click or tap three points. The second one is the vertex. Drag a point to move it. With the keyboard, Enter sets a point at the crosshair, or picks up the point there.",
+    ellipse:
+      "Measures the values in an ellipse. Drag from one corner to the opposite one, or click or tap both. Drag the centre to move the ellipse, and a dot on its edge to resize it. With the keyboard, Enter sets a corner at the crosshair, or picks up the dot there.",
   },
   usual: "Window",
   usualOwn: "Custom",
@@ -32,12 +41,30 @@ export const slices = {
   title: (view: string, index: number, count: number) => `${view} ${index}/${count}`,
   place: (parts: readonly { readonly side: string; readonly mm: number }[]) =>
     `${parts.map(({ side, mm }) => `${side} ${mm.toFixed(1)}`).join("  ")} mm`,
-  hu: (value: number) => `${value} HU`.replace("-", "−"),
-  value: (value: number) => `Value ${value}`.replace("-", "−"),
+  hu: (value: number) => withUnit(String(value), true),
+  value: (value: number) => signed(`Value ${value}`),
   nothing: "Outside the scan",
   cutAway: "Cut away",
   ruler: (mm: number) => `${mm.toFixed(1)} mm`,
   angle: (degrees: number) => `${degrees.toFixed(1)}°`,
+  ellipse: (mean: number, deviation: number, hounsfield: boolean) =>
+    `Mean ${withUnit(`${fixed(mean, 1)} ± ${fixed(deviation, 1)}`, hounsfield)}`,
+  ellipseRange: (minimum: number, maximum: number, hounsfield: boolean) =>
+    `${signed(String(minimum))} to ${withUnit(String(maximum), hounsfield)}`,
+  ellipseSize: (area: number, pixels: number) =>
+    `${fixed(area, area < 100 ? 1 : 0)} mm², ${count(pixels, "pixel", "pixels")}`,
+  ellipseEmpty: "No values inside",
+  held: "Picked up. Shift and the arrows move it, and Enter puts it down.",
+  scale: (length: string) => `Scale: ${length}`,
+  millimetres: (mm: number) => `${mm} mm`,
+  centimetres: (cm: number) => `${cm} cm`,
+  display: "Display",
+  smooth: "Smooth",
+  smoothHelp:
+    "Shows smooth transitions between the stored values. Turn it off to see each stored value as a sharp rectangle. Readings and measurements are always of the stored values.",
+  overlay: "Colours",
+  overlayHelp: "Shows the colours of the 3D picture over the grey slices.",
+  overlayStrength: "Strength of the colours",
   said: (title: string, value: string, place: string) => `${title}, ${value}, ${place}`,
   unsupported: "This browser is too old to show the slices. Update it, or use another browser.",
   damaged: "A slice was corrupted in transit. Reload the page to load it again.",

@@ -36,13 +36,13 @@ export const take = {
     rendering: "Rendering the picture",
     saved: "The picture has been saved.",
     stopped: "No picture was saved.",
-    failed: "The picture couldn’t be rendered.",
+    failed: "The picture couldn’t be rendered. Try again.",
   },
-  ofFilm: {
+  ofVideo: {
     rendering: "Rendering the video",
     saved: "The video has been saved.",
     stopped: "No video was saved.",
-    failed: "The video couldn’t be rendered.",
+    failed: "The video couldn’t be rendered. Try again.",
   },
   busy: "The server is busy with other people’s files. Try again in a few minutes.",
   hide: "Hide this message",
@@ -52,12 +52,12 @@ export const take = {
     "A smooth transition from one saved preset to the next: viewpoint, colours and lights change gradually. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   seconds: "Length in seconds",
   rate: "Frames per second",
-  filmSizes: {
+  videoSizes: {
     small: (width: number, height: number) => `Small, ${width} × ${height}`,
     medium: (width: number, height: number) => `Medium, ${width} × ${height}`,
     large: (width: number, height: number) => `Large, ${width} × ${height}`,
   },
-  filmHint: (frames: number) =>
+  videoHint: (frames: number) =>
     frames > 0
       ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses your rendering time.`
       : "This uses your rendering time.",
@@ -69,11 +69,11 @@ export const take = {
   wrongViews: (most: number) => `Choose between 2 and ${most} views for the tour.`,
   earlier: "Move up",
   earlierOf: (name: string) => `Move ${name} up`,
-  saveFilm: "Save the video",
+  saveVideo: "Save the video",
   link: "Share a link to this view",
   linkLead:
-    "Anyone who already has access to this scan sees it as it is now, with your colours, lights, cuts and viewpoint. The link doesn’t give anyone else access to the scan, and it contains no name.",
-  linkWithoutPatterns: "The link doesn’t keep the patterns of your lights.",
+    "Anyone who already has access to this scan sees it as it is now, with your colours, lights, cuts and viewpoint. The link doesn’t give anyone else access to the scan. It contains the names of your lights and materials, but not the patient’s name.",
+  linkWithoutPatterns: "The link doesn’t keep your own pictures as light patterns.",
   linkField: "Link",
   linkTooLarge: "This view has too many details for a link. Save it as a preset instead.",
   copy: "Copy",

@@ -19,6 +19,7 @@ const troubles: Record<Trouble, string> = {
 
 /** The viewer. */
 export const viewer = {
+  lostEnvironment: "The environment of this view no longer exists. An even light takes its place.",
   back: "My scans",
   stage:
     "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 5 choose a look, and the question mark shows all keys.",
@@ -32,7 +33,7 @@ export const viewer = {
     showTable: "Show it",
     close: "Close this note",
     interpolated: (between: number) =>
-      `The slices of this scan are far apart, so the picture shows ${between === 1 ? "a computed slice" : `${between} computed slices`} between every two of them.`,
+      `The slices of this scan are far apart, so the picture shows ${between === 1 ? "a computed slice" : `${between} computed slices`} between each pair of neighbouring slices.`,
   },
   pictureTime: {
     soon: (minutes: number) =>
@@ -111,11 +112,13 @@ export const viewer = {
     "Every pixel is exactly as the renderer computed it. This browser has checked that nothing was lost in transit.",
   tileDamaged: "The final picture was corrupted in transit. The streamed picture is shown instead.",
   refining: (part: number | null) => (part === null ? "Sharpening…" : `Sharpening… ${Math.floor(100 * part)}%`),
-  smoothedHelp: "This picture is denoised, because it would still be grainy. The finished picture never is.",
+  smoothedHelp:
+    "This picture is denoised because it would still look grainy otherwise. The finished picture is never denoised.",
   seconds: (s: number) =>
     s < 1 ? `${(s * 1000).toFixed(0)} ms` : s < 100 ? `${s.toFixed(1)} s` : `${(s / 60).toFixed(1)} min`,
   percent: (error: number) => `${(100 * error).toPrecision(2)}%`,
   orientation: (side: string) => `Viewed from ${side}`,
+  viewFrom: (side: string) => `View from ${side}`,
   sides: {
     L: "the patient’s left",
     R: "the patient’s right",
@@ -135,6 +138,8 @@ export const viewer = {
     ["Undo", "Menu on the left", "Menu on the left", "Ctrl + Z"],
     ["Redo", "Menu on the left", "Menu on the left", "Ctrl + Shift + Z"],
     ["Show the slices", "Button at the top", "Button at the top", "V"],
+    ["Measure in a slice", "Ruler, angle or ellipse, then drag", "Ruler, angle or ellipse, then drag", "Enter"],
+    ["Smooth or coloured slices", "“Smooth” and “Colours” above them", "“Smooth” and “Colours” above them", "Space"],
     ["Full screen", "Button at the top", "", "F"],
     ["Save or share", "Button at the top", "Button at the top", "S"],
   ] as readonly (readonly [string, string, string, string])[],

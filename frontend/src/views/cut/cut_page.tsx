@@ -13,7 +13,7 @@ import { Viewer } from "../viewer/viewer";
 
 type Stage = "choosing" | "working" | "done" | { readonly failed: string };
 
-const askedEveryMs = 500;
+const pollIntervalMs = 500;
 
 /** Lets the owner of a scan cut parts of it away permanently. */
 export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
@@ -59,7 +59,7 @@ function useCut(dataSetId: string, set: DataSet | null) {
         },
         () => undefined, // the next poll may succeed
       );
-    const timer = setInterval(() => void ask(), askedEveryMs);
+    const timer = setInterval(() => void ask(), pollIntervalMs);
     return () => clearInterval(timer);
   }, [stage, app, dataSetId, set]);
   return { stage, carryOut };

@@ -8,7 +8,7 @@ import {
   partThatGoes,
   rangeOf,
   toBody,
-  whole,
+  wholeRegion,
   type Handle,
   type Region,
 } from "../../cut/region";
@@ -51,7 +51,7 @@ interface ChooserProps extends CutPanelProps {
 function Chooser({ session, dataSetId, onConfirm, volume, facts }: ChooserProps) {
   const bounds = useMemo(() => boundsOf(volume), [volume]);
   const proposal = facts.head?.proposal ?? null;
-  const [region, setRegion] = useState<Region>(() => (proposal ? fromProposal(proposal, bounds) : whole(bounds)));
+  const [region, setRegion] = useState<Region>(() => (proposal ? fromProposal(proposal, bounds) : wholeRegion(bounds)));
   const [asking, setAsking] = useState(false);
   useFirstView(session, region);
   const change = (next: Region, rest: boolean) => {
@@ -73,7 +73,7 @@ function Chooser({ session, dataSetId, onConfirm, volume, facts }: ChooserProps)
             {t.cut.goes(percent)}
           </p>
           <div class="cut-buttons">
-            <SmallButton text={t.cut.keepAll} onClick={() => change(whole(bounds), true)} />
+            <SmallButton text={t.cut.keepAll} onClick={() => change(wholeRegion(bounds), true)} />
             {proposal ? (
               <SmallButton text={t.cut.propose} onClick={() => change(fromProposal(proposal, bounds), true)} />
             ) : null}
@@ -81,7 +81,7 @@ function Chooser({ session, dataSetId, onConfirm, volume, facts }: ChooserProps)
               {t.cut.leave}
             </Link>
             <button type="button" class="button button-danger" onClick={() => setAsking(true)}>
-              {t.cut.goOn}
+              {t.cut.confirmCut}
             </button>
           </div>
         </div>
@@ -148,7 +148,7 @@ function Sliders({ region, bounds, change }: SlidersProps) {
         key={keyOf(handle)}
         label={nameOf(handle)}
         {...range}
-        said={t.cut.mm}
+        valueText={t.cut.mm}
         change={(to, rest) => change(moved(handle, to, region, bounds), rest)}
       />
     );
@@ -171,7 +171,7 @@ function Sliders({ region, bounds, change }: SlidersProps) {
             low={0}
             high={90}
             at={plane.tilt}
-            said={t.cut.degrees}
+            valueText={t.cut.degrees}
             change={(tilt, rest) => change({ ...region, plane: { ...plane, tilt } }, rest)}
           />
           <Slider
@@ -179,7 +179,7 @@ function Sliders({ region, bounds, change }: SlidersProps) {
             low={-60}
             high={60}
             at={plane.aside}
-            said={t.cut.degrees}
+            valueText={t.cut.degrees}
             change={(aside, rest) => change({ ...region, plane: { ...plane, aside } }, rest)}
           />
           {handles.filter(({ kind }) => kind === "plane").map(ofHandle)}
@@ -195,11 +195,11 @@ interface SliderProps {
   readonly low: number;
   readonly high: number;
   readonly at: number;
-  readonly said: (value: number) => string;
+  readonly valueText: (value: number) => string;
   readonly change: (value: number, rest: boolean) => void;
 }
 
-function Slider({ label, low, high, at, said, change }: SliderProps) {
+function Slider({ label, low, high, at, valueText, change }: SliderProps) {
   const value = Math.round(at);
   return (
     <label class="cut-slider">
@@ -210,11 +210,11 @@ function Slider({ label, low, high, at, said, change }: SliderProps) {
         max={Math.ceil(high)}
         step={1}
         value={value}
-        aria-valuetext={said(value)}
+        aria-valuetext={valueText(value)}
         onInput={(event) => change(event.currentTarget.valueAsNumber, false)}
         onChange={(event) => change(event.currentTarget.valueAsNumber, true)}
       />
-      <output>{said(value)}</output>
+      <output>{valueText(value)}</output>
     </label>
   );
 }

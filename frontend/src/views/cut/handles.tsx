@@ -41,7 +41,7 @@ export function Handles({ eye, region, bounds, change }: HandlesProps) {
             low={range.low}
             high={range.high}
             now={range.at}
-            said={t.cut.mm(Math.round(range.at))}
+            valueText={t.cut.mm(Math.round(range.at))}
             drag={(to) => {
               const by = dragged(eye, screen, place, along, { x: to.x - placed.x, y: to.y - placed.y });
               if (by !== null) change(moved(handle, range.at + by, region, bounds), false);

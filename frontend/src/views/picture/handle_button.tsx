@@ -13,7 +13,7 @@ export interface HandleButtonProps {
   readonly low: number;
   readonly high: number;
   readonly now: number;
-  readonly said: string;
+  readonly valueText: string;
   readonly grab?: () => void;
   /** Called with the position to which the handle is dragged. */
   readonly drag: (to: Point) => void;
@@ -34,7 +34,7 @@ const keySteps: Readonly<Record<string, readonly [right: number, up: number]>> =
 
 /** A handle over a picture. Arrow keys move it, and with Shift ten times as far. */
 export function HandleButton(props: HandleButtonProps) {
-  const { name, label, look, behind = false, at, low, high, now, said, hold } = props;
+  const { name, label, look, behind = false, at, low, high, now, valueText, hold } = props;
   const button = useRef<HTMLButtonElement>(null);
   const gestures = useHandleGestures(props);
   useLayoutEffect(() => {
@@ -55,7 +55,7 @@ export function HandleButton(props: HandleButtonProps) {
       aria-valuemin={Math.round(low)}
       aria-valuemax={Math.round(high)}
       aria-valuenow={Math.round(now)}
-      aria-valuetext={said}
+      aria-valuetext={valueText}
       onFocus={() => hold(true)}
       onBlur={() => hold(false)}
       onTouchMove={noFlick}

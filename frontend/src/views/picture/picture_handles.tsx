@@ -83,7 +83,7 @@ function Area({ session, picture, scene, bounds, shown }: AreaProps) {
           high={handle.high}
           now={handle.now}
           label={labelOf(scene, handle)}
-          said={saidOf(scene, handle)}
+          valueText={valueTextOf(scene, handle)}
           grab={() => {
             grabbed.current = handle;
             if (handle.of.kind === "light") picture.light.value = handle.of.index;
@@ -165,7 +165,7 @@ function labelOf(scene: Scene, { of }: Handle): string {
   }
 }
 
-function saidOf(scene: Scene, { of, now }: Handle): string {
+function valueTextOf(scene: Scene, { of, now }: Handle): string {
   const text = t.settings.picture;
   if (of.kind === "tilt") {
     const plane = planesOf(scene)[of.index];
@@ -174,8 +174,8 @@ function saidOf(scene: Scene, { of, now }: Handle): string {
   if (of.kind === "light") {
     const eye = eyeOf(scene),
       light = scene.lights[of.index];
-    const seen = eye && light && seenDirection(light, eye);
-    return text.towards((seen?.right ?? 0).toFixed(0), (seen?.up ?? 0).toFixed(0));
+    const direction = eye && light && seenDirection(light, eye);
+    return text.towards((direction?.right ?? 0).toFixed(0), (direction?.up ?? 0).toFixed(0));
   }
   return text.mm(now.toFixed(0));
 }

@@ -9,7 +9,7 @@ import type { InPicture } from "./in_picture";
 /** Lets the user choose a point of the picture with a click, or with arrow keys and Enter. Escape cancels. */
 export function PointPicker({ picture }: { readonly picture: InPicture }) {
   const picking = picture.picking.value;
-  const { button, at, said, setAt, pick, end } = usePointPicker(picture);
+  const { button, at, message, setAt, pick, end } = usePointPicker(picture);
   const mark = useMark(at);
   if (!picking) return null;
   return (
@@ -32,7 +32,7 @@ export function PointPicker({ picture }: { readonly picture: InPicture }) {
         <span class="picker-mark" ref={mark} aria-hidden="true" />
       </button>
       <div class="glass picker-line">
-        <p role="status">{said || picking.label}</p>
+        <p role="status">{message || picking.label}</p>
         <button type="button" class="button button-small" onClick={end}>
           {t.settings.picture.pickEnd}
         </button>
@@ -47,11 +47,11 @@ function usePointPicker(picture: InPicture) {
   const button = useRef<HTMLButtonElement>(null);
   const from = useRef<Element | null>(null);
   const [at, setAt] = useState<Point>({ x: 0.5, y: 0.5 });
-  const [said, setSaid] = useState("");
+  const [message, setMessage] = useState("");
   useEffect(() => {
     if (!picking) return;
     from.current = document.activeElement;
-    setSaid("");
+    setMessage("");
     button.current?.focus();
   }, [picking]);
   const end = () => {
@@ -62,10 +62,10 @@ function usePointPicker(picture: InPicture) {
     setAt(place);
     void picking?.pick(place).then((answer) => {
       if (answer === null) end();
-      else setSaid(answer);
+      else setMessage(answer);
     });
   };
-  return { button, at, said, setAt, pick, end };
+  return { button, at, message, setAt, pick, end };
 }
 
 /** Moves the marker with properties, because the content security policy forbids style attributes. */

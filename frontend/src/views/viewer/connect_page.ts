@@ -1,9 +1,18 @@
 import { attachGestures } from "../../input/attach";
+import type { Point } from "../../input/flat";
+import { attachPointing } from "../../input/pointing";
 import { watchDevicePixels } from "../../video/canvas_size";
 import type { ViewerSession } from "../../video/viewer_session";
 
 /** Connects a session to the events of the page and to the gestures on the picture, until `signal` is aborted. */
 export function connectPage(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
+  const area = () => ({ width: element.clientWidth, height: element.clientHeight });
+  // Before the gestures, which a pointing finger makes none of.
+  const pointing = {
+    isSeen: () => session.collaboration.points.value,
+    point: (at: Point | null) => session.pointAt(at, area()),
+  };
+  attachPointing(element, pointing, signal);
   attachGestures(
     element,
     (gesture, held) => session.editor.act(gesture, held),

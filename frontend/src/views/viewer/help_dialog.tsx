@@ -1,5 +1,5 @@
 import { t } from "../../texts";
-import { Dialog } from "../dialog";
+import { CloseButton, Dialog } from "../dialog";
 
 export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
   return (
@@ -25,11 +25,7 @@ export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
           ))}
         </tbody>
       </table>
-      <div class="dialog-buttons">
-        <button type="button" class="button button-main" onClick={onClose}>
-          {t.close}
-        </button>
-      </div>
+      <CloseButton onClick={onClose} />
     </Dialog>
   );
 }

@@ -21,7 +21,7 @@ test("hints are shown once", () => {
   expect(hintsDue(store)).toBe(false);
 });
 
-test("hints never come where nothing can be kept: blocked, full, or thrown away at once", () => {
+test("hints are not shown if the browser cannot store that they were shown", () => {
   const blocked = () => {
     throw new DOMException("Access is denied for this document.", "SecurityError");
   };

@@ -3,10 +3,10 @@ import { KernelOrigin, type KernelReport } from "../../protocol/file_messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 
-/** Longer than a hand that moves rests, and than the worker wants to be left alone. */
+/** Longer than a pause within a gesture, and than the minimum interval that the worker allows. */
 const calmMs = 1000;
 
-/** What the program that renders the picture has in it, and what was left out: on request, in plain words. */
+/** The features that the render kernel includes and those that it leaves out. Shown on request. */
 export function KernelFacts({ session }: { readonly session: ViewerSession }) {
   const [open, setOpen] = useState(false);
   const epoch = session.pictures.picture.value?.epoch;
@@ -14,7 +14,7 @@ export function KernelFacts({ session }: { readonly session: ViewerSession }) {
   const text = t.kernel;
   useEffect(() => {
     if (!open || phase !== "live") return;
-    // Another scene, or another worker, may have another program.
+    // Another scene or another worker may use a different kernel.
     const timer = setTimeout(() => session.askForKernel(), session.kernel.value ? calmMs : 0);
     return () => clearTimeout(timer);
   }, [open, epoch, phase, session]);

@@ -6,7 +6,7 @@ import { shownName, TakeBack } from "./share_dialog";
 export interface LiveLineProps {
   readonly session: ViewerSession;
   readonly role: Role;
-  /** Whether the scan is this person's, who may present again at any time. */
+  /** Whether the scan belongs to the user, who may then present again at any time. */
   readonly owner: boolean;
 }
 

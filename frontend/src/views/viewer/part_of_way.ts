@@ -6,7 +6,10 @@ import type { PictureFacts } from "../../video/picture_facts";
  * Returns the fraction of its samples that a picture has, from 0 to 1, depending on the stop condition. Null while it
  * is unknown.
  */
-export function partOfWay({ error, samples }: Pick<PictureFacts, "error" | "samples">, effort: Effort): number | null {
+export function refinementProgress(
+  { error, samples }: Pick<PictureFacts, "error" | "samples">,
+  effort: Effort,
+): number | null {
   const most = 0.99; // a picture that is not finished never shows 100%
   const part =
     stopOf(effort) === "samples" ? samples / effort.stop_samples : partDone(error, effort.stop_error || renderersError);

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { askedAgainMs, pictureTime } from "../../api/picture_time";
+import { pollDelayMs, pictureTime } from "../../api/picture_time";
 import type { Me } from "../../api/types";
 import { t } from "../../texts";
 import { dayText, timeText } from "../format";
@@ -85,7 +85,7 @@ function useRenderTime(): Me["render_time"] | null {
         if (!here) return;
         if (me) {
           app.me.value = me;
-          waitMs = askedAgainMs(me.render_time);
+          waitMs = pollDelayMs(me.render_time);
         }
       } catch {
         // The stream reports the problem.

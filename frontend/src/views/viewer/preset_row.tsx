@@ -75,7 +75,7 @@ function usePresetActions({ preset, session, set, act }: PresetRowProps) {
     rename: (name: string, done: () => void) => change(() => api.change(preset, { name: name.trim() }).then(done)),
     overwrite: () =>
       act(async () => {
-        const scene = session.editor.scene.value;
+        const scene = session.editor.toSave();
         if (!scene) return "";
         await api.change(preset, { scene: toPreset(scene) });
         return savedText(preset.name, scene);

@@ -2,26 +2,26 @@ import { expect, test } from "vitest";
 import { sceneToJson } from "../../protocol/messages";
 import { someScene } from "../../scene/testing";
 import { t } from "../../texts";
-import { Said } from "../state";
+import { UserError } from "../state";
 import { setTexture, textureOf } from "../../scene/textures";
 import { savedText, sceneOfPreset, toPreset } from "./preset_scene";
 
 const presets = (scene: object) => ({ get: (id: string) => Promise.resolve({ id, name: "Best", scene }) as never });
 
-test("a saved preset is the scene that it was", async () => {
+test("a saved preset restores its scene", async () => {
   const scene = someScene();
   expect(sceneToJson(await sceneOfPreset(presets(JSON.parse(sceneToJson(scene)) as object), "a"))).toBe(
     sceneToJson(scene),
   );
 });
 
-test("one that cannot be read is said by its name", async () => {
+test("an unreadable preset is reported by its name", async () => {
   const read = sceneOfPreset(presets({ camera: "none" }), "a");
-  await expect(read).rejects.toThrow(Said);
+  await expect(read).rejects.toThrow(UserError);
   await expect(read).rejects.toThrow(t.presets.unreadable("Best"));
 });
 
-test("a scene with a pattern on a light is saved without it, and that is said", async () => {
+test("a light pattern is not saved, and the user is told", async () => {
   const scene = setTexture(someScene(), 0, new Uint8Array([1, 2, 3]));
   expect(scene.lights[0] && textureOf(scene.lights[0])).not.toBeNull();
   const saved = await sceneOfPreset(presets(toPreset(scene)), "a");

@@ -56,7 +56,7 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
   );
 }
 
-/** Stands for a look that has no picture yet, or none that a guest may load. */
+/** Placeholder for a look without a picture, or with one that a guest may not load. */
 function Swatch({ colour }: { readonly colour: string }) {
   return (
     <svg class="preset-swatch" viewBox="0 0 44 44" aria-hidden="true">

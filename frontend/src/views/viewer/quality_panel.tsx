@@ -5,7 +5,7 @@ import type { PictureFacts } from "../../video/picture_facts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { percentText } from "../format";
 import { Icon } from "../icons";
-import { ErrorPlot } from "./error_plot";
+import { ErrorCurvePart } from "./error_curve";
 import { KernelFacts } from "./kernel_facts";
 import { qualityState, type QualityState } from "./quality_state";
 import { TreatmentFacts } from "./treatment";
@@ -25,7 +25,7 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
     const stored = local.getItem(key);
     return stored === null ? !smallScreen() : stored === "open";
   });
-  // Beside the slices the picture is small, so that the panel is closed there until somebody opens it.
+  // Next to the slices, the picture is small, so the panel is closed until the user opens it.
   const [openBesideSlices, setOpenBesideSlices] = useState(false);
   const besideSlices = session.slices.open.value;
   const shown = besideSlices ? openBesideSlices : open;
@@ -100,7 +100,7 @@ function QualityDetails({ session, facts }: QualityProps) {
         </p>
       ) : null}
       <TreatmentFacts session={session} />
-      <ErrorPlot points={session.pictures.curve.value} />
+      {open ? <ErrorCurvePart session={session} /> : null}
       <KernelFacts session={session} />
       <p class="quality-device muted">{session.device.value}</p>
     </details>

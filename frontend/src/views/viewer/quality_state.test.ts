@@ -6,7 +6,7 @@ import { qualityState } from "./quality_state";
 const stopAfter = (samples: number) => ({ ...fullEffort, stop_samples: samples });
 
 describe("the state of a picture", () => {
-  it("is how much of the way is done, also while the picture is denoised", () => {
+  it("is the progress, also while the picture is denoised", () => {
     const early = { error: 0.2, samples: 80, smoothed: true };
     expect(qualityState(early, stopAfter(100), false)).toEqual({
       finished: false,

@@ -1,7 +1,7 @@
 import type { Effort } from "../../scene/effort";
 import { t } from "../../texts";
 import type { PictureFacts } from "../../video/picture_facts";
-import { partOfWay } from "./part_of_way";
+import { refinementProgress } from "./part_of_way";
 
 export interface QualityState {
   readonly finished: boolean;
@@ -10,13 +10,13 @@ export interface QualityState {
   readonly part: number | null;
 }
 
-/** How far the picture is, in words for a patient. A denoised picture is on the same way as any other. */
+/** The progress of the picture, in words for a patient. A denoised picture counts like any other. */
 export function qualityState(
   facts: Pick<PictureFacts, "error" | "samples">,
   effort: Effort,
   finished: boolean,
 ): QualityState {
   if (finished) return { finished, text: t.viewer.finished, part: null };
-  const part = partOfWay(facts, effort);
+  const part = refinementProgress(facts, effort);
   return { finished, text: t.viewer.refining(part), part };
 }

@@ -6,7 +6,7 @@ import { Recorder, type Recording } from "../../live/recorder";
 import { roleOf } from "../../live/role";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
-import { Dialog } from "../dialog";
+import { CloseButton, Dialog } from "../dialog";
 import { useApp } from "../state";
 
 /** Whether the user's interaction is recorded. Null until the server has responded. */
@@ -52,7 +52,7 @@ function keep(api: Api, recording: Recording | null, leaving: boolean): void {
 
 /** The consent to recording, and the recordings that exist. */
 export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
-  const { mine, said, agree, remove } = useRecordings();
+  const { mine, message, agree, remove } = useRecordings();
   return (
     <Dialog title={t.recording.title} onClose={onClose}>
       <p>{t.recording.lead}</p>
@@ -67,16 +67,12 @@ export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
         <span>{t.recording.consent}</span>
       </label>
       {mine && mine.items.length > 0 ? <RecordingList items={mine.items} remove={remove} /> : null}
-      {said ? (
+      {message ? (
         <p class="field-fault" role="alert">
-          {said}
+          {message}
         </p>
       ) : null}
-      <div class="dialog-buttons">
-        <button type="button" class="button button-main" onClick={onClose}>
-          {t.close}
-        </button>
-      </div>
+      <CloseButton onClick={onClose} />
     </Dialog>
   );
 }
@@ -85,7 +81,7 @@ export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
 function useRecordings() {
   const app = useApp();
   const [mine, setMine] = useState<Recordings | null>(null);
-  const [said, setSaid] = useState("");
+  const [message, setMessage] = useState("");
   const load = useCallback(
     () =>
       app.api.recordings().then(
@@ -93,25 +89,25 @@ function useRecordings() {
           setMine(now);
           consent.value = now.consent;
         },
-        (thrown: unknown) => setSaid(app.explain(thrown)),
+        (thrown: unknown) => setMessage(app.explain(thrown)),
       ),
     [app],
   );
   useEffect(() => void load(), [load]);
   const change = (work: Promise<void>, undo?: () => void) => {
-    setSaid("");
+    setMessage("");
     void work.then(load, (thrown: unknown) => {
       undo?.();
-      setSaid(app.explain(thrown));
+      setMessage(app.explain(thrown));
     });
   };
   /** The switch moves at once, and moves back only if the server refuses. */
-  const agree = (now: Recordings, wanted: boolean) => {
-    setMine({ ...now, consent: wanted });
-    change(app.api.recordInteraction(wanted), () => setMine(now));
+  const agree = (now: Recordings, consent: boolean) => {
+    setMine({ ...now, consent });
+    change(app.api.recordInteraction(consent), () => setMine(now));
   };
   const remove = (id: string) => change(app.api.deleteRecording(id));
-  return { mine, said, agree, remove };
+  return { mine, message, agree, remove };
 }
 
 interface RecordingListProps {

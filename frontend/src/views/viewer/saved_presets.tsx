@@ -19,7 +19,7 @@ export interface SavedPresetsProps {
 
 /** The presets that people have saved for this scan. */
 export function SavedPresets({ session, set, onClose }: SavedPresetsProps) {
-  const { list, said, fault, act, importFile } = useSavedPresets(set);
+  const { list, message, fault, act, importFile } = useSavedPresets(set);
   const text = t.presets;
   const maySave = set.owned || set.role === "shared-edit" || set.is_public;
   return (
@@ -34,7 +34,7 @@ export function SavedPresets({ session, set, onClose }: SavedPresetsProps) {
       </ul>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       <p class="muted" role="status">
-        {said}
+        {message}
       </p>
       {maySave ? <SaveForm session={session} set={set} act={act} /> : null}
       <div class="dialog-buttons">
@@ -58,7 +58,7 @@ function SaveForm({ session, set, act }: SaveFormProps) {
   const [name, setName] = useState("");
   const save = () =>
     act(async () => {
-      const scene = session.editor.scene.value;
+      const scene = session.editor.toSave();
       if (!scene) return "";
       await app.api.presets.save(set.id, name.trim(), toPreset(scene));
       setName("");

@@ -4,12 +4,18 @@ import type { Participant } from "../../protocol/messages";
 import { tab } from "../../storage";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { colourOf } from "../picture/pointer_mark";
 import { CopyField } from "../copy_field";
-import { Dialog } from "../dialog";
+import { CloseButton, Dialog } from "../dialog";
 import { useApp } from "../state";
 import { Switch } from "./settings/controls";
 
 export const shownName = (one: Participant): string => one.name || t.live.owner;
+
+export function nameOf(people: readonly Participant[], number: number): string {
+  const one = people.find((person) => person.number === number);
+  return one ? shownName(one) : "";
+}
 
 export interface ShareDialogProps {
   readonly session: ViewerSession;
@@ -27,7 +33,7 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
       <ul class="people">
         {role.people.map((one) => (
           <li key={one.id} data-participant={one.id}>
-            <span class="people-name">
+            <span class="people-name" data-colour={colourOf(one.number)}>
               {shownName(one)}
               {one.id === role.you ? <small>{t.live.you}</small> : null}
             </span>
@@ -49,6 +55,7 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
           </li>
         ))}
       </ul>
+      <GuestPointers session={session} role={role} />
       {role.presents && !role.guest && role.others > 0 ? <p class="field-hint">{t.live.handOverHint}</p> : null}
       {owner && role.follows ? (
         <p>
@@ -60,18 +67,14 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
           {session.problem.value}
         </p>
       ) : null}
-      <div class="dialog-buttons">
-        <button type="button" class="button button-main" onClick={onClose}>
-          {t.close}
-        </button>
-      </div>
+      <CloseButton onClick={onClose} />
     </Dialog>
   );
 }
 
 const againAfterMs = 3000;
 
-/** Only the owner has it. From a camera of their own, they return to the picture that they will present. */
+/** Only the owner has this button. If they use a free camera, they return to the picture that they will present. */
 export function TakeBack({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const [taking, setTaking] = useState(false);
   const { you, freeCamera } = role;
@@ -92,13 +95,13 @@ export function TakeBack({ session, role }: { readonly session: ViewerSession; r
 /** Only this tab knows the link. The server stores only its hash and cannot show it again. */
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
-/** The link with which others join, and what they may see. */
+/** The link with which others join, and their permissions. */
 function LinkPart({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
-  // Nobody whom the link let in presents any longer.
+  // Nobody who joined with the link is presenting any longer.
   const ended = () => {
     if (role.follows && !role.freeCamera) session.handOver(role.you);
   };
-  const { url, said, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);
+  const { url, message, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);
   return (
     <div class="share-link">
       <p>{t.live.lead}</p>
@@ -125,7 +128,7 @@ function LinkPart({ session, role }: { readonly session: ViewerSession; readonly
       )}
       <GuestSlices session={session} />
       <p class="muted" role="status">
-        {said}
+        {message}
       </p>
     </div>
   );
@@ -135,14 +138,14 @@ function LinkPart({ session, role }: { readonly session: ViewerSession; readonly
 function useGuestLink(sessionId: string, ended: () => void) {
   const app = useApp();
   const [path, setPath] = useState(() => tab.getItem(memory(sessionId)));
-  const [said, setSaid] = useState("");
+  const [message, setMessage] = useState("");
   const [busy, setBusy] = useState(false);
   const url = path === null ? null : location.origin + path;
   const act = (work: () => Promise<void>) => {
     setBusy(true);
-    setSaid("");
+    setMessage("");
     work()
-      .catch((thrown: unknown) => setSaid(app.explain(thrown)))
+      .catch((thrown: unknown) => setMessage(app.explain(thrown)))
       .finally(() => setBusy(false));
   };
   const make = () =>
@@ -156,15 +159,33 @@ function useGuestLink(sessionId: string, ended: () => void) {
       await app.api.endLinks(sessionId);
       tab.removeItem(memory(sessionId));
       setPath(null);
-      setSaid(t.live.ended);
+      setMessage(t.live.ended);
       ended();
     });
   const copy = () =>
     act(async () => {
       await navigator.clipboard.writeText(url ?? "");
-      setSaid(t.live.copied);
+      setMessage(t.live.copied);
     });
-  return { url, said, busy, make, end, copy };
+  return { url, message, busy, make, end, copy };
+}
+
+/** How to point, and whether guests may. Only the presenter can change it. */
+function GuestPointers({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
+  const audience = session.audience.value;
+  if (!audience || role.others === 0) return null;
+  return (
+    <>
+      {role.presents ? (
+        <Switch
+          label={t.live.guestPointers}
+          on={audience.guestPointers}
+          change={(on) => session.collaboration.setGuestPointers(on)}
+        />
+      ) : null}
+      {session.collaboration.points.value ? <p class="field-hint">{t.live.pointHint}</p> : null}
+    </>
+  );
 }
 
 /** Whether guests may see the slices. Only the owner can change it. */

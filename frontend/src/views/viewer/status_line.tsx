@@ -5,17 +5,17 @@ import { Icon } from "../icons";
 import { Link } from "../router";
 import type { Trouble } from "../../protocol/connection";
 import { PictureTimeOver } from "./picture_time";
-import { VisitOver, wayBack, type Visitor } from "./visitor";
+import { VisitOver, returnPath, type Visitor } from "./visitor";
 
 export interface StatusLineProps {
   readonly session: ViewerSession | null;
   readonly fault: string;
   readonly visitor: Visitor | undefined;
-  /** What else there is to say, below. */
+  /** Further text below the message. */
   readonly children: ComponentChildren;
 }
 
-/** Why there is no picture, or no new one: said in words, and read out. */
+/** The reason for a missing or outdated picture. A screen reader announces it. */
 export function StatusLine({ session, fault, visitor, children }: StatusLineProps) {
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
@@ -23,9 +23,9 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
   const elsewhere = connection?.phase === "elsewhere";
   const stopped = connection?.phase === "stopped" || elsewhere;
   // Shows the server's own message for a rejection, if there is one.
-  const said = session?.problem.value ?? "";
+  const message = session?.problem.value ?? "";
   const text =
-    [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find(
+    [fault, trouble === "refused" ? message : "", trouble ? t.viewer.troubles[trouble] : "", message].find(
       (line) => line !== "",
     ) ?? "";
   const meanwhile = shown && trouble && !stopped ? t.viewer.meanwhile : "";
@@ -37,39 +37,41 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
       data-phase={connection?.phase ?? "idle"}
     >
       {over ?? (
-        <Said waiting={text === "" && shown === null} bad={!trouble || stopped} text={[text, meanwhile]}>
+        <StatusMessage waiting={text === "" && shown === null} bad={!trouble || stopped} text={[text, meanwhile]}>
           {elsewhere ? (
             <button type="button" class="button" onClick={() => session?.start()}>
               {t.viewer.continueHere}
             </button>
           ) : stopped ? (
-            <Link href={visitor ? wayBack(visitor) : "/scans"}>{visitor ? t.viewer.visitor.back : t.viewer.back}</Link>
+            <Link href={visitor ? returnPath(visitor) : "/scans"}>
+              {visitor ? t.viewer.visitor.back : t.viewer.back}
+            </Link>
           ) : null}
-        </Said>
+        </StatusMessage>
       )}
       {over ? null : children}
     </div>
   );
 }
 
-/** What replaces the picture for good, if anything does. */
+/** The panel that permanently replaces the picture, if there is one. */
 function overOf(trouble: Trouble | null, visitor: Visitor | undefined): JSX.Element | null {
   if (trouble === "time_spent") return <PictureTimeOver />;
   return visitor && trouble === "link_ended" ? <VisitOver visitor={visitor} /> : null;
 }
 
-interface SaidProps {
+interface StatusMessageProps {
   /** Nothing is wrong, but there is no picture yet. */
   readonly waiting: boolean;
-  /** What is said does not pass by itself. */
+  /** Whether the message stays until the user acts. */
   readonly bad: boolean;
   readonly text: readonly string[];
-  /** What can be pressed. */
+  /** The buttons below the message. */
   readonly children: ComponentChildren;
 }
 
-function Said({ waiting, bad, text, children }: SaidProps) {
-  const said = text.filter(Boolean).join(" ");
+function StatusMessage({ waiting, bad, text, children }: StatusMessageProps) {
+  const message = text.filter(Boolean).join(" ");
   if (waiting)
     return (
       <p class="glass pill">
@@ -77,11 +79,11 @@ function Said({ waiting, bad, text, children }: SaidProps) {
         {t.viewer.first}
       </p>
     );
-  if (said === "") return null;
+  if (message === "") return null;
   return (
     <p class={`glass pill${bad ? " pill-bad" : " pill-warn"}`}>
       {bad ? <Icon name="alert" /> : <span class="spinner" />}
-      {said}
+      {message}
       {children}
     </p>
   );

@@ -3,7 +3,7 @@ import { ApiProblem } from "../../api/client";
 import type { DataSet, PresetInfo } from "../../api/types";
 import { t } from "../../texts";
 import { oneAtATime } from "../one_at_a_time";
-import { Said, useApp } from "../state";
+import { UserError, useApp } from "../state";
 
 const mostFileBytes = 256 * 1024;
 
@@ -14,7 +14,7 @@ export type ActOnPresets = (work: () => Promise<string>) => void;
 export function useSavedPresets(set: DataSet) {
   const app = useApp();
   const [list, setList] = useState<readonly PresetInfo[] | null>(null);
-  const [said, setSaid] = useState("");
+  const [message, setMessage] = useState("");
   const [fault, setFault] = useState("");
   const reload = useCallback(async () => setList(await app.api.presets.list(set.id)), [app, set.id]);
   useEffect(() => {
@@ -23,10 +23,10 @@ export function useSavedPresets(set: DataSet) {
   const act = useMemo<ActOnPresets>(
     () =>
       oneAtATime((work) => {
-        setSaid("");
+        setMessage("");
         setFault("");
         return work()
-          .then(setSaid, (thrown: unknown) => {
+          .then(setMessage, (thrown: unknown) => {
             const stale = thrown instanceof ApiProblem && thrown.status === 412;
             setFault(stale ? t.presets.changed : app.explain(thrown));
           })
@@ -41,11 +41,11 @@ export function useSavedPresets(set: DataSet) {
       try {
         return t.presets.saved((await app.api.presets.importXml(set.id, file)).name);
       } catch (thrown) {
-        if (isNoPreset(thrown)) throw new Said(t.presets.notAPreset);
+        if (isNoPreset(thrown)) throw new UserError(t.presets.notAPreset);
         throw thrown;
       }
     });
-  return { list, said, fault, act, importFile };
+  return { list, message, fault, act, importFile };
 }
 
 /**

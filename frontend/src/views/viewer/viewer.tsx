@@ -42,7 +42,7 @@ export interface ViewerProps {
   readonly title: string;
   /** The facts about the scan, which only users with an account get. */
   readonly set?: DataSet | null;
-  /** Given if this person looks without opening the scan with an account. */
+  /** Set if the viewer is a visitor. */
   readonly visitor?: Visitor;
   readonly onChange?: (set: DataSet) => void;
   /** Set if the scan is to be cut. Called with the region to keep and the hash of the volume that it belongs to. */
@@ -74,7 +74,12 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
 
   const common = { session, role, own, set };
   return (
-    <div class="viewer" ref={page} data-slices={session?.slices.open.value ? session.slices.view.value : undefined}>
+    <div
+      class="viewer"
+      ref={page}
+      data-slices={session?.slices.open.value ? session.slices.view.value : undefined}
+      data-following={session?.slices.following.value ? "" : undefined}
+    >
       <ViewerStage canvas={canvas} session={session} role={role} picture={picture} cutting={cutting} />
       <ViewerHeader {...common} title={title} visitor={visitor} cutting={cutting} obey={obey} open={setOpen} />
       <footer class="not-medical">{t.viewer.notMedical}</footer>

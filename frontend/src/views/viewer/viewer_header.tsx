@@ -8,7 +8,7 @@ import { Icon, type IconName } from "../icons";
 import { Link } from "../router";
 import { ThemeSwitch } from "../shell";
 import { SlicesButton } from "./slices/slice_views";
-import { Invitation, wayBack, type Visitor } from "./visitor";
+import { Invitation, returnPath, type Visitor } from "./visitor";
 import type { OpenDialog } from "./viewer_dialogs";
 
 export interface ViewerHeaderProps {
@@ -30,7 +30,7 @@ export function ViewerHeader(props: ViewerHeaderProps) {
     <header class="viewer-top">
       <div class="glass viewer-title">
         <Link
-          href={props.visitor ? wayBack(props.visitor) : "/scans"}
+          href={props.visitor ? returnPath(props.visitor) : "/scans"}
           class="icon-button"
           label={props.visitor ? t.viewer.visitor.back : t.viewer.back}
         >

@@ -29,7 +29,7 @@ export function ViewerPanels({ session, role, picture, cut, focusPicture }: View
   if (trouble === "time_spent" || trouble === "link_ended") return null;
   return (
     <>
-      <OrientationCube session={session} />
+      <OrientationCube session={session} leads={role.presents} />
       {cut ? <CutPanel session={session} dataSetId={cut.dataSetId} onConfirm={cut.onConfirm} /> : null}
       {cut ? null : (
         <>

@@ -4,7 +4,9 @@ import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import type { InPicture } from "../picture/in_picture";
 import { PictureHandles } from "../picture/picture_handles";
+import { PicturePointers } from "../picture/pointers";
 import { PointPicker } from "../picture/point_picker";
+import { LostEnvironment } from "./lost_environment";
 import { SliceViews } from "./slices/slice_views";
 
 export interface ViewerStageProps {
@@ -16,7 +18,7 @@ export interface ViewerStageProps {
   readonly cutting: boolean;
 }
 
-/** The picture, with the slices beside it and the handles over it. */
+/** The picture, with the slices next to it and the handles on top. */
 export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerStageProps) {
   return (
     <main class="stage">
@@ -29,6 +31,8 @@ export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerS
         onDblClick={() => session?.slices.open.value && session.slices.maximise("picture")}
       />
       {session ? <SliceViews session={session} /> : null}
+      {session ? <PicturePointers session={session} role={role} /> : null}
+      {session ? <LostEnvironment session={session} /> : null}
       {session && role.presents && !cutting ? <PictureHandles session={session} picture={picture} /> : null}
       {session && role.presents ? <PointPicker picture={picture} /> : null}
     </main>

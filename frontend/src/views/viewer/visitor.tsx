@@ -3,16 +3,16 @@ import { Link } from "../router";
 import { useApp } from "../state";
 import { OverPanel } from "./over_panel";
 
-/** Somebody who looks without opening the scan with an account: at a sample, by a link, or in another person's session. */
+/** A person who views a scan without an account: a sample, a scan shared by link, or another person's session. */
 export interface Visitor {
-  /** What is looked at, which decides how its end is explained. */
+  /** The kind of visit, which determines the explanation when it ends. */
   readonly kind: "sample" | "link" | "session";
-  /** Begins another visit, where that is possible. */
+  /** Begins another visit, if possible. */
   readonly again?: () => void;
 }
 
-/** Where the arrow at the top leads. */
-export const wayBack = (visitor: Visitor): string => (visitor.kind === "sample" ? "/gallery" : "/");
+/** The target of the back link at the top. */
+export const returnPath = (visitor: Visitor): string => (visitor.kind === "sample" ? "/gallery" : "/");
 
 /** Invites a visitor who has no account. */
 export function Invitation() {
@@ -24,7 +24,7 @@ export function Invitation() {
   );
 }
 
-/** In place of a picture, when the time of a visitor is over: what happened, and what to press. */
+/** Replaces the picture when a visitor's time is over, and explains what happened and how to continue. */
 export function VisitOver({ visitor }: { readonly visitor: Visitor }) {
   const known = useApp().me.value !== null;
   const text = t.viewer.visitor;
@@ -48,7 +48,7 @@ export function VisitOver({ visitor }: { readonly visitor: Visitor }) {
           {t.account.signUp}
         </Link>
       )}
-      <Link href={wayBack(visitor)} class="button">
+      <Link href={returnPath(visitor)} class="button">
         {visitor.kind === "sample" ? text.toSamples : t.toStart}
       </Link>
     </OverPanel>

@@ -10,10 +10,10 @@ export function WantedPreset({ session }: { readonly session: ViewerSession }) {
   const app = useApp();
   const ready = session.editor.scene.value !== null;
   useEffect(() => {
-    const wanted = ready ? look.exec(location.hash)?.[1] : undefined;
-    if (wanted === undefined) return;
+    const presetId = ready ? look.exec(location.hash)?.[1] : undefined;
+    if (presetId === undefined) return;
     history.replaceState(null, "", location.pathname); // a reload keeps the later edits
-    sceneOfPreset(app.api.presets, wanted).then(
+    sceneOfPreset(app.api.presets, presetId).then(
       (scene) => session.editor.showScene(scene),
       () => undefined,
     ); // the picture is shown without the preset

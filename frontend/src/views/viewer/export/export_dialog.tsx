@@ -3,7 +3,7 @@ import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Dialog } from "../../dialog";
-import { FilmForm } from "./film_form";
+import { VideoForm } from "./video_form";
 import { LinkPart } from "./link_part";
 import { PictureForm } from "./picture_form";
 import { saveFile } from "./save_file";
@@ -38,7 +38,7 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
         {!rendered ? null : what === "picture" ? (
           <PictureForm session={session} busy={busy} onExport={onExport} />
         ) : (
-          <FilmForm key={what} session={session} kind={what} busy={busy} onExport={onExport} />
+          <VideoForm key={what} session={session} kind={what} busy={busy} onExport={onExport} />
         )}
       </section>
       {session.dataSetId !== null ? (
@@ -56,7 +56,7 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
   );
 }
 
-/** The picture on the screen. In another person's session nothing else can be exported. */
+/** The picture on the screen. In another person's session, this is the only possible export. */
 function PictureNow({ session, main }: Pick<ExportDialogProps, "session"> & { readonly main: boolean }) {
   return (
     <>

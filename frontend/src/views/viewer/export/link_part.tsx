@@ -1,9 +1,11 @@
 import { useEffect, useState } from "preact/hooks";
+import type { Scene } from "../../../protocol/messages";
 import { linkOf } from "../../../scene/scene_link";
-import { hasTextures } from "../../../scene/textures";
+import { lampTextures, patternOf, skyTextures, textureOf, type TextureFiles } from "../../../scene/textures";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { CopyField } from "../../copy_field";
+import { textureFiles } from "../settings/texture_files";
 
 export interface LinkPartProps {
   readonly session: ViewerSession;
@@ -13,43 +15,60 @@ export interface LinkPartProps {
 /** A link that contains the whole scene, for people who may open the scan. */
 export function LinkPart({ session, dataSetId }: LinkPartProps) {
   const text = t.take;
-  const [said, setSaid] = useState("");
-  const scene = session.editor.scene.value;
-  const url = useSceneLink(session, dataSetId);
+  const [message, setMessage] = useState("");
+  const { url, complete } = useSceneLink(session, dataSetId);
   if (url === null) return <p>{text.linkTooLarge}</p>;
   const copy = async () => {
     try {
       await navigator.clipboard.writeText(url);
-      setSaid(text.copied);
+      setMessage(text.copied);
     } catch {
-      setSaid(text.notCopied); // the browser forbids it, or the connection is not secure
+      setMessage(text.notCopied); // the browser forbids it, or the connection is not secure
     }
   };
   return (
     <div class="share-link">
       <p class="muted">{text.linkLead}</p>
-      {scene && hasTextures(scene) ? <p>{text.linkWithoutPatterns}</p> : null}
+      {complete ? null : <p>{text.linkWithoutPatterns}</p>}
       <CopyField value={url} label={text.linkField} button={text.copy} onCopy={() => void copy()} />
       <p class="muted" role="status">
-        {said}
+        {message}
       </p>
     </div>
   );
 }
 
-/** The link to the current scene. Empty at first, and null if the scene is too large for a link. */
-function useSceneLink(session: ViewerSession, dataSetId: string): string | null {
+interface SceneLink {
+  /** Empty at first, and null if the scene is too large for a link. */
+  readonly url: string | null;
+  /** Whether the link contains everything, or leaves out the user's own images. */
+  readonly complete: boolean;
+}
+
+/** The link to the current scene. */
+function useSceneLink(session: ViewerSession, dataSetId: string): SceneLink {
   const scene = session.editor.scene.value;
-  const [url, setUrl] = useState<string | null>("");
+  const [link, setLink] = useState<SceneLink>({ url: "", complete: true });
   useEffect(() => {
     let current = true;
-    if (scene)
-      void linkOf(scene).then((hash) => {
-        if (current) setUrl(hash === null ? null : `${location.origin}/view/${dataSetId}${hash}`);
-      });
+    const make = async (made: Scene) => {
+      const files = await textureFiles([...lampTextures, ...skyTextures]);
+      const hash = await linkOf(made, files);
+      if (!current) return;
+      const url = hash === null ? null : `${location.origin}/view/${dataSetId}${hash}`;
+      setLink({ url, complete: !hasOwnTextures(made, files) });
+    };
+    const saved = session.editor.toSave();
+    if (saved) void make(saved);
     return () => {
       current = false;
     };
-  }, [scene, dataSetId]);
-  return url;
+  }, [session, scene, dataSetId]);
+  return link;
 }
+
+const hasOwnTextures = (scene: Scene, files: TextureFiles): boolean =>
+  scene.lights.some((light) => {
+    const file = textureOf(light);
+    return file !== null && patternOf(files, file) === undefined;
+  });

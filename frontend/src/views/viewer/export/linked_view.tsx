@@ -1,10 +1,12 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Scene } from "../../../protocol/messages";
 import { sceneOfLink } from "../../../scene/scene_link";
+import { lampTextures, skyTextures } from "../../../scene/textures";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import { Notice } from "../../shell";
+import { textureFiles } from "../settings/texture_files";
 
 /** Shows the scene in the fragment of the URL, if there is one. An invalid scene changes nothing. */
 export function LinkedView({ session }: { readonly session: ViewerSession }) {
@@ -24,9 +26,10 @@ export function LinkedView({ session }: { readonly session: ViewerSession }) {
     const hash = location.hash;
     history.replaceState(null, "", location.pathname); // a reload keeps the later edits
     setFault("");
-    void sceneOfLink(hash).then((linked) => {
+    const read = async () => sceneOfLink(hash, await textureFiles([...lampTextures, ...skyTextures]));
+    void read().then((linked) => {
       if (linked.kind === "scene") {
-        before.current = session.editor.scene.value;
+        before.current = session.editor.toSave();
         session.editor.showScene(linked.scene);
       } else if (linked.kind !== "none") setFault(linked.kind === "newer" ? t.take.linkNewer : t.take.linkDamaged);
     });

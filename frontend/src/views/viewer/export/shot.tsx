@@ -24,16 +24,16 @@ interface Work {
 export interface Shot {
   /** Null if nothing is being rendered and no result is waiting to be read. */
   readonly state: State | null;
-  readonly film: boolean;
+  readonly video: boolean;
   readonly take: (order: ExportOrder) => void;
   readonly stop: () => void;
   readonly hide: () => void;
 }
 
-/** Renders one picture or film at a time for download. Leaving the viewer cancels it. */
+/** Renders one picture or video at a time for download. Leaving the viewer cancels it. */
 export function useShot(place: Place): Shot {
   const [state, setState] = useState<State | null>(null);
-  const [film, setFilm] = useState(false);
+  const [video, setVideo] = useState(false);
   const work = useRef<Work | null>(null);
   const taking = useRef(false);
   const left = useRef(false);
@@ -48,7 +48,7 @@ export function useShot(place: Place): Shot {
   const take = async (order: ExportOrder) => {
     if (taking.current) return;
     taking.current = true;
-    setFilm(order.kind === "turntable" || order.kind === "tour");
+    setVideo(order.kind === "turntable" || order.kind === "tour");
     const tell = (now: State) => {
       taking.current = now.kind === "rendering";
       setState(now);
@@ -60,7 +60,7 @@ export function useShot(place: Place): Shot {
   };
   return {
     state,
-    film,
+    video,
     take: (order) => void take(order),
     stop: () => work.current?.stop(),
     hide,
@@ -90,7 +90,7 @@ async function still(order: ShotOrder, place: Place, tell: (state: ShotState) =>
   const context = sheet.getContext("2d", { alpha: false });
   const stills = await probeStills();
   const { ticketSource, leave } = ownSession(place);
-  const heard = (state: ShotState) => {
+  const onEvent = (state: ShotState) => {
     if (state.kind !== "rendering") leave();
     if (state.kind === "done") void sheet.convertToBlob({ type: "image/png" }).then(saveFile);
     tell(state);
@@ -105,13 +105,13 @@ async function still(order: ShotOrder, place: Place, tell: (state: ShotState) =>
           context?.putImageData(new ImageData(rgba, width, height), x, y);
       },
     },
-    browserParts(ticketSource, stills, heard),
+    browserParts(ticketSource, stills, onEvent),
   );
 }
 
 /** The progress of the picture. */
-export function ShotLine({ shot: { state, film, stop, hide } }: { readonly shot: Shot }) {
-  const text = film ? t.take.ofFilm : t.take.ofPicture;
+export function ShotLine({ shot: { state, video, stop, hide } }: { readonly shot: Shot }) {
+  const text = video ? t.take.ofVideo : t.take.ofPicture;
   const done = state?.kind === "done";
   useEffect(() => {
     if (!done) return;
@@ -150,14 +150,14 @@ export function ShotLine({ shot: { state, film, stop, hide } }: { readonly shot:
 
 function saidOf(
   state: Exclude<State, { kind: "rendering" }>,
-  text: typeof t.take.ofFilm | typeof t.take.ofPicture,
+  text: typeof t.take.ofVideo | typeof t.take.ofPicture,
 ): string {
   if (state.kind === "done") return text.saved;
   switch (state.trouble) {
     case "stopped":
       return text.stopped;
     case "refused_scene":
-      return serverSentence(state.said, text.failed);
+      return serverSentence(state.message, text.failed);
     case "busy":
       return t.take.busy;
     case "refused":

@@ -2,7 +2,7 @@ import { useEffect } from "preact/hooks";
 import { t } from "../../../texts";
 import { useApp } from "../../state";
 import { useLatest } from "../../use_latest";
-import { mostKeyViews, type KeyView } from "./film_size";
+import { mostKeyViews, type KeyView } from "./video_size";
 
 export interface ViewListProps {
   readonly dataSetId: string;

@@ -46,7 +46,7 @@ export function NumberControl({
   change,
   rest,
 }: NumberControlProps) {
-  const said = `${numberText(value)}${unit ? ` ${unit}` : ""}`;
+  const valueText = `${numberText(value)}${unit ? ` ${unit}` : ""}`;
   return (
     <div class="control" role="group" aria-label={label}>
       <span class="control-name" aria-hidden="true">
@@ -54,7 +54,7 @@ export function NumberControl({
       </span>
       <Slider
         label={label}
-        said={said}
+        valueText={valueText}
         at={toSlider(value, slide, logarithmic)}
         change={(at) => change(fromSlider(at, slide, logarithmic, step), true)}
         rest={rest}
@@ -75,14 +75,14 @@ export function NumberControl({
 
 interface SliderProps {
   readonly label: string;
-  readonly said: string;
+  readonly valueText: string;
   readonly at: number;
   readonly change: (at: number) => void;
   readonly rest: () => void;
 }
 
 /** One drag, or one held key, is one undo step. */
-function Slider({ label, said, at, change, rest }: SliderProps) {
+function Slider({ label, valueText, at, change, rest }: SliderProps) {
   const keyDown = useRef(false);
   return (
     <input
@@ -92,7 +92,7 @@ function Slider({ label, said, at, change, rest }: SliderProps) {
       step={1}
       value={at}
       aria-label={label}
-      aria-valuetext={said}
+      aria-valuetext={valueText}
       onKeyDown={() => (keyDown.current = true)}
       onKeyUp={() => {
         keyDown.current = false;

@@ -7,7 +7,7 @@ interface EffortProps {
   readonly session: ViewerSession;
 }
 
-/** When a picture is good enough, and what is shown until then. */
+/** The stop condition of a picture, and the pictures that are shown until then. */
 export function EffortPart({ session }: EffortProps) {
   const text = t.settings.effort;
   const now = session.effort.value;

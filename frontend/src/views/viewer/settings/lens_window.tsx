@@ -1,3 +1,4 @@
+import { useState } from "preact/hooks";
 import { Shading_Mode as ShadingMode, type Scene } from "../../../protocol/gen/api/proto/scene_pb";
 import * as lens from "../../../scene/lens";
 import { t } from "../../../texts";
@@ -188,16 +189,43 @@ function ShadingControls({ scene, edits }: LensPartProps) {
         }}
       />
       {mode === ShadingMode.HYBRID ? <GradientScale scene={scene} edits={edits} /> : null}
-      {mode === ShadingMode.SURFACE ? null : (
+      {mode === ShadingMode.SURFACE ? null : <PhaseFunction scene={scene} edits={edits} />}
+    </>
+  );
+}
+
+/** The phase function, which a scene describes by g alone: at 0, Henyey-Greenstein is isotropic. */
+function PhaseFunction({ scene, edits }: LensPartProps) {
+  const text = t.settings.lens;
+  const g = scene.phase?.g ?? 0;
+  // While g is moved through 0, its slider stays.
+  const [chosen, setChosen] = useState(false);
+  const henyey = chosen || g !== 0;
+  const setForward = edits.once("phase function", lens.setForward);
+  return (
+    <>
+      <SelectControl
+        label={text.phase}
+        value={henyey ? "henyey" : "isotropic"}
+        options={[
+          ["isotropic", text.phases.isotropic],
+          ["henyey", text.phases.henyey],
+        ]}
+        change={(name) => {
+          setChosen(name === "henyey");
+          setForward(name === "henyey" ? lens.firstForward : 0);
+        }}
+      />
+      {henyey ? (
         <NumberControl
           label={text.forward}
-          value={scene.phase?.g ?? 0}
+          value={g}
           limits={lens.forwardLimits}
           step={0.01}
           rest={edits.rest}
           change={edits.live("forward", lens.setForward)}
         />
-      )}
+      ) : null}
     </>
   );
 }

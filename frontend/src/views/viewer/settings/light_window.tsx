@@ -1,3 +1,4 @@
+import { useState } from "preact/hooks";
 import { boundsOf } from "../../../cut/region";
 import type { Light } from "../../../protocol/gen/api/proto/scene_pb";
 import { hueOf } from "../../../scene/colour";
@@ -9,7 +10,7 @@ import { ListChip } from "./list_chip";
 import { OneLight } from "./one_light";
 import { sceneEdits } from "./scene_edits";
 
-const kinds = ["rectangle", "disk", "sphere", "environment"] as const;
+const kinds = ["rectangle", "disk", "sphere", "box", "environment"] as const;
 type LightKind = (typeof kinds)[number];
 
 /** The list of lights, and the properties of the chosen one. */
@@ -37,7 +38,7 @@ export function LightWindow({ session, leads, picture }: PictureWindowProps) {
       />
       <KeepHandles picture={picture} which="light" />
       {light ? (
-        <OneLight session={session} leads={leads} light={light} index={index} />
+        <OneLight session={session} leads={leads} picture={picture} light={light} index={index} />
       ) : (
         <p class="hint">{text.none}</p>
       )}
@@ -78,19 +79,23 @@ function LightList({ all, chosen, choose, turn }: LightListProps) {
   );
 }
 
-/** A list of kinds. It goes back to its empty entry, so that the same kind can be added again. */
+/**
+ * A list of kinds. It goes back to its empty entry, so that the same kind can be added again. With as many lights as a
+ * scene can have, it says so instead.
+ */
 function AddLight({ full, add }: { readonly full: boolean; readonly add: (kind: LightKind) => void }) {
   const text = t.settings.light;
+  const [refused, setRefused] = useState(false);
   return (
     <label class="control">
       <span class="control-name">{text.add}</span>
       <select
         class="choice"
         value=""
-        disabled={full}
         onChange={(event) => {
           const chosen = kinds.find((one) => one === event.currentTarget.value);
-          if (chosen) add(chosen);
+          if (chosen && !full) add(chosen);
+          setRefused(chosen !== undefined && full);
           event.currentTarget.value = "";
         }}
       >
@@ -101,6 +106,11 @@ function AddLight({ full, add }: { readonly full: boolean; readonly add: (kind: 
           </option>
         ))}
       </select>
+      {refused && full ? (
+        <span class="field-fault" role="alert">
+          {text.tooMany(lights.mostLights)}
+        </span>
+      ) : null}
     </label>
   );
 }

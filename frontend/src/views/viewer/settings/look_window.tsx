@@ -22,11 +22,11 @@ export function LookWindow({ session, leads }: WindowProps) {
   const text = t.settings.look;
   const scene = session.editor.scene.value;
   const volume = session.volume.value;
-  const [wanted, select] = useState(firstPoint);
+  const [requested, select] = useState(firstPoint);
   const [scale, setScale] = useHistogramScale();
   if (!scene) return null;
   const all = transfer.transferOf(scene);
-  const selected = clampedSelection(all.channels, wanted);
+  const selected = clampedSelection(all.channels, requested);
   const channel = all.channels[selected.channel];
   const range = transfer.shownRange(all, volume?.minimum ?? 0, volume?.maximum ?? 1);
   const unit = volume?.modality === Modality.CT ? text.hounsfield : "";
@@ -184,12 +184,12 @@ function Density({ session }: WindowProps) {
 
 /** Moves all points along the values. The distance counts from where the function was before the slider was taken. */
 function Shift({ session, unit, reach }: WindowProps & { readonly unit: string; readonly reach: number }) {
-  const way = useRef<{ base: TransferFunction; result: TransferFunction; by: number } | null>(null);
+  const lastShift = useRef<{ base: TransferFunction; result: TransferFunction; by: number } | null>(null);
   const scene = session.editor.scene.value;
   if (!scene) return null;
   const now = transfer.transferOf(scene);
   // Any other change of the function starts the distance again from zero.
-  const current = way.current?.result === now ? way.current : { base: now, result: now, by: 0 };
+  const current = lastShift.current?.result === now ? lastShift.current : { base: now, result: now, by: 0 };
   return (
     <NumberControl
       label={t.settings.look.shift}
@@ -199,7 +199,7 @@ function Shift({ session, unit, reach }: WindowProps & { readonly unit: string; 
       rest={() => session.editor.rest()}
       change={(by, held) => {
         const result = transfer.shifted(current.base, by);
-        way.current = { base: current.base, result, by };
+        lastShift.current = { base: current.base, result, by };
         session.editor.change("shift", (before) => ({ ...before, transferFunction: result }), held);
       }}
     />

@@ -7,7 +7,16 @@ import { isSky } from "../../../scene/textures";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
-import { ColourControl, NameControl, NumberControl, Switch, type WindowProps } from "./controls";
+import type { Picking } from "../../picture/in_picture";
+import {
+  ColourControl,
+  NameControl,
+  NumberControl,
+  Switch,
+  type PictureWindowProps,
+  type WindowProps,
+} from "./controls";
+import { EnvironmentPart } from "./environment_part";
 import { LightBall } from "./light_ball";
 import { sceneEdits } from "./scene_edits";
 import { TexturePart } from "./texture_part";
@@ -19,7 +28,7 @@ interface LightProps {
 }
 
 /** One light: its direction, brightness and colour first, the rest behind "More". */
-export function OneLight({ session, leads, light, index }: LightProps & WindowProps) {
+export function OneLight({ session, leads, picture, light, index }: LightProps & PictureWindowProps) {
   const text = t.settings.light;
   const { live, rest } = sceneEdits(session.editor);
   return (
@@ -42,9 +51,12 @@ export function OneLight({ session, leads, light, index }: LightProps & WindowPr
           lights.colourLight(now, index, hue),
         )}
       />
+      {isSky(light) ? <EnvironmentPart session={session} light={light} index={index} /> : null}
       <details class="more">
         <summary>{t.settings.more}</summary>
         <LightPlace session={session} light={light} index={index} />
+        <LightAspect session={session} light={light} index={index} />
+        <LightTarget session={session} picture={picture} light={light} index={index} />
         <CameraLock session={session} light={light} index={index} />
         {isSky(light) ? <SkyShown session={session} /> : null}
         <TexturePart session={session} light={light} index={index} />
@@ -130,6 +142,101 @@ function LightPlace({ session, light, index }: LightProps) {
   );
 }
 
+/** The proportions of a square or box. */
+function LightAspect({ session, light, index }: LightProps) {
+  const text = t.settings.light;
+  const aspect = lights.aspectOf(light);
+  const { live, rest } = sceneEdits(session.editor);
+  const shape = live(`light aspect ${index}`, (now, to: Parameters<typeof lights.shapeLight>[2]) =>
+    lights.shapeLight(now, index, to),
+  );
+  if (!aspect) return null;
+  const control = { limits: lights.aspectLimits, logarithmic: true, step: 0.01, rest };
+  return (
+    <>
+      <NumberControl
+        {...control}
+        label={text.aspect}
+        value={aspect.width}
+        change={(width, held) => shape({ width }, held)}
+      />
+      {aspect.depth === null ? null : (
+        <NumberControl
+          {...control}
+          label={text.depth}
+          value={aspect.depth}
+          change={(depth, held) => shape({ depth }, held)}
+        />
+      )}
+    </>
+  );
+}
+
+/** Where a one-sided light shines: a point relative to the middle, or one that is chosen in the picture. */
+function LightTarget({ session, picture, light, index }: LightProps & Pick<PictureWindowProps, "picture">) {
+  const text = t.settings.light;
+  const target = lights.targetOf(light);
+  const { live, apply, rest } = sceneEdits(session.editor);
+  const turn = live(`light target ${index}`, (now, to: Partial<lights.Target>) => lights.turnLight(now, index, to));
+  if (!target) return null;
+  const control = { unit: t.settings.mm, limits: lights.targetLimits, slide: { low: -300, high: 300 }, rest };
+  return (
+    <>
+      <NumberControl
+        {...control}
+        label={text.targetRight}
+        value={target.right}
+        change={(right, held) => turn({ right }, held)}
+      />
+      <NumberControl {...control} label={text.targetUp} value={target.up} change={(up, held) => turn({ up }, held)} />
+      <p class="saved-acts">
+        <button
+          type="button"
+          class="button button-small"
+          aria-pressed={picture.picking.value !== null}
+          onClick={() => {
+            picture.picking.value = picture.picking.value ? null : targetPicking(session, index);
+          }}
+        >
+          <Icon name="aperture" />
+          {text.pickTarget}
+        </button>
+        <button
+          type="button"
+          class="button button-small"
+          disabled={target.right === 0 && target.up === 0}
+          onClick={() => apply("light target", (now) => lights.turnLight(now, index, { right: 0, up: 0 }))}
+        >
+          {text.targetMiddle}
+        </button>
+      </p>
+    </>
+  );
+}
+
+/** Turns the light to the surface at the chosen point of the picture. */
+function targetPicking(session: ViewerSession, index: number): Picking {
+  const text = t.settings.light;
+  return {
+    label: text.pickTargetLabel,
+    pick: async ({ x, y }) => {
+      const answer = await session.depthAt(x, y);
+      if (!answer.answered) return t.settings.lens.pickLost;
+      if (!answer.seen) return t.settings.lens.pickNothing;
+      const { place } = answer.seen;
+      const scene = session.editor.scene.value;
+      const pose = scene && cameraOf(scene);
+      const turned = scene && pose && lights.turnLightTo(scene, index, pose, place);
+      if (!turned) return text.behindLight;
+      sceneEdits(session.editor).apply(
+        "light target picked",
+        (now) => lights.turnLightTo(now, index, pose, place) ?? now,
+      );
+      return null;
+    },
+  };
+}
+
 /** Whether the light turns with the camera, which also works for the environment. */
 function CameraLock({ session, light, index }: LightProps) {
   return (
@@ -145,7 +252,7 @@ function CameraLock({ session, light, index }: LightProps) {
   );
 }
 
-/** Whether the environment light is seen behind the volume. */
+/** Whether the environment light is visible behind the volume. */
 function SkyShown({ session }: Pick<LightProps, "session">) {
   return (
     <Switch

@@ -48,7 +48,7 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
             onDock={() => dock(name)}
             onClose={() => close(name)}
             onReset={mayChange ? () => session.reset(name) : null}
-            whyNot={leads ? t.settings.notForGuests : t.settings.notYours}
+            disabledReason={leads ? t.settings.notForGuests : t.settings.notYours}
           >
             <View session={session} leads={mayChange} picture={picture} />
           </SettingsWindow>

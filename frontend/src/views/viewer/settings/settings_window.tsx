@@ -19,7 +19,7 @@ export interface SettingsWindowProps {
   readonly onClose: () => void;
   readonly onReset: (() => void) | null;
   /** Why the user can change nothing here, if `onReset` is null. */
-  readonly whyNot: string;
+  readonly disabledReason: string;
   readonly children: ComponentChildren;
 }
 
@@ -91,12 +91,12 @@ function WindowHead({ name, narrow, drag, free, onDock, onClose }: WindowHeadPro
   );
 }
 
-function WindowBody({ name, onReset, whyNot, children }: SettingsWindowProps) {
+function WindowBody({ name, onReset, disabledReason, children }: SettingsWindowProps) {
   return (
     <div class="window-body">
       {onReset ? null : (
         <p class="window-why" role="status">
-          {whyNot}
+          {disabledReason}
         </p>
       )}
       <fieldset class="window-controls" disabled={onReset === null}>

@@ -1,4 +1,11 @@
-import { fitted, ownTextureSide, texturePixels, type Pixels, type TextureName } from "../../../scene/textures";
+import {
+  fitted,
+  ownTextureSide,
+  texturePixels,
+  type Pixels,
+  type TextureFiles,
+  type TextureName,
+} from "../../../scene/textures";
 
 type Bytes = Uint8Array<ArrayBuffer>;
 
@@ -13,14 +20,20 @@ function painted({ width, height, rgba }: Pixels): OffscreenCanvas {
   return canvas;
 }
 
+export const pngOf = (pixels: Pixels): Promise<Bytes> => coded(painted(pixels), "image/png");
+
 const made = new Map<TextureName, Promise<Bytes>>();
 
 /** Encodes a pattern as a PNG file. The bytes are the same each time and identify the pattern. */
 export function textureFile(name: TextureName): Promise<Bytes> {
-  const file = made.get(name) ?? coded(painted(texturePixels(name)), "image/png");
+  const file = made.get(name) ?? pngOf(texturePixels(name));
   made.set(name, file);
   return file;
 }
+
+/** Returns the files of these patterns. */
+export const textureFiles = async (names: readonly TextureName[]): Promise<TextureFiles> =>
+  new Map(await Promise.all(names.map(async (name) => [name, await textureFile(name)] as const)));
 
 export type ReadPicture = { readonly bytes: Bytes } | { readonly refused: "too_large" | "no_picture" };
 

@@ -1,9 +1,19 @@
+import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import type { Light } from "../../../protocol/gen/api/proto/scene_pb";
-import { setTexture, textureFits, textureNames, textureOf, type TextureName } from "../../../scene/textures";
+import {
+  patternOf,
+  projectionFor,
+  setTexture,
+  textureFits,
+  textureNames,
+  textureOf,
+  type TextureFiles,
+  type TextureName,
+} from "../../../scene/textures";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
-import { readPicture, textureFile } from "./texture_files";
+import { readPicture, textureFile, textureFiles } from "./texture_files";
 
 export interface TexturePartProps {
   readonly session: ViewerSession;
@@ -18,39 +28,56 @@ export function TexturePart({ session, light, index }: TexturePartProps) {
   const names = textureNames(light);
   const files = useTextureFiles(names);
   const now = textureOf(light);
-  const chosen = now && [...files].find(([, bytes]) => same(bytes, now))?.[0];
-  const put = (bytes: Uint8Array<ArrayBuffer> | null) => {
+  const chosen = now && patternOf(files, now);
+  const put = (bytes: Uint8Array<ArrayBuffer> | null, name?: TextureName) => {
     const scene = session.editor.scene.value;
     const fits = bytes === null || (scene !== null && textureFits(scene, index, bytes.length));
     setFault(fits ? "" : text.noRoom);
     if (!fits) return;
-    session.editor.change(`light texture ${index}`, (before) => setTexture(before, index, bytes));
+    session.editor.change(`light texture ${index}`, (before) =>
+      setTexture(before, index, bytes, projectionFor(before, light, name)),
+    );
     session.editor.rest();
   };
   return (
-    <div class="textures" role="group" aria-label={text.title}>
-      <span class="control-name" aria-hidden="true">
-        {text.title}
-      </span>
-      <div class="texture-row">
-        <button type="button" class="texture" aria-pressed={now === null} onClick={() => put(null)}>
-          <span class="texture-none" aria-hidden="true" />
-          {text.none}
+    <TextureRow title={text.title} fault={fault}>
+      <button type="button" class="texture" aria-pressed={now === null} onClick={() => put(null)}>
+        <span class="texture-none" aria-hidden="true" />
+        {text.none}
+      </button>
+      {names.map((name) => (
+        <button
+          key={name}
+          type="button"
+          class="texture"
+          aria-pressed={chosen === name}
+          onClick={() => void textureFile(name).then((file) => put(file, name))}
+        >
+          <Swatch file={files.get(name)} />
+          {text.names[name]}
         </button>
-        {names.map((name) => (
-          <button
-            key={name}
-            type="button"
-            class="texture"
-            aria-pressed={chosen === name}
-            onClick={() => void textureFile(name).then(put)}
-          >
-            <Swatch file={files.get(name)} />
-            {text.names[name]}
-          </button>
-        ))}
-        <OwnTexture chosen={now !== null && files.size > 0 && !chosen} onRead={put} onFault={setFault} />
-      </div>
+      ))}
+      <OwnTexture chosen={now !== null && files.size > 0 && !chosen} onRead={put} onFault={setFault} />
+    </TextureRow>
+  );
+}
+
+export interface TextureRowProps {
+  readonly title: string;
+  readonly fault: string;
+  readonly hint?: string;
+  readonly children: ComponentChildren;
+}
+
+/** Pictures to choose from, under a title, and what is wrong with the last choice. */
+export function TextureRow({ title, fault, hint, children }: TextureRowProps) {
+  return (
+    <div class="textures" role="group" aria-label={title}>
+      <span class="control-name" aria-hidden="true">
+        {title}
+      </span>
+      <div class="texture-row">{children}</div>
+      {hint ? <p class="hint">{hint}</p> : null}
       {fault ? (
         <p class="field-fault" role="alert">
           {fault}
@@ -60,15 +87,13 @@ export function TexturePart({ session, light, index }: TexturePartProps) {
   );
 }
 
-type TextureFiles = ReadonlyMap<TextureName, Uint8Array<ArrayBuffer>>;
-
 /** The built-in patterns as image files. Empty until all of them are ready. */
 function useTextureFiles(names: readonly TextureName[]): TextureFiles {
   const [files, setFiles] = useState<TextureFiles>(new Map());
   useEffect(() => {
     let here = true;
-    void Promise.all(names.map(async (name) => [name, await textureFile(name)] as const)).then((made) => {
-      if (here) setFiles(new Map(made));
+    void textureFiles(names).then((made) => {
+      if (here) setFiles(made);
     });
     return () => {
       here = false;
@@ -111,7 +136,7 @@ function OwnTexture({ chosen, onRead, onFault }: OwnTextureProps) {
   );
 }
 
-function Swatch({ file }: { readonly file: Uint8Array<ArrayBuffer> | undefined }) {
+export function Swatch({ file }: { readonly file: Uint8Array<ArrayBuffer> | undefined }) {
   const [url, setUrl] = useState("");
   useEffect(() => {
     if (!file) return;
@@ -121,5 +146,3 @@ function Swatch({ file }: { readonly file: Uint8Array<ArrayBuffer> | undefined }
   }, [file]);
   return url ? <img src={url} alt="" /> : <span class="texture-none" aria-hidden="true" />;
 }
-
-const same = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, i) => byte === b[i]);

@@ -15,10 +15,10 @@ export interface PointPlace {
 }
 
 /** Limits the selection to the channels and points that exist. */
-export function clampedSelection(channels: readonly Channel[], wanted: Selection): Selection {
-  const channel = Math.min(wanted.channel, channels.length - 1);
+export function clampedSelection(channels: readonly Channel[], requested: Selection): Selection {
+  const channel = Math.min(requested.channel, channels.length - 1);
   const points = channels[channel]?.opacity.length ?? 1;
-  return { channel, point: Math.min(wanted.point, points - 1) };
+  return { channel, point: Math.min(requested.point, points - 1) };
 }
 
 export interface TransferEdits {

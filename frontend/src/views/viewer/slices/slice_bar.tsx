@@ -1,6 +1,6 @@
 import { typedNumber, type Limits } from "../../../scene/numbers";
+import type { OverlaySetting } from "../../../slices/memory";
 import { tools, type Shown, type Slices } from "../../../slices/model";
-import { withoutLast } from "../../../slices/measure";
 import { usualWindows, windowLimits, type UsualWindow } from "../../../slices/window";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import { t } from "../../../texts";
@@ -18,15 +18,15 @@ interface SliceBarProps {
 /** The toolbar of the slices: the layout, the tool, and the grey window in numbers. */
 export function SliceBar({ slices, volume }: SliceBarProps) {
   const none = slices.measures.value.length === 0;
+  if (slices.following.value)
+    return slices.narrow.value ? (
+      <div class="glass slice-bar">
+        <ViewChoice slices={slices} />
+      </div>
+    ) : null;
   return (
     <div class="glass slice-bar">
-      <Choice
-        label={t.slices.views}
-        names={views.filter((view) => !(slices.narrow.value && view === "four"))}
-        texts={t.slices.view}
-        chosen={slices.view.value}
-        choose={(view) => (slices.shown.value = view)}
-      />
+      <ViewChoice slices={slices} />
       <Choice
         label={t.slices.tools}
         names={tools}
@@ -36,18 +36,78 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
         choose={(name) => (slices.tool.value = name)}
       />
       <WindowControls slices={slices} volume={volume} />
+      <DisplayControls slices={slices} />
       <button
         type="button"
         class="icon-button"
         aria-label={t.slices.removeMeasure}
         title={t.slices.removeMeasure}
         aria-disabled={none}
-        onClick={() => (slices.measures.value = withoutLast(slices.measures.value))}
+        onClick={() => slices.removeLastMeasure()}
       >
         <Icon name="trash" />
       </button>
       <IconButton icon="reset" label={t.slices.reset} onClick={() => slices.reset()} />
     </div>
+  );
+}
+
+function ViewChoice({ slices }: Pick<SliceBarProps, "slices">) {
+  return (
+    <Choice
+      label={t.slices.views}
+      names={views.filter((view) => !(slices.narrow.value && view === "four"))}
+      texts={t.slices.view}
+      chosen={slices.view.value}
+      choose={(view) => (slices.shown.value = view)}
+    />
+  );
+}
+
+/** Whether slices are smooth, and whether the colours of the look cover the grey. */
+function DisplayControls({ slices }: Pick<SliceBarProps, "slices">) {
+  const text = t.slices;
+  const { shown, strength } = slices.overlay.value;
+  const set = (change: Partial<OverlaySetting>) => (slices.overlay.value = { shown, strength, ...change });
+  return (
+    <div class="slice-choice slice-display" role="group" aria-label={text.display}>
+      <Toggle
+        text={text.smooth}
+        help={text.smoothHelp}
+        on={slices.smooth.value}
+        change={(on) => (slices.smooth.value = on)}
+      />
+      <Toggle text={text.overlay} help={text.overlayHelp} on={shown} change={(on) => set({ shown: on })} />
+      {shown ? (
+        <input
+          type="range"
+          min={0}
+          max={100}
+          step={5}
+          value={Math.round(100 * strength)}
+          aria-label={text.overlayStrength}
+          title={text.overlayStrength}
+          aria-valuetext={`${Math.round(100 * strength)}${t.settings.percent}`}
+          onInput={(event) => set({ strength: event.currentTarget.valueAsNumber / 100 })}
+        />
+      ) : null}
+    </div>
+  );
+}
+
+interface ToggleProps {
+  readonly text: string;
+  readonly help: string;
+  readonly on: boolean;
+  readonly change: (on: boolean) => void;
+}
+
+function Toggle({ text, help, on, change }: ToggleProps) {
+  return (
+    <label title={help}>
+      <input type="checkbox" checked={on} onChange={(event) => change(event.currentTarget.checked)} />
+      <span>{text}</span>
+    </label>
   );
 }
 

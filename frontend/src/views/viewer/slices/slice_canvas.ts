@@ -1,29 +1,34 @@
 import type { Area } from "../../../input/flat";
 import { perMm, pointOf, type Placing } from "../../../slices/placing";
+import { interpolate, samplesOf, type Axis } from "../../../slices/resample";
 import { pixelSize, type Stack } from "../../../slices/stack";
 import { shade } from "../../../slices/window";
 
-/** Draws slices on a canvas. Each voxel is a sharp rectangle at any zoom. */
+export interface SliceDrawing {
+  readonly stack: Stack;
+  /** Null clears the canvas, because the previous slice belongs to another position. */
+  readonly values: Int16Array | null;
+  readonly table: Uint32Array;
+  /** Whether values are interpolated. Otherwise, each voxel is a sharp rectangle at any zoom. */
+  readonly smooth: boolean;
+  readonly placing: Placing;
+  /** In CSS pixels. */
+  readonly area: Area;
+}
+
+/** Draws slices on a canvas. */
 export class SliceCanvas {
   private readonly pixels = document.createElement("canvas");
-  private values: Int16Array | null = null;
-  private table: Uint32Array | null = null;
+  private drawn: SliceDrawing | null = null;
 
-  /**
-   * `area` is in CSS pixels. With null values, clears the canvas, because the previous slice belongs to another
-   * position.
-   */
-  draw(
-    canvas: HTMLCanvasElement,
-    stack: Stack,
-    values: Int16Array | null,
-    table: Uint32Array,
-    placing: Placing,
-    area: Area,
-  ): void {
+  draw(canvas: HTMLCanvasElement, drawing: SliceDrawing): void {
     const ratio = devicePixelRatio;
+    const { stack, values, placing, area } = drawing;
     const width = Math.max(1, Math.round(area.width * ratio));
     const height = Math.max(1, Math.round(area.height * ratio));
+    const before = canvas.width === width && canvas.height === height ? this.drawn : null;
+    if (before && (Object.keys(drawing) as (keyof SliceDrawing)[]).every((key) => before[key] === drawing[key])) return;
+    this.drawn = drawing;
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
     const context = canvas.getContext("2d");
@@ -32,36 +37,56 @@ export class SliceCanvas {
     context.fillStyle = "#000000";
     context.fillRect(0, 0, width, height);
     if (!values) return;
-    this.shade(stack, values, table);
     const size = pixelSize(stack);
-    const mm = perMm(stack, placing, area);
+    const scale = perMm(stack, placing, area) * ratio;
     const corner = pointOf(stack, placing, area, { column: -0.5, row: -0.5 });
-    context.imageSmoothingEnabled = Math.min(size.width, size.height) * mm * ratio < 1;
-    context.imageSmoothingQuality = "high";
-    context.drawImage(
-      this.pixels,
-      corner.x * ratio,
-      corner.y * ratio,
-      stack.columns * size.width * mm * ratio,
-      stack.rows * size.height * mm * ratio,
-    );
+    const across = { count: stack.columns, start: corner.x * ratio, scale: size.width * scale, view: width };
+    const down = { count: stack.rows, start: corner.y * ratio, scale: size.height * scale, view: height };
+    if (drawing.smooth) this.drawSmooth(context, values, drawing.table, across, down);
+    else this.drawSharp(context, values, drawing.table, across, down);
   }
 
   /** The pixels were lost together with the GPU context. */
   forget(): void {
-    this.values = null;
+    this.drawn = null;
   }
 
-  private shade(stack: Stack, values: Int16Array, table: Uint32Array): void {
-    if (values === this.values && table === this.table) return;
-    this.values = values;
-    this.table = table;
-    this.pixels.width = stack.columns;
-    this.pixels.height = stack.rows;
+  private drawSmooth(
+    context: CanvasRenderingContext2D,
+    values: Int16Array,
+    table: Uint32Array,
+    across: Axis,
+    down: Axis,
+  ): void {
+    const x = samplesOf(across);
+    const y = samplesOf(down);
+    if (x.left.length === 0 || y.left.length === 0) return;
+    this.paint(x.left.length, y.left.length, (pixels) => interpolate(values, across.count, x, y, table, pixels));
+    context.imageSmoothingEnabled = across.scale < 1 || down.scale < 1; // otherwise, each sample is a device pixel
+    context.imageSmoothingQuality = "high";
+    context.drawImage(this.pixels, x.start, y.start, x.size, y.size);
+  }
+
+  private drawSharp(
+    context: CanvasRenderingContext2D,
+    values: Int16Array,
+    table: Uint32Array,
+    across: Axis,
+    down: Axis,
+  ): void {
+    this.paint(across.count, down.count, (pixels) => shade(values, table, pixels));
+    context.imageSmoothingEnabled = Math.min(across.scale, down.scale) < 1;
+    context.imageSmoothingQuality = "high";
+    context.drawImage(this.pixels, across.start, down.start, across.count * across.scale, down.count * down.scale);
+  }
+
+  private paint(width: number, height: number, fill: (pixels: Uint32Array) => void): void {
+    this.pixels.width = width;
+    this.pixels.height = height;
     const context = this.pixels.getContext("2d");
     if (!context) return;
-    const image = context.createImageData(stack.columns, stack.rows);
-    shade(values, table, new Uint32Array(image.data.buffer));
+    const image = context.createImageData(width, height);
+    fill(new Uint32Array(image.data.buffer));
     context.putImageData(image, 0, 0);
   }
 }

@@ -1,21 +1,26 @@
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
+import type { Area } from "../../../input/flat";
 import type { Vec3 } from "../../../input/vec3";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
-import { blank, type Slices } from "../../../slices/model";
-import { edgesOf, isInside, saidPlace, type Plane, type Stack } from "../../../slices/stack";
+import type { Slices } from "../../../slices/model";
+import { blank, edgesOf, isInside, placeParts, type Plane, type Stack } from "../../../slices/stack";
 import { t } from "../../../texts";
 import { IconButton } from "../../icon_button";
-import { Marks } from "./marks";
+import { perMm } from "../../../slices/placing";
+import { scaleBar } from "../../../slices/scale_bar";
+import { isInSlice, Marks } from "./marks";
+import { SlicePointers } from "./slice_pointers";
+import { measureLines, type MeasuredSlice } from "./measure_text";
 import { useSlicePane, type SlicePaneProps } from "./use_slice_pane";
 
 /** One slice with its marks, its facts and its slider. */
 export function SlicePane(props: SlicePaneProps) {
-  const { slices, stack, alone } = props;
+  const { slices, stack, alone, collaboration } = props;
   const { canvas, controller, area } = useSlicePane(props);
   const [byKey, setByKey] = useState(false);
   const index = slices.index(stack);
   const name = t.slices.view[stack.plane];
-  const measures = slices.measures.value.filter((measure) => measure.plane === stack.plane && measure.slice === index);
+  const slice = useMeasuredSlice(props);
   return (
     <section class="slice-pane" data-plane={stack.plane} aria-label={name}>
       <canvas
@@ -33,45 +38,107 @@ export function SlicePane(props: SlicePaneProps) {
         onBlur={() => setByKey(false)}
       />
       <Marks
-        stack={stack}
+        slice={slice}
         placing={slices.placing(stack)}
         area={area}
         crosshair={slices.crosshair.value}
-        measures={measures}
+        measures={slices.measures.value}
+        index={index}
+        held={slices.held.value}
       />
-      <SliceLabels {...props} byKey={byKey} />
-      <IconButton
-        class="slice-maximise"
-        icon={alone ? "four" : "fullscreen"}
-        label={alone ? t.slices.restore : t.slices.maximise(name)}
-        onClick={() => slices.maximise(stack.plane)}
+      <SlicePointers
+        collaboration={collaboration}
+        stack={stack}
+        index={index}
+        placing={slices.placing(stack)}
+        area={area}
       />
+      <SliceLabels {...props} slice={slice} byKey={byKey} />
+      <ScaleBar pixelsPerMm={perMm(stack, slices.placing(stack), area)} area={area} />
+      <PaneControls slices={slices} stack={stack} alone={alone} index={index} name={name} />
+    </section>
+  );
+}
+
+interface PaneControlsProps extends Pick<SlicePaneProps, "slices" | "stack" | "alone"> {
+  readonly index: number;
+  readonly name: string;
+}
+
+/** Shows this slice alone, and scrolls. A follower sees where the presenter is. */
+function PaneControls({ slices, stack, alone, index, name }: PaneControlsProps) {
+  const following = slices.following.value;
+  return (
+    <>
+      {following ? null : (
+        <IconButton
+          class="slice-maximise"
+          icon={alone ? "four" : "fullscreen"}
+          label={alone ? t.slices.restore : t.slices.maximise(name)}
+          onClick={() => slices.maximise(stack.plane)}
+        />
+      )}
       <input
         class="slice-slider"
         type="range"
         min={0}
         max={stack.slices - 1}
         step={1}
+        disabled={following}
         value={index}
         aria-label={t.slices.slider(name)}
         aria-valuetext={t.slices.number(index + 1, stack.slices)}
         onInput={(event) => slices.goTo(stack, event.currentTarget.valueAsNumber)}
       />
-    </section>
+    </>
   );
+}
+
+/** The shown slice, for measurements. The same object while nothing that they depend on changes. */
+function useMeasuredSlice({ slices, stack, volume }: SlicePaneProps): MeasuredSlice {
+  const values = slices.values(stack);
+  const clipped = slices.access.value === "clipped";
+  return useMemo(
+    () => ({
+      stack,
+      pixels: values && { values, clipped, isInside: (place: Vec3) => isInside(volume, place) },
+      hounsfield: volume.modality === Modality.CT,
+    }),
+    [stack, values, clipped, volume],
+  );
+}
+
+/** At most a third of a narrow pane. */
+const longestBar = (area: Area): number => Math.min(160, area.width / 3);
+
+function ScaleBar({ pixelsPerMm, area }: { readonly pixelsPerMm: number; readonly area: Area }) {
+  if (area.width === 0) return null;
+  const { mm, pixels } = scaleBar(pixelsPerMm, longestBar(area));
+  const text = mm < 10 ? t.slices.millimetres(mm) : t.slices.centimetres(mm / 10);
+  return (
+    <p class="slice-scale" style={{ width: `${pixels}px` }} role="img" aria-label={t.slices.scale(text)}>
+      {text}
+    </p>
+  );
+}
+
+interface SliceLabelsProps extends SlicePaneProps {
+  readonly slice: MeasuredSlice;
+  readonly byKey: boolean;
 }
 
 /**
  * The letters at the edges, and the title, value and position. A screen reader announces them while keys move the
  * slice.
  */
-function SliceLabels({ slices, stack, volume, byKey }: SlicePaneProps & { readonly byKey: boolean }) {
+function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) {
   const edges = edgesOf(stack);
   const title = t.slices.title(t.slices.view[stack.plane], slices.index(stack) + 1, stack.slices);
   const pointed = slices.pointed.value;
   const place = pointed?.plane === stack.plane ? pointed.place : slices.crosshair.value;
   const value = valueText(slices, stack, volume, place);
-  const where = t.slices.place(saidPlace(place));
+  const where = t.slices.place(placeParts(place));
+  const said = () => [t.slices.said(title, value, where), ...measuresSaid(slices, slice)].join(", ");
   return (
     <>
       {(["left", "right", "top", "bottom"] as const).map((edge) => (
@@ -84,10 +151,17 @@ function SliceLabels({ slices, stack, volume, byKey }: SlicePaneProps & { readon
         <b class="slice-value">{value}</b> <span class="slice-place">{where}</span>
       </p>
       <p class="visually-hidden" role="status">
-        {byKey ? t.slices.said(title, value, where) : ""}
+        {byKey ? said() : ""}
       </p>
     </>
   );
+}
+
+/** The newest measurement in the slice, for users who do not see it. */
+function measuresSaid(slices: Slices, slice: MeasuredSlice): readonly string[] {
+  const index = slices.index(slice.stack);
+  const newest = slices.measures.value.findLast((measure) => isInSlice(measure, slice.stack, index));
+  return [...(newest ? measureLines(newest, slice) : []), ...(slices.held.value ? [t.slices.held] : [])];
 }
 
 function valueText(slices: Slices, stack: Stack, volume: VolumeHeader, place: Vec3): string {

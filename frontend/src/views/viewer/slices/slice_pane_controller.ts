@@ -1,23 +1,28 @@
 import type { Area, Point } from "../../../input/flat";
-import { placeOf, type Stack } from "../../../slices/stack";
-import { withLastPoint, withPoint, withoutLast } from "../../../slices/measure";
+import { pixelSize, placeOf, type Stack } from "../../../slices/stack";
+import { isWhole, measureKinds, withLastPoint, withPoint, type MeasureKind } from "../../../slices/measure";
 import type { Slices } from "../../../slices/model";
 import { SliceGestures, Wheel, type GestureAction } from "../../../slices/slice_gestures";
-import { panned, pixelAt, zoomed } from "../../../slices/placing";
+import { panned, perMm, pixelAt, zoomed } from "../../../slices/placing";
 import { dragged, type Window } from "../../../slices/window";
 import { wheelZoom } from "../../../input/gestures";
 import { pointerSampleOf, type PointerSample } from "../../../input/pointer_sample";
 import { arrowDirections } from "../../../input/arrow_keys";
 import { preventBrowserGestures } from "../../../input/prevent_browser_gestures";
+import { attachPointing } from "../../../input/pointing";
+import type { Collaboration } from "../../../live/collaboration";
 import type { Vec3 } from "../../../input/vec3";
 
 const zoomStep = 1.12;
+/** How far from a handle a pointer may take hold of it, in CSS pixels. A finger is less precise than a mouse. */
+const reach = { mouse: 10, finger: 22 } as const;
 
 /** Applies the gestures and keys on one slice pane to the state of all panes. */
 export class SlicePaneController {
   private readonly gestures = new SliceGestures();
   private readonly wheel = new Wheel();
   private begun: Window | null = null;
+  private byFinger = false;
 
   constructor(
     private readonly slices: Slices,
@@ -25,16 +30,25 @@ export class SlicePaneController {
     private readonly area: () => Area,
     /** The range of values that dragging over the full height of the pane covers. */
     private readonly range: () => number,
+    /** Shows this viewer's pointer to the other participants. */
+    private readonly pointer: Pick<Collaboration, "points" | "point">,
   ) {}
 
   /** Listens to pointers and to the wheel until `signal` is aborted. */
   listen(element: HTMLElement, signal: AbortSignal): void {
     const passive = { signal, passive: true };
+    const pointing = {
+      isSeen: () => this.pointer.points.value,
+      point: (at: Point | null) => this.pointer.point(at && { plane: this.stack().plane, place: this.placeAt(at) }),
+    };
+    attachPointing(element, pointing, signal);
     element.addEventListener(
       "pointerdown",
       (event) => {
         element.setPointerCapture(event.pointerId);
-        this.performAll(this.gestures.down(pointerSampleOf(event, element)));
+        const sample = pointerSampleOf(event, element);
+        this.byFinger = sample.touch;
+        this.performAll(this.gestures.down(sample));
       },
       passive,
     );
@@ -42,6 +56,7 @@ export class SlicePaneController {
     const up = (lost: boolean) => (event: PointerEvent) => {
       this.performAll(this.gestures.up(event.pointerId, lost));
       this.begun = null;
+      this.slices.held.value = null;
     };
     element.addEventListener("pointerup", up(false), passive);
     element.addEventListener("pointercancel", up(true), passive);
@@ -55,11 +70,11 @@ export class SlicePaneController {
   key(event: KeyboardEvent): boolean {
     const stack = this.stack();
     const slices = this.slices;
-    if (event.altKey || event.metaKey) return false;
+    if (event.altKey || event.metaKey || slices.following.value) return false;
     const direction = arrowDirections[event.key];
     if (direction) {
       const [right, down] = direction;
-      if (event.shiftKey) slices.step(stack, right, down);
+      if (event.shiftKey) this.step(right, down);
       else if (event.ctrlKey) this.pan({ x: 24 * right, y: 24 * down });
       else slices.scroll(stack, right + down);
       return true;
@@ -86,11 +101,11 @@ export class SlicePaneController {
         this.zoom(1 / zoomStep, middle);
         return true;
       case "Enter":
-        this.setPoint(slices.crosshair.value);
+        this.setOrHold();
         return true;
       case "Delete":
       case "Backspace":
-        slices.measures.value = withoutLast(slices.measures.value);
+        slices.removeLastMeasure();
         return true;
       case "r":
       case "R":
@@ -107,7 +122,7 @@ export class SlicePaneController {
   }
 
   private doubleClicked(): void {
-    if (["ruler", "angle"].includes(this.slices.tool.value)) return; // these tools set two points with two clicks
+    if (this.slices.following.value || this.measureKind()) return; // these tools set two points with two clicks
     this.slices.maximise(this.stack().plane);
   }
 
@@ -123,6 +138,7 @@ export class SlicePaneController {
   }
 
   private performAll(actions: readonly GestureAction[]): void {
+    if (this.slices.following.value) return;
     for (const action of actions) this.perform(action);
   }
 
@@ -131,10 +147,7 @@ export class SlicePaneController {
     switch (action.kind) {
       case "begin":
         this.begun = slices.window.value;
-        if (slices.tool.value === "ruler" || slices.tool.value === "angle") {
-          this.setPoint(this.placeAt(action.at));
-          if (slices.measures.value.at(-1)?.points.length === 1) this.setPoint(this.placeAt(action.at)); // the end point follows the pointer
-        }
+        if (this.measureKind()) this.beginMeasure(this.placeAt(action.at));
         break;
       case "drag":
         this.drag(action.from, action.at);
@@ -170,18 +183,48 @@ export class SlicePaneController {
       case "crosshair":
         this.cross(at);
         break;
-      case "ruler":
-      case "angle":
-        slices.measures.value = withLastPoint(slices.measures.value, this.placeAt(at));
-        break;
+      default:
+        if (slices.held.value) slices.moveHeld(this.stack(), this.placeAt(at));
+        else slices.measures.value = withLastPoint(slices.measures.value, this.placeAt(at));
     }
   }
 
-  private setPoint(place: Vec3): void {
-    const { tool, measures } = this.slices;
+  /** The kind that the tool measures, or null for another tool. */
+  private measureKind(): MeasureKind | null {
+    return measureKinds.find((kind) => kind === this.slices.tool.value) ?? null;
+  }
+
+  /** Takes hold of a handle, or starts a measurement whose end follows the pointer. */
+  private beginMeasure(place: Vec3): void {
     const stack = this.stack();
-    const kind = tool.value;
-    if (kind !== "ruler" && kind !== "angle") return;
+    const pixels = this.byFinger ? reach.finger : reach.mouse;
+    if (this.slices.hold(stack, place, pixels / perMm(stack, this.slices.placing(stack), this.area()))) return;
+    this.setPoint(place);
+    const last = this.slices.measures.value.at(-1);
+    if (last && !isWhole(last) && last.points.length === 1) this.setPoint(place);
+  }
+
+  /** Enter sets a point at the crosshair, or takes hold of a handle there. Enter again lets go of it. */
+  private setOrHold(): void {
+    const { held, crosshair } = this.slices;
+    const stack = this.stack();
+    const { width, height } = pixelSize(stack);
+    if (held.value) held.value = null;
+    else if (!this.measureKind() || !this.slices.hold(stack, crosshair.value, 0.75 * Math.hypot(width, height)))
+      this.setPoint(crosshair.value);
+  }
+
+  private step(right: number, down: number): void {
+    const stack = this.stack();
+    this.slices.step(stack, right, down);
+    this.slices.moveHeld(stack, this.slices.crosshair.value);
+  }
+
+  private setPoint(place: Vec3): void {
+    const { measures } = this.slices;
+    const stack = this.stack();
+    const kind = this.measureKind();
+    if (!kind) return;
     measures.value = withPoint(measures.value, kind, stack.plane, this.slices.index(stack), place);
   }
 

@@ -21,10 +21,17 @@ export function SliceViews({ session }: { readonly session: ViewerSession }) {
       {paneOrder.map((plane) => {
         const stack = slices.stacks.value.get(plane);
         return stack && (view === "four" || view === plane) ? (
-          <SlicePane key={plane} slices={slices} stack={stack} volume={volume} alone={view === plane} />
+          <SlicePane
+            key={plane}
+            slices={slices}
+            stack={stack}
+            volume={volume}
+            alone={view === plane}
+            collaboration={session.collaboration}
+          />
         ) : null;
       })}
-      {view === "four" ? (
+      {view === "four" && !slices.following.value ? (
         <button
           type="button"
           class="icon-button slice-maximise slice-maximise-picture"
@@ -72,6 +79,7 @@ export function SlicesButton({ session: { slices } }: { readonly session: Viewer
       aria-label={shown ? t.slices.close : t.slices.open}
       title={shown ? t.slices.close : t.slices.open}
       aria-pressed={shown}
+      disabled={slices.following.value}
       onClick={() => toggleSlices(slices)}
     >
       <Icon name="four" />
@@ -79,13 +87,13 @@ export function SlicesButton({ session: { slices } }: { readonly session: Viewer
   );
 }
 
-export function toggleSlices({ open, available }: Slices): void {
-  if (available.value) open.value = !open.value;
+export function toggleSlices({ open, available, following }: Slices): void {
+  if (available.value && !following.value) open.value = !open.value;
 }
 
 /** Shows only the focused view, or all four again. */
 export function maximiseFocused(slices: Slices): void {
-  if (!slices.open.value) return;
+  if (!slices.open.value || slices.following.value) return;
   const plane = document.activeElement?.closest<HTMLElement>(".slice-pane")?.dataset.plane;
   const one = (plane ?? "picture") as Exclude<Shown, "four">;
   const view = slices.view.value;

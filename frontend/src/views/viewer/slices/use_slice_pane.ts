@@ -1,6 +1,7 @@
 import type { RefObject } from "preact";
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Area } from "../../../input/flat";
+import type { Collaboration } from "../../../live/collaboration";
 import type { VolumeHeader } from "../../../protocol/messages";
 import type { Slices } from "../../../slices/model";
 import type { Stack } from "../../../slices/stack";
@@ -14,10 +15,11 @@ export interface SlicePaneProps {
   readonly volume: VolumeHeader;
   /** Whether this is the only pane that is shown. */
   readonly alone: boolean;
+  readonly collaboration: Collaboration;
 }
 
 /** The canvas of a pane: draws the slice after each render, follows its size, and listens to gestures on it. */
-export function useSlicePane({ slices, stack, volume }: SlicePaneProps) {
+export function useSlicePane({ slices, stack, volume, collaboration }: SlicePaneProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [area, setArea] = useState<Area>({ width: 0, height: 0 });
   const drawing = useMemo(() => new SliceCanvas(), []);
@@ -29,16 +31,18 @@ export function useSlicePane({ slices, stack, volume }: SlicePaneProps) {
         () => now.current.stack,
         () => now.current.area,
         () => Math.max(1, now.current.volume.maximum - now.current.volume.minimum),
+        collaboration,
       ),
-    [slices, now],
+    [slices, now, collaboration],
   );
   useCanvasEvents(canvas, controller, drawing, setArea);
 
   const placing = slices.placing(stack);
   const values = slices.values(stack);
   const table = slices.table.value;
+  const smooth = slices.smooth.value;
   useLayoutEffect(() => {
-    if (canvas.current && area.width > 0) drawing.draw(canvas.current, stack, values, table, placing, area);
+    if (canvas.current && area.width > 0) drawing.draw(canvas.current, { stack, values, table, smooth, placing, area });
   });
   return { canvas, controller, area };
 }

@@ -1,0 +1,140 @@
+import { create, toBinary } from "@bufbuild/protobuf";
+import { vec3, type Vec3 } from "../input/vec3";
+import { measureKinds, type Measure, type MeasureKind } from "../slices/measure";
+import type { Placing } from "../slices/placing";
+import type { PresentedSlices } from "../slices/presented";
+import { planes, type Plane } from "../slices/stack";
+import { plain, planeNumbers, planeOf } from "./messages";
+import {
+  ClientMessageSchema,
+  GuestPointersSchema,
+  Measurements_Kind as Kind,
+  Measurements_MeasurementSchema as MeasurementSchema,
+  MeasurementsSchema,
+  PointerMove_InPictureSchema as InPictureSchema,
+  PointerMove_InSliceSchema as InSliceSchema,
+  PointerMoveSchema,
+  SharedTakenSchema,
+  SliceView_Layout as Layout,
+  SliceView_PlacingSchema as PlacingSchema,
+  SliceViewSchema,
+  type ClientMessage,
+  type Measurements,
+  type SharedState,
+  type SliceView,
+} from "./gen/api/proto/stream_pb";
+import { Vec3Schema } from "./gen/api/proto/scene_pb";
+
+export type { SharedState };
+
+// What the participants of a live session show each other.
+
+/** Where a pointer is: at a point of the picture (0 to 1 from the top left), or in a slice. */
+export type PointerAt = { readonly x: number; readonly y: number } | { readonly plane: Plane; readonly place: Vec3 };
+
+/** The pointer of another participant. Without a plane, it is on a surface in the picture. */
+export interface Pointer {
+  /** Participant.number */
+  readonly number: number;
+  readonly plane: Plane | null;
+  readonly place: Vec3;
+}
+
+type Bytes = Uint8Array<ArrayBuffer>;
+const encoded = (body: ClientMessage["body"]): Bytes =>
+  toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
+const vector = (place: Vec3) => create(Vec3Schema, place);
+
+export function encodeSliceView(shown: PresentedSlices): Bytes {
+  if (shown.view === null) return encoded({ case: "sliceView", value: create(SliceViewSchema) });
+  const value = create(SliceViewSchema, {
+    ...layoutOf(shown.view),
+    crosshair: vector(shown.crosshair),
+    windowCentre: shown.window.centre,
+    windowWidth: shown.window.width,
+    smooth: shown.smooth,
+    overlay: shown.overlay,
+    placings: planes.flatMap((plane) => {
+      const placing = shown.placings[plane];
+      return placing ? [create(PlacingSchema, { ...placing, plane: planeNumbers[plane] })] : [];
+    }),
+  });
+  return encoded({ case: "sliceView", value });
+}
+
+function layoutOf(view: NonNullable<PresentedSlices["view"]>) {
+  if (view === "four") return { layout: Layout.FOUR };
+  if (view === "picture") return { layout: Layout.PICTURE };
+  return { layout: Layout.SLICE, plane: planeNumbers[view] };
+}
+
+function viewOf({ layout, plane }: SliceView): PresentedSlices["view"] {
+  switch (layout) {
+    case Layout.FOUR:
+      return "four";
+    case Layout.PICTURE:
+      return "picture";
+    case Layout.SLICE:
+      return planeOf(plane);
+    default:
+      return null;
+  }
+}
+
+export function presentedOf(view: SliceView): PresentedSlices {
+  const placings: Partial<Record<Plane, Placing>> = {};
+  for (const { plane, zoom, column, row } of view.placings) {
+    const known = planeOf(plane);
+    if (known) placings[known] = { zoom, column, row };
+  }
+  return {
+    view: viewOf(view),
+    crosshair: plain(view.crosshair),
+    window: { centre: view.windowCentre, width: view.windowWidth },
+    smooth: view.smooth,
+    overlay: view.overlay,
+    placings,
+  };
+}
+
+const kinds: Readonly<Record<MeasureKind, Kind>> = { ruler: Kind.RULER, angle: Kind.ANGLE, ellipse: Kind.ELLIPSE };
+
+export function encodeMeasurements(measures: readonly Measure[]): Bytes {
+  const items = measures.map(({ kind, plane, slice, points }) =>
+    create(MeasurementSchema, { kind: kinds[kind], plane: planeNumbers[plane], slice, points: points.map(vector) }),
+  );
+  return encoded({ case: "measurements", value: create(MeasurementsSchema, { items }) });
+}
+
+/** Leaves out those of a kind that this page does not know. */
+export function measuresOf({ items }: Measurements): readonly Measure[] {
+  return items.flatMap(({ kind, plane, slice, points }) => {
+    const knownKind = measureKinds.find((one) => kinds[one] === kind);
+    const knownPlane = planeOf(plane);
+    return knownKind && knownPlane
+      ? [{ kind: knownKind, plane: knownPlane, slice, points: points.map((point) => plain(point)) }]
+      : [];
+  });
+}
+
+/** Null: the pointer has left. */
+export function encodePointer(at: PointerAt | null): Bytes {
+  const value = create(PointerMoveSchema);
+  if (at && "plane" in at) {
+    const inSlice = create(InSliceSchema, { plane: planeNumbers[at.plane], place: vector(at.place) });
+    value.at = { case: "slice", value: inSlice };
+  } else if (at) {
+    value.at = { case: "picture", value: create(InPictureSchema, at) };
+  }
+  return encoded({ case: "pointer", value });
+}
+
+export const pointersOf = ({ pointers }: SharedState): readonly (Pointer & { readonly shown: boolean })[] =>
+  pointers.map(({ number, shown, plane, x, y, z }) => ({ number, shown, plane: planeOf(plane), place: vec3(x, y, z) }));
+
+/** Whether guests may point. */
+export const encodeGuestPointers = (on: boolean): Bytes =>
+  encoded({ case: "guestPointers", value: create(GuestPointersSchema, { on }) });
+
+export const encodeSharedTaken = (seq: bigint): Bytes =>
+  encoded({ case: "sharedTaken", value: create(SharedTakenSchema, { seq }) });

@@ -1,0 +1,29 @@
+import type { Vec3 } from "../input/vec3";
+import type { Measure } from "./measure";
+import type { Placing } from "./placing";
+import type { Plane } from "./stack";
+import type { Window } from "./window";
+
+/** A single view, or all four. */
+export type Shown = "picture" | "four" | Plane;
+
+/** What a presenter shows of the slices. */
+export interface PresentedSlices {
+  /** Null while only the picture is shown. */
+  readonly view: Shown | null;
+  readonly crosshair: Vec3;
+  readonly window: Window;
+  readonly smooth: boolean;
+  /** How much the colours of the look cover the grey. 0: not at all. */
+  readonly overlay: number;
+  readonly placings: Readonly<Partial<Record<Plane, Placing>>>;
+}
+
+/** The newest measurements. The server refuses more. */
+export const mostPresented = 100;
+
+/** Returns the measurements of both lists once. */
+export function joined(first: readonly Measure[], second: readonly Measure[]): readonly Measure[] {
+  const known = new Set(first.map((one) => JSON.stringify(one)));
+  return [...first, ...second.filter((one) => !known.has(JSON.stringify(one)))];
+}

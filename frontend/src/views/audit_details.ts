@@ -1,0 +1,20 @@
+import type { AuditEntry } from "../api/types";
+import { t } from "../texts";
+import { bytesText } from "./format";
+
+/** The details of an entry in words. Unknown names and words of the server stay as they are. */
+export function detailsText({ action, details }: Pick<AuditEntry, "action" | "details">): string {
+  const order = Object.keys(t.admin.details); // Postgres sorts names by their length: "to" before "from"
+  return Object.entries(details)
+    .sort(([a], [b]) => order.indexOf(a) - order.indexOf(b))
+    .map(([name, value]) => `${t.admin.details[name] ?? name}: ${valueText(action, name, value)}`)
+    .join(", ");
+}
+
+function valueText(action: string, name: string, value: number | string): string {
+  if (typeof value === "string") return t.admin.detailWords[value] ?? value;
+  if (action === "account.storage-quota-changed") return bytesText(value);
+  if (action === "account.render-quota-changed") return t.myAccount.hours(value);
+  if (name === "slices") return value === 0 ? t.admin.no : t.admin.yes;
+  return String(value);
+}

@@ -1,0 +1,107 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { PresetsApi } from "../../../api/sharing";
+import type { FileOrder } from "../../../protocol/file_messages";
+import type { Scene } from "../../../protocol/messages";
+import { t } from "../../../texts";
+import { longestVideoS } from "../../../video/file_shot";
+import type { SceneEditor } from "../../../video/scene_editor";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { useApp } from "../../state";
+import { sceneOfPreset } from "../preset_scene";
+import {
+  videoErrors,
+  videoOrder,
+  videoSides,
+  videoSize,
+  mostKeyViews,
+  typedSeconds,
+  type VideoQuality,
+  type VideoSide,
+  type KeyView,
+} from "./video_size";
+
+export interface VideoFormProps {
+  readonly session: ViewerSession;
+  readonly kind: "turntable" | "tour";
+  readonly busy: boolean;
+  readonly onExport: (order: FileOrder) => void;
+}
+
+/** The entries of the user so far. */
+export interface VideoEntries {
+  readonly size: VideoSide;
+  readonly quality: VideoQuality;
+  readonly seconds: string;
+  readonly rate: string;
+  readonly views: readonly KeyView[];
+}
+
+interface Faults {
+  readonly seconds: string;
+  readonly form: string;
+}
+
+const firstEntries: VideoEntries = { size: "medium", quality: "quick", seconds: "8", rate: "25", views: [] };
+const noFaults: Faults = { seconds: "", form: "" };
+
+/** The entries of the video form, their errors, and the resulting order. */
+export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
+  const app = useApp();
+  const [entries, setEntries] = useState(firstEntries);
+  const [faults, setFaults] = useState(noFaults);
+  const [preparing, setPreparing] = useState(false);
+  const here = useIsMounted();
+  const set = (part: Partial<VideoEntries>) => setEntries((before) => ({ ...before, ...part }));
+  /** Sets an entry and clears its error. */
+  const correct = (part: Partial<VideoEntries>) => {
+    setFaults(noFaults);
+    set(part);
+  };
+  const submit = async () => {
+    const scene = session.editor.scene.value;
+    const seconds = typedSeconds(entries.seconds);
+    const chosen = entries.views.filter((view) => view.taken);
+    setFaults(scene ? entryFaults(kind, seconds, chosen) : noFaults);
+    if (!scene || seconds === null || hasWrongViews(kind, chosen)) return;
+    setPreparing(true);
+    try {
+      const keys = kind === "tour" ? await keyScenes(app.api.presets, chosen, session.editor, scene) : [scene];
+      const size = videoSize(session.viewport, videoSides[entries.size]);
+      const error = videoErrors[entries.quality];
+      if (here.current) onExport(videoOrder({ kind, keys, size, seconds, rate: Number(entries.rate), error }));
+    } catch (thrown) {
+      setFaults({ seconds: "", form: app.explain(thrown) });
+    }
+    setPreparing(false);
+  };
+  const setFault = (form: string) => setFaults((before) => ({ ...before, form }));
+  return { entries, faults, preparing, set, correct, setFault, submit };
+}
+
+const hasWrongViews = (kind: VideoFormProps["kind"], chosen: readonly KeyView[]): boolean =>
+  kind === "tour" && (chosen.length < 2 || chosen.length > mostKeyViews);
+
+function entryFaults(kind: VideoFormProps["kind"], seconds: number | null, chosen: readonly KeyView[]): Faults {
+  if (seconds === null) return { seconds: t.take.wrongSeconds(longestVideoS), form: "" };
+  return hasWrongViews(kind, chosen) ? { seconds: "", form: t.take.wrongViews(mostKeyViews) } : noFaults;
+}
+
+/** The scenes of the chosen views. The one without a preset is the current scene. A film has the shape of the window. */
+const keyScenes = (
+  api: Pick<PresetsApi, "get">,
+  chosen: readonly KeyView[],
+  editor: Pick<SceneEditor, "framed">,
+  scene: Scene,
+): Promise<Scene[]> =>
+  Promise.all(chosen.map(async ({ preset }) => (preset ? editor.framed(await sceneOfPreset(api, preset.id)) : scene)));
+
+function useIsMounted() {
+  const here = useRef(true);
+  useEffect(
+    () => () => {
+      here.current = false;
+    },
+    [],
+  );
+  return here;
+}

@@ -1,0 +1,102 @@
+import { useEffect, useRef } from "preact/hooks";
+import { t } from "../../../texts";
+import { Choice } from "../../choice";
+import { Field } from "../../field";
+import { fault as faulty } from "../../form";
+import { videoQualities, videoRates, videoSideNames, videoSides, videoSize, typedSeconds } from "./video_size";
+import { useVideoForm, type VideoEntries, type VideoFormProps } from "./use_video_form";
+import { ViewList } from "./view_list";
+
+/** The form for a turntable video or a tour. */
+export function VideoForm(props: VideoFormProps) {
+  const { session, kind, busy } = props;
+  const text = t.take;
+  const { entries, faults, preparing, set, correct, setFault, submit } = useVideoForm(props);
+  const form = useRef<HTMLFormElement>(null);
+  // A screen reader announces the error when its field has the focus, so the focus moves once the error is on the page.
+  useEffect(() => {
+    if (faults.seconds) form.current?.querySelector<HTMLElement>("[aria-invalid]")?.focus();
+  }, [faults.seconds]);
+  return (
+    <form
+      ref={form}
+      class="take-form"
+      noValidate
+      onSubmit={(event) => {
+        event.preventDefault();
+        void submit();
+      }}
+    >
+      <p class="muted">{kind === "tour" ? text.tourLead : text.turntableLead}</p>
+      {kind === "tour" && session.dataSetId !== null ? (
+        <ViewList
+          dataSetId={session.dataSetId}
+          views={entries.views}
+          onViews={(views) => correct({ views })}
+          onFault={setFault}
+        />
+      ) : null}
+      <div class="take-sides">
+        <Field
+          label={text.seconds}
+          value={entries.seconds}
+          onInput={(seconds) => correct({ seconds })}
+          digits
+          most={3}
+          {...faulty(faults.seconds)}
+        />
+        <Choice
+          label={text.rate}
+          value={entries.rate}
+          options={videoRates.map((n) => [String(n), String(n)])}
+          onChoose={(rate) => set({ rate })}
+        />
+      </div>
+      <SizeAndQuality session={session} entries={entries} set={set} />
+      <FaultOrHint fault={faults.form} entries={entries} />
+      <p>
+        <button type="submit" class="button button-main" disabled={busy || preparing}>
+          {busy ? text.ofVideo.rendering : text.saveVideo}
+        </button>
+      </p>
+    </form>
+  );
+}
+
+interface SizeAndQualityProps extends Pick<VideoFormProps, "session"> {
+  readonly entries: VideoEntries;
+  readonly set: (part: Partial<VideoEntries>) => void;
+}
+
+function SizeAndQuality({ session, entries, set }: SizeAndQualityProps) {
+  const text = t.take;
+  return (
+    <>
+      <Choice
+        label={text.size}
+        value={entries.size}
+        options={videoSideNames.map((name) => {
+          const { width, height } = videoSize(session.viewport, videoSides[name]);
+          return [name, text.videoSizes[name](width, height)];
+        })}
+        onChoose={(name) => set({ size: name as VideoEntries["size"] })}
+      />
+      <Choice
+        label={text.quality}
+        value={entries.quality}
+        options={videoQualities.map((name) => [name, text.qualities[name]])}
+        onChoose={(name) => set({ quality: name as VideoEntries["quality"] })}
+      />
+    </>
+  );
+}
+
+function FaultOrHint({ fault, entries }: { readonly fault: string; readonly entries: VideoEntries }) {
+  if (fault)
+    return (
+      <p class="field-fault" role="alert">
+        {fault}
+      </p>
+    );
+  return <p class="field-hint">{t.take.videoHint((typedSeconds(entries.seconds) ?? 0) * Number(entries.rate))}</p>;
+}

@@ -1,0 +1,36 @@
+import { expect, test } from "vitest";
+import { someScene } from "../../../scene/testing";
+import { videoOrder, videoSize, typedSeconds } from "./video_size";
+
+test("a video has the aspect ratio of the screen and even sides within the limits", () => {
+  expect(videoSize({ width: 1024, height: 768 }, 1280)).toEqual({ width: 1280, height: 960 });
+  for (const screen of [
+    { width: 391, height: 843 },
+    { width: 1, height: 1 },
+    { width: 100000, height: 3 },
+    { width: 1279, height: 721 },
+  ]) {
+    const { width, height } = videoSize(screen, 1920);
+    expect([width % 2, height % 2]).toEqual([0, 0]);
+    expect(Math.min(width, height)).toBeGreaterThanOrEqual(16);
+    expect(Math.max(width, height)).toBeLessThanOrEqual(1920);
+  }
+});
+
+test("the length accepts only whole seconds within the limits", () => {
+  expect(typedSeconds(" 8 ")).toBe(8);
+  expect(typedSeconds("60")).toBe(60);
+  for (const text of ["0", "61", "-1", "1.5", "", "1e1", "0x8", "999999"]) expect(typedSeconds(text), text).toBeNull();
+});
+
+test("the number of frames is the length times the frame rate", () => {
+  const order = videoOrder({
+    kind: "turntable",
+    keys: [someScene()],
+    size: { width: 640, height: 480 },
+    seconds: 8,
+    rate: 25,
+    error: 0.05,
+  });
+  expect(order).toMatchObject({ kind: "turntable", frames: 200, framesPerSecond: 25 });
+});

@@ -1,0 +1,200 @@
+#include "renderd/session/collaboration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "scene/check.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr int kPlanes = 3;
+constexpr int kMostPoints = 3;
+
+bool within(double value, double most) { return std::fabs(value) <= most; }  // false for NaN
+
+bool is_place(const v1::Vec3& place) {
+  return within(place.x(), scene::kLongestDistance) && within(place.y(), scene::kLongestDistance) &&
+         within(place.z(), scene::kLongestDistance);
+}
+
+bool is_valid(const v1::SliceView& view) {
+  return view.placings_size() <= kPlanes && is_place(view.crosshair()) &&
+         within(view.window_centre(), 1e6) && within(view.window_width(), 1e6) &&
+         within(view.overlay(), 1) &&
+         std::ranges::all_of(view.placings(), [](const v1::SliceView::Placing& one) {
+           return within(one.zoom(), 1e6) && within(one.column(), 1e6) && within(one.row(), 1e6);
+         });
+}
+
+bool is_valid(const v1::Measurements& measurements) {
+  return measurements.items_size() <= Collaboration::kMostMeasurements &&
+         std::ranges::all_of(measurements.items(), [](const v1::Measurements::Measurement& one) {
+           return one.points_size() <= kMostPoints && std::ranges::all_of(one.points(), is_place);
+         });
+}
+
+Effects refused(std::uint64_t connection, std::string field) {
+  return {problem_to(connection,
+                     {ErrorCode::kInvalid, "The page sent an invalid view.", std::move(field)})};
+}
+
+/// A copy without fields of newer pages, which would otherwise be passed on unchecked.
+template <typename Message>
+Message known_fields(const Message& message) {
+  Message copy = message;
+  copy.DiscardUnknownFields();
+  return copy;
+}
+
+bool sees_slices(const Audience& audience, const Receiver& receiver) {
+  return slice_access(audience.rights(receiver)) != SliceAccess::kNone;
+}
+
+}  // namespace
+
+bool Collaboration::is_shared(const SessionState& state) {
+  return state.audience.receivers.size() > 1;
+}
+
+Effects Collaboration::handle(const SliceViewSent& event, SessionState& state, TimePoint now) {
+  if (!is_shared(state)) return {};
+  if (!is_valid(event.view)) return refused(event.connection, "slice_view");
+  view_ = {known_fields(event.view), ++version_};
+  return broadcast(state, now);
+}
+
+Effects Collaboration::handle(const MeasurementsSent& event, SessionState& state, TimePoint now) {
+  if (!is_shared(state)) return {};
+  if (!is_valid(event.measurements)) return refused(event.connection, "measurements");
+  measurements_ = {known_fields(event.measurements), ++version_};
+  return broadcast(state, now);
+}
+
+Effects Collaboration::handle(const PointerMoved& event, SessionState& state, TimePoint now) {
+  const Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver || !is_shared(state)) return {};
+  Pointer& pointer = pointers_[receiver->participant];
+  pointer.allowance.refill(now);
+  if (pointer.allowance.empty()) return {};
+  pointer.allowance.take();
+  ++pointer.moves;
+  pointer.of_guest = receiver->viewer == ViewerKind::kGuest;
+  pointer.shown.set_number(receiver->number);
+  switch (event.move.at_case()) {
+    case v1::PointerMove::kPicture: {
+      const auto& at = event.move.picture();
+      surfaces_.refill(now);
+      if (!(at.x() >= 0 && at.x() <= 1 && at.y() >= 0 && at.y() <= 1) || surfaces_.empty()) break;
+      surfaces_.take();
+      return {effect::FindPointer{event.connection, pointer.moves, at.x(), at.y()}};
+    }
+    case v1::PointerMove::kSlice: {
+      const auto& at = event.move.slice();
+      if (!is_place(at.place()) || !sees_slices(state.audience, *receiver)) break;
+      pointer.shown.set_plane(at.plane());
+      pointer.shown.set_x(static_cast<float>(at.place().x()));
+      pointer.shown.set_y(static_cast<float>(at.place().y()));
+      pointer.shown.set_z(static_cast<float>(at.place().z()));
+      pointer.shown.set_shown(true);
+      return moved(pointer, state, now);
+    }
+    case v1::PointerMove::AT_NOT_SET:
+      pointer.shown.set_shown(false);
+      return moved(pointer, state, now);
+  }
+  return {};
+}
+
+Effects Collaboration::handle(const PointerFound& event, SessionState& state, TimePoint now) {
+  const Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver) return {};
+  const auto found = pointers_.find(receiver->participant);
+  // A later move may have been handled meanwhile.
+  if (found == pointers_.end() || found->second.moves != event.number) return {};
+  auto& shown = found->second.shown;
+  shown.set_plane(v1::ANATOMICAL_PLANE_UNSPECIFIED);
+  shown.set_shown(event.place.has_value());
+  if (event.place) {
+    shown.set_x(static_cast<float>(event.place->x));
+    shown.set_y(static_cast<float>(event.place->y));
+    shown.set_z(static_cast<float>(event.place->z));
+  }
+  return moved(found->second, state, now);
+}
+
+Effects Collaboration::handle(const SharedReceived& event, SessionState& state, TimePoint now) {
+  Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver || event.seq <= receiver->shared.taken || event.seq > receiver->shared.sent) {
+    return {};
+  }
+  receiver->shared.taken = event.seq;
+  Effects effects;
+  send_changes(effects, state, *receiver, now);
+  return effects;
+}
+
+Effects Collaboration::handle(ParticipantsChanged, SessionState& state, TimePoint now) {
+  const Audience& audience = state.audience;
+  std::erase_if(pointers_, [&](const auto& one) { return !audience.of(one.first); });
+  const Receiver* const presenter = audience.of(audience.presenter);
+  // Nobody would close the slices of a previous presenter.
+  if (presenter && view_.version != 0 && !sees_slices(audience, *presenter)) {
+    view_ = {{}, ++version_};
+    measurements_ = {{}, ++version_};
+  }
+  if (!is_shared(state)) return {};
+  return broadcast(state, now);
+}
+
+Effects Collaboration::moved(Pointer& pointer, SessionState& state, TimePoint now) {
+  pointer.version = ++version_;
+  pointer.moved_at = now;
+  return broadcast(state, now);
+}
+
+Effects Collaboration::broadcast(SessionState& state, TimePoint now) const {
+  Effects effects;
+  for (Receiver& receiver : state.audience.receivers) send_changes(effects, state, receiver, now);
+  return effects;
+}
+
+void Collaboration::send_changes(Effects& effects, const SessionState& state, Receiver& receiver,
+                                 TimePoint now) const {
+  SharedWindow& window = receiver.shared;
+  if (!receiver.greeted || window.sent - window.taken >= kMostUnderWay) return;
+  const Audience& audience = state.audience;
+  effect::Send send{receiver.connection, {}};
+  v1::SharedState& shared = *send.message.mutable_shared();
+  const bool slices = sees_slices(audience, receiver);
+  if (!slices) {
+    window.slices_seen = 0;  // if access is given later, everything is sent
+  } else if (!audience.presents(receiver)) {
+    if (view_.version > window.slices_seen) *shared.mutable_slice_view() = view_.message;
+    if (measurements_.version > window.slices_seen) {
+      *shared.mutable_measurements() = measurements_.message;
+    }
+    window.slices_seen = version_;
+  }
+  for (const auto& [participant, pointer] : pointers_) {
+    const bool of_slice = pointer.shown.plane() != v1::ANATOMICAL_PLANE_UNSPECIFIED;
+    if (pointer.version <= window.pointers_seen || participant == receiver.participant ||
+        now - pointer.moved_at > kPointerFor ||
+        (pointer.of_guest && !audience.guest_pointers && participant != audience.presenter)) {
+      continue;
+    }
+    v1::SharedState::Pointer& shown = *shared.add_pointers();
+    if (of_slice && !slices) {
+      shown.set_number(pointer.shown.number());  // it is hidden in the picture
+    } else {
+      shown = pointer.shown;
+    }
+  }
+  window.pointers_seen = version_;
+  if (!shared.has_slice_view() && !shared.has_measurements() && shared.pointers_size() == 0) return;
+  shared.set_seq(++window.sent);
+  effects.emplace_back(std::move(send));
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "renderd/math/vector.h"
+#include "renderd/session/effects.h"
+#include "renderd/session/state.h"
+
+namespace diaphane::render {
+
+struct SliceViewSent {
+  std::uint64_t connection = 0;
+  const diaphane::v1::SliceView& view;
+};
+struct MeasurementsSent {
+  std::uint64_t connection = 0;
+  const diaphane::v1::Measurements& measurements;
+};
+struct PointerMoved {
+  std::uint64_t connection = 0;
+  const diaphane::v1::PointerMove& move;
+};
+/// The surface at which a participant points. nullopt: only background is visible there.
+struct PointerFound {
+  std::uint64_t connection = 0;
+  std::uint64_t number = 0;  ///< of effect::FindPointer
+  std::optional<Double3> place;
+};
+struct SharedReceived {
+  std::uint64_t connection = 0;
+  std::uint64_t seq = 0;
+};
+/// Participants came, left or got other rights, or someone else presents.
+struct ParticipantsChanged {};
+
+/// What the participants of a session show each other: the presenter's slices and measurements, and
+/// everyone's pointer. Each viewer has at most kMostUnderWay messages in transit. What changes
+/// meanwhile is sent as one message with the newest state, so that a slow connection never has a
+/// queue. A session with one viewer stores and sends nothing.
+///
+/// Only viewers with access to slices receive what concerns slices. All viewers receive the places
+/// of pointers in the picture. These reveal the visible surface, which every viewer may look at
+/// from all sides with a camera of their own.
+class Collaboration {
+ public:
+  static constexpr std::uint64_t kMostUnderWay = 2;
+  static constexpr int kMostMeasurements = 100;
+  /// Per participant. Pages send ten moves per second.
+  static constexpr double kMovesInARow = 20;
+  static constexpr double kMovesASecond = 15;
+  /// Per session. Each move in the picture takes about a millisecond of a core.
+  static constexpr double kSurfacesInARow = 40;
+  static constexpr double kSurfacesASecond = 40;
+  /// A pointer that has not moved for this long is hidden.
+  static constexpr std::chrono::seconds kPointerFor{4};
+
+  Effects handle(const SliceViewSent& event, SessionState& state, TimePoint now);
+  Effects handle(const MeasurementsSent& event, SessionState& state, TimePoint now);
+  Effects handle(const PointerMoved& event, SessionState& state, TimePoint now);
+  Effects handle(const PointerFound& event, SessionState& state, TimePoint now);
+  Effects handle(const SharedReceived& event, SessionState& state, TimePoint now);
+  Effects handle(ParticipantsChanged event, SessionState& state, TimePoint now);
+
+ private:
+  struct Pointer {
+    diaphane::v1::SharedState::Pointer shown;
+    bool of_guest = false;
+    std::uint64_t version = 0;
+    std::uint64_t moves = 0;
+    TimePoint moved_at{};
+    Bucket allowance{kMovesInARow, kMovesASecond};
+  };
+  template <typename Message>
+  struct Versioned {
+    Message message;
+    std::uint64_t version = 0;
+  };
+
+  Effects moved(Pointer& pointer, SessionState& state, TimePoint now);
+  Effects broadcast(SessionState& state, TimePoint now) const;
+  void send_changes(Effects& effects, const SessionState& state, Receiver& receiver,
+                    TimePoint now) const;
+  /// Returns whether someone other than the sender would see it.
+  static bool is_shared(const SessionState& state);
+
+  std::uint64_t version_ = 0;
+  Versioned<diaphane::v1::SliceView> view_;
+  Versioned<diaphane::v1::Measurements> measurements_;
+  std::map<std::string, Pointer> pointers_;  // by participant
+  Bucket surfaces_{kSurfacesInARow, kSurfacesASecond};
+};
+
+}  // namespace diaphane::render
