@@ -237,7 +237,10 @@ void Listener::drain(std::chrono::milliseconds patience) {
   impl_->draining = true;
   if (!impl_->in_flight.wait_for_none(patience))
     log::warning("requests were still running at shutdown");
-  if (closed_) return;
+}
+
+Listener::~Listener() {
+  drain(std::chrono::milliseconds(0));
   const auto done = std::make_shared<std::promise<void>>();
   impl_->listener.close().then([done](const pplx::task<void>& closed) {
     try {
@@ -247,13 +250,9 @@ void Listener::drain(std::chrono::milliseconds patience) {
     }
     done->set_value();
   });
-  closed_ = done->get_future().wait_for(kClosePatience) == std::future_status::ready;
-}
-
-Listener::~Listener() {
-  drain(std::chrono::milliseconds(0));
-  // Leaks the state, because the library still uses it.
-  if (!closed_) static_cast<void>(impl_.release());
+  // Leaks the state if the library still uses it.
+  if (done->get_future().wait_for(kClosePatience) != std::future_status::ready)
+    static_cast<void>(impl_.release());
 }
 
 }  // namespace diaphane::api

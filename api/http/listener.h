@@ -28,15 +28,15 @@ class Listener {
                                                 Options options);
   ~Listener();
 
-  /// Refuses new requests with 503 and `Connection: close`. Waits up to `patience` for requests in
-  /// progress, and a little longer for the connections to close.
+  /// Refuses new requests with 503 and `Connection: close`, and waits up to `patience` for requests
+  /// in progress. The port stays open until the process exits or the destructor runs: while the
+  /// library closes a listener, it answers 404 to every request that still arrives.
   void drain(std::chrono::milliseconds patience);
 
  private:
   struct Impl;
   explicit Listener(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
-  bool closed_ = false;
 };
 
 }  // namespace diaphane::api
