@@ -29,6 +29,13 @@ tl::unexpected<Problem> too_many_from_network(std::chrono::seconds wait) {
                 wait);
 }
 
+/// Forgets a visit that got no session, and its attempt if it was counted. Otherwise, a page that
+/// tries again every two seconds would be locked out after a minute.
+void forget_unplaced(const SharingParts& parts, const Visit& visit, bool counted, Time now) {
+  (void)parts.store.forget_visit(visit.session_id);
+  if (counted) (void)parts.accounts.forget_attempts(visit.address_hash, now);
+}
+
 /// Records a new visit with a link in the logs. Ends it if its access was revoked during the
 /// placement, by a caller that did not see its session.
 Outcome<void> confirm_visit(const SharingParts& parts, const Visit& visit, const Client& client,
@@ -238,6 +245,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
+  bool counted = false;
   bool slices = true;  // everyone can get slices of a sample
   visit.address_hash = blake2b("visit:" + client.address);
   if (token.empty()) {
@@ -263,6 +271,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
     if (*wait) {
       return too_many_from_network(**wait);
     }
+    counted = true;
   }
   const auto noted = parts_.store.note_visit(visit, options_.at_once, now);
   if (!noted && noted.error().code == ErrorCode::kTooMany) {
@@ -280,8 +289,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const bool no_slot =
       !placed && (placed.error().code == ErrorCode::kTooLarge ||
                   (placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()));
-  // There is no session, so the record must not count as a visit.
-  if (no_slot) (void)parts_.store.forget_visit(visit.session_id);
+  if (no_slot) forget_unplaced(parts_, visit, counted, now);
   if (no_slot && placed.error().code == ErrorCode::kTooLarge) return no_place_for_visitors();
   if (no_slot) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));

@@ -466,6 +466,16 @@ TEST_F(VisitsTest, VisitWithoutASlotIsDeleted) {
   }
 }
 
+TEST_F(VisitsTest, TryingAgainWithoutASlotUsesUpNoAttempts) {
+  for (int i = 0; i < 31; ++i) {
+    placement.break_function("place", ErrorCode::kUnavailable);
+    ASSERT_EQ(refusal(open()), ProblemKind::kNoWorker) << i;
+    clock.advance(2s);
+  }
+  placement.repair("place");
+  EXPECT_TRUE(open());
+}
+
 TEST_F(VisitsTest, RedisOutageIsNotReportedAsMissingCapacity) {
   placement.is_reachable = false;
   placement.break_function("place");
