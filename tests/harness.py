@@ -43,7 +43,15 @@ def metrics_at(port: int) -> str:
     """Returns the Prometheus metrics of an admin port."""
     import httpx
 
-    return httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).raise_for_status().text
+    return httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False, timeout=60).raise_for_status().text
+
+
+def free_port() -> int:
+    """Returns a port for a program that a test starts itself. Unlike one that the kernel chooses (port 0), no outgoing connection of
+    another process takes it before the program listens, and no other worker of a parallel run gets it."""
+    port, *others = ports.random_free().values()
+    ports.give_back(others)
+    return port
 
 
 def files_below(*folders: Path) -> Iterator[Path]:
@@ -112,7 +120,7 @@ class TestStack:
     def start(self, program: str) -> None:
         self.stack.start_program(program)
 
-    def wait_ready(self, *programs: str, timeout: float = 20.0) -> None:
+    def wait_ready(self, *programs: str, timeout: float = 60.0) -> None:
         for program in programs or tuple(self.stack.running_):
             self.stack.wait_ready(program, timeout)
 
@@ -266,7 +274,7 @@ class StackFactory:
         # Several stacks run side by side: the renderer of one must not keep the processor from another's Postgres.
         stack = Stack(data=data, ports=ports.random_free(), layout=self.layout(), run_as=self.run_as, engine=engine,
                       durable=False, polite=False, only=only, extra_env=SETTINGS | (extra_env or {}))
-        stack.start()
+        stack.start(timeout=180)    # several stacks may start at once, on few cores
         running = TestStack(stack, self)
         stack.on_event = running.events.append
         self.opened.append(running)
@@ -289,4 +297,4 @@ class StackFactory:
         shutil.rmtree(self.copies_, ignore_errors=True)
 
 
-__all__ = ["REPO", "StackFactory", "TestStack", "datadir", "mails_in", "metrics_at"]
+__all__ = ["REPO", "StackFactory", "TestStack", "datadir", "free_port", "mails_in", "metrics_at"]

@@ -114,7 +114,7 @@ class SlowNetwork:
 
     def __enter__(self) -> SlowNetwork:
         self.thread_.start()
-        assert self.ready_.wait(5)
+        assert self.ready_.wait(60)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
+import os
 import sys
 import threading
 import time
@@ -26,8 +27,7 @@ from devtool.console import CliError  # noqa: E402
 def test_a_port_claimed_by_another_process_is_not_available():
     import subprocess
     import sys
-    port = ports.random_free()["edge"]
-    ports.give_back([port])
+    port = 100_000 + os.getpid()    # a claim is a name, and no other suite that runs meanwhile draws this one
     code = f"from devtool import ports; print(ports.claim({port}), flush=True); input()"
     with subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[2] / "tools", text=True,
                           stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
@@ -42,7 +42,8 @@ def test_each_start_gets_its_own_ports():
     given = [port for _ in range(20) for port in ports.random_free().values()]
     assert len(set(given)) == len(given)
     ports.give_back(given)
-    assert all(ports.claim(port) for port in given)
+    # Suites that run meanwhile may have taken those of a start or two.
+    assert sum(ports.claim(port) for port in given) >= len(given) - 2 * len(ports.DEFAULTS)
     ports.give_back(given)
 
 
@@ -296,7 +297,7 @@ def test_selected_cluster_tests_run_where_the_control_plane_is_built():
 
 
 def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):
-    together = threading.Barrier(2, timeout=10)
+    together = threading.Barrier(2, timeout=60)
 
     def meets(_):
         together.wait()
@@ -312,10 +313,14 @@ def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):
 def test_running_suites_never_need_more_cores_than_available(tmp_path):
     costs = {"a": 1.0, "b": 0.5, "c": 1.0, "d": 0.5, "alone": math.inf, "e": 1.5}
     guard, running, most = threading.Lock(), [], []
+    first_two = threading.Barrier(2, timeout=60)
 
     def runs(name):
         with guard:
             running.append(name)
+        if name in "ab":
+            first_two.wait()    # they fit together, so that two run at the same time however late their threads start
+        with guard:
             most.append(sum(costs[one] for one in running) if len(running) > 1 else 0)
         time.sleep(0.05)
         with guard:

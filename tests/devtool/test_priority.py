@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 
-from harness import REPO  # noqa: F401 - puts tools/ on the path
+from harness import wait_until  # also puts tools/ on the path
 from devtool import plan
 from devtool.priority import GroupPriorities, family, first_cores
 
@@ -20,10 +19,8 @@ needs_groups = pytest.mark.skipif(not Path("/proc/self/autogroup").exists(), rea
 @pytest.fixture
 def server():
     """A program like Postgres: it leads a session, and so does its child."""
-    process = subprocess.Popen(["/bin/sh", "-c", "setsid sleep 60 & wait"], start_new_session=True)
-    deadline = time.monotonic() + 10
-    while len(sessions(process.pid)) < 2 and time.monotonic() < deadline:
-        time.sleep(0.01)
+    process = subprocess.Popen(["/bin/sh", "-c", "setsid sleep 600 & wait"], start_new_session=True)
+    wait_until(lambda: len(sessions(process.pid)) == 2, what="the child's session")
     yield process
     for pid in list(family(process.pid))[::-1]:
         os.kill(pid, signal.SIGKILL)
@@ -56,8 +53,9 @@ def test_the_priority_of_each_session_is_set_once(server):
     assert nice_of_group(server.pid) == 3
 
 
-def test_a_refused_priority_change_is_retried(monkeypatch):
-    priorities, answers = GroupPriorities(), [BlockingIOError(), None]
+def test_a_refused_priority_change_is_retried(tmp_path, monkeypatch):
+    # In an empty folder, this process has no children, whatever other tests have started.
+    priorities, answers = GroupPriorities(tmp_path), [BlockingIOError(), None]
 
     def write(self, *_, **__):
         answer = answers.pop(0)

@@ -13,7 +13,6 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
-import urllib.error
 import urllib.request
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,7 +62,7 @@ def fake():
 def answers(url: str) -> bool:
     try:
         return urllib.request.urlopen(url, timeout=10).status == 200
-    except urllib.error.URLError:
+    except OSError:    # refused, or the connection was lost while it started
         return False
 
 
@@ -81,8 +80,8 @@ def visit(browser: Browser):
         context = browser.new_context(viewport=size, color_scheme="dark" if dark else "light", is_mobile=phone,
                                       has_touch=phone or touch, device_scale_factor=2 if phone else 1, **more)
         contexts.append(context)
+        context.set_default_timeout(PATIENCE_MS)    # also of pages that a test opens itself
         page = context.new_page()
-        page.set_default_timeout(PATIENCE_MS)
         if not PICTURES:
             page.screenshot = lambda **_: b""  # a normal run discards screenshots, and each takes up to a second of both cores
         page.on("pageerror", lambda error: faults.append(str(error)))

@@ -6,7 +6,7 @@ import base64
 import json
 from dataclasses import dataclass
 
-from playwright.sync_api import Page
+from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 
@@ -85,6 +85,35 @@ def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int 
         return None
 
     return stack.wait_until(enough, timeout=timeout, what=f"a picture of {samples} samples")
+
+
+def placed(handle: Locator) -> dict:
+    """Returns the box of a handle in the picture, which has its place once the page has measured the picture. Before that, the lines
+    beside it are one pixel wide."""
+    expect(handle.locator("xpath=../*[local-name()='svg']")).not_to_have_attribute("width", "1")
+    return handle.bounding_box()
+
+
+#: Runs in the page: remembers the texts of the first element that fits a selector from now on.
+LISTEN = """(selector) => {
+    const said = (window.said = [""]);
+    const listen = () => {
+        const text = document.querySelector(selector)?.textContent ?? "";
+        if (text !== said.at(-1)) said.push(text);
+    };
+    listen();
+    new MutationObserver(listen).observe(document.body, { subtree: true, childList: true, characterData: true });
+}"""
+
+
+def listen(page: Page, selector: str) -> None:
+    """Remembers what an element of the page says from now on, because some messages are shown for a short time only."""
+    page.evaluate(LISTEN, selector)
+
+
+def wait_said(stack: TestStack, page: Page, text: str, timeout: float = 120) -> None:
+    """Waits until the element has said this since `listen`, even if it says something else by now."""
+    stack.wait_until(lambda: text in page.evaluate("window.said.join(' ')") or page.wait_for_timeout(50), timeout=timeout, what=f"“{text}”")
 
 
 def drag(page: Page, right: float, down: float) -> None:

@@ -12,6 +12,9 @@ from playwright.sync_api import Locator, Page, expect
 from harness import TestStack
 
 PLANES = ("axial", "sagittal", "coronal")
+#: Runs in the page: whether a view is drawn in its present size, which it learns at the next frame of the browser.
+IN_SIZE = """(canvas) => canvas.clientWidth > 0 && canvas.width === Math.round(canvas.clientWidth * devicePixelRatio)
+    && canvas.height === Math.round(canvas.clientHeight * devicePixelRatio)"""
 
 
 @dataclass
@@ -51,7 +54,7 @@ class Reader:
     """A user viewing the slices of one scan."""
 
     def __init__(self, stack: TestStack, page: Page, scan: str):
-        self.page = page
+        self.stack, self.page = stack, page
         self.planes = Plane.of(stack.data_dir / "volumes" / scan)
         page.goto(f"{stack.url}/view/{scan}")
         expect(page.locator(".stage > canvas[data-samples]")).to_be_visible()
@@ -62,13 +65,19 @@ class Reader:
     def canvas(self, plane: str) -> Locator:
         return self.pane(plane).locator("canvas")
 
+    def in_size(self, plane: str) -> Locator:
+        """Waits until a view that has just appeared or changed its size is drawn in that size, and understands the pointer there."""
+        canvas = self.canvas(plane)
+        self.stack.wait_until(lambda: canvas.evaluate(IN_SIZE) or self.page.wait_for_timeout(20), 120, f"the {plane} view in its size")
+        return canvas
+
     def index(self, plane: str) -> int:
-        expect(self.canvas(plane)).to_have_attribute("data-came", "true")
+        expect(self.in_size(plane)).to_have_attribute("data-came", "true")
         return int(self.canvas(plane).get_attribute("data-index"))
 
     def at(self, plane: str, column: int, row: int) -> tuple[float, float]:
         """Returns the position in the page."""
-        box = self.canvas(plane).bounding_box()
+        box = self.in_size(plane).bounding_box()
         x, y = self.planes[plane].place(box, column, row)
         return box["x"] + x, box["y"] + y
 
@@ -82,7 +91,7 @@ class Reader:
 
     def pixel(self, plane: str, x: float, y: float) -> list[int]:
         """Returns RGBA at a position of the view in CSS pixels."""
-        return self.canvas(plane).evaluate(
+        return self.in_size(plane).evaluate(
             "(canvas, [x, y]) => [...canvas.getContext('2d').getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data]", [x, y])
 
     def grey_at(self, plane: str, x: float, y: float) -> int:

@@ -9,7 +9,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import wait_for_samples
+from picture import placed, wait_for_samples
 
 
 def value(page: Page, handle: str) -> float:
@@ -43,7 +43,7 @@ def test_a_face_is_removed_permanently(stack: TestStack, visit, cranium: Path, p
     # With the mouse, the handle and the number follow the hand. With the keyboard, each key press moves a millimetre.
     handle = page.locator('[data-handle="z-high"]')
     before = value(page, "z-high")
-    box = handle.bounding_box()
+    box = placed(handle)
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
     page.mouse.down()
@@ -95,14 +95,14 @@ def test_the_cut_handles_work_by_touch(stack: TestStack, visit, cranium: Path, p
     wait_for_samples(stack, page, 2)
     page.screenshot(path=pictures / "cut-phone.png")
     handle = page.locator('[data-handle="z-high"]')
-    box = handle.bounding_box()
+    box = placed(handle)
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     before = value(page, "z-high")
     touch = page.context.new_cdp_session(page)
     for kind, down in (("touchStart", 0), ("touchMove", 10), ("touchMove", 25), ("touchEnd", None)):
         points = [] if down is None else [{"x": x, "y": y + down}]
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    assert value(page, "z-high") < before - 2
+    stack.wait_until(lambda: value(page, "z-high") < before - 2 or page.wait_for_timeout(50), what="the handle's move")
     page.get_by_role("link", name="Cancel").click()
     expect(page.locator("canvas[data-samples]")).to_be_visible()
     assert stack.psql("SELECT anonymised_at FROM data_sets WHERE id = %s", data_set) == [(None,)]

@@ -56,21 +56,11 @@ class Eye:
         return math.dist(self.up, other.up)
 
 
-def settled(hands: Hands) -> None:
-    """Waits until nothing is pending."""
-    def still() -> bool:
-        before = hands.kept()
-        hands.page.wait_for_timeout(300)
-        return hands.kept() == before
-
-    hands.stack.wait_until(still, what="a scene that stays")
-
-
 def looked(hands: Hands, deed: Callable[[], None]) -> tuple[Eye, Eye, bytes, bytes]:
     """Returns eye and picture before and after."""
     before, picture = Eye(hands), hands.picture()
     hands.act(deed)
-    settled(hands)
+    hands.settle()
     return before, Eye(hands), picture, hands.picture()
 
 
@@ -371,17 +361,17 @@ def work_every_control(hands: Hands, name: str, pictures: Path) -> None:
         assert len(worked[which]) >= least, worked[which]
     undo = page.get_by_role("button", name="Undo", exact=True)
     redo = page.get_by_role("button", name="Redo", exact=True)
-    settled(hands)
+    hands.settle()
     last = hands.kept()[0]
     step = (lambda: page.keyboard.press("Control+z")) if name == "keys" else lambda: way.press(undo)
     steps = 0
     while undo.get_attribute("aria-disabled") == "false":
         step()
         steps += 1
-    settled(hands)
+    hands.settle()
     assert hands.kept()[0] == begun
     assert difference(first, hands.picture()) < ALIKE
     for _ in range(steps):
         page.keyboard.press("Control+Shift+z") if name == "keys" else way.press(redo)
-    settled(hands)
+    hands.settle()
     assert hands.kept()[0] == last

@@ -60,12 +60,15 @@ def test_firefox_shows_and_turns_a_scan(stack: TestStack, firefox: Firefox, cran
 
     firefox.drag(canvas, 220, 60)
     wait_for_samples(stack, firefox, 4, after_epoch=before)
-    assert difference(first, firefox.pixels(canvas)) > 2
+    # The first steps of the drag change less.
+    stack.wait_until(lambda: difference(first, firefox.pixels(canvas)) > 2, timeout=120, what="the turned picture")
     firefox.screenshot(pictures / f"firefox-turned-{codecs or 'best'}.png")
 
     firefox.button("Show the slices (V)").click()
     for plane in ("axial", "sagittal", "coronal"):
-        assert spread(firefox.pixels(firefox.first(f".slice-pane[data-plane={plane}] canvas[data-came=true]"))) > 5
+        pane = firefox.first(f".slice-pane[data-plane={plane}] canvas[data-came=true]")
+        # A view is drawn once the page knows its size, which may be after the slice has come.
+        stack.wait_until(lambda pane=pane: spread(firefox.pixels(pane)) > 5, timeout=120, what=f"the {plane} slice")
     firefox.screenshot(pictures / f"firefox-slices-{codecs or 'best'}.png")
 
     firefox.goto(stack.url + "/scans")

@@ -15,7 +15,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import ALIKE, SIDE, difference, facts, pixels, wait_for_samples
+from picture import ALIKE, SIDE, difference, facts, pixels, placed, wait_for_samples
 from test_pages import check_page
 from test_settings import GROUND, Hands, halves, look_from_the_front
 
@@ -43,7 +43,8 @@ def test_the_headrest_is_hidden_and_one_switch_shows_it(stack: TestStack, visit,
     expect(cuts).to_be_focused()
     switch = cuts.get_by_label("Show the table, headrest or frame")
     hands.act(switch.check)
-    hands.act(switch.uncheck)  # by now, the camera has made room for the window
+    hands.act(switch.uncheck)
+    hands.settle()  # the camera has made room for the window
     body = hands.picture()
     hands.act(switch.check)
     both = hands.picture()
@@ -76,7 +77,7 @@ def middle(box: dict) -> tuple[float, float]:
 
 
 def pull(page: Page, handle: Locator, right: float, down: float) -> None:
-    x, y = middle(handle.bounding_box())
+    x, y = middle(placed(handle))
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + right, y + down, steps=8)
@@ -113,10 +114,10 @@ def test_cuts_and_lights_can_be_dragged_in_the_picture(stack: TestStack, visit, 
     # With the mouse: cuts away the patient's left, on the right of the picture, up to the middle.
     keep_handles(hands, "Cuts and slices")
     handle = page.locator('[data-handle="x-high"]')
-    before = middle(handle.bounding_box())
+    before = middle(placed(handle))
     box = page.locator("canvas").bounding_box()
     hands.act(lambda: pull(page, handle, box["x"] + box["width"] / 2 - before[0], 0))
-    after = middle(handle.bounding_box())
+    after = middle(placed(handle))
     assert abs(after[0] - (box["x"] + box["width"] / 2)) < 6 and abs(after[1] - before[1]) < 25, (before, after)
     cut = hands.picture()
     page.screenshot(path=pictures / "picture-cut.png")
@@ -155,7 +156,7 @@ def test_cuts_and_lights_can_be_dragged_in_the_picture(stack: TestStack, visit, 
     lamp = page.locator('[data-handle="light-0"]')
     radius = 0.4 * min(box["width"], box["height"])
     for side in (-1, 1):
-        x, y = middle(lamp.bounding_box())
+        x, y = middle(placed(lamp))
         to = (box["x"] + box["width"] / 2 + side * 0.95 * radius, box["y"] + box["height"] / 2)
         hands.act(lambda: pull(page, lamp, to[0] - x, to[1] - y))
         left, right = halves(hands.picture())
@@ -305,7 +306,7 @@ def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, v
     expect(lamp).to_be_visible()
     check_tools(page)
     page.screenshot(path=pictures / "light-phone.png")
-    x, y = middle(lamp.bounding_box())
+    x, y = middle(placed(lamp))
     touch = page.context.new_cdp_session(page)
 
     def finger() -> None:
@@ -313,7 +314,7 @@ def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, v
             touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [] if right is None else [{"x": x + right, "y": y}]})
 
     hands.act(finger)
-    assert abs(middle(lamp.bounding_box())[0] - (x + 40)) < 6
+    assert abs(middle(placed(lamp))[0] - (x + 40)) < 6
     # A built-in texture, and a file that is not an image.
     light.get_by_text("More", exact=True).click()
     hands.act(light.get_by_role("button", name="Ring", exact=True).click)

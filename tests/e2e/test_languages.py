@@ -46,7 +46,7 @@ def test_sign_up_and_viewing_work_in_german(stack: TestStack, visit, cranium: Pa
     page.goto(stack.url + "/sign-up")
     expect(page.get_by_role("heading", name="Konto erstellen")).to_be_visible()
     assert page.evaluate("document.documentElement.lang") == "de"
-    assert page.title() == "Konto erstellen · Diaphane"
+    expect(page).to_have_title("Konto erstellen · Diaphane")
     assert faults(page) == []
     page.screenshot(path=pictures / "sign-up-german.png")
     page.get_by_label("E-Mail-Adresse").fill("keine")

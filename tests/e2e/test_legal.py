@@ -23,8 +23,9 @@ def own_texts(stack: TestStack):
 
 def shows_links(page: Page, url: str) -> None:
     page.goto(url)
-    links = page.get_by_role("navigation", name="Legal information")
-    assert [link.get_attribute("href") for link in links.get_by_role("link").all()] == ["/privacy", "/terms", "/contact"]
+    links = page.get_by_role("navigation", name="Legal information").get_by_role("link")
+    expect(links).to_have_count(3)  # the page appears after its scripts have loaded
+    assert [link.get_attribute("href") for link in links.all()] == ["/privacy", "/terms", "/contact"]
 
 
 def test_legal_templates_list_what_the_operator_must_fill_in(stack: TestStack, visit, pictures: Path):

@@ -43,7 +43,8 @@ def check_curve(hands: Hands, pictures: Path) -> None:
     rows = [tuple(map(float, line.split(","))) for line in table[table.index("samples,seconds,error") + 1:]]
     assert len(rows) >= 2 and rows[-1][0] > rows[0][0] and rows[-1][1] > rows[0][1] and rows[-1][2] < rows[0][2], rows
     document = json.loads(saved(page, "JSON"))
-    assert document["format"] == "diaphane-error-curve" and document["points"][0]["samples"] == rows[0][0]
+    # The page waits 2 s for the worker's curve, which begins before the first picture that was shown. It may have come by now.
+    assert document["format"] == "diaphane-error-curve" and document["points"][0]["samples"] <= rows[0][0]
     assert "CPU threads" in document["device"]
     drawing = saved(page, "SVG")
     assert "Rendering time in s" in drawing and "Slope" in drawing

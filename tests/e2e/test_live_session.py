@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
 from pathlib import Path
+from typing import Callable
 
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import Facts, difference, drag, facts, kept_view, pixels, spread, wait_for_samples
+from picture import Facts, difference, drag, facts, kept_view, last_input, pixels, spread, wait_for_samples
 from test_pages import check_page
 from touch import Fingers
 
@@ -25,6 +27,16 @@ def same_picture(stack: TestStack, a: Page, b: Page) -> None:
         return one == other and one.samples > 0 and difference(pixels(a), pixels(b)) < 3
 
     stack.wait_until(alike, timeout=120, what="one picture in both browsers")
+
+
+def came(stack: TestStack, page: Page, by: Page, after: int) -> None:
+    """Waits until a page shows the last input of another (or its own), in an epoch after the given one: the steps of a drag before
+    it change the picture less. Numbers of two presenters are counted separately, so that a higher one may be older."""
+    def there() -> bool:
+        now = facts(page)
+        return (now.epoch > after and now.input_seq == last_input(by)) or page.wait_for_timeout(50)
+
+    stack.wait_until(there, timeout=120, what="the picture of the last input")
 
 
 def settled(stack: TestStack, page: Page) -> Facts:
@@ -121,13 +133,14 @@ def the_picture_fits_a_phone_that_presents(stack: TestStack, owner: Page, phone:
         camera = json.loads(kept_view(page)["scene"])["camera"]
         return math.dist(*([camera[end].get(axis, 0) for axis in "xyz"] for end in ("eye", "target")))
 
-    before = distance(owner)
+    before, epoch = distance(owner), facts(owner).epoch
     owner.get_by_role("button", name="View together").click()
     owner.get_by_role("button", name=re.compile("^Make Guest \\d presenter$")).click()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     expect(phone.get_by_text("Owner is presenting")).to_have_count(0)
     canvas = phone.locator(".stage > canvas")
     stack.wait_until(lambda: distance(phone) > 1.5 * before or phone.wait_for_timeout(50), what="the camera moving back")
+    came(stack, phone, by=phone, after=epoch)
     settled(stack, phone)
     phone.screenshot(path=pictures / "live-phone-presents.png")
     left, right = canvas.evaluate(MARGINS)
@@ -174,7 +187,7 @@ def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestSta
     before = pixels(follower)
     epoch = facts(owner).epoch
     drag(owner, 200, 0)
-    stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the turn")
+    came(stack, owner, by=owner, after=epoch)
     same_picture(stack, owner, follower)
     assert difference(before, pixels(follower)) > 3
     before = settled(stack, owner)
@@ -208,6 +221,8 @@ def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestSta
     for _ in range(40):
         owner.wait_for_timeout(50)
         epochs.append(facts(owner).epoch)
+    came(stack, owner, by=follower, after=epochs[0])  # on a busy machine later than these two seconds
+    epochs.append(facts(owner).epoch)
     same_picture(stack, owner, follower)
     assert epochs == sorted(epochs), "an older picture came after a newer one"
     assert difference(before, pixels(owner)) > 3
@@ -229,7 +244,7 @@ def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestSta
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     epoch = facts(owner).epoch
     drag(owner, -80, 0)
-    stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the owner's turn")
+    came(stack, owner, by=owner, after=epoch)
 
 
 def test_interaction_is_recorded_only_with_revocable_consent(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -243,7 +258,9 @@ def test_interaction_is_recorded_only_with_revocable_consent(stack: TestStack, v
     switch = page.get_by_role("switch", name="Record how I use the viewer")
     expect(switch).to_be_enabled()
     expect(switch).not_to_be_checked()
-    switch.check()
+    # The page records once the server has confirmed it. It asks for that after each change.
+    with page.expect_response(lambda answer: answer.url.endswith("/v1/recordings") and answer.request.method == "GET"):
+        switch.check()
     page.screenshot(path=pictures / "recording.png")
     check_page(page)
     page.get_by_role("dialog").get_by_role("button", name="Close").click()
@@ -275,8 +292,23 @@ def test_interaction_is_recorded_only_with_revocable_consent(stack: TestStack, v
                      or page.wait_for_timeout(50), what="the consent taken back")
 
 
-def pointer(page: Page, inside: str, name: str):
-    return page.locator(inside).locator(".pointer", has_text=name)
+def pointer_at(page: Page, inside: str, name: str) -> list[float]:
+    """Returns where a participant's pointer is from the left, or nothing while it is not shown."""
+    return page.locator(inside).locator(".pointer", has_text=name).evaluate_all("(marks) => marks.map((mark) => mark.getBoundingClientRect().x)")
+
+
+def points(stack: TestStack, move: Callable[[int], None], page: Page, inside: str, name: str, right_of: float = 2) -> float:
+    """Points until another page shows it. A pointer that rests is hidden after 4 seconds, which two busy pages may need to show it, so
+    that it keeps moving: `move` is given 0 and 1 in turn. Returns where it is. (At the left edge is one in a picture that the page
+    has not measured yet.)"""
+    moves = itertools.count()
+
+    def seen() -> list[float]:
+        move(next(moves) % 2)
+        page.wait_for_timeout(50)
+        return [x for x in pointer_at(page, inside, name) if x > right_of]
+
+    return stack.wait_until(seen, timeout=120, what=f"the pointer of {name}")[0]
 
 
 def middle_of(page: Page, element: str) -> tuple[float, float]:
@@ -305,15 +337,13 @@ def test_everyone_sees_the_slices_of_the_presenter_and_where_the_others_point(st
 
     # Both point at the picture: the presenter with the mouse, the guest with a finger that is held down.
     canvas = ".stage > canvas"
-    owner.mouse.move(*middle_of(owner, canvas))
-    expect(pointer(phone, ".stage > .handle-area", "Owner")).to_be_visible()
+    x, y = middle_of(owner, canvas)
+    points(stack, lambda step: owner.mouse.move(x + step, y), phone, ".stage > .handle-area", "Owner")
     finger = Fingers(phone)
-    x, y = middle_of(phone, canvas)
-    finger.say("touchStart", [(x, y)])
-    expect(pointer(owner, ".stage > .handle-area", "Bob")).to_be_visible()
-    first = pointer(owner, ".stage > .handle-area", "Bob").bounding_box()
-    finger.say("touchMove", [(x + 20, y)])
-    stack.wait_until(lambda: pointer(owner, ".stage > .handle-area", "Bob").bounding_box()["x"] > first["x"] + 5 or owner.wait_for_timeout(50), what="the pointer's move")
+    left, top = middle_of(phone, canvas)
+    finger.say("touchStart", [(left, top)])
+    first = points(stack, lambda step: finger.say("touchMove", [(left + step, top)]), owner, ".stage > .handle-area", "Bob")
+    points(stack, lambda step: finger.say("touchMove", [(left + 20 + step, top)]), owner, ".stage > .handle-area", "Bob", right_of=first + 5)
     owner.mouse.move(*(n + 20 for n in middle_of(owner, canvas)))
     owner.screenshot(path=pictures / "live-pointer-desktop.png")
     phone.screenshot(path=pictures / "live-pointer-phone.png")
@@ -322,6 +352,8 @@ def test_everyone_sees_the_slices_of_the_presenter_and_where_the_others_point(st
     # The phone follows the presenter's slices with their window and measurement, one plane at a time.
     owner.keyboard.press("v")
     expect(phone.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-came", "true")
+    # The owner's own view understands the mouse once it knows its size, as its scale does.
+    expect(owner.locator(".slice-pane[data-plane=axial] .slice-scale")).to_be_visible()
     owner.get_by_role("radio", name="Ruler").check()
     x, y = middle_of(owner, ".slice-pane[data-plane=axial] canvas")
     owner.mouse.move(x - 60, y)
@@ -338,8 +370,7 @@ def test_everyone_sees_the_slices_of_the_presenter_and_where_the_others_point(st
     index = axial.get_attribute("data-index")
     expect(phone.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-index", index)
     expect(phone.locator(".slice-slider")).to_be_disabled()
-    owner.mouse.move(x, y + 40)
-    expect(pointer(phone, ".slice-pane[data-plane=axial]", "Owner")).to_be_visible()
+    points(stack, lambda step: owner.mouse.move(x + step, y + 40), phone, ".slice-pane[data-plane=axial]", "Owner")
     owner.screenshot(path=pictures / "live-slices-desktop.png")
     phone.screenshot(path=pictures / "live-slices-phone.png")
     check_page(phone)

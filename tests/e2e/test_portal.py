@@ -102,7 +102,10 @@ def test_a_scan_is_uploaded_anonymised_published_and_deleted(stack: TestStack, v
         stack.wait_until(lambda t=table, c=column: stack.psql(f"SELECT count(*) FROM {t} WHERE {c} = %s", data_set) == [(0,)],
                          what=f"nothing of it in {table}")
     assert stack.psql("SELECT count(*) FROM users WHERE email_key = %s", anna.email) == [(0,)]
-    left = [place for place, _, names in os.walk(stack.data_dir) if data_set in " ".join((place, *names))]
-    assert left == []
+
+    def left() -> list[str]:
+        return [place for place, _, names in os.walk(stack.data_dir) if data_set in " ".join((place, *names))]
+
+    stack.wait_until(lambda: left() == [], what="no file of it, wherever it may be")
     bert.page.goto(stack.url + "/gallery")
     expect(bert.page.get_by_role("link", name="View From my disc")).not_to_be_visible()

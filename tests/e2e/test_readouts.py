@@ -92,6 +92,8 @@ def test_orientation_quality_participants_and_looks_are_shown(stack: TestStack, 
     # Every look has a picture of this scan, and all are different.
     images = page.locator(".preset-picture img")
     expect(images).to_have_count(6)
+    decoded = "(images) => images.every((image) => image.complete && image.naturalWidth > 0)"
+    stack.wait_until(lambda: images.evaluate_all(decoded) or page.wait_for_timeout(50), what="the pictures of the looks")
     looks = [base64.b64decode(image.evaluate(SHRINK, SIDE)) for image in images.all()]
     assert all(spread(look) > 5 for look in looks)
     assert min(difference(a, b) for n, a in enumerate(looks) for b in looks[:n]) > 1

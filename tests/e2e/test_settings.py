@@ -25,6 +25,8 @@ class Hands:
 
     def window(self, name: str) -> Locator:
         frame = self.page.get_by_role("dialog", name=name, exact=True)
+        # The menu appears together with the windows that this tab remembers, one of which the button would close.
+        expect(self.page.locator("[data-opens]").first).to_be_attached()
         if frame.count() == 0:
             self.page.get_by_role("button", name=name, exact=True).click()
         return frame
@@ -44,6 +46,15 @@ class Hands:
             return self.kept()[0] != before
 
         self.stack.wait_until(changed, what="another scene")
+
+    def settle(self) -> None:
+        """Waits until nothing is pending."""
+        def still() -> bool:
+            before = self.kept()
+            self.page.wait_for_timeout(300)
+            return self.kept() == before
+
+        self.stack.wait_until(still, what="a scene that stays")
 
     def write(self, frame: Locator, label: str, text: str) -> None:
         field = frame.get_by_label(f"{label} (value)")

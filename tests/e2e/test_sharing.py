@@ -168,7 +168,7 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     late = visit(small=True)
     late.goto(link)
     late.get_by_role("button", name="View the scan").click()
-    expect(late.locator("canvas[data-input-seq='0']")).to_be_visible(timeout=60_000)
+    expect(late.locator("canvas[data-input-seq='0']")).to_be_visible()
     expect(late.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible()
     late.close()
 
@@ -181,11 +181,11 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     again = bert.page.context.new_page()
     again.goto(f"{stack.url}/gallery")
     crowd = again.locator(f"article[data-id='{scan}']").get_by_role("list", name="Presets for this scan")
-    crowd.scroll_into_view_if_needed(timeout=60_000)  # pictures are loaded when they become visible
-    expect(crowd.locator(f"img[alt='{shown}']")).to_be_visible(timeout=60_000)
+    crowd.scroll_into_view_if_needed()  # pictures are loaded when they become visible
+    expect(crowd.locator(f"img[alt='{shown}']")).to_be_visible()
     again.screenshot(path=pictures / "gallery-crowd.png")
     crowd.get_by_role("link", name="Show Best of it").click()
-    expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible(timeout=60_000)
+    expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible()
     again.close()
 
     preset_is_reported_and_taken_down(bert, Person.arrives(stack, visit(small=True), "cara"), boss, scan, "Best of it", pictures)

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SHRINK, SIDE, difference, drag, facts, last_input, pixels, spread, wait_for_samples
+from picture import SHRINK, SIDE, difference, drag, facts, last_input, listen, pixels, spread, wait_for_samples, wait_said
 
 PNG = b"\x89PNG\r\n\x1a\n"
 #: Mean difference per channel, of 255, between two renderings of one view with 2% and 5% of noise, averaged over SIDE x SIDE
@@ -53,7 +53,14 @@ def live_answers(stack: TestStack, page: Page) -> None:
     """A key rotates the displayed picture while something else is rendered."""
     before = facts(page)
     page.keyboard.press("ArrowRight")
-    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
+    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, timeout=120, what="the live picture")
+
+
+def hide_message(page: Page) -> None:
+    """Hides the message about a file, which hides itself 8 seconds after the file is saved."""
+    hide = page.get_by_role("button", name="Hide this message")
+    hide.evaluate_all("(buttons) => buttons.forEach((button) => button.click())")
+    expect(hide).to_have_count(0)
 
 
 def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -82,9 +89,10 @@ def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack
     dialog.get_by_label("Width").fill("360")
     dialog.get_by_label("Height").fill("240")
     dialog.get_by_label("Quality", exact=True).select_option("quick")
+    listen(page, ".shot-line")
     with page.expect_download() as download:
         dialog.get_by_role("button", name="Save the picture").click()
-        expect(page.locator("[data-shot=rendering]")).to_be_visible()
+        wait_said(stack, page, "Rendering the picture")
         page.screenshot(path=pictures / "take-rendering.png")
         live_answers(stack, page)  # meanwhile
         page.keyboard.press("Control+z")
@@ -93,8 +101,8 @@ def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack
     (pictures / "taken.png").write_bytes(png)
     assert set(chunks(png)) <= {"IHDR", "sRGB", "gAMA", "IDAT", "IEND"}, chunks(png)
     assert b"Mustermann" not in png and scan.encode() not in png
-    expect(page.get_by_text("The picture has been saved.")).to_be_visible()
-    page.get_by_role("button", name="Hide this message").click()
+    wait_said(stack, page, "The picture has been saved.")
+    hide_message(page)
     wait_for_samples(stack, page, 32, input_seq=last_input(page))
     width, height, taken = shrunk(page, png)
     live = pixels(page)

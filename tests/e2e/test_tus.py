@@ -195,4 +195,5 @@ def test_an_upload_over_the_limit_is_refused_before_the_first_byte(tus_stack: Te
     }}""")
     assert page.evaluate("run.error") == status
     assert page.evaluate("run.offsets") == []
-    assert set(os.listdir(tus_stack.data_dir / "uploads")) == before
+    # Nothing new. What earlier tests left may be disposed of meanwhile.
+    assert set(os.listdir(tus_stack.data_dir / "uploads")) <= before

@@ -167,7 +167,7 @@ def test_an_upload_can_be_paused_resumed_and_cancelled(person: Person, cranium: 
     page.get_by_role("button", name="Resume the upload of Paused head").click()
     expect(card).to_have_attribute("data-state", "ready")
     assert offsets[0] == FIRST_PART and offsets == sorted(set(offsets), key=int)  # each part once
-    assert not upload.exists()
+    stack.wait_until(lambda: not upload.exists(), what="the removal of the original")  # ingest does that last
 
     dam = Dam(page)
     person.upload(cranium, "Unwanted head")

@@ -15,8 +15,8 @@ from playwright.sync_api import Page, expect
 from harness import TestStack, files_below
 from devtool.ingest_cases.phantom import Series, dataset, markers, stack as slices, write
 from person import Person
-from picture import drag, facts, wait_for_samples
-from test_take_away import chunks, live_answers, wait_for_sessions
+from picture import drag, last_input, listen, wait_for_samples, wait_said
+from test_take_away import chunks, hide_message, live_answers, wait_for_sessions
 
 
 #: Two cores that other tests keep busy take minutes for ten frames.
@@ -77,14 +77,15 @@ def ask_for_ten_frames(dialog) -> None:
     dialog.get_by_label("Size").select_option("small")
 
 
-def saved_video(page: Page, dialog, to: Path) -> Path:
+def saved_video(stack: TestStack, page: Page, dialog, to: Path) -> Path:
+    listen(page, ".shot-line")
     with page.expect_download(timeout=VIDEO_PATIENCE_MS) as download:
         dialog.get_by_role("button", name="Save the video").click()
         expect(page.locator("[data-shot=rendering]")).to_be_visible()
     assert re.fullmatch(r"diaphane-[\d-]+\.mp4", download.value.suggested_filename)
     video = to / "diaphane.mp4"
     download.value.save_as(video)
-    expect(page.get_by_text("The video has been saved.")).to_be_visible()
+    wait_said(stack, page, "The video has been saved.")
     return video
 
 
@@ -117,7 +118,7 @@ def test_a_turntable_shows_the_back_after_half_a_turn(stack: TestStack, visit, m
     expect(seconds).to_have_accessible_description("Enter a whole number of seconds between 1 and 60.")
     ask_for_ten_frames(dialog)
     expect(dialog.get_by_text("We’ll render 10 pictures for this video.")).to_be_visible()
-    video = saved_video(page, dialog, tmp_path)
+    video = saved_video(stack, page, dialog, tmp_path)
     page.screenshot(path=pictures / "video-saved.png")
     width, height = expect_plain_video(video, frames=10, rate=10, seconds=1)
     assert width == 640 and height % 2 == 0
@@ -126,7 +127,7 @@ def test_a_turntable_shows_the_back_after_half_a_turn(stack: TestStack, visit, m
     # The patient's left is at the viewer's right, and after half a rotation at the viewer's left.
     assert front > 0.1 and back < -0.1 and abs(side) < abs(front), (front, side, back)
     wait_for_sessions(stack, page, 1)
-    page.get_by_role("button", name="Hide this message").click()
+    hide_message(page)
 
     # After cancelling, nothing is saved, the live picture responds meanwhile, and nothing is left behind.
     page.on("download", lambda _: pytest.fail("something was saved"))
@@ -141,7 +142,8 @@ def test_a_turntable_shows_the_back_after_half_a_turn(stack: TestStack, visit, m
     line.get_by_role("button", name="Cancel").click()
     expect(page.get_by_text("No video was saved.")).to_be_visible()
     wait_for_sessions(stack, page, 1)
-    assert not [path for path in files_below(stack.data_dir) if path.suffix == ".mp4"]
+    # The worker removes what it has written so far after the page has been told.
+    stack.wait_until(lambda: not [path for path in files_below(stack.data_dir) if path.suffix == ".mp4"], what="the removal of the video")
 
 
 @pytest.mark.nightly
@@ -159,14 +161,13 @@ def test_a_tour_moves_from_one_saved_preset_to_the_next(stack: TestStack, visit,
         page.get_by_role("button", name="Save the current view").click()
         expect(page.get_by_text(f"Saved as {name}.")).to_be_visible()
         page.keyboard.press("Escape")
-        before = facts(page).input_seq
         drag(page, 110, 0)
-        wait_for_samples(stack, page, 4, input_seq=before + 1)
+        wait_for_samples(stack, page, 4, input_seq=last_input(page))
     dialog = taking(page, "tour")
     page.screenshot(path=pictures / "tour-dialog.png")
     dialog.get_by_role("checkbox", name="Current view").uncheck()
     ask_for_ten_frames(dialog)
-    video = saved_video(page, dialog, tmp_path)
+    video = saved_video(stack, page, dialog, tmp_path)
     width, height = expect_plain_video(video, frames=10, rate=10, seconds=1)
     seen = [middle(frame(video, n, width, height)) for n in range(10)]
     assert abs(seen[0] - seen[-1]) > 0.05, "two views"

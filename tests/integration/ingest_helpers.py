@@ -60,12 +60,13 @@ def wait_end(stack, data_set: str, timeout: float = 90.0) -> tuple:
 
 
 def nothing_left(stack, data_set: str) -> None:
-    """Checks that no job, upload, original or temporary file of it exists."""
+    """Checks that no job, upload, original or temporary file of it exists. Another upload, or a build that is being given up, may
+    have temporary files for a moment."""
     assert stack.psql("SELECT count(*) FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(0,)]
     assert stack.psql("SELECT count(*) FROM uploads WHERE data_set_id = %s", data_set) == [(0,)]
     assert not upload_path(stack, data_set).exists()
-    assert list((stack.data_dir / "scratch").iterdir()) == []
-    assert [f.name for f in (stack.data_dir / "volumes").iterdir() if f.name.startswith(".tmp-")] == []
+    stack.wait_until(lambda: not any((stack.data_dir / "scratch").iterdir()), what="an empty scratch directory")
+    stack.wait_until(lambda: not any((stack.data_dir / "volumes").glob(f".tmp-{data_set}-*")), what="the end of its unfinished volumes")
 
 
 def hiding_places(root: Path, text: str) -> list[str]:

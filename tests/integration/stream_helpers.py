@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import signal
-import socket
 import struct
 import subprocess
 import time
@@ -14,7 +13,7 @@ import uuid
 from typing import Callable
 
 from api_client import Person, ready_without_upload
-from harness import TestStack
+from harness import TestStack, free_port, wait_until
 from devtool.bench_client import messages
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
@@ -53,8 +52,13 @@ def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
 
 
 def open_session(person: Person, data_set: str) -> tuple[str, str]:
-    """Returns the session id and the stream URL."""
-    answer = person.http.post("/v1/sessions", json={"data_set_id": data_set}, headers={"Idempotency-Key": uuid.uuid4().hex})
+    """Returns the session id and the stream URL. Like the page, it asks again after a 503: on a busy machine, a worker's heartbeat may
+    be late, and then there is no worker for a moment."""
+    def answered():
+        answer = person.http.post("/v1/sessions", json={"data_set_id": data_set}, headers={"Idempotency-Key": uuid.uuid4().hex})
+        return answer if answer.status_code != 503 else None
+
+    answer = wait_until(answered, PATIENCE_S, "a worker for the session")
     assert answer.status_code == 201, answer.text
     return answer.json()["session_id"], answer.json()["stream_url"]
 
@@ -69,10 +73,14 @@ def new_ticket(person: Person, session: str) -> str | None:
     return answer.json()["stream_url"]
 
 
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
+def wait_ticket(person: Person, session: str) -> str:
+    """Returns another stream URL as soon as a worker has a free slot."""
+    return wait_until(lambda: new_ticket(person, session), PATIENCE_S, "a ticket")
+
+
+def wait_saved(stack: TestStack, session: str, input_seq: int) -> None:
+    """Waits until the worker has saved the scene with this number, with which a successor would continue."""
+    wait_until(lambda: int(stack.redis.hget(f"diaphane:session:{session}", "input_seq") or 0) >= input_seq, PATIENCE_S, "the saved scene")
 
 
 class OtherWorker:

@@ -209,4 +209,5 @@ def test_the_worker_releases_a_deleted_data_set(running, owner, scan):
     running.wait_until(lambda: data_set in loaded(running), what="the worker's copy")
     assert owner.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
     running.wait_until(lambda: data_set not in loaded(running), what="the worker's copy is let go")
-    assert not (running.data_dir / "volumes" / data_set).exists()
+    # The worker does not wait for the disposal of the files.
+    running.wait_until(lambda: not (running.data_dir / "volumes" / data_set).exists(), what="the disposal of the volume")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import subprocess
 import tarfile
 
@@ -28,6 +29,10 @@ def daemon(all_stacks):
 
 def metric(stack, result: str) -> float:
     return next(float(line.split()[-1]) for line in stack.metrics("ingestd").splitlines() if line.startswith(f'diaphane_ingest_antivirus_total{{result="{result}"}}'))
+
+
+def temporary_files(daemon) -> list[str]:
+    return [name for _, folders, files in os.walk(daemon.folder) for name in (*folders, *files) if name.startswith("clamav-")]
 
 
 def with_file(upload: bytes, data: bytes) -> bytes:
@@ -59,7 +64,8 @@ def test_infected_uploads_are_refused_and_unscanned_ones_wait(stack_factory, dae
         assert not volume_path(stack, data_set).exists()
     assert metric(stack, "infected") == 3
     assert Search([*scan.all_words(), "EICAR-STANDARD"]).in_stack(stack) == []
-    assert list(daemon.folder.rglob("clamav-*")) == [], "clamd's own temporary files"
+    # clamd answers before it deletes its temporary files.
+    stack.wait_until(lambda: temporary_files(daemon) == [], what="the end of clamd's own temporary files")
 
     daemon.kill()
     data_set = enqueue(stack, good)

@@ -172,7 +172,7 @@ def test_render_time_is_counted_and_limited_after_a_grace_period(api, admin):  #
     me = one.id
     made = one.data_set(10)["data_set"]["id"]
     make_ready(api, made)
-    add_worker(api, "render-time")
+    add_worker(api, "render-time", seconds=600)
     admin.http.patch(f"/v1/admin/users/{me}", json={"render_quota_ms": 60_000})
     session = one.http.post("/v1/sessions", json={"data_set_id": made}).json()["session_id"]
     spend(api, one, 59_000)

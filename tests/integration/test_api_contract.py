@@ -228,6 +228,7 @@ def report_ways(stack, data_set: str) -> None:
 def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss):  # noqa: F811
     """Runs the shortest valid sequence through all operations, so that this also holds for this file alone."""
     signed_up(api)
+    one.sign_in()
     made = one.upload(b"x" * 10)["id"]
     make_ready(api, made)
     put_thumbnail(api, made)
@@ -243,6 +244,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     one.http.get("/v1/gallery")
     one.http.post(f"/v1/data-sets/{made}/people", json={"email": "friend@example.org", "may": "view"})
     people = one.http.get(f"/v1/data-sets/{made}/people").json()["items"]
+    one.http.get(f"/v1/data-sets/{made}/views")
     one.http.delete(f"/v1/data-sets/{made}/people/{people[0]['id']}")
     preset_ways(api, one, made)
     one.http.get(f"/v1/data-sets/{made}/anonymise")

@@ -23,14 +23,14 @@ def connect(stack) -> socket.socket:
 
 
 def exchange(stack, raw: bytes) -> bytes:
-    """Returns all responses until the listener closes or is silent for a second."""
+    """Returns all responses until the listener closes or is silent for five seconds after one."""
     with connect(stack) as peer:
         peer.sendall(raw.replace(b"Host: x\r\n", b"Host: x\r\nConnection: close\r\n"))
-        peer.settimeout(1)
         answer = b""
         with contextlib.suppress(TimeoutError, ConnectionResetError):
             while some := peer.recv(65536):
                 answer += some
+                peer.settimeout(5)
         return answer
 
 

@@ -52,6 +52,8 @@ def test_the_same_idempotency_key_opens_one_session(api, one, ready, worker):  #
 
 
 def test_without_a_worker_the_response_asks_to_retry(api, one, ready):  # noqa: F811
+    for left_over in api.redis.smembers("diaphane:workers"):
+        remove_worker(api, left_over)
     problem(one.http.post("/v1/sessions", json={"data_set_id": ready}), 503, "no-worker")
     problem(one.http.get(f"/v1/data-sets/{ready}/thumbnails/skin"), 503, "no-worker")
 
@@ -62,9 +64,10 @@ def test_a_slow_thumbnail_blocks_only_a_few_api_threads(api, one, ready, worker)
         api.redis.hset(f"diaphane:worker:{worker}", "address", f"127.0.0.1:{silent.getsockname()[1]}")
         asked = [pool.submit(one.http.get, f"/v1/data-sets/{ready}/thumbnails/skin") for _ in range(40)]
         # The call to a worker ends after 20 s.
-        api.wait_until(lambda: sum(each.done() for each in asked) == 37, timeout=12, what="all but three told to come again")
+        told = api.wait_until(lambda: done if len(done := [each for each in asked if each.done()]) == 37 else None, timeout=12,
+                              what="all but three told to come again")
         assert one.http.get("/v1/me").status_code == 200
-        for answer in [each.result() for each in asked if each.done()]:
+        for answer in [each.result() for each in told]:
             problem(answer, 503, "busy")
             assert answer.headers["retry-after"] == "1"
         silent.close()

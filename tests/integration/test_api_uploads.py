@@ -309,6 +309,6 @@ def test_a_deleted_data_set_leaves_nothing_on_disk(api, one):  # noqa: F811
             api.stack.run_as.own(path)
     assert one.http.delete(f"/v1/data-sets/{made}").status_code == 204
     problem(one.http.get(f"/v1/data-sets/{made}"), 404, "not-found")
-    api.wait_until(lambda: not volume.exists() and not cached.exists(), what="the disposal")
-    assert not (api.data_dir / "uploads" / f"{made}.tar").exists()
+    upload = api.data_dir / "uploads" / f"{made}.tar"
+    api.wait_until(lambda: not volume.exists() and not cached.exists() and not upload.exists(), what="the disposal")
     api.wait_until(lambda: api.psql("SELECT 1 FROM disposals WHERE id = %s", made) == [], what="the note's removal")

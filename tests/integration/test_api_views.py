@@ -101,7 +101,7 @@ def test_simultaneous_views_are_counted_in_one_entry(api, one, other, worker):  
     with ThreadPoolExecutor(2) as pool, psycopg.connect(api.dsn) as holder:
         holder.execute("SELECT FROM data_sets WHERE id = %s FOR UPDATE", (made,))
         answers = [pool.submit(other.http.post, tickets) for _ in range(2)]
-        api.wait_until(lambda: api.psql(waiting) == [(2,)], what="both")
+        api.wait_until(lambda: api.psql(waiting)[0][0] >= 2, what="both")
         holder.commit()
         assert [answer.result().status_code for answer in answers] == [201, 201]
     assert [entry["times"] for entry in views(one, made)] == [2]

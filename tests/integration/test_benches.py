@@ -15,7 +15,7 @@ from devtool import paths
 
 def bench(*arguments: str) -> subprocess.CompletedProcess:
     return subprocess.run([str(paths.VENV_PYTHON), str(REPO / "tools" / "devtool"), "bench", *arguments], text=True,
-                          capture_output=True, env={**os.environ, "DIAPHANE_BUILD": str(paths.build_dir())}, timeout=120)
+                          capture_output=True, env={**os.environ, "DIAPHANE_BUILD": str(paths.build_dir())}, timeout=500)
 
 
 @pytest.mark.nightly

@@ -8,12 +8,13 @@ import resource
 import select
 import socket
 import struct
+import threading
 import time
 
 import httpx
 import pytest
 from api_client import person, problem
-from edge_helpers import Undisturbed, connect, family, part_head, requests_of, signed, spooled, statuses, talk
+from edge_helpers import Undisturbed, connect, family, part_head, read_all, requests_of, signed, spooled, statuses, talk
 
 #: Slowest acceptable response for an ordinary user during an attack (2 cores, shared with the attackers).
 P99_SECONDS = 0.5
@@ -144,10 +145,16 @@ def test_requests_without_their_bodies_do_not_stop_others(edge, ordinary):
 
 
 def test_a_flood_from_one_address_limits_only_that_address(edge, ordinary):
-    requests = b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\n\r\n" * 4000
-    last = b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
-    got = statuses(talk(edge.ports["edge"], requests + last, source="127.0.0.70"))
-    assert set(got) == {401, 429} and len(got) == 4001
+    requests = b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\n\r\n" * 1000
+    # The edge answers these itself, so that they exceed the limit of 300 in a second however slow the API is on a busy machine.
+    flood = b"GET /none.js HTTP/1.1\r\nHost: localhost\r\n\r\n" * 4000
+    last = b"GET /none.js HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
+    with connect(edge.ports["edge"], "127.0.0.70") as one:
+        sending = threading.Thread(target=one.sendall, args=(requests + flood + last,))
+        sending.start()
+        got = statuses(read_all(one))
+        sending.join()
+    assert len(got) == 5001 and set(got[1000:]) == {404, 429}
     assert got[:1000] == [401] * 1000, "a hospital behind one address opens its pages at the same minute"
 
 
@@ -278,8 +285,8 @@ def test_an_account_uploads_at_most_four_parts_at_once(edge, uploader):
         one = connect(edge.ports["edge"], f"127.0.3.{number + 1}")
         one.sendall(part_head(url, PART, *signed(uploader)) + bytes(100_000))
         waiting.append(one)
-    edge.wait_until(lambda: len(select.select(waiting, [], [], 0)[0]) == 3, what="three refusals")
-    assert [statuses(one.recv(65536)) for one in select.select(waiting, [], [], 0)[0]] == [[429]] * 3
+    refused = edge.wait_until(lambda: found if len(found := select.select(waiting, [], [], 0)[0]) == 3 else None, what="three refusals")
+    assert [statuses(one.recv(65536)) for one in refused] == [[429]] * 3
     assert other.patch(other.data_set(1000)["upload_url"], 0, b"x" * 1000).status_code == 204, "another person's part goes through"
     assert uploader.announce(1000).status_code == 201, "and a body that is not a part"
     for one in waiting:

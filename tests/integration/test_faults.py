@@ -16,7 +16,7 @@ from api_client import person, problem
 from edge_helpers import connect as connect_raw
 from edge_helpers import resident_mb
 from devtool import ports
-from stream_helpers import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, ClientMessage, Viewer, open_session, store_ball, wait_saved, wait_ticket
 from test_gateway_attacks import frame, handshake
 from test_gateway_stream import back_again
 
@@ -65,7 +65,8 @@ def test_sixteen_sessions_keep_their_scenes_when_their_worker_is_killed(stack_fa
 
     with ThreadPoolExecutor(SIXTEEN) as together:
         viewers = list(together.map(look, range(SIXTEEN)))
-        time.sleep(1)  # a scene is saved at most 200 ms later
+        for viewer, (_, session, _) in zip(viewers, sessions):
+            wait_saved(stack, session, viewer.input_seq)
         begun = time.monotonic()
         stack.kill("renderd")
 
@@ -96,7 +97,7 @@ def test_a_second_worker_with_the_same_name_is_refused(running, unharmed):
         assert second.wait(1) == 78
         said = second.stderr.read()
         assert f"another renderd with this name is running at unix:{running.stack.settings.socket('renderd')}" in said, said
-        assert len(incarnations) == 1, "the name went to and fro"
+        assert len(incarnations - {None}) == 1, "the name went to and fro"    # None: a heartbeat was late
     finally:
         if second.poll() is None:
             second.kill()
@@ -110,8 +111,9 @@ def test_ten_thousand_scenes_per_second_close_only_that_stream(running, opened, 
     sending = threading.Event()
 
     def flood():
+        # Ten times as many, because a busy machine may need a while to send a thousand of them within one second.
         try:
-            for number in range(10_000):
+            for number in range(100_000):
                 update.scene.input_seq = viewer.input_seq + 1 + number
                 viewer.socket.send(update.SerializeToString())
         except Exception:  # noqa: BLE001 - closed: that is the point
@@ -127,7 +129,7 @@ def test_ten_thousand_scenes_per_second_close_only_that_stream(running, opened, 
 
 def test_a_message_of_100_megabytes_is_not_buffered(running, one, opened, unharmed):
     before = resident_mb(running.pids["gateway"])
-    with connect_raw(running.ports["stream"], timeout=10) as raw:
+    with connect_raw(running.ports["stream"]) as raw:
         raw.sendall(handshake(running.url, opened[1][-64:]))
         assert raw.recv(4096).startswith(b"HTTP/1.1 101 ")
         time.sleep(0.2)
@@ -145,7 +147,7 @@ def test_a_message_of_100_megabytes_is_not_buffered(running, one, opened, unharm
 def test_an_incomplete_message_does_not_affect_others(running, opened, unharmed):
     files = f"/proc/{running.pids['gateway']}/fd"
     before = len(os.listdir(files))
-    with connect_raw(running.ports["stream"], timeout=5) as raw:
+    with connect_raw(running.ports["stream"]) as raw:
         raw.sendall(handshake(running.url, opened[1][-64:]))
         assert raw.recv(4096).startswith(b"HTTP/1.1 101 ")
         raw.sendall(frame(2, b"x" * 400, length=1000))  # then the connection is cut
@@ -165,7 +167,7 @@ def test_a_truncated_protobuf_closes_the_stream_but_not_the_session(running, one
     whole = update.SerializeToString()
     viewer.socket.send(whole[:len(whole) // 2])
     assert viewer.close_code() == 4400
-    again = Viewer(running.url, new_ticket(one, opened[0]))
+    again = Viewer(running.url, wait_ticket(one, opened[0]))
     assert again.config.scene == viewer.config.scene
     again.leave()
 
@@ -198,7 +200,7 @@ def test_a_stream_url_works_once_in_time_and_only_for_its_user(running, one, bal
     viewer.frame()
     assert Viewer(running.url, opened[1], greet=False).close_code() == 4401, "used"
 
-    late = new_ticket(one, opened[0])
+    late = wait_ticket(one, opened[0])
     key = f"diaphane:ticket:{late[-64:]}"
     assert 0 < running.redis.ttl(key) <= 30
     running.redis.pexpire(key, 1)
@@ -214,7 +216,9 @@ FAKETIME = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1"
 
 def clock_of(stack, name: str) -> float:
     """Returns the program's time in its newest log line."""
-    return datetime.fromisoformat(json.loads(stack.log(name).splitlines()[-1])["time"]).timestamp()
+    # The last line may be half written.
+    newest = stack.log(name).rpartition("\n")[0].rpartition("\n")[2]
+    return datetime.fromisoformat(json.loads(newest)["time"]).timestamp()
 
 
 def test_wall_clock_jumps_do_not_end_streams_or_refuse_users(stack_factory, all_stacks):

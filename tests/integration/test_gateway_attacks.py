@@ -8,7 +8,7 @@ import time
 import pytest
 from api_client import person
 from edge_helpers import connect, resident_mb, statuses, talk
-from stream_helpers import new_ticket, open_session, store_ball
+from stream_helpers import open_session, store_ball, wait_ticket
 
 KEY = b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
 
@@ -84,7 +84,7 @@ def ticket(running):
     """Creates tickets of one session with a real worker."""
     somebody = person(running)
     session, _ = open_session(somebody, store_ball(running, somebody, 16))
-    return lambda: new_ticket(somebody, session)[-64:]
+    return lambda: wait_ticket(somebody, session)[-64:]
 
 
 MESSAGES = {

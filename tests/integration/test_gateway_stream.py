@@ -10,7 +10,8 @@ import uuid
 
 import pytest
 from api_client import person, problem
-from stream_helpers import PROGRAMS, ClientMessage, Viewer, come_back, new_ticket, open_session, store_ball
+from stream_helpers import (PATIENCE_S, PROGRAMS, ClientMessage, Viewer, come_back, new_ticket, open_session, store_ball, wait_saved,
+                            wait_ticket)
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -27,13 +28,15 @@ def test_a_scene_changes_the_picture_and_the_epoch(running, session):
     viewer = Viewer(running.url, session[1])
     assert viewer.config.session_id == session[0]
     assert {preset.name for preset in viewer.config.presets} == {"skin", "muscle", "bone", "through", "airways"}
-    first = viewer.frame()
-    assert first.data[:2] == b"\xff\xd8" and first.width == first.height == 96
+    # On a slow machine, a smaller preview may come before it.
+    first = viewer.frame(condition=lambda frame: frame.width == 96)
+    assert first.data[:2] == b"\xff\xd8" and first.height == 96
     seq = viewer.turn(40)
     after = viewer.frame(condition=lambda frame: frame.input_seq >= seq)
     assert after.epoch > first.epoch and after.data != first.data
-    better = viewer.frame(condition=lambda frame: frame.epoch == after.epoch and frame.iteration > after.iteration)
-    assert better.error < after.error or after.error == float("inf")
+    # On a slow machine, a picture that moves is smaller, and its whole size is another epoch.
+    first_errors = {after.epoch: after.error}
+    viewer.frame(condition=lambda frame: frame.error < first_errors.setdefault(frame.epoch, frame.error))
     viewer.leave()
 
 
@@ -75,17 +78,17 @@ def test_a_reload_restores_the_scene(running, one, session):
 
     def is_there() -> bool:
         # The new connection may get the state from before the old one's last message.
-        again = Viewer(running.url, new_ticket(one, session[0]))
+        again = Viewer(running.url, wait_ticket(one, session[0]))
         again.leave()
         return again.config.scene == viewer.config.scene
 
-    assert is_there() or running.wait_until(is_there, timeout=5, what="the scene that was sent last")
+    running.wait_until(is_there, what="the scene that was sent last")
 
 
 def test_a_second_window_takes_over_the_session(running, one, session):
     first = Viewer(running.url, session[1])
     first.frame()
-    second = Viewer(running.url, new_ticket(one, session[0]))
+    second = Viewer(running.url, wait_ticket(one, session[0]))
     assert first.close_code() == 4409
     second.frame()
     second.leave()
@@ -110,7 +113,7 @@ def test_a_ticket_opens_one_connection(running, session):
 
 def test_a_foreign_origin_is_refused_without_using_up_the_ticket(running, session):
     with pytest.raises(InvalidStatus) as refused:
-        connect(running.url.replace("http", "ws", 1) + session[1], origin="http://evil.test", subprotocols=["diaphane.v1"])
+        connect(running.url.replace("http", "ws", 1) + session[1], origin="http://evil.test", subprotocols=["diaphane.v1"], open_timeout=PATIENCE_S)
     assert refused.value.response.status_code == 403
     viewer = Viewer(running.url, session[1])
     viewer.frame()
@@ -155,6 +158,8 @@ def test_a_viewer_that_stops_reading_does_not_slow_others(running, one, ball, se
 
 
 def test_a_thumbnail_is_rendered_by_a_worker_and_then_cached(running, one, ball):
+    # A busy worker may need longer than a request waits, which is then told to come again.
+    running.wait_until(lambda: one.http.get(f"/v1/data-sets/{ball}/thumbnails/bone").status_code != 503, what="the picture")
     for _ in range(2):
         answer = one.http.get(f"/v1/data-sets/{ball}/thumbnails/bone")
         assert answer.status_code == 200 and answer.content[:2] == b"\xff\xd8"
@@ -164,9 +169,9 @@ def test_the_gateway_exports_metrics(running, session):
     viewer = Viewer(running.url, session[1])
     viewer.frame()
     assert Viewer(running.url, session[1], greet=False).close_code() == 4401, "a ticket is for one use"
-    text = running.metrics("gateway")
-    assert "diaphane_stream_attached 1" in text
-    assert 'diaphane_stream_refusals_total{reason="ticket"}' in text
+    # Streams of earlier tests may still be ending.
+    running.wait_until(lambda: "diaphane_stream_attached 1" in running.metrics("gateway").splitlines(), what="one stream")
+    assert 'diaphane_stream_refusals_total{reason="ticket"}' in running.metrics("gateway")
     viewer.leave()
 
 
@@ -190,7 +195,7 @@ def test_a_session_recovers_with_its_scene_after_its_worker_was_killed(breakable
     viewer.frame()
     viewer.turn(77)
     viewer.frame(condition=lambda frame: frame.input_seq >= viewer.input_seq)
-    time.sleep(0.5)  # the scene is saved at most 200 ms later
+    wait_saved(stack, session, viewer.input_seq)
     begun = time.monotonic()
     stack.kill("renderd")
     assert viewer.close_code() == 4503

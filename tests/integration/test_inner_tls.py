@@ -86,7 +86,7 @@ def test_internal_tls_serves_frames_and_refuses_other_clients(stack_factory, our
     # The log also holds the time before. On a busy machine, Redis may have been slow to answer then.
     stack.wait_until(lambda: '"event":"redis","reason":"TLS: certificate' in stack.log("api"), 60, "its refusal")
     ready = f"http://127.0.0.1:{stack.ports['api-admin']}/readyz"
-    assert httpx.get(ready).status_code == 503
+    assert httpx.get(ready, timeout=20).status_code == 503
 
 
 def restart_with_certificate(stack, folder: Path, program: str, role: str, **more: str) -> None:
@@ -126,7 +126,8 @@ def test_a_certificate_with_the_wrong_role_is_refused_with_a_message(stack_facto
     restart_with_certificate(stack, ours, "gateway", role="api", DIAPHANE_INNER_TLS_ROLES="0")
     assert stream_closes_with() == 1011
     words = "Attach requires a certificate with the role gateway (URI spiffe://diaphane/gateway), and the caller's certificate has the role api."
-    assert words in stack.log("gateway") and '"event":"role_refused"' in stack.log("renderd") and words in stack.log("renderd")
+    assert words in stack.log("gateway")
+    stack.wait_until(lambda: '"event":"role_refused"' in stack.log("renderd") and words in stack.log("renderd"), what="the worker's log")
 
     restart_with_certificate(stack, ours, "api", role="gateway", DIAPHANE_INNER_TLS_ROLES="0")
     for file in files_below(stack.data_dir / "cache" / "thumbnails"):

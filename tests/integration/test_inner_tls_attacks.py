@@ -227,7 +227,8 @@ def test_unfinished_handshakes_are_limited_per_address_and_in_total(tls_stack, o
     stack.wait_until(lambda: not held_open(held), what="their end")
     assert time.monotonic() - begun > HANDSHAKE_S - 1
     stack.wait_until(lambda: is_served("127.0.0.2") and is_served("127.0.0.1"), what="room again")
-    assert descriptors() - before <= 4 and '"event":"too_many_unfinished_handshakes"' in stack.log("renderd")
+    stack.wait_until(lambda: descriptors() - before <= 4, what="the end of the connections of those clients")
+    assert '"event":"too_many_unfinished_handshakes"' in stack.log("renderd")
     until_pictures()
     for one in held:
         one.close()

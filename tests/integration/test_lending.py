@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import time
+
 from api_client import person
 from harness import metrics_at
 from stream_helpers import PROGRAMS, OtherWorker, Viewer, open_session, store_ball
+
+
+#: Seconds. A viewer who acknowledges nothing for 15 s gets no device time (kStalledAfter).
+HEARS_EVERY = 5
 
 
 def gauge(metrics: str, name: str) -> float:
@@ -20,9 +26,16 @@ def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
 
     def moves(*viewers, until):
         """All of them rotate, which overloads their device, until it is so."""
+        heard = time.monotonic()
+
         def step():
+            nonlocal heard
             for viewer in viewers:
                 viewer.turn(1 if viewer.input_seq % 2 else -1)
+            if time.monotonic() - heard > HEARS_EVERY:
+                for viewer in viewers:
+                    viewer.frame()
+                heard = time.monotonic()
             return until()
         return step
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from api_client import person
-from stream_helpers import PROGRAMS, OtherWorker, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import PROGRAMS, OtherWorker, Viewer, come_back, new_ticket, open_session, store_ball
 
 #: A ball of 64^3 uses 0.6 MB with its tables, so one fits into 1 MB, and two do not.
 SIDE, FITS_ONE_MB = 64, "1"
@@ -62,7 +62,7 @@ def test_a_session_moves_when_a_worker_has_no_memory_for_it(two_workers):
     answer = somebody.http.post(f"/v1/sessions/{session}/tickets")
     assert answer.status_code == 503 and "memory" in answer.json()["detail"], answer.text
     start_second()
-    stack.wait_until(lambda: (again := new_ticket(somebody, session)) and Viewer(stack.url, again).frame(), what="the session to continue")
+    come_back(lambda: (again := new_ticket(somebody, session)) and Viewer(stack.url, again)).frame()
     seq = unharmed.turn(30)
     unharmed.frame(condition=lambda frame: frame.input_seq >= seq)
     unharmed.leave()

@@ -20,7 +20,7 @@ def policy_of(answer: httpx.Response) -> dict[str, list[str]]:
 
 @pytest.mark.parametrize("path", PATHS)
 def test_every_response_has_a_strict_content_security_policy(api, path):  # noqa: F811
-    answer = httpx.get(api.url + path)
+    answer = httpx.get(api.url + path, timeout=30)
     policy = policy_of(answer)
     assert policy["default-src"] == ["'none'"] and policy["script-src"] == ["'self'"] and policy["style-src"] == ["'self'"]
     assert policy["base-uri"] == ["'none'"] and policy["frame-ancestors"] == ["'none'"] and policy["form-action"] == ["'self'"]
@@ -73,5 +73,5 @@ def test_the_session_cookie_is_http_only_and_same_site(api):  # noqa: F811
     one = person(api)
     answer = one.http.post("/v1/me/password", json={"current": "a long and quiet password", "password": "another long and quiet one"})
     assert answer.status_code == 204 and "set-cookie" not in answer.headers
-    again = httpx.post(api.url + "/v1/sign-in", json={"email": one.email, "password": "another long and quiet one"})
+    again = httpx.post(api.url + "/v1/sign-in", json={"email": one.email, "password": "another long and quiet one"}, timeout=30)
     assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= {part.strip() for part in again.headers["set-cookie"].split(";")}

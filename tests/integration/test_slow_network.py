@@ -13,7 +13,7 @@ import pytest
 from api_client import Person, client
 from harness import StackFactory, TestStack
 from slow_network import SlowNetwork
-from stream_helpers import Viewer, open_session, store_ball
+from stream_helpers import Viewer, new_ticket, open_session, store_ball
 
 ROUND_TRIP_S = 0.1
 BITS_PER_S = 2e6
@@ -70,6 +70,10 @@ def drag(viewer: Viewer, seconds: float) -> Drag:
     return seen
 
 
+def p95(seconds: list[float]) -> float:
+    return statistics.quantiles(seconds, n=20)[-1]
+
+
 @pytest.mark.parametrize(("bits_per_s", "loss", "codec"),
                          [(BITS_PER_S, 0.02, H264),
                           pytest.param(BITS_PER_S, 0.0, H264, marks=pytest.mark.nightly),
@@ -77,19 +81,26 @@ def drag(viewer: Viewer, seconds: float) -> Drag:
 def test_latency_stays_bounded_on_a_slow_network(stack: TestStack, bits_per_s: float, loss: float, codec: int):
     person = Person(stack).is_seeded()
     session, url = open_session(person, store_ball(stack, person))
+    # What the machine takes beside other tests: the same without the network.
+    near = Viewer(stack.url, url, side=SIDE, codec=codec)
+    near.frame()
+    machine_s = p95(drag(near, 2).answers)
+    near.leave()
+    url = stack.wait_until(lambda: new_ticket(person, session), what="another ticket")
     with SlowNetwork(stack.ports["edge"], ROUND_TRIP_S, bits_per_s, BUFFER, loss) as network:
         viewer = Viewer(stack.url, url, side=SIDE, port=network.port, codec=codec)
         assert viewer.frame().codec == codec
         seen = drag(viewer, 5)
         viewer.leave()
     print(f"{len(seen.sent)} inputs, {len(seen.ages)} frames, the largest {seen.largest} bytes; "
-          f"p50 {1e3 * statistics.median(seen.answers):.0f} ms, p95 {1e3 * statistics.quantiles(seen.answers, n=20)[-1]:.0f} ms")
+          f"p50 {1e3 * statistics.median(seen.answers):.0f} ms, p95 {1e3 * p95(seen.answers):.0f} ms, without the network {1e3 * machine_s:.0f} ms")
 
     # At most two frames are in transit. An input that arrives just after both were sent waits for them, then for its own frame.
-    # Each loss costs a round trip. The rest is the machine's: rendering beside other tests on few cores.
+    # Each loss costs a round trip. The rest is the machine's, for each of these three frames: rendering beside other tests on few
+    # cores.
     frame_s = 8 * seen.largest / bits_per_s
-    bound = 2 * ROUND_TRIP_S + 3 * frame_s + (4 * ROUND_TRIP_S if loss else 0) + 0.5
-    assert statistics.quantiles(seen.answers, n=20)[-1] <= bound
+    bound = 2 * ROUND_TRIP_S + 3 * frame_s + (4 * ROUND_TRIP_S if loss else 0) + max(0.5, 3 * machine_s)
+    assert p95(seen.answers) <= bound
     third = len(seen.ages) // 3
     first, last = statistics.mean(seen.ages[:third]), statistics.mean(seen.ages[-third:])
     assert last <= 1.5 * first + 0.1, (first, last)

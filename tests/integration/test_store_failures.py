@@ -199,7 +199,7 @@ def test_requests_do_not_hang_on_a_frozen_postgres_and_its_connections_are_dropp
         # its connection is not in doubt and is kept.
         time.sleep(max(noticed + ANSWER_LIMIT + 0.5 - time.monotonic(), 0))
     stack.wait_until(lambda: one.http.get("/v1/me").status_code == 200, what="the recovery")
-    assert readiness(stack)["postgres"] is True
+    stack.wait_until(lambda: readiness(stack)["postgres"], what="a ready api")
     left = "SELECT count(*) FROM pg_stat_activity WHERE application_name = 'diaphane-api' AND backend_start < %s"
     stack.wait_until(lambda: stack.psql(left, before) == [(0,)], what="the end of the connections in doubt")
 
@@ -220,7 +220,8 @@ def test_ingestd_recovers_from_a_frozen_postgres(stack_factory):
     who = person(stack)
     with frozen(stack, "postgres"):
         stack.wait_until(lambda: readiness(stack, "ingestd")["postgres"] is False, what="the notice")
-    stack.wait_until(lambda: readiness(stack, "ingestd")["postgres"], what="the recovery")
+    # Also of api, which the person uses next.
+    stack.wait_until(lambda: readiness(stack)["postgres"] and readiness(stack, "ingestd")["postgres"], what="the recovery")
     made = who.upload(b"x" * 100)["id"]
     stack.wait_until(lambda: who.http.get(f"/v1/data-sets/{made}").json()["state"] == "refused", what="the refusal of an invalid scan")
 

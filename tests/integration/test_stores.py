@@ -112,7 +112,6 @@ def test_a_killed_edge_is_restarted_without_orphaned_workers(all_stacks):
 def leave_workers(all_stacks) -> tuple[Path, list[Identity]]:
     """Kills an edge's supervisor and then its master. Returns the remaining workers."""
     data, given = all_stacks.folder(), ports.random_free()
-    ports.give_back(given.values())
     (data / "secrets").mkdir(mode=0o700)
     all_stacks.run_as.own(data / "secrets")
     app = all_stacks.layout()
@@ -131,6 +130,7 @@ def leave_workers(all_stacks) -> tuple[Path, list[Identity]]:
     finally:
         os.kill(supervisor, signal.SIGKILL)
         os.waitpid(supervisor, 0)
+        ports.give_back(given.values())    # not before the edge listens, because other tests choose ports meanwhile
     workers = [one for one in master.group() if one != master]
     master.send(signal.SIGKILL)
     assert wait_gone([master], 5) == []

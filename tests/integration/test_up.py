@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import signal
 import socket
 import subprocess
@@ -14,11 +15,19 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness import REPO, StackFactory
+from harness import REPO, StackFactory, wait_until
 from devtool import bench_client, datadir, ports
 from devtool.processes import Identity, wait_gone
 
 PROGRAMS = {"edge", "api", "gateway", "ingestd", "renderd", "postgres", "redis"}
+
+
+def free_port() -> int:
+    """Returns a free port that the commands can claim themselves. It is beyond those that the stacks of other tests choose
+    (ports.random_free), because nothing else keeps them from taking it in the meantime."""
+    while not ports.is_free(port := random.randrange(30000, 32000)):
+        pass
+    return port
 
 
 class Home:
@@ -27,9 +36,7 @@ class Home:
     def __init__(self, factory: StackFactory):
         self.data = factory.folder()
         self.data.chmod(0o755)
-        given = ports.random_free()
-        self.port = given["edge"]
-        ports.give_back(given.values())     # the commands claim it themselves
+        self.port = free_port()
 
     def run(self, *words: str, timeout: float = 120, env: dict | None = None) -> subprocess.CompletedProcess:
         return subprocess.run([str(REPO / "diaphane"), *words, "--data", str(self.data)], stdin=subprocess.DEVNULL,
@@ -88,9 +95,13 @@ def url_of(done: subprocess.CompletedProcess) -> str:
     return line.split()[3]
 
 
+def ready_in(status: dict) -> set[str]:
+    return {program["name"] for program in status["programs"] if program["ready"]}
+
+
 def answers(url: str) -> bool:
     try:
-        urllib.request.urlopen(url, timeout=2)
+        urllib.request.urlopen(url, timeout=30)     # a refusal is immediate, and an answer may take a while
         return True
     except urllib.error.HTTPError:
         return True
@@ -101,8 +112,8 @@ def answers(url: str) -> bool:
 def test_restarting_with_up_and_down_keeps_all_data(empty_home):
     url = url_of(empty_home.up())
     assert answers(url)
-    status = empty_home.status()
-    assert {p["name"] for p in status["programs"] if p["ready"]} == PROGRAMS
+    # A program that answers within a second is ready, which may take several looks on a busy machine.
+    status = wait_until(lambda: now if ready_in(now := empty_home.status()) == PROGRAMS else None, what="the state of all programs")
     assert status["engine"] == "cpu"
     secret = (empty_home.data / "secrets" / "postgres").read_text(encoding="ascii")
     sample = (empty_home.data / "sample.loaded").read_text(encoding="ascii")

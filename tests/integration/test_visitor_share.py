@@ -103,6 +103,8 @@ def test_guests_with_free_cameras_leave_slots_for_account_holders(stack, owner, 
     owner.http.delete(f"/v1/sessions/{session}")
     end_others()
     stack.wait_until(lambda: worker_counts(stack, used=0), timeout=90, what="an empty worker")
+    # The worker learns from the answer to its report that the sessions have ended.
+    stack.wait_until(lambda: "\ndiaphane_renderd_sessions 0\n" in stack.metrics("renderd"), what="a worker that knows it")
 
 
 def test_visitors_from_one_address_leave_slots_for_account_holders(stack, owner, sample):

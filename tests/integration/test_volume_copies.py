@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from api_client import Person, person
 from cut_helpers import KEEP, MARK, marked_scan
-from stream_helpers import OtherWorker, Viewer, new_ticket, open_session, store_ball
+from stream_helpers import OtherWorker, Viewer, come_back, new_ticket, open_session, store_ball
 
 from harness import metrics_at
 
@@ -37,6 +37,11 @@ def copied(stack, folder: Path) -> tuple[Person, str, str]:
     return somebody, data_set, session
 
 
+def look_again(stack, somebody: Person, session: str) -> None:
+    """Sees the session's picture again, as soon as a worker can take the session."""
+    come_back(lambda: (url := new_ticket(somebody, session)) and Viewer(stack.url, url)).frame()
+
+
 def counted(port: int, what: str) -> int:
     found = re.search(rf'^diaphane_renderd_volume_copies_total{{what="{what}"}} (\d+)', metrics_at(port), re.MULTILINE)
     return int(found.group(1)) if found else 0
@@ -56,7 +61,7 @@ def test_a_new_worker_reads_the_copy_and_replaces_a_damaged_one(node):
         stack.wait_until(lambda: stack.redis.exists("diaphane:worker:second"), what="the second worker")
         stack.stop("renderd")
         stack.wait_until(lambda: stack.redis.smembers("diaphane:workers") == {"second"} or not stack.redis.exists("diaphane:worker:local"), what="the first one's end")
-        Viewer(stack.url, new_ticket(somebody, session)).frame()
+        look_again(stack, somebody, session)
         stack.wait_until(lambda: counted(own_admin, "hit") == 1, what="the count")
         assert counted(own_admin, "miss") == 0
     finally:
@@ -67,7 +72,7 @@ def test_a_new_worker_reads_the_copy_and_replaces_a_damaged_one(node):
     copy, = copies_of(folder, data_set)
     copy.write_bytes(b"\0" * copy.stat().st_size)
     stack.wait_until(lambda: not stack.redis.exists("diaphane:worker:second"), what="the second one's end")
-    Viewer(stack.url, new_ticket(somebody, session)).frame()
+    look_again(stack, somebody, session)
     stack.wait_until(lambda: counted(admin, "damaged") == 1 and counted(admin, "kept") == 1, what="a good copy")
     assert set(copies_of(folder, data_set)[0].read_bytes()) != {0}
 
