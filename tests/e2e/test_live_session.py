@@ -135,7 +135,7 @@ def the_picture_fits_a_phone_that_presents(stack: TestStack, owner: Page, phone:
 
     before, epoch = distance(owner), facts(owner).epoch
     owner.get_by_role("button", name="View together").click()
-    owner.get_by_role("button", name=re.compile("^Make Guest \\d presenter$")).click()
+    owner.get_by_role("button", name=re.compile("^Make presenter: Guest \\d$")).click()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     expect(phone.get_by_text("Owner is presenting")).to_have_count(0)
     canvas = phone.locator(".stage > canvas")
@@ -210,7 +210,7 @@ def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestSta
 
     # The role changes hands: the former presenter follows, and no earlier picture reappears.
     owner.get_by_role("button", name="View together").click()
-    owner.get_by_role("button", name="Make Bob presenter").click()
+    owner.get_by_role("button", name="Make presenter: Bob").click()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     expect(owner.get_by_text("Bob is presenting")).to_be_visible()
     expect(follower.get_by_text("Owner is presenting")).to_have_count(0)
@@ -235,7 +235,7 @@ def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestSta
     owner.get_by_role("button", name="Present again").click()
     expect(follower.get_by_text("Owner is presenting")).to_be_visible()
     owner.get_by_role("button", name="View together").click()
-    owner.get_by_role("button", name="Make Bob presenter").click()
+    owner.get_by_role("button", name="Make presenter: Bob").click()
     expect(owner.get_by_text("Bob is presenting")).to_be_visible()
     owner.get_by_role("button", name="Disable link").click()
     expect(follower.get_by_role("status").filter(has_text="This link has expired or was disabled")).to_be_visible()

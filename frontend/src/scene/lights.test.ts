@@ -119,6 +119,15 @@ describe("the strength of a light", () => {
   });
 });
 
+describe("the name of a new light", () => {
+  it("is numbered if another light has it", () => {
+    let scene = someScene();
+    const names = scene.lights.length;
+    for (let i = 0; i < 3; ++i) scene = addLight(scene, "environment", "Sky", 100);
+    expect(scene.lights.slice(names).map((one) => one.name)).toEqual(["Sky", "Sky 2", "Sky 3"]);
+  });
+});
+
 describe("the target of a light", () => {
   it("is the middle until the light is turned, and stays where it is when the light moves", () => {
     for (const index of [0, 1]) {

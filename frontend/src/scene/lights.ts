@@ -268,6 +268,14 @@ const areaSeen: Readonly<Record<Shape, (towards: Vec3) => number>> = {
   box: ({ x, y, z }) => Math.abs(x) + Math.abs(y) + Math.abs(z),
 };
 
+/** Numbers the name if a light of the scene already has it. */
+function unusedName(scene: Scene, name: string): string {
+  const taken = new Set(scene.lights.map((light) => light.name));
+  let number = 1;
+  while (taken.has(number === 1 ? name : `${name} ${number}`)) number += 1;
+  return number === 1 ? name : `${name} ${number}`;
+}
+
 /**
  * Adds a light that is locked to the camera, above on the left, at a distance that suits a volume of this radius in mm.
  */
@@ -280,7 +288,7 @@ export function addLight(scene: Scene, shape: Shape, name: string, radius: numbe
   const strength = (irradiance * distance * distance) / area;
   const radiance = shape === "environment" ? rgb(0.3, 0.3, 0.3) : rgb(strength, strength, strength);
   const light = create(LightSchema, {
-    name,
+    name: unusedName(scene, name),
     cameraLocked: shape !== "environment",
     intensity: 1,
     shape: firstShape(shape, edge, radiance),

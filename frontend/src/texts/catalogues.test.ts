@@ -36,6 +36,9 @@ describe("the German catalogue", () => {
     expect(de.viewer.seconds(1.5)).toBe("1,5 s");
     expect(de.viewer.percent(0.0123)).toBe("1,2 %");
     expect(de.viewer.lossless(4096)).toBe("Verlustfrei, 4.096 Samples");
+    expect(de.kernel.device("8 CPU threads (AVX2), no GPU: no driver")).toBe(
+      "8 CPU-Threads (AVX2), keine GPU: no driver",
+    );
     expect(de.add.slices(1)).toBe("1 Schicht");
     expect(de.add.slices(12_345)).toBe("12.345 Schichten");
   });

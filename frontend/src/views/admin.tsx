@@ -77,7 +77,7 @@ function FleetState() {
             key: worker.id,
             cells: [
               worker.id,
-              `${worker.device} (${worker.engine})`,
+              `${t.kernel.device(worker.device)} (${worker.engine})`,
               `${worker.used} / ${worker.slots}`,
               <span>
                 <meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {Math.round(worker.load * 100)} %

@@ -309,8 +309,9 @@ class CpuEngine final : public Engine {
         films_(std::make_shared<FilmMemory>(film_bytes > 0 ? film_bytes : usable_memory() / 4)) {}
 
   EngineInfo info() const override {
-    std::string device =
-        std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")";
+    std::string device = std::to_string(pool_->threads()) +
+                         (pool_->threads() == 1 ? " CPU thread (" : " CPU threads (") +
+                         cpu_instructions() + ")";
     if (!no_gpu_.empty()) device += ", no GPU: " + no_gpu_;
     return {"cpu", std::move(device), machine_memory(),
             kTilesAThread * kWorkTile * kWorkTile * pool_->threads()};

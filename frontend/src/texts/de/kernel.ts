@@ -13,6 +13,7 @@ export const kernel: Texts["kernel"] = {
   nothing: "nichts",
   empty: (share) => `${fixed(100 * share, share < 0.1 ? 1 : 0)} % des Volumens sind leer und werden übersprungen.`,
   registers: (n) => `Jeder GPU-Thread belegt ${n} Register.`,
+  device: (name) => name.replace(/^(\d+) CPU thread/, "$1 CPU-Thread").replace(", no GPU: ", ", keine GPU: "),
   features: {
     "area light": "Flächenlichter",
     "many lights": "mehrere Lichter",

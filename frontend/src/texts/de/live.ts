@@ -26,7 +26,7 @@ export const live: Texts["live"] = {
   handOver: "Präsentation übergeben",
   handOverHint:
     "Wer präsentiert, kann alles am Bild ändern. Was Sie weggeschnitten haben, bleibt weggeschnitten. Sie können jederzeit wieder selbst präsentieren.",
-  letPresent: (name) => `Präsentation an ${name} übergeben`,
+  letPresent: (name) => `Präsentation übergeben: ${name}`,
   takeBack: "Wieder selbst präsentieren",
   takingBack: "Einen Moment …",
   presents: (name) => `${name} präsentiert`,

@@ -12,6 +12,7 @@ export const kernel = {
   nothing: "nothing",
   empty: (share: number) => `${fixed(100 * share, share < 0.1 ? 1 : 0)}% of the volume is empty and is skipped.`,
   registers: (n: number) => `Each GPU thread uses ${n} registers.`,
+  device: (name: string) => name,
   features: {
     "area light": "area lights",
     "many lights": "multiple lights",

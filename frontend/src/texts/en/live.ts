@@ -25,7 +25,7 @@ export const live = {
   handOver: "Make presenter",
   handOverHint:
     "The presenter can change everything in the picture except what you have cut away. You can present again at any time.",
-  letPresent: (name: string) => `Make ${name} presenter`,
+  letPresent: (name: string) => `Make presenter: ${name}`,
   takeBack: "Present again",
   takingBack: "One moment…",
   presents: (name: string) => `${name} is presenting`,

@@ -102,7 +102,7 @@ function QualityDetails({ session, facts }: QualityProps) {
       <TreatmentFacts session={session} />
       {open ? <ErrorCurvePart session={session} /> : null}
       <KernelFacts session={session} />
-      <p class="quality-device muted">{session.device.value}</p>
+      <p class="quality-device muted">{t.kernel.device(session.device.value)}</p>
     </details>
   );
 }
