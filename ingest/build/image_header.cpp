@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -100,6 +101,12 @@ std::optional<VoxelType> voxel_type(const std::string& name) {
   return found->second;
 }
 
+bool is_meta_image_type(const std::string& name) {
+  static const std::set<std::string> kTypes{"MET_CHAR", "MET_UCHAR", "MET_SHORT", "MET_USHORT",
+                                            "MET_INT",  "MET_UINT",  "MET_FLOAT", "MET_DOUBLE"};
+  return kTypes.count(name) != 0;
+}
+
 /// Decompresses `bytes` bytes with gzip from an offset of a file.
 Result<std::vector<char>> unpack(const std::string& path, std::uint64_t offset,
                                  std::uint64_t bytes) {
@@ -135,6 +142,10 @@ Axes ras_to_lps(Axes axes) {
 
 Result<std::optional<Axes>> meta_image_axes(const std::string& path) {
   const HeaderText header(path, '=', "ElementDataFile");
+  if (const auto type = header.get("ElementType"); type && !is_meta_image_type(*type)) {
+    return fail(ErrorCode::kUnsupported,
+                "only integers of 8 to 32 bits and floating-point voxels are supported");
+  }
   const auto matrix = header.get("TransformMatrix") ? header.get("TransformMatrix")
                       : header.get("Rotation")      ? header.get("Rotation")
                                                     : header.get("Orientation");

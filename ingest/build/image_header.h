@@ -12,7 +12,8 @@ namespace diaphane::ingest {
 
 /// Returns the steps from voxel to voxel in mm (LPS), as columns, from the text header of a
 /// MetaImage (TransformMatrix, ElementSpacing). VTK's reader ignores the directions. Returns
-/// nullopt if the header has none, and kInvalid for implausible numbers.
+/// nullopt if the header has none, kInvalid for implausible numbers, and kUnsupported for voxels of
+/// 64-bit integers or of an unknown type, for which VTK's reader writes beyond its memory.
 Result<std::optional<std::array<double, 9>>> meta_image_axes(const std::string& path);
 
 /// Returns false if the voxels of a MetaImage, `bytes` in size when unpacked, are not complete in

@@ -33,7 +33,8 @@ Scaling scaling_for(double low, double high, bool is_float) {
   const bool flat = is_float && reach > 0 && high - low < kFewSteps;
   if (reach <= kLargest + 0.5 && !flat) return scaling;
   constexpr double kRound = 30000;  // leaves room for overshoot by interpolation
-  scaling.slope = flat || is_float ? kRound / reach : 0.5;
+  constexpr double kLargestShort = 65535;
+  scaling.slope = flat || is_float || reach > kLargestShort ? kRound / reach : 0.5;
   char text[80];
   std::snprintf(text, sizeof text, "values were multiplied by %.6g for storage", scaling.slope);
   scaling.repair = text;
@@ -140,6 +141,12 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
     case VTK_UNSIGNED_SHORT:
       take_values<unsigned short>(upright, slope, intercept, slope != 1, volume);
       break;
+    case VTK_INT:
+      take_values<int>(upright, slope, intercept, slope != 1, volume);
+      break;
+    case VTK_UNSIGNED_INT:
+      take_values<unsigned int>(upright, slope, intercept, slope != 1, volume);
+      break;
     case VTK_FLOAT:
       take_values<float>(upright, slope, intercept, true, volume);
       break;
@@ -148,7 +155,7 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
       break;
     default:
       return fail(ErrorCode::kUnsupported,
-                  "only 8-bit, 16-bit and floating-point voxels are supported");
+                  "only integers of 8 to 32 bits and floating-point voxels are supported");
   }
   volume::measure(volume);
   return volume;

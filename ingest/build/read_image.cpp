@@ -101,13 +101,13 @@ std::uint64_t bytes_of(vtkImageData* image) {
 }
 
 Result<volume::Volume> read_meta(const std::string& path) {
+  auto axes = meta_image_axes(path);
+  DIAPHANE_TRY(axes);
   vtkNew<vtkMetaImageReader> reader;
   DIAPHANE_TRY(Reading(reader).read(path));
   if (!meta_image_is_complete(path, bytes_of(reader->GetOutput()))) {
     return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
   }
-  auto axes = meta_image_axes(path);
-  DIAPHANE_TRY(axes);
   std::vector<std::string> repairs;
   if (!*axes) repairs.emplace_back(kNoAxes);
   auto volume = to_volume(reader->GetOutput(), axes->value_or(straight(reader->GetDataSpacing())),

@@ -106,7 +106,7 @@ TEST_F(ReadImage, RefusesOtherTypesAndShapesWithAMessage) {
     EXPECT_GT(v.error().message.size(), 10u);
     return v.error().code;
   };
-  EXPECT_EQ(code("a.mha", mha("MET_INT", voxels<std::int32_t>())), ErrorCode::kUnsupported);
+  EXPECT_EQ(code("a.mha", mha("MET_LONG_LONG", voxels<std::int64_t>())), ErrorCode::kUnsupported);
   EXPECT_EQ(code("b.mha", mha("MET_SHORT", voxels<std::int16_t>(), "1 0 0 0.5 1 0 0 0 1")),
             ErrorCode::kUnsupported);
   EXPECT_EQ(code("c.mha", mha("MET_SHORT", voxels<std::int16_t>().substr(0, 30))),

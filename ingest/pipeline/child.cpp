@@ -2,13 +2,18 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <new>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "common/sandbox/supervisor.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/build_volume.h"
+#include "ingest/build/nifti.h"
 #include "ingest/pipeline/memory_shortage.h"
 #include "ingest/pipeline/report.h"
 #include "ingest/pipeline/tar_source.h"
@@ -84,6 +89,53 @@ std::uint64_t volume_bytes(const dicom::Assessment& found) {
   return std::uint64_t{found.size[0]} * found.size[1] * found.size[2] * sizeof(std::int16_t);
 }
 
+/// Returns an exit code if a volume of `bytes` must not be built now. Otherwise returns 0, with a
+/// verdict if it exceeds the quota.
+int check_bounds(std::uint64_t bytes, const BuildBounds& bounds, Verdict& verdict) {
+  if (bytes > bounds.quota_left) {
+    verdict = over_quota(bytes, bounds.quota_left);
+    return 0;
+  }
+  if (bytes > bounds.light_bytes) return kChildTooLarge;
+  return bytes > bounds.room_bytes ? kChildNoRoom : 0;
+}
+
+int deliver(volume::Volume& volume, const volume::Filler& filler, Verdict& verdict) {
+  if (const int exit_code = write_output(volume)) return exit_code;
+  verdict.ready = true;
+  verdict.header = std::move(volume.header);
+  verdict.filler = filler;
+  return 0;
+}
+
+/// Below this, there is no depth to show.
+constexpr std::uint32_t kFewestSlices = 16;
+
+/// Builds a scan in a research format. Returns 0 and fills `verdict`, or returns an exit code.
+int build_nifti(std::span<const std::byte> file, const dicom::ScanLimits& limits,
+                const BuildBounds& bounds, Verdict& verdict) {
+  const auto header = read_nifti_header(file);
+  const auto refuse = [&](Verdict refusal) {
+    verdict = std::move(refusal);
+    return 0;
+  };
+  if (!header) return refuse(refusal_of(header.error()));
+  const auto& size = header->size;
+  const std::uint64_t voxels = std::uint64_t{size[0]} * size[1] * size[2];
+  if (const std::uint32_t fewest = std::min({size[0], size[1], size[2]}); fewest < kFewestSlices) {
+    return refuse(refused("too_few_slices", "This scan has only " + std::to_string(fewest) +
+                                                " slices, and at least 16 are needed."));
+  }
+  if (voxels > limits.most_voxels) {
+    return refuse(refused("too_large", "This upload was refused: the image is too large."));
+  }
+  if (const int code = check_bounds(voxels * sizeof(std::int16_t), bounds, verdict)) return code;
+  if (!verdict.code.empty()) return 0;
+  auto volume = read_nifti_voxels(file, *header);
+  if (!volume) return refuse(refusal_of(volume.error()));
+  return deliver(*volume, {}, verdict);
+}
+
 /// Returns 0 and fills `verdict`, or returns an exit code.
 int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& verdict) {
   const auto refuse = [&](Verdict refusal) {
@@ -91,24 +143,27 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
     return 0;
   };
   TarSource source(kChildInput, limits.file.file_bytes);
+  std::optional<int> done;
+  const auto first = [](std::size_t index) { return index == 0; };
+  // An error is found again by the scan.
+  (void)source.visit(first, [&](std::size_t, std::span<const std::byte> file) -> Result<void> {
+    if (is_nifti(file)) done = build_nifti(file, limits, bounds, verdict);
+    return {};
+  });
+  if (source.failed()) return kChildDiskFails;
+  if (done) return *done;
   auto scan = dicom::scan(source, limits);
   if (source.failed()) return kChildDiskFails;
   if (!scan) return refuse(refusal_of(scan.error()));
   const dicom::Choice choice = dicom::choose(*scan);
   if (!choice.suitable) return refuse(refused(choice.code, choice.text));
   const std::uint64_t bytes = volume_bytes(scan->series[choice.index].assessment);
-  if (bytes > bounds.quota_left) return refuse(over_quota(bytes, bounds.quota_left));
-  if (bytes > bounds.light_bytes) return kChildTooLarge;
-  if (bytes > bounds.room_bytes) return kChildNoRoom;
+  if (const int code = check_bounds(bytes, bounds, verdict)) return code;
+  if (!verdict.code.empty()) return 0;
   auto built = build_volume(source, *scan, choice, limits.file);
   if (source.failed()) return kChildDiskFails;
   if (!built) return refuse(refusal_of(built.error()));
-  volume::Volume& volume = built->volume;
-  if (const int exit_code = write_output(volume)) return exit_code;
-  verdict.ready = true;
-  verdict.header = std::move(volume.header);
-  verdict.filler = built->filler;
-  return 0;
+  return deliver(built->volume, built->filler, verdict);
 }
 
 }  // namespace

@@ -1,0 +1,182 @@
+#include "ingest/build/nifti.h"
+
+#include <vtkImageData.h>
+#include <vtkImageImport.h>
+#include <vtkNew.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include "common/try.h"
+#include "ingest/build/image_header.h"
+#include "ingest/build/image_volume.h"
+#include "volume/header.h"
+
+namespace diaphane::ingest {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+// Offsets of nifti1.h (R. Cox et al. 2004).
+constexpr std::size_t kHeaderBytes = 348;
+constexpr std::size_t kDim = 40, kDataType = 70, kPixDim = 76, kVoxOffset = 108, kSlope = 112,
+                      kIntercept = 116, kSformCode = 254, kSrow = 280, kIntentName = 328,
+                      kMagic = 344;
+
+template <typename T>
+T swapped_bytes(T value) {
+  auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+  std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+template <typename T>
+T at(Bytes file, std::size_t offset, bool swapped) {
+  T value;
+  std::memcpy(&value, file.data() + offset, sizeof value);
+  return swapped ? swapped_bytes(value) : value;
+}
+
+std::string_view text_at(Bytes file, std::size_t offset, std::size_t length) {
+  const std::string_view text(reinterpret_cast<const char*>(file.data()) + offset, length);
+  return text.substr(0, text.find('\0'));
+}
+
+struct NiftiType {
+  std::int16_t code;
+  int type;
+  std::size_t bytes;
+};
+constexpr NiftiType kTypes[] = {
+    {2, VTK_UNSIGNED_CHAR, 1},    {4, VTK_SHORT, 2},          {8, VTK_INT, 4},
+    {16, VTK_FLOAT, 4},           {64, VTK_DOUBLE, 8},        {256, VTK_SIGNED_CHAR, 1},
+    {512, VTK_UNSIGNED_SHORT, 2}, {768, VTK_UNSIGNED_INT, 4},
+};
+
+tl::unexpected<Error> damaged() {
+  return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
+}
+
+Result<void> read_size(Bytes file, NiftiHeader& header) {
+  const auto dim = [&](std::size_t i) {
+    return at<std::int16_t>(file, kDim + 2 * i, header.swapped);
+  };
+  const int dimensions = dim(0);
+  if (dimensions < 3 || dimensions > 7) return fail(ErrorCode::kUnsupported, "it has no depth");
+  for (std::size_t i = 4; i <= static_cast<std::size_t>(dimensions); ++i) {
+    if (dim(i) > 1) {
+      return fail(ErrorCode::kUnsupported, "this is a time series, not a single volume");
+    }
+  }
+  std::uint64_t voxels = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (dim(axis + 1) < 1) return fail(ErrorCode::kInvalid, "the image is empty");
+    header.size[axis] = static_cast<std::uint32_t>(dim(axis + 1));
+    voxels *= header.size[axis];
+  }
+  if (voxels > volume::kMaxVoxels) return fail(ErrorCode::kTooLarge, "the image is too large");
+  return {};
+}
+
+void read_axes(Bytes file, NiftiHeader& header) {
+  const auto number = [&](std::size_t offset) {
+    return static_cast<double>(at<float>(file, offset, header.swapped));
+  };
+  header.has_axes = at<std::int16_t>(file, kSformCode, header.swapped) > 0;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      header.axes[3 * row + axis] = header.has_axes ? number(kSrow + 16 * row + 4 * axis)
+                                    : row == axis   ? std::abs(number(kPixDim + 4 * (axis + 1)))
+                                                    : 0;
+    }
+  }
+  header.axes = ras_to_lps(header.axes);
+}
+
+/// Returns the voxels in the byte order of this machine.
+std::vector<std::byte> in_native_order(Bytes voxels, std::size_t width) {
+  std::vector<std::byte> native(voxels.begin(), voxels.end());
+  for (std::size_t i = 0; i + width <= native.size(); i += width) {
+    std::reverse(native.begin() + static_cast<std::ptrdiff_t>(i),
+                 native.begin() + static_cast<std::ptrdiff_t>(i + width));
+  }
+  return native;
+}
+
+}  // namespace
+
+bool is_nifti(Bytes file) {
+  if (file.size() < kHeaderBytes) return false;
+  const auto length = at<std::int32_t>(file, 0, false);
+  return (length == 348 || swapped_bytes(length) == 348) && text_at(file, kMagic, 3) == "n+1";
+}
+
+Result<NiftiHeader> read_nifti_header(Bytes file) {
+  if (!is_nifti(file)) return fail(ErrorCode::kInvalid, "the file is not NIfTI");
+  NiftiHeader header;
+  header.swapped = at<std::int32_t>(file, 0, false) != 348;
+  DIAPHANE_TRY(read_size(file, header));
+  const auto code = at<std::int16_t>(file, kDataType, header.swapped);
+  const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                  [code](const NiftiType& one) { return one.code == code; });
+  if (type == std::end(kTypes)) {
+    return fail(ErrorCode::kUnsupported, "voxels of this type are not supported");
+  }
+  header.type = type->type;
+  header.voxel_bytes = type->bytes;
+  const std::uint64_t bytes =
+      std::uint64_t{header.size[0]} * header.size[1] * header.size[2] * type->bytes;
+  const float begin = at<float>(file, kVoxOffset, header.swapped);
+  // NaN fails, too.
+  if (!(begin >= kHeaderBytes && begin <= static_cast<float>(file.size()))) return damaged();
+  header.voxels_begin = static_cast<std::size_t>(begin);
+  if (header.voxels_begin > file.size() || file.size() - header.voxels_begin < bytes)
+    return damaged();
+  read_axes(file, header);
+  const auto slope = static_cast<double>(at<float>(file, kSlope, header.swapped));
+  const auto intercept = static_cast<double>(at<float>(file, kIntercept, header.swapped));
+  if (std::isfinite(slope) && slope != 0 && std::isfinite(intercept)) {
+    header.slope = slope;
+    header.intercept = intercept;
+  }
+  const std::string_view modality = text_at(file, kIntentName, 16);
+  for (const auto known : {volume::Modality::kCt, volume::Modality::kMr, volume::Modality::kPt}) {
+    if (modality == volume::name_of(known)) header.modality = known;
+  }
+  return header;
+}
+
+Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) {
+  const std::size_t bytes =
+      std::size_t{header.size[0]} * header.size[1] * header.size[2] * header.voxel_bytes;
+  Bytes voxels = file.subspan(header.voxels_begin, bytes);
+  std::vector<std::byte> native;
+  // VTK needs numbers at their natural alignment.
+  if (header.swapped || reinterpret_cast<std::uintptr_t>(voxels.data()) % header.voxel_bytes != 0) {
+    native = in_native_order(voxels, header.swapped ? header.voxel_bytes : 1);
+    voxels = native;
+  }
+  vtkNew<vtkImageImport> import;
+  // Borrowed, and only read.
+  import->SetImportVoidPointer(const_cast<std::byte*>(voxels.data()), 1);
+  import->SetDataScalarType(header.type);
+  import->SetNumberOfScalarComponents(1);
+  import->SetWholeExtent(0, static_cast<int>(header.size[0]) - 1, 0,
+                         static_cast<int>(header.size[1]) - 1, 0,
+                         static_cast<int>(header.size[2]) - 1);
+  import->SetDataExtentToWholeExtent();
+  import->Update();
+  std::vector<std::string> repairs;
+  if (!header.has_axes)
+    repairs.emplace_back("the file does not specify its orientation in the patient");
+  auto volume = to_volume(import->GetOutput(), header.axes, header.slope, header.intercept,
+                          std::move(repairs));
+  if (volume) volume->header.modality = header.modality;
+  return volume;
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "common/result.h"
+#include "volume/volume.h"
+
+namespace diaphane::ingest {
+
+/// What the page sends for a scan in a research format (NIfTI, NRRD or MetaImage): one NIfTI-1 file
+/// with its voxels, uncompressed, and with a new header (docs/contracts.md, "Upload bundle").
+/// Fields that could name a person are not read.
+struct NiftiHeader {
+  std::array<std::uint32_t, 3> size{};
+  int type = 0;  ///< of VTK: VTK_SHORT, ...
+  std::size_t voxel_bytes = 0;
+  bool swapped = false;          ///< the bytes are in the other order than here
+  std::size_t voxels_begin = 0;  ///< offset of the voxels in the file
+  double slope = 1, intercept = 0;
+  std::array<double, 9> axes{};  ///< steps from voxel to voxel in mm (LPS), as columns
+  bool has_axes = false;         ///< false: the file does not say how it lies in the patient
+  volume::Modality modality = volume::Modality::kOther;
+};
+
+/// Whether a file begins like NIfTI-1, in either byte order.
+bool is_nifti(std::span<const std::byte> file);
+
+/// kInvalid: damaged or incomplete. kUnsupported: voxels of another type, several per place, a time
+/// series, or voxels in another file. kTooLarge: more voxels than a volume may have.
+Result<NiftiHeader> read_nifti_header(std::span<const std::byte> file);
+
+/// Returns a measured volume. Precondition: `header` is the result of read_nifti_header(file). See
+/// read_image() for the conversion to int16, and its errors.
+Result<volume::Volume> read_nifti_voxels(std::span<const std::byte> file,
+                                         const NiftiHeader& header);
+
+}  // namespace diaphane::ingest

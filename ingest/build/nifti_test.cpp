@@ -1,0 +1,248 @@
+#include "ingest/build/nifti.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace diaphane::ingest {
+namespace {
+
+/// A NIfTI-1 file made by hand. The fields are those of the header, in its order.
+struct Made {
+  std::array<std::int16_t, 8> dim{3, 4, 3, 2, 1, 1, 1, 1};
+  std::int16_t code = 4;  // int16
+  float begin = 352;
+  float slope = 1, intercept = 0;
+  std::int16_t sform = 1;
+  std::array<float, 12> srow{-0.5F, 0, 0, 0, 0, -0.7F, 0, 0, 0, 0, 1.5F, 0};  // RAS; LPS is upright
+  std::string modality;
+  std::string magic = "n+1";
+  bool swapped = false;
+
+  std::string with(const std::string& voxels) const {
+    std::string file(352, '\0');
+    put(file, 0, std::int32_t{348});
+    for (std::size_t i = 0; i < 8; ++i) put(file, 40 + 2 * i, dim[i]);
+    put(file, 70, code);
+    for (std::size_t i = 1; i < 4; ++i) put(file, 76 + 4 * i, static_cast<float>(i));
+    put(file, 108, begin);
+    put(file, 112, slope);
+    put(file, 116, intercept);
+    put(file, 254, sform);
+    for (std::size_t i = 0; i < 12; ++i) put(file, 280 + 4 * i, srow[i]);
+    file.replace(328, modality.size(), modality);
+    file.replace(344, magic.size(), magic);
+    return file + voxels;
+  }
+
+  template <typename T>
+  void put(std::string& file, std::size_t offset, T value) const {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    if (swapped) std::reverse(bytes, bytes + sizeof value);
+    file.replace(offset, sizeof value, bytes, sizeof value);
+  }
+};
+
+template <typename T>
+std::string voxels_of(const std::vector<T>& values, bool swapped = false) {
+  std::string bytes;
+  for (const T value : values) {
+    char one[sizeof value];
+    std::memcpy(one, &value, sizeof value);
+    if (swapped) std::reverse(one, one + sizeof value);
+    bytes.append(one, sizeof value);
+  }
+  return bytes;
+}
+
+template <typename T>
+std::vector<T> counted(double scale = 1) {
+  std::vector<T> values;
+  for (int i = 0; i < 4 * 3 * 2; ++i) values.push_back(static_cast<T>(i * scale));
+  return values;
+}
+
+Result<volume::Volume> read(const std::string& file) {
+  const auto bytes = std::as_bytes(std::span(file));
+  const auto header = read_nifti_header(bytes);
+  if (!header) return tl::unexpected(header.error());
+  return read_nifti_voxels(bytes, *header);
+}
+
+ErrorCode refusal(const std::string& file) {
+  const auto read_it = read(file);
+  return read_it ? ErrorCode::kInternal : read_it.error().code;
+}
+
+TEST(Nifti, KeepsVoxelsSpacingAndModality) {
+  Made made;
+  made.modality = "CT";
+  const auto v = read(made.with(voxels_of(counted<std::int16_t>(-40))));
+  ASSERT_TRUE(v) << v.error().message;
+  EXPECT_EQ(v->header.size, (std::array<std::uint32_t, 3>{4, 3, 2}));
+  EXPECT_NEAR(v->header.spacing[0], 0.5, 1e-6);
+  EXPECT_NEAR(v->header.spacing[1], 0.7, 1e-6);
+  EXPECT_NEAR(v->header.spacing[2], 1.5, 1e-6);
+  EXPECT_EQ(v->header.modality, volume::Modality::kCt);
+  EXPECT_EQ(v->voxels[23], -920);
+  EXPECT_TRUE(v->header.repairs.empty());
+}
+
+TEST(Nifti, ReadsEveryTypeInBothByteOrders) {
+  for (const bool swapped : {false, true}) {
+    const auto last = [swapped](std::int16_t code, const std::string& voxels) {
+      Made made;
+      made.code = code;
+      made.swapped = swapped;
+      const auto v = read(made.with(voxels));
+      return v ? v->voxels[23] : std::numeric_limits<std::int16_t>::min();
+    };
+    EXPECT_EQ(last(2, voxels_of(counted<std::uint8_t>(10), swapped)), 230);
+    EXPECT_EQ(last(256, voxels_of(counted<std::int8_t>(-5), swapped)), -115);
+    EXPECT_EQ(last(4, voxels_of(counted<std::int16_t>(-100), swapped)), -2300);
+    EXPECT_EQ(last(512, voxels_of(counted<std::uint16_t>(1000), swapped)), 23000);
+    EXPECT_EQ(last(8, voxels_of(counted<std::int32_t>(-1000), swapped)), -23000);
+    EXPECT_EQ(last(768, voxels_of(counted<std::uint32_t>(1000), swapped)), 23000);
+    EXPECT_EQ(last(16, voxels_of(counted<float>(50.4), swapped)), 1159);
+    EXPECT_EQ(last(64, voxels_of(counted<double>(50.4), swapped)), 1159);
+  }
+}
+
+TEST(Nifti, ScalesLargeIntegers) {
+  Made made;
+  made.code = 8;
+  const auto v = read(made.with(voxels_of(counted<std::int32_t>(1e6))));
+  ASSERT_TRUE(v);
+  EXPECT_EQ(v->voxels[23], 30000);
+  EXPECT_EQ(v->header.repairs.size(), 1u);
+}
+
+TEST(Nifti, AppliesSlopeAndIntercept) {
+  Made made;
+  made.slope = 2;
+  made.intercept = -1024;
+  EXPECT_EQ(read(made.with(voxels_of(counted<std::int16_t>(100))))->voxels[23], 3576);
+  made.slope = 0;  // not set
+  EXPECT_EQ(read(made.with(voxels_of(counted<std::int16_t>(100))))->voxels[23], 2300);
+}
+
+TEST(Nifti, VoxelsMayBeginAnywhere) {
+  Made made;
+  made.begin = 353;
+  EXPECT_EQ(read(made.with("x" + voxels_of(counted<std::int16_t>())))->voxels[23], 23);
+}
+
+TEST(Nifti, SaysThatTheOrientationIsUnknown) {
+  Made made;
+  made.sform = 0;
+  const auto v = read(made.with(voxels_of(counted<std::int16_t>())));
+  ASSERT_TRUE(v);
+  EXPECT_NEAR(v->header.spacing[1], 2, 1e-6) << "from pixdim";
+  EXPECT_EQ(v->header.repairs.size(), 1u);
+}
+
+/// Four voxels of the patient's space, each with its own value: one place, and those 5 voxels to
+/// the left of it, 4 behind it and 3 above it.
+struct Phantom {
+  static constexpr std::array<int, 3> kSize{20, 18, 16};  // voxels towards L, P and S
+  static constexpr std::array<double, 3> kStep{0.5, 0.7, 1.5};
+  static constexpr std::array<std::array<int, 3>, 4> kMarks{
+      {{3, 11, 6}, {8, 11, 6}, {3, 15, 6}, {3, 11, 9}}};
+
+  /// Stored with axis a of the array along axis `order[a]` of the patient, forwards if `ahead[a]`.
+  static std::string stored(const std::array<int, 3>& order, const std::array<bool, 3>& ahead) {
+    Made made;
+    made.srow = {};
+    std::array<int, 3> size{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<std::size_t>(order[a]);
+      size[a] = kSize[axis];
+      made.dim[a + 1] = static_cast<std::int16_t>(size[a]);
+      const double lps_to_ras = axis == 2 ? 1 : -1;
+      made.srow[4 * axis + a] =
+          static_cast<float>(lps_to_ras * (ahead[a] ? kStep[axis] : -kStep[axis]));
+    }
+    std::vector<std::int16_t> voxels(20 * 18 * 16);
+    for (std::size_t mark = 0; mark < 4; ++mark) {
+      std::array<int, 3> at{};
+      for (std::size_t a = 0; a < 3; ++a) {
+        const int along = kMarks[mark][static_cast<std::size_t>(order[a])];
+        at[a] = ahead[a] ? along : size[a] - 1 - along;
+      }
+      voxels[static_cast<std::size_t>(at[0] + size[0] * (at[1] + size[1] * at[2]))] =
+          static_cast<std::int16_t>(mark + 1);
+    }
+    return made.with(voxels_of(voxels));
+  }
+};
+
+/// Where the voxel with this value lies, in mm (LPS), relative to the first voxel.
+std::array<double, 3> place_of(const volume::Volume& v, std::int16_t value) {
+  const auto found = std::find(v.voxels.begin(), v.voxels.end(), value) - v.voxels.begin();
+  const std::ptrdiff_t x = v.header.size[0], y = v.header.size[1];
+  const std::array<double, 3> at{static_cast<double>(found % x), static_cast<double>(found / x % y),
+                                 static_cast<double>(found / (x * y))};
+  std::array<double, 3> place{};
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      place[row] += v.header.direction[3 * row + axis] * v.header.spacing[axis] * at[axis];
+  return place;
+}
+
+TEST(Nifti, AllOrientationsShowTheSamePatient) {
+  std::array<int, 3> order{0, 1, 2};
+  int orientations = 0;
+  do {
+    for (int signs = 0; signs < 8; ++signs, ++orientations) {
+      const std::array<bool, 3> ahead{(signs & 1) != 0, (signs & 2) != 0, (signs & 4) != 0};
+      const auto v = read(Phantom::stored(order, ahead));
+      ASSERT_TRUE(v) << v.error().message;
+      const auto from = place_of(*v, 1);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto to = place_of(*v, static_cast<std::int16_t>(axis + 2));
+        for (std::size_t row = 0; row < 3; ++row) {
+          const double step = Phantom::kMarks[axis + 1][row] - Phantom::kMarks[0][row];
+          EXPECT_NEAR(to[row] - from[row], step * Phantom::kStep[row], 1e-5)
+              << "order " << order[0] << order[1] << order[2] << ", signs " << signs;
+        }
+      }
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  EXPECT_EQ(orientations, 48);
+}
+
+TEST(Nifti, RefusesWhatItCannotShow) {
+  const std::string voxels = voxels_of(counted<std::int16_t>());
+  const auto changed = [&](auto change) {
+    Made made;
+    change(made);
+    return refusal(made.with(voxels));
+  };
+  const auto nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(changed([](Made& m) { m.magic = "ni1"; }), ErrorCode::kInvalid);
+  EXPECT_EQ(changed([](Made& m) { m.dim[0] = 4, m.dim[4] = 10; }), ErrorCode::kUnsupported);
+  EXPECT_EQ(changed([](Made& m) { m.dim[0] = 2; }), ErrorCode::kUnsupported);
+  EXPECT_EQ(changed([](Made& m) { m.dim[2] = 0; }), ErrorCode::kInvalid);
+  EXPECT_EQ(changed([](Made& m) { m.dim[2] = 30000; }), ErrorCode::kInvalid) << "not so many bytes";
+  EXPECT_EQ(changed([](Made& m) { m.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1}; }),
+            ErrorCode::kTooLarge);
+  EXPECT_EQ(changed([](Made& m) { m.code = 128; }), ErrorCode::kUnsupported) << "colours";
+  EXPECT_EQ(changed([](Made& m) { m.begin = 353; }), ErrorCode::kInvalid) << "a byte is missing";
+  EXPECT_EQ(changed([](Made& m) { m.begin = 4; }), ErrorCode::kInvalid) << "within the header";
+  EXPECT_EQ(changed([&](Made& m) { m.begin = nan; }), ErrorCode::kInvalid);
+  EXPECT_EQ(changed([&](Made& m) { m.begin = 1e30F; }), ErrorCode::kInvalid);
+  EXPECT_EQ(changed([&](Made& m) { m.srow[0] = nan; }), ErrorCode::kUnsupported);
+  EXPECT_EQ(changed([](Made& m) { m.srow.fill(0); }), ErrorCode::kUnsupported);
+  EXPECT_EQ(changed([](Made& m) { m.srow[1] = 0.5F; }), ErrorCode::kUnsupported) << "sheared";
+  EXPECT_EQ(refusal(std::string(348, '\0')), ErrorCode::kInvalid);
+  EXPECT_EQ(refusal("short"), ErrorCode::kInvalid);
+}
+
+}  // namespace
+}  // namespace diaphane::ingest
