@@ -79,6 +79,39 @@ void take_values(vtkImageData* image, double slope, double intercept, bool is_fl
   convert(from, count, slope * scaling.slope, intercept * scaling.slope, volume.voxels.data());
 }
 
+/// Takes the values of an image of any type that is supported. Returns false for another type.
+bool take_values_of(vtkImageData* image, double slope, double intercept, volume::Volume& volume) {
+  switch (image->GetScalarType()) {
+    case VTK_UNSIGNED_CHAR:
+      take_values<unsigned char>(image, slope, intercept, false, volume);
+      return true;
+    case VTK_CHAR:
+    case VTK_SIGNED_CHAR:
+      take_values<signed char>(image, slope, intercept, false, volume);
+      return true;
+    case VTK_SHORT:
+      take_values<short>(image, slope, intercept, slope != 1, volume);
+      return true;
+    case VTK_UNSIGNED_SHORT:
+      take_values<unsigned short>(image, slope, intercept, slope != 1, volume);
+      return true;
+    case VTK_INT:
+      take_values<int>(image, slope, intercept, slope != 1, volume);
+      return true;
+    case VTK_UNSIGNED_INT:
+      take_values<unsigned int>(image, slope, intercept, slope != 1, volume);
+      return true;
+    case VTK_FLOAT:
+      take_values<float>(image, slope, intercept, true, volume);
+      return true;
+    case VTK_DOUBLE:
+      take_values<double>(image, slope, intercept, true, volume);
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume) {
@@ -127,35 +160,9 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
   if (auto ok = volume::check(h); !ok) {
     return fail(ErrorCode::kUnsupported, "the image cannot be shown: " + ok.error().message);
   }
-  switch (image->GetScalarType()) {
-    case VTK_UNSIGNED_CHAR:
-      take_values<unsigned char>(upright, slope, intercept, false, volume);
-      break;
-    case VTK_CHAR:
-    case VTK_SIGNED_CHAR:
-      take_values<signed char>(upright, slope, intercept, false, volume);
-      break;
-    case VTK_SHORT:
-      take_values<short>(upright, slope, intercept, slope != 1, volume);
-      break;
-    case VTK_UNSIGNED_SHORT:
-      take_values<unsigned short>(upright, slope, intercept, slope != 1, volume);
-      break;
-    case VTK_INT:
-      take_values<int>(upright, slope, intercept, slope != 1, volume);
-      break;
-    case VTK_UNSIGNED_INT:
-      take_values<unsigned int>(upright, slope, intercept, slope != 1, volume);
-      break;
-    case VTK_FLOAT:
-      take_values<float>(upright, slope, intercept, true, volume);
-      break;
-    case VTK_DOUBLE:
-      take_values<double>(upright, slope, intercept, true, volume);
-      break;
-    default:
-      return fail(ErrorCode::kUnsupported,
-                  "only integers of 8 to 32 bits and floating-point voxels are supported");
+  if (!take_values_of(upright, slope, intercept, volume)) {
+    return fail(ErrorCode::kUnsupported,
+                "only integers of 8 to 32 bits and floating-point voxels are supported");
   }
   volume::measure(volume);
   return volume;

@@ -1,19 +1,12 @@
 #include "ingest/build/nifti.h"
 
-#include <vtkImageData.h>
-#include <vtkImageImport.h>
-#include <vtkNew.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <string_view>
-#include <vector>
 
 #include "common/try.h"
-#include "ingest/build/image_header.h"
-#include "ingest/build/image_volume.h"
 #include "volume/header.h"
 
 namespace diaphane::ingest {
@@ -46,15 +39,15 @@ std::string_view text_at(Bytes file, std::size_t offset, std::size_t length) {
   return text.substr(0, text.find('\0'));
 }
 
-struct NiftiType {
+struct TypeCode {
   std::int16_t code;
-  int type;
+  NiftiType type;
   std::size_t bytes;
 };
-constexpr NiftiType kTypes[] = {
-    {2, VTK_UNSIGNED_CHAR, 1},    {4, VTK_SHORT, 2},          {8, VTK_INT, 4},
-    {16, VTK_FLOAT, 4},           {64, VTK_DOUBLE, 8},        {256, VTK_SIGNED_CHAR, 1},
-    {512, VTK_UNSIGNED_SHORT, 2}, {768, VTK_UNSIGNED_INT, 4},
+constexpr TypeCode kTypes[] = {
+    {2, NiftiType::kUint8, 1},    {4, NiftiType::kInt16, 2},    {8, NiftiType::kInt32, 4},
+    {16, NiftiType::kFloat, 4},   {64, NiftiType::kDouble, 8},  {256, NiftiType::kInt8, 1},
+    {512, NiftiType::kUint16, 2}, {768, NiftiType::kUint32, 4},
 };
 
 tl::unexpected<Error> damaged() {
@@ -94,17 +87,8 @@ void read_axes(Bytes file, NiftiHeader& header) {
                                                     : 0;
     }
   }
-  header.axes = ras_to_lps(header.axes);
-}
-
-/// Returns the voxels in the byte order of this machine.
-std::vector<std::byte> in_native_order(Bytes voxels, std::size_t width) {
-  std::vector<std::byte> native(voxels.begin(), voxels.end());
-  for (std::size_t i = 0; i + width <= native.size(); i += width) {
-    std::reverse(native.begin() + static_cast<std::ptrdiff_t>(i),
-                 native.begin() + static_cast<std::ptrdiff_t>(i + width));
-  }
-  return native;
+  // From the right-anterior frame of NIfTI.
+  for (std::size_t i = 0; i < 6; ++i) header.axes[i] = -header.axes[i];
 }
 
 }  // namespace
@@ -122,7 +106,7 @@ Result<NiftiHeader> read_nifti_header(Bytes file) {
   DIAPHANE_TRY(read_size(file, header));
   const auto code = at<std::int16_t>(file, kDataType, header.swapped);
   const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                  [code](const NiftiType& one) { return one.code == code; });
+                                  [code](const TypeCode& one) { return one.code == code; });
   if (type == std::end(kTypes)) {
     return fail(ErrorCode::kUnsupported, "voxels of this type are not supported");
   }
@@ -148,35 +132,6 @@ Result<NiftiHeader> read_nifti_header(Bytes file) {
     if (modality == volume::name_of(known)) header.modality = known;
   }
   return header;
-}
-
-Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) {
-  const std::size_t bytes =
-      std::size_t{header.size[0]} * header.size[1] * header.size[2] * header.voxel_bytes;
-  Bytes voxels = file.subspan(header.voxels_begin, bytes);
-  std::vector<std::byte> native;
-  // VTK needs numbers at their natural alignment.
-  if (header.swapped || reinterpret_cast<std::uintptr_t>(voxels.data()) % header.voxel_bytes != 0) {
-    native = in_native_order(voxels, header.swapped ? header.voxel_bytes : 1);
-    voxels = native;
-  }
-  vtkNew<vtkImageImport> import;
-  // Borrowed, and only read.
-  import->SetImportVoidPointer(const_cast<std::byte*>(voxels.data()), 1);
-  import->SetDataScalarType(header.type);
-  import->SetNumberOfScalarComponents(1);
-  import->SetWholeExtent(0, static_cast<int>(header.size[0]) - 1, 0,
-                         static_cast<int>(header.size[1]) - 1, 0,
-                         static_cast<int>(header.size[2]) - 1);
-  import->SetDataExtentToWholeExtent();
-  import->Update();
-  std::vector<std::string> repairs;
-  if (!header.has_axes)
-    repairs.emplace_back("the file does not specify its orientation in the patient");
-  auto volume = to_volume(import->GetOutput(), header.axes, header.slope, header.intercept,
-                          std::move(repairs));
-  if (volume) volume->header.modality = header.modality;
-  return volume;
 }
 
 }  // namespace diaphane::ingest

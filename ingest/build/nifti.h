@@ -10,12 +10,14 @@
 
 namespace diaphane::ingest {
 
+enum class NiftiType { kUint8, kInt8, kUint16, kInt16, kUint32, kInt32, kFloat, kDouble };
+
 /// What the page sends for a scan in a research format (NIfTI, NRRD or MetaImage): one NIfTI-1 file
 /// with its voxels, uncompressed, and with a new header (docs/contracts.md, "Upload bundle").
 /// Fields that could name a person are not read.
 struct NiftiHeader {
   std::array<std::uint32_t, 3> size{};
-  int type = 0;  ///< of VTK: VTK_SHORT, ...
+  NiftiType type = NiftiType::kInt16;
   std::size_t voxel_bytes = 0;
   bool swapped = false;          ///< the bytes are in the other order than here
   std::size_t voxels_begin = 0;  ///< offset of the voxels in the file

@@ -1,6 +1,16 @@
 /** What ingest changed in a scan or skipped. The server stores one English sentence per correction, with its figures. */
 export type Correction =
-  "tilt" | "spacing" | "missing" | "duplicates" | "overview" | "size" | "damaged" | "brightness" | "negative";
+  | "tilt"
+  | "spacing"
+  | "missing"
+  | "duplicates"
+  | "overview"
+  | "size"
+  | "damaged"
+  | "brightness"
+  | "negative"
+  | "scaled"
+  | "directions";
 
 /** Words that only the sentence of this correction contains (ingest/dicom/classify.cpp). The first match counts. */
 const patterns: readonly (readonly [Correction, RegExp])[] = [
@@ -11,7 +21,9 @@ const patterns: readonly (readonly [Correction, RegExp])[] = [
   ["damaged", /damaged/i],
   ["size", /(another|different) size/i],
   ["brightness", /scale/i],
+  ["scaled", /multiplied/i],
   ["negative", /negative/i],
+  ["directions", /orientation/i],
   ["spacing", /slice to slice|spacing|distance/i],
 ];
 
@@ -28,7 +40,8 @@ export type Note =
   | { readonly kind: "positions"; readonly mm: number }
   | { readonly kind: "missing" | "duplicates" | "overview" | "size" | "damaged"; readonly count: number }
   | { readonly kind: "clipped"; readonly limit: number }
-  | { readonly kind: "brightness" | "negative" | "halved" };
+  | { readonly kind: "scaled"; readonly factor: number }
+  | { readonly kind: "brightness" | "negative" | "halved" | "directions" };
 
 type Figures = readonly number[];
 
@@ -51,6 +64,8 @@ const notes: readonly (readonly [RegExp, (figures: Figures) => Note])[] = [
   [/^(\d+) files? (?:was|were) damaged /, counted("damaged")],
   [/^values above ([\d,]+)(?: Hounsfield units)? were clipped$/, ([limit = 0]) => ({ kind: "clipped", limit })],
   [/^values were halved for storage$/, () => ({ kind: "halved" })],
+  [/^values were multiplied by ([\d.e+-]+) for storage$/, ([factor = 1]) => ({ kind: "scaled", factor })],
+  [/^the file does not specify its orientation/, () => ({ kind: "directions" })],
   [/^(?:the slices had different value scales|each slice had a scale of its own)/, () => ({ kind: "brightness" })],
   [/^the (?:inverted \(negative\) image was converted back|negative was inverted)$/, () => ({ kind: "negative" })],
 ];

@@ -1,5 +1,6 @@
 import dicomParser, { type DataSet } from "dicom-parser";
 import type { ArchiveFormat } from "./archives";
+import type { ImageHeader } from "./image/header";
 import { keptElement, wantedTags } from "./clean_file";
 import { bytesOf, framesOf } from "./frames";
 import type { SliceHeader } from "./types";
@@ -12,6 +13,7 @@ export type HeaderRead =
   | { readonly kind: "not_dicom" }
   | { readonly kind: "directory" } // the list of contents of a disc
   | { readonly kind: "archive"; readonly format: ArchiveFormat }
+  | { readonly kind: "image"; readonly header: ImageHeader }
   | { readonly kind: "unreadable" };
 
 const explicitLittle = "1.2.840.10008.1.2.1";

@@ -1,6 +1,7 @@
 import { readAtMost } from "../streams";
 import { archiveFormat } from "./archives";
 import { deflatedFrom, readHeader, type HeaderRead } from "./dicom";
+import { readImage } from "./image/read_image";
 import { beginningOf, wholeOf, type Piece } from "./piece";
 import type { SliceHeader } from "./types";
 
@@ -21,6 +22,9 @@ export class HeaderReader {
       for (let step = this.usual; step < steps.length; step++) {
         const size = Math.min(steps[step] ?? 0, file.size);
         const bytes = await beginningOf(file, size);
+        const image = readImage(bytes);
+        if (image === "more" && size < file.size) continue;
+        if (image !== null && image !== "more") return { kind: "image", header: image };
         const deflated = deflatedFrom(bytes);
         if (deflated !== null) return await readDeflated((await wholeOf(file)).slice(deflated), index);
         const read = readHeader(bytes, index, file.size);

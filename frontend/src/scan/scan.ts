@@ -2,6 +2,7 @@ import { Budget, filesIn, type ArchiveFault, type ArchiveFormat } from "./archiv
 import { allThere, Arriving } from "./arriving";
 import { uploadParts } from "./clean_file";
 import { fingerprint } from "./fingerprint";
+import { imageSeries, type FoundImage } from "./image/image_series";
 import { isSlice, judge } from "./judge";
 import { pieceOf, wholeOf, type Piece } from "./piece";
 import { HeaderReader } from "./read_file";
@@ -31,10 +32,16 @@ export async function scanFiles(
   });
   await search.openArchives();
   const { pieces, headers } = search;
+  search.images.sort((a, b) => a.file - b.file);
   headers.sort((a, b) => a.file - b.file || a.frame - b.frame); // independent of the order in which the disk delivered them
   const series: Series[] = [];
   const slicesOnly = headers.filter(isSlice);
   for (const [key, slices] of bySeries(slicesOnly)) series.push(await seriesOf(key, slices, pieces));
+  for (const image of search.images) {
+    const { series: one, second } = await imageSeries(image, pieces);
+    series.push(one);
+    if (second !== null) search.notDicom -= 1;
+  }
   series.sort(byUse);
   const sent = new Set(series.flatMap(({ upload }) => [...upload.files]));
   return {
@@ -60,6 +67,7 @@ interface Archive {
 class Search {
   readonly pieces: Piece[] = [];
   readonly headers: SliceHeader[] = [];
+  readonly images: FoundImage[] = [];
   readonly faults: FaultyArchive[] = [];
   notDicom = 0;
   unreadable = 0;
@@ -93,6 +101,7 @@ class Search {
         this.pieces[index] = piece;
         const read = await this.reader.read(piece, index);
         if (read.kind === "headers") this.headers.push(...read.headers);
+        else if (read.kind === "image") this.images.push({ file: index, header: read.header });
         else if (read.kind === "not_dicom") this.notDicom += 1;
         else if (read.kind === "unreadable") this.unreadable += 1;
         else if (read.kind === "archive") {
@@ -174,6 +183,7 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], pieces: rea
   return {
     key,
     description: first?.description ?? "",
+    fileName: "",
     bodyPart: first?.bodyPart ?? "",
     date: first?.date ?? "",
     modality: first?.modality ?? "",

@@ -5,10 +5,11 @@ import type { Series } from "./types";
  * one series by their order.
  */
 export function seriesNames(
-  series: readonly Pick<Series, "key" | "description" | "seriesNumber">[],
+  series: readonly Pick<Series, "key" | "description" | "fileName" | "seriesNumber">[],
   untitled: string,
 ): ReadonlyMap<string, string> {
-  const nameOf = ({ description }: Pick<Series, "description">) => description.trim() || untitled;
+  const nameOf = ({ description, fileName }: Pick<Series, "description" | "fileName">) =>
+    description.trim() || fileName || untitled;
   const names = new Map<string, string>();
   for (const one of series) {
     const sameName = series.filter((other) => nameOf(other) === nameOf(one));

@@ -9,26 +9,41 @@ const side = 160;
 export function drawThumbnail(slice: SliceHeader, pixels: ArrayBuffer): Thumbnail | null {
   const read = reader(slice, pixels);
   if (!read || slice.rows === 0 || slice.columns === 0 || !slice.pixelSpacing) return null;
-  // The height in mm, because pixels need not be square.
-  const tall = slice.rows * slice.pixelSpacing[0];
   const wide = slice.columns * slice.pixelSpacing[1];
-  const shrink = side / Math.max(tall, wide);
-  const width = Math.max(1, Math.round(wide * shrink));
-  const height = Math.max(1, Math.round(tall * shrink));
+  const tall = slice.rows * slice.pixelSpacing[0];
+  const { columns, rows } = slice;
+  const size = { columns, rows, wide: wide / columns, tall: tall / rows };
+  const scaled = (column: number, row: number) => read(row * columns + column) * slice.slope + slice.intercept;
+  const drawn = draw(size, scaled, slice.window);
+  return slice.photometric === "MONOCHROME1" ? { ...drawn, gray: drawn.gray.map((level) => 255 - level) } : drawn;
+}
+
+/** The pixels of a slice, and the size of one in mm, because it need not be square. */
+interface PixelGrid {
+  readonly columns: number;
+  readonly rows: number;
+  readonly wide: number;
+  readonly tall: number;
+}
+
+/** Draws a slice under a window, or by default under one from the 2nd to the 98th percentile. */
+export function draw(
+  { columns, rows, ...pixel }: PixelGrid,
+  valueAt: (column: number, row: number) => number,
+  window: SliceHeader["window"] = null,
+): Thumbnail {
+  const shrink = side / Math.max(columns * pixel.wide, rows * pixel.tall);
+  const width = Math.max(1, Math.round(columns * pixel.wide * shrink));
+  const height = Math.max(1, Math.round(rows * pixel.tall * shrink));
   const values = new Float32Array(width * height);
   for (let y = 0; y < height; y++)
     for (let x = 0; x < width; x++) {
-      const row = Math.floor(((y + 0.5) / height) * slice.rows);
-      const column = Math.floor(((x + 0.5) / width) * slice.columns);
-      values[y * width + x] = read(row * slice.columns + column) * slice.slope + slice.intercept;
+      const row = Math.floor(((y + 0.5) / height) * rows);
+      const column = Math.floor(((x + 0.5) / width) * columns);
+      values[y * width + x] = valueAt(column, row);
     }
-  const { center, width: range } = slice.window ?? spreadOf(values);
-  const darkFirst = slice.photometric !== "MONOCHROME1";
-  const gray = new Uint8Array(width * height);
-  values.forEach((value, i) => {
-    const level = Math.min(255, Math.max(0, ((value - center) / range + 0.5) * 255));
-    gray[i] = darkFirst ? level : 255 - level;
-  });
+  const { center, width: range } = window ?? spreadOf(values);
+  const gray = Uint8Array.from(values, (value) => Math.min(255, Math.max(0, ((value - center) / range + 0.5) * 255)));
   return { width, height, gray };
 }
 
@@ -46,9 +61,9 @@ function reader(slice: SliceHeader, pixels: ArrayBuffer): ((index: number) => nu
     : (i) => (view.getUint16(2 * i, true) << unused) >>> unused;
 }
 
-/** The window for a slice without one: from the 2nd to the 98th percentile. */
 function spreadOf(values: Float32Array): { center: number; width: number } {
   const sorted = Float32Array.from(values).sort();
   const at = (part: number) => sorted[Math.floor(part * (sorted.length - 1))] ?? 0;
-  return { center: (at(0.02) + at(0.98)) / 2, width: Math.max(1, at(0.98) - at(0.02)) };
+  const range = at(0.98) - at(0.02);
+  return { center: (at(0.02) + at(0.98)) / 2, width: range > 0 ? range : 1 };
 }

@@ -133,6 +133,7 @@ export type Reason =
   | "tilted"
   | "unsupported_compression"
   | "damaged"
+  | "no_voxels"
   | "too_few_slices"
   | "too_short"
   | "too_large";
@@ -144,7 +145,9 @@ export type LateReason = "over_quota" | "values_out_of_range" | "no_memory" | "u
 export type Repair =
   | { readonly kind: "straightened"; readonly degrees: number }
   | { readonly kind: "filled_in"; readonly slices: number }
-  | { readonly kind: "varying"; readonly fromMm: number; readonly toMm: number };
+  | { readonly kind: "varying"; readonly fromMm: number; readonly toMm: number }
+  /** The file does not say where the patient's left, back and head are. */
+  | { readonly kind: "unknown_directions" };
 
 export interface Suitable {
   readonly suitable: true;
@@ -186,6 +189,8 @@ export interface Thumbnail {
 export interface Series {
   readonly key: string;
   readonly description: string;
+  /** Of a research file that was chosen, to tell it from others on the page. It may name the patient. Otherwise empty. */
+  readonly fileName: string;
   readonly bodyPart: string;
   /** yyyymmdd, or empty. */
   readonly date: string;

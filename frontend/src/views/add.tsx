@@ -98,6 +98,7 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
         <Picker text={t.add.choose} kind="folder" onFiles={onFiles} />
         <Picker text={t.add.chooseFiles} kind="files" onFiles={onFiles} />
       </div>
+      <p class="muted drop-formats">{t.add.formats}</p>
     </div>
   );
 }

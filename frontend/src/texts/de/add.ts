@@ -10,6 +10,7 @@ export const add: Texts["add"] = {
     "Den Namen der untersuchten Person sehen nur Sie, hier in diesem Browser. Er wird entfernt, bevor etwas hochgeladen wird.",
   drop: "Ziehen Sie einen Ordner oder eine ZIP-Datei hierher",
   dropping: "Loslassen, um die Dateien zu lesen",
+  formats: "DICOM-Ordner, ZIP- und TAR-Archive sowie Dateien in NIfTI, NRRD oder MetaImage",
   or: "oder",
   choose: "Ordner wählen",
   chooseFiles: "Dateien wählen",
@@ -93,6 +94,8 @@ export const add: Texts["add"] = {
         return `${count(repair.slices, "fehlende Schicht wird", "fehlende Schichten werden")} aus den Nachbarschichten ergänzt`;
       case "varying":
         return `die Schichten liegen ${fixed(repair.fromMm, 1)} bis ${fixed(repair.toMm, 1)} mm auseinander, darum können kleine Einzelheiten unscharf wirken`;
+      case "unknown_directions":
+        return "die Datei sagt nicht, wo links und rechts ist, darum kann das Bild spiegelverkehrt sein";
     }
   },
   notSlices: (n) =>

@@ -34,6 +34,7 @@ export const reasons: Texts["add"]["reasons"] = {
   unsupported_compression: () => "Die Bilder sind auf eine Weise komprimiert, die nicht unterstützt wird.",
   damaged: () =>
     "Die Dateien sind unvollständig, vielleicht ist die CD beschädigt. Kopieren Sie die Dateien noch einmal von der CD.",
+  no_voxels: () => "Die Bilddaten liegen in einer zweiten Datei. Wählen Sie beide Dateien zusammen aus.",
   too_few_slices: (n) =>
     `Es ${n === 1 ? "ist nur 1 Schicht" : `sind nur ${number.format(n)} Schichten`} vorhanden. Mindestens 16 sind nötig, um Tiefe zu zeigen.`,
   too_short: (n) => `Die Schichten decken nur ${number.format(n)} mm des Körpers ab. Mindestens 20 mm sind nötig.`,

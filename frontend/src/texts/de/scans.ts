@@ -2,7 +2,7 @@ import type { Texts } from "../shape";
 import type { Correction } from "../../scan/corrections";
 import { count, fixed, number } from "./counting";
 
-const corrected: Record<Correction, string> = {
+const corrected: Record<Exclude<Correction, "directions">, string> = {
   tilt: "sie war schräg aufgenommen",
   spacing: "ihre Schichten hatten ungleiche Abstände",
   missing: "einige Schichten fehlten",
@@ -12,13 +12,14 @@ const corrected: Record<Correction, string> = {
   damaged: "einige Dateien waren beschädigt",
   brightness: "die Helligkeit ihrer Schichten war nicht einheitlich",
   negative: "sie war als Negativ gespeichert",
+  scaled: "ihre Werte lagen außerhalb des gespeicherten Bereichs",
 };
 
 const list = new Intl.ListFormat("de");
 
 export const scans: Texts["scans"] = {
   leadEmpty:
-    "Fügen Sie eine Aufnahme aus einem Ordner oder von einer CD Ihres Krankenhauses hinzu. Die Dateien müssen im DICOM-Format vorliegen.",
+    "Fügen Sie eine Aufnahme aus dem Ordner, der Datei oder von der CD hinzu, die Sie von Ihrem Krankenhaus haben.",
   empty: "Noch keine Aufnahmen",
   add: "Aufnahme hinzufügen",
   list: "Ihre Aufnahmen",
@@ -100,10 +101,13 @@ export const scans: Texts["scans"] = {
   },
   expiredHint:
     "Der Upload wurde nicht rechtzeitig fertig. Löschen Sie ihn und laden Sie die Aufnahme noch einmal hoch.",
-  repaired: (what) =>
-    what.length === 0
-      ? "Wir haben diese Aufnahme korrigiert."
-      : `Wir haben diese Aufnahme korrigiert, denn ${list.format(what.map((one) => corrected[one]))}.`,
+  repaired: (what) => {
+    const named = what.flatMap((one) => (one === "directions" ? [] : corrected[one]));
+    const unsure = "Die Datei sagt nicht, wo links und rechts ist, darum kann das Bild spiegelverkehrt sein.";
+    if (named.length > 0)
+      return `Wir haben diese Aufnahme korrigiert, denn ${list.format(named)}.${what.includes("directions") ? ` ${unsure}` : ""}`;
+    return what.includes("directions") ? unsure : "Wir haben diese Aufnahme korrigiert.";
+  },
   repairDetails: "Einzelheiten",
   repairNote: (note) => {
     switch (note.kind) {
@@ -125,6 +129,10 @@ export const scans: Texts["scans"] = {
         return `${count(note.count, "beschädigte oder unlesbare Datei wurde", "beschädigte oder unlesbare Dateien wurden")} ausgelassen.`;
       case "clipped":
         return `Werte über ${number.format(note.limit)} wurden abgeschnitten.`;
+      case "scaled":
+        return `Die Werte wurden zum Speichern mit ${number.format(note.factor)} multipliziert.`;
+      case "directions":
+        return "Die Datei sagt nicht, wie die Aufnahme im Körper liegt, darum können links und rechts vertauscht sein.";
       case "halved":
         return "Die Werte wurden zum Speichern halbiert.";
       case "brightness":

@@ -11,6 +11,7 @@ export const add = {
   drop: "Drop a folder or a ZIP file here",
   dropping: "Drop to read the files",
   or: "or",
+  formats: "DICOM folders, ZIP and TAR archives, and NIfTI, NRRD or MetaImage files",
   choose: "Choose a folder",
   chooseFiles: "Choose files",
   scanning: "Reading the files…",
@@ -85,6 +86,8 @@ export const add = {
         return `${count(repair.slices, "missing slice", "missing slices")} will be filled in from the neighbouring ones`;
       case "varying":
         return `slices are ${repair.fromMm.toFixed(1)} to ${repair.toMm.toFixed(1)} mm apart, so small details may look blurred`;
+      case "unknown_directions":
+        return "the file doesn’t say which side is left or right, so the picture may be a mirror image";
     }
   },
   notSlices: (n: number) =>

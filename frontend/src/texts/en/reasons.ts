@@ -31,6 +31,7 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   tilted: () => "The slices are shifted too far relative to each other.",
   unsupported_compression: () => "The images are compressed in a way that isn’t supported.",
   damaged: () => "The files are incomplete, and the disc may be damaged. Try copying the files from the disc again.",
+  no_voxels: () => "The image data is in a second file. Choose both files together.",
   too_few_slices: (n) =>
     `There ${n === 1 ? "is only 1 slice" : `are only ${number.format(n)} slices`}. At least 16 are needed to show depth.`,
   too_short: (n) => `The slices cover only ${number.format(n)} mm of the body. At least 20 mm are needed.`,

@@ -3,7 +3,7 @@ import type { UploadRefusal } from "../../api/upload_view";
 import type { Correction, Note } from "../../scan/corrections";
 import { count, fixed, number } from "./counting";
 
-const corrected: Record<Correction, string> = {
+const corrected: Record<Exclude<Correction, "directions">, string> = {
   tilt: "it was tilted",
   spacing: "its slices were unevenly spaced",
   missing: "some slices were missing",
@@ -13,13 +13,14 @@ const corrected: Record<Correction, string> = {
   damaged: "some files were damaged",
   brightness: "its slices had different brightness scales",
   negative: "it was stored as a negative",
+  scaled: "its values were outside the range that we store",
 };
 
 const list = new Intl.ListFormat("en-GB");
 
 /** My scans: the cards and their actions. */
 export const scans = {
-  leadEmpty: "Add a scan from a folder or disc that your hospital gave you. The files must be in DICOM format.",
+  leadEmpty: "Add a scan from the folder, disc or file that your hospital gave you.",
   empty: "No scans yet",
   add: "Add a scan",
   list: "Your scans",
@@ -99,10 +100,13 @@ export const scans = {
       "Processing was interrupted several times. Your scan is safe, and processing will start again automatically after a pause.",
   },
   expiredHint: "The upload wasn’t finished in time. Delete it and upload the scan again.",
-  repaired: (what: readonly Correction[]) =>
-    what.length === 0
-      ? "We corrected this scan."
-      : `We corrected this scan: ${list.format(what.map((one) => corrected[one]))}.`,
+  repaired: (what: readonly Correction[]) => {
+    const named = what.flatMap((one) => (one === "directions" ? [] : corrected[one]));
+    const unsure = "The file doesn’t say which side is left or right, so the picture may be a mirror image.";
+    if (named.length > 0)
+      return `We corrected this scan: ${list.format(named)}.${what.includes("directions") ? ` ${unsure}` : ""}`;
+    return what.includes("directions") ? unsure : "We corrected this scan.";
+  },
   repairDetails: "Details",
   repairNote: (note: Note): string => {
     switch (note.kind) {
@@ -124,6 +128,10 @@ export const scans = {
         return `${count(note.count, "damaged or unreadable file was", "damaged or unreadable files were")} skipped.`;
       case "clipped":
         return `Values above ${number.format(note.limit)} were clipped.`;
+      case "scaled":
+        return `Values were multiplied by ${number.format(note.factor)} for storage.`;
+      case "directions":
+        return "The file doesn’t say how the scan lies in the body, so left and right may be swapped.";
       case "halved":
         return "Values were halved for storage.";
       case "brightness":

@@ -25,7 +25,9 @@ export function ErrorCurvePart({ session }: { readonly session: ViewerSession })
     await session.refreshCurve();
     setSaving(false);
     const { width = 0, height = 0 } = session.pictures.picture.value ?? {};
-    saveFile(curveFile(format, session.pictures.curve.value, { width, height, device: t.kernel.device(session.device.value) }));
+    saveFile(
+      curveFile(format, session.pictures.curve.value, { width, height, device: t.kernel.device(session.device.value) }),
+    );
   };
   return (
     <div class="error-curve">

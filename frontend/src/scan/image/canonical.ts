@@ -1,0 +1,50 @@
+import { bytesOf, fromRas, type ImageHeader, type Triple, type VoxelType } from "./header";
+
+const codes: Readonly<Record<VoxelType, number>> = {
+  uint8: 2,
+  int16: 4,
+  int32: 8,
+  float32: 16,
+  float64: 64,
+  int8: 256,
+  uint16: 512,
+  uint32: 768,
+};
+
+/** Length of a NIfTI-1 header with the four bytes that say that no extension follows. */
+const length = 352;
+
+/**
+ * The header of the NIfTI-1 file that is uploaded (ingest/build/nifti.h): geometry, type, scale and modality. Nothing of
+ * the original header is copied, because its texts may name the patient.
+ */
+export function canonicalHeader(image: ImageHeader & { readonly type: VoxelType }): Uint8Array<ArrayBuffer> {
+  const bytes = new Uint8Array(length);
+  const view = new DataView(bytes.buffer);
+  const little = image.littleEndian;
+  const shorts = (at: number, values: readonly number[]) =>
+    values.forEach((value, i) => view.setInt16(at + 2 * i, value, little));
+  const floats = (at: number, values: readonly number[]) =>
+    values.forEach((value, i) => view.setFloat32(at + 4 * i, value, little));
+  const text = (at: number, value: string) => bytes.set(new TextEncoder().encode(value), at);
+  view.setInt32(0, 348, little);
+  shorts(40, [3, ...image.size, 1, 1, 1, 1]);
+  shorts(70, [codes[image.type], 8 * bytesOf[image.type]]);
+  floats(76, [1, ...(image.axes ? lengths(image.axes) : image.spacing)]);
+  floats(108, [length, image.slope, image.intercept]);
+  view.setUint8(123, 2); // mm
+  if (image.axes) {
+    shorts(254, [1]);
+    const [x, y, z] = [fromRas(image.axes[0]), fromRas(image.axes[1]), fromRas(image.axes[2])];
+    [0, 1, 2].forEach((row) => floats(280 + 16 * row, [x[row] ?? 0, y[row] ?? 0, z[row] ?? 0, 0]));
+  }
+  text(328, image.modality);
+  text(344, "n+1");
+  return bytes;
+}
+
+export const lengths = ([x, y, z]: readonly [Triple, Triple, Triple]): Triple => [
+  Math.hypot(...x),
+  Math.hypot(...y),
+  Math.hypot(...z),
+];

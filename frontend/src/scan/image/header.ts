@@ -1,0 +1,71 @@
+/** Research formats: what NIfTI, NRRD and MetaImage files say about their voxels. Everything else in them stays here. */
+
+export type VoxelType = "int8" | "uint8" | "int16" | "uint16" | "int32" | "uint32" | "float32" | "float64";
+
+export const bytesOf: Readonly<Record<VoxelType, number>> = {
+  int8: 1,
+  uint8: 1,
+  int16: 2,
+  uint16: 2,
+  int32: 4,
+  uint32: 4,
+  float32: 4,
+  float64: 8,
+};
+
+export type Triple = readonly [number, number, number];
+
+export interface ImageHeader {
+  readonly size: Triple;
+  /** Number of volumes, such as the moments of a time series. */
+  readonly volumes: number;
+  /** Number of values per voxel, such as the three of a colour. */
+  readonly values: number;
+  /** Null for another type. */
+  readonly type: VoxelType | null;
+  readonly littleEndian: boolean;
+  /** The step from voxel to voxel along each axis, in mm in the patient's space (LPS). Null if the file does not say. */
+  readonly axes: readonly [Triple, Triple, Triple] | null;
+  /** In mm, for a file without axes. */
+  readonly spacing: Triple;
+  readonly slope: number;
+  readonly intercept: number;
+  /** "CT", "MR", "PT" or empty. */
+  readonly modality: string;
+  readonly coding: "raw" | "gzip" | "zlib" | "other";
+  /** Position of the voxels in the file. Null if they are in another file, at its beginning. */
+  readonly begin: number | null;
+  /** Length of the voxels as stored, if the header says so. */
+  readonly storedBytes: number | null;
+}
+
+/** Bytes of the voxels of one volume, unpacked. */
+export const voxelBytes = ({ size: [x, y, z], type }: ImageHeader): number => x * y * z * (type ? bytesOf[type] : 1);
+
+export const fromRas = ([x, y, z]: Triple): Triple => [-x, -y, z];
+
+export const triple = (numbers: readonly number[], at = 0): Triple => [
+  numbers[at] ?? Number.NaN,
+  numbers[at + 1] ?? Number.NaN,
+  numbers[at + 2] ?? Number.NaN,
+];
+
+export const times = ([x, y, z]: Triple, by: number): Triple => [x * by, y * by, z * by];
+
+/** "more": the header continues beyond `bytes`. Null: another format. */
+export type ImageRead = ImageHeader | "more" | null;
+
+/** The lines at the beginning of a file up to an end, and where that end is. Null if it is not in `bytes`. */
+export function textBefore(bytes: Uint8Array, end: RegExp): { readonly text: string; readonly after: number } | null {
+  // Latin-1, so that each character is one byte.
+  const text = new TextDecoder("latin1").decode(bytes);
+  const found = end.exec(text);
+  return found ? { text: text.slice(0, found.index), after: found.index + found[0].length } : null;
+}
+
+/** Numbers in a text, whatever stands between them. */
+export const numbersIn = (text: string): number[] =>
+  text
+    .split(/[\s,()]+/)
+    .filter((word) => word !== "")
+    .map(Number);
