@@ -9,13 +9,6 @@ namespace {
 
 constexpr std::chrono::minutes kJoinWindow{15};
 
-using Limits = std::vector<AttemptLimit>;
-
-/// Forgets the attempt at `at`, so that a guest whose page tries again is not locked out.
-void forget_attempt(AccountStore& accounts, const Limits& limits, Time at) {
-  for (const AttemptLimit& limit : limits) (void)accounts.forget_attempts(limit.key_hash, at);
-}
-
 tl::unexpected<Problem> no_own_session() {
   return refuse(ProblemKind::kNotFound, "Session not found.");
 }
@@ -67,10 +60,10 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
   const auto session = links_.follow(hash);
   if (!session && session.error().code == ErrorCode::kNotFound) return no_such_live_link();
   if (!session) return refuse(session.error());
-  const Time now = clock_.wall();
-  const Limits limits = {{blake2b("join:" + client.address), options_.by_address, kJoinWindow},
-                         {blake2b("join link:" + hash), options_.by_link, kJoinWindow}};
-  const auto wait = accounts_.note_attempt(limits, now);
+  const auto wait =
+      accounts_.note_attempt({{blake2b("join:" + client.address), options_.by_address, kJoinWindow},
+                              {blake2b("join link:" + hash), options_.by_link, kJoinWindow}},
+                             clock_.wall());
   if (!wait) return refuse(wait.error());
   if (*wait) {
     return refuse(ProblemKind::kTooManyAttempts,
@@ -95,11 +88,7 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
   request.visitor = true;
   request.visitor_from = hash;
   const auto placed = placement_.place(request);
-  const bool full = !placed && placed.error().code == ErrorCode::kTooLarge;
-  const bool no_worker =
-      !placed && placed.error().code == ErrorCode::kUnavailable && placement_.reachable();
-  if (full || no_worker) forget_attempt(accounts_, limits, now);
-  if (full) {
+  if (!placed && placed.error().code == ErrorCode::kTooLarge) {
     return refuse(ProblemKind::kBusy,
                   "All guest places are taken. Try again in a few minutes, or when the person who "
                   "shared the link is back.",
@@ -114,7 +103,7 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
     return Joined{participant, "/stream?ticket=" + placed->ticket};
   }
   if (placed.error().code == ErrorCode::kNotFound) return no_such_live_link();
-  if (no_worker) {
+  if (placed.error().code == ErrorCode::kUnavailable && placement_.reachable()) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
   }
   return refuse(placed.error());

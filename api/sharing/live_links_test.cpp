@@ -199,17 +199,6 @@ TEST_F(LiveLinksTest, LinkEndsWhenTheOwnerLosesAccessToTheScan) {
   EXPECT_EQ(placement.requests.size(), 1u);
 }
 
-TEST_F(LiveLinksTest, TryingAgainWithoutASlotUsesUpNoAttempts) {
-  const std::string token = make_link();
-  for (int i = 0; i < 241; ++i) {
-    placement.break_function("place", i % 2 == 0 ? ErrorCode::kUnavailable : ErrorCode::kTooLarge);
-    ASSERT_NE(refusal(join(token)), ProblemKind::kTooManyAttempts) << i;
-    clock.advance(2s);
-  }
-  placement.repair("place");
-  EXPECT_TRUE(join(token));
-}
-
 TEST_F(LiveLinksTest, EachPlacementFailureHasItsOwnError) {
   const std::string token = make_link();
   for (const auto& [code, kind, wait] :

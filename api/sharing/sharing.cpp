@@ -29,11 +29,20 @@ tl::unexpected<Problem> too_many_from_network(std::chrono::seconds wait) {
                 wait);
 }
 
-/// Forgets a visit that got no session, and its attempt if it was counted. Otherwise, a page that
-/// tries again every two seconds would be locked out after a minute.
-void forget_unplaced(const SharingParts& parts, const Visit& visit, bool counted, Time now) {
-  (void)parts.store.forget_visit(visit.session_id);
-  if (counted) (void)parts.accounts.forget_attempts(visit.address_hash, now);
+/// Counts an attempt for the address, but only one for each key within the window: a page that
+/// tries again every two seconds because no slot is free must not be locked out. Returns the time
+/// to wait.
+Result<std::optional<std::chrono::seconds>> note_first_attempt(AccountStore& accounts,
+                                                               const Visit& visit, int by_address,
+                                                               Time now) {
+  constexpr std::chrono::minutes kWindow{15};
+  const std::string key = blake2b("visit key:" + visit.session_id);
+  const auto known = accounts.note_attempt({{key, 1, kWindow}}, now);
+  DIAPHANE_TRY(known);
+  if (*known) return std::nullopt;
+  auto wait = accounts.note_attempt({{visit.address_hash, by_address, kWindow}}, now);
+  if (!wait || *wait) (void)accounts.forget_attempts(key, now);
+  return wait;
 }
 
 /// Records a new visit with a link in the logs. Ends it if its access was revoked during the
@@ -245,7 +254,6 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
-  bool counted = false;
   bool slices = true;  // everyone can get slices of a sample
   visit.address_hash = blake2b("visit:" + client.address);
   if (token.empty()) {
@@ -265,13 +273,11 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   visit.session_id = id_from("visit\n" + key + "\n" + visit.data_set_id + "\n" + visit.link_id);
   if (const auto known = parts_.store.find_visit(visit.session_id, now); !known) {
     if (known.error().code != ErrorCode::kNotFound) return refuse(known.error());
-    const auto wait = parts_.accounts.note_attempt(
-        {{visit.address_hash, options_.by_address, std::chrono::minutes(15)}}, now);
+    const auto wait = note_first_attempt(parts_.accounts, visit, options_.by_address, now);
     if (!wait) return refuse(wait.error());
     if (*wait) {
       return too_many_from_network(**wait);
     }
-    counted = true;
   }
   const auto noted = parts_.store.note_visit(visit, options_.at_once, now);
   if (!noted && noted.error().code == ErrorCode::kTooMany) {
@@ -289,7 +295,8 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const bool no_slot =
       !placed && (placed.error().code == ErrorCode::kTooLarge ||
                   (placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()));
-  if (no_slot) forget_unplaced(parts_, visit, counted, now);
+  // There is no session, so the record must not count as a visit.
+  if (no_slot) (void)parts_.store.forget_visit(visit.session_id);
   if (no_slot && placed.error().code == ErrorCode::kTooLarge) return no_place_for_visitors();
   if (no_slot) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));

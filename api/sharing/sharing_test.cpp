@@ -466,7 +466,7 @@ TEST_F(VisitsTest, VisitWithoutASlotIsDeleted) {
   }
 }
 
-TEST_F(VisitsTest, TryingAgainWithoutASlotUsesUpNoAttempts) {
+TEST_F(VisitsTest, TryingAgainWithoutASlotIsASingleAttempt) {
   for (int i = 0; i < 31; ++i) {
     placement.break_function("place", ErrorCode::kUnavailable);
     ASSERT_EQ(refusal(open()), ProblemKind::kNoWorker) << i;
