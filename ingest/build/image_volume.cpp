@@ -152,6 +152,8 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
     // mirroring.
     vtkNew<vtkImageFlip> flip;
     flip->SetInputData(image);
+    flip->SetEnableSMP(false);  // the sandbox allows no threads
+    flip->SetNumberOfThreads(1);
     flip->SetFilteredAxis(2);
     flip->Update();
     upright = flip->GetOutput();

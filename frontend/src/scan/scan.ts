@@ -130,9 +130,15 @@ class Search {
     if (!blob) return inside;
     for await (const one of filesIn(blob, archive.format, this.budget)) {
       if (typeof one === "string") this.report(archive, one);
-      else inside.push(one);
+      else inside.push(archive.format === "gzip" ? this.namedLike(archive, one) : one);
     }
     return inside;
+  }
+
+  /** A file that was packed alone, such as a scan in NIfTI, is known by the name of the packed one. */
+  private namedLike({ index }: Archive, piece: Piece): Piece {
+    const packed = this.pieces[index]?.blob;
+    return packed instanceof File ? pieceOf(new File([piece.blob], packed.name)) : piece;
   }
 
   private async contentOf(archive: Archive): Promise<Blob | null> {

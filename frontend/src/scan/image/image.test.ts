@@ -223,6 +223,9 @@ describe("a research file", () => {
 
   it("is shown with its file's name in the list, which the upload does not contain", async () => {
     const { series } = await sent(file(nifti(), voxels));
+    const bytes = new Uint8Array(await file(nifti(), voxels).arrayBuffer());
+    const alone = new File([await packed(bytes, "gzip")], "scan.nii.gz");
+    expect((await sent(alone)).series.fileName).toBe("scan.nii.gz");
     expect(series).toMatchObject({ fileName: "Jane Canary.nii", description: "", slices: 16 });
     expect(series.verdict).toMatchObject({ size: [20, 18, 16], sizeMm: [10, 13.5, 24] });
   });
