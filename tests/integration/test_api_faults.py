@@ -159,7 +159,8 @@ def test_a_stopping_api_never_says_that_nothing_is_there(stack, api_back):
         ending.set()
         for one in asking:
             one.result()
-    assert statuses == {401, 503}
+    # 503 only if a request arrived between the signal and the end, which is soon when none is in progress.
+    assert 401 in statuses and statuses <= {401, 503}, statuses
 
 
 def test_one_address_gets_at_most_half_of_the_api_connections(stack, one):
