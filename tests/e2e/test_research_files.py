@@ -107,6 +107,7 @@ def test_files_of_all_formats_show_the_same_patient(person: Person, tmp_path: Pa
         folder = stack.data_dir / "volumes" / person.card(title).get_attribute("data-id")
         stored = (folder / "volume.json").read_text()
         assert CANARY not in stored
+        assert ("CT" in person.card(title).locator(".chip").all_inner_texts()) == (title == "meta"), "only this file says its kind"
         header = json.loads(stored)
         voxels = np.frombuffer((folder / "voxels.i16").read_bytes(), "<i2").reshape(header["size"], order="F")
         assert sorted(header["size"]) == sorted(SIZE) and (voxels == 60).sum() == (values == 60).sum()

@@ -7,7 +7,7 @@ import { IconButton } from "./icon_button";
 import { Loading } from "./loading";
 import { ReportDialog } from "./report_dialog";
 import { Link } from "./router";
-import { lookOf, titleOf } from "./scan_card";
+import { KindChip, lookOf, titleOf } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
 import { PresetPicture, useThumbnail } from "./thumbnail";
@@ -123,7 +123,7 @@ function GalleryCard({ set, known, onReport }: GalleryCardProps) {
         </h2>
         <p class="chips">
           {set.is_sample ? <span class="chip chip-accent">{t.scans.sample}</span> : null}
-          {set.volume ? <span class="chip">{set.volume.modality}</span> : null}
+          <KindChip set={set} />
           {set.body_part ? <span class="chip">{t.sharing.parts[set.body_part]}</span> : null}
         </p>
         {set.description ? <p class="card-description">{set.description}</p> : null}

@@ -15,6 +15,12 @@ import { useThumbnail } from "./thumbnail";
 export const titleOf = (set: DataSet): string =>
   set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitledOn(dateText(set.created_at)));
 
+/** The kind of scan, if its files say it. */
+export function KindChip({ set }: { readonly set: DataSet }) {
+  const kind = set.volume?.modality ?? "OTHER";
+  return kind === "OTHER" ? null : <span class="chip">{t.sharing.gallery.kinds.names[kind]}</span>;
+}
+
 /** The look that suits the kind of scan. Only CT values distinguish bone. */
 export const lookOf = (set: DataSet): PresetName => (set.volume && set.volume.modality !== "CT" ? "skin" : "bone");
 
@@ -55,7 +61,7 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardP
             <span class="chip">{t.sharing.withLinks(set.shared.links)}</span>
           ) : null}
           {set.taken_down ? <span class="chip chip-refused">{t.sharing.takenDown}</span> : null}
-          {set.volume ? <span class="chip">{set.volume.modality}</span> : null}
+          <KindChip set={set} />
           {ready || still ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
         </p>
         {set.owned || !set.owner_name ? null : <p class="muted">{t.sharing.gallery.by(set.owner_name)}</p>}

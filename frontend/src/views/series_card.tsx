@@ -90,7 +90,8 @@ interface UploadFormProps {
 
 /** Asks for a title, unless an interrupted upload of the same files is resumed. */
 function UploadForm({ series, upload, onReady }: UploadFormProps) {
-  const [title, setTitle] = useState(() => proposedTitle(series, dicomDateText(series.date)));
+  const [proposal] = useState(() => proposedTitle(series, dicomDateText(series.date)));
+  const [title, setTitle] = useState(proposal);
   const { busy, interruptedAt, start } = upload;
   useEffect(() => {
     onReady(() => start(title.trim()));
@@ -111,7 +112,7 @@ function UploadForm({ series, upload, onReady }: UploadFormProps) {
           onInput={setTitle}
           most={80}
           placeholder={t.add.titleExample}
-          hint={t.add.titleHint}
+          hint={`${proposal === "" ? "" : t.add.titleProposed} ${t.add.titleHint}`.trim()}
         />
       ) : (
         <p>{t.add.resumeText(interruptedAt)}</p>

@@ -60,8 +60,9 @@ export const add: Texts["add"] = {
   thumbnail: "Mittlere Schicht",
   noThumbnail: "Keine Vorschau, weil die Bilder komprimiert sind",
   title: "Ihr Name für diese Aufnahme",
+  titleProposed: "Ein Vorschlag aus der Aufnahme, den Sie beliebig ändern können.",
   titleHint:
-    "Ein Vorschlag aus der Aufnahme, den Sie beliebig ändern können. Verwenden Sie keinen Personennamen: Zuerst sehen nur Sie ihn, später auch alle, mit denen Sie die Aufnahme teilen.",
+    "Verwenden Sie keinen Personennamen: Zuerst sehen nur Sie den Namen der Aufnahme, später auch alle, mit denen Sie sie teilen.",
   titleExample: "Kopf, Frühjahr",
   best: "Am besten für ein 3D-Bild",
   bestWhy: {

@@ -53,8 +53,8 @@ export const add = {
   thumbnail: "Middle slice",
   noThumbnail: "No preview because the images are compressed",
   title: "Your name for this scan",
-  titleHint:
-    "Suggested from the scan. Change it as you like, but don’t include a person’s name: only you can see it at first, and later anyone you share the scan with.",
+  titleProposed: "Suggested from the scan. Change it as you like.",
+  titleHint: "Don’t include a person’s name: only you can see it at first, and later anyone you share the scan with.",
   titleExample: "Head, spring",
   best: "Best for a 3D picture",
   bestWhy: {
