@@ -12,6 +12,9 @@
 
 namespace diaphane::ingest {
 
+/// The repair note of a file without axes. The page knows this sentence (scan/corrections.ts).
+inline constexpr const char* kNoAxes = "the file does not specify its orientation in the patient";
+
 /// Returns an int16 image that borrows the voxels of `volume`, with its spacing and direction.
 vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume);
 

@@ -68,8 +68,7 @@ Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) 
   import->SetDataExtentToWholeExtent();
   import->Update();
   std::vector<std::string> repairs;
-  if (!header.has_axes)
-    repairs.emplace_back("the file does not specify its orientation in the patient");
+  if (!header.has_axes) repairs.emplace_back(kNoAxes);
   auto volume = to_volume(import->GetOutput(), header.axes, header.slope, header.intercept,
                           std::move(repairs));
   if (volume) volume->header.modality = header.modality;

@@ -92,8 +92,6 @@ Axes straight(const double* spacing) {
   return {std::abs(spacing[0]), 0, 0, 0, std::abs(spacing[1]), 0, 0, 0, std::abs(spacing[2])};
 }
 
-const char* const kNoAxes = "the file does not specify its orientation in the patient";
-
 std::uint64_t bytes_of(vtkImageData* image) {
   return static_cast<std::uint64_t>(image->GetNumberOfPoints()) *
          static_cast<std::uint64_t>(image->GetScalarSize()) *

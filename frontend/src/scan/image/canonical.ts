@@ -1,15 +1,5 @@
-import { bytesOf, fromRas, type ImageHeader, type Triple, type VoxelType } from "./header";
-
-const codes: Readonly<Record<VoxelType, number>> = {
-  uint8: 2,
-  int16: 4,
-  int32: 8,
-  float32: 16,
-  float64: 64,
-  int8: 256,
-  uint16: 512,
-  uint32: 768,
-};
+import { bytesOf, fromRas, lengths, type ImageHeader, type VoxelType } from "./header";
+import { typeCodes } from "./nifti";
 
 /** Length of a NIfTI-1 header with the four bytes that say that no extension follows. */
 const length = 352;
@@ -29,7 +19,7 @@ export function canonicalHeader(image: ImageHeader & { readonly type: VoxelType 
   const text = (at: number, value: string) => bytes.set(new TextEncoder().encode(value), at);
   view.setInt32(0, 348, little);
   shorts(40, [3, ...image.size, 1, 1, 1, 1]);
-  shorts(70, [codes[image.type], 8 * bytesOf[image.type]]);
+  shorts(70, [typeCodes[image.type], 8 * bytesOf[image.type]]);
   floats(76, [1, ...(image.axes ? lengths(image.axes) : image.spacing)]);
   floats(108, [length, image.slope, image.intercept]);
   view.setUint8(123, 2); // mm
@@ -42,9 +32,3 @@ export function canonicalHeader(image: ImageHeader & { readonly type: VoxelType 
   text(344, "n+1");
   return bytes;
 }
-
-export const lengths = ([x, y, z]: readonly [Triple, Triple, Triple]): Triple => [
-  Math.hypot(...x),
-  Math.hypot(...y),
-  Math.hypot(...z),
-];

@@ -52,6 +52,12 @@ export const triple = (numbers: readonly number[], at = 0): Triple => [
 
 export const times = ([x, y, z]: Triple, by: number): Triple => [x * by, y * by, z * by];
 
+export const lengths = ([x, y, z]: readonly [Triple, Triple, Triple]): Triple => [
+  Math.hypot(...x),
+  Math.hypot(...y),
+  Math.hypot(...z),
+];
+
 /** "more": the header continues beyond `bytes`. Null: another format. */
 export type ImageRead = ImageHeader | "more" | null;
 

@@ -13,11 +13,7 @@ const values = Int16Array.from({ length: count }, (_, i) => (i % 3001) - 1000);
 const voxels = new Uint8Array(values.buffer);
 const swapped = Uint8Array.from(voxels, (_, i) => voxels[i ^ 1] ?? 0);
 const text = (lines: readonly string[]) => new TextEncoder().encode(lines.join("\n") + "\n");
-const file = (...parts: readonly Uint8Array<ArrayBuffer>[]) =>
-  new File(
-    parts.map((part) => part),
-    "Jane Canary.nii",
-  );
+const file = (...parts: readonly Uint8Array<ArrayBuffer>[]) => new File([...parts], "Jane Canary.nii");
 /** Stands where headers have free texts, and must never be sent. */
 const canary = "Jane Canary";
 

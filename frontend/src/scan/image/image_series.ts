@@ -103,11 +103,11 @@ async function thumbnailOf(
   image: ImageHeader & { readonly type: VoxelType },
   content: Blob,
 ): Promise<Thumbnail | null> {
-  const [x, y, z] = image.size;
+  const [, , z] = image.size;
   const slice = voxelBytes(image) / z;
   const middle = Math.floor(z / 2) * slice;
   try {
-    return drawImageThumbnail(image, await content.slice(middle, middle + x * y * (slice / (x * y))).arrayBuffer());
+    return drawImageThumbnail(image, await content.slice(middle, middle + slice).arrayBuffer());
   } catch {
     return null; // a series without a thumbnail is still shown
   }

@@ -1,24 +1,24 @@
 import { draw } from "../thumbnail";
 import type { Thumbnail } from "../types";
-import { lengths } from "./canonical";
-import type { ImageHeader, Triple, VoxelType } from "./header";
+import { bytesOf, lengths, type ImageHeader, type Triple, type VoxelType } from "./header";
 
 type Reader = (view: DataView, at: number, little: boolean) => number;
 
-const readers: Readonly<Record<VoxelType, { readonly bytes: number; readonly read: Reader }>> = {
-  int8: { bytes: 1, read: (view, at) => view.getInt8(at) },
-  uint8: { bytes: 1, read: (view, at) => view.getUint8(at) },
-  int16: { bytes: 2, read: (view, at, little) => view.getInt16(at, little) },
-  uint16: { bytes: 2, read: (view, at, little) => view.getUint16(at, little) },
-  int32: { bytes: 4, read: (view, at, little) => view.getInt32(at, little) },
-  uint32: { bytes: 4, read: (view, at, little) => view.getUint32(at, little) },
-  float32: { bytes: 4, read: (view, at, little) => view.getFloat32(at, little) },
-  float64: { bytes: 8, read: (view, at, little) => view.getFloat64(at, little) },
+const readers: Readonly<Record<VoxelType, Reader>> = {
+  int8: (view, at) => view.getInt8(at),
+  uint8: (view, at) => view.getUint8(at),
+  int16: (view, at, little) => view.getInt16(at, little),
+  uint16: (view, at, little) => view.getUint16(at, little),
+  int32: (view, at, little) => view.getInt32(at, little),
+  uint32: (view, at, little) => view.getUint32(at, little),
+  float32: (view, at, little) => view.getFloat32(at, little),
+  float64: (view, at, little) => view.getFloat64(at, little),
 };
 
 /** Draws one slice as radiologists see it: the patient's left on the right, or the front on the left, and the head up. */
 export function drawImageThumbnail(image: ImageHeader & { readonly type: VoxelType }, slice: ArrayBuffer): Thumbnail {
-  const { bytes, read } = readers[image.type];
+  const read = readers[image.type];
+  const bytes = bytesOf[image.type];
   const view = new DataView(slice);
   const [columns, rows] = image.size;
   const [wide, tall] = image.axes ? lengths(image.axes) : image.spacing;

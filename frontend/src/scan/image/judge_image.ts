@@ -1,7 +1,6 @@
 import { fewestSlices, mostFileBytes, mostVoxels } from "../judge";
 import type { Suitable, Unsuitable } from "../types";
-import { lengths } from "./canonical";
-import { voxelBytes, type ImageHeader, type Triple } from "./header";
+import { lengths, voxelBytes, type ImageHeader, type Triple } from "./header";
 
 const refuse = (reason: Unsuitable["reason"], count = 0): Unsuitable => ({ suitable: false, reason, count });
 

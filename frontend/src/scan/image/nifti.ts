@@ -2,16 +2,17 @@ import { fromRas, times, triple, type ImageHeader, type ImageRead, type Triple, 
 
 // Offsets of nifti1.h and nifti2.h (R. Cox et al. 2004, 2011).
 
-const types: Readonly<Record<number, VoxelType>> = {
-  2: "uint8",
-  4: "int16",
-  8: "int32",
-  16: "float32",
-  64: "float64",
-  256: "int8",
-  512: "uint16",
-  768: "uint32",
+export const typeCodes: Readonly<Record<VoxelType, number>> = {
+  uint8: 2,
+  int16: 4,
+  int32: 8,
+  float32: 16,
+  float64: 64,
+  int8: 256,
+  uint16: 512,
+  uint32: 768,
 };
+const types = new Map(Object.entries(typeCodes).map(([type, code]) => [code, type as VoxelType]));
 
 const length1 = 348;
 const length2 = 540;
@@ -37,7 +38,7 @@ export function readNifti(bytes: Uint8Array): ImageRead {
     size: [extent(1), extent(2), extent(3)],
     volumes: extent(4),
     values: extent(5) * extent(6) * extent(7),
-    type: types[code] ?? null,
+    type: types.get(code) ?? null,
     littleEndian: little,
     axes: axesOf(fields, mm),
     spacing: times(triple(pixdim.map(Math.abs), 1), mm),

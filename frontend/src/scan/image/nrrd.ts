@@ -1,4 +1,13 @@
-import { numbersIn, textBefore, triple, type ImageHeader, type ImageRead, type Triple, type VoxelType } from "./header";
+import {
+  lengths,
+  numbersIn,
+  textBefore,
+  triple,
+  type ImageHeader,
+  type ImageRead,
+  type Triple,
+  type VoxelType,
+} from "./header";
 
 /** Names of types, without "signed" and "_t" (teem.sourceforge.net/nrrd/format.html). */
 const types: Readonly<Record<string, VoxelType>> = {
@@ -76,7 +85,9 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
     littleEndian: get("endian")?.toLowerCase() !== "big",
     axes: axesOf(axes, space),
     spacing:
-      axes[0] && axes[1] && axes[2] ? lengths(axes[0], axes[1], axes[2]) : triple(spatial.map((i) => spacings[i] ?? 1)),
+      axes[0] && axes[1] && axes[2]
+        ? lengths([axes[0], axes[1], axes[2]])
+        : triple(spatial.map((i) => spacings[i] ?? 1)),
     slope: 1,
     intercept: 0,
     modality: "",
@@ -85,8 +96,6 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
     storedBytes: null,
   };
 }
-
-const lengths = (...axes: readonly [Triple, Triple, Triple]): Triple => triple(axes.map((axis) => Math.hypot(...axis)));
 
 function axesOf(axes: readonly (Triple | null | undefined)[], space: Triple | undefined): ImageHeader["axes"] {
   const [x, y, z] = axes;
