@@ -8,7 +8,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import facts, wait_for_samples
+from picture import wait_for_samples
 
 MINUTE_MS = 60_000
 
@@ -50,13 +50,14 @@ def test_the_end_of_the_render_time_is_announced(stack: TestStack, visit, craniu
     leave(stack, person, MINUTE_MS * 9 // 10)
     page.reload()
     expect(page.get_by_text("You have less than a minute of rendering time left this month.")).to_be_visible()
+    wait_for_samples(stack, page, 1)
 
     # Everything is used, and the open picture has its grace period.
     leave(stack, person, 0)
     ending = page.get_by_text("You have used up your rendering time for this month. This picture stays open until")
     turn_until(stack, page, lambda: ending.count() > 0)
     page.screenshot(path=pictures / "time-ending.png")
-    assert facts(page).samples > 0
+    wait_for_samples(stack, page, 1)
     stack.psql("UPDATE render_time SET warned_at = warned_at - interval '3 minutes' WHERE user_id = (SELECT id FROM users WHERE email = %s)", person.email)
     # Without further input, it ends as well, with a message.
     over = page.get_by_role("heading", name="No rendering time left")
