@@ -61,7 +61,7 @@ def test_a_fresh_benchmark_report_becomes_a_section(tmp_path):
     assert sum('"name"' in line for line in lines) == 2, "one result per line"
     page = figures.page(figures.reports(tmp_path))
     assert "## startup" in page and "|start|2±1 s|10: met|" in page
-    assert re.search(r"load 0\.5–[\d.]+,\s3 runs", page)
+    assert re.search(r"load\s0\.5–[\d.]+,\s3\sruns", page)
 
 
 def test_a_report_without_results_is_refused(tmp_path):

@@ -38,7 +38,7 @@ class Home:
         self.data.chmod(0o755)
         self.port = free_port()
 
-    def run(self, *words: str, timeout: float = 120, env: dict | None = None) -> subprocess.CompletedProcess:
+    def run(self, *words: str, timeout: float = 500, env: dict | None = None) -> subprocess.CompletedProcess:
         return subprocess.run([str(REPO / "diaphane"), *words, "--data", str(self.data)], stdin=subprocess.DEVNULL,
                               capture_output=True, text=True, timeout=timeout, env={**os.environ, **(env or {})})
 
