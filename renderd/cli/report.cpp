@@ -61,6 +61,7 @@ std::string report_json(const Options& options, const Outcome& outcome) {
       {"samples", progress.samples},
       {"milliseconds", progress.seconds * 1e3},
       {"estimated_error", nullptr},
+      {"automatic_exposure", progress.stops},
       {"error_curve", curve_json(outcome.curve)},
       {"stopped_by", name_of(outcome.stopped_by)},
       {"dropped_samples", outcome.dropped_samples},

@@ -12,7 +12,7 @@ namespace {
 
 TEST(Report, ListsEveryFeatureOnceAsUsedOrOmitted) {
   const Outcome outcome{.engine = {"cpu", "2 threads", 0},
-                        .progress = {8, 0.5, std::numeric_limits<double>::infinity()},
+                        .progress = {8, 0.5, std::numeric_limits<double>::infinity(), -0.5},
                         .stopped_by = StopReason::kSeconds,
                         .features = {"clip", "area light"},
                         .kernel = {}};
@@ -25,6 +25,7 @@ TEST(Report, ListsEveryFeatureOnceAsUsedOrOmitted) {
   }
   EXPECT_EQ(json["stopped_by"], "seconds");
   EXPECT_EQ(json["denoised"], false);
+  EXPECT_EQ(json["automatic_exposure"], -0.5);
   EXPECT_TRUE(json["estimated_error"].is_null()) << "unknown below two samples";
 }
 

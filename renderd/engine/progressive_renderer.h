@@ -28,6 +28,8 @@ struct Progress {
   /// Estimated relative RMSE of the displayed picture compared with the converged one, computed
   /// from two independent halves of the samples. Infinity for fewer than two samples.
   double error = 0;
+  /// Stops that automatic exposure adds to the exposure of the scene, as of the last error.
+  double stops = 0;
 };
 
 /// Accumulates the samples of one scene.

@@ -132,7 +132,8 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   if (!scene.display().show_environment() && scene.display().has_background_edge()) {
     out.escape_edge = colour_of(scene.display().background_edge()) - out.escape;
   }
-  out.exposure_scale = static_cast<float>(std::exp2(scene.display().exposure()));
+  out.exposure = scene.display().exposure();
+  out.automatic_exposure = scene.display().automatic_exposure() && !any_slice(out.slices);
   out.curve = curve_of(scene.display());
   using google::protobuf::util::MessageDifferencer;
   if (before != nullptr && before_scene != nullptr &&

@@ -42,8 +42,9 @@ struct PreparedScene {
   Float3 escape{};
   Float3 escape_edge{};  ///< as in SceneView
   Canvas canvas;
-  Float3 spacing{};          ///< mm
-  float exposure_scale = 1;  ///< 2^exposure, by which the display multiplies the radiance
+  Float3 spacing{};                 ///< mm
+  double exposure = 0;              ///< in stops: the display multiplies the radiance by 2^exposure
+  bool automatic_exposure = false;  ///< whether automatic_stops() are added to it
   ToneCurve curve = ToneCurve::kLinear;  ///< of the display
 };
 

@@ -301,6 +301,7 @@ v1::Scene scene_of(const volume::Header& header, const Framing& framing, const L
   v1::Display& display = *scene.mutable_display();
   display.set_curve(v1::Display::FILMIC);
   display.set_exposure(look.exposure);
+  display.set_automatic_exposure(true);
   set(*display.mutable_background(), {0.034, 0.037, 0.043});
   set(*display.mutable_background_edge(), {0.006, 0.007, 0.009});
   return scene;

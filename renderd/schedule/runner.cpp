@@ -471,6 +471,7 @@ void Runner::show(WorkItem& item, const EmissionInput& question) {
   rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.requested().input_seq;
   rendered.info.samples = ledger.progress().samples;
   rendered.info.error = ledger.progress().error;
+  rendered.info.stops = ledger.progress().stops;
   rendered.info.first_of_epoch = ledger.samples_shown() == 0;
   rendered.info.moving = ledger.moving();
   rendered.info.converged = question.converged;

@@ -32,6 +32,7 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     out.set_input_seq(frame.input_seq);
     out.set_iteration(frame.samples);
     out.set_error(frame.error);
+    out.set_stops(frame.stops);
     out.set_width(data.size.width);
     out.set_height(data.size.height);
     out.set_denoised(frame.denoised);

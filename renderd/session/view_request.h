@@ -40,6 +40,7 @@ struct FrameInfo {
   std::uint64_t input_seq = 0;
   std::uint64_t samples = 0;  ///< per pixel
   double error = 0;           ///< infinite if unknown
+  double stops = 0;           ///< Progress::stops
   /// Time spent on it since the epoch began: preparing the scene, samples, and this picture.
   std::uint64_t render_us = 0;
   bool first_of_epoch = false;

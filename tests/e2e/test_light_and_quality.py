@@ -81,6 +81,20 @@ def check_lights(hands: Hands, pictures: Path) -> None:
     light.get_by_role("button", name="Close Light").click()
 
 
+def check_exposure(hands: Hands, pictures: Path) -> None:
+    """64 lights would burn the picture out, which automatic exposure prevents."""
+    lens = hands.window("Lens and quality")
+    expect(lens.get_by_text("EV darker than set")).to_be_visible()
+    hands.page.screenshot(path=pictures / "exposure-automatic.png")
+    adapted = hands.picture()
+    hands.act(lens.get_by_label("Adjust the exposure automatically").uncheck)
+    expect(lens.get_by_text("EV darker than set")).to_have_count(0)
+    assert sum(hands.picture()) > 1.2 * sum(adapted)
+    hands.page.screenshot(path=pictures / "exposure-by-hand.png")
+    hands.act(lens.get_by_label("Adjust the exposure automatically").check)
+    lens.get_by_role("button", name="Close Lens and quality").click()
+
+
 def check_scattering(hands: Hands, pictures: Path) -> None:
     lens = hands.window("Lens and quality")
     lens.get_by_text("More", exact=True).click()
@@ -101,4 +115,5 @@ def test_cube_curve_lights_and_scattering(stack: TestStack, visit, cranium: Path
     check_cube(hands)
     check_curve(hands, pictures)
     check_lights(hands, pictures)
+    check_exposure(hands, pictures)
     check_scattering(hands, pictures)

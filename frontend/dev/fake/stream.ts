@@ -166,6 +166,7 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
         renderUs: BigInt((Date.now() - begun) * 1000 + 4000),
         encodeUs: 900n,
         denoised: samples <= 4,
+        stops: 0,
         decoder: "",
         quality: moving === 1 ? FrameQuality.SETTLED : FrameQuality.MOVING,
         data,

@@ -135,6 +135,8 @@ export interface Grey {
 
 export const slicesOf = (scene: Scene): Slices => scene.slices ?? create(SlicesSchema);
 
+export const showsSlices = (slices: Slices): boolean => sliceNames.some((name) => slices[name]?.shown);
+
 /** Adds a window to grey slices, because the server refuses a scene with slices without one. */
 function windowed(slices: Slices, grey: Grey): Slices {
   if (slices.windowWidth >= windowWidthLimits.low) return slices;
@@ -144,7 +146,7 @@ function windowed(slices: Slices, grey: Grey): Slices {
 
 /** Without any slice, showing only the slices would give an empty picture. */
 function notEmpty(slices: Slices): Slices {
-  return slices.alone && !sliceNames.some((name) => slices[name]?.shown) ? { ...slices, alone: false } : slices;
+  return slices.alone && !showsSlices(slices) ? { ...slices, alone: false } : slices;
 }
 
 const withSlices = (scene: Scene, slices: Slices, grey: Grey): Scene => ({

@@ -47,6 +47,7 @@ function edits(any: () => number, index: number, flag: boolean): ((scene: Scene)
     (s) => lens.setAperture(s, any()),
     (s) => lens.setFocus(s, flag ? null : any()),
     (s) => lens.setExposure(s, any()),
+    (s) => lens.setExposureAutomatic(s, flag),
     (s) => lens.setFilmic(s, flag),
     (s) => lens.setBounces(s, any()),
     (s) => lens.setMode(s, flag ? ShadingMode.HYBRID : ShadingMode.SURFACE),

@@ -95,6 +95,12 @@ export const setExposure = (scene: Scene, stops: number): Scene => {
   return { ...scene, display: { ...old, exposure: within(stops, exposureLimits, old.exposure) } };
 };
 
+export const isExposureAutomatic = (scene: Scene): boolean => displayOf(scene).automaticExposure;
+export const setExposureAutomatic = (scene: Scene, on: boolean): Scene => ({
+  ...scene,
+  display: { ...displayOf(scene), automaticExposure: on },
+});
+
 export const isFilmic = (scene: Scene): boolean => displayOf(scene).curve === DisplayCurve.FILMIC;
 export const setFilmic = (scene: Scene, on: boolean): Scene => ({
   ...scene,

@@ -10,6 +10,8 @@ export interface PictureFacts {
   readonly height: number;
   /** The server denoised this picture. It is closer to the finished picture than `error` suggests. */
   readonly smoothed: boolean;
+  /** Stops that automatic exposure added to the exposure of the scene. */
+  readonly stops: number;
 }
 
 /** The state of a picture after a pass. */

@@ -98,7 +98,7 @@ beforeEach(() => {
 
 describe("a streamed picture", () => {
   it("is painted, acknowledged and described", async () => {
-    await show(frame(1, 3, { inputSeq: 7n, denoised: true, width: 4, height: 2 }));
+    await show(frame(1, 3, { inputSeq: 7n, denoised: true, stops: -0.5, width: 4, height: 2 }));
     expect(painted).toEqual([4]);
     expect(acks).toEqual([1]);
     expect(store.picture.value).toEqual({
@@ -110,6 +110,7 @@ describe("a streamed picture", () => {
       width: 4,
       height: 2,
       smoothed: true,
+      stops: -0.5,
     });
   });
 

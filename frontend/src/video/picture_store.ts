@@ -129,6 +129,7 @@ export class PictureStore {
       width: frame.width,
       height: frame.height,
       smoothed: frame.denoised,
+      stops: frame.stops,
     };
     this.picture.value = facts;
     const fresh = before?.epoch !== facts.epoch || before.samples > facts.samples;

@@ -165,12 +165,12 @@ class CpuFrameRenderer final : public FrameRenderer {
 
   Progress progress() const override {
     if (!picture_) return {};
-    return {picture_->film.count(), picture_->seconds, picture_->film.error()};
+    return {picture_->film.count(), picture_->seconds, picture_->film.error(), stops()};
   }
 
   Result<void> display(PictureRgb8& out) override {
     if (!picture_) return no_scene();
-    picture_->film.display(picture_->prepared.exposure_scale, out);
+    picture_->film.display(scale(), out);
     return {};
   }
 
@@ -209,7 +209,7 @@ class CpuFrameRenderer final : public FrameRenderer {
 
   Result<bool> display_denoised(PictureRgb8& out) override {
     if (!picture_) return no_scene();
-    return picture_->film.display_denoised(picture_->prepared.exposure_scale, out);
+    return picture_->film.display_denoised(scale(), out);
   }
 
   Result<bool> radiance_denoised(PictureRgbF& out) override {
@@ -254,6 +254,15 @@ class CpuFrameRenderer final : public FrameRenderer {
   static tl::unexpected<Error> no_scene() {
     return fail(ErrorCode::kInvalid, "a scene must be set before rendering", "scene");
   }
+
+  /// Returns the correction of the exposure.
+  double stops() const {
+    const PreparedScene& scene = picture_->prepared;
+    if (!scene.automatic_exposure || picture_->film.count() == 0) return 0;
+    return automatic_stops(picture_->film.mean());
+  }
+  /// Returns the factor of the radiance on the display.
+  float scale() const { return display_scale(picture_->prepared.exposure + stops()); }
 
   /// Fills the film's samples. Returns false if stopped, in which case the samples are invalid.
   bool one_sample(const std::function<bool()>& stop) {

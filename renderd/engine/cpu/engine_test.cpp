@@ -7,8 +7,11 @@
 #include <limits>
 #include <numeric>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "renderd/film/exposure.h"
+#include "renderd/film/tone.h"
 #include "renderd/scene/presets.h"
 #include "tests/support/renderd/test_scenes.h"
 #include "tests/support/renderd/test_statistics.h"
@@ -272,6 +275,61 @@ TEST(Degenerate, ImagesStayFinite) {
       ASSERT_TRUE(std::isfinite(x));
       ASSERT_GE(x, 0);
     }
+  }
+}
+
+/// The skull with its lights multiplied by `factor`, and automatic exposure.
+diaphane::v1::Scene lit_skull(double factor) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  for (diaphane::v1::Light& light : *scene.mutable_lights()) light.set_intensity(factor);
+  scene.mutable_display()->set_automatic_exposure(true);
+  return scene;
+}
+
+/// Returns the mean over the pixels and colours that hit contents.
+double mean_of_subject(FrameRenderer& renderer) {
+  const std::vector<float> pixels = radiance(renderer);
+  std::vector<std::uint8_t> met;
+  EXPECT_TRUE(renderer.contents(met));
+  double sum = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (met[i / 3] != 0) sum += static_cast<double>(pixels[i]);
+  }
+  return sum / (3.0 * std::accumulate(met.begin(), met.end(), 0.0));
+}
+
+TEST(AutomaticExposure, BringsTheSubjectToTheNearerEndOfTheRange) {
+  const volume::Volume volume = test::skull_volume();
+  for (const auto& [factor, wanted] : {std::pair{1.0 / 32, kDarkestMean}, {8.0, kBrightestMean}}) {
+    for (const std::uint32_t samples : {1u, 8u}) {
+      Session s = session(volume);
+      diaphane::v1::Scene scene = lit_skull(factor);
+      scene.mutable_display()->set_exposure(0.5);
+      ASSERT_TRUE(s.renderer->set_scene(scene, kCanvas));
+      ASSERT_TRUE(s.renderer->render(samples, nullptr));
+      const double stops = s.renderer->progress().stops;
+      EXPECT_NEAR(mean_of_subject(*s.renderer) * std::exp2(stops), wanted, wanted / 32);
+      PictureRgb8 shown;
+      ASSERT_TRUE(s.renderer->display(shown));
+      const std::vector<float> pixels = radiance(*s.renderer);
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        ASSERT_EQ(shown.pixels[i], to_display(pixels[i], display_scale(0.5 + stops)));
+      }
+    }
+  }
+}
+
+TEST(AutomaticExposure, IsLeftOutWithoutTheSettingAndWithSlices) {
+  const volume::Volume volume = test::skull_volume();
+  diaphane::v1::Scene manual = lit_skull(64), slices = lit_skull(64);
+  manual.mutable_display()->set_automatic_exposure(false);
+  slices.mutable_slices()->mutable_axial()->set_shown(true);
+  slices.mutable_slices()->set_window_width(1000);
+  for (const auto& scene : {manual, slices}) {
+    Session s = session(volume);
+    ASSERT_TRUE(s.renderer->set_scene(scene, kCanvas));
+    ASSERT_TRUE(s.renderer->render(2, nullptr));
+    EXPECT_EQ(s.renderer->progress().stops, 0);
   }
 }
 

@@ -35,6 +35,7 @@ std::uint64_t CpuFilm::most_bytes(Canvas size, bool guided) {
 }
 
 void CpuFilm::recount() {
+  metering_.reset();
   error_.reset();
   by_stripe_.clear();
   count_ = own();
@@ -155,7 +156,7 @@ std::vector<float> CpuFilm::denoised() {
     guide_samples_ = {};
     return {};
   }
-  return denoise(threads_, {view(), guides_.data(), size_, count_, white(), voxel_, fade,
+  return denoise(threads_, {view(), guides_.data(), size_, count_, metering().white, voxel_, fade,
                             by_stripe_.empty() ? nullptr : by_stripe_.data()});
 }
 
@@ -187,7 +188,8 @@ bool CpuFilm::radiance_denoised(PictureRgbF& out) {
   return true;
 }
 
-float CpuFilm::white() const {
+const Metering& CpuFilm::metering() const {
+  if (metering_) return *metering_;
   WhiteHistogram total;
   std::mutex mutex;
   threads_.run((size_.height + kShareRows - 1) / kShareRows, [&](std::uint32_t stripe) {
@@ -199,21 +201,22 @@ float CpuFilm::white() const {
     std::lock_guard lock(mutex);
     for (std::uint32_t i = 0; i < kWhiteCounts; ++i) total.counts[i] += part.counts[i];
   });
-  return white_from_histogram(total);
+  metering_ = metering_of(total);
+  return *metering_;
 }
 
 double CpuFilm::error() const {
   static_assert(kTileSize == kShareRows);
   if (count_ < 2) return std::numeric_limits<double>::infinity();
   if (error_) return *error_;
-  const float white_value = white();
+  const float white = metering().white;
   const std::uint32_t tiles_x = (size_.width + kTileSize - 1) / kTileSize;
   const std::uint32_t tiles_y = (size_.height + kTileSize - 1) / kTileSize;
   std::vector<TileError> tiles(std::size_t{tiles_x} * tiles_y);
   threads_.run(tiles_y, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < tiles_x; ++x) {
       tiles[x + std::size_t{tiles_x} * y] =
-          tile_error(view(), size_, x, y, samples_of(kTileSize * y), white_value, curve_);
+          tile_error(view(), size_, x, y, samples_of(kTileSize * y), white, curve_);
     }
   });
   error_ = total_error(tiles, count_);

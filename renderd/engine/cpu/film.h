@@ -7,6 +7,7 @@
 #include "renderd/engine/cpu/thread_pool.h"
 #include "renderd/engine/frame_renderer.h"
 #include "renderd/film/error.h"
+#include "renderd/film/exposure.h"
 #include "renderd/film/film.h"
 #include "renderd/film/guides.h"
 #include "renderd/film/part.h"
@@ -59,6 +60,8 @@ class CpuFilm {
   /// Returns the estimated error of the whole picture (film/error.h). The value is kept until the
   /// next fold.
   double error() const;
+  /// Returns the mean radiance of the subject (film/exposure.h). The value is kept likewise.
+  double mean() const { return metering().mean; }
   void display(float scale, PictureRgb8& out) const;
   void radiance(PictureRgbF& out) const;
   void contents(std::vector<std::uint8_t>& out) const;
@@ -76,7 +79,7 @@ class CpuFilm {
   /// Returns the number of samples of the share's rows that were not taken.
   std::uint64_t own() const { return drawn_ - taken_; }
   void recount();
-  float white() const;
+  const Metering& metering() const;
   void fold_guides();
   /// Returns three numbers per pixel, or nothing if the picture is not denoised.
   std::vector<float> denoised();
@@ -98,7 +101,9 @@ class CpuFilm {
   std::vector<PackedGuides> guides_;
   float voxel_;
   ToneCurve curve_ = ToneCurve::kLinear;
-  mutable std::optional<double> error_;  ///< empty if not computed since the film changed
+  // Empty if not computed since the film changed.
+  mutable std::optional<Metering> metering_;
+  mutable std::optional<double> error_;
 };
 
 }  // namespace diaphane::render

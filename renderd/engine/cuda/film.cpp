@@ -83,6 +83,7 @@ Result<void> CudaFilm::clear(cudaStream_t stream) {
   rows_ = RowCounts(canvas_.height);
   taken_ = 0;
   merged_.clear();
+  metering_.reset();
   DIAPHANE_TRY(zero(sum_, 3 * pixels(), stream));
   DIAPHANE_TRY(zero(difference_, 3 * pixels(), stream));
   DIAPHANE_TRY(zero(state_, pixels(), stream));
@@ -157,6 +158,7 @@ Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
                          reinterpret_cast<const std::uint8_t*>(packed_.data()),
                          count * sizeof(PackedPixel), stream));
   taken_ = rows_.least();
+  metering_.reset();
   return true;
 }
 
@@ -176,6 +178,7 @@ Result<bool> CudaFilm::take_here(FilmPart& out, cudaStream_t stream) {
   out.pixels.clear();
   out.on_device = std::move(part);
   taken_ = rows_.least();
+  metering_.reset();
   return true;
 }
 
@@ -208,6 +211,7 @@ Result<void> CudaFilm::merge(const FilmPart& part, cudaStream_t stream) {
   // The next part uses the same memory.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
   count_as_merged(part.first_row, part.first_row + part.rows, part.samples);
+  metering_.reset();
   return {};
 }
 
@@ -237,26 +241,32 @@ Result<std::uint64_t> CudaFilm::dropped(cudaStream_t stream) const {
   return count;
 }
 
-Result<float> CudaFilm::white(const FilmPicture& film, cudaStream_t stream) const {
+Result<Metering> CudaFilm::metering(const FilmPicture& film, cudaStream_t stream) const {
+  if (metering_) return *metering_;
   DIAPHANE_TRY(ensure(counts_, kWhiteCounts));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(counts_.data(), 0, counts_.bytes(), stream));
   DIAPHANE_CUDA_TRY(white_histogram(film, counts_.data(), stream));
   WhiteHistogram histogram;
   DIAPHANE_TRY(download(histogram.counts, counts_, kWhiteCounts, stream));
-  return white_from_histogram(histogram);
+  metering_ = metering_of(histogram);
+  return *metering_;
 }
 
-Result<double> CudaFilm::error(cudaStream_t stream) const {
-  if (samples() < 2) return std::numeric_limits<double>::infinity();
+Result<CudaFilm::Measured> CudaFilm::measure(bool with_mean, cudaStream_t stream) const {
+  Measured measured{std::numeric_limits<double>::infinity(), 0};
+  if (samples() < (with_mean ? 1 : 2)) return measured;
   DIAPHANE_TRY(ensure(tiles_, tile_count()));
   const auto film = picture(stream);
   DIAPHANE_TRY(film);
-  const auto white_value = white(*film, stream);
-  DIAPHANE_TRY(white_value);
-  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / *white_value, curve_, tiles_.data(), stream));
+  const auto metered = metering(*film, stream);
+  DIAPHANE_TRY(metered);
+  measured.mean = metered->mean;
+  if (samples() < 2) return measured;
+  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / metered->white, curve_, tiles_.data(), stream));
   std::vector<TileError> tiles(tile_count());
   DIAPHANE_TRY(download(tiles.data(), tiles_, tiles.size(), stream));
-  return total_error(tiles, samples());
+  measured.error = total_error(tiles, samples());
+  return measured;
 }
 
 Result<void> CudaFilm::display(float scale, std::uint8_t* rgb, cudaStream_t stream) const {
@@ -286,9 +296,9 @@ Result<void> CudaFilm::radiance(float* rgb, cudaStream_t stream) const {
 Result<DenoiseWork> CudaFilm::denoise_work(float voxel, float fade, cudaStream_t stream) const {
   const auto film = picture(stream);
   DIAPHANE_TRY(film);
-  const auto white_value = white(*film, stream);
-  DIAPHANE_TRY(white_value);
-  return DenoiseWork{*film, guides_.data(), *white_value, voxel, fade, curve_, {}};
+  const auto metered = metering(*film, stream);
+  DIAPHANE_TRY(metered);
+  return DenoiseWork{*film, guides_.data(), metered->white, voxel, fade, curve_, {}};
 }
 
 Result<void> CudaFilm::display_denoised(CudaDenoiser& denoiser, float voxel, float fade,

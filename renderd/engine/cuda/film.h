@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "renderd/engine/cuda/denoise.h"
@@ -11,6 +12,7 @@
 #include "renderd/engine/cuda/row_counts.h"
 #include "renderd/film/canvas.h"
 #include "renderd/film/error.h"
+#include "renderd/film/exposure.h"
 #include "renderd/film/part.h"
 
 namespace diaphane::render::cuda {
@@ -70,13 +72,21 @@ class CudaFilm {
   RowCounts::Piece next(std::uint64_t target, std::uint32_t most) const {
     return rows_.next(target, most);
   }
-  void done(const RowCounts::Piece& piece, std::uint32_t rows) { rows_.done(piece, rows); }
+  void done(const RowCounts::Piece& piece, std::uint32_t rows) {
+    rows_.done(piece, rows);
+    metering_.reset();
+  }
 
   // The following functions wait for the stream. The first call allocates the additional memory
   // that they need, so they may fail with kOutOfMemory, which leaves the film unchanged.
   Result<std::uint64_t> dropped(cudaStream_t stream) const;
-  /// Returns total_error() of film/error.h, computed on the device.
-  Result<double> error(cudaStream_t stream) const;
+  struct Measured {
+    double error;  ///< total_error() of film/error.h
+    double mean;   ///< Metering::mean of film/exposure.h
+  };
+  /// Measures the picture on the device. With one sample, it only measures the mean, and only if
+  /// `with_mean`.
+  Result<Measured> measure(bool with_mean, cudaStream_t stream) const;
   Result<void> display(float scale, std::uint8_t* rgb, cudaStream_t stream) const;
   Result<void> radiance(float* rgb, cudaStream_t stream) const;
   /// These work like display() and radiance(), but denoise. Guides must be kept and there must be
@@ -91,8 +101,8 @@ class CudaFilm {
  private:
   /// Returns the film as kernels see it, and uploads the counts of the rows if they differ.
   Result<FilmPicture> picture(cudaStream_t stream) const;
-  /// Returns the white of film/error.h.
-  Result<float> white(const FilmPicture& film, cudaStream_t stream) const;
+  /// The value is kept until the film changes.
+  Result<Metering> metering(const FilmPicture& film, cudaStream_t stream) const;
   Result<DenoiseWork> denoise_work(float voxel, float fade, cudaStream_t stream) const;
   std::uint32_t tile_count() const;
   std::uint32_t last_row() const { return first_row_ + rows_.rows(); }
@@ -117,6 +127,7 @@ class CudaFilm {
   DeviceBuffer<PackedGuides> guides_;
   bool guided_ = false;
   ToneCurve curve_ = ToneCurve::kLinear;
+  mutable std::optional<Metering> metering_;
   // Buffers that are allocated when first needed and are not part of the film's state.
   mutable DeviceBuffer<std::uint64_t> by_stripe_;
   mutable DeviceBuffer<std::uint64_t> counts_;  ///< kWhiteCounts

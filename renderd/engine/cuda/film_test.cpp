@@ -89,9 +89,10 @@ TEST_F(CudaFilmTest, ErrorMatchesTheHostThroughEitherCurve) {
     }
     const double expected = total_error(tiles, film_.samples());
     film_.set_curve(curve);
-    const auto error = film_.error(stream_.get());
-    ASSERT_TRUE(error);
-    EXPECT_NEAR(*error, expected, 1e-5 * expected);
+    const auto measured = film_.measure(true, stream_.get());
+    ASSERT_TRUE(measured);
+    EXPECT_NEAR(measured->error, expected, 1e-5 * expected);
+    EXPECT_EQ(measured->mean, metering_of(histogram).mean);
   }
 }
 
@@ -163,7 +164,7 @@ TEST_F(CudaFilmTest, LimitsFullHdSessionTo100Megabytes) {
   std::vector<std::uint8_t> picture(3 * hd->pixels());
   ASSERT_TRUE(hd->display(1, picture.data(), stream_.get()));
   hd->done(hd->next(4, 4), 1080);
-  ASSERT_TRUE(hd->error(stream_.get()));
+  ASSERT_TRUE(hd->measure(true, stream_.get()));
   EXPECT_LE(hd->device_bytes(), 92'000'000u) << "8 MB are for tables and cell bounds";
 }
 
@@ -175,7 +176,7 @@ TEST_F(CudaFilmTest, LimitsFullHdSessionTo100MegabytesWithDenoising) {
   hd->done(hd->next(2, 2), 1080);
   CudaDenoiser denoiser;
   std::vector<std::uint8_t> picture(3 * hd->pixels());
-  ASSERT_TRUE(hd->error(stream_.get()));
+  ASSERT_TRUE(hd->measure(true, stream_.get()));
   ASSERT_TRUE(hd->display_denoised(denoiser, 1, 1, 1, picture.data(), stream_.get()));
   std::vector<float> radiance(3 * hd->pixels());
   ASSERT_TRUE(hd->radiance_denoised(denoiser, 1, 1, radiance.data(), stream_.get()));

@@ -348,15 +348,21 @@ Progress CudaRenderer::progress() const {
   // time of a short quantum.
   if (error_samples_ == 0 || progress.samples >= error_samples_ + (error_samples_ + 7) / 8) {
     // If the device is lost here, the next call that can fail reports it.
-    const auto error = film_->error(stream_.get());
-    if (!error) return progress;
+    const auto measured = film_->measure(prepared_.automatic_exposure, stream_.get());
+    if (!measured) return progress;
     error_samples_ = progress.samples;
-    error_ = *error;
+    error_ = measured->error;
+    stops_ = prepared_.automatic_exposure ? automatic_stops(measured->mean) : 0;
   }
   if (progress.samples > 0) {
     progress.error = error_ * std::sqrt(double(error_samples_) / double(progress.samples));
+    progress.stops = stops_;
   }
   return progress;
+}
+
+float CudaRenderer::scale() const {
+  return display_scale(prepared_.exposure + (prepared_.automatic_exposure ? progress().stops : 0));
 }
 
 Result<void> CudaRenderer::display(PictureRgb8& out) {
@@ -364,7 +370,7 @@ Result<void> CudaRenderer::display(PictureRgb8& out) {
   use_device();
   out.size = film_->canvas();
   out.pixels.resize(3 * film_->pixels());
-  return film_->display(prepared_.exposure_scale, out.pixels.data(), stream_.get());
+  return film_->display(scale(), out.pixels.data(), stream_.get());
 }
 
 Result<void> CudaRenderer::radiance(PictureRgbF& out) {
@@ -405,9 +411,8 @@ Result<bool> CudaRenderer::display_denoised(PictureRgb8& out) {
   const Float3 s = prepared_.spacing;
   out.size = film_->canvas();
   out.pixels.resize(3 * film_->pixels());
-  const auto done =
-      film_->display_denoised(*denoiser_, max(s.x, max(s.y, s.z)), f, prepared_.exposure_scale,
-                              out.pixels.data(), stream_.get());
+  const auto done = film_->display_denoised(*denoiser_, max(s.x, max(s.y, s.z)), f, scale(),
+                                            out.pixels.data(), stream_.get());
   if (done) return true;
   if (done.error().code != ErrorCode::kOutOfMemory) return tl::unexpected(done.error());
   return display(out).map([] { return false; });

@@ -108,6 +108,8 @@ class CudaRenderer : public FrameRenderer {
   /// Returns the current strength of denoising. When it reaches 0, the guides are freed and the
   /// picture is never denoised again.
   float fade();
+  /// Returns the factor of the radiance on the display.
+  float scale() const;
 
   std::shared_ptr<const CudaVolume> volume_;
   DeviceShares shares_;
@@ -136,9 +138,10 @@ class CudaRenderer : public FrameRenderer {
   double launch_milliseconds_ = 0;  ///< duration of the last measured launch
   double seconds_ = 0;
   std::uint64_t dropped_ = 0;
-  /// The error costs two small kernels, so it is estimated only on request and kept for a while.
+  /// The error costs two small kernels, so it is measured only on request and kept for a while.
   mutable std::uint64_t error_samples_ = 0;
   mutable double error_ = 0;
+  mutable double stops_ = 0;  ///< Progress::stops
 };
 
 }  // namespace diaphane::render::cuda

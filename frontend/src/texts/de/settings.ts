@@ -1,5 +1,5 @@
 import type { Texts } from "../shape";
-import { count } from "./counting";
+import { count, fixed } from "./counting";
 
 /** Names assigned by the renderer. Names chosen by users are shown as they are. */
 const known: Readonly<Record<string, string>> = {
@@ -182,6 +182,10 @@ export const settings: Texts["settings"] = {
 
   lens: {
     exposure: "Belichtung",
+    automatic: "Belichtung automatisch anpassen",
+    automaticNow: (stops: number) =>
+      `Das Bild wäre zu ${stops > 0 ? "dunkel" : "hell"} und ist deshalb ${fixed(Math.abs(stops), 1)} EV ${stops > 0 ? "heller" : "dunkler"} als eingestellt.`,
+    automaticWithSlices: "Solange das Bild Schichten zeigt, wird die Belichtung nicht angepasst.",
     filmic: "Lichter wie auf Film",
     stops: "EV",
     fov: "Bildwinkel",

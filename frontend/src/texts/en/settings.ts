@@ -1,4 +1,4 @@
-import { count } from "./counting";
+import { count, fixed } from "./counting";
 
 /** Names assigned by the renderer. Names chosen by users are shown as they are. */
 const known: Readonly<Record<string, string>> = {
@@ -181,6 +181,10 @@ export const settings = {
 
   lens: {
     exposure: "Exposure",
+    automatic: "Adjust the exposure automatically",
+    automaticNow: (stops: number) =>
+      `The picture would be too ${stops > 0 ? "dark" : "bright"}, so it is ${fixed(Math.abs(stops), 1)} EV ${stops > 0 ? "brighter" : "darker"} than set.`,
+    automaticWithSlices: "The exposure isn’t adjusted while the picture shows slices.",
     filmic: "Film-like highlights",
     stops: "EV",
     fov: "Field of view",

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { Shading_Mode as ShadingMode, type Scene } from "../../../protocol/gen/api/proto/scene_pb";
+import { showsSlices, slicesOf } from "../../../scene/cuts";
 import * as lens from "../../../scene/lens";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
@@ -29,7 +30,7 @@ export function LensWindow({ session, picture }: PictureWindowProps) {
   const edits = sceneEdits(session.editor);
   return (
     <>
-      <ExposureControls scene={scene} edits={edits} />
+      <ExposureControls scene={scene} edits={edits} session={session} />
       <FocusControls scene={scene} edits={edits} session={session} picture={picture} />
       <details class="more">
         <summary>{t.settings.more}</summary>
@@ -46,7 +47,7 @@ export function LensWindow({ session, picture }: PictureWindowProps) {
   );
 }
 
-function ExposureControls({ scene, edits }: LensPartProps) {
+function ExposureControls({ scene, edits, session }: LensPartProps & { readonly session: ViewerSession }) {
   const text = t.settings.lens;
   return (
     <>
@@ -60,6 +61,12 @@ function ExposureControls({ scene, edits }: LensPartProps) {
         rest={edits.rest}
         change={edits.live("exposure", lens.setExposure)}
       />
+      <Switch
+        label={text.automatic}
+        on={lens.isExposureAutomatic(scene)}
+        change={edits.once("automatic exposure", lens.setExposureAutomatic)}
+      />
+      <AutomaticExposureHint scene={scene} stops={session.pictures.picture.value?.stops ?? 0} />
       <Switch label={text.filmic} on={lens.isFilmic(scene)} change={edits.once("curve", lens.setFilmic)} />
       <ColourControl
         label={text.background}
@@ -69,6 +76,15 @@ function ExposureControls({ scene, edits }: LensPartProps) {
       />
     </>
   );
+}
+
+/** Says by how much the exposure is corrected, so that it can be set by hand instead. */
+function AutomaticExposureHint({ scene, stops }: { readonly scene: Scene; readonly stops: number }) {
+  const text = t.settings.lens;
+  if (!lens.isExposureAutomatic(scene)) return null;
+  if (showsSlices(slicesOf(scene))) return <p class="hint">{text.automaticWithSlices}</p>;
+  const tenths = Math.round(10 * stops);
+  return tenths === 0 ? null : <p class="hint">{text.automaticNow(tenths / 10)}</p>;
 }
 
 interface FocusControlsProps extends LensPartProps {

@@ -24,7 +24,7 @@ export function SlicesPart(props: SlicesPartProps) {
       {cuts.sliceNames.map((name) => (
         <SliceControls key={name} {...props} name={name} />
       ))}
-      {cuts.sliceNames.some((name) => slices[name]?.shown) ? <SliceColouring {...props} /> : null}
+      {cuts.showsSlices(slices) ? <SliceColouring {...props} /> : null}
     </>
   );
 }
