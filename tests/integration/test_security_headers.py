@@ -36,6 +36,15 @@ def test_every_response_has_a_strict_content_security_policy(api, path):  # noqa
         assert not re.search(r"\d", answer.headers.get(header, "")), "no version"
 
 
+@pytest.mark.parametrize("path", ["/", "/view/8f6c2c0e-0000-4000-8000-000000000000"])
+def test_a_preview_of_a_link_shows_the_same_picture_for_every_page(api, path):  # noqa: F811
+    host = httpx.URL(api.url).netloc.decode()
+    pictures = re.findall(r'property="og:image" content="([^"]*)"', httpx.get(api.url + path, timeout=30).text)
+    assert pictures == [f"https://{host}/preview.jpg"]
+    answer = httpx.get(api.url + "/preview.jpg", timeout=30)
+    assert answer.status_code == 200 and answer.headers["content-type"] == "image/jpeg"
+
+
 class Inline(HTMLParser):
     """Collects everything in a page that a strict policy would block."""
 
