@@ -22,7 +22,7 @@ export const viewer = {
   lostEnvironment: "The environment of this view no longer exists. An even light takes its place.",
   back: "My scans",
   stage:
-    "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 5 choose a look, and the question mark shows all keys.",
+    "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 7 choose a look, and the question mark shows all keys.",
   first: "Preparing the picture…",
   troubles,
   /** Added to a trouble while the last picture is still shown. */
@@ -134,7 +134,7 @@ export const viewer = {
     ["Zoom", "Wheel, or drag with the right button", "Pinch", "+ and −"],
     ["Roll", "Ctrl + drag", "", "Ctrl + ← →"],
     ["Reset the view", "Button at the top", "Button at the top", "R"],
-    ["Choose a look", "Pictures at the bottom", "Pictures at the bottom", "1 to 5"],
+    ["Choose a look", "Pictures at the bottom", "Pictures at the bottom", "1 to 7"],
     ["Undo", "Menu on the left", "Menu on the left", "Ctrl + Z"],
     ["Redo", "Menu on the left", "Menu on the left", "Ctrl + Shift + Z"],
     ["Show the slices", "Button at the top", "Button at the top", "V"],
