@@ -152,4 +152,5 @@ export const viewer: Texts["viewer"] = {
     ["Speichern oder teilen", "Knopf oben", "Knopf oben", "S"],
   ],
   helpHeads: ["Aktion", "Maus", "Touch", "Tastatur"],
+  helpButtons: { title: "Knöpfe", slices: "Schichten zeigen" },
 };

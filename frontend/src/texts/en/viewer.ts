@@ -145,3 +145,4 @@ export const viewer = {
   ] as readonly (readonly [string, string, string, string])[],
   helpHeads: ["Action", "Mouse", "Touch", "Keyboard"] as const,
 } as const;
+  helpButtons: { title: "Buttons", slices: "Show the slices" },
