@@ -68,6 +68,7 @@ export const viewer: Texts["viewer"] = {
       "Die Bilder unten zeigen andere Darstellungen derselben Aufnahme.",
       "Licht, Objektiv und Schnitte finden Sie im Menü links. Jede Änderung lässt sich rückgängig machen.",
     ],
+    touch: "Ziehen Sie mit einem Finger am Bild, um es zu drehen. Mit zwei Fingern zoomen Sie.",
     next: "Weiter",
     done: "Verstanden",
     hide: "Tipps ausblenden",
@@ -151,6 +152,6 @@ export const viewer: Texts["viewer"] = {
     ["Vollbild", "Knopf oben", "", "F"],
     ["Speichern oder teilen", "Knopf oben", "Knopf oben", "S"],
   ],
-  helpHeads: ["Aktion", "Maus", "Touch", "Tastatur"],
   helpButtons: { title: "Knöpfe", slices: "Schichten zeigen" },
+  helpHeads: ["Aktion", "Maus", "Touch", "Tastatur"],
 };

@@ -69,6 +69,8 @@ export const viewer = {
       "The pictures at the bottom show other looks of the same scan.",
       "Light, lens and cuts are in the menu on the left. You can undo any change.",
     ] as readonly string[],
+    /** Takes the place of the first tip on touch screens. */
+    touch: "Drag the picture with one finger to turn it. Pinch to zoom.",
     next: "Next",
     done: "Got it",
     hide: "Hide the tips",
@@ -143,6 +145,6 @@ export const viewer = {
     ["Full screen", "Button at the top", "", "F"],
     ["Save or share", "Button at the top", "Button at the top", "S"],
   ] as readonly (readonly [string, string, string, string])[],
+  helpButtons: { title: "Buttons", slices: "Show the slices" },
   helpHeads: ["Action", "Mouse", "Touch", "Keyboard"] as const,
 } as const;
-  helpButtons: { title: "Buttons", slices: "Show the slices" },
