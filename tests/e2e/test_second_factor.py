@@ -52,7 +52,7 @@ def sets_up(person: Person, blank: Page) -> tuple[pyotp.TOTP, list[str]]:
     assert code.get_attribute("autocomplete") == "one-time-code" and code.get_attribute("inputmode") == "numeric"
     code.fill(device.now())
     code.press("Enter")
-    expect(box.get_by_role("heading", name="Your recovery codes")).to_be_visible()
+    expect(box.get_by_role("heading", name="Your recovery codes")).to_be_focused()  # and so in the window
     return device, box.get_by_role("listitem").all_inner_texts()
 
 
@@ -141,6 +141,8 @@ def test_an_administrator_must_set_up_the_second_factor_first(stack: TestStack, 
     assert faults(page) == []
     page.screenshot(path=pictures / "administrator-without.png")
     page.get_by_role("link", name="Set it up in your account").click()
+    expect(page.get_by_role("heading", name="Two-factor authentication")).to_be_focused()
+    expect(panel(page).get_by_role("button", name="Set up")).to_be_in_viewport()
     sets_up(boss, blank)
     page.get_by_role("link", name="Administration").click()
     expect(page.get_by_role("link", name="Audit log")).to_be_visible()

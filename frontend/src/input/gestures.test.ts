@@ -94,7 +94,7 @@ describe("the keys", () => {
       "screenshot",
       "help",
     ]);
-    expect(press("5")).toEqual({ kind: "preset", index: 4 });
+    expect(press("7")).toEqual({ kind: "preset", index: 6 });
   });
   it("leave text fields all keys, and radio buttons all but those of the views", () => {
     expect([press("v")?.kind, press("M")?.kind, press("v", { ctrl: true })]).toEqual(["slices", "alone", null]);
@@ -119,7 +119,7 @@ describe("the keys", () => {
       ["r", { ctrl: true }],
       ["s", { meta: true }],
       ["ArrowLeft", { alt: true }],
-      ["6", {}],
+      ["8", {}],
       ["Tab", {}],
     ] as const)
       expect(press(key, more)).toBeNull();

@@ -54,7 +54,7 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
     case "?":
       return { kind: "help" };
     default:
-      return /^[1-5]$/.test(press.key) ? { kind: "preset", index: Number(press.key) - 1 } : null;
+      return /^[1-7]$/.test(press.key) ? { kind: "preset", index: Number(press.key) - 1 } : null;
   }
 }
 

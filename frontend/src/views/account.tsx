@@ -32,6 +32,11 @@ export function SignUp() {
       <AccountFrame title={t.titles.checkMail}>
         <Notice kind="good">{t.account.mailSent(email.trim())}</Notice>
         <p class="muted">{t.account.mailHint}</p>
+        <p>
+          <button type="button" class="button" onClick={() => setSent(false)}>
+            {t.account.mailAgain}
+          </button>
+        </p>
       </AccountFrame>
     );
 

@@ -8,6 +8,7 @@ import { takeFilesForAdd } from "./files_for_add";
 import { Bar, Notice, PageTitle, useFocusKept } from "./shell";
 import { useDroppedFiles } from "./use_dropped_files";
 import { useLatest } from "./use_latest";
+import { touchScreen, useMedia } from "./use_media";
 
 type Stage =
   | { readonly kind: "choose"; readonly fault?: string }
@@ -75,6 +76,7 @@ export function Add() {
 
 function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
   const [over, setOver] = useState(false);
+  const touch = useMedia(touchScreen);
   useDroppedFiles((files) => {
     setOver(false);
     onFiles(files);
@@ -95,8 +97,9 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
         {t.add.or}
       </p>
       <div class="drop-buttons">
-        <Picker text={t.add.choose} kind="folder" onFiles={onFiles} />
-        <Picker text={t.add.chooseFiles} kind="files" onFiles={onFiles} />
+        {(touch ? (["files", "folder"] as const) : (["folder", "files"] as const)).map((kind, at) => (
+          <Picker key={kind} kind={kind} main={at === 0} onFiles={onFiles} />
+        ))}
       </div>
       <p class="muted drop-formats">{t.add.formats}</p>
     </div>
@@ -104,13 +107,15 @@ function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
 }
 
 interface PickerProps {
-  readonly text: string;
   readonly kind: "folder" | "files";
+  /** Whether this is the usual choice. */
+  readonly main: boolean;
   readonly onFiles: (files: File[]) => void;
 }
 
-/** Phones can choose only files, and a folder is easier to choose than its files elsewhere. */
-function Picker({ text, kind, onFiles }: PickerProps) {
+/** Many phones can choose only files, and a folder is easier to choose than its files elsewhere. */
+function Picker({ kind, main, onFiles }: PickerProps) {
+  const text = kind === "folder" ? t.add.choose : t.add.chooseFiles;
   const input = useRef<HTMLInputElement>(null);
   return (
     <>
@@ -130,11 +135,7 @@ function Picker({ text, kind, onFiles }: PickerProps) {
           if (files.length > 0) onFiles(files);
         }}
       />
-      <button
-        type="button"
-        class={`button${kind === "folder" ? " button-main" : ""}`}
-        onClick={() => input.current?.click()}
-      >
+      <button type="button" class={`button${main ? " button-main" : ""}`} onClick={() => input.current?.click()}>
         {text}
       </button>
     </>

@@ -54,7 +54,7 @@ export function ReportDialog({ title, reasons, send, onClose }: ReportDialogProp
           {sent ? t.close : t.cancel}
         </button>
         {sent ? null : (
-          <button type="button" class="button button-danger" onClick={report}>
+          <button type="button" class="button button-main" onClick={report}>
             {text.send}
           </button>
         )}

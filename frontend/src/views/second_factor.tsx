@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { NewSecret, SecondFactor as State } from "../api/second_factor";
 import { t } from "../texts";
 import { CodeField } from "./code_field";
@@ -6,6 +6,7 @@ import { Dialog } from "./dialog";
 import { CurrentPassword } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { dayText } from "./format";
+import { Icon } from "./icons";
 import { Loading } from "./loading";
 import { QrCode } from "./qr_code";
 import { Link } from "./router";
@@ -14,6 +15,17 @@ import { useApp } from "./state";
 
 type Given = "password" | "code";
 const given: readonly Given[] = ["password", "code"];
+
+const panelId = "second-factor";
+
+/** Scrolls to the panel and focuses its heading if the URL points to it. */
+function usePanelReached(ready: boolean) {
+  const heading = useRef<HTMLHeadingElement>(null);
+  useEffect(() => {
+    if (ready && location.hash === `#${panelId}`) heading.current?.focus();
+  }, [ready]);
+  return heading;
+}
 
 /** The panel of the account page that sets up, renews or turns off two-factor authentication. */
 export function SecondFactor() {
@@ -35,6 +47,7 @@ export function SecondFactor() {
   };
   useEffect(load, [app]);
   useFocusKept(codes ?? state);
+  const heading = usePanelReached(state !== null);
   /** Undefined until the server has responded. */
   const since = state?.set_up_at;
   const required = state?.required ?? false;
@@ -44,8 +57,10 @@ export function SecondFactor() {
     load();
   };
   return (
-    <section class="panel" aria-labelledby="second-factor">
-      <h2 id="second-factor">{t.secondFactor.title}</h2>
+    <section class="panel" aria-labelledby={panelId}>
+      <h2 id={panelId} ref={heading} tabIndex={-1}>
+        {t.secondFactor.title}
+      </h2>
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
       {state === null && !wrong ? <Loading /> : null}
       {codes ? <RecoveryCodes codes={codes} onKept={() => setCodes(null)} /> : null}
@@ -136,10 +151,25 @@ function useSetUp(onDone: SetUpProps["onDone"]) {
 }
 
 function RecoveryCodes({ codes, onKept }: { readonly codes: readonly string[]; readonly onKept: () => void }) {
+  const heading = useRef<HTMLHeadingElement>(null);
+  const [told, setTold] = useState("");
+  const text = t.secondFactor;
+  // The QR code above has gone, so without the focus the window would show the end of the list.
+  useEffect(() => heading.current?.focus(), []);
+  const copy = async () => {
+    try {
+      await navigator.clipboard.writeText(codes.join("\n"));
+      setTold(text.copied);
+    } catch {
+      setTold(text.copyFailed);
+    }
+  };
   return (
     <div class="recovery-codes">
-      <h3>{t.secondFactor.recoveryTitle}</h3>
-      <Notice kind="good">{t.secondFactor.recoveryText}</Notice>
+      <h3 ref={heading} tabIndex={-1}>
+        {text.recoveryTitle}
+      </h3>
+      <Notice kind="good">{text.recoveryText}</Notice>
       <ol>
         {codes.map((code) => (
           <li key={code}>
@@ -147,11 +177,16 @@ function RecoveryCodes({ codes, onKept }: { readonly codes: readonly string[]; r
           </li>
         ))}
       </ol>
-      <p>
+      <p class="buttons">
+        <button type="button" class="button" onClick={() => void copy()}>
+          <Icon name="copy" />
+          {text.copy}
+        </button>
         <button type="button" class="button button-main" onClick={onKept}>
-          {t.secondFactor.kept}
+          {text.kept}
         </button>
       </p>
+      <p role="status">{told}</p>
     </div>
   );
 }
@@ -215,7 +250,7 @@ export function SecondFactorFirst() {
       <PageTitle text={t.titles.admin} />
       <Notice kind="bad">{t.secondFactor.required}</Notice>
       <p>
-        <Link href="/account" class="button button-main">
+        <Link href={`/account#${panelId}`} class="button button-main">
           {t.secondFactor.toAccount}
         </Link>
       </p>

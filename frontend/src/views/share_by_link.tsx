@@ -21,15 +21,15 @@ export function ShareByLink({ set }: { readonly set: DataSet }) {
       <p>{text.sees}</p>
       {links.length === 0 ? <p>{text.none}</p> : <LinkList links={links} busy={busy} end={end} />}
       {made ? <CopyField value={made} label={text.newLink} button={text.copy} onCopy={copy} /> : null}
+      {outcome}
+      <Switch label={text.slices} on={slices} change={setSlices} />
+      <p class="field-hint">{text.slicesHint}</p>
       <div class="share-form">
         <Choice label={text.life} value={hours} onChoose={setHours} options={Object.entries(text.lives)} />
         <button type="button" class="button" disabled={busy} onClick={() => make(Number(hours), slices)}>
           {text.make}
         </button>
       </div>
-      <Switch label={text.slices} on={slices} change={setSlices} />
-      <p class="field-hint">{text.slicesHint}</p>
-      {outcome}
     </section>
   );
 }

@@ -1,5 +1,8 @@
 import { useEffect, useState } from "preact/hooks";
 
+/** A touch screen without a mouse. */
+export const touchScreen = "(hover: none) and (pointer: coarse)";
+
 /** Whether the window matches the media query, now and after changes. */
 export function useMedia(query: string): boolean {
   const [matches, setMatches] = useState(() => matchMedia(query).matches);

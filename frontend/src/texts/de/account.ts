@@ -23,6 +23,7 @@ export const account: Texts["account"] = {
   mailSent: (email) =>
     `Wir haben eine E-Mail an ${email} geschickt. Öffnen Sie den Link darin, um Ihre Adresse zu bestätigen und ein Passwort zu wählen.`,
   mailHint: "Nichts angekommen? Es kann eine Minute dauern. Sehen Sie auch im Spam-Ordner nach.",
+  mailAgain: "Adresse ändern oder noch einmal senden",
   toSignIn: "Zur Anmeldung",
   verifyLead:
     "Damit bestätigen Sie Ihre E-Mail-Adresse. Wenn Sie kein Konto bei Diaphane angelegt haben, schließen Sie diese Seite einfach.",

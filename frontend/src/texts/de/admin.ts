@@ -19,7 +19,7 @@ export const admin: Texts["admin"] = {
   disabled: "gesperrt",
   administrator: "Administratorrechte",
   active: "aktiv",
-  never: "nie",
+  never: "nicht angemeldet",
   change: "Bearbeiten",
   changeOf: (email) => `${email} bearbeiten`,
   quotaGb: "Speicherplatz (GB)",

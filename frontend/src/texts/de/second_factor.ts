@@ -19,6 +19,9 @@ export const secondFactor: Texts["secondFactor"] = {
   recoveryTitle: "Ihre Ersatzcodes",
   recoveryText:
     "Ab jetzt brauchen Sie zum Anmelden einen Code. Bewahren Sie diese Ersatzcodes dort auf, wo Sie sie auch ohne Ihr Telefon finden. Jeden können Sie einmal anstelle eines Authentifizierungscodes verwenden. Sie werden nicht noch einmal angezeigt.",
+  copy: "Codes kopieren",
+  copied: "Kopiert.",
+  copyFailed: "Die Codes konnten nicht kopiert werden. Markieren Sie sie und kopieren Sie sie selbst.",
   kept: "Ich habe sie gespeichert",
   setUpSince: (day) => `Aktiv seit ${day}.`,
   codesLeft: (left) => (left === 1 ? "Sie haben noch 1 Ersatzcode." : `Sie haben noch ${left.toFixed(0)} Ersatzcodes.`),

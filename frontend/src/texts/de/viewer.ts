@@ -5,7 +5,7 @@ export const viewer: Texts["viewer"] = {
   lostEnvironment: "Die Umgebung dieser Ansicht existiert nicht mehr. Ein gleichmäßiges Licht ersetzt sie.",
   back: "Meine Aufnahmen",
   stage:
-    "3D-Ansicht der Aufnahme. Die Pfeiltasten drehen, Plus und Minus zoomen, R setzt die Ansicht zurück, 1 bis 5 wählen eine Darstellung, und das Fragezeichen zeigt alle Tasten.",
+    "3D-Ansicht der Aufnahme. Die Pfeiltasten drehen, Plus und Minus zoomen, R setzt die Ansicht zurück, 1 bis 7 wählen eine Darstellung, und das Fragezeichen zeigt alle Tasten.",
   first: "Das Bild wird vorbereitet …",
   troubles: {
     lost: "Verbindung unterbrochen. Sie wird wiederhergestellt …",
@@ -68,6 +68,7 @@ export const viewer: Texts["viewer"] = {
       "Die Bilder unten zeigen andere Darstellungen derselben Aufnahme.",
       "Licht, Objektiv und Schnitte finden Sie im Menü links. Jede Änderung lässt sich rückgängig machen.",
     ],
+    touch: "Ziehen Sie mit einem Finger am Bild, um es zu drehen. Mit zwei Fingern zoomen Sie.",
     next: "Weiter",
     done: "Verstanden",
     hide: "Tipps ausblenden",
@@ -137,7 +138,7 @@ export const viewer: Texts["viewer"] = {
     ["Zoomen", "Mausrad oder mit der rechten Taste ziehen", "Zwei Finger spreizen oder zusammenziehen", "+ und −"],
     ["Rollen", "Strg + Ziehen", "", "Strg + ← →"],
     ["Ansicht zurücksetzen", "Knopf oben", "Knopf oben", "R"],
-    ["Darstellung wählen", "Bilder unten", "Bilder unten", "1 bis 5"],
+    ["Darstellung wählen", "Bilder unten", "Bilder unten", "1 bis 7"],
     ["Rückgängig machen", "Menü links", "Menü links", "Strg + Z"],
     ["Wiederholen", "Menü links", "Menü links", "Strg + Umschalt + Z"],
     ["Schichten zeigen", "Knopf oben", "Knopf oben", "V"],
@@ -151,5 +152,6 @@ export const viewer: Texts["viewer"] = {
     ["Vollbild", "Knopf oben", "", "F"],
     ["Speichern oder teilen", "Knopf oben", "Knopf oben", "S"],
   ],
+  helpButtons: { title: "Knöpfe", slices: "Schichten zeigen" },
   helpHeads: ["Aktion", "Maus", "Touch", "Tastatur"],
 };

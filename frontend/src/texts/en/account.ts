@@ -22,6 +22,7 @@ export const account = {
   mailSent: (email: string) =>
     `We’ve sent an email to ${email}. Open the link in it to confirm your address and choose a password.`,
   mailHint: "Didn’t get it? It can take a minute to arrive. Also check your spam folder.",
+  mailAgain: "Correct the address or send it again",
   toSignIn: "Go to sign-in",
   verifyLead: "This confirms your email address. If you didn’t sign up for Diaphane, close this page.",
   verifySubmit: "Set password and sign in",

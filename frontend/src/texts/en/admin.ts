@@ -18,7 +18,7 @@ export const admin = {
   disabled: "disabled",
   administrator: "administrator",
   active: "active",
-  never: "never",
+  never: "not signed in",
   change: "Edit",
   changeOf: (email: string) => `Edit ${email}`,
   quotaGb: "Storage (GB)",

@@ -17,6 +17,9 @@ export const secondFactor = {
   recoveryTitle: "Your recovery codes",
   recoveryText:
     "From now on, signing in requires a code. Keep these recovery codes where you can find them without your phone. You can use each one once instead of an authentication code. They won’t be shown again.",
+  copy: "Copy the codes",
+  copied: "Copied.",
+  copyFailed: "The codes couldn’t be copied. Select them and copy them yourself.",
   kept: "I’ve saved them",
   setUpSince: (day: string) => `Active since ${day}.`,
   codesLeft: (left: number) =>

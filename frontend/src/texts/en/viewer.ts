@@ -22,7 +22,7 @@ export const viewer = {
   lostEnvironment: "The environment of this view no longer exists. An even light takes its place.",
   back: "My scans",
   stage:
-    "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 5 choose a look, and the question mark shows all keys.",
+    "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 7 choose a look, and the question mark shows all keys.",
   first: "Preparing the picture…",
   troubles,
   /** Added to a trouble while the last picture is still shown. */
@@ -69,6 +69,8 @@ export const viewer = {
       "The pictures at the bottom show other looks of the same scan.",
       "Light, lens and cuts are in the menu on the left. You can undo any change.",
     ] as readonly string[],
+    /** Takes the place of the first tip on touch screens. */
+    touch: "Drag the picture with one finger to turn it. Pinch to zoom.",
     next: "Next",
     done: "Got it",
     hide: "Hide the tips",
@@ -134,7 +136,7 @@ export const viewer = {
     ["Zoom", "Wheel, or drag with the right button", "Pinch", "+ and −"],
     ["Roll", "Ctrl + drag", "", "Ctrl + ← →"],
     ["Reset the view", "Button at the top", "Button at the top", "R"],
-    ["Choose a look", "Pictures at the bottom", "Pictures at the bottom", "1 to 5"],
+    ["Choose a look", "Pictures at the bottom", "Pictures at the bottom", "1 to 7"],
     ["Undo", "Menu on the left", "Menu on the left", "Ctrl + Z"],
     ["Redo", "Menu on the left", "Menu on the left", "Ctrl + Shift + Z"],
     ["Show the slices", "Button at the top", "Button at the top", "V"],
@@ -143,5 +145,6 @@ export const viewer = {
     ["Full screen", "Button at the top", "", "F"],
     ["Save or share", "Button at the top", "Button at the top", "S"],
   ] as readonly (readonly [string, string, string, string])[],
+  helpButtons: { title: "Buttons", slices: "Show the slices" },
   helpHeads: ["Action", "Mouse", "Touch", "Keyboard"] as const,
 } as const;

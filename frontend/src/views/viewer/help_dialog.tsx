@@ -1,7 +1,19 @@
 import { t } from "../../texts";
 import { CloseButton, Dialog } from "../dialog";
+import { Icon, type IconName } from "../icons";
 
-export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
+export interface HelpDialogProps {
+  /** Which of the buttons are there. */
+  readonly has: {
+    readonly slices: boolean;
+    readonly account: boolean;
+    readonly presets: boolean;
+    readonly sharing: boolean;
+  };
+  readonly onClose: () => void;
+}
+
+export function HelpDialog({ has, onClose }: HelpDialogProps) {
   return (
     <Dialog title={t.viewer.help} onClose={onClose}>
       <table class="help">
@@ -25,7 +37,42 @@ export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
           ))}
         </tbody>
       </table>
+      <Buttons has={has} />
       <CloseButton onClick={onClose} />
     </Dialog>
+  );
+}
+
+/** Names the buttons that show only an icon, because a touch screen has no tooltips. */
+function Buttons({ has }: Pick<HelpDialogProps, "has">) {
+  const { windows } = t.settings;
+  const all: readonly (readonly [IconName, string, boolean])[] = [
+    ["four", t.viewer.helpButtons.slices, has.slices],
+    ["reset", t.viewer.reset, true],
+    ["camera", t.viewer.screenshot, true],
+    ["record", t.recording.open, has.account],
+    ["star", t.presets.open, has.presets],
+    ["globe", t.sharing.open, has.sharing],
+    ["people", t.live.open, true],
+    ["undo", t.settings.undo, true],
+    ["redo", t.settings.redo, true],
+    ["palette", windows.look, true],
+    ["lamp", windows.light, true],
+    ["aperture", windows.lens, true],
+    ["slice", windows.cuts, true],
+  ];
+  return (
+    <section>
+      <h3>{t.viewer.helpButtons.title}</h3>
+      <ul class="help-buttons">
+        {all.map(([icon, name, there]) =>
+          there ? (
+            <li key={icon}>
+              <Icon name={icon} /> {name}
+            </li>
+          ) : null,
+        )}
+      </ul>
+    </section>
   );
 }

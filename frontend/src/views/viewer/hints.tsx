@@ -2,11 +2,13 @@ import { useEffect, useState } from "preact/hooks";
 import { local } from "../../storage";
 import { t } from "../../texts";
 import { Icon } from "../icons";
+import { touchScreen, useMedia } from "../use_media";
 import { hintsDue, hintsSeen } from "./hint_memory";
 
 /** Three tips on first use, one after the other. Escape closes them from anywhere on the page. */
 export function Hints({ onDone }: { readonly onDone: () => void }) {
   const [at, setAt] = useState(() => (hintsDue(local) ? 0 : -1));
+  const touch = useMedia(touchScreen);
   const text = t.viewer.hints;
   const end = () => {
     hintsSeen(local);
@@ -24,7 +26,7 @@ export function Hints({ onDone }: { readonly onDone: () => void }) {
     addEventListener("keydown", pressed);
     return () => removeEventListener("keydown", pressed);
   }, [at]);
-  const hint = text.all[at];
+  const hint = at === 0 && touch ? text.touch : text.all[at];
   if (hint === undefined) return null;
   const last = at === text.all.length - 1;
   return (

@@ -4,7 +4,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
 import { ExportDialog } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
-import { HelpDialog } from "./help_dialog";
+import { HelpDialog, type HelpDialogProps } from "./help_dialog";
 import { RecordingDialog } from "./recording";
 import { SavedPresets } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
@@ -26,7 +26,7 @@ export interface ViewerDialogsProps {
 export function ViewerDialogs({ open, close, session, role, own, set, onChange, shot }: ViewerDialogsProps) {
   switch (open) {
     case "help":
-      return <HelpDialog onClose={close} />;
+      return <HelpDialog has={buttonsOf(session, own, set)} onClose={close} />;
     case "share":
       return session ? <ShareDialog session={session} role={role} owner={own} onClose={close} /> : null;
     case "scan":
@@ -40,6 +40,11 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
     case null:
       return null;
   }
+}
+
+function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | null): HelpDialogProps["has"] {
+  const slices = session?.slices.available.value ?? false;
+  return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false };
 }
 
 type ExportOfPictureProps = Pick<ViewerDialogsProps, "own" | "shot" | "close"> & { readonly session: ViewerSession };

@@ -36,18 +36,20 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
         choose={(name) => (slices.tool.value = name)}
       />
       <WindowControls slices={slices} volume={volume} />
-      <DisplayControls slices={slices} />
-      <button
-        type="button"
-        class="icon-button"
-        aria-label={t.slices.removeMeasure}
-        title={t.slices.removeMeasure}
-        aria-disabled={none}
-        onClick={() => slices.removeLastMeasure()}
-      >
-        <Icon name="trash" />
-      </button>
-      <IconButton icon="reset" label={t.slices.reset} onClick={() => slices.reset()} />
+      <div class="slice-ends">
+        <DisplayControls slices={slices} />
+        <button
+          type="button"
+          class="icon-button"
+          aria-label={t.slices.removeMeasure}
+          title={t.slices.removeMeasure}
+          aria-disabled={none}
+          onClick={() => slices.removeLastMeasure()}
+        >
+          <Icon name="trash" />
+        </button>
+        <IconButton icon="reset" label={t.slices.reset} onClick={() => slices.reset()} />
+      </div>
     </div>
   );
 }
