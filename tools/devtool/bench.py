@@ -16,7 +16,7 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Sequence
+from typing import Callable, Sequence
 
 from . import benches, build, install, paths
 from .console import CliError, say
@@ -52,7 +52,10 @@ def percentile(runs: Sequence[float], percent: float) -> float:
     return ordered[min(len(ordered) - 1, int(len(ordered) * percent / 100))]
 
 
-def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[str] = ()) -> int:
+def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[str] = (), print_help: Callable[[], None] = lambda: None) -> int:
+    if name is None and rest in (["-h"], ["--help"]):
+        print_help()
+        return 0
     known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)}
     if name is None:
         for shown, module in sorted(known.items()):

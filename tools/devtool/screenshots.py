@@ -24,7 +24,7 @@ GUIDE_SIZES = {"desk": (1200, 750), "phone": (390, 844)}
 
 
 def run(out: Path, only: str, one_size: str | None = None, one_look: str | None = None) -> int:
-    made = 0
+    made, out = 0, out.resolve()
     with _seen() as (browser, stack, person, shown):
         out.mkdir(parents=True, exist_ok=True)
         for size, (width, height) in SIZES.items():
