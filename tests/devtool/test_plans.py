@@ -16,7 +16,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from devtool import contracts, datadir, filelint, gpu, install, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
+from devtool import commands, contracts, datadir, filelint, gpu, install, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
 from devtool.layout import Layout  # noqa: E402
 from devtool.linkrules import PROGRAM, Graph  # noqa: E402
 from devtool.console import CliError  # noqa: E402
@@ -65,6 +65,14 @@ def test_ports_are_unique_and_defaults_of_other_programs_stay_free():
     assert len(notes) == 1
     assert {name: port for name, port in given.items() if name != "edge"} == {
         name: port for name, port in ports.DEFAULTS.items() if name != "edge"}
+
+
+# Commands
+
+def test_a_command_that_fails_is_reported_with_the_end_of_both_its_outputs():
+    assert commands.output(["sh", "-c", "echo one; echo two >&2"]) == "one\ntwo\n"
+    with pytest.raises(CliError, match="^counting failed:\n8\n9$"):
+        commands.output(["sh", "-c", "seq 0 8; echo 9 >&2; exit 1"], "counting", lines=2)
 
 
 # Packages

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 
-from . import paths
+from . import commands, paths
 
 # Runs in .tools/venv, which has the libraries.
 _READ_OPENAPI = """
@@ -56,6 +56,5 @@ def style(spec: dict) -> list[str]:
 
 def _protobuf() -> list[str]:
     protos = sorted(str(path.relative_to(paths.REPO)) for path in (paths.REPO / "api" / "proto").glob("*.proto"))
-    done = subprocess.run(["protoc", "-I", ".", "--fatal_warnings", "--descriptor_set_out=/dev/null", *protos],
-                          cwd=paths.REPO, capture_output=True, text=True)
-    return [] if done.returncode == 0 else [done.stderr.strip()]
+    done = commands.run(["protoc", "-I", ".", "--fatal_warnings", "--descriptor_set_out=/dev/null", *protos], cwd=paths.REPO)
+    return [] if done.returncode == 0 else [done.stdout.strip()]

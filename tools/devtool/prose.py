@@ -6,15 +6,14 @@ import ast
 import io
 import json
 import re
-import subprocess
 import tokenize
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Iterator
 
-from . import build, build_stamp, filelint, passed, paths
-from .console import CliError, say
+from . import build, commands, filelint, passed, paths
+from .console import say
 
 RULES = Path(__file__).with_name("prose_rules.toml")
 LINTER = paths.TOOLS / "prose"
@@ -155,14 +154,11 @@ def banned(all_passages: list[Passage], rules: list[dict]) -> list[str]:
 # Commits
 
 def commit_subjects(rules: dict) -> list[str]:
-    def git(*arguments: str) -> subprocess.CompletedProcess:
-        return subprocess.run(["git", *arguments], cwd=paths.REPO, capture_output=True, text=True)
-
-    if git("merge-base", "--is-ancestor", rules["base"], "HEAD").returncode != 0:
+    if commands.run(["git", "merge-base", "--is-ancestor", rules["base"], "HEAD"], cwd=paths.REPO).returncode != 0:
         say(f"commit subjects are not checked: this clone does not contain commit {rules['base'][:12]}")
         return []
-    listed = git("log", "--no-merges", "--format=%h %s", f"{rules['base']}..HEAD").stdout.splitlines()
-    return long_subjects(listed, rules["columns"])
+    listed = commands.output(["git", "log", "--no-merges", "--format=%h %s", f"{rules['base']}..HEAD"], cwd=paths.REPO)
+    return long_subjects(listed.splitlines(), rules["columns"])
 
 
 def long_subjects(listed: list[str], columns: int) -> list[str]:
@@ -196,11 +192,11 @@ def textlint(sources: dict[str, str]) -> list[str]:
     files = [path for path, entry in entries.items() if not passed.has(entry)]
     if not files:
         return []
-    _install()
+    build.npm_install(LINTER, "prose")
     done = build.npm("exec", "--", "textlint", "--format", "json", *map(str, files), cwd=LINTER)
     start = done.stdout.find("[{")
     if start < 0:
-        raise CliError(f"textlint failed:\n{done.stdout[-2000:]}")
+        raise commands.failure("textlint", done)
     found = []
     for file in json.JSONDecoder().raw_decode(done.stdout[start:])[0]:
         path, copied = Path(file["filePath"]), Path(file["filePath"]).is_relative_to(folder)
@@ -211,13 +207,3 @@ def textlint(sources: dict[str, str]) -> list[str]:
         if not file["messages"]:
             passed.keep([entries[path]])
     return found
-
-
-def _install() -> None:
-    expected = build_stamp.digest([LINTER / "package.json", LINTER / "package-lock.json"])
-    if (LINTER / "node_modules").is_dir() and build_stamp.is_current("prose", expected):
-        return
-    done = build.npm("ci", "--no-audit", "--no-fund", cwd=LINTER)
-    if done.returncode != 0:
-        raise CliError("npm ci failed in tools/prose:\n" + "\n".join(done.stdout.splitlines()[-30:]))
-    build_stamp.set_current("prose", expected)

@@ -7,7 +7,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from . import build, install, paths
+from . import build, commands, install, paths
 from .console import CliError, say, step, warn
 
 #: The test programs that use several threads. All others test pure functions.
@@ -45,9 +45,8 @@ def sanitizer_options(name: str = WITH_GRPC[0]) -> str:
 
 def _is_clean(folder: Path, name: str) -> bool:
     try:
-        done = subprocess.run([folder / "bin" / name, "--gtest_brief=1"], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, errors="replace", timeout=SECONDS_A_PROGRAM,
-                              env={**os.environ, "TSAN_OPTIONS": sanitizer_options(name)})
+        done = commands.run([folder / "bin" / name, "--gtest_brief=1"], cwd=folder, timeout=SECONDS_A_PROGRAM,
+                            env={**os.environ, "TSAN_OPTIONS": sanitizer_options(name)})
     except subprocess.TimeoutExpired:
         warn(f"{name} did not finish within {SECONDS_A_PROGRAM} s")
         return False

@@ -11,7 +11,6 @@ import json
 import math
 import os
 import shutil
-import subprocess
 import threading
 import time
 import xml.etree.ElementTree as ElementTree
@@ -20,7 +19,7 @@ from datetime import date
 from pathlib import Path
 from typing import Callable
 
-from . import build, clamav, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
+from . import build, clamav, commands, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
 from .console import CliError, say, step, warn
 
 
@@ -258,11 +257,8 @@ def _ctest(selection: list[str], reports: Path, nightly: bool = False) -> Count:
         old.unlink()
     junit = reports / "ctest.xml"
     step("Running the C++ tests")
-    done = subprocess.run(
-        ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()),
-         "--output-junit", str(junit), *selection],
-        env={**build.environment(), **({"DIAPHANE_NIGHTLY": "1"} if nightly else {})}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        text=True, errors="replace")
+    done = commands.run(["ctest", "--test-dir", folder, "--output-on-failure", "--no-tests=error", "-j", build.jobs(), "--output-junit", junit, *selection],
+                        env={**build.environment(), **({"DIAPHANE_NIGHTLY": "1"} if nightly else {})})
     if done.returncode != 0:
         say(done.stdout)
     failed_programs = [t.get("name") for t in _testcases(junit) if t.find("failure") is not None]
@@ -308,9 +304,8 @@ def _sanitizers(reports: Path) -> Count:
     build.ninja(folder, ["all"])
     junit = reports / "asan.xml"
     step("Running the C++ tests under the address sanitizer")
-    done = subprocess.run(["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()), "-LE", "gpu",
-                           "--output-junit", str(junit)],
-                          env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    done = commands.run(["ctest", "--test-dir", folder, "--output-on-failure", "--no-tests=error", "-j", build.jobs(), "-LE", "gpu", "--output-junit", junit],
+                        env=build.environment())
     if done.returncode != 0:
         say(done.stdout)
     count = pytest_count(_testcases(junit)).at_least_one_failed(done.returncode)
@@ -373,12 +368,9 @@ def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] =
     report = reports / f"{Path(folder).stem}{'-some' if only else ''}.xml"
     step(f"Running tests/{folder}{': ' * bool(only)}{', '.join(only)}")
     env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1", **more}
-    done = subprocess.run(
-        [*within, str(paths.VENV_PYTHON), "-m", "pytest",
-         "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
-         *(("-n", str(workers), "--no-loadscope-reorder") if workers > 1 else ()), *selection, *(str(tests / folder / name) for name in only or [""])],
-        cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        errors="replace")
+    parallel = ("-n", workers, "--no-loadscope-reorder") if workers > 1 else ()
+    done = commands.run([*within, paths.VENV_PYTHON, "-m", "pytest", "-c", tests / "pytest.ini", "--rootdir", tests, "-q", f"--junitxml={report}",
+                         *parallel, *selection, *(tests / folder / name for name in only or [""])], cwd=tests, env=env)
     if done.returncode != 0:
         say(done.stdout)
     return pytest_count(_testcases(report)).at_least_one_failed(done.returncode)

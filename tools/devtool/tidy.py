@@ -16,7 +16,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import build, paths
+from . import build, commands, paths
 
 #: Files that clang-tidy has passed, and the headers of each. Shared by all checkouts of the user: keys hold no path of a checkout.
 _CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "tidy"
@@ -93,13 +93,11 @@ def _tidy_together(number: int, group: Group, database: Path) -> bool:
     """Returns whether clang-tidy finds nothing in these files."""
     file = database / f"together-{number}.cpp"
     file.write_text(joined_text([source.read_text(encoding="utf-8") for source in group.sources]), encoding="utf-8")
-    return subprocess.run([*_COMMAND, *_options(), str(file), "--", *group.flags], cwd=database.parent, stdin=subprocess.DEVNULL,
-                          capture_output=True).returncode == 0
+    return commands.run([*_COMMAND, *_options(), file, "--", *group.flags], cwd=database.parent).returncode == 0
 
 
 def _generated(folder: Path) -> list[str]:
-    listed = subprocess.run(["ninja", "-C", str(folder), "-t", "targets", "rule", "CUSTOM_COMMAND"], env=build.environment(),
-                            capture_output=True, text=True).stdout
+    listed = commands.output(["ninja", "-C", folder, "-t", "targets", "rule", "CUSTOM_COMMAND"], env=build.environment())
     return sorted(name for name in listed.splitlines() if name.endswith(_GENERATED))
 
 
@@ -235,8 +233,7 @@ def _digest(source: Path, command: list[str], dependencies: list[Path], common: 
 
 
 def _tool_digest() -> str:
-    version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True).stdout
-    return version + (paths.REPO / ".clang-tidy").read_text(encoding="utf-8")
+    return commands.output(["clang-tidy", "--version"]) + (paths.REPO / ".clang-tidy").read_text(encoding="utf-8")
 
 
 def _options() -> list[str]:
