@@ -94,7 +94,7 @@ function(diaphane_program name)
 endfunction()
 
 # diaphane_test(<name> SOURCES ... LIBS ... [LABELS unit|gpu|...]): a GoogleTest program beside its source.
-# There is one ctest entry per program. The runner counts the cases in its report.
+# There is one ctest entry per program. The runner counts the cases in its report (GTEST_OUTPUT).
 function(diaphane_test name)
   if(NOT DIAPHANE_TESTS)
     return()
@@ -103,7 +103,7 @@ function(diaphane_test name)
   find_package(GTest REQUIRED)
   add_executable(${name} ${A_SOURCES})
   target_link_libraries(${name} PRIVATE ${A_LIBS} GTest::gmock GTest::gtest_main)
-  add_test(NAME ${name} COMMAND ${name} --gtest_output=json:${CMAKE_BINARY_DIR}/reports/${name}.json)
+  add_test(NAME ${name} COMMAND ${name})
   if(NOT A_LABELS)
     set(A_LABELS unit)
   endif()
