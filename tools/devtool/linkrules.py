@@ -144,7 +144,7 @@ def check() -> list[str]:
     return (violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
             + layer_violations(sources, book["layers"], book["features"])
             + trial_violations(sources) + support_violations(sources) + prefix_violations(sources, book["prefixes"])
-            + [f"cycle: {', '.join(part)}" for graph in (cycles.includes(sources), cycles.imports(pages)) for part in cycles.cycles(graph)])
+            + [f"cycle: {', '.join(found)}" for graph in (cycles.includes(sources), cycles.imports(pages)) if (found := cycles.cycle(graph))])
 
 
 def cpp_sources() -> list[Path]:
