@@ -114,8 +114,6 @@ def _not_passed(files: list[Path], *words: str) -> dict[Path, Path]:
 
 def _format_page(fix: bool) -> list[str]:
     """Runs Prettier on the page's TypeScript and JavaScript."""
-    if not (paths.FRONTEND / "package.json").exists():
-        return []
     with _ONE:
         build.npm_install()
     settings = [(paths.FRONTEND / name).read_text(encoding="utf-8") for name in (".prettierrc.json", ".prettierignore", "package-lock.json")]
@@ -140,9 +138,7 @@ def unformatted(output: str) -> list[str]:
     return findings or [output.strip()]
 
 
-def _npm(*arguments: str) -> subprocess.CompletedProcess | None:
-    if not (paths.FRONTEND / "package.json").exists():
-        return None
+def _npm(*arguments: str) -> subprocess.CompletedProcess:
     with _ONE:
         build.npm_install()
         generated = _protocol()
@@ -160,4 +156,4 @@ def _protocol() -> subprocess.CompletedProcess:
 
 def _npm_check(*arguments: str) -> list[str]:
     done = _npm(*arguments)
-    return [] if done is None or done.returncode == 0 else [done.stdout.strip()]
+    return [] if done.returncode == 0 else [done.stdout.strip()]

@@ -24,8 +24,6 @@ def check() -> list[str]:
 
 def _openapi() -> list[str]:
     contract = paths.REPO / "api" / "openapi.yaml"
-    if not contract.exists():
-        return ["api/openapi.yaml is missing"]
     done = subprocess.run([str(paths.VENV_PYTHON), "-c", _READ_OPENAPI, str(contract)], capture_output=True, text=True)
     if done.returncode != 0:
         return [f"api/openapi.yaml cannot be read: {done.stderr.strip().splitlines()[-1]}"]

@@ -163,8 +163,5 @@ def reachable(run_as: RunAs) -> Path:
         return here
     copy = Path("/var/cache/diaphane") / "cluster" / here.name
     copy.mkdir(mode=0o755, parents=True, exist_ok=True)
-    for name in built:
-        if not (copy / name).exists():
-            shutil.copy2(here / name, copy / f".new-{name}")
-            os.replace(copy / f".new-{name}", copy / name)
+    _bring(here, copy)
     return copy
