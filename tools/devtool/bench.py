@@ -56,7 +56,8 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
     if name is None and rest in (["-h"], ["--help"]):
         print_help()
         return 0
-    known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)}
+    known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)
+             if not module.ispkg}
     if name is None:
         for shown, module in sorted(known.items()):
             say(f"  {shown:<16} {importlib.import_module(f'{benches.__name__}.{module}').ABOUT}")
