@@ -11,7 +11,6 @@ import pkgutil
 import platform
 import statistics
 import subprocess
-import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -66,9 +65,7 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
         raise CliError(f"unknown benchmark '{name}'; choose one of: {', '.join(sorted(known))}", 64)
     bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
     options = _own_options(bench, name, rest)
-    if not in_venv():
-        install.ensure("bench")
-        return again_in_venv()
+    install.enter_venv("bench")
     build.build_programs(*getattr(bench, "PROGRAMS", ()))
     if getattr(bench, "PAGE", False):
         build.build_page()
@@ -100,15 +97,6 @@ def _own_options(bench: ModuleType, name: str, rest: Sequence[str]) -> argparse.
         return None
     bench.add_options(parser)
     return parser.parse_args(list(rest))
-
-
-def in_venv() -> bool:
-    return Path(sys.prefix).resolve() == paths.VENV.resolve()
-
-
-def again_in_venv() -> int:
-    """Runs the same command again with the libraries of .tools/venv (WebSocket client, Protobuf)."""
-    os.execv(paths.VENV_PYTHON, [str(paths.VENV_PYTHON), str(paths.TOOLS / "devtool"), *sys.argv[1:]])
 
 
 def machine() -> dict:
