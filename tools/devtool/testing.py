@@ -275,7 +275,7 @@ def keep_crashed(programs: Path) -> None:
 
 # libFuzzer
 
-#: Per target in the nightly lane, where eleven on two cores take six minutes. The gate replays the kept corpus.
+#: Per target in the nightly lane, where thirteen on two cores take seven minutes. The gate replays the kept corpus.
 NIGHTLY_FUZZ_SECONDS = 60
 
 
