@@ -5,8 +5,8 @@ from __future__ import annotations
 import zlib
 
 from harness import REPO  # noqa: F401 - puts tools/ on the path
-from devtool import abuse_clients
 from devtool.benches.abuse import Phase, results_of
+from devtool.benches.support import abuse_clients
 
 
 def met(results) -> dict[str, bool | None]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from devtool.picture_judge import judge, subject_in
+from devtool.benches.support.picture_judge import judge, subject_in
 
 
 def subject(height: int, width: int) -> np.ndarray:

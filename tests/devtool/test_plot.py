@@ -5,10 +5,10 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from devtool import plot
-from devtool.benches import convergence
-from devtool.console import CliError
 from devtool import bench
+from devtool.benches import convergence
+from devtool.benches.support import plot
+from devtool.console import CliError
 
 
 def report(exponent=-0.5, ratio=1.0):

@@ -13,16 +13,9 @@ RULES = tomllib.loads(prose.RULES.read_text(encoding="utf-8"))
 
 
 def test_wide_lines_are_found_except_links_and_pictures():
-    rules = {"columns": 20, "lines_too_wide": 0}
+    rules = {"columns": 20}
     text = "short\n" + "x" * 21 + "\n[a link](https://example.org/long)\n![a picture](figures/a-long-name.svg)\n"
     assert prose.wide_lines({"a.md": text}, rules) == ["a.md:2: 21 columns, but at most 20 are allowed"]
-
-
-def test_a_limit_for_old_findings_fails_only_when_it_is_exceeded():
-    documents = {"a.md": "x" * 30 + "\n" + "y" * 30}
-    assert prose.wide_lines(documents, {"columns": 20, "lines_too_wide": 2}) == []
-    found = prose.wide_lines(documents, {"columns": 20, "lines_too_wide": 1})
-    assert len(found) == 3 and found[-1].endswith("2, but at most 1 are allowed")
 
 
 def test_words_are_counted_as_wc_does():
@@ -95,19 +88,19 @@ def test_commit_subjects_are_skipped_without_the_base_commit(monkeypatch):
 
 def test_cycles_of_includes_are_found():
     sources = {"a.h": '#include "b.h"\n', "b.h": '#include "c/c.h"\n#include <vector>', "c/c.h": '#include "a.h"', "d.h": '#include "a.h"'}
-    assert cycles.cycles(cycles.includes(sources)) == [["a.h", "b.h", "c/c.h"]]
+    assert set(cycles.cycle(cycles.includes(sources))) == {"a.h", "b.h", "c/c.h"}
     sources["c/c.h"] = ""
-    assert cycles.cycles(cycles.includes(sources)) == []
+    assert cycles.cycle(cycles.includes(sources)) == []
 
 
 def test_cycles_of_imports_are_found():
     sources = {"x/a.ts": 'import { b,\n  c } from "./b.js";\nimport { b } from "./b";', "x/b.ts": 'export { d } from "../y";', "y/index.ts": 'import "../x/a";'}
-    assert cycles.cycles(cycles.imports(sources)) == [["x/a.ts", "x/b.ts", "y/index.ts"]]
+    assert set(cycles.cycle(cycles.imports(sources))) == {"x/a.ts", "x/b.ts", "y/index.ts"}
     for imported in ('import type { A } from "../x/a";', 'const a = await import("../x/a");'):
         sources["y/index.ts"] = imported
-        assert cycles.cycles(cycles.imports(sources)) == [["x/a.ts", "x/b.ts", "y/index.ts"]]
+        assert set(cycles.cycle(cycles.imports(sources))) == {"x/a.ts", "x/b.ts", "y/index.ts"}
     sources["y/index.ts"] = "export const d = 1;"
-    assert cycles.cycles(cycles.imports(sources)) == []
+    assert cycles.cycle(cycles.imports(sources)) == []
 
 
 def test_a_file_name_prefix_may_not_spread():

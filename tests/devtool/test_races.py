@@ -9,23 +9,20 @@ import pytest
 from devtool import paths, races
 from devtool.console import CliError
 
+FOLDERS = ("api", "common", "directory", "operator", "renderd")
+
 
 def test_race_programs_are_built_tests():
-    built = {name for folder in ("api", "common", "directory", "operator", "renderd") for file in (paths.REPO / folder).rglob("CMakeLists.txt")
+    built = {name for folder in FOLDERS for file in (paths.REPO / folder).rglob("CMakeLists.txt")
              for name in re.findall(r"diaphane_test\((\w+)", file.read_text(encoding="utf-8"))}
-    assert set(races.PROGRAMS) <= built
+    threaded = set(races.programs_in("DIAPHANE_MULTI_THREADED"))
+    assert len(threaded) > 10 and threaded <= built
+    assert set(races.programs_in("DIAPHANE_WITH_GRPC")) < threaded
 
 
 def test_excluded_tests_are_in_existing_files():
-    suppressions = re.search(r"suppressions=(\S+?)(:|$)", races.sanitizer_options()).group(1)
-    assert suppressions.startswith(str(paths.REPO))
-    with open(suppressions, encoding="utf-8") as file:
-        assert "race:libgrpc" in file.read()
-
-
-def test_only_grpc_programs_ignore_uninstrumented_modules():
-    for name in races.PROGRAMS:
-        assert ("ignore_noninstrumented_modules" in races.sanitizer_options(name)) == (name in races.WITH_GRPC)
+    [suppressions] = re.findall(r"suppressions=\$\{CMAKE_SOURCE_DIR\}/(\S+)\)", races.SETTINGS.read_text(encoding="utf-8"))
+    assert "race:libgrpc" in (paths.REPO / suppressions).read_text(encoding="utf-8")
 
 
 def test_an_unknown_program_is_refused():

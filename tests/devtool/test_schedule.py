@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from devtool import figure9
 from devtool.benches import schedule
+from devtool.benches.support import figure9
 
 SITUATION = {"what": "2 nodes: 1 interacts & 2 rests", "begin": [1, 850], "turns": [[1, 2], [2, 851]], "shares": [0.9, 0.1],
              "expected": [0.96, 0.04]}

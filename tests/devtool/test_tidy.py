@@ -1,8 +1,9 @@
-"""How clang-tidy reads the files: each alone or several together, and only what has changed."""
+"""How clang-tidy reads the files: several together or each alone, and only what has changed."""
 
 from __future__ import annotations
 
-import concurrent.futures
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -34,66 +35,83 @@ def test_a_generated_file_in_a_unity_file_is_left_out():
 
 
 class Checkout:
-    """A file, a header of its own and one of the system, in a checkout of any name."""
+    """A file with a header of its own and one of the system, in a checkout of any name."""
 
     def __init__(self, root: Path, system: Path, monkeypatch: pytest.MonkeyPatch):
         self.root, self.system, self.monkeypatch, self.source = root, system, monkeypatch, root / "api" / "a.cpp"
-        self.command = ["c++", f"-I{root}", "-isystem", f"{root}/build/release", "-o", "a.o", "-c", str(self.source)]
-        self.source.parent.mkdir(parents=True)
-        self.source.write_text('#include "a.h"')
+        self.flags = ["-std=c++20", f"-I{root}", "-isystem", str(system)]
+        self.folder = root / "build" / "release"
+        self.folder.mkdir(parents=True)
+        self.source.parent.mkdir()
+        self.source.write_text('#include "api/a.h"\n')
         self.write_header("int a();")
-        self.searched = 0
 
     def write_header(self, text: str) -> None:
-        self.source.with_suffix(".h").write_text(text)
+        self.source.with_suffix(".h").write_text(f'#pragma once\n#include <b.h>\n{text}\n')
 
-    def todo(self) -> dict[Path, str]:
-        """Returns what a run in this checkout has to look at."""
-        def headers(command: list[str], folder: Path) -> list[Path]:
-            self.searched += 1
-            return [self.source, self.source.with_suffix(".h"), self.system]
-
+    def findings(self, *more: Path) -> list[str]:
         self.monkeypatch.setattr(paths, "REPO", self.root)
-        self.monkeypatch.setattr(tidy, "_headers", headers)
-        self.monkeypatch.setattr(tidy, "_file_digests", {})
-        with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            return tidy._changed({self.source: self.command}, self.root, "version", pool)
+        return tidy.findings(tidy.Group("api", [self.source, *more], self.flags), self.folder)
+
+
+@pytest.fixture
+def runs(tmp_path, monkeypatch) -> Path:
+    """Returns a file to which clang-tidy adds a line when it runs. ccache is empty."""
+    noted, tool = tmp_path / "runs", tmp_path / "bin" / "clang-tidy"
+    tool.parent.mkdir()
+    tool.write_text(f'#!/bin/sh\n[ "$1" = --version ] || echo run >> {noted}\nexec {shutil.which("clang-tidy")} "$@"\n')
+    tool.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tool.parent}:{os.environ['PATH']}")
+    monkeypatch.setenv("CCACHE_DIR", str(tmp_path / "ccache"))
+    return noted
 
 
 @pytest.fixture
 def checkouts(tmp_path, monkeypatch) -> tuple[Checkout, Checkout]:
-    """Two checkouts, the names of which come before and after the system's in the alphabet."""
-    for name in ("_CACHE", "_HEADERS"):
-        monkeypatch.setattr(tidy, name, tmp_path / name)
-        (tmp_path / name).mkdir()
-    system = tmp_path / "m" / "string.h"
-    system.parent.mkdir()
-    system.write_text("int b();")
-    return Checkout(tmp_path / "a" / "one", system, monkeypatch), Checkout(tmp_path / "z" / "another", system, monkeypatch)
+    system = tmp_path / "m"
+    system.mkdir()
+    (system / "b.h").write_text("int b();\n")
+    return Checkout(tmp_path / "one", system, monkeypatch), Checkout(tmp_path / "z" / "another", system, monkeypatch)
 
 
-def test_checkouts_share_results(checkouts):
-    first, fresh = checkouts
-    [key] = first.todo().values()
-    (tidy._CACHE / key).touch()
-    assert first.todo() == {} and fresh.todo() == {}
-    assert fresh.searched == 0, "finding the headers of all files takes minutes"
+def test_checkouts_share_results(checkouts, runs):
+    assert [checkout.findings() for checkout in checkouts] == [[], []]
+    assert runs.read_text() == "run\n"
 
 
 @pytest.mark.parametrize("change", ["source", "header", "system", "command"])
-def test_a_file_is_checked_again_when_it_a_header_or_its_command_changes(checkouts, change):
+def test_a_file_is_checked_again_when_it_a_header_or_its_command_changes(checkouts, runs, change):
     first, fresh = checkouts
-    [key] = first.todo().values()
-    (tidy._CACHE / key).touch()
+    first.findings()
     if change == "source":
-        fresh.source.write_text('#include "a.h"\nint c();')
+        fresh.source.write_text('#include "api/a.h"\nint c();\n')
     elif change == "header":
         fresh.write_header("int a(int);")
     elif change == "system":
-        fresh.system.write_text("int b(int, int);")
+        (fresh.system / "b.h").write_text("int b(int, int);\n")
     else:
-        fresh.command.insert(1, "-DX")
-    assert list(fresh.todo()) == [fresh.source]
+        fresh.flags.insert(1, "-DX")
+    assert fresh.findings() == [] and runs.read_text() == "run\nrun\n"
+
+
+def test_findings_in_headers_and_files_are_reported_each_time(checkouts, runs):
+    checkout, _ = checkouts
+    other = checkout.source.with_name("other.cpp")
+    other.write_text("int* other = 0;\n")
+    for _ in range(2):
+        [found] = checkout.findings(other)
+        assert "api/other.cpp:1:14: error: use nullptr" in found
+    checkout.write_header("inline int* a = 0;")
+    assert any("api/a.h:3:17: error: use nullptr" in found for found in checkout.findings())
+
+
+def test_files_that_cannot_be_read_together_are_read_alone(checkouts, runs):
+    checkout, _ = checkouts
+    for name in ("x.cpp", "y.cpp"):
+        checkout.source.with_name(name).write_text(f"namespace {{\nint same = 1;\n}}\nint {name[0]} = same;\n")
+    for _ in range(2):
+        assert checkout.findings(checkout.source.with_name("x.cpp"), checkout.source.with_name("y.cpp")) == []
+    assert runs.read_text() == 4 * "run\n", "the whole and each file once"
 
 
 def test_files_of_one_target_with_the_same_flags_are_grouped():
@@ -101,25 +119,18 @@ def test_files_of_one_target_with_the_same_flags_are_grouped():
         return Path(name), ["c++", flag, "-o", f"api/CMakeFiles/{target}.dir/{name}.o", "-c", name]
 
     commands = dict([command("a.cpp"), command("b.cpp"), command("of_another_target.cpp", target="ingest"), command("with_a_flag.cpp", flag="-O3")])
-    assert tidy.groups(commands) == [tidy.Group([Path("a.cpp"), Path("b.cpp")], ["-O2"])]
+    assert [group.sources for group in tidy.groups(commands)] == [
+        [Path("a.cpp"), Path("b.cpp")], [Path("of_another_target.cpp")], [Path("with_a_flag.cpp")]]
+    assert tidy.groups(commands)[0].flags == ["-O2"]
 
 
 def test_large_groups_are_split_and_start_first():
     commands = {Path(f"{target}{n}.cpp"): ["c++", "-o", f"x/CMakeFiles/{target}.dir/{n}.o", "-c", f"{target}{n}.cpp"]
                 for target, count in (("small", 2), ("large", tidy._TOGETHER + 3)) for n in range(count)}
-    assert [len(group.sources) for group in tidy.groups(commands)] == [tidy._TOGETHER, 3, 2]
+    found = tidy.groups(commands)
+    assert [len(group.sources) for group in found] == [tidy._TOGETHER, 3, 2] and len({group.name for group in found}) == 3
 
 
 def test_a_header_is_included_once_unless_a_file_includes_it_twice():
     assert tidy.joined_text(["#include <a>\n1", "#include <a>\n#include <b>\n2"]) == "#include <a>\n1\n#include <b>\n2\n"
     assert tidy.joined_text(["#include <a>\n#include <a>\n1", "#include <a>\n2"]) == "#include <a>\n#include <a>\n1\n2\n"
-
-
-@pytest.mark.parametrize("second, sound", [("int* second = nullptr;\n", True), ("int* second = 0;\n", False), ("int* second = first;\n", True),
-                                           ("#include <cstddef>\n#include <cstddef>\nstd::size_t second = 0;\n", False)])
-def test_checking_files_in_groups_finds_the_problems_of_each(tmp_path, second: str, sound: bool):
-    sources = [tmp_path / "first.cpp", tmp_path / "second.cpp"]
-    sources[0].write_text("#include <cstddef>\nint* first = nullptr;\n")
-    sources[1].write_text(second)
-    (tmp_path / "tidy").mkdir()
-    assert tidy._tidy_together(0, tidy.Group(sources, ["-std=c++20"]), tmp_path / "tidy") == sound

@@ -8,8 +8,8 @@ import random
 
 import pytest
 
-from devtool import trend_test
 from devtool.benches import soak
+from devtool.benches.support import trend_test
 
 
 def series(slope: float, noise: float, seed: int, count: int = 400) -> tuple[list[float], list[float]]:

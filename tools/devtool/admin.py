@@ -9,17 +9,11 @@ from pathlib import Path
 from . import datadir, paths, supervise
 from .layout import of_checkout
 from .plan import Settings
-from .console import CliError, warn
-
-#: The old name of reset-2fa, accepted for one release.
-DEPRECATED = "forget-factor"
+from .console import CliError
 
 
 def run(data: Path, what: str, email: str | None) -> int:
     """Runs `diaphane-api admin` with the database of the instance on `data`. `what` is grant, revoke, reset-2fa or list."""
-    if what == DEPRECATED:
-        warn(f"'{DEPRECATED}' is deprecated and will be removed in the next release. Use 'reset-2fa'.")
-        what = "reset-2fa"
     if (what == "list") == (email is not None):
         raise CliError("list takes no EMAIL" if email else f"missing argument: EMAIL (./diaphane admin {what} EMAIL)", 64)
     if supervise.running_supervisor(data) is None:

@@ -11,12 +11,11 @@ import pkgutil
 import platform
 import statistics
 import subprocess
-import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Sequence
+from typing import Callable, Sequence
 
 from . import benches, build, install, paths
 from .console import CliError, say
@@ -52,8 +51,12 @@ def percentile(runs: Sequence[float], percent: float) -> float:
     return ordered[min(len(ordered) - 1, int(len(ordered) * percent / 100))]
 
 
-def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[str] = ()) -> int:
-    known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)}
+def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[str] = (), print_help: Callable[[], None] = lambda: None) -> int:
+    if name is None and rest in (["-h"], ["--help"]):
+        print_help()
+        return 0
+    known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)
+             if not module.ispkg}
     if name is None:
         for shown, module in sorted(known.items()):
             say(f"  {shown:<16} {importlib.import_module(f'{benches.__name__}.{module}').ABOUT}")
@@ -62,9 +65,7 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
         raise CliError(f"unknown benchmark '{name}'; choose one of: {', '.join(sorted(known))}", 64)
     bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
     options = _own_options(bench, name, rest)
-    if not in_venv():
-        install.ensure("bench")
-        return again_in_venv()
+    install.enter_venv("bench")
     build.build_programs(*getattr(bench, "PROGRAMS", ()))
     if getattr(bench, "PAGE", False):
         build.build_page()
@@ -96,15 +97,6 @@ def _own_options(bench: ModuleType, name: str, rest: Sequence[str]) -> argparse.
         return None
     bench.add_options(parser)
     return parser.parse_args(list(rest))
-
-
-def in_venv() -> bool:
-    return Path(sys.prefix).resolve() == paths.VENV.resolve()
-
-
-def again_in_venv() -> int:
-    """Runs the same command again with the libraries of .tools/venv (WebSocket client, Protobuf)."""
-    os.execv(paths.VENV_PYTHON, [str(paths.VENV_PYTHON), str(paths.TOOLS / "devtool"), *sys.argv[1:]])
 
 
 def machine() -> dict:

@@ -7,7 +7,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from . import paths, progress, build_stamp, venv
+from . import build_stamp, commands, paths, progress, venv
 from .console import CliError, say, step
 from .console import progress as show_progress
 
@@ -38,10 +38,7 @@ def configure(preset: str = "release") -> Path:
     if not (folder / "build.ninja").exists() or not build_stamp.is_current(f"configure-{preset}", expected):
         step(f"Configuring build/{preset}")
         fresh = ["--fresh"] if (folder / "CMakeCache.txt").exists() else []
-        done = subprocess.run(["cmake", "--preset", preset, *fresh], cwd=paths.REPO, env=env, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        if done.returncode != 0:
-            raise CliError(f"CMake failed to configure build/{preset}:\n{done.stdout}")
+        commands.output(["cmake", "--preset", preset, *fresh], f"configuring build/{preset} with CMake", 1000, cwd=paths.REPO, env=env)
         build_stamp.set_current(f"configure-{preset}", expected)
     return folder
 
@@ -77,15 +74,13 @@ def _planned_steps(folder: Path, targets: list[str]) -> list[str]:
     plan = folder / "plan.ninja"
     if not plan.exists():
         plan.symlink_to("build.ninja")
-    planned = subprocess.run(["ninja", "-C", str(folder), "-f", plan.name, "-n", *targets], env=environment(), capture_output=True,
-                             text=True)
-    return [name for line in planned.stdout.splitlines() if (name := progress.ninja_step(line))]
+    planned = commands.run(["ninja", "-C", folder, "-f", plan.name, "-n", *targets], env=environment()).stdout
+    return [name for line in planned.splitlines() if (name := progress.ninja_step(line))]
 
 
 def programs(folder: Path) -> list[str]:
     """Returns the targets of all programs that a user runs."""
-    listed = subprocess.run(["ninja", "-C", str(folder), "-t", "targets", "all"], env=environment(),
-                            capture_output=True, text=True).stdout
+    listed = commands.run(["ninja", "-C", folder, "-t", "targets", "all"], env=environment()).stdout
     names = (line.partition(":")[0] for line in listed.splitlines())
     return sorted(name for name in names if name.startswith("bin/diaphane-"))
 
@@ -121,28 +116,24 @@ def npm(*arguments: str, env: dict[str, str] | None = None, cwd: Path = paths.FR
     node = venv.ensure_node()
     environ = {**os.environ, "PATH": f"{node}:{os.environ.get('PATH', '')}", "CI": "true",
                "NO_COLOR": "1", **(env or {})}
-    return subprocess.run(["npm", *arguments], cwd=cwd, env=environ, stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return commands.run(["npm", *arguments], cwd=cwd, env=environ)
 
 
-def npm_install() -> None:
-    expected = build_stamp.digest([paths.FRONTEND / "package.json", paths.FRONTEND / "package-lock.json"])
-    if (paths.FRONTEND / "node_modules").is_dir() and build_stamp.is_current("npm", expected):
+def npm_install(folder: Path = paths.FRONTEND, stamp: str = "npm") -> None:
+    """Installs the packages of the web page, or of another folder with a stamp of its own."""
+    expected = build_stamp.digest([folder / "package.json", folder / "package-lock.json"])
+    if (folder / "node_modules").is_dir() and build_stamp.is_current(stamp, expected):
         return
-    step("Installing the web page's npm packages")
-    done = npm("ci", "--no-audit", "--no-fund")
+    step(f"Installing the npm packages of {folder.relative_to(paths.REPO)}")
+    done = npm("ci", "--no-audit", "--no-fund", cwd=folder)
     if done.returncode != 0:
-        raise CliError("npm ci failed:\n" + "\n".join(done.stdout.splitlines()[-30:]))
-    build_stamp.set_current("npm", expected)
+        raise commands.failure("npm ci", done)
+    build_stamp.set_current(stamp, expected)
 
 
 def may_build_page() -> bool:
     """Returns false if the programs and the page of another build are used."""
-    if "DIAPHANE_BUILD" in os.environ:
-        return False
-    if not (paths.FRONTEND / "package.json").exists():
-        raise CliError("cannot build the web page: frontend/package.json is missing")
-    return True
+    return "DIAPHANE_BUILD" not in os.environ
 
 
 def build_page() -> bool:
@@ -156,6 +147,6 @@ def build_page() -> bool:
     step("Building the web page")
     done = npm("run", "build")
     if done.returncode != 0:
-        raise CliError("building the web page failed:\n" + "\n".join(done.stdout.splitlines()[-40:]))
+        raise commands.failure("building the web page", done)
     build_stamp.set_current("page", expected)
     return True

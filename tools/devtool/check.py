@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, contracts, filelint, install, linkrules, passed, paths, prose, tidy
+from . import build, commands, contracts, filelint, install, linkrules, passed, paths, prose, tidy
 from .console import CliError, say, step
 from .testing import Count
 
@@ -93,17 +93,17 @@ def _format(fix: bool) -> list[str]:
 
 
 def _format_cpp(fix: bool) -> list[str]:
-    version = subprocess.run(["clang-format", "--version"], capture_output=True, text=True).stdout
+    version = commands.output(["clang-format", "--version"])
     entries = _not_passed(linkrules.cpp_sources(), version, (paths.REPO / ".clang-format").read_text(encoding="utf-8"))
     if not entries:
         return []
     command = ["clang-format", "-i"] if fix else ["clang-format", "--dry-run", "--Werror"]
-    done = subprocess.run([*command, *map(str, entries)], cwd=paths.REPO, capture_output=True, text=True)
+    done = commands.run([*command, *entries], cwd=paths.REPO)
     if done.returncode == 0:
         passed.keep([] if fix else entries.values())
         return []
-    names = sorted({line.split(":")[0] for line in done.stderr.splitlines() if ": error: " in line})
-    return [f"{name}: not formatted with clang-format (run ./diaphane check --fix)" for name in names] or [done.stderr]
+    names = sorted({line.split(":")[0] for line in done.stdout.splitlines() if ": error: " in line})
+    return [f"{name}: not formatted with clang-format (run ./diaphane check --fix)" for name in names] or [done.stdout]
 
 
 def _not_passed(files: list[Path], *words: str) -> dict[Path, Path]:
@@ -114,8 +114,6 @@ def _not_passed(files: list[Path], *words: str) -> dict[Path, Path]:
 
 def _format_page(fix: bool) -> list[str]:
     """Runs Prettier on the page's TypeScript and JavaScript."""
-    if not (paths.FRONTEND / "package.json").exists():
-        return []
     with _ONE:
         build.npm_install()
     settings = [(paths.FRONTEND / name).read_text(encoding="utf-8") for name in (".prettierrc.json", ".prettierignore", "package-lock.json")]
@@ -140,9 +138,7 @@ def unformatted(output: str) -> list[str]:
     return findings or [output.strip()]
 
 
-def _npm(*arguments: str) -> subprocess.CompletedProcess | None:
-    if not (paths.FRONTEND / "package.json").exists():
-        return None
+def _npm(*arguments: str) -> subprocess.CompletedProcess:
     with _ONE:
         build.npm_install()
         generated = _protocol()
@@ -160,4 +156,4 @@ def _protocol() -> subprocess.CompletedProcess:
 
 def _npm_check(*arguments: str) -> list[str]:
     done = _npm(*arguments)
-    return [] if done is None or done.returncode == 0 else [done.stdout.strip()]
+    return [] if done.returncode == 0 else [done.stdout.strip()]

@@ -3,11 +3,9 @@ downloads no signatures."""
 
 from __future__ import annotations
 
-import os
 import shutil
 import socket
 import subprocess
-import tempfile
 import time
 from pathlib import Path
 
@@ -62,20 +60,8 @@ def ensure(may_install: bool = True) -> None:
         say(f"missing: {CLAMD} (from the Debian packages {', '.join(_PACKAGES)})")
         raise CliError("dependencies are missing, and --no-install was given")
     step("Downloading clamd for its tests (7 MB)")
-    with tempfile.TemporaryDirectory(prefix="diaphane-clamav-") as folder:
-        if os.geteuid() == 0:
-            shutil.chown(folder, "_apt")
-        if _download(folder) != 0:
-            packages.update()      # the package lists may be older than the mirror
-            if _download(folder) != 0:
-                raise CliError("apt-get download failed: " + " ".join(_PACKAGES))
-        beside = FOLDER.with_suffix(".new")
-        shutil.rmtree(beside, ignore_errors=True)
-        beside.mkdir(parents=True)
-        for file in sorted(Path(folder).glob("*.deb")):
-            subprocess.run(["dpkg-deb", "-x", str(file), str(beside)], check=True)
-        beside.rename(FOLDER)
-
-
-def _download(folder: str) -> int:
-    return subprocess.run(["apt-get", "-qq", "download", *_PACKAGES], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+    beside = FOLDER.with_suffix(".new")
+    shutil.rmtree(beside, ignore_errors=True)
+    beside.mkdir(parents=True)
+    packages.unpack(_PACKAGES, beside)
+    beside.rename(FOLDER)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 from pathlib import Path
 
 from . import users
-from .console import CliError, say, warn
-
-
-_NO_INSTALL = "do not install anything: if dependencies are missing, list them and exit"
+from .console import CliError, warn
 
 
 def main(arguments: list[str]) -> int:
@@ -20,10 +18,14 @@ def main(arguments: list[str]) -> int:
         parser.print_help()
         return 2
     options, rest = parser.parse_known_args(arguments)
-    if rest and not getattr(options, "takes_rest", False):
+    given = vars(options)
+    module, function, takes_rest = given.pop("module"), given.pop("function"), given.pop("takes_rest")
+    if takes_rest:
+        given["rest"] = rest
+    elif rest:
         parser.error(f"unknown arguments: {' '.join(rest)}")
     try:
-        return options.run(options, rest)
+        return getattr(importlib.import_module(f".{module}", __package__), function)(**given)
     except CliError as error:
         warn(str(error))
         return error.code
@@ -40,13 +42,15 @@ class _Commands:
         self.parser = argparse.ArgumentParser(prog="./diaphane", description="Diaphane shows CT and MR scans as photo-realistic 3D pictures.")
         self.all = self.parser.add_subparsers(metavar="COMMAND", required=True)
 
-    def __call__(self, name: str, run, about: str, rest: bool = False, data: bool = False) -> argparse.ArgumentParser:
-        """`rest`: the tool parses its own arguments. `data`: it works on a data directory."""
+    def __call__(self, name: str, calls: str, about: str, rest: bool = False, data: bool = False) -> argparse.ArgumentParser:
+        """`calls`: MODULE.FUNCTION, which gets the options by their names. `rest`: it also gets the arguments that are not options
+        here. `data`: it works on a data directory."""
         made = self.all.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", add_help=not rest)
-        made.set_defaults(run=run, takes_rest=rest)
+        module, _, function = calls.partition(".")
+        made.set_defaults(module=module, function=function, takes_rest=rest)
         if data:
-            made.add_argument("--data", metavar="FOLDER", type=lambda text: Path(text).expanduser().resolve(),
-                              help=f"data directory (default: {users.default_data_dir()})")
+            made.add_argument("--data", metavar="FOLDER", type=lambda text: Path(text).expanduser().resolve(), default=users.default_data_dir(),
+                              help="data directory (default: %(default)s)")
         return made
 
 
@@ -56,81 +60,90 @@ def _parser() -> argparse.ArgumentParser:
     _add_scans(command)
     _add_checks(command)
     _add_documents(command)
-    command.all.add_parser("help", help="show this help").set_defaults(run=lambda *_: command.parser.print_help() or 0)
+    command("help", "cli.show_help", "show this help")
     return command.parser
 
 
+def show_help() -> int:
+    _parser().print_help()
+    return 0
+
+
+def _may_install(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--no-install", dest="may_install", action="store_false", help="do not install anything: if dependencies are missing, list them and exit")
+
+
 def _add_instance(command: _Commands) -> None:
-    up = command("up", _up, "install missing dependencies, build and start everything; press Ctrl-C to stop", data=True)
-    up.add_argument("--no-install", action="store_true", help=_NO_INSTALL)
-    up.add_argument("--detach", action="store_true", help="run in the background and return once everything is ready; stop it with `./diaphane down`")
+    up = command("up", "supervise.up", "install missing dependencies, build and start everything; press Ctrl-C to stop", data=True)
+    _may_install(up)
+    up.add_argument("--detach", dest="background", action="store_true", help="run in the background and return once everything is ready; stop it with `./diaphane down`")
     up.add_argument("--port", type=_port, metavar="N", help="port of the web page (default: 8080, or the next free port)")
     up.add_argument("--engine", choices=("auto", "cpu", "cuda"), default="auto", help="rendering engine; auto uses CUDA if a GPU is available (default: auto)")
-    command("down", _down, "stop the instance that runs on a data directory", data=True)
-    status = command("status", _status, "show each program with its port and state, and the rendering engine and device", data=True)
-    status.add_argument("--json", action="store_true", help="print the status as JSON")
+    command("down", "supervise.down", "stop the instance that runs on a data directory", data=True)
+    status = command("status", "status.show", "show each program with its port and state, and the rendering engine and device", data=True)
+    status.add_argument("--json", dest="as_json", action="store_true", help="print the status as JSON")
 
 
 def _add_scans(command: _Commands) -> None:
-    command("sample", _sample, "upload the sample scan again, or write it as DICOM files (--write-dicom FOLDER)", rest=True, data=True)
-    administrators = command("admin", _admin, "manage the administrators of a running instance: grant, revoke, list, reset-2fa", data=True)
+    command("sample", "run_binary.sample", "upload the sample scan again, or write it as DICOM files (--write-dicom FOLDER)", rest=True, data=True)
+    administrators = command("admin", "admin.run", "manage the administrators of a running instance: grant, revoke, list, reset-2fa", data=True)
     administrators.add_argument("what", choices=("grant", "revoke", "list", "reset-2fa", "forget-factor"), metavar="{grant,revoke,list,reset-2fa}",
                                 help="grant or revoke the administrator role, list all administrators, or turn off a user's second factor")
     administrators.add_argument("email", nargs="?", metavar="EMAIL", help="confirmed email address of the account (not used by list)")
-    command("scan", _tool("diaphane-scan"), "list the series in a folder or an archive and say which are suitable (FOLDER or FILE.zip [--json] [--build VOLUME])", rest=True)
-    command("render", _tool("diaphane-render"), "render a picture without a server (INPUT ..., see --help)", rest=True)
-    command("replay", _replay, "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
+    command("scan", "run_binary.scan", "list the series in a folder or an archive and say which are suitable (FOLDER or FILE.zip [--json] [--build VOLUME])", rest=True)
+    command("render", "run_binary.render", "render a picture without a server (INPUT ..., see --help)", rest=True)
+    command("replay", "replay.run", "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
 
 
 def _add_checks(command: _Commands) -> None:
-    test = command("test", _test, "build and run the tests; the last line of output is `N passed, N failed`")
+    test = command("test", "testing.run", "build and run the tests; the last line of output is `N passed, N failed`")
     test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu", "cluster", "node"),
                       help="run only these tests (default: unit, integration and e2e)")
-    test.add_argument("--all", action="store_true", help="the nightly lane: also the tests that take long, longer fuzzing, the sanitizers and Kubernetes")
-    test.add_argument("--no-install", action="store_true", help=_NO_INSTALL)
-    test.add_argument("--checks", action="store_true", help="also run `./diaphane check`; each check counts as a test")
-    check = command("check", _check, "run the static checks: formatting, prose, linters, types, link rules and API contracts")
+    test.add_argument("--all", dest="nightly", action="store_true", help="the nightly lane: also the tests that take long, longer fuzzing, the sanitizers and Kubernetes")
+    _may_install(test)
+    test.add_argument("--checks", dest="with_checks", action="store_true", help="also run `./diaphane check`; each check counts as a test")
+    check = command("check", "check.run", "run the static checks: formatting, prose, linters, types, link rules and API contracts")
     check.add_argument("--fix", action="store_true", help="let clang-format, Prettier and ESLint fix what they can")
-    check.add_argument("--only", metavar="NAME", action="append", help="run only this check: files, prose, format, contracts, links, types, lint or tidy (repeatable)")
-    fuzz = command("fuzz", _fuzz, "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
-    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
+    check.add_argument("--only", metavar="NAME", action="append", default=[], help="run only this check: files, prose, format, contracts, links, types, lint or tidy (repeatable)")
+    fuzz = command("fuzz", "fuzz.run", "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
+    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, nifti, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
     fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="duration per target in seconds (default: 60)")
     fuzz.add_argument("--minimise", action="store_true", help="then minimise the corpus in tests/fuzz/corpus without losing coverage")
-    races = command("races", _races, "run the multi-threaded tests under ThreadSanitizer")
+    races = command("races", "races.run", "run the multi-threaded tests under ThreadSanitizer")
     races.add_argument("programs", nargs="*", metavar="PROGRAM", help="test program (default: all multi-threaded ones)")
-    mutants = command("mutants", _mutants, "put random faults into the product and count those that the tests notice")
+    mutants = command("mutants", "mutants.command", "put random faults into the product and count those that the tests notice")
     mutants.add_argument("--count", type=int, default=300, metavar="N", help="number of mutants (default: 300)")
     mutants.add_argument("--seed", type=int, default=1, metavar="N", help="draw other mutants (default: 1)")
-    mutants.add_argument("--area", action="append", metavar="NAME",
+    mutants.add_argument("--area", dest="areas", action="append", metavar="NAME",
                          help="renderer, scheduler, access, ingest, operator, page or tools (repeatable; default: all but tools)")
     mutants.add_argument("--jobs", type=int, metavar="N", help="copies of the sources that are tested in parallel (default: three quarters of the cores)")
     mutants.add_argument("--minutes", type=float, metavar="N", help="start no more mutants after this time")
     mutants.add_argument("--deep", action="store_true", help="let the integration tests look for what the unit tests missed")
     mutants.add_argument("--json", type=Path, metavar="FILE", help="write each mutant and its outcome to this file")
-    bench = command("bench", _bench, "run a benchmark; without a name, list all benchmarks", rest=True)
+    bench = command("bench", "bench.run", "run a benchmark; without a name, list all benchmarks", rest=True)
     bench.add_argument("name", nargs="?", metavar="NAME", help="benchmark to run")
-    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results to this file")
+    bench.add_argument("--json", dest="json_file", type=Path, metavar="FILE", help="write the results to this file")
     bench.add_argument("--quick", action="store_true", help="fewer repetitions")
     bench.set_defaults(print_help=bench.print_help)    # NAME --help belongs to the measurement
 
 
 def _add_documents(command: _Commands) -> None:
-    command("bounds", lambda *_: _bounds(), "write docs/bounds.md from docs/bounds.toml")
-    command("figures", lambda *_: _figures(), "write docs/figures.md from the benchmark results in docs/figures/")
-    bill = command("sbom", _sbom, "write the software bill of materials as CycloneDX JSON")
-    bill.add_argument("file", nargs="?", type=Path, metavar="FILE", help="output file (default: standard output)")
-    made = command("image", _image, "build the container image with buildah from this checkout's programs (requires root)")
+    command("bounds", "bounds.run", "write docs/bounds.md from docs/bounds.toml")
+    command("figures", "figures.run", "write docs/figures.md from the benchmark results in docs/figures/")
+    bill = command("sbom", "sbom.run", "write the software bill of materials as CycloneDX JSON")
+    bill.add_argument("out", nargs="?", type=Path, metavar="FILE", help="output file (default: standard output)")
+    made = command("image", "image.run", "build the container image with buildah from this checkout's programs (requires root)")
     made.add_argument("--out", type=Path, metavar="FILE.tar", help="also export the image as an OCI archive")
     made.add_argument("--check", action="store_true", help="then verify the image: its size, that it contains no compiler, and that each program runs on a read-only root")
     made.add_argument("--base", metavar="IMAGE", help="Debian 12 base image to pull (default: build one with debootstrap)")
     made.add_argument("--source", action="store_true", help="compile the programs inside the image from this checkout's sources")
-    made.add_argument("--stage", type=Path, metavar="FOLDER", help="only copy the image's files to this folder (the Containerfile's first stage)")
-    pictures = command("screenshots", _screenshots, "take screenshots of every page in three sizes, light and dark, for manual review")
-    pictures.add_argument("folder", type=Path, metavar="FOLDER", help="output folder")
+    made.add_argument("--stage", dest="only_stage", type=Path, metavar="FOLDER", help="only copy the image's files to this folder (the Containerfile's first stage)")
+    pictures = command("screenshots", "screenshots.run", "take screenshots of every page in three sizes, light and dark, for manual review")
+    pictures.add_argument("out", type=Path, metavar="FOLDER", help="output folder")
     pictures.add_argument("--only", default="", metavar="TEXT", help="only screenshots whose name contains this text (person-scans, nobody-sign-in, viewer-light, ...)")
-    pictures.add_argument("--size", choices=("phone", "tablet", "desk"), help="only this size")
-    pictures.add_argument("--look", choices=("light", "dark"), help="only this colour scheme")
-    command("guide", lambda *_: _guide(), "recreate the pictures of docs/guide.md")
+    pictures.add_argument("--size", dest="one_size", choices=("phone", "tablet", "desk"), help="only this size")
+    pictures.add_argument("--look", dest="one_look", choices=("light", "dark"), help="only this colour scheme")
+    command("guide", "screenshots.guide", "recreate the pictures of docs/guide.md")
 
 
 def _port(text: str) -> int:
@@ -138,139 +151,3 @@ def _port(text: str) -> int:
     if not 1024 <= number < 65536:
         raise argparse.ArgumentTypeError("not a port from 1024 to 65535 (lower ports require root, and Diaphane does not run as root)")
     return number
-
-
-def _data(options: argparse.Namespace) -> Path:
-    return options.data or users.default_data_dir()
-
-
-def _up(options: argparse.Namespace, _: list[str]) -> int:
-    from . import datadir, gpu, prepare, supervise
-
-    data = _data(options)
-    if supervise.running_supervisor(data):
-        say(f"Diaphane is already running: {datadir.read_record(data).get('url')}/")
-        return 0
-    if options.data is None and os.geteuid() == 0:
-        say(f"Started as root: using the data directory {data}, which the user '{users.NAME}' can access.")
-    datadir.check(data)
-    if (why := gpu.absence()) and gpu.is_plugged_in():
-        warn(f"This machine has an NVIDIA GPU, but {why}. Diaphane renders on the CPU.")
-    prepare.for_up(may_install=not options.no_install)
-    chosen = supervise.UpOptions(data=data, engine=options.engine, port=options.port)
-    return supervise.detach(chosen) if options.detach else supervise.hold(chosen)
-
-
-def _down(options: argparse.Namespace, _: list[str]) -> int:
-    from . import supervise
-
-    return supervise.down(_data(options))
-
-
-def _status(options: argparse.Namespace, _: list[str]) -> int:
-    from . import status
-
-    return status.show(_data(options), options.json)
-
-
-def _test(options: argparse.Namespace, _: list[str]) -> int:
-    from . import testing
-
-    return testing.run(options.kind, may_install=not options.no_install, with_checks=options.checks, nightly=options.all)
-
-
-def _check(options: argparse.Namespace, _: list[str]) -> int:
-    from . import check
-
-    return check.run(only=options.only or [], fix=options.fix)
-
-
-def _sample(options: argparse.Namespace, rest: list[str]) -> int:
-    from . import run_binary
-
-    return run_binary.sample(_data(options), rest)
-
-
-def _screenshots(options: argparse.Namespace, _: list[str]) -> int:
-    from . import screenshots
-
-    return screenshots.run(options.folder.resolve(), options.only, options.size, options.look)
-
-
-def _guide() -> int:
-    from . import screenshots
-
-    return screenshots.guide()
-
-
-def _bounds() -> int:
-    from . import bounds
-
-    return bounds.run()
-
-
-def _figures() -> int:
-    from . import figures
-
-    return figures.run()
-
-
-def _sbom(options: argparse.Namespace, _: list[str]) -> int:
-    from . import sbom
-
-    return sbom.run(options.file)
-
-
-def _image(options: argparse.Namespace, _: list[str]) -> int:
-    from . import image
-
-    return image.run(options.out, options.check, options.base, options.source, options.stage)
-
-
-def _admin(options: argparse.Namespace, _: list[str]) -> int:
-    from . import admin
-
-    return admin.run(_data(options), options.what, options.email)
-
-
-def _tool(name: str):
-    def run(_: argparse.Namespace, rest: list[str]) -> int:
-        from . import run_binary, unpack
-
-        with unpack.unpacked(rest) as arguments:
-            return run_binary.run(name, arguments, wait=arguments != rest)
-
-    return run
-
-
-def _replay(_: argparse.Namespace, rest: list[str]) -> int:
-    from . import replay
-
-    return replay.run(rest)
-
-
-def _races(options: argparse.Namespace, _: list[str]) -> int:
-    from . import races
-
-    return races.run(options.programs)
-
-
-def _fuzz(options: argparse.Namespace, _: list[str]) -> int:
-    from . import fuzz
-
-    return fuzz.run(options.target, options.seconds, options.minimise)
-
-
-def _mutants(options: argparse.Namespace, _: list[str]) -> int:
-    from . import mutants
-
-    return mutants.command(options)
-
-
-def _bench(options: argparse.Namespace, rest: list[str]) -> int:
-    from . import bench
-
-    if options.name is None and rest in (["-h"], ["--help"]):
-        options.print_help()
-        return 0
-    return bench.run(options.name, options.json, options.quick, rest)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from graphlib import CycleError, TopologicalSorter
 from typing import Iterable, Mapping
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
@@ -24,36 +25,10 @@ def imports(sources: Mapping[str, str]) -> dict[str, set[str]]:
     return graph
 
 
-def cycles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:
-    """Returns the strongly connected components of more than one file (Tarjan's algorithm), each sorted by name."""
-    index: dict[str, int] = {}
-    low: dict[str, int] = {}
-    stack: list[str] = []
-    on_stack: set[str] = set()
-    found = []
-    for root in sorted(graph):
-        work = [(root, iter(sorted(graph[root])))] if root not in index else []
-        while work:
-            node, rest = work[-1]
-            if node not in index:
-                index[node] = low[node] = len(index)
-                stack.append(node)
-                on_stack.add(node)
-            for target in rest:
-                if target not in index:
-                    work.append((target, iter(sorted(graph[target]))))
-                    break
-                if target in on_stack:
-                    low[node] = min(low[node], index[target])
-            else:
-                work.pop()
-                if work:
-                    low[work[-1][0]] = min(low[work[-1][0]], low[node])
-                if low[node] == index[node]:
-                    part = []
-                    while not part or part[-1] != node:
-                        part.append(stack.pop())
-                        on_stack.discard(part[-1])
-                    if len(part) > 1:
-                        found.append(sorted(part))
-    return sorted(found)
+def cycle(graph: Mapping[str, Iterable[str]]) -> list[str]:
+    """Returns a cycle, beginning and ending with the same file, or an empty list if there is none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return error.args[1]
+    return []

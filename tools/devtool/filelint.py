@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 
-from . import paths
+from . import commands, paths
 from .console import warn
 
 LIMIT = 500
@@ -23,8 +22,7 @@ _NOT_WRITTEN_BY_HAND = {"package-lock.json"}
 
 
 def files() -> list[Path]:
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=paths.REPO, capture_output=True,
-                            text=True, check=True).stdout
+    listed = commands.output(["git", "ls-files", "-co", "--exclude-standard"], cwd=paths.REPO)
     return [paths.REPO / line for line in sorted(set(listed.splitlines())) if (paths.REPO / line).is_file()]
 
 

@@ -10,7 +10,7 @@ import subprocess
 import tarfile
 from pathlib import Path
 
-from . import build, install, packages, paths, sbom, venv
+from . import build, commands, install, packages, paths, sbom, venv
 from .console import CliError, say, step
 
 CHART = paths.REPO / "helm" / "diaphane"
@@ -58,7 +58,7 @@ def stage(into: Path) -> None:
     home = into / "opt" / "diaphane"
     (home / "bin").mkdir(parents=True)
     for file in ours:
-        subprocess.run(["strip", "-o", str(home / "bin" / file.name), str(file)], check=True)
+        commands.output(["strip", "-o", home / "bin" / file.name, file])
     shutil.copytree(page, home / "page")
     shutil.copytree(paths.REPO / "migrations", home / "migrations")
     _nvrtc(bin_dir / "diaphane-renderd", home / "lib")
@@ -82,7 +82,7 @@ def _put(file: Path, into: Path) -> None:
 
 
 def _lua_files() -> list[Path]:
-    listed = subprocess.run(["dpkg-query", "-L", *_LUA_PACKAGES], capture_output=True, text=True, check=True).stdout
+    listed = commands.output(["dpkg-query", "-L", *_LUA_PACKAGES])
     return [file for line in listed.splitlines() if line.startswith("/usr/share/lua/") and (file := Path(line)).is_file()]
 
 
@@ -133,7 +133,7 @@ def _libraries(ours: list[Path], edge: list[Path], into: Path, home: Path) -> No
 def _package(package: str, into: Path) -> None:
     plain = package.partition(":")[0]
     _documents(Path("/usr/share/doc") / plain, into)
-    status = subprocess.run(["dpkg-query", "-s", package], capture_output=True, text=True, check=True).stdout
+    status = commands.output(["dpkg-query", "-s", package])
     place = into / "var/lib/dpkg/status.d" / plain
     place.parent.mkdir(parents=True, exist_ok=True)
     place.write_text(status, encoding="utf-8")
@@ -162,11 +162,12 @@ def buildah(*arguments: str, capture: bool = True) -> str:
     """Runs buildah with its own store. Uses no overlay file system and no namespaces, which are not available everywhere."""
     store = folder()
     command = ["buildah", "--root", str(store / "store"), "--runroot", str(store / "run"), "--storage-driver", "vfs", *arguments]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, text=True, env={**os.environ, "BUILDAH_ISOLATION": "chroot"},
-                          stdout=subprocess.PIPE if capture else None, stderr=subprocess.STDOUT if capture else None)
-    if done.returncode != 0:
-        raise CliError(f"buildah {arguments[0]} failed:\n" + "\n".join((done.stdout or "").splitlines()[-30:]))
-    return (done.stdout or "").strip()
+    env = {**os.environ, "BUILDAH_ISOLATION": "chroot"}
+    if capture:
+        return commands.output(command, f"buildah {arguments[0]}", env=env).strip()
+    if subprocess.run(command, stdin=subprocess.DEVNULL, env=env).returncode != 0:
+        raise CliError(f"buildah {arguments[0]} failed; see its output above")
+    return ""
 
 
 def _base() -> str:
@@ -180,10 +181,7 @@ def _base() -> str:
         shutil.rmtree(made, ignore_errors=True)
         root = made / "root"
         root.mkdir(parents=True)
-        done = subprocess.run(["debootstrap", "--variant=minbase", release, str(root), _mirror(release)], stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        if done.returncode != 0:
-            raise CliError("debootstrap failed:\n" + "\n".join(done.stdout.splitlines()[-20:]))
+        commands.output(["debootstrap", "--variant=minbase", release, root, _mirror(release)], "debootstrap")
         (root / "etc/apt/sources.list").write_text(f"deb http://deb.debian.org/debian {release} main\n", encoding="ascii")
         for cache in (root / "var/cache/apt/archives").glob("*.deb"):
             cache.unlink()

@@ -6,11 +6,10 @@ import json
 import os
 import re
 import stat
-import subprocess
 from pathlib import Path
 from typing import Iterable
 
-from . import bench_volumes, image, paths, plan, ports
+from . import bench_volumes, commands, image, paths, plan, ports
 from .console import CliError, say
 
 USER = 10001
@@ -82,7 +81,7 @@ def inside(root: Path, env: list[str], script: str, files: dict[str, str] | None
     pairs = [word for pair in (files or {}).items() for word in pair]
     command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--propagation", "private", "sh", "-c", _POD, "pod", str(root),
                *pairs, "--", *env, "/bin/bash", "-c", script]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
+    done = commands.run(command, timeout=300)
     return done.returncode, done.stdout.strip()
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from pathlib import Path
+
 from . import gpu, packages, paths, venv
 from .console import CliError, say
 
@@ -11,9 +15,10 @@ PARTS = {
     "test": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
     "check": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
     "bench": [venv.BUILD, venv.TESTS],
+    "replay": [venv.TESTS],
 }
 #: Purposes that need no browser, linters or fuzzers.
-_WITHOUT_TESTS = ("up", "image")
+_WITHOUT_TESTS = ("up", "image", "replay")
 #: Purposes that compile the CUDA engine only on machines that can run it.
 _CUDA_WITH_GPU = ("up", "bench")
 
@@ -38,6 +43,13 @@ def ensure(purpose: str, may_install: bool = True) -> None:
         packages.install(debian)
     for part in absent:
         venv.ensure(part)
+
+
+def enter_venv(purpose: str) -> None:
+    """Installs the missing dependencies and runs the same command again with the libraries of .tools/venv, unless it runs there."""
+    if Path(sys.prefix).resolve() != paths.VENV.resolve():
+        ensure(purpose)
+        os.execv(paths.VENV_PYTHON, [str(paths.VENV_PYTHON), str(paths.TOOLS / "devtool"), *sys.argv[1:]])
 
 
 def missing_or_exit(purpose: str, may_install: bool) -> tuple[list[str], list[venv.Part]]:

@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from . import paths, venv
+from . import commands, packages, paths, venv
 from .console import CliError, say, step
 from .users import RunAs
 
@@ -114,12 +114,8 @@ def version_flags() -> str:
 
 def build_go(arguments: list[str], where: Path, **env: str) -> str:
     # Linked statically, so that they need no libraries of the machine. The environment chooses the source of modules (GOPROXY).
-    done = subprocess.run([str(go()), *arguments], cwd=where,
-                          env={**os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env},
-                          stdin=subprocess.DEVNULL, capture_output=True, text=True)
-    if done.returncode != 0:
-        raise CliError(f"go {' '.join(arguments)} failed:\n" + "\n".join((done.stdout + done.stderr).splitlines()[-20:]))
-    return done.stdout
+    return commands.output([go(), *arguments], f"go {' '.join(arguments)}", cwd=where, env={
+        **os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env})
 
 
 def go() -> Path:
@@ -146,7 +142,8 @@ def _go_version(program: Path) -> tuple[int, ...]:
 def _take(name: str) -> None:
     package, files = _FILES[name]
     module = package.replace("/cmd/kwok", "")
-    source = Path(json.loads(build_go(["mod", "download", "-json", module], paths.REPO / "tools"))["Dir"])
+    said = build_go(["mod", "download", "-json", module], paths.REPO / "tools")
+    source = Path(json.loads(said[said.index("{"):])["Dir"])    # messages about the download may come first
     (folder() / f".new-{name}").write_text("\n---\n".join((source / file).read_text(encoding="utf-8") for file in files), encoding="utf-8")
     os.replace(folder() / f".new-{name}", folder() / name)
 
@@ -154,12 +151,7 @@ def _take(name: str) -> None:
 def _promtool() -> None:
     """Unpacks promtool from Debian's package of Prometheus, which would also start a service if installed."""
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
-        done = subprocess.run(["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", "prometheus"], cwd=beside,
-                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        packages = list(Path(beside).glob("*.deb"))
-        if done.returncode != 0 or not packages:
-            raise CliError(f"apt-get download prometheus failed (try apt-get update first):\n{done.stdout}")
-        subprocess.run(["dpkg", "-x", str(packages[0]), beside], check=True)
+        packages.unpack(["prometheus"], Path(beside))
         os.replace(Path(beside) / "usr" / "bin" / "promtool", folder() / "promtool")
 
 
@@ -171,8 +163,5 @@ def reachable(run_as: RunAs) -> Path:
         return here
     copy = Path("/var/cache/diaphane") / "cluster" / here.name
     copy.mkdir(mode=0o755, parents=True, exist_ok=True)
-    for name in built:
-        if not (copy / name).exists():
-            shutil.copy2(here / name, copy / f".new-{name}")
-            os.replace(copy / f".new-{name}", copy / name)
+    _bring(here, copy)
     return copy

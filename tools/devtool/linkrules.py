@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import tomllib
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Iterable
 
-from . import build, cycles, filelint, paths
-from .console import CliError
+from . import build, commands, cycles, filelint, paths
 
 RULES = Path(__file__).with_name("link_rules.toml")
 TRIALS = ("bench", "tests")    # folders of code that only measures and tests the product
@@ -134,10 +132,7 @@ def rules() -> dict:
 
 def graph_of(folder: Path) -> Graph:
     dot = folder / "targets.dot"
-    done = subprocess.run(["cmake", f"--graphviz={dot}", str(folder)], env=build.environment(), stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    if done.returncode != 0:
-        raise CliError(f"cmake --graphviz failed:\n{done.stdout}")
+    commands.output(["cmake", f"--graphviz={dot}", folder], env=build.environment())
     return parse(dot.read_text(encoding="utf-8"))
 
 
@@ -149,11 +144,9 @@ def check() -> list[str]:
     return (violations(graph_of(build.configure()), book["links"]) + header_violations(sources, book["headers"])
             + layer_violations(sources, book["layers"], book["features"])
             + trial_violations(sources) + support_violations(sources) + prefix_violations(sources, book["prefixes"])
-            + [f"cycle: {', '.join(part)}" for graph in (cycles.includes(sources), cycles.imports(pages)) for part in cycles.cycles(graph)])
+            + [f"cycle: {', '.join(found)}" for graph in (cycles.includes(sources), cycles.imports(pages)) if (found := cycles.cycle(graph))])
 
 
 def cpp_sources() -> list[Path]:
     """Returns the project's C++ and CUDA files, committed or not."""
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.h", "*.cpp", "*.cu", "*.cuh"],
-                            cwd=paths.REPO, capture_output=True, text=True, check=True).stdout
-    return [paths.REPO / line for line in sorted(set(listed.splitlines())) if (paths.REPO / line).exists()]
+    return [path for path in filelint.files() if path.suffix in (".h", ".cpp", ".cu", ".cuh")]

@@ -17,8 +17,8 @@ import time
 from pathlib import Path
 from typing import Sequence
 
-from . import build, paths
-from .console import CliError, step, warn
+from . import build, commands, paths
+from .console import step, warn
 from .mutant_areas import AREAS, deep_tests
 from .mutations import Mutant
 
@@ -89,8 +89,7 @@ class Tree:
         if not plan.is_symlink():
             plan.symlink_to("build.ninja")
         env = build.environment() if keep_results else {**build.environment(), "CCACHE_READONLY": "1"}
-        return subprocess.run(["ninja", "-C", str(self.build), "-f", plan.name, *words], env=env, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+        return commands.run(["ninja", "-C", self.build, "-f", plan.name, *words], env=env)
 
 
 # C++
@@ -114,18 +113,15 @@ class Programs:
         step("Building the test programs" + (" and the programs" if self.deep else ""))
         switches = [f"-D{option}={'ON' if self.deep or set(needed) & set(self.prefixes) else 'OFF'}" for option, needed in _PARTS.items()]
         extra = os.environ.get("DIAPHANE_MUTANTS_CMAKE", "").split()
-        done = subprocess.run(["cmake", "-G", "Ninja", "-S", self.base.root, "-B", self.base.build, "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
-                               "-DDIAPHANE_CUDA=OFF", "-DDIAPHANE_UNITY=OFF", *switches, *extra],
-                              env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        if done.returncode != 0:
-            raise CliError(f"CMake failed to configure {self.base.build}:\n{done.stdout}")
+        commands.output(["cmake", "-G", "Ninja", "-S", self.base.root, "-B", self.base.build, "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+                         "-DDIAPHANE_CUDA=OFF", "-DDIAPHANE_UNITY=OFF", *switches, *extra], env=build.environment())
         listed = self.base.ninja("-t", "targets", "all").stdout
         wanted = tuple(prefix for prefixes in self.prefixes.values() for prefix in prefixes)
         names = sorted({name for name in re.findall(r"^bin/(\w+_test):", listed, re.MULTILINE) if name.startswith(wanted)})
         targets = [f"bin/{name}" for name in names] + (build.programs(self.base.build) if self.deep else [])
         done = self.base.ninja("-j", str(build.jobs()), *targets, keep_results=True)
         if done.returncode != 0:
-            raise CliError("build failed:\n" + "\n".join(done.stdout.splitlines()[-40:]))
+            raise commands.failure("building the test programs", done)
         step(f"Running {len(names)} test programs without a mutant")
         with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
             for name, (outcome, _, seconds) in zip(names, pool.map(lambda name: run_googletest(self.base.build / "bin" / name, 600), names)):
@@ -235,7 +231,7 @@ class Page:
         build.npm_install()
         done = build.npm("run", "protocol", cwd=self.base.root / "frontend")
         if done.returncode != 0:
-            raise CliError(f"npm run protocol failed:\n{done.stdout}")
+            raise commands.failure("npm run protocol", done)
         self.checker = subprocess.Popen(["node", str(Path(__file__).with_name("mutant_types.mjs")), str(self.base.root / "frontend")],
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 

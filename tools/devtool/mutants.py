@@ -6,7 +6,6 @@ times come from it, and what a mutant has changed in another copy is restored fr
 
 from __future__ import annotations
 
-import argparse
 import concurrent.futures
 import json
 import math
@@ -114,12 +113,11 @@ class Run:
         return Result(mutant, outcome, killer, time.monotonic() - began)
 
 
-def command(given: argparse.Namespace) -> int:
-    areas = tuple(dict.fromkeys(given.area or PRODUCT))
-    if unknown := [area for area in areas if area not in AREAS]:
+def command(count: int, seed: int, areas: list[str] | None, jobs: int | None, minutes: float | None, deep: bool, json: Path | None) -> int:
+    if unknown := [area for area in areas or () if area not in AREAS]:
         raise CliError(f"unknown area '{unknown[0]}'; choose one of: {', '.join(AREAS)}", 64)
-    return run(Options(given.count, given.seed, areas, given.jobs or default_jobs(), given.json and given.json.resolve(),
-                       time.monotonic() + given.minutes * 60 if given.minutes else math.inf, given.deep))
+    return run(Options(count, seed, tuple(dict.fromkeys(areas or PRODUCT)), jobs or default_jobs(), json and json.resolve(),
+                       time.monotonic() + minutes * 60 if minutes else math.inf, deep))
 
 
 def default_jobs() -> int:

@@ -7,7 +7,6 @@ a comparison, so that few of its mutants of C++ compile, and Stryker and mutmut 
 
 from __future__ import annotations
 
-import difflib
 import random
 import re
 from dataclasses import dataclass

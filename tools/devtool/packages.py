@@ -6,10 +6,12 @@ import contextlib
 import os
 import shutil
 import subprocess
+import tempfile
 import time
 from pathlib import Path
+from typing import Sequence
 
-from . import paths
+from . import commands, paths
 from .progress import AptProgress
 from .console import CliError, progress, say, step
 
@@ -46,8 +48,16 @@ def install(names: list[str], afterwards: str = "") -> None:
             _apt("install", "--no-install-recommends", *names, afterwards=afterwards)
 
 
-def update() -> None:
-    _apt("update")
+def unpack(names: Sequence[str], into: Path) -> None:
+    """Downloads packages and unpacks them into a folder. They are not installed, so that the machine gets no new services."""
+    with tempfile.TemporaryDirectory(prefix="diaphane-packages-") as folder:
+        # As root, apt-get would download as a user who cannot write to this folder.
+        command = ["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", *names]
+        if commands.run(command, cwd=folder).returncode != 0:
+            _apt("update")      # the package lists may be older than the mirror
+            commands.output(command, f"apt-get download {' '.join(names)}", cwd=folder)
+        for package in Path(folder).glob("*.deb"):
+            commands.output(["dpkg-deb", "-x", package, into])
 
 
 def _dpkg_query(names: list[str]) -> str:

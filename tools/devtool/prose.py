@@ -6,15 +6,14 @@ import ast
 import io
 import json
 import re
-import subprocess
 import tokenize
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Iterator
 
-from . import build, build_stamp, filelint, passed, paths
-from .console import CliError, say
+from . import build, commands, filelint, passed, paths
+from .console import say
 
 RULES = Path(__file__).with_name("prose_rules.toml")
 LINTER = paths.TOOLS / "prose"
@@ -51,23 +50,13 @@ def check() -> list[str]:
             + commit_subjects(rules["commits"]) + textlint(sources))
 
 
-def over(found: list[str], limit: int, what: str) -> list[str]:
-    """Returns the findings if there are more than the limit for those that are not fixed yet."""
-    if len(found) <= limit:
-        if len(found) < limit:
-            say(f"{what}: {len(found)} left. Lower the limit in {RULES.name} from {limit}.")
-        return []
-    return [*found, f"{what}: {len(found)}, but at most {limit} are allowed"] if limit else found
-
-
 # Documents
 
 def wide_lines(documents: dict[str, str], rules: dict) -> list[str]:
     """Lines over the limit, except those with links, which cannot be broken."""
-    found = [f"{name}:{number}: {len(line)} columns, but at most {rules['columns']} are allowed"
-             for name, text in sorted(documents.items()) for number, line in enumerate(text.splitlines(), 1)
-             if len(line) > rules["columns"] and not _URL.search(line)]
-    return over(found, rules.get("lines_too_wide", 0), "lines of documents that are too wide")
+    return [f"{name}:{number}: {len(line)} columns, but at most {rules['columns']} are allowed"
+            for name, text in sorted(documents.items()) for number, line in enumerate(text.splitlines(), 1)
+            if len(line) > rules["columns"] and not _URL.search(line)]
 
 
 def too_many_words(documents: dict[str, str], rules: dict) -> list[str]:
@@ -145,24 +134,18 @@ def banned(all_passages: list[Passage], rules: list[dict]) -> list[str]:
     found = []
     for rule in rules:
         pattern = re.compile(rule["pattern"], re.IGNORECASE)
-        for kind in ("documents", "texts", "comments", "names"):
-            hits = [f"{one.name}:{one.line}: '{hit[0]}': {rule['instead']}" for one in all_passages if one.kind == kind
-                    for hit in [pattern.search(one.text)] if hit]
-            found += over(hits, rule.get(kind, 0), f"'{rule['pattern']}' in {kind}")
+        found += [f"{one.name}:{one.line}: '{hit[0]}': {rule['instead']}" for one in all_passages if (hit := pattern.search(one.text))]
     return found
 
 
 # Commits
 
 def commit_subjects(rules: dict) -> list[str]:
-    def git(*arguments: str) -> subprocess.CompletedProcess:
-        return subprocess.run(["git", *arguments], cwd=paths.REPO, capture_output=True, text=True)
-
-    if git("merge-base", "--is-ancestor", rules["base"], "HEAD").returncode != 0:
+    if commands.run(["git", "merge-base", "--is-ancestor", rules["base"], "HEAD"], cwd=paths.REPO).returncode != 0:
         say(f"commit subjects are not checked: this clone does not contain commit {rules['base'][:12]}")
         return []
-    listed = git("log", "--no-merges", "--format=%h %s", f"{rules['base']}..HEAD").stdout.splitlines()
-    return long_subjects(listed, rules["columns"])
+    listed = commands.output(["git", "log", "--no-merges", "--format=%h %s", f"{rules['base']}..HEAD"], cwd=paths.REPO)
+    return long_subjects(listed.splitlines(), rules["columns"])
 
 
 def long_subjects(listed: list[str], columns: int) -> list[str]:
@@ -196,11 +179,11 @@ def textlint(sources: dict[str, str]) -> list[str]:
     files = [path for path, entry in entries.items() if not passed.has(entry)]
     if not files:
         return []
-    _install()
+    build.npm_install(LINTER, "prose")
     done = build.npm("exec", "--", "textlint", "--format", "json", *map(str, files), cwd=LINTER)
     start = done.stdout.find("[{")
     if start < 0:
-        raise CliError(f"textlint failed:\n{done.stdout[-2000:]}")
+        raise commands.failure("textlint", done)
     found = []
     for file in json.JSONDecoder().raw_decode(done.stdout[start:])[0]:
         path, copied = Path(file["filePath"]), Path(file["filePath"]).is_relative_to(folder)
@@ -211,13 +194,3 @@ def textlint(sources: dict[str, str]) -> list[str]:
         if not file["messages"]:
             passed.keep([entries[path]])
     return found
-
-
-def _install() -> None:
-    expected = build_stamp.digest([LINTER / "package.json", LINTER / "package-lock.json"])
-    if (LINTER / "node_modules").is_dir() and build_stamp.is_current("prose", expected):
-        return
-    done = build.npm("ci", "--no-audit", "--no-fund", cwd=LINTER)
-    if done.returncode != 0:
-        raise CliError("npm ci failed in tools/prose:\n" + "\n".join(done.stdout.splitlines()[-30:]))
-    build_stamp.set_current("prose", expected)

@@ -6,10 +6,8 @@ import argparse
 import copy
 import json
 import math
-import os
 import secrets
 import subprocess
-import sys
 import tempfile
 import time
 import urllib.error
@@ -17,7 +15,7 @@ import urllib.request
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from . import paths
+from . import build, install, paths
 from .console import CliError, say
 
 LONGEST_PAUSE_MS = 10_000
@@ -69,8 +67,6 @@ def to_pictures(document: dict, scan: str, out: Path, frames_per_second: float, 
     size = f"{document['viewport']['width']}x{document['viewport']['height']}"
     program = paths.build_dir() / "bin" / "diaphane-render"
     if not program.exists():
-        from . import build
-
         build.build_programs("diaphane-render")
     frames = shown_at(scenes(document), frames_per_second)
     before: tuple[dict, Path] | None = None
@@ -166,14 +162,6 @@ def over_link(document: dict, link: str, patience_s: float = 600) -> int:
         return len(played)
 
 
-def _in_venv(rest: list[str]) -> int:
-    from . import venv
-
-    venv.ensure(venv.TESTS)
-    here = {**os.environ, "PYTHONPATH": str(paths.TOOLS)}
-    return subprocess.call([str(paths.VENV_PYTHON), "-m", "devtool.replay", *rest], env=here)
-
-
 def run(rest: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="./diaphane replay", description=__doc__)
     parser.add_argument("recording", type=Path, metavar="RECORDING", help="recording exported from the viewer")
@@ -186,17 +174,10 @@ def run(rest: list[str]) -> int:
     options = parser.parse_args(rest)
     document = read(options.recording)
     if options.link:
-        try:
-            import websockets  # noqa: F401
-        except ImportError:
-            return _in_venv(rest)
+        install.enter_venv("replay")
         say(f"{over_link(document, options.link)} scenes replayed.")
     else:
         if options.out is None or not 0 < options.fps <= 120 or options.samples < 1:
             parser.error("--scan requires --out FOLDER, --fps above 0 and at most 120, and --samples of at least 1")
         to_pictures(document, options.scan, options.out, options.fps, options.samples)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(run(sys.argv[1:]))

@@ -6,7 +6,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from . import build, console, datadir, install, paths, supervise
+from . import build, console, datadir, install, paths, supervise, unpack
 from .console import CliError
 
 
@@ -22,20 +22,34 @@ def run(name: str, arguments: list[str], wait: bool = False) -> int:
     os.execv(binary, [name, *arguments])
 
 
+def scan(rest: list[str]) -> int:
+    return _with_archives("diaphane-scan", rest)
+
+
+def render(rest: list[str]) -> int:
+    return _with_archives("diaphane-render", rest)
+
+
+def _with_archives(name: str, arguments: list[str]) -> int:
+    """Runs the program with the folders that archives among the arguments were unpacked into."""
+    with unpack.unpacked(arguments) as unpacked:
+        return run(name, unpacked, wait=unpacked != arguments)
+
+
 #: With one of these options, the sample tool writes files or uploads to a given server, so no instance needs to run here.
 _OWN_WAY = ("--write-dicom", "--write-bundle", "--mapped-mha", "--mapped-volume", "--upload", "--help", "-h")
 
 
-def sample(data: Path, arguments: list[str]) -> int:
-    """Uploads the sample scan again to the Diaphane that runs on `data`, or does what `arguments` say."""
-    if any(argument.partition("=")[0] in _OWN_WAY for argument in arguments):
-        return run("diaphane-sample", arguments)
+def sample(data: Path, rest: list[str]) -> int:
+    """Uploads the sample scan again to the Diaphane that runs on `data`, or does what the arguments in `rest` say."""
+    if any(argument.partition("=")[0] in _OWN_WAY for argument in rest):
+        return run("diaphane-sample", rest)
     if supervise.running_supervisor(data) is None:
         raise CliError(f"Diaphane is not running on {data}. Start it first: ./diaphane up --detach")
     url = datadir.read_record(data).get("url", "")
     binary = paths.build_dir() / "bin" / "diaphane-sample"
     build.build_programs("diaphane-sample")
-    done = subprocess.run([*supervise.sample_command(binary, url, data), *arguments], stdout=subprocess.PIPE, text=True)
+    done = subprocess.run([*supervise.sample_command(binary, url, data), *rest], stdout=subprocess.PIPE, text=True)
     if done.returncode == 0:
         console.say(f"The sample scan is at {url}/view/{done.stdout.strip()}")
     return done.returncode

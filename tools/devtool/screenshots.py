@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
 
-from . import bench, build, chromium, install, page_crawler, paths, viewer_tour
+from . import build, chromium, install, page_crawler, paths, viewer_tour
 from .bench_client import Person, cranium
 from .bench_stack import running
 from .console import CliError, say
@@ -24,7 +24,7 @@ GUIDE_SIZES = {"desk": (1200, 750), "phone": (390, 844)}
 
 
 def run(out: Path, only: str, one_size: str | None = None, one_look: str | None = None) -> int:
-    made = 0
+    made, out = 0, out.resolve()
     with _seen() as (browser, stack, person, shown):
         out.mkdir(parents=True, exist_ok=True)
         for size, (width, height) in SIZES.items():
@@ -58,9 +58,7 @@ def guide() -> int:
 @contextmanager
 def _seen() -> Iterator[tuple]:
     """Yields a browser, a running service, a user with scans, and the scan to view."""
-    install.ensure("bench")
-    if not bench.in_venv():
-        raise SystemExit(bench.again_in_venv())
+    install.enter_venv("bench")
     build.build_page()
     build.build_programs()
     from playwright.sync_api import sync_playwright

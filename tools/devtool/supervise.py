@@ -10,7 +10,7 @@ import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import datadir, layout, ports, users
+from . import datadir, gpu, layout, ports, prepare, users
 from .processes import Identity, end, wait_gone
 from .console import CliError, say, step, warn
 from .stack import Stack
@@ -29,6 +29,20 @@ class UpOptions:
 
 def running_supervisor(data: Path) -> Identity | None:
     return datadir.recorded(datadir.read_record(data).get("supervisor", {}))
+
+
+def up(data: Path, may_install: bool, background: bool, port: int | None, engine: str) -> int:
+    if running_supervisor(data):
+        say(f"Diaphane is already running: {datadir.read_record(data).get('url')}/")
+        return 0
+    if os.geteuid() == 0 and data == users.default_data_dir():
+        say(f"Started as root: using the data directory {data}, which the user '{users.NAME}' can access.")
+    datadir.check(data)
+    if (why := gpu.absence()) and gpu.is_plugged_in():
+        warn(f"This machine has an NVIDIA GPU, but {why}. Diaphane renders on the CPU.")
+    prepare.for_up(may_install)
+    chosen = UpOptions(data=data, engine=engine, port=port)
+    return detach(chosen) if background else hold(chosen)
 
 
 def hold(options: UpOptions, on_ready=lambda: None) -> int:

@@ -7,11 +7,10 @@ longer fuzzing, the sanitizers, mutants, and the Kubernetes suites.
 from __future__ import annotations
 
 import concurrent.futures
-import json
+import contextlib
 import math
 import os
 import shutil
-import subprocess
 import threading
 import time
 import xml.etree.ElementTree as ElementTree
@@ -20,7 +19,7 @@ from datetime import date
 from pathlib import Path
 from typing import Callable
 
-from . import build, clamav, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
+from . import build, clamav, commands, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
 from .console import CliError, say, step, warn
 
 
@@ -59,7 +58,7 @@ def suites(nightly: bool = False) -> list[Suite]:
     return [
         Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), cores=1),
         Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), cores=1),
-        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports, nightly), cores=beside),
+        Suite("C++", "unit", lambda reports: _ctest(["--test-dir", paths.build_dir(), "-LE", "gpu"], _fresh(reports / "C++"), nightly), cores=beside),
         Suite("web page", "unit", _vitest, cores=beside),
         Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0), cores=beside),
         Suite("tools", "unit", lambda reports: _pytest("devtool", reports), cores=beside),
@@ -68,7 +67,7 @@ def suites(nightly: bool = False) -> list[Suite]:
         Suite("Kubernetes node", "node", _whole_node),
         Suite("sanitizers", "sanitizers", _sanitizers),
         Suite("mutants", "mutants", _mutants),
-        Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
+        Suite("GPU", "gpu", lambda reports: _ctest(["--test-dir", paths.build_dir(), "-L", "gpu"], _fresh(reports / "GPU"))),
     ]
 
 
@@ -183,7 +182,7 @@ def _build(kind: str | None, cluster: bool = False, node: bool = False) -> None:
     if kind == "node" or (cluster and node):
         whole_node.ensure()
     # The cluster tests also open a page in a browser.
-    if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
+    if kind != "gpu":
         build.npm_install()
         if kind != "unit":
             build.build_page()
@@ -205,16 +204,8 @@ def _say_times(times: list[tuple[str, float, Count]], reports: Path) -> None:
 
 
 def slowest(reports: Path, most: int = 10) -> list[tuple[float, str]]:
-    """Returns the seconds and names of the slowest tests in the reports of GoogleTest (by program), Vitest and pytest."""
-    timed: list[tuple[float, str]] = []
-    for report in reports.glob("*.xml"):
-        timed += [(float(case.get("time") or 0), f"{case.get('classname')}::{case.get('name')}" if report.stem != "ctest" else f"{case.get('name')}")
-                  for case in _testcases(report)]
-    vitest = reports / "vitest.json"
-    if vitest.exists():
-        for file in json.loads(vitest.read_text(encoding="utf-8")).get("testResults", []):
-            timed += [((case.get("duration") or 0) / 1e3, case.get("fullName", "")) for case in file.get("assertionResults", [])]
-    return sorted(timed, reverse=True)[:most]
+    """Returns the seconds and names of the slowest tests."""
+    return sorted(((float(case.get("time") or 0), _name(case)) for case in _testcases(reports)), reverse=True)[:most]
 
 
 def _say_failures(reports: Path) -> None:
@@ -227,20 +218,13 @@ def _say_failures(reports: Path) -> None:
 
 
 def failures(reports: Path, longest: int = 600) -> list[tuple[str, str]]:
-    """Returns the names of the failed tests in the reports of pytest, ctest and Vitest, each with the first `longest` characters of
-    the reason."""
-    found: list[tuple[str, str]] = []
-    for report in sorted(reports.glob("*.xml")):
-        for case in _testcases(report):
-            for outcome in (*case.findall("failure"), *case.findall("error")):
-                reason = outcome.get("message") or (outcome.text or "")
-                found.append((f"{case.get('classname')}::{case.get('name')}", reason.strip()[:longest]))
-    vitest = reports / "vitest.json"
-    if vitest.exists():
-        for file in json.loads(vitest.read_text(encoding="utf-8")).get("testResults", []):
-            found += [(case.get("fullName", ""), "\n".join(case.get("failureMessages") or [])[:longest])
-                      for case in file.get("assertionResults", []) if case.get("status") == "failed"]
-    return found
+    """Returns the names of the failed tests, each with the first `longest` characters of the reason."""
+    return [(_name(case), (outcome.get("message") or outcome.text or "").strip()[:longest])
+            for case in _testcases(reports) for outcome in (*case.findall("failure"), *case.findall("error"))]
+
+
+def _name(case: ElementTree.Element) -> str:
+    return f"{case.get('classname')}::{case.get('name')}"
 
 
 def _fresh(folder: Path) -> Path:
@@ -249,47 +233,49 @@ def _fresh(folder: Path) -> Path:
     return folder
 
 
+# Reports. All runners write JUnit's XML.
+
+def count_of(report: Path) -> Count:
+    """Counts the tests of a file, or of all files of a folder."""
+    cases = _testcases(report)
+    failed = sum(any(case.find(tag) is not None for tag in ("failure", "error")) for case in cases)
+    skipped = sum(case.find("skipped") is not None or case.get("status") == "notrun" for case in cases)
+    return Count(len(cases) - failed - skipped, failed, skipped)
+
+
+def _testcases(report: Path) -> list[ElementTree.Element]:
+    cases: list[ElementTree.Element] = []
+    for file in sorted(report.rglob("*.xml")) if report.is_dir() else [report]:
+        with contextlib.suppress(OSError, ElementTree.ParseError):
+            cases += ElementTree.parse(file).getroot().iter("testcase")
+    return cases
+
+
 # GoogleTest
 
-def _ctest(selection: list[str], reports: Path, nightly: bool = False) -> Count:
-    folder = paths.build_dir()
-    cases = folder / "reports"
-    for old in cases.glob("*.json"):
-        old.unlink()
-    junit = reports / "ctest.xml"
+def _ctest(where: list[object], reports: Path, nightly: bool = False) -> Count:
+    """`where`: options of ctest that choose the build and the tests."""
     step("Running the C++ tests")
-    done = subprocess.run(
-        ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()),
-         "--output-junit", str(junit), *selection],
-        env={**build.environment(), **({"DIAPHANE_NIGHTLY": "1"} if nightly else {})}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        text=True, errors="replace")
+    programs = reports / "programs.xml"
+    done = commands.run(["ctest", *where, "--output-on-failure", "--no-tests=error", "-j", build.jobs(), "--output-junit", programs], cwd=paths.REPO,
+                        env={**build.environment(), "GTEST_OUTPUT": f"xml:{reports}/", **({"DIAPHANE_NIGHTLY": "1"} if nightly else {})})
     if done.returncode != 0:
         say(done.stdout)
-    failed_programs = [t.get("name") for t in _testcases(junit) if t.find("failure") is not None]
-    return _ctest_count(cases, failed_programs).at_least_one_failed(done.returncode)
+    keep_crashed(programs)
+    return count_of(reports).at_least_one_failed(done.returncode)
 
 
-def _ctest_count(cases: Path, failed_programs: list[str]) -> Count:
-    """Counts the cases of all reports. A program that failed without a report, because it crashed, counts as one failure."""
-    total = Count()
-    for report in sorted(cases.glob("*.json")):
-        count = googletest_count(json.loads(report.read_text(encoding="utf-8")))
-        if count.failed == 0 and report.stem in failed_programs:
-            count += Count(failed=1)
-        total += count
-    return total + Count(failed=sum(not (cases / f"{name}.json").exists() for name in failed_programs))
-
-
-def googletest_count(report: dict) -> Count:
-    results = [case for suite in report.get("testsuites", []) for case in suite.get("testsuite", [])]
-    failed = sum("failures" in case for case in results)
-    skipped = sum(case.get("result") in ("SKIPPED", "SUPPRESSED") or case.get("status") == "NOTRUN" for case in results)
-    return Count(len(results) - failed - skipped, failed, skipped)
+def keep_crashed(programs: Path) -> None:
+    """Leaves the programs in ctest's report that failed without a failed case in a report of their own."""
+    crashed = ElementTree.Element("testsuite")
+    crashed.extend(case for case in _testcases(programs) if case.find("failure") is not None
+                   and not count_of(programs.with_name(f"{case.get('name')}.xml")).failed)
+    ElementTree.ElementTree(crashed).write(programs)
 
 
 # libFuzzer
 
-#: Per target in the nightly lane, where eleven on two cores take six minutes. The gate replays the kept corpus.
+#: Per target in the nightly lane, where thirteen on two cores take seven minutes. The gate replays the kept corpus.
 NIGHTLY_FUZZ_SECONDS = 60
 
 
@@ -304,16 +290,8 @@ def _fuzz(seconds: int) -> Count:
 
 def _sanitizers(reports: Path) -> Count:
     """The C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer, and the multi-threaded ones under ThreadSanitizer."""
-    folder = build.configure("asan")
-    build.ninja(folder, ["all"])
-    junit = reports / "asan.xml"
-    step("Running the C++ tests under the address sanitizer")
-    done = subprocess.run(["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()), "-LE", "gpu",
-                           "--output-junit", str(junit)],
-                          env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
-    if done.returncode != 0:
-        say(done.stdout)
-    count = pytest_count(_testcases(junit)).at_least_one_failed(done.returncode)
+    build.ninja(build.configure("asan"), ["all"])
+    count = _ctest(["--preset", "asan"], _fresh(reports / "asan"))
     raced = races.run([], may_install=False) == 0
     return count + Count(passed=int(raced), failed=int(not raced))
 
@@ -333,19 +311,12 @@ def _mutants(_: Path) -> Count:
 # Vitest
 
 def _vitest(reports: Path) -> Count:
-    if not (paths.FRONTEND / "package.json").exists():
-        return Count()
-    report = reports / "vitest.json"
+    report = reports / "vitest.xml"
     step("Running the web page's tests")
-    done = build.npm("run", "test", "--", "--reporter=default", "--reporter=json", f"--outputFile.json={report}")
+    done = build.npm("run", "test", "--", "--reporter=default", "--reporter=junit", f"--outputFile.junit={report}")
     if done.returncode != 0:
         say(done.stdout)
-    count = Count()
-    if report.exists():
-        seen = json.loads(report.read_text(encoding="utf-8"))
-        skipped = seen.get("numPendingTests", 0) + seen.get("numTodoTests", 0)
-        count = Count(seen.get("numPassedTests", 0), seen.get("numFailedTests", 0), skipped)
-    return count.at_least_one_failed(done.returncode)
+    return count_of(report).at_least_one_failed(done.returncode)
 
 
 # pytest
@@ -368,35 +339,17 @@ def _cluster(reports: Path) -> Count:
 def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1, **more: str) -> Count:
     """Runs a folder of tests, one file of it, or the tests in `only`, with this many workers side by side."""
     tests = paths.REPO / "tests"
-    if not folder.endswith(".py") and not any((tests / folder).glob("test_*.py")):
-        return Count()
     report = reports / f"{Path(folder).stem}{'-some' if only else ''}.xml"
     step(f"Running tests/{folder}{': ' * bool(only)}{', '.join(only)}")
     env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1", **more}
-    done = subprocess.run(
-        [*within, str(paths.VENV_PYTHON), "-m", "pytest",
-         "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
-         *(("-n", str(workers), "--no-loadscope-reorder") if workers > 1 else ()), *selection, *(str(tests / folder / name) for name in only or [""])],
-        cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        errors="replace")
+    parallel = ("-n", workers, "--no-loadscope-reorder") if workers > 1 else ()
+    done = commands.run([*within, paths.VENV_PYTHON, "-m", "pytest", "-c", tests / "pytest.ini", "--rootdir", tests, "-q", f"--junitxml={report}",
+                         *parallel, *selection, *(tests / folder / name for name in only or [""])], cwd=tests, env=env)
     if done.returncode != 0:
         say(done.stdout)
-    return pytest_count(_testcases(report)).at_least_one_failed(done.returncode)
+    return count_of(report).at_least_one_failed(done.returncode)
 
 
 def _workers() -> int:
     """Returns how many processes share the tests of a suite that waits half of the time. Each has programs of its own."""
     return min(build.jobs(), 4) + 1
-
-
-def pytest_count(cases: list[ElementTree.Element]) -> Count:
-    failed = sum(any(case.find(tag) is not None for tag in ("failure", "error")) for case in cases)
-    skipped = sum(case.find("skipped") is not None for case in cases)
-    return Count(len(cases) - failed - skipped, failed, skipped)
-
-
-def _testcases(report: Path) -> list[ElementTree.Element]:
-    try:
-        return list(ElementTree.parse(report).getroot().iter("testcase"))
-    except (OSError, ElementTree.ParseError):
-        return []

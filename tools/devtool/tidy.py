@@ -1,30 +1,26 @@
-"""Runs clang-tidy on the files whose inputs have changed.
+"""Runs clang-tidy on the project's C++ files.
 
-Most of its time goes into headers. So files with the same flags are first read together, as one text; where that has findings, each
-file is read alone.
+Most of its time goes into headers. So some files of a target are first read together, as one text; where that has findings, each file
+is read alone. ccache remembers what had no findings, for all checkouts of the user: for it, tidy_compiler.sh is a compiler.
 """
 
 from __future__ import annotations
 
 import concurrent.futures
-import hashlib
+import functools
 import json
 import os
 import re
 import shlex
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import build, paths
+from . import build, build_stamp, commands, paths
 
-#: Files that clang-tidy has passed, and the headers of each. Shared by all checkouts of the user: keys hold no path of a checkout.
-_CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "tidy"
-_HEADERS = _CACHE.with_name("tidy-headers")
-_FOLDERS = "api|common|directory|ingest|operator|renderd|volume"
-_COMMAND = ["nice", "clang-tidy", "--quiet"]
-#: How many files are read together at most. With more, one process would still run when the others have ended.
-_TOGETHER = 16
+_COMPILER = Path(__file__).with_name("tidy_compiler.sh")
+#: How many files are read together at most. With more, a change of one would cost more time, and one process would still run when the
+#: others have ended.
+_TOGETHER = 8
 
 #: What only GCC understands, or what makes no difference to clang-tidy.
 _NOT_FOR_CLANG = ("-Winvalid-pch", "-fpch-preprocess", "-Wno-subobject-linkage", "--param=ggc-")
@@ -36,44 +32,32 @@ def check() -> list[str]:
     """Returns clang-tidy's findings."""
     folder = build.configure()
     build.ninja(folder, _generated(folder))
-    database = folder / "tidy"
-    commands = _commands(folder, database)
-    common = _tool_digest()
-    for shared in (_CACHE, _HEADERS):
-        shared.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
-        todo = _changed(commands, folder, common, pool)
-        joined = groups({source: commands[source] for source in todo})
-        passed = pool.map(lambda group: _tidy_together(*group, database), enumerate(joined))
-        for group, sound in zip(joined, passed):
-            if sound:
-                for source in group.sources:
-                    (_CACHE / todo.pop(source)).touch()
-        results = list(pool.map(lambda item: _tidy(item[0], database, _CACHE / item[1]), todo.items()))
-    _forget_old()
-    return [text for text in results if text]
+        found = pool.map(lambda group: findings(group, folder), groups(_compile_commands(folder)))
+        return [finding for several in found for finding in several]
 
 
 @dataclass(frozen=True)
 class Group:
-    """Files that are compiled with the same flags."""
+    """Files of one target that are compiled with the same flags."""
 
+    name: str
     sources: list[Path]
     flags: list[str]
 
 
-def groups(commands: dict[Path, list[str]]) -> list[Group]:
+def groups(compile_commands: dict[Path, list[str]]) -> list[Group]:
     """Returns the files that can be read together, the largest groups first."""
     alike: dict[tuple[str, ...], list[Path]] = {}
-    for source, arguments in commands.items():
+    for source, arguments in compile_commands.items():
         at = arguments.index("-o")
         # The folder of a target's objects tells the targets apart.
-        target = arguments[at + 1].partition(".dir/")[0]
+        target = arguments[at + 1].partition(".dir/")[0].replace("/", "-")
         flags = [word for word in [*arguments[1:at], *arguments[at + 2:]] if word not in ("-c", str(source))]
         alike.setdefault((target, *flags), []).append(source)
-    found = [Group(sources[first:first + _TOGETHER], list(flags)) for (_, *flags), sources in alike.items()
-             for first in range(0, len(sources), _TOGETHER)]
-    return sorted((group for group in found if len(group.sources) > 1), key=lambda group: -len(group.sources))
+    found = [Group(f"{target}-{sources[first].stem}", sources[first:first + _TOGETHER], flags)
+             for (target, *flags), sources in alike.items() for first in range(0, len(sources), _TOGETHER)]
+    return sorted(found, key=lambda group: -len(group.sources))
 
 
 def joined_text(texts: list[str]) -> str:
@@ -89,24 +73,47 @@ def joined_text(texts: list[str]) -> str:
     return "\n".join([*lines, ""])
 
 
-def _tidy_together(number: int, group: Group, database: Path) -> bool:
-    """Returns whether clang-tidy finds nothing in these files."""
-    file = database / f"together-{number}.cpp"
-    file.write_text(joined_text([source.read_text(encoding="utf-8") for source in group.sources]), encoding="utf-8")
-    return subprocess.run([*_COMMAND, *_options(), str(file), "--", *group.flags], cwd=database.parent, stdin=subprocess.DEVNULL,
-                          capture_output=True).returncode == 0
+def findings(group: Group, folder: Path) -> list[str]:
+    together = folder / "tidy" / f"{group.name}.cpp"
+    together.parent.mkdir(exist_ok=True)
+    together.write_text(joined_text([source.read_text(encoding="utf-8") for source in group.sources]), encoding="utf-8")
+    # Of files that cannot be read together, such as two that define the same name, ccache knows each alone.
+    if not _tidy(together, group, folder, only_cached=True) or all(not _tidy(source, group, folder, only_cached=True) for source in group.sources):
+        return []
+    if not _tidy(together, group, folder):
+        return []
+    return [found for source in group.sources if (found := _tidy(source, group, folder))]
+
+
+def _tidy(source: Path, group: Group, folder: Path, only_cached: bool = False) -> str:
+    """Returns clang-tidy's output if it finds anything. `only_cached`: or a text if ccache does not know the result."""
+    result = f"tidy/{group.name}-{source.stem}"
+    command = [*group.flags, "-MD", "-MF", f"{result}.d", "-o", f"{result}.o", "-c", str(source)]
+    root = os.path.relpath(paths.REPO, folder)
+    done = commands.run(["nice", "ccache", _COMPILER, *(word.replace(str(paths.REPO), root) for word in command)], cwd=folder,
+                        env=_environment() | ({"DIAPHANE_ONLY_CACHED": "1"} if only_cached else {}))
+    return done.stdout.replace(f"{root}/", "").strip() or "no result" if done.returncode else ""
+
+
+@functools.cache
+def _version() -> str:
+    return commands.output(["clang-tidy", "--version"])
+
+
+def _environment() -> dict[str, str]:
+    settings = build_stamp.digest([paths.REPO / ".clang-tidy"], _version(), _COMPILER.read_text(encoding="utf-8"))
+    return {**os.environ, "CCACHE_COMPILERTYPE": "clang", "CCACHE_COMPILERCHECK": f"string:{settings}", "CCACHE_DEPEND": "1",
+            "CCACHE_NOHASHDIR": "1", "CCACHE_SLOPPINESS": "time_macros,include_file_mtime,include_file_ctime"}
 
 
 def _generated(folder: Path) -> list[str]:
-    listed = subprocess.run(["ninja", "-C", str(folder), "-t", "targets", "rule", "CUSTOM_COMMAND"], env=build.environment(),
-                            capture_output=True, text=True).stdout
+    listed = commands.output(["ninja", "-C", folder, "-t", "targets", "rule", "CUSTOM_COMMAND"], env=build.environment())
     return sorted(name for name in listed.splitlines() if name.endswith(_GENERATED))
 
 
-def _commands(folder: Path, database: Path) -> dict[Path, list[str]]:
-    """Returns the compile command of each of the project's C++ files, and writes them as a database for clang, without GCC's
-    precompiled headers and flags."""
-    commands = {}
+def _compile_commands(folder: Path) -> dict[Path, list[str]]:
+    """Returns the compile command of each of the project's C++ files, without GCC's precompiled headers and flags."""
+    found = {}
     for entry in json.loads((folder / "compile_commands.json").read_text(encoding="utf-8")):
         if entry["file"].endswith(".cu"):    # compiled by nvcc, whose flags clang does not know
             continue
@@ -118,14 +125,8 @@ def _commands(folder: Path, database: Path) -> dict[Path, list[str]]:
             # Excludes tests, which would take half of the time and follow GoogleTest's style.
             if source.suffix != ".cpp" or source.stem.endswith("_test") or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
                 continue
-            commands[source] = _for_clang(command)
-    database.mkdir(exist_ok=True)
-    listed = [{"directory": str(folder), "file": str(source), "command": shlex.join(command)} for source, command in commands.items()]
-    text = json.dumps(listed, indent=0)
-    target = database / "compile_commands.json"
-    if not target.exists() or target.read_text(encoding="utf-8") != text:
-        target.write_text(text, encoding="utf-8")
-    return commands
+            found[source] = _for_clang(command)
+    return found
 
 
 def compiled_alone(file: str, command: list[str], unity: str | None = None) -> dict[Path, list[str]]:
@@ -144,61 +145,6 @@ def compiled_alone(file: str, command: list[str], unity: str | None = None) -> d
     return alone
 
 
-def _changed(commands: dict[Path, list[str]], folder: Path, common: str, pool: concurrent.futures.Executor) -> dict[Path, str]:
-    """Returns the files that clang-tidy has not passed as they are now, each with the key of its result."""
-    # While none of the headers that were found last time, in whichever checkout, has changed, these are still all.
-    keys = {source: _digest(source, arguments, _recalled(source, arguments), common) for source, arguments in commands.items()}
-    changed = [source for source, key in keys.items() if not _passed(key)]
-    for source, found in zip(changed, pool.map(lambda source: _headers(commands[source], folder), changed)):
-        _recall_next_time(source, commands[source], found)
-        keys[source] = _digest(source, commands[source], found, common)
-    return {source: keys[source] for source in changed if not _passed(keys[source])}
-
-
-def _passed(key: str) -> bool:
-    try:
-        os.utime(_CACHE / key)    # the results that are used are kept
-    except FileNotFoundError:
-        return False
-    return True
-
-
-def _portable(text: str) -> str:
-    """Returns the parts that are the same in all checkouts."""
-    return text.replace(str(paths.REPO), ".")
-
-
-def _record(source: Path, command: list[str]) -> Path:
-    """Returns where the headers of this version of a file are noted. All checkouts share the notes, because finding the headers of all
-    files takes minutes."""
-    return _HEADERS / hashlib.sha256(_portable(f"{source} {_file_digest(source)} {shlex.join(command)}").encode()).hexdigest()
-
-
-def _recalled(source: Path, command: list[str]) -> list[Path]:
-    try:
-        return [paths.REPO / name for name in json.loads(_record(source, command).read_text(encoding="utf-8"))]
-    except (OSError, ValueError):
-        return []
-
-
-def _recall_next_time(source: Path, command: list[str], headers: list[Path]) -> None:
-    names = [str(path.relative_to(paths.REPO) if path.is_relative_to(paths.REPO) else path) for path in headers]
-    record = _record(source, command)
-    # Renamed, so that another checkout never reads half of it.
-    beside = record.with_suffix(f".{os.getpid()}")
-    beside.write_text(json.dumps(names), encoding="utf-8")
-    beside.replace(record)
-
-
-def _headers(command: list[str], folder: Path) -> list[Path]:
-    """Returns all files that the preprocessor reads for a compile command."""
-    at = command.index("-o")
-    done = subprocess.run([*command[:at], *command[at + 2:], "-M"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          errors="replace")
-    names = done.stdout.partition(":")[2].replace("\\\n", " ").split()
-    return [(folder / name).resolve() for name in names]
-
-
 def _for_clang(arguments: list[str]) -> list[str]:
     kept = []
     skip = False
@@ -210,52 +156,3 @@ def _for_clang(arguments: list[str]) -> list[str]:
         elif not word.startswith(_NOT_FOR_CLANG):
             kept.append(word)
     return kept
-
-
-_file_digests: dict[Path, str] = {}
-
-
-def _file_digest(path: Path) -> str:
-    """Hashes own files by content, and system files by size and time, because they come from packages."""
-    if path not in _file_digests:
-        try:
-            if path.is_relative_to(paths.REPO):
-                _file_digests[path] = hashlib.sha256(path.read_bytes()).hexdigest()
-            else:
-                state = path.stat()
-                _file_digests[path] = f"{state.st_size}:{state.st_mtime_ns}"
-        except OSError:
-            _file_digests[path] = "absent"
-    return _file_digests[path]
-
-
-def _digest(source: Path, command: list[str], dependencies: list[Path], common: str) -> str:
-    files = sorted(_portable(f"{path}={_file_digest(path)}") for path in {source, *dependencies})
-    return hashlib.sha256("\n".join([common, _portable(shlex.join(command)), *files]).encode()).hexdigest()
-
-
-def _tool_digest() -> str:
-    version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True).stdout
-    return version + (paths.REPO / ".clang-tidy").read_text(encoding="utf-8")
-
-
-def _options() -> list[str]:
-    return [f"--config-file={paths.REPO / '.clang-tidy'}", f"--header-filter=^{re.escape(str(paths.REPO))}/({_FOLDERS})/",
-            "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument"]
-
-
-def _tidy(source: Path, database: Path, remembered: Path) -> str:
-    """Returns clang-tidy's output. An empty result is remembered at once, so that an interrupted run is not lost."""
-    done = subprocess.run([*_COMMAND, "-p", str(database), *_options(), str(source)], cwd=paths.REPO, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          errors="replace")
-    if done.returncode == 0:
-        remembered.touch()
-        return ""
-    return done.stdout.replace(f"{paths.REPO}/", "").strip() or done.stderr.strip()
-
-
-def _forget_old(keep: int = 4000) -> None:
-    for shared in (_CACHE, _HEADERS):
-        entries = sorted(shared.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
-        for path in entries[keep:]:
-            path.unlink(missing_ok=True)

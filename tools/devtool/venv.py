@@ -10,7 +10,7 @@ import sysconfig
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import paths, build_stamp
+from . import build_stamp, commands, paths
 from .console import CliError, step
 
 NODE_WANTED = "20.19, 22.13 or 24"   # for the page's tools: ^20.19 || ^22.13 || >=24
@@ -46,9 +46,9 @@ def ensure(part: Part) -> None:
         return
     step(f"Installing {part.what}")
     if not paths.VENV_PYTHON.exists():
-        _run([_system_python(), "-m", "venv", str(paths.VENV)])
-    arguments = ["-r", str(part.file)] if part.file else [part.requirement]
-    _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *arguments])
+        commands.output([_system_python(), "-m", "venv", paths.VENV])
+    arguments = ["-r", part.file] if part.file else [part.requirement]
+    commands.output([paths.VENV_PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *arguments])
     if part is CUDA:
         _cuda_links()
     if part is NODE:
@@ -122,9 +122,3 @@ def _node_version(node: Path) -> tuple[int, ...]:
 
 def _system_python() -> str:
     return "/usr/bin/python3" if os.path.exists("/usr/bin/python3") else "python3"
-
-
-def _run(command: list[str]) -> None:
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    if done.returncode != 0:
-        raise CliError(f"{' '.join(command[:4])} ... failed:\n" + "\n".join(done.stdout.splitlines()[-20:]))

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from . import kubernetes, packages
-from .console import CliError, say, step
+from .console import say, step
 
 #: The prefix of all processes of the test. The shell is the first process of the namespace, reaps orphans, and ends all others
 #: when it exits.
@@ -95,13 +95,7 @@ def ensure() -> Path:
 
 def _take() -> None:
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
-        done = subprocess.run(["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", *_DEBIAN], cwd=beside, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        found = sorted(Path(beside).glob("*.deb"))
-        if done.returncode != 0 or len(found) != len(_DEBIAN):
-            raise CliError(f"apt-get download {' '.join(_DEBIAN)} failed (try apt-get update first):\n{done.stdout}")
-        for package in found:
-            subprocess.run(["dpkg", "-x", str(package), beside], check=True)
+        packages.unpack(_DEBIAN, Path(beside))
         for name in _PROGRAMS[:-1]:
             place = next(path for path in (Path(beside) / "usr/bin" / name, Path(beside) / "usr/sbin" / name) if path.is_file() and not path.is_symlink())
             shutil.move(place, folder() / name)

@@ -137,7 +137,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         calm, attacked, answers = [], [], {}
         for number in range(repeats):
             calm.append(_phase(ordinary, seconds))
-            attack = subprocess.Popen([sys.executable, "-m", "devtool.abuse_clients", str(file)], cwd=paths.TOOLS, stdout=subprocess.PIPE,
+            attack = subprocess.Popen([sys.executable, "-m", "devtool.benches.support.abuse_clients", str(file)], cwd=paths.TOOLS, stdout=subprocess.PIPE,
                                       text=True, start_new_session=True, env={**os.environ, "PYTHONPATH": str(paths.TOOLS)})
             try:
                 time.sleep(1)    # until the attack has begun

@@ -37,7 +37,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         rows = _label(*write, "--phantoms", *([] if quick else ["--large"]), *map(str, scans))
         _print(rows)
         if options.slices:
-            from ..label_slices import write_slices
+            from .support.label_slices import write_slices
 
             options.slices.mkdir(parents=True, exist_ok=True)
             for row in rows:

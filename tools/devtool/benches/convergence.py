@@ -136,7 +136,7 @@ def csv_of(reports: list[dict]) -> str:
 
 
 def plot_of(report: dict) -> str:
-    from .. import plot
+    from .support import plot
 
     title = f"{report['scene']} on {report['volume']}, {report['width']} x {report['height']}, {report['device']}"
     panels, legend = [], []

@@ -9,9 +9,9 @@ from .. import chromium, paths
 from ..bench import Result, percentile, result
 from ..bench_client import Person, cranium
 from ..bench_stack import running
-from ..frame_replay import Played, player, record
 from ..console import CliError, say
 from ..stack import Stack
+from .support.frame_replay import Played, player, record
 
 ABOUT = "pictures that the page shows per second in Chromium when 60 arrive, by window size"
 PAGE = True

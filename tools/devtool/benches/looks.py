@@ -19,7 +19,7 @@ from ..console import CliError, say
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..picture_judge import Judged
+    from .support.picture_judge import Judged
 
 ABOUT = "pictures of all presets of all scans at 1 s, at 5 s and finished, checked for burnt-out and black areas and for framing"
 PROGRAMS = ("diaphane-render", "diaphane-sample")
@@ -41,7 +41,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
     from PIL import Image
 
-    from ..picture_judge import judge
+    from .support.picture_judge import judge
 
     options.out.mkdir(parents=True, exist_ok=True)
     stages = {"finished": ("--samples", "4")} if quick else STAGES
@@ -83,7 +83,7 @@ def _picture(scratch: Path, scan: Path, *arguments: str) -> np.ndarray:
 
 def _subject(scratch: Path, scan: Path, *arguments: str) -> np.ndarray:
     """Returns where the scan is, from linear radiance."""
-    from ..picture_judge import read_exr, subject_in
+    from .support.picture_judge import read_exr, subject_in
 
     file = scratch / "picture.exr"
     _render(scan, *arguments, "--samples", "16", "--out", file)

@@ -53,7 +53,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 
 def _figure9(out: Path) -> None:
-    from .. import figure9
+    from .support import figure9
 
     file = out / "figure-9.json"
     say(_bench("--figure9", str(file)))

@@ -10,12 +10,13 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from .. import logfiles, paths, trend_test
+from .. import logfiles, paths
 from ..bench import Result, result
 from ..bench_stack import folder, prepared
 from ..bench_volumes import store_ball
 from ..console import CliError, say
 from ..users import ordinary_user
+from .support import trend_test
 
 ABOUT = "users who come, go, reload and lose their connection: memory, descriptors and threads over time (--minutes, --people)"
 PROGRAMS = ("diaphane-gateway", "diaphane-renderd", "diaphane-load")

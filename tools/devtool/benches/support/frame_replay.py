@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 from typing import Iterator
 
-from .bench_client import Person
+from ...bench_client import Person
 
 H264 = 2
 

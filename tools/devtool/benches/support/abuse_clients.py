@@ -1,7 +1,7 @@
 """Attackers for `./diaphane bench abuse`, in a separate process with the lowest priority.
 
 Real attackers would not use this machine's processors, so what they send is prepared once. They attack only this machine, and
-stop at a given time or after a maximum number of requests. Usage: python -m devtool.abuse_clients FILE. FILE contains the task as
+stop at a given time or after a maximum number of requests. Usage: python -m devtool.benches.support.abuse_clients FILE. FILE contains the task as
 JSON. The results are written to standard output."""
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ import zlib
 from collections import Counter
 from urllib.parse import urlsplit
 
-from .bench_client import Viewer
-from .priority import GroupPriorities
+from ...bench_client import Viewer
+from ...priority import GroupPriorities
 
 MOST_REQUESTS = 200_000    # per process
 JSON_BYTES = 200_000
