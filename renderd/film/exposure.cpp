@@ -21,7 +21,7 @@ Metering metering_of(const WhiteHistogram& histogram) {
 double automatic_stops(double mean) {
   if (!(mean > 0) || !std::isfinite(mean)) return 0;
   const double wanted = std::clamp(mean, kDarkestMean, kBrightestMean);
-  return std::clamp(std::log2(wanted / mean), -kMostDarker, kMostBrighter);
+  return std::clamp(std::log2(wanted / mean), -kUpToDarker, kUpToBrighter);
 }
 
 }  // namespace diaphane::render

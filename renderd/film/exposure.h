@@ -26,7 +26,7 @@ Metering metering_of(const WhiteHistogram& histogram);
 /// of white by the filmic curve and 51% by the linear one.
 inline constexpr double kDarkestMean = 0.14, kBrightestMean = 0.39;
 /// The largest corrections, in stops. A subject in the dark stays dark.
-inline constexpr double kMostBrighter = 4, kMostDarker = 10;
+inline constexpr double kUpToBrighter = 4, kUpToDarker = 10;
 
 /// Returns the stops to add to the exposure for a subject of this mean radiance. They do not depend
 /// on the exposure, so changing that still makes the picture brighter or darker. Returns 0 for a

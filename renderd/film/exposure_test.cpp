@@ -53,8 +53,8 @@ TEST(ExposureTest, TheCorrectionIsContinuous) {
 }
 
 TEST(ExposureTest, TheCorrectionIsLimited) {
-  EXPECT_EQ(automatic_stops(1e-20), kMostBrighter);
-  EXPECT_EQ(automatic_stops(1e20), -kMostDarker);
+  EXPECT_EQ(automatic_stops(1e-20), kUpToBrighter);
+  EXPECT_EQ(automatic_stops(1e20), -kUpToDarker);
 }
 
 TEST(ExposureTest, WithoutAMeanThereIsNoCorrection) {
