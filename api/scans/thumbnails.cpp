@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 7> kPresets{"skin",    "muscle", "vessels
                                                    "through", "dense",  "airways"};
 /// Ends the name of each file. Raise the number with every change of the looks in
 /// renderd/scene/presets.cpp, so that no thumbnail shows a look that the scan no longer has.
-constexpr std::string_view kSuffix = ".5.jpg";
+constexpr std::string_view kSuffix = ".6.jpg";
 /// Maximum number of requests that wait for a thumbnail of another request. Each holds a thread of
 /// the API, like each rendering does.
 constexpr int kMostWaiting = 2;
