@@ -35,7 +35,7 @@ def preset_is_reported_and_taken_down(author: Person, reader: Person, boss: Pers
     dialog = reader.page.get_by_role("dialog", name=f"What is wrong with {name}?")
     dialog.get_by_label("More details").fill("Its name is a person's.")
     dialog.get_by_role("button", name="Send report").click()
-    expect(dialog.get_by_text("An administrator will review your report.")).to_be_visible()
+    expect(reader.page.get_by_role("dialog", name="Report sent").get_by_text("An administrator will review your report.")).to_be_visible()
     reader.page.keyboard.press("Escape")
 
     boss.page.goto(f"{boss.stack.url}/reports")
@@ -129,6 +129,7 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     boss = look_through_reports(stack, visit(small=True), pictures)
     bert.page.get_by_role("link", name="View A head to share").click()
     expect(bert.page.locator("canvas[data-samples]")).to_be_visible()
+    expect(bert.page.get_by_role("link", name="Gallery")).to_have_attribute("href", "/gallery")
     bert.page.locator("[data-preset=muscle]").click()
     bert.page.get_by_role("button", name="Saved presets").click()
     dialog = bert.page.get_by_role("dialog")

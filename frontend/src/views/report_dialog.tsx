@@ -28,7 +28,7 @@ export function ReportDialog({ title, reasons, send, onClose }: ReportDialogProp
     );
   };
   return (
-    <Dialog title={title} onClose={onClose}>
+    <Dialog title={sent ? text.sentTitle : title} onClose={onClose}>
       {sent ? (
         <Notice kind="good">{text.sent}</Notice>
       ) : (

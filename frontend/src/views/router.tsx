@@ -9,10 +9,18 @@ addEventListener("hashchange", () => (route.value = here()));
 addEventListener("popstate", () => (route.value = here()));
 
 export function navigate(path: string, replace = false): void {
-  if (replace) history.replaceState(null, "", path);
-  else history.pushState(null, "", path);
+  if (replace) history.replaceState(history.state, "", path);
+  else history.pushState({ from: location.pathname }, "", path);
   route.value = here();
   scrollTo(0, 0);
+}
+
+/** Returns the path of the page whose link led here, also after a reload, or null if another site or an address did. */
+export function cameFrom(): string | null {
+  const state: unknown = history.state;
+  return typeof state === "object" && state !== null && "from" in state && typeof state.from === "string"
+    ? state.from
+    : null;
 }
 
 export interface LinkProps {

@@ -155,6 +155,7 @@ export const sharing: Texts["sharing"] = {
     },
     words: "Weitere Angaben (freiwillig)",
     send: "Meldung senden",
+    sentTitle: "Meldung gesendet",
     sent: "Danke. Die Administration wird Ihre Meldung prüfen.",
   },
   reports: {

@@ -148,6 +148,7 @@ export const sharing = {
     } as Readonly<Record<string, string>>,
     words: "More details (optional)",
     send: "Send report",
+    sentTitle: "Report sent",
     sent: "Thank you. An administrator will review your report.",
   },
   reports: {

@@ -5,7 +5,7 @@ import { Icon } from "../icons";
 import { Link } from "../router";
 import type { Trouble } from "../../protocol/connection";
 import { PictureTimeOver } from "./picture_time";
-import { VisitOver, returnPath, type Visitor } from "./visitor";
+import { VisitOver, wayBack, type Visitor } from "./visitor";
 
 export interface StatusLineProps {
   readonly session: ViewerSession | null;
@@ -43,9 +43,7 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
               {t.viewer.continueHere}
             </button>
           ) : stopped ? (
-            <Link href={visitor ? returnPath(visitor) : "/scans"}>
-              {visitor ? t.viewer.visitor.back : t.viewer.back}
-            </Link>
+            <Link href={wayBack(visitor).href}>{wayBack(visitor).text}</Link>
           ) : null}
         </StatusMessage>
       )}

@@ -1,3 +1,4 @@
+import { useMemo } from "preact/hooks";
 import type { DataSet } from "../../api/types";
 import type { KeyCommand } from "../../input/keys";
 import type { Role } from "../../live/role";
@@ -8,7 +9,7 @@ import { Icon, type IconName } from "../icons";
 import { Link } from "../router";
 import { ThemeSwitch } from "../shell";
 import { SlicesButton } from "./slices/slice_views";
-import { Invitation, returnPath, type Visitor } from "./visitor";
+import { Invitation, wayBack, type Visitor } from "./visitor";
 import type { OpenDialog } from "./viewer_dialogs";
 
 export interface ViewerHeaderProps {
@@ -26,14 +27,11 @@ export interface ViewerHeaderProps {
 
 /** The title of the scan and the toolbar. */
 export function ViewerHeader(props: ViewerHeaderProps) {
+  const back = useMemo(() => wayBack(props.visitor), [props.visitor]);
   return (
     <header class="viewer-top">
       <div class="glass viewer-title">
-        <Link
-          href={props.visitor ? returnPath(props.visitor) : "/scans"}
-          class="icon-button"
-          label={props.visitor ? t.viewer.visitor.back : t.viewer.back}
-        >
+        <Link href={back.href} class="icon-button" label={back.text}>
           <Icon name="back" />
         </Link>
         <h1>{props.title}</h1>

@@ -1,5 +1,5 @@
 import { t } from "../../texts";
-import { Link } from "../router";
+import { cameFrom, Link } from "../router";
 import { useApp } from "../state";
 import { OverPanel } from "./over_panel";
 
@@ -12,7 +12,21 @@ export interface Visitor {
 }
 
 /** The target of the back link at the top. */
-export const returnPath = (visitor: Visitor): string => (visitor.kind === "sample" ? "/gallery" : "/");
+const returnPath = (visitor: Visitor): string => (visitor.kind === "sample" ? "/gallery" : "/");
+
+export interface WayBack {
+  readonly href: string;
+  readonly text: string;
+}
+
+/** Returns the way from the viewer to the list that led here, or to one's own scans. */
+export function wayBack(visitor: Visitor | undefined): WayBack {
+  if (visitor) return { href: returnPath(visitor), text: t.viewer.visitor.back };
+  const from = cameFrom();
+  if (from === "/gallery") return { href: from, text: t.sharing.gallery.nav };
+  if (from === "/reports") return { href: from, text: t.sharing.reports.title };
+  return { href: "/scans", text: t.viewer.back };
+}
 
 /** Invites a visitor who has no account. */
 export function Invitation() {

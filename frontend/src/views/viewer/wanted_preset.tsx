@@ -12,7 +12,7 @@ export function WantedPreset({ session }: { readonly session: ViewerSession }) {
   useEffect(() => {
     const presetId = ready ? look.exec(location.hash)?.[1] : undefined;
     if (presetId === undefined) return;
-    history.replaceState(null, "", location.pathname); // a reload keeps the later edits
+    history.replaceState(history.state, "", location.pathname); // a reload keeps the later edits
     sceneOfPreset(app.api.presets, presetId).then(
       (scene) => session.editor.showScene(scene),
       () => undefined,

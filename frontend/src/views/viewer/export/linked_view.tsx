@@ -24,7 +24,7 @@ export function LinkedView({ session }: { readonly session: ViewerSession }) {
   useEffect(() => {
     if (!ready || !location.hash.startsWith("#view=")) return;
     const hash = location.hash;
-    history.replaceState(null, "", location.pathname); // a reload keeps the later edits
+    history.replaceState(history.state, "", location.pathname); // a reload keeps the later edits
     setFault("");
     const read = async () => sceneOfLink(hash, await textureFiles([...lampTextures, ...skyTextures]));
     void read().then((linked) => {
