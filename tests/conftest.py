@@ -73,6 +73,22 @@ def pytest_runtest_makereport(item, call):
 
 # Parallel runs
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--claims", type=Path, help="run only the files of tests that no other run with this folder has claimed")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if folder := config.getoption("--claims"):
+        config.claims = workers.Claims(folder)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+    """Passes over a test, as if it had run, by returning True."""
+    claims = getattr(item.config, "claims", None)
+    return None if claims is None or claims.ours(item.nodeid) else True
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: workers.rank_of(item.path.name))
 

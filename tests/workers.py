@@ -1,8 +1,9 @@
-"""Which tests each worker of a parallel run (pytest-xdist) gets."""
+"""Which tests each process of a parallel run gets: each worker of pytest-xdist, or each of several runs of pytest."""
 
 from __future__ import annotations
 
 import zlib
+from pathlib import Path
 
 from xdist.scheduler.loadscope import LoadScopeScheduling
 
@@ -32,3 +33,25 @@ class ByFile(LoadScopeScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         return unit_of(nodeid)
+
+
+class Claims:
+    """Shares the files out among several runs of pytest, of which each may start and end at any time: the first that claims a file,
+    or a part of it, runs it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder_ = folder
+        self.own_: dict[str, bool] = {}
+
+    def ours(self, nodeid: str) -> bool:
+        unit = unit_of(nodeid)
+        if unit not in self.own_:
+            self.own_[unit] = self._claim(unit)
+        return self.own_[unit]
+
+    def _claim(self, unit: str) -> bool:
+        try:
+            (self.folder_ / unit.replace("/", " ")).mkdir(parents=True)
+        except FileExistsError:
+            return False
+        return True

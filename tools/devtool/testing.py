@@ -57,11 +57,13 @@ def suites(nightly: bool = False) -> list[Suite]:
     beside = math.inf if nightly else 1.0
     return [
         Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), cores=1),
-        Suite("end-to-end", "e2e", lambda reports: _pytest("e2e", reports, *lane), cores=1),
+        Suite("end-to-end", "e2e", lambda reports: _end_to_end("first", reports, *lane), cores=1),
         Suite("C++", "unit", lambda reports: _ctest(["--test-dir", paths.build_dir(), "-LE", "gpu"], _fresh(reports / "C++"), nightly), cores=beside),
         Suite("web page", "unit", _vitest, cores=beside),
         Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0), cores=beside),
         Suite("tools", "unit", lambda reports: _pytest("devtool", reports), cores=beside),
+        # Takes files from the first as soon as a core is free for it.
+        Suite("end-to-end (second run)", "e2e", lambda reports: _end_to_end("second", reports, *lane), cores=1),
         Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
         Suite("Kubernetes", "cluster", _cluster),
         Suite("Kubernetes node", "node", _whole_node),
@@ -336,10 +338,16 @@ def _cluster(reports: Path) -> Count:
         return others.result() + waiting.result()
 
 
-def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1, **more: str) -> Count:
+def _end_to_end(which: str, reports: Path, *lane: str) -> Count:
+    """Runs the files that the other run has not claimed."""
+    return _pytest("e2e", reports, *lane, "--claims", reports / "claims", report=f"e2e-{which}")
+
+
+def _pytest(folder: str, reports: Path, *selection: object, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1,
+            report: str = "", **more: str) -> Count:
     """Runs a folder of tests, one file of it, or the tests in `only`, with this many workers side by side."""
     tests = paths.REPO / "tests"
-    report = reports / f"{Path(folder).stem}{'-some' if only else ''}.xml"
+    report = reports / f"{report or Path(folder).stem}{'-some' if only else ''}.xml"
     step(f"Running tests/{folder}{': ' * bool(only)}{', '.join(only)}")
     env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1", **more}
     parallel = ("-n", workers, "--no-loadscope-reorder") if workers > 1 else ()
