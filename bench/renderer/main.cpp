@@ -30,7 +30,7 @@ using diaphane::Result;
 constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as in diaphane-render
 
 struct Options {
-  std::string volume = "made", scene, engine = "cpu", size = "512x512";
+  std::string volume = "made", scene, preset, engine = "cpu", size = "512x512";
   unsigned threads = 0, devices = 1;
   std::vector<std::string> walks{"tracking"}, points{"low-discrepancy", "independent"};
   std::vector<std::string> mis{"both"}, roulette{"on"};
@@ -105,12 +105,21 @@ Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
   return render::make_engine(choice, options.threads);
 }
 
+/// Returns the scene file, or the preset fitted to the volume.
+Result<diaphane::v1::Scene> subject_of(const Options& options,
+                                       const diaphane::volume::Volume& volume) {
+  if (options.preset.empty()) return scene_of(options.scene);
+  auto preset = render::preset_for(volume.header, render::visible_part(volume), options.preset);
+  DIAPHANE_TRY(preset);
+  return preset->scene();
+}
+
 Result<bench::Convergence> converge(Options& options) {
   auto engine = engine_of(options);
   DIAPHANE_TRY(engine);
   auto volume = bench::named_volume(options.volume);
   DIAPHANE_TRY(volume);
-  auto scene = scene_of(options.scene);
+  auto scene = subject_of(options, *volume);
   DIAPHANE_TRY(scene);
   auto canvas = canvas_of(options.size);
   DIAPHANE_TRY(canvas);
@@ -118,7 +127,7 @@ Result<bench::Convergence> converge(Options& options) {
   DIAPHANE_TRY(loaded);
   options.head.engine = (*engine)->info();
   options.head.volume = short_name(options.volume);
-  options.head.scene = short_name(options.scene);
+  options.head.scene = options.preset.empty() ? short_name(options.scene) : options.preset;
   options.head.devices = options.devices;
   options.head.repeats = options.convergence.repeats;
   options.convergence.methods = methods_of(options);
@@ -264,7 +273,10 @@ CLI::App* add_convergence(CLI::App& app, Options& o) {
       "Measure time, true error and estimated error at each power of two of samples");
   c->add_option("--volume", o.volume,
                 "directory of the volume store, or made:N (a synthetic head, N voxels wide)");
-  c->add_option("--scene", o.scene, "scene file (JSON)")->required();
+  auto* subject = c->add_option_group("subject")->require_option(1);
+  subject->add_option("--scene", o.scene, "scene file (JSON)");
+  subject->add_option("--preset", o.preset,
+                      "built-in look, fitted to the volume (--list-presets of diaphane-render)");
   add_shared(*c, o);
   c->add_option("--devices", o.devices, "number of devices, each in its own process")
       ->check(CLI::Range(1, 64));
