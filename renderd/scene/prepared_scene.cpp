@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "common/try.h"
@@ -58,6 +59,29 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, F
 
 }  // namespace
 
+namespace {
+
+/// Returns the share of the sky in the light that reaches the middle of the volume if nothing is in
+/// the way, in [0, 1].
+double share_of_sky(const PreparedScene& scene) {
+  // In double, because the radiances may be as large as a float can be.
+  const auto brightness = [](Float3 c) { return double{c.x} + c.y + c.z; };
+  double lamps = 0;
+  for (const AreaLight& light : scene.lights) {
+    const bool flat = light.shape == LightShape::kRectangle;
+    const Float3 centre = flat ? light.corner + (light.u + light.v) * 0.5f : light.corner;
+    const Float3 to = centre - scene.middle;
+    const double squared = std::max(dot(to, to), light.area);
+    const double facing =
+        light.shape == LightShape::kSphere ? 1 : -dot(light.normal, to) / std::sqrt(squared);
+    lamps += brightness(light.radiance) * light.area * std::max(facing, 0.0) / squared;
+  }
+  const double sky = 4 * std::numbers::pi * brightness(scene.environment);
+  return sky > 0 ? sky / (sky + lamps) : 0;
+}
+
+}  // namespace
+
 std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   // These numbers gave the least error in a given time on the cranium scene. The light of the sky
   // varies more with the direction than the light of a lamp varies with the point on it.
@@ -73,10 +97,22 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   const bool opaque = scene.transfer->densest * std::min({edges.x, edges.y, edges.z}) > kOpaque;
   const std::int32_t lamp = opaque ? 6 : 4, open = opaque ? 13 : 9;
   std::array<std::int32_t, kHitKinds> strata{};
-  if (lamps) strata[kind(Strategy::kAreaLight)] = lamp;
-  if (lamps && mixes(scene)) strata[kind(Strategy::kAreaLightByScatter)] = 3;
-  if (maps) strata[kind(Strategy::kEnvironmentMap)] = 8;
-  if (sky || (maps && mixes(scene))) strata[kind(Strategy::kEnvironment)] = maps ? 5 : open;
+  const bool surfaces = scene.features.has(Feature::kSurfaces) && lamps && !maps;
+  if (surfaces) {
+    // Measured on the built-in looks and five scenes: few directions of the scattering meet a lamp,
+    // and each kind of light needs samples in proportion to what it contributes.
+    constexpr std::int32_t kDirect = 13, kLeastSky = 2, kMostSky = 9;
+    const auto wanted = static_cast<std::int32_t>(std::lround(14 * share_of_sky(scene)));
+    const std::int32_t of_sky = sky ? std::clamp(wanted, kLeastSky, kMostSky) : 0;
+    strata[kind(Strategy::kEnvironment)] = of_sky;
+    strata[kind(Strategy::kAreaLight)] = kDirect - of_sky;
+    strata[kind(Strategy::kAreaLightByScatter)] = 1;
+  } else {
+    if (lamps) strata[kind(Strategy::kAreaLight)] = lamp;
+    if (lamps && mixes(scene)) strata[kind(Strategy::kAreaLightByScatter)] = 3;
+    if (maps) strata[kind(Strategy::kEnvironmentMap)] = 8;
+    if (sky || (maps && mixes(scene))) strata[kind(Strategy::kEnvironment)] = maps ? 5 : open;
+  }
   std::int32_t sum = 0;
   for (std::int32_t n : strata) sum += n;
   // If there is only one kind of light, it gets the samples of both. Glowing matter needs
@@ -86,7 +122,9 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   // Paths of very many collisions cost more than everything else together. One such path has the
   // least error in a given time and keeps a launch short.
   constexpr std::uint32_t kLongPaths = 128;
-  if (scene.features.has(Feature::kBounces)) strata[kIndirect] = scene.bounces > kLongPaths ? 1 : 4;
+  if (scene.features.has(Feature::kBounces)) {
+    strata[kIndirect] = scene.bounces > kLongPaths ? 1 : surfaces ? 6 : 4;
+  }
   return strata;
 }
 
@@ -110,6 +148,10 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   PreparedScene out;
   out.canvas = canvas;
   out.spacing = to_float(Double3{header.spacing[0], header.spacing[1], header.spacing[2]});
+  const Int3 size = size_of(header);
+  out.middle =
+      out.spacing * Float3{0.5f * static_cast<float>(size.x), 0.5f * static_cast<float>(size.y),
+                           0.5f * static_cast<float>(size.z)};
   out.camera = prepare_camera(scene.camera(), axes, frame, canvas);
   out.clip = prepare_clip(scene.clip(), frame, to_double(out.spacing));
   out.slices = prepare_slices(scene, header);
@@ -141,7 +183,7 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
     out.transfer = before->transfer;
   } else {
     out.transfer = std::make_shared<const PreparedTransfer>(
-        prepare_transfer(scene.transfer_function(), grid, size_of(header), out.spacing));
+        prepare_transfer(scene.transfer_function(), grid, size, out.spacing));
   }
   out.features = features_of(scene, out, light_features);
   return out;

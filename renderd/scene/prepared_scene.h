@@ -43,6 +43,7 @@ struct PreparedScene {
   Float3 escape_edge{};  ///< as in SceneView
   Canvas canvas;
   Float3 spacing{};                 ///< mm
+  Float3 middle{};                  ///< of the volume, mm in its frame
   double exposure = 0;              ///< in stops: the display multiplies the radiance by 2^exposure
   bool automatic_exposure = false;  ///< whether automatic_stops() are added to it
   ToneCurve curve = ToneCurve::kLinear;  ///< of the display

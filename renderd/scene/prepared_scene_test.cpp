@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "renderd/kernel/estimator.h"
+#include "renderd/kernel/exact.h"
 #include "renderd/scene/presets.h"
 #include "tests/support/renderd/test_scenes.h"
 
@@ -112,6 +114,34 @@ TEST(PreparedScene, OmitsUnneededFeatures) {
   EXPECT_TRUE(features().has(Feature::kAnisotropicPhase));
   scene.clear_lights();
   EXPECT_EQ(features(), Features{}.with(Feature::kAnisotropicPhase));
+}
+
+TEST(PreparedScene, SamplesEachKindOfLightByItsContribution) {
+  const volume::Volume v = test::skull_volume();
+  const auto strata = [&](double lamp, double sky) {
+    diaphane::v1::Scene scene = test::skull_scene();
+    scene.mutable_shading()->set_mode(diaphane::v1::Shading::SURFACE);
+    scene.set_bounces(3);
+    scene.clear_lights();
+    if (lamp > 0) test::add_lamp(scene, -20, 15, 70, 40, lamp);
+    if (sky > 0) test::add_sky(scene, sky);
+    return strata_for(test::Prepared(v, scene).scene());
+  };
+  const auto lamps = [](const auto& of) { return of[static_cast<int>(Strategy::kAreaLight)]; };
+  const auto skies = [](const auto& of) { return of[static_cast<int>(Strategy::kEnvironment)]; };
+  const auto even = strata(30, 0.5), dim = strata(30, 0.001), bright = strata(0.01, 5);
+  EXPECT_GT(lamps(dim), lamps(even));
+  EXPECT_GT(skies(bright), skies(even));
+  EXPECT_GE(skies(dim), 1);
+  EXPECT_GE(lamps(bright), 1);
+  EXPECT_EQ(skies(strata(30, 0)), 0);
+  EXPECT_EQ(lamps(strata(0, 1)), 0);
+  // The largest radiances that a scene may have, and very small ones.
+  for (const auto& of : {strata(1e15, 1e15), strata(1e15, 1e-30), strata(1e-30, 1e15)}) {
+    EXPECT_GE(lamps(of), 1);
+    EXPECT_GE(skies(of), 1);
+    EXPECT_LE(std::accumulate(of.begin(), of.end(), 0), kMostHits);
+  }
 }
 
 TEST(PreparedScene, RefusesInvalidCanvas) {
