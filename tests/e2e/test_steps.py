@@ -59,6 +59,44 @@ def test_the_help_begins_at_its_top_and_names_every_icon(fake, visit, pictures: 
     assert {name.removesuffix(" (V)") for name in names} - {"Controls"} == {name.strip() for name in listed}
 
 
+def test_a_card_without_a_picture_says_why(fake, visit, pictures: Path):
+    page = visit()
+    page.request.post(f"{fake.url}/v1/sign-in")
+    answers = {"kind": "busy"}
+    page.route("**/thumbnails/*", lambda route: route.fulfill(
+        status=503, headers={"Retry-After": "1"}, content_type="application/problem+json",
+        json={"type": f"urn:diaphane:problem:{answers['kind']}", "title": "x", "status": 503}))
+    page.goto(f"{fake.url}/scans")
+    card = page.locator("article.card", has_text="Knee after the fall")
+    expect(card.get_by_text("The picture is being made.")).to_be_visible()
+    page.screenshot(path=pictures / "card-being-made.png")
+    answers["kind"] = "no-worker"
+    expect(card.get_by_text("No picture yet.")).to_be_visible()
+    page.screenshot(path=pictures / "card-no-picture.png")
+    page.unroute("**/thumbnails/*")
+    expect(card.get_by_role("img", name="Picture of Knee after the fall")).to_be_visible()
+
+
+def test_pictures_are_prepared_only_of_looks_that_a_scan_has(fake, visit):
+    page = visit()
+    page.request.post(f"{fake.url}/v1/sign-in")
+    listed = page.request.get(f"{fake.url}/v1/data-sets").json()["items"]
+    scans = {scan["id"]: scan["volume"]["modality"] for scan in listed if scan["volume"]}
+    looks = {"CT": ["bone", "muscle", "skin", "through"], "MR": ["airways", "bone", "muscle", "skin"]}
+    wanted = [(scan, look) for scan, kind in scans.items() for look in looks[kind]]
+    asked = set()
+
+    def note(request) -> bool:
+        if "/thumbnails/" in request.url:
+            asked.add(tuple(request.url.split("/")[-3::2]))
+        return asked.issuperset(wanted)
+
+    with page.expect_request(note):
+        page.goto(f"{fake.url}/scans")
+    page.wait_for_load_state("networkidle")
+    assert sorted(asked) == sorted(wanted)
+
+
 @pytest.mark.parametrize("phone, first", [(True, "Choose files"), (False, "Choose a folder")])
 def test_the_usual_choice_comes_first(fake, visit, phone: bool, first: str):
     page = visit(phone=phone)
