@@ -36,6 +36,7 @@ def test_no_window_covers_a_note_or_the_quality(fake, visit, pictures: Path, siz
     open_viewer(fake, page)
     page.route("**/v1/sessions", lambda route: route.abort())  # so that the note about the saved picture stays
     page.get_by_role("button", name="Save or share").click()
+    page.get_by_label("Size", exact=True).select_option("large")
     page.get_by_role("button", name="Save the picture").click()
     note = page.locator("[data-shot=rendering]")
     expect(note.get_by_role("button", name="Cancel")).to_be_in_viewport(ratio=1)
@@ -44,6 +45,23 @@ def test_no_window_covers_a_note_or_the_quality(fake, visit, pictures: Path, siz
     page.screenshot(path=pictures / f"note-{size['width']}.png")
     assert page.evaluate(COVERED, ["[data-shot]", ".menu", ".window", ".viewer-tools", ".presets", ".quality, .quality-chip"]) == []
     note.get_by_role("button", name="Cancel").click()
+
+
+def test_the_picture_on_the_screen_is_saved_at_once(fake, visit, pictures: Path):
+    page = visit()
+    open_viewer(fake, page)
+    page.route("**/v1/sessions", lambda route: route.abort())  # nothing is rendered again
+    page.get_by_role("button", name="Save or share").click()
+    dialog = page.get_by_role("dialog", name="Save or share")
+    expect(dialog.locator(".button-main")).to_have_count(1)
+    with page.expect_download() as download:
+        dialog.get_by_role("button", name="Save the picture").click()
+    expect(dialog.get_by_text("The picture has been saved.")).to_be_visible()
+    page.screenshot(path=pictures / "saved-at-once.png")
+    assert download.value.suggested_filename.endswith(".png")
+    dialog.get_by_label("Size", exact=True).select_option("large")
+    expect(dialog.get_by_text("The picture has been saved.")).not_to_be_visible()
+    expect(dialog.get_by_text("We render the picture again")).to_be_visible()
 
 
 def test_the_help_begins_at_its_top_and_names_every_icon(fake, visit, pictures: Path):

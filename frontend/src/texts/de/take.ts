@@ -13,11 +13,11 @@ export const take: Texts["take"] = {
   picture: "Bild speichern",
   pictureLead:
     "Wir berechnen das Bild in der gewählten Größe neu, und Sie können inzwischen weitermachen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
-  pictureNow: "Speichert das Bild so, wie es auf dem Bildschirm zu sehen ist. Die Datei enthält keinen Namen.",
-  saveNow: "Speichern, was jetzt zu sehen ist",
+  pictureNow:
+    "Das Bild wird sofort gespeichert, genau wie Sie es sehen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
   size: "Größe",
   sizes: {
-    screen: (width, height) => `Wie auf dem Bildschirm, ${width} × ${height}`,
+    screen: (width, height) => `Wie jetzt auf dem Bildschirm, ${width} × ${height}`,
     large: (width, height) => `Groß, ${width} × ${height}`,
     largest: (width, height) => `Sehr groß, ${width} × ${height}`,
     poster: (width, height) => `Poster, ${width} × ${height} (dauert lange)`,

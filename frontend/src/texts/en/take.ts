@@ -9,11 +9,11 @@ export const take = {
   picture: "Save a picture",
   pictureLead:
     "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
-  pictureNow: "Saves the picture as it is on the screen, without any name in the file.",
-  saveNow: "Save what is on the screen now",
+  pictureNow:
+    "This saves the picture at once, exactly as you see it. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
   size: "Size",
   sizes: {
-    screen: (width: number, height: number) => `Same as the screen, ${width} × ${height}`,
+    screen: (width: number, height: number) => `As it is on the screen now, ${width} × ${height}`,
     large: (width: number, height: number) => `Large, ${width} × ${height}`,
     largest: (width: number, height: number) => `Very large, ${width} × ${height}`,
     poster: (width: number, height: number) => `Poster, ${width} × ${height} (takes a long time)`,
