@@ -4,15 +4,10 @@ import type { DataSet, PresetInfo, PresetName } from "../api/types";
 import { t } from "../texts";
 import { looksOfEvery } from "./looks";
 import { useApp } from "./state";
+import { TaskQueue } from "./task_queue";
 
 /** Each picture is rendered on its first request, so requests run one by one and do not delay the viewer. */
-let lastRequest: Promise<unknown> = Promise.resolve();
-
-function inTurn<T>(task: () => Promise<T>): Promise<T> {
-  const result = lastRequest.then(task, task);
-  lastRequest = result.catch(() => undefined);
-  return result;
-}
+const requests = new TaskQueue();
 
 const longestWaitMs = 8000;
 const mostTries = 60;
@@ -54,7 +49,7 @@ function usePicture(
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async (tries: number): Promise<void> => {
       try {
-        const picture = await inTurn(() => newest.current(leaving.signal));
+        const picture = await requests.add(() => newest.current(leaving.signal));
         made = URL.createObjectURL(picture);
         setUrl(made);
       } catch (thrown) {
@@ -127,9 +122,11 @@ export function useWarmThumbnails(dataSets: readonly DataSet[]): void {
   useEffect(() => {
     const leaving = new AbortController();
     for (const [id, look] of newest.current)
-      void inTurn(async () => {
-        if (!leaving.signal.aborted) await app.api.thumbnail(id, look, leaving.signal);
-      }).catch(() => undefined); // whoever shows it asks again
+      void requests
+        .addPreparation(async () => {
+          if (!leaving.signal.aborted) await app.api.thumbnail(id, look, leaving.signal);
+        })
+        .catch(() => undefined); // whoever shows it asks again
     return () => leaving.abort();
   }, [app, key]);
 }
