@@ -64,6 +64,7 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardP
           <KindChip set={set} />
           {ready || still ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
         </p>
+        {set.taken_down ? <p class="card-fault">{t.sharing.everybody.takenDown(set.taken_down.reason)}</p> : null}
         {set.owned || !set.owner_name ? null : <p class="muted">{t.sharing.gallery.by(set.owner_name)}</p>}
         <Details set={set} upload={upload} />
       </div>

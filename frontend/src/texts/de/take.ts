@@ -65,6 +65,14 @@ export const take: Texts["take"] = {
     frames > 0
       ? `Für dieses Video ${frames === 1 ? "wird" : "werden"} ${count(frames, "Bild", "Bilder")} berechnet. Das verbraucht Rechenzeit.`
       : "Das verbraucht Rechenzeit.",
+  videoTime: (seconds) =>
+    seconds === null
+      ? "Sobald das Bild schärfer ist, steht hier, wie lange es dauern wird."
+      : seconds < 50
+        ? "Es kann weniger als eine Minute dauern, oder länger, wenn der Server beschäftigt ist."
+        : seconds < 3300
+          ? `Es wird mindestens ${count(Math.round(seconds / 60), "Minute", "Minuten")} dauern, und länger, wenn der Server beschäftigt ist.`
+          : `Es wird mindestens ${count(Math.round(seconds / 3600), "Stunde", "Stunden")} dauern, und länger, wenn der Server beschäftigt ist.`,
   wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
   views: "Ansichten, in dieser Reihenfolge",
   viewNow: "Aktuelle Ansicht",

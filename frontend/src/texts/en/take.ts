@@ -61,6 +61,14 @@ export const take = {
     frames > 0
       ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses your rendering time.`
       : "This uses your rendering time.",
+  videoTime: (seconds: number | null) =>
+    seconds === null
+      ? "As soon as the picture is sharper, we can say here how long it will take."
+      : seconds < 50
+        ? "It may take less than a minute, or longer while the server is busy."
+        : seconds < 3300
+          ? `It will take at least ${count(Math.round(seconds / 60), "minute", "minutes")}, and longer while the server is busy.`
+          : `It will take at least ${count(Math.round(seconds / 3600), "hour", "hours")}, and longer while the server is busy.`,
   wrongSeconds: (most: number) => `Enter a whole number of seconds between 1 and ${most}.`,
   views: "Views, in this order",
   viewNow: "Current view",
