@@ -35,8 +35,8 @@ export function typedSeconds(text: string): number | null {
 }
 
 /**
- * Estimates how long a device works for a video from how fast the picture on the screen became sharp. The variance of a pixel falls
- * in inverse proportion to its samples. Returns null while the error of the picture is unknown.
+ * Estimates how long a device works for a video from how fast the picture on the screen became sharp. The variance of
+ * a pixel falls in inverse proportion to its samples. Returns null while the error of the picture is unknown.
  */
 export function renderingSeconds(
   shown: Pick<PictureFacts, "samples" | "seconds" | "error" | "width" | "height">,
