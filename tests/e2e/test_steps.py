@@ -21,12 +21,13 @@ NAMES = """() => [...document.querySelectorAll(".viewer-tools button, .menu butt
     .filter((button) => button.getClientRects().length > 0).map((button) => button.getAttribute("aria-label"))"""
 
 
-def open_viewer(fake, page: Page) -> None:
+def open_viewer(fake, page: Page, tips: bool = False) -> None:
     page.request.post(f"{fake.url}/v1/sign-in")
     scans = page.request.get(f"{fake.url}/v1/data-sets").json()["items"]
     page.goto(f"{fake.url}/view/" + next(scan["id"] for scan in scans if scan["state"] == "ready"))
     expect(page.locator("canvas[data-samples]")).to_be_visible()
-    page.get_by_role("button", name="Hide the tips").click()
+    if not tips:
+        page.get_by_role("button", name="Hide the tips").click()
 
 
 @pytest.mark.parametrize("size", [{"width": 390, "height": 844}, {"width": 1280, "height": 720}], ids=["phone", "laptop"])
@@ -64,6 +65,16 @@ def test_the_picture_on_the_screen_is_saved_at_once(fake, visit, pictures: Path)
     expect(dialog.get_by_text("We render the picture again")).to_be_visible()
 
 
+@pytest.mark.parametrize("width, height", [(1280, 720), (1440, 900)])
+def test_a_tip_takes_one_line_above_the_head(fake, visit, pictures: Path, width: int, height: int):
+    page = visit(locale="de-DE")
+    page.set_viewport_size({"width": width, "height": height})
+    open_viewer(fake, page, tips=True)
+    page.screenshot(path=pictures / f"tip-{width}.png")
+    box = page.locator(".hints").bounding_box()
+    assert box["y"] + box["height"] < 105, box
+
+
 def test_the_help_begins_at_its_top_and_names_every_icon(fake, visit, pictures: Path):
     page = visit(phone=True)
     open_viewer(fake, page)
@@ -93,6 +104,17 @@ def test_a_card_without_a_picture_says_why(fake, visit, pictures: Path):
     page.screenshot(path=pictures / "card-no-picture.png")
     page.unroute("**/thumbnails/*")
     expect(card.get_by_role("img", name="Picture of Knee after the fall")).to_be_visible()
+
+
+def test_a_card_says_why_its_scan_was_taken_down(fake, visit):
+    page = visit()
+    page.request.post(f"{fake.url}/v1/sign-in")
+    listed = page.request.get(f"{fake.url}/v1/data-sets").json()
+    listed["items"][0] |= {"title": "Head", "taken_down": {"reason": "A name is burnt in."}}
+    page.route("**/v1/data-sets?*", lambda route: route.fulfill(json=listed))
+    page.route("**/v1/data-sets", lambda route: route.fulfill(json=listed))
+    page.goto(f"{fake.url}/scans")
+    expect(page.locator("article.card").first).to_contain_text("An administrator has taken this scan down. Reason: A name is burnt in.")
 
 
 def test_pictures_are_prepared_only_of_looks_that_a_scan_has(fake, visit):
