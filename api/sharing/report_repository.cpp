@@ -63,6 +63,12 @@ Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& 
   });
 }
 
+Result<int> ReportRepository::count_open() {
+  return database_.transact([&](pqxx::work& transaction) -> Result<int> {
+    return transaction.exec1("SELECT count(*) FROM reports WHERE closed_at IS NULL")[0].as<int>();
+  });
+}
+
 Result<std::vector<TakeDown>> ReportRepository::taken_down(int limit, const AuditEntry& entry,
                                                            Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<TakeDown>> {

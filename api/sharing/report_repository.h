@@ -12,6 +12,7 @@ class ReportRepository final : public ReportStore {
 
   Result<void> report(const Report& report, const std::string& reporter_id) override;
   Result<std::vector<Report>> open(int limit, const AuditEntry& entry, Time now) override;
+  Result<int> count_open() override;
   Result<std::vector<TakeDown>> taken_down(int limit, const AuditEntry& entry, Time now) override;
   Result<void> close(const std::string& report_id, const AuditEntry& entry, Time now) override;
   Result<void> take_down(const std::string& data_set_id, const std::string& reason,

@@ -115,6 +115,11 @@ std::vector<Route> routes_of_reports(Reports& reports) {
     for (const Report& one : *open) body["items"].push_back(to_json(one));
     return json_response(200, body);
   };
+  const auto count = [&reports](const Request&, const Principal&) -> Outcome<Response> {
+    const auto open = reports.count_open();
+    DIAPHANE_TRY(open);
+    return json_response(200, nlohmann::ordered_json{{"open", *open}});
+  };
   const auto dismiss = [&reports](const Request& request, const Principal& who) {
     return answer(reports.close(who, request.parameter("report_id")));
   };
@@ -129,6 +134,7 @@ std::vector<Route> routes_of_reports(Reports& reports) {
   return {
       {"GET", "/v1/take-downs", "listTakeDowns", kAdmin, taken_down, {}},
       {"GET", "/v1/reports", "listReports", kAdmin, list, {}},
+      {"GET", "/v1/reports/count", "countReports", kAdmin, count, {}},
       {"DELETE", "/v1/reports/{report_id}", "dismissReport", kAdmin, dismiss, {}},
   };
 }

@@ -72,6 +72,12 @@ Outcome<std::vector<Report>> Reports::open(const Principal& who) {
   return *std::move(found);
 }
 
+Outcome<int> Reports::count_open() {
+  const auto counted = store_.count_open();
+  if (!counted) return refuse(counted.error());
+  return *counted;
+}
+
 Outcome<std::vector<TakeDown>> Reports::taken_down(const Principal& who) {
   auto found =
       store_.taken_down(200, entry_of(who, "reports.looked-at", "report", ""), clock_.wall());

@@ -44,6 +44,8 @@ class ReportStore {
   virtual Result<void> report(const Report& report, const std::string& reporter_id) = 0;
   /// Returns the open reports, oldest first.
   virtual Result<std::vector<Report>> open(int limit, const AuditEntry& entry, Time now) = 0;
+  /// Returns the number of open reports.
+  virtual Result<int> count_open() = 0;
   /// Returns what is taken down, newest first. Without presets of data sets that administrators
   /// must not see.
   virtual Result<std::vector<TakeDown>> taken_down(int limit, const AuditEntry& entry,
@@ -79,6 +81,8 @@ class Reports {
                               const std::string& reason, const std::string& words);
   /// The access is logged in the audit log, as that to what is taken down.
   Outcome<std::vector<Report>> open(const Principal& who);
+  /// Only counts, which reveals nothing about anyone and is not logged.
+  Outcome<int> count_open();
   Outcome<std::vector<TakeDown>> taken_down(const Principal& who);
   Outcome<void> close(const Principal& who, const std::string& report_id);
   Outcome<void> take_down(const Principal& who, const std::string& data_set_id,

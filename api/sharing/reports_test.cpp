@@ -31,6 +31,10 @@ class FakeReportStore final : public ReportStore, public Fake {
     limit = most;
     return std::vector<Report>(2);
   }
+  Result<int> count_open() override {
+    DIAPHANE_TRY(enter("count_open"));
+    return 4;
+  }
   Result<std::vector<TakeDown>> taken_down(int most, const AuditEntry& entry, Time) override {
     DIAPHANE_TRY(note("taken_down", entry));
     limit = most;
@@ -141,6 +145,7 @@ TEST_F(ReportsTest, LimitsReportsToTwentyPerDay) {
 TEST_F(ReportsTest, EachActionOfAnAdministratorIsRecordedWithTheirId) {
   const std::string report_id = new_id();
   EXPECT_EQ(reports.open(administrator)->size(), 2u);
+  EXPECT_EQ(reports.count_open(), 4);
   EXPECT_EQ(store.limit, 200);
   EXPECT_EQ(reports.taken_down(administrator)->size(), 3u);
   EXPECT_TRUE(reports.close(administrator, report_id));
@@ -221,6 +226,7 @@ TEST_F(ReportsTest, ReportsAnUnavailableDatabase) {
       {preset_store, "find", of_preset},
       {store, "report", of_preset},
       {store, "open", [&] { return refusal(reports.open(administrator)); }},
+      {store, "count_open", [&] { return refusal(reports.count_open()); }},
       {store, "close", [&] { return refusal(reports.close(administrator, new_id())); }},
       {store, "take_down", take_down},
       {data_set_store, "find", take_down},

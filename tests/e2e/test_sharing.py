@@ -18,11 +18,14 @@ def look_through_reports(stack: TestStack, page, pictures: Path) -> Person:
     page.goto(stack.url + "/reports")
     expect(page.get_by_text("Only administrators can do this.")).to_be_visible()
     boss.becomes_administrator()
-    page.reload()
+    page.goto(stack.url + "/admin")
+    page.screenshot(path=pictures / "admin-open-reports.png")
+    page.get_by_role("link", name="Reports (1 open report)", exact=True).click()
     expect(page.get_by_text("I only try this.")).to_be_visible()
     page.screenshot(path=pictures / "reports.png")
     page.get_by_role("button", name="Dismiss the report about A head to share").click()
     expect(page.get_by_text("No open reports.")).to_be_visible()
+    expect(page.get_by_role("link", name="Reports", exact=True)).to_be_visible()
     return boss
 
 

@@ -44,7 +44,7 @@ def boss(api):  # noqa: F811
 
 
 FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "takeDownPreset",
-                      "restorePreset", "listReports", "listTakeDowns", "dismissReport"}
+                      "restorePreset", "listReports", "countReports", "listTakeDowns", "dismissReport"}
 
 
 def caller(one, boss, operation):
@@ -217,6 +217,7 @@ def report_ways(stack, data_set: str) -> None:
     boss.http.post(f"/v1/presets/{theirs}/reports", json={"reason": "offensive"})
     boss.http.post(f"/v1/presets/{theirs}/take-down", json={"reason": "A slur."})
     boss.http.delete(f"/v1/presets/{theirs}/take-down")
+    boss.http.get("/v1/reports/count")
     reports = boss.http.get("/v1/reports").json()["items"]
     boss.http.delete(f"/v1/reports/{reports[0]['id']}")
     boss.http.post(f"/v1/data-sets/{data_set}/take-down", json={"reason": "A name is on it."})

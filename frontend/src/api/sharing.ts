@@ -104,6 +104,10 @@ export class SharingApi {
     return (await read<Page<Report>>(this.send("GET", "/v1/reports"))).items;
   }
 
+  async openReports(): Promise<number> {
+    return (await read<{ readonly open: number }>(this.send("GET", "/v1/reports/count"))).open;
+  }
+
   async dismiss(report: string): Promise<void> {
     await this.send("DELETE", `/v1/reports/${report}`);
   }

@@ -13,16 +13,21 @@ export interface Axis {
   readonly view: number;
 }
 
+/** Where something is drawn along an axis, in device pixels. */
+export interface Extent {
+  readonly start: number;
+  readonly size: number;
+}
+
+export const wholeExtentOf = ({ count, start, scale }: Axis): Extent => ({ start, size: count * scale });
+
 /**
  * Where to take values along an axis: between the pixels `left` and `left` + 1 of the slice, with the weight `part` for
  * the second one.
  */
-export interface Samples {
+export interface Samples extends Extent {
   readonly left: Int32Array;
   readonly part: Float32Array;
-  /** Where the samples are drawn, in device pixels. */
-  readonly start: number;
-  readonly size: number;
 }
 
 /**

@@ -23,7 +23,15 @@ export function Admin({ part }: { readonly part: AdminPart }) {
   );
 }
 
-export function AdminTabs({ at }: { readonly at: AdminPart | "reports" }) {
+interface AdminTabsProps {
+  readonly at: AdminPart | "reports";
+  /** Passed by the page that lists the reports, so that a decision changes the number at once. */
+  readonly openReports?: number | null;
+}
+
+export function AdminTabs({ at, openReports }: AdminTabsProps) {
+  const counted = useOpenReports(openReports === undefined);
+  const open = openReports === undefined ? counted : openReports;
   return (
     <nav class="tabs" aria-label={t.titles.admin}>
       {adminParts.map((one) => (
@@ -33,9 +41,35 @@ export function AdminTabs({ at }: { readonly at: AdminPart | "reports" }) {
       ))}
       <Link href="/reports" current={at === "reports"}>
         {t.sharing.reports.title}
+        {open ? (
+          <span class="tab-count">
+            <span aria-hidden="true">{open}</span>
+            <span class="visually-hidden">{` (${t.sharing.reports.openCount(open)})`}</span>
+          </span>
+        ) : null}
       </Link>
     </nav>
   );
+}
+
+/** The number of open reports, or null until it is known. The tab is complete without it. */
+function useOpenReports(enabled: boolean): number | null {
+  const app = useApp();
+  const [open, setOpen] = useState<number | null>(null);
+  useEffect(() => {
+    if (!enabled) return;
+    let here = true;
+    app.api.sharing.openReports().then(
+      (counted) => {
+        if (here) setOpen(counted);
+      },
+      () => undefined,
+    );
+    return () => {
+      here = false;
+    };
+  }, [app, enabled]);
+  return open;
 }
 
 function FleetState() {

@@ -13,6 +13,7 @@ it("gives the details of an entry in the language of the page", async () => {
   expect(text("data-set.shared", { may: "save", permission: "0d1f" })).toBe(
     "Recht: ansehen und Voreinstellungen speichern, Freigabe: 0d1f",
   );
+  expect(text("data-set.link-made", { link: "8370e8d0-5550-4350-8819-ff84a1b2c3d4" })).toBe("Link: 8370e8d0");
   expect(text("data-set.published", { slices: 1 })).toBe("Schichten: ja");
   expect(text("later", { new: "word" })).toBe("new: word");
 });

@@ -11,8 +11,11 @@ export function detailsText({ action, details }: Pick<AuditEntry, "action" | "de
     .join(", ");
 }
 
+/** An ID is as short as those in the column beside it, so that the table fits the window. */
+const isId = /^[0-9a-f]{8}-[0-9a-f-]{27}$/;
+
 function valueText(action: string, name: string, value: number | string): string {
-  if (typeof value === "string") return t.admin.detailWords[value] ?? value;
+  if (typeof value === "string") return t.admin.detailWords[value] ?? (isId.test(value) ? value.slice(0, 8) : value);
   if (action === "account.storage-quota-changed") return bytesText(value);
   if (action === "account.render-quota-changed") return t.myAccount.hours(value);
   if (name === "slices") return value === 0 ? t.admin.no : t.admin.yes;

@@ -1,13 +1,15 @@
 import { useEffect, useState } from "preact/hooks";
 import { bodyParts, type DataSet, type GalleryQuery, type PresetInfo } from "../api/types";
 import { t } from "../texts";
+import { CardPicture } from "./card_picture";
 import { Choice } from "./choice";
 import { Field } from "./field";
 import { IconButton } from "./icon_button";
 import { Loading } from "./loading";
+import { lookOf } from "./looks";
 import { ReportDialog } from "./report_dialog";
 import { Link } from "./router";
-import { KindChip, lookOf, titleOf } from "./scan_card";
+import { KindChip, titleOf } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
 import { PresetPicture, useThumbnail } from "./thumbnail";
@@ -107,14 +109,12 @@ interface GalleryCardProps {
 }
 
 function GalleryCard({ set, known, onReport }: GalleryCardProps) {
-  const url = useThumbnail(set.id, lookOf(set), true);
+  const picture = useThumbnail(set.id, lookOf(set), true);
   const title = titleOf(set);
   const text = t.sharing.gallery;
   return (
     <article class="card card-ready" data-id={set.id}>
-      <div class={`card-picture ${url ? "" : "card-working"}`}>
-        {url ? <img src={url} alt={t.scans.picture(title)} /> : null}
-      </div>
+      <CardPicture picture={picture} title={title} />
       <div class="card-text">
         <h2 class="card-title">
           <Link href={known ? `/view/${set.id}` : `/sample/${set.id}`} class="card-link" label={text.open(title)}>

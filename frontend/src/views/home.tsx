@@ -2,8 +2,9 @@ import { useEffect } from "preact/hooks";
 import type { DataSet } from "../api/types";
 import { t } from "../texts";
 import { Art } from "./account_frame";
+import { lookOf } from "./looks";
 import { Link } from "./router";
-import { lookOf, titleOf } from "./scan_card";
+import { titleOf } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
@@ -41,7 +42,7 @@ export function Home() {
 }
 
 function SamplePicture({ sample }: { readonly sample: DataSet }) {
-  const url = useThumbnail(sample.id, lookOf(sample), true);
+  const { url } = useThumbnail(sample.id, lookOf(sample), true);
   if (url === null) return <HomeArt />;
   return (
     <figure class="home-picture">

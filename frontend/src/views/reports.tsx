@@ -25,7 +25,7 @@ export function Reports() {
   return (
     <div class="page">
       <PageTitle text={text.title} />
-      {app.me.value?.administrator ? <AdminTabs at="reports" /> : null}
+      {app.me.value?.administrator ? <AdminTabs at="reports" openReports={reports?.length ?? null} /> : null}
       <p class="muted">{text.lead}</p>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       {reports === null && !fault ? <Loading /> : null}

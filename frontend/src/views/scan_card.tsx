@@ -1,11 +1,13 @@
-import type { DataSet, PresetName } from "../api/types";
+import type { DataSet } from "../api/types";
 import { isOpen, timeLeft, type UploadView } from "../api/upload_view";
 import { correctionsOf, noteOf } from "../scan/corrections";
 import { t } from "../texts";
 import { refusalText } from "../texts/refusal";
+import { CardPicture } from "./card_picture";
 import { dateText, dayShortText } from "./format";
 import { IconButton } from "./icon_button";
 import { Icon, type IconName } from "./icons";
+import { lookOf } from "./looks";
 import { Link } from "./router";
 import { Bar } from "./shell";
 import { useApp } from "./state";
@@ -21,9 +23,6 @@ export function KindChip({ set }: { readonly set: DataSet }) {
   return kind === "OTHER" ? null : <span class="chip">{t.sharing.gallery.kinds.names[kind]}</span>;
 }
 
-/** The look that suits the kind of scan. Only CT values distinguish bone. */
-export const lookOf = (set: DataSet): PresetName => (set.volume && set.volume.modality !== "CT" ? "skin" : "bone");
-
 export interface ScanCardProps {
   readonly set: DataSet;
   readonly upload: UploadView | null;
@@ -34,13 +33,14 @@ export interface ScanCardProps {
 }
 
 export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardProps) {
-  const ready = set.state === "ready";
+  const { state } = set;
+  const ready = state === "ready";
   const title = titleOf(set);
   const still = isStill(set, upload);
   const remove = upload && isOpen(upload) ? t.scans.cancelUpload(title) : t.scans.remove(title);
   return (
     <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
-      <Picture set={set} still={still} />
+      {state === "ready" ? <ReadyPicture set={set} /> : <StateIcon state={state} still={still} />}
       <div class="card-text">
         <h3>
           {ready ? (
@@ -64,6 +64,7 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardP
           <KindChip set={set} />
           {ready || still ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
         </p>
+        {set.taken_down ? <p class="card-fault">{t.sharing.everybody.takenDown(set.taken_down.reason)}</p> : null}
         {set.owned || !set.owner_name ? null : <p class="muted">{t.sharing.gallery.by(set.owner_name)}</p>}
         <Details set={set} upload={upload} />
       </div>
@@ -78,35 +79,30 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardP
   );
 }
 
-/** Shown if there is no picture of the scan. */
-const pictureOfState = {
+/** Shown in place of a picture. */
+const iconOfState = {
   uploading: "upload",
   queued: "clock",
   building: "clock",
-  ready: "clock",
   refused: "alert",
   expired: "alert",
-} as const satisfies Record<DataSet["state"], IconName>;
+} as const satisfies Record<UnreadyState, IconName>;
+
+type UnreadyState = Exclude<DataSet["state"], "ready">;
 
 /** Whether an upload has stopped for now. Its text says why, and the card must not look busy. */
 const isStill = (set: DataSet, upload: UploadView | null): boolean =>
   set.state === "uploading" && (upload === null || upload.phase === "paused" || upload.phase === "stalled");
 
-function Picture({ set, still }: { readonly set: DataSet; readonly still: boolean }) {
-  const ready = set.state === "ready";
-  const url = useThumbnail(set.id, lookOf(set), ready);
-  const working =
-    (set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null)) &&
-    !still;
+function ReadyPicture({ set }: { readonly set: DataSet }) {
+  return <CardPicture picture={useThumbnail(set.id, lookOf(set), true)} title={titleOf(set)} />;
+}
+
+function StateIcon({ state, still }: { readonly state: UnreadyState; readonly still: boolean }) {
+  const working = state !== "refused" && state !== "expired" && !still;
   return (
     <div class={`card-picture${working ? " card-working" : ""}`}>
-      {url !== null ? (
-        <img src={url} alt={t.scans.picture(titleOf(set))} width={320} height={320} />
-      ) : ready ? (
-        <span class="visually-hidden">{t.scans.picturesLater}</span>
-      ) : (
-        <Icon name={pictureOfState[set.state]} />
-      )}
+      <Icon name={iconOfState[state]} />
     </div>
   );
 }

@@ -139,12 +139,7 @@ interface ListProps {
 }
 
 function List({ sets, uploads, onRemove, onRename, onViews }: ListProps) {
-  useWarmThumbnails(
-    sets
-      .filter((set) => set.state === "ready")
-      .slice(0, warmed)
-      .map((set) => set.id),
-  );
+  useWarmThumbnails(sets.filter((set) => set.state === "ready").slice(0, warmed));
   const [order, setOrder] = useState(() => scanOrderOf(local.getItem(orderKey)));
   const ordered = inOrder(sets, order, place());
   const own = ordered.filter((set) => set.owned);

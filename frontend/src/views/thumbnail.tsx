@@ -1,20 +1,19 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
-import { presetNames, type PresetInfo, type PresetName } from "../api/types";
+import type { DataSet, PresetInfo, PresetName } from "../api/types";
 import { t } from "../texts";
+import { looksOfEvery } from "./looks";
 import { useApp } from "./state";
+import { TaskQueue } from "./task_queue";
 
 /** Each picture is rendered on its first request, so requests run one by one and do not delay the viewer. */
-let lastRequest: Promise<unknown> = Promise.resolve();
-
-function inTurn<T>(task: () => Promise<T>): Promise<T> {
-  const result = lastRequest.then(task, task);
-  lastRequest = result.catch(() => undefined);
-  return result;
-}
+const requests = new TaskQueue();
 
 const longestWaitMs = 8000;
 const mostTries = 60;
+
+/** The server answers this while it renders the picture or others before it. */
+const isBeingMade = ({ kind }: ApiProblem): boolean => kind === "busy" || kind === "too-many";
 
 /** Whether a further request for the picture may succeed. */
 type Later = (problem: ApiProblem) => boolean;
@@ -22,8 +21,15 @@ const busy: Later = ({ status }) => status === 0 || status === 429 || status >= 
 /** A preset's picture is rendered in the background and is missing until then. */
 const notYet: Later = (problem) => problem.status === 404 || busy(problem);
 
+export interface Picture {
+  /** Null until the picture exists. It is requested again until then. */
+  readonly url: string | null;
+  /** Whether the server cannot make it now, or does not have it. */
+  readonly missing: boolean;
+}
+
 /**
- * Returns the URL of a picture, or null while it is being rendered and polled. Requests it again when `name` changes.
+ * Requests the picture until it exists, and again when `name` changes.
  * Uses `fetch`, because an <img> cannot repeat a failed request.
  */
 function usePicture(
@@ -31,8 +37,9 @@ function usePicture(
   enabled: boolean,
   later: Later,
   load: (signal: AbortSignal) => Promise<Blob>,
-): string | null {
+): Picture {
   const [url, setUrl] = useState<string | null>(null);
+  const [missing, setMissing] = useState(false);
   const newest = useRef(load);
   newest.current = load;
   useEffect(() => {
@@ -42,12 +49,14 @@ function usePicture(
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async (tries: number): Promise<void> => {
       try {
-        const picture = await inTurn(() => newest.current(leaving.signal));
+        const picture = await requests.add(() => newest.current(leaving.signal));
         made = URL.createObjectURL(picture);
         setUrl(made);
       } catch (thrown) {
-        const again = thrown instanceof ApiProblem && later(thrown);
-        if (leaving.signal.aborted || !again || tries > mostTries) return;
+        if (leaving.signal.aborted) return;
+        const again = thrown instanceof ApiProblem && later(thrown) && tries <= mostTries;
+        setMissing(!again || !isBeingMade(thrown));
+        if (!again) return;
         timer = setTimeout(
           () => void ask(tries + 1),
           Math.max(thrown.retryAfterMs, Math.min(longestWaitMs, 1000 * (tries + 1))),
@@ -59,14 +68,15 @@ function usePicture(
       leaving.abort();
       clearTimeout(timer);
       setUrl(null);
+      setMissing(false);
       if (made !== null) URL.revokeObjectURL(made);
     };
   }, [name, enabled, later]);
-  return url;
+  return { url, missing };
 }
 
-/** A data set's picture under a look that every scan has. */
-export function useThumbnail(dataSetId: string, preset: PresetName, enabled: boolean): string | null {
+/** A data set's picture under a look that is offered for it. */
+export function useThumbnail(dataSetId: string, preset: PresetName, enabled: boolean): Picture {
   const app = useApp();
   return usePicture(`${dataSetId} ${preset}`, enabled, busy, (signal) => app.api.thumbnail(dataSetId, preset, signal));
 }
@@ -87,7 +97,7 @@ export function PresetPicture({ preset }: { readonly preset: PresetInfo }) {
     watch.observe(element);
     return () => watch.disconnect();
   }, []);
-  const url = usePicture(`${preset.id} ${preset.etag}`, visible, notYet, (signal) =>
+  const { url } = usePicture(`${preset.id} ${preset.etag}`, visible, notYet, (signal) =>
     app.api.presets.picture(preset, signal),
   );
   return (
@@ -98,19 +108,25 @@ export function PresetPicture({ preset }: { readonly preset: PresetInfo }) {
 }
 
 /**
- * Requests the pictures of these data sets before the user opens them, so that the viewer shows its looks
- * immediately instead of rendering them next to the view.
+ * Requests pictures of these data sets before the user opens them, so that the viewer shows its looks immediately
+ * instead of rendering them next to the view. Only the stream says which other looks a scan has.
  */
-export function useWarmThumbnails(dataSetIds: readonly string[]): void {
+export function useWarmThumbnails(dataSets: readonly DataSet[]): void {
   const app = useApp();
-  const key = dataSetIds.join(" ");
+  const wanted = dataSets.flatMap(({ id, volume }) =>
+    volume ? looksOfEvery(volume.modality).map((look) => [id, look] as const) : [],
+  );
+  const newest = useRef(wanted);
+  newest.current = wanted;
+  const key = wanted.join();
   useEffect(() => {
     const leaving = new AbortController();
-    for (const id of key.split(" ").filter(Boolean))
-      for (const preset of presetNames)
-        void inTurn(async () => {
-          if (!leaving.signal.aborted) await app.api.thumbnail(id, preset, leaving.signal);
-        }).catch(() => undefined); // whoever shows it asks again
+    for (const [id, look] of newest.current)
+      void requests
+        .addPreparation(async () => {
+          if (!leaving.signal.aborted) await app.api.thumbnail(id, look, leaving.signal);
+        })
+        .catch(() => undefined); // whoever shows it asks again
     return () => leaving.abort();
   }, [app, key]);
 }

@@ -6,7 +6,7 @@ export const presets: Texts["presets"] = {
   title: "Gespeicherte Voreinstellungen",
   lead: "Eine Voreinstellung enthält Farben, Lichter, Schnitte und Blickpunkt.",
   none: "Noch keine Voreinstellungen. Stellen Sie das Bild so ein, wie es Ihnen gefällt, und speichern Sie es als Voreinstellung.",
-  name: "Name der neuen Voreinstellung",
+  name: "Name der Voreinstellung",
   nameHint:
     "Alle, die diese Aufnahme mit ihrem Konto öffnen können, sehen diesen Namen, auch Personen, mit denen Sie sie erst später teilen. Verwenden Sie deshalb keinen Personennamen.",
   save: "Aktuelle Ansicht speichern",

@@ -142,5 +142,6 @@ export const scans: Texts["scans"] = {
     }
   },
   picture: (title) => `Bild von ${title}`,
-  picturesLater: "Das Bild wird gerade erstellt",
+  pictureBeingMade: "Das Bild wird gerade erstellt.",
+  noPicture: "Noch kein Bild.",
 };

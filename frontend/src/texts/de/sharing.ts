@@ -163,6 +163,7 @@ export const sharing: Texts["sharing"] = {
     lead: "Probleme, die zu öffentlichen Aufnahmen und ihren Voreinstellungen gemeldet wurden. Wer sie gemeldet hat, wird nicht angezeigt.",
     preset: (name) => `Voreinstellung „${name}“`,
     none: "Keine offenen Meldungen.",
+    openCount: (n) => (n === 1 ? "1 offene Meldung" : `${n} offene Meldungen`),
     isPrivate: "Diese Aufnahme wurde inzwischen wieder privat gestellt.",
     open: "Ansehen",
     takeDown: "Sperren",

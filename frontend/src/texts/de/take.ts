@@ -13,11 +13,11 @@ export const take: Texts["take"] = {
   picture: "Bild speichern",
   pictureLead:
     "Wir berechnen das Bild in der gewählten Größe neu, und Sie können inzwischen weitermachen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
-  pictureNow: "Speichert das Bild so, wie es auf dem Bildschirm zu sehen ist. Die Datei enthält keinen Namen.",
-  saveNow: "Speichern, was jetzt zu sehen ist",
+  pictureNow:
+    "Das Bild wird sofort gespeichert, genau wie Sie es sehen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
   size: "Größe",
   sizes: {
-    screen: (width, height) => `Wie auf dem Bildschirm, ${width} × ${height}`,
+    screen: (width, height) => `Wie jetzt auf dem Bildschirm, ${width} × ${height}`,
     large: (width, height) => `Groß, ${width} × ${height}`,
     largest: (width, height) => `Sehr groß, ${width} × ${height}`,
     poster: (width, height) => `Poster, ${width} × ${height} (dauert lange)`,
@@ -65,6 +65,14 @@ export const take: Texts["take"] = {
     frames > 0
       ? `Für dieses Video ${frames === 1 ? "wird" : "werden"} ${count(frames, "Bild", "Bilder")} berechnet. Das verbraucht Rechenzeit.`
       : "Das verbraucht Rechenzeit.",
+  videoTime: (seconds) =>
+    seconds === null
+      ? "Sobald das Bild schärfer ist, steht hier, wie lange es dauern wird."
+      : seconds < 50
+        ? "Es kann weniger als eine Minute dauern, oder länger, wenn der Server beschäftigt ist."
+        : seconds < 3300
+          ? `Es wird mindestens ${count(Math.round(seconds / 60), "Minute", "Minuten")} dauern, und länger, wenn der Server beschäftigt ist.`
+          : `Es wird mindestens ${count(Math.round(seconds / 3600), "Stunde", "Stunden")} dauern, und länger, wenn der Server beschäftigt ist.`,
   wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
   views: "Ansichten, in dieser Reihenfolge",
   viewNow: "Aktuelle Ansicht",

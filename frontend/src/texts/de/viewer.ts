@@ -110,7 +110,7 @@ export const viewer: Texts["viewer"] = {
   losslessHelp:
     "Jeder Bildpunkt ist genau so, wie der Renderer ihn berechnet hat. Dieser Browser hat geprüft, dass bei der Übertragung nichts verloren ging.",
   tileDamaged: "Das fertige Bild wurde bei der Übertragung beschädigt. Stattdessen sehen Sie das gestreamte Bild.",
-  refining: (part) => (part === null ? "Wird schärfer …" : `Wird schärfer … ${Math.floor(100 * part)} %`),
+  refining: (part) => (part === null ? "Wird schärfer …" : `Wird schärfer …\u00a0${Math.floor(100 * part)}\u00a0%`),
   smoothedHelp: "Dieses Bild ist entrauscht, weil es sonst noch körnig wäre. Das fertige Bild wird nie entrauscht.",
   seconds: (s) => (s < 1 ? `${(s * 1000).toFixed(0)} ms` : s < 100 ? `${fixed(s, 1)} s` : `${fixed(s / 60, 1)} min`),
   percent: (error) =>

@@ -141,5 +141,6 @@ export const scans = {
     }
   },
   picture: (title: string) => `Picture of ${title}`,
-  picturesLater: "The picture is being created",
+  pictureBeingMade: "The picture is being made.",
+  noPicture: "No picture yet.",
 } as const;

@@ -156,6 +156,7 @@ export const sharing = {
     lead: "Problems that people have reported with public scans and their presets. The reports don’t show who sent them.",
     preset: (name: string) => `Preset “${name}”`,
     none: "No open reports.",
+    openCount: (n: number) => (n === 1 ? "1 open report" : `${n} open reports`),
     isPrivate: "The owner has since made this scan private.",
     open: "View",
     takeDown: "Take down",

@@ -9,11 +9,11 @@ export const take = {
   picture: "Save a picture",
   pictureLead:
     "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
-  pictureNow: "Saves the picture as it is on the screen, without any name in the file.",
-  saveNow: "Save what is on the screen now",
+  pictureNow:
+    "This saves the picture at once, exactly as you see it. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
   size: "Size",
   sizes: {
-    screen: (width: number, height: number) => `Same as the screen, ${width} × ${height}`,
+    screen: (width: number, height: number) => `As it is on the screen now, ${width} × ${height}`,
     large: (width: number, height: number) => `Large, ${width} × ${height}`,
     largest: (width: number, height: number) => `Very large, ${width} × ${height}`,
     poster: (width: number, height: number) => `Poster, ${width} × ${height} (takes a long time)`,
@@ -61,6 +61,14 @@ export const take = {
     frames > 0
       ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses your rendering time.`
       : "This uses your rendering time.",
+  videoTime: (seconds: number | null) =>
+    seconds === null
+      ? "As soon as the picture is sharper, we can say here how long it will take."
+      : seconds < 50
+        ? "It may take less than a minute, or longer while the server is busy."
+        : seconds < 3300
+          ? `It will take at least ${count(Math.round(seconds / 60), "minute", "minutes")}, and longer while the server is busy.`
+          : `It will take at least ${count(Math.round(seconds / 3600), "hour", "hours")}, and longer while the server is busy.`,
   wrongSeconds: (most: number) => `Enter a whole number of seconds between 1 and ${most}.`,
   views: "Views, in this order",
   viewNow: "Current view",

@@ -33,7 +33,7 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
   const isCt = session.volume.value?.modality === Modality.CT;
   const shown = (isCt ? t.viewer.lookOfCt : t.viewer.lookOfOther)[preset.name] ?? preset.name;
   const pictured = session.picturedId;
-  const url = useThumbnail(pictured ?? "", name ?? "skin", name !== null && pictured !== null);
+  const { url } = useThumbnail(pictured ?? "", name ?? "skin", name !== null && pictured !== null);
   const colour = lookColour(preset.scene);
   return (
     <button

@@ -6,7 +6,6 @@ import { Dialog } from "../../dialog";
 import { VideoForm } from "./video_form";
 import { LinkPart } from "./link_part";
 import { PictureForm } from "./picture_form";
-import { saveFile } from "./save_file";
 import type { ExportOrder } from "./shot";
 
 export interface ExportDialogProps {
@@ -34,9 +33,8 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
             onChoose={(kind) => setWhat(kind as typeof what)}
           />
         ) : null}
-        {!rendered || what === "picture" ? <PictureNow session={session} main={!rendered} /> : null}
-        {!rendered ? null : what === "picture" ? (
-          <PictureForm session={session} busy={busy} onExport={onExport} />
+        {!rendered || what === "picture" ? (
+          <PictureForm session={session} rendered={rendered} busy={busy} onExport={onExport} />
         ) : (
           <VideoForm key={what} session={session} kind={what} busy={busy} onExport={onExport} />
         )}
@@ -53,23 +51,5 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
         </button>
       </div>
     </Dialog>
-  );
-}
-
-/** The picture on the screen. In another person's session, this is the only possible export. */
-function PictureNow({ session, main }: Pick<ExportDialogProps, "session"> & { readonly main: boolean }) {
-  return (
-    <>
-      <p class="muted">{t.take.pictureNow}</p>
-      <p>
-        <button
-          type="button"
-          class={`button${main ? " button-main" : ""}`}
-          onClick={() => void session.pictures.png().then((png) => png && saveFile(png))}
-        >
-          {main ? t.take.save : t.take.saveNow}
-        </button>
-      </p>
-    </>
   );
 }

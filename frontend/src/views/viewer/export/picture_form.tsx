@@ -6,6 +6,7 @@ import { renderersError, shortestSide } from "../../../video/still_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
+import { saveFile } from "./save_file";
 import type { ExportOrder } from "./shot";
 import { isHeldByPage, large, largest, poster, typedSize } from "./shot_size";
 
@@ -18,14 +19,17 @@ const namedSizes = ["screen", "large", "largest", "poster"] as const satisfies r
 
 export interface PictureFormProps {
   readonly session: ViewerSession;
+  /** Whether other sizes can be rendered. */
+  readonly rendered: boolean;
   readonly busy: boolean;
   readonly onExport: (order: ExportOrder) => void;
 }
 
-/** The form for a picture of any size. */
+/** The form for the picture on the screen, which is saved at once, and for one of any other size. */
 export function PictureForm(props: PictureFormProps) {
   const text = t.take;
   const form = usePictureForm(props);
+  const waits = props.busy && form.size !== "screen";
   return (
     <form
       class="take-form"
@@ -35,7 +39,36 @@ export function PictureForm(props: PictureFormProps) {
         form.submit();
       }}
     >
-      <p class="muted">{text.pictureLead}</p>
+      {props.rendered ? <SizeChoice form={form} /> : null}
+      {form.size === "screen" ? (
+        <p class="muted">{text.pictureNow}</p>
+      ) : (
+        <>
+          <Choice
+            label={text.quality}
+            value={form.quality}
+            options={Object.entries(text.qualities)}
+            onChoose={(name) => form.setQuality(name as QualityName)}
+          />
+          <p class="muted">
+            {text.pictureLead} {text.timeHint}
+          </p>
+        </>
+      )}
+      <p>
+        <button type="submit" class="button button-main" disabled={waits}>
+          {waits ? text.ofPicture.rendering : text.save}
+        </button>
+      </p>
+      <p role="status">{form.size === "screen" && form.saved !== null ? text.ofPicture[form.saved] : ""}</p>
+    </form>
+  );
+}
+
+function SizeChoice({ form }: { readonly form: ReturnType<typeof usePictureForm> }) {
+  const text = t.take;
+  return (
+    <>
       <Choice
         label={text.size}
         value={form.size}
@@ -49,19 +82,7 @@ export function PictureForm(props: PictureFormProps) {
         onChoose={(name) => form.setSize(name as SizeName)}
       />
       {form.size === "other" ? <OtherSize typed={form.typed} onType={form.setTyped} wrong={form.wrong} /> : null}
-      <Choice
-        label={text.quality}
-        value={form.quality}
-        options={Object.entries(text.qualities)}
-        onChoose={(name) => form.setQuality(name as QualityName)}
-      />
-      <p class="field-hint">{text.timeHint}</p>
-      <p>
-        <button type="submit" class="button button-main" disabled={props.busy}>
-          {props.busy ? text.ofPicture.rendering : text.save}
-        </button>
-      </p>
-    </form>
+    </>
   );
 }
 
@@ -80,6 +101,7 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     height: String(screen.height),
   }));
   const [wrong, setWrong] = useState(false);
+  const [saved, setSaved] = useState<"saved" | "failed" | null>(null);
   const sizes: Readonly<Record<NamedSize, Viewport>> = {
     screen,
     large: large(screen),
@@ -87,6 +109,13 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     poster: poster(screen),
   };
   const submit = () => {
+    if (size === "screen") {
+      void session.pictures.png().then((png) => {
+        if (png) saveFile(png);
+        setSaved(png ? "saved" : "failed");
+      });
+      return;
+    }
     const chosen = size === "other" ? typedSize(typed.width, typed.height) : sizes[size];
     const scene = session.editor.scene.value;
     setWrong(chosen === null);
@@ -95,7 +124,7 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error });
     else onExport({ kind: "picture", keys: [scene], size: chosen, error: error || renderersError });
   };
-  return { sizes, size, setSize, quality, setQuality, typed, setTyped, wrong, submit };
+  return { sizes, size, setSize, quality, setQuality, typed, setTyped, wrong, saved, submit };
 }
 
 interface OtherSizeProps {

@@ -3,7 +3,16 @@ import { t } from "../../../texts";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
 import { fault as faulty } from "../../form";
-import { videoQualities, videoRates, videoSideNames, videoSides, videoSize, typedSeconds } from "./video_size";
+import {
+  renderingSeconds,
+  videoErrors,
+  videoQualities,
+  videoRates,
+  videoSideNames,
+  videoSides,
+  videoSize,
+  typedSeconds,
+} from "./video_size";
 import { useVideoForm, type VideoEntries, type VideoFormProps } from "./use_video_form";
 import { ViewList } from "./view_list";
 
@@ -53,7 +62,7 @@ export function VideoForm(props: VideoFormProps) {
         />
       </div>
       <SizeAndQuality session={session} entries={entries} set={set} />
-      <FaultOrHint fault={faults.form} entries={entries} />
+      <FaultOrHint fault={faults.form} entries={entries} session={session} />
       <p>
         <button type="submit" class="button button-main" disabled={busy || preparing}>
           {busy ? text.ofVideo.rendering : text.saveVideo}
@@ -91,12 +100,26 @@ function SizeAndQuality({ session, entries, set }: SizeAndQualityProps) {
   );
 }
 
-function FaultOrHint({ fault, entries }: { readonly fault: string; readonly entries: VideoEntries }) {
+interface FaultOrHintProps extends Pick<VideoFormProps, "session"> {
+  readonly fault: string;
+  readonly entries: VideoEntries;
+}
+
+function FaultOrHint({ fault, entries, session }: FaultOrHintProps) {
+  const shown = session.pictures.picture.value;
   if (fault)
     return (
       <p class="field-fault" role="alert">
         {fault}
       </p>
     );
-  return <p class="field-hint">{t.take.videoHint((typedSeconds(entries.seconds) ?? 0) * Number(entries.rate))}</p>;
+  const frames = (typedSeconds(entries.seconds) ?? 0) * Number(entries.rate);
+  const size = videoSize(session.viewport, videoSides[entries.size]);
+  const seconds = shown && renderingSeconds(shown, frames, size, videoErrors[entries.quality]);
+  return (
+    <>
+      <p class="field-hint">{t.take.videoHint(frames)}</p>
+      {frames > 0 ? <p>{t.take.videoTime(seconds)}</p> : null}
+    </>
+  );
 }

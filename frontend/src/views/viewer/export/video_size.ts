@@ -1,6 +1,7 @@
 import type { PresetInfo } from "../../../api/types";
 import type { FileOrder } from "../../../protocol/file_messages";
 import type { Scene, Viewport } from "../../../protocol/messages";
+import type { PictureFacts } from "../../../video/picture_facts";
 import { longestVideoS, longestVideoSide } from "../../../video/file_shot";
 import { withLongestSide } from "./shot_size";
 
@@ -31,6 +32,22 @@ export function videoSize(screen: Viewport, longest: number): Viewport {
 export function typedSeconds(text: string): number | null {
   const seconds = /^\d{1,3}$/.test(text.trim()) ? Number(text) : 0;
   return seconds >= 1 && seconds <= longestVideoS ? seconds : null;
+}
+
+/**
+ * Estimates how long a device works for a video from how fast the picture on the screen became sharp. The variance of
+ * a pixel falls in inverse proportion to its samples. Returns null while the error of the picture is unknown.
+ */
+export function renderingSeconds(
+  shown: Pick<PictureFacts, "samples" | "seconds" | "error" | "width" | "height">,
+  frames: number,
+  size: Viewport,
+  error: number,
+): number | null {
+  if (!Number.isFinite(shown.error) || shown.samples < 1 || shown.seconds <= 0) return null;
+  const samples = Math.max(1, shown.samples * (shown.error / error) ** 2);
+  const secondsPerSample = shown.seconds / (shown.samples * shown.width * shown.height);
+  return frames * samples * size.width * size.height * secondsPerSample;
 }
 
 export interface VideoChoices {

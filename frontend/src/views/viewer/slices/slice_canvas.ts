@@ -1,6 +1,6 @@
 import type { Area } from "../../../input/flat";
 import { perMm, pointOf, type Placing } from "../../../slices/placing";
-import { interpolate, samplesOf, type Axis } from "../../../slices/resample";
+import { interpolate, samplesOf, wholeExtentOf, type Axis, type Extent } from "../../../slices/resample";
 import { pixelSize, type Stack } from "../../../slices/stack";
 import { shade } from "../../../slices/window";
 
@@ -42,8 +42,13 @@ export class SliceCanvas {
     const corner = pointOf(stack, placing, area, { column: -0.5, row: -0.5 });
     const across = { count: stack.columns, start: corner.x * ratio, scale: size.width * scale, view: width };
     const down = { count: stack.rows, start: corner.y * ratio, scale: size.height * scale, view: height };
-    if (drawing.smooth) this.drawSmooth(context, values, drawing.table, across, down);
-    else this.drawSharp(context, values, drawing.table, across, down);
+    const [x, y] = drawing.smooth
+      ? this.paintSmooth(drawing, values, across, down)
+      : this.paintSharp(drawing, values, across, down);
+    // A magnified smooth slice has one sample per device pixel, and the voxels of a sharp one keep their edges.
+    context.imageSmoothingEnabled = Math.min(across.scale, down.scale) < 1;
+    context.imageSmoothingQuality = "high";
+    if (x.size > 0 && y.size > 0) context.drawImage(this.pixels, x.start, y.start, x.size, y.size);
   }
 
   /** The pixels were lost together with the GPU context. */
@@ -51,40 +56,23 @@ export class SliceCanvas {
     this.drawn = null;
   }
 
-  private drawSmooth(
-    context: CanvasRenderingContext2D,
-    values: Int16Array,
-    table: Uint32Array,
-    across: Axis,
-    down: Axis,
-  ): void {
+  private paintSmooth({ table }: SliceDrawing, values: Int16Array, across: Axis, down: Axis): [Extent, Extent] {
     const x = samplesOf(across);
     const y = samplesOf(down);
-    if (x.left.length === 0 || y.left.length === 0) return;
-    this.paint(x.left.length, y.left.length, (pixels) => interpolate(values, across.count, x, y, table, pixels));
-    context.imageSmoothingEnabled = across.scale < 1 || down.scale < 1; // otherwise, each sample is a device pixel
-    context.imageSmoothingQuality = "high";
-    context.drawImage(this.pixels, x.start, y.start, x.size, y.size);
+    this.paint(x.left.length, y.left.length, (to) => interpolate(values, across.count, x, y, table, to));
+    return [x, y];
   }
 
-  private drawSharp(
-    context: CanvasRenderingContext2D,
-    values: Int16Array,
-    table: Uint32Array,
-    across: Axis,
-    down: Axis,
-  ): void {
-    this.paint(across.count, down.count, (pixels) => shade(values, table, pixels));
-    context.imageSmoothingEnabled = Math.min(across.scale, down.scale) < 1;
-    context.imageSmoothingQuality = "high";
-    context.drawImage(this.pixels, across.start, down.start, across.count * across.scale, down.count * down.scale);
+  private paintSharp({ table }: SliceDrawing, values: Int16Array, across: Axis, down: Axis): [Extent, Extent] {
+    this.paint(across.count, down.count, (to) => shade(values, table, to));
+    return [wholeExtentOf(across), wholeExtentOf(down)];
   }
 
   private paint(width: number, height: number, fill: (pixels: Uint32Array) => void): void {
     this.pixels.width = width;
     this.pixels.height = height;
     const context = this.pixels.getContext("2d");
-    if (!context) return;
+    if (!context || width === 0 || height === 0) return;
     const image = context.createImageData(width, height);
     fill(new Uint32Array(image.data.buffer));
     context.putImageData(image, 0, 0);
