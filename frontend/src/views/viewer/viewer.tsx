@@ -5,6 +5,7 @@ import type { KeyCommand } from "../../input/keys";
 import { ownPlace, type Place } from "../../live/place";
 import { roleOf } from "../../live/role";
 import { t } from "../../texts";
+import { OpenLibrary } from "../marks/open_library";
 import { InPicture } from "../picture/in_picture";
 import { titleOf } from "../scan_card";
 import { useApp } from "../state";
@@ -101,6 +102,9 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       ) : null}
       <ViewerDialogs {...common} open={open} close={() => setOpen(null)} onChange={onChange} shot={shot} />
       {own && session ? <RecordedInteraction session={session} /> : null}
+      {session && place.pictured_id !== null && !cutting ? (
+        <OpenLibrary session={session} dataSetId={place.pictured_id} set={set} own={own} />
+      ) : null}
     </div>
   );
 }
