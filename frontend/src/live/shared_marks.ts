@@ -1,6 +1,6 @@
 import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { keyOf, type Marks } from "../marks/marks";
-import type { Mark } from "../marks/mark";
+import { mostMarks, type Mark } from "../marks/mark";
 import type { Audience } from "../protocol/messages";
 import { encodeMarks, encodeMarkSightQuery, sharedMarksOf, type MarkSight } from "../protocol/mark_messages";
 import type { SharedState } from "../protocol/shared_messages";
@@ -41,7 +41,7 @@ export class SharedMarks {
       const { guest, presents } = roleOf(audience.value);
       return audience.value !== null && (!guest || presents || audience.value.guestPointers);
     });
-    const mine = computed(() => (marks.shown.value ? marks.items.value : none));
+    const mine = computed(() => (marks.shown.value ? marks.items.value.slice(-mostMarks) : none));
     this.stops = [
       effect(() => {
         const items = mine.value;
@@ -74,7 +74,7 @@ export class SharedMarks {
     const changed = sharedMarksOf(shared);
     if (changed.length === 0) return;
     const { others } = this.parts.marks;
-    others.value = new Map([...others.value, ...changed].filter(([, marks]) => marks.length > 0));
+    others.value = new Map([...new Map([...others.value, ...changed])].filter(([, marks]) => marks.length > 0));
   }
 
   receiveSight({ hidden }: MarkSight): void {

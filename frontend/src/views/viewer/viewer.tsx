@@ -11,7 +11,7 @@ import { titleOf } from "../scan_card";
 import { useApp } from "../state";
 import { LinkedView } from "./export/linked_view";
 import { ShotLine, useShot } from "./export/shot";
-import { LiveLine } from "./live_line";
+import { LiveLine, RaisedHands } from "./live_line";
 import { obeyCommand } from "./obey_command";
 import { PictureTimeLine } from "./picture_time";
 import { RecordedInteraction } from "./recording";
@@ -88,6 +88,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       <StatusLine session={session} fault={fault} visitor={visitor}>
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
+        {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
         {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}

@@ -6,6 +6,8 @@ import { Dialog } from "../../dialog";
 import { VideoForm } from "./video_form";
 import { LinkPart } from "./link_part";
 import { PictureForm } from "./picture_form";
+import { decorated, decorationOf, marksInPicture } from "../../marks/in_pictures";
+import { Switch } from "../settings/controls";
 import { saveFile } from "./save_file";
 import type { ExportOrder } from "./shot";
 
@@ -58,15 +60,18 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
 
 /** The picture on the screen. In another person's session, this is the only possible export. */
 function PictureNow({ session, main }: Pick<ExportDialogProps, "session"> & { readonly main: boolean }) {
+  const [withMarks, setWithMarks] = useState(true); // as on the screen
+  const count = marksInPicture(session).length;
+  const save = async () => {
+    const png = await session.pictures.png();
+    if (png) saveFile(withMarks && count > 0 ? await decorated(png, decorationOf(session)) : png);
+  };
   return (
     <>
       <p class="muted">{t.take.pictureNow}</p>
+      {count > 0 ? <Switch label={t.marks.includeInPicture(count)} on={withMarks} change={setWithMarks} /> : null}
       <p>
-        <button
-          type="button"
-          class={`button${main ? " button-main" : ""}`}
-          onClick={() => void session.pictures.png().then((png) => png && saveFile(png))}
-        >
+        <button type="button" class={`button${main ? " button-main" : ""}`} onClick={() => void save()}>
           {main ? t.take.save : t.take.saveNow}
         </button>
       </p>

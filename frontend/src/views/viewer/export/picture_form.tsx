@@ -6,6 +6,8 @@ import { renderersError, shortestSide } from "../../../video/still_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
+import { decorationOf, marksInPicture } from "../../marks/in_pictures";
+import { Switch } from "../settings/controls";
 import type { ExportOrder } from "./shot";
 import { isHeldByPage, large, largest, poster, typedSize } from "./shot_size";
 
@@ -55,6 +57,7 @@ export function PictureForm(props: PictureFormProps) {
         options={Object.entries(text.qualities)}
         onChoose={(name) => form.setQuality(name as QualityName)}
       />
+      <MarksChoice session={props.session} form={form} />
       <p class="field-hint">{text.timeHint}</p>
       <p>
         <button type="submit" class="button button-main" disabled={props.busy}>
@@ -80,6 +83,7 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     height: String(screen.height),
   }));
   const [wrong, setWrong] = useState(false);
+  const [withMarks, setWithMarks] = useState(true); // as on the screen
   const sizes: Readonly<Record<NamedSize, Viewport>> = {
     screen,
     large: large(screen),
@@ -92,10 +96,48 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     setWrong(chosen === null);
     if (!chosen || !scene) return;
     const error = errors[quality];
-    if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error });
+    const drawn = withMarks && marksInPicture(session).length > 0 ? { decorate: decorationOf(session) } : {};
+    if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error, ...drawn });
     else onExport({ kind: "picture", keys: [scene], size: chosen, error: error || renderersError });
   };
-  return { sizes, size, setSize, quality, setQuality, typed, setTyped, wrong, submit };
+  const shown = size === "other" ? typedSize(typed.width, typed.height) : sizes[size];
+  const drawsMarks = shown === null || isHeldByPage(shown);
+  return {
+    sizes,
+    size,
+    setSize,
+    quality,
+    setQuality,
+    typed,
+    setTyped,
+    wrong,
+    submit,
+    withMarks,
+    setWithMarks,
+    drawsMarks,
+  };
+}
+
+interface MarksChoiceProps {
+  readonly session: ViewerSession;
+  readonly form: Pick<ReturnType<typeof usePictureForm>, "withMarks" | "setWithMarks" | "drawsMarks">;
+}
+
+/** Whether the marks are drawn into the picture. Absent if there are none. */
+function MarksChoice({ session, form }: MarksChoiceProps) {
+  const count = marksInPicture(session).length;
+  if (count === 0) return null;
+  return (
+    <>
+      <Switch
+        label={t.marks.includeInPicture(count)}
+        on={form.withMarks && form.drawsMarks}
+        disabled={!form.drawsMarks}
+        change={form.setWithMarks}
+      />
+      <p class="field-hint">{form.drawsMarks ? t.marks.inPictureHint : t.marks.notSoLarge}</p>
+    </>
+  );
 }
 
 interface OtherSizeProps {

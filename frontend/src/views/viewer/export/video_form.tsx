@@ -98,5 +98,9 @@ function FaultOrHint({ fault, entries }: { readonly fault: string; readonly entr
         {fault}
       </p>
     );
-  return <p class="field-hint">{t.take.videoHint((typedSeconds(entries.seconds) ?? 0) * Number(entries.rate))}</p>;
+  return (
+    <p class="field-hint">
+      {t.take.videoHint((typedSeconds(entries.seconds) ?? 0) * Number(entries.rate))} {t.marks.notInVideos}
+    </p>
+  );
 }
