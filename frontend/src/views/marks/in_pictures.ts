@@ -3,6 +3,7 @@ import { roleOf } from "../../live/role";
 import { keyOf } from "../../marks/marks";
 import { paintMarks, type PaintedMark } from "../../marks/paint";
 import { viewOfPicture } from "../../marks/view";
+import { pictureIn } from "../../video/picture_in";
 import { eyeOf } from "../../picture/handles";
 import type { ViewerSession } from "../../video/viewer_session";
 import { numberOf } from "./picture_marks";
@@ -19,16 +20,22 @@ export function marksInPicture({ marks, audience }: ViewerSession): readonly Pai
   ];
 }
 
-/** Draws the marks as they are now, even if they change before the picture is finished. */
-export function decorationOf(session: ViewerSession): Decorate {
+/**
+ * Draws the marks as they are now, even if they change before the picture is finished. `asShown`: the picture is that of
+ * the screen, where a follower's has borders.
+ */
+export function decorationOf(session: ViewerSession, asShown = false): Decorate {
   const marks = marksInPicture(session);
   const scene = session.editor.scene.value;
   const eye = scene && eyeOf(scene);
+  const { follows, freeCamera } = roleOf(session.audience.value);
+  const shown = session.pictures.picture.value;
   const hidden = session.marks.hidden.value;
   const shownHeight = session.viewport.height / devicePixelRatio;
   return (canvas, size) => {
     if (!eye) return;
-    const view = viewOfPicture(eye, { x: 0, y: 0, ...size }, hidden);
+    const place = asShown && shown ? pictureIn(size, shown, follows && !freeCamera) : { x: 0, y: 0, ...size };
+    const view = viewOfPicture(eye, place, hidden);
     paintMarks(canvas, marks, view, size, Math.max(0.5, size.height / shownHeight));
   };
 }

@@ -64,7 +64,7 @@ function PictureNow({ session, main }: Pick<ExportDialogProps, "session"> & { re
   const count = marksInPicture(session).length;
   const save = async () => {
     const png = await session.pictures.png();
-    if (png) saveFile(withMarks && count > 0 ? await decorated(png, decorationOf(session)) : png);
+    if (png) saveFile(withMarks && count > 0 ? await decorated(png, decorationOf(session, true)) : png);
   };
   return (
     <>
