@@ -259,7 +259,7 @@ def test_marks_and_hands_in_a_live_session(stack: TestStack, visit, cranium: Pat
     name_it(owner, "And here")
     expect(phone.locator(MARKS)).to_have_text("And here")
 
-    # Bob makes one with a finger while he follows, and Anna keeps it.
+    # Bob makes one with a finger while following, and Anna keeps it.
     window(phone).get_by_role("button", name="Circle", exact=True).tap()
     window(phone).get_by_role("button", name="Close Marks").tap()
     window(phone).get_by_role("button", name="Circle", exact=True).tap()
@@ -276,7 +276,7 @@ def test_marks_and_hands_in_a_live_session(stack: TestStack, visit, cranium: Pat
     # Both circles are at the same place of the picture, which the phone shows smaller and with borders.
     assert abs(height_in_head(owner) - height_in_head(phone)) < 0.08
 
-    # Turned off, the marks of guests vanish from the others, and he is told.
+    # Turned off, the marks of guests vanish from the others, and their authors are notified.
     owner.get_by_role("button", name="View together").click()
     switch = owner.get_by_role("checkbox", name="Guests can point and make marks")
     switch.uncheck()
@@ -286,7 +286,7 @@ def test_marks_and_hands_in_a_live_session(stack: TestStack, visit, cranium: Pat
     expect(owner.locator(MARKS)).to_have_count(3)
     owner.get_by_role("dialog", name="View together").get_by_role("button", name="Close").click()
 
-    # Bob raises his hand, and Anna lowers it. The next time she lets him present.
+    # Bob raises a hand, and Anna lowers it. The next time she lets Bob present.
     window(phone).get_by_role("button", name="Close Marks").tap()
     hand = phone.get_by_role("button", name="Raise your hand")
     hand.tap()
@@ -302,6 +302,6 @@ def test_marks_and_hands_in_a_live_session(stack: TestStack, visit, cranium: Pat
     expect(owner.get_by_text("Bob is presenting")).to_be_visible()
     expect(owner.get_by_text("Hand raised: Bob")).to_have_count(0)
 
-    # His marks go with him.
+    # The marks of Bob go too.
     phone.close()
     expect(owner.locator(MARKS)).to_have_count(2)

@@ -8,6 +8,7 @@ import type { Audience } from "../protocol/messages";
 import {
   AudienceSchema,
   ClientMessageSchema,
+  Mark_Kind as Kind,
   MarkSightSchema,
   ParticipantSchema,
   SharedStateSchema,
@@ -86,7 +87,9 @@ describe("shared marks", () => {
   it("of the others are shown until they are removed or their author leaves", () => {
     const receive = (number: number, ids: number[]) =>
       shared.receive(
-        create(SharedStateSchema, { marks: [{ number, marks: { items: ids.map((id) => ({ id, kind: 3 })) } }] }),
+        create(SharedStateSchema, {
+          marks: [{ number, marks: { items: ids.map((id) => ({ id, kind: Kind.TEXT })) } }],
+        }),
       );
     receive(1, [4, 5]);
     expect(marks.othersList.value.map(({ number, mark }) => [number, mark.id])).toEqual([

@@ -180,7 +180,7 @@ export class MarkLibrary {
     if (!slices.following.value) slices.measures.value = slices.measures.value.filter(({ set }) => set !== id);
   }
 
-  /** Marks of a set that was deleted elsewhere are not saved any more. */
+  /** Marks of a set that was deleted elsewhere are no longer saved. */
   private forgetMissing(sets: readonly AnnotationSet[]): void {
     const { marks, slices } = this.parts;
     const isGone = (set?: string) => !this.isUnsaved(set) && !sets.some(({ id }) => id === set);

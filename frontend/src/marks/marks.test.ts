@@ -29,6 +29,15 @@ describe("marks", () => {
     expect(marks.canUndo.value).toBe(false);
   });
 
+  it("that were deleted meanwhile are not changed", () => {
+    const marks = new Marks();
+    marks.add(at(1));
+    marks.remove(1);
+    marks.change("move", 1, (mark) => movedTo(mark, vec3(9, 9, 9)));
+    marks.undo();
+    expect(marks.items.value[0]?.place).toEqual(vec3(1, 0, 0));
+  });
+
   it("are at most as many and as long as the server accepts", () => {
     const marks = new Marks();
     for (let i = 0; i < mostMarks; i++) expect(marks.add(at(i))).not.toBeNull();
@@ -52,7 +61,7 @@ describe("marks", () => {
     marks.hide("set");
     expect(marks.items.value).toHaveLength(1);
     marks.undo();
-    expect(marks.items.value, "hiding is no step to undo").toHaveLength(1);
+    expect(marks.items.value, "hiding cannot be undone").toHaveLength(1);
   });
 
   it("of someone else's set stay when one's own are deleted", () => {

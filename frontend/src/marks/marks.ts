@@ -52,6 +52,7 @@ export class Marks {
 
   /** Changes with the same name are one step until `rest` is called. */
   change(name: string, id: number, change: (mark: Mark) => Mark): void {
+    if (!this.find(id)) return; // it was deleted meanwhile
     this.commit(
       `${name} ${id}`,
       this.items.value.map((mark) => (mark.id === id ? change(mark) : mark)),
@@ -101,7 +102,7 @@ export class Marks {
     this.step(this.future, this.past);
   }
 
-  /** Adds the marks of a saved set, which is no step to undo. */
+  /** Adds the marks of a saved set, which cannot be undone. */
   show(set: string, marks: readonly Mark[]): void {
     let items = this.items.value.filter((mark) => mark.set !== set);
     for (const mark of marks) items = [...items, { ...mark, id: nextId(items), set }];

@@ -1,4 +1,4 @@
-import { useLayoutEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Point } from "../../input/flat";
 import { noFlick } from "../../input/no_flick";
 import type { Vec3 } from "../../input/vec3";
@@ -53,6 +53,7 @@ interface MoveHandleProps extends Omit<MarkHandlesProps, "number"> {
 function MoveHandle({ marks, mark, at, view, locate }: MoveHandleProps) {
   const newest = useRef(at);
   const settling = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
+  useEffect(() => () => clearTimeout(settling.current), []);
   const drag = (to: Point) => {
     newest.current = to;
     marks.change("move", mark.id, (now) => movedTo(now, view.beside(now.place, { x: to.x - at.x, y: to.y - at.y })));
