@@ -156,7 +156,7 @@ def test_marks_are_made_changed_undone_and_saved(stack: TestStack, visit, craniu
     stack.wait_until(lambda: stack.psql(f"SELECT shown FROM annotations WHERE data_set_id = '{scan}'")[0][0] is False, what="the hidden set")
     saved.get_by_role("checkbox", name="Before surgery").click()
     expect(other.locator(MARKS)).to_have_count(4)
-    saved.get_by_role("checkbox", name="Everyone who can open this scan sees it").click()
+    saved.get_by_role("checkbox", name="Everyone who can open this scan with their account sees it").click()
     expect(saved.get_by_text("Shared marks are visible to people")).to_be_visible()
     saved.get_by_role("button", name="Rename Before surgery").click()
     saved.get_by_label("New name").fill("Then")

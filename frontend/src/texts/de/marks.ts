@@ -41,9 +41,7 @@ export const marks: Texts["marks"] = {
     added: (name) => `Als ${name} gespeichert. Spätere Änderungen werden von selbst gespeichert.`,
     content: (marks, measures) =>
       `${count(marks, "Markierung", "Markierungen")}, ${count(measures, "Messung", "Messungen")}`,
-    show: (name) => `${name} zeigen`,
-    share: "Für alle sichtbar, die diese Aufnahme öffnen können",
-    shareOf: (name) => `${name} für alle sichtbar machen, die diese Aufnahme öffnen können`,
+    share: "Für alle sichtbar, die diese Aufnahme mit ihrem Konto öffnen können",
     shareHint:
       "Geteilte Markierungen sehen alle, mit denen die Aufnahme geteilt ist. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
     shared: "geteilt",

@@ -41,9 +41,7 @@ export const marks = {
     added: (name: string) => `Saved as ${name}. Later changes are saved by themselves.`,
     content: (marks: number, measures: number) =>
       `${count(marks, "mark", "marks")}, ${count(measures, "measurement", "measurements")}`,
-    show: (name: string) => `Show ${name}`,
-    share: "Everyone who can open this scan sees it",
-    shareOf: (name: string) => `Everyone who can open this scan sees ${name}`,
+    share: "Everyone who can open this scan with their account sees it",
     shareHint:
       "Shared marks are visible to people with whom the scan is shared, and in the gallery if the scan is public.",
     shared: "shared",
