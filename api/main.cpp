@@ -11,6 +11,7 @@
 #include "api/accounts/routes.h"
 #include "api/admin_command.h"
 #include "api/administration/routes.h"
+#include "api/annotations/routes.h"
 #include "api/background_tasks.h"
 #include "api/environments/panorama_child.h"
 #include "api/environments/routes.h"
@@ -103,6 +104,7 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(anonymise_routes(picture.anonymise));
   router.add(visit_routes(shared.visits));
   router.add(environment_routes(shared.environments));
+  router.add(annotation_routes(shared.annotations));
   router.add(preset_routes(shared.presets, picture.preset_pictures));
   router.add(report_routes(shared.reports));
 }

@@ -71,6 +71,8 @@ SharedServices::SharedServices(const Backends& on, DataSets& data_sets, SessionS
       visits(parts, {},
              [&sessions](const std::string& data_set) { return sessions.first_scene(data_set); }),
       presets(data_sets, sessions.preset_store, on.clock, on.signals),
+      annotation_store(on.stores.database),
+      annotations(data_sets, annotation_store, on.clock),
       environment_store(on.stores.database),
       importer("/proc/self/exe"),
       environments(environment_store, importer, on.clock, on.signals, on.settings.volume_dir),

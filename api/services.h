@@ -10,6 +10,8 @@
 #include "api/accounts/second_factor_repository.h"
 #include "api/administration/administration.h"
 #include "api/administration/administration_repository.h"
+#include "api/annotations/annotation_repository.h"
+#include "api/annotations/annotations.h"
 #include "api/environments/environment_repository.h"
 #include "api/environments/environments.h"
 #include "api/environments/panorama_child.h"
@@ -126,6 +128,8 @@ struct SharedServices {
   Sharing sharing;
   Visits visits;
   Presets presets;
+  AnnotationRepository annotation_store;
+  AnnotationSets annotations;
   EnvironmentRepository environment_store;
   SandboxedImporter importer;
   Environments environments;

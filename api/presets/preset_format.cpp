@@ -145,6 +145,9 @@ nlohmann::ordered_json with_scene(const Preset& preset) {
   auto json = to_json(preset);
   json["version"] = kPresetVersion;
   json["scene"] = nlohmann::ordered_json::parse(preset.scene);
+  json["annotations"] = preset.annotations.empty()
+                            ? nlohmann::ordered_json()
+                            : nlohmann::ordered_json::parse(preset.annotations);
   return json;
 }
 

@@ -73,13 +73,16 @@ Result<std::vector<Preset>> PresetRepository::list(const std::string& data_set_i
 
 Result<Preset> PresetRepository::find(const std::string& id, const std::string& viewer_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<Preset> {
-    const pqxx::result rows = transaction.exec_params(
-        std::string(kColumns) + ", p.scene, COALESCE(p.kept_xml, '') AS kept_xml" + kTables +
-            " WHERE p.id = $2 AND u.disabled_at IS NULL",
-        id_or_null(viewer_id), id);
+    const pqxx::result rows =
+        transaction.exec_params(std::string(kColumns) +
+                                    ", p.scene, COALESCE(p.annotations, '') AS annotations, "
+                                    "COALESCE(p.kept_xml, '') AS kept_xml" +
+                                    kTables + " WHERE p.id = $2 AND u.disabled_at IS NULL",
+                                id_or_null(viewer_id), id);
     if (rows.empty()) return no_preset();
     Preset preset = read_preset(rows[0]);
     preset.scene = rows[0]["scene"].as<std::string>();
+    preset.annotations = rows[0]["annotations"].as<std::string>();
     preset.kept_xml = rows[0]["kept_xml"].as<std::string>();
     return preset;
   });
@@ -107,10 +110,11 @@ Result<std::variant<Created, KeyReused>> PresetRepository::add(
                   "This scan has reached its preset limit. Delete one of your presets first.");
     }
     transaction.exec_params0(R"sql(
-        INSERT INTO presets (id, data_set_id, author_id, name, scene, kept_xml, created_at, updated_at)
-        SELECT $1, $2, $3, $4, $5, NULLIF($6, ''), t, t FROM to_timestamp($7::bigint / 1e6) AS t)sql",
+        INSERT INTO presets (id, data_set_id, author_id, name, scene, annotations, kept_xml, created_at, updated_at)
+        SELECT $1, $2, $3, $4, $5, NULLIF($6, ''), NULLIF($7, ''), t, t FROM to_timestamp($8::bigint / 1e6) AS t)sql",
                              preset.id, preset.data_set_id, preset.author_id, preset.name,
-                             preset.scene, preset.kept_xml, to_us(preset.created_at));
+                             preset.scene, preset.annotations, preset.kept_xml,
+                             to_us(preset.created_at));
     note_made(transaction, preset.author_id, key, preset.id, preset.created_at);
     return Created{preset.id, false};
   });
@@ -122,10 +126,10 @@ Result<void> PresetRepository::change(const std::string& id, int version, const 
     const pqxx::result changed = transaction.exec_params(
         R"sql(
         UPDATE presets SET name = COALESCE($3, name), scene = COALESCE($4, scene),
-                           version = version + 1, updated_at = to_timestamp($5::bigint / 1e6)
+                           annotations = NULLIF(COALESCE($6, annotations), ''), version = version + 1, updated_at = to_timestamp($5::bigint / 1e6)
          WHERE id = $1 AND version = $2 RETURNING 1)sql",
         id, version, what.name ? what.name->c_str() : nullptr,
-        what.scene ? what.scene->c_str() : nullptr, to_us(now));
+        what.scene ? what.scene->c_str() : nullptr, to_us(now), what.annotations);
     if (changed.empty()) return why_not(transaction, id);
     // The default follows the owner's own preset, but is a copy of another author's preset.
     transaction.exec_params0(R"sql(

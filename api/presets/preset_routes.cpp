@@ -1,5 +1,6 @@
 #include "api/presets/preset_format.h"
 #include "api/presets/routes.h"
+#include "api/routing/annotation_fields.h"
 #include "api/routing/representations.h"
 #include "api/routing/request_fields.h"
 #include "api/routing/route_parts.h"
@@ -16,6 +17,12 @@ Response made(const Preset& preset) {
   return preset_response(201, preset).with("Location", "/v1/presets/" + preset.id);
 }
 
+/// Returns an empty string if there are none.
+std::string read_preset_annotations(Fields& in) {
+  if (!in.has("annotations") || in.is_null("annotations")) return {};
+  return read_annotations(in, "annotations");
+}
+
 Outcome<Response> create_preset(Presets& presets, const Request& request, const Principal& who) {
   const auto key = idempotency_key(request);
   DIAPHANE_TRY(key);
@@ -24,6 +31,7 @@ Outcome<Response> create_preset(Presets& presets, const Request& request, const 
   Preset preset;
   preset.name = in.name("name", 1, 60);
   preset.scene = read_scene(in);
+  preset.annotations = read_preset_annotations(in);
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto saved = presets.add(who, request.parameter("data_set_id"), std::move(preset), *key);
@@ -48,6 +56,7 @@ Outcome<Response> change(Presets& presets, const Request& request, const Princip
   PresetChange what;
   if (in.has("name")) what.name = in.name("name", 1, 60);
   if (in.has("scene")) what.scene = read_scene(in);
+  if (in.has("annotations")) what.annotations = read_preset_annotations(in);
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const std::string& id = request.parameter("preset_id");

@@ -67,9 +67,9 @@ Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_i
   preset.created_at = clock_.wall();
   std::optional<IdempotencyKey> key;
   if (!idempotency_key.empty()) {
-    key = IdempotencyKey{
-        "createPreset", idempotency_key,
-        blake2b(data_set_id + "\n" + preset.name + "\n" + preset.scene + "\n" + preset.kept_xml)};
+    key = IdempotencyKey{"createPreset", idempotency_key,
+                         blake2b(data_set_id + "\n" + preset.name + "\n" + preset.scene + "\n" +
+                                 preset.annotations + "\n" + preset.kept_xml)};
   }
   const auto made = store_.add(preset, key, {});
   if (!made) return from_store(made.error());

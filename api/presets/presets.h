@@ -29,13 +29,14 @@ struct Preset {
   std::string taken_down_reason;
   std::optional<Time> pictured_at;  ///< when its thumbnail was rendered; empty if there is none yet
   Time created_at, updated_at;
-  std::string scene;     ///< Protobuf JSON of a checked Scene; empty in lists
-  std::string kept_xml;  ///< the source document, if it contains more than the scene
+  std::string scene;        ///< Protobuf JSON of a checked Scene; empty in lists
+  std::string annotations;  ///< Protobuf JSON of checked Annotations; empty: none, and in lists
+  std::string kept_xml;     ///< the source document, if it contains more than the scene
 };
 
-/// Absent fields stay unchanged.
+/// Absent fields stay unchanged. Empty `annotations` remove them.
 struct PresetChange {
-  std::optional<std::string> name, scene;
+  std::optional<std::string> name, scene, annotations;
 };
 
 /// A thumbnail to render for this scene, valid while the preset and the data set stay unchanged.
@@ -99,8 +100,8 @@ class Presets {
 
   Outcome<std::vector<Preset>> list(const Principal& who, const std::string& data_set_id);
   Outcome<Preset> find(const Principal& who, const std::string& id);
-  /// Uses name, scene and kept_xml of `preset`. The same non-empty key creates it only once.
-  /// Returns kTooMany or kIdempotencyKeyReused.
+  /// Uses name, scene, annotations and kept_xml of `preset`. The same non-empty key creates it only
+  /// once. Returns kTooMany or kIdempotencyKeyReused.
   Outcome<Preset> add(const Principal& who, const std::string& data_set_id, Preset preset,
                       const std::string& idempotency_key);
   /// Only for its author. Returns kPrecondition if `version` is not the current one.

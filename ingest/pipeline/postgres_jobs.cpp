@@ -17,7 +17,7 @@ namespace {
 
 /// Moves saved presets so that they stay in place relative to the patient. Documents that presets
 /// were imported from may describe removed parts in unknown coordinates, so they are deleted. So
-/// are presets that cannot be moved.
+/// are presets that cannot be moved, and marks, whose texts may name the patient.
 void move_presets(pqxx::work& transaction, const std::string& data_set,
                   const volume::Vector& shift) {
   const auto presets = transaction.exec_params(
@@ -31,7 +31,7 @@ void move_presets(pqxx::work& transaction, const std::string& data_set,
     }
     transaction.exec_params(
         R"sql(
-        UPDATE presets SET scene = $2, kept_xml = NULL, pictured_at = NULL, version = version + 1,
+        UPDATE presets SET scene = $2, annotations = NULL, kept_xml = NULL, pictured_at = NULL, version = version + 1,
                            updated_at = now()
          WHERE id = $1)sql",
         id, *moved);
@@ -390,6 +390,7 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
     if (order.empty())
       throw std::logic_error("an anonymisation was finished without a recorded order");
     const pqxx::row row = order[0];
+    transaction.exec_params("DELETE FROM annotations WHERE data_set_id = $1", job.data_set_id);
     move_presets(
         transaction, job.data_set_id,
         {row["shift_x"].as<double>(), row["shift_y"].as<double>(), row["shift_z"].as<double>()});

@@ -75,19 +75,48 @@ void LiveSession::carry_out(const effect::ForwardToCamera& effect) {
   if (const auto own = camera(effect.session)) own->take(effect.connection, effect.message);
 }
 
-// A participant points at what they see, which may be the picture of their own camera.
-void LiveSession::carry_out(const effect::FindPointer& effect) {
+std::shared_ptr<LiveSession> LiveSession::seen_by(std::uint64_t connection) {
   std::string own;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto* known = cameras_.of(effect.connection)) own = known->session;
+    if (const auto* known = cameras_.of(connection)) own = known->session;
   }
-  const std::shared_ptr<LiveSession> seen = own.empty() ? shared_from_this() : camera(own);
+  return own.empty() ? shared_from_this() : camera(own);
+}
+
+void LiveSession::carry_out(const effect::FindPointer& effect) {
+  const std::shared_ptr<LiveSession> seen = seen_by(effect.connection);
   const auto visible = seen ? seen->visible_at(effect.x, effect.y) : std::nullopt;
   PointerFound found{effect.connection, effect.number, std::nullopt};
   if (visible) found.place = visible->place;
   const Turn turn(*this);
   apply(collaboration_.handle(found, state_, turn.now));
+}
+
+void LiveSession::carry_out(const effect::FindMarkSight& effect) {
+  const std::shared_ptr<LiveSession> seen = seen_by(effect.connection);
+  std::vector<Collaboration::PlacedMark> marks;
+  {
+    const std::lock_guard lock(mutex_);
+    marks = collaboration_.placed_marks();
+  }
+  std::vector<Double3> places;
+  for (const auto& mark : marks) places.push_back(mark.place);
+  const std::vector<bool> hidden =
+      seen ? seen->hidden_marks(places) : std::vector<bool>(places.size());
+  v1::ServerMessage message;
+  v1::MarkSight& sight = *message.mutable_mark_sight();
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (!hidden[i]) continue;
+    const int last = sight.hidden_size() - 1;
+    v1::MarkSight::Hidden& of = last >= 0 && sight.hidden(last).number() == marks[i].number
+                                    ? *sight.mutable_hidden(last)
+                                    : *sight.add_hidden();
+    of.set_number(marks[i].number);
+    of.add_ids(marks[i].id);
+  }
+  const std::lock_guard lock(mutex_);
+  send(effect.connection, message);
 }
 
 void LiveSession::carry_out(const effect::FollowPresenter& effect) {

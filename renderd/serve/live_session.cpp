@@ -57,6 +57,12 @@ std::uint64_t random_seed() {
   return (std::uint64_t{device()} << 32) | device();
 }
 
+bool same_places(const std::vector<Double3>& a, const std::vector<Double3>& b) {
+  return std::ranges::equal(a, b, [](const Double3& one, const Double3& other) {
+    return one.x == other.x && one.y == other.y && one.z == other.z;
+  });
+}
+
 }  // namespace
 
 LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended)
@@ -191,6 +197,10 @@ void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& messag
     case v1::ClientMessage::kPointer:
       return apply(
           collaboration_.handle(PointerMoved{connection, message.pointer()}, state_, turn.now));
+    case v1::ClientMessage::kMarks:
+      return apply(collaboration_.handle(MarksSent{connection, message.marks()}, state_, turn.now));
+    case v1::ClientMessage::kMarkSight:
+      return apply(collaboration_.handle(MarkSightRequested{connection}, state_, turn.now));
     case v1::ClientMessage::kSharedTaken:
       return apply(collaboration_.handle(SharedReceived{connection, message.shared_taken().seq()},
                                          state_, turn.now));
@@ -211,6 +221,22 @@ std::optional<VisiblePoint> LiveSession::visible_at(double x, double y) const {
   const auto coarse = parts_.stats.of(*volume_).coarse;
   lock.unlock();
   return coarse ? visible_point_at(*coarse, *scene, canvas, x, y) : std::nullopt;
+}
+
+std::vector<bool> LiveSession::hidden_marks(const std::vector<Double3>& places) {
+  std::unique_lock lock(mutex_);
+  if (!volume_ || !state_.shown.scene) return std::vector<bool>(places.size());
+  const ViewRequest shown = state_.shown;
+  if (mark_sight_.version == shown.version && same_places(mark_sight_.places, places)) {
+    return mark_sight_.hidden;
+  }
+  const auto coarse = parts_.stats.of(*volume_).coarse;
+  lock.unlock();
+  MarkSight sight{shown.version, places, std::vector<bool>(places.size())};
+  if (coarse) sight.hidden = hidden_places(*coarse, *shown.scene, shown.viewport, places);
+  lock.lock();
+  mark_sight_ = sight;
+  return std::move(sight.hidden);
 }
 
 void LiveSession::carry_out(const effect::FindDepth& effect) {

@@ -180,6 +180,8 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   /// Returns what is visible at a point of the shown picture (0 to 1). Must be called without the
   /// lock, because it takes milliseconds.
   std::optional<VisiblePoint> visible_at(double x, double y) const;
+  /// Returns which places are behind matter in the shown picture. Must be called without the lock.
+  std::vector<bool> hidden_marks(const std::vector<Double3>& places);
   void send_tiles();
   void tile_coded(const effect::CodeTile& of, std::optional<diaphane::v1::Still> coded);
   void keep_if_last(RenderedPicture& picture);
@@ -200,6 +202,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void carry_out(const effect::LeaveRunner& effect);
   void carry_out(const effect::FindDepth& effect);
   void carry_out(const effect::FindPointer& effect);
+  void carry_out(const effect::FindMarkSight& effect);
   void carry_out(const effect::PokeEncoders& effect);
   void carry_out(const effect::LoadVoxels& effect);
   void carry_out(effect::CodeSlice& effect);
@@ -252,6 +255,8 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   /// known.
   void follow(const diaphane::v1::Scene& presenters, std::uint64_t number);
   std::shared_ptr<LiveSession> camera(const std::string& session) const;
+  /// Returns the session whose picture a viewer sees, which may be that of their own camera.
+  std::shared_ptr<LiveSession> seen_by(std::uint64_t connection);
 
   // Showing or hiding the table needs another copy of the volume, which is loaded before the runner
   // receives the scene (session_volume.cpp). Requires the lock:
@@ -290,6 +295,13 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   Files files_;
   FreeCameras cameras_;
   Collaboration collaboration_;
+  /// The newest answer, because all followers ask the same.
+  struct MarkSight {
+    std::uint64_t version = 0;
+    std::vector<Double3> places;
+    std::vector<bool> hidden;
+  };
+  MarkSight mark_sight_;
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   std::shared_ptr<const DeviceVolume> volume_;

@@ -35,6 +35,17 @@ ViewerRights Audience::rights(const Receiver& receiver) const {
   return rights;
 }
 
+namespace {
+/// Returns the place among the raised hands, from 1, or 0 if the hand is not raised.
+std::uint32_t place_in_queue(const Audience& audience, const Receiver& receiver) {
+  if (receiver.hand == 0) return 0;
+  return static_cast<std::uint32_t>(
+      std::ranges::count_if(audience.receivers, [&](const Receiver& one) {
+        return one.greeted && one.hand != 0 && one.hand <= receiver.hand;
+      }));
+}
+}  // namespace
+
 bool is_inter_coded(v1::Codec codec) { return codec != v1::JPEG; }
 
 std::string clean_name(std::string_view typed) { return diaphane::clean_name(typed, kLongestName); }
@@ -50,7 +61,7 @@ bool is_watching(const Receiver& receiver, TimePoint now) {
 }
 
 Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to) {
-  const Receiver* next = audience.of(to);
+  Receiver* const next = audience.of(to);
   if (!next || !next->greeted) {
     return fail(ErrorCode::kNotFound, "That person has left the session.", "to");
   }
@@ -63,6 +74,7 @@ Result<void> hand_over(Audience& audience, const Receiver& from, std::string_vie
     return fail(ErrorCode::kForbidden, "Only the presenter can hand the session over.");
   }
   audience.presenter = to;
+  next->hand = 0;
   return {};
 }
 
@@ -84,6 +96,7 @@ v1::Audience audience_for(const Audience& audience, const Receiver& receiver) {
     participant.set_presenter(audience.presents(one));
     participant.set_free_camera(one.free_camera);
     participant.set_number(one.number);
+    participant.set_hand(place_in_queue(audience, one));
   }
   return message;
 }

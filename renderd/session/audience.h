@@ -46,6 +46,7 @@ struct SharedWindow {
   std::uint64_t taken = 0;          ///< acknowledged
   std::uint64_t slices_seen = 0;    ///< version of what was sent of the presenter's slices
   std::uint64_t pointers_seen = 0;  ///< version of what was sent of the pointers
+  std::uint64_t marks_seen = 0;     ///< version of what was sent of the marks
 };
 
 /// One connection to a session, and the messages in transit to it. Plain data.
@@ -74,6 +75,7 @@ struct Receiver {
   bool kernel_wanted = false;             ///< requested, but not answered yet
   bool has_clipped_slices = false;        ///< of the current clip
   SharedWindow shared;
+  std::uint64_t hand = 0;  ///< increases with each raised hand; 0: the hand is not raised
 
   FlightWindow flight;
   LinkEstimate path;  ///< estimated capacity of its connection
@@ -108,7 +110,8 @@ struct Audience {
   std::map<diaphane::v1::Codec, Coding> codings;
   SliceAllowances slice_allowances;
   bool guest_slices = false;   ///< the host allows slices for guests
-  bool guest_pointers = true;  ///< the presenter allows pointers of guests
+  bool guest_pointers = true;  ///< the presenter allows pointers and marks of guests
+  std::uint64_t hands = 0;     ///< raised so far
 
   Receiver* find(std::uint64_t connection);
   const Receiver* find(std::uint64_t connection) const;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <vector>
 
 #include "tests/support/renderd/test_messages.h"
 
@@ -341,6 +342,33 @@ TEST(CleanName, ReturnsShortVisibleText) {
             "x");
   EXPECT_EQ(clean_name(std::string(500, 'a')), std::string(kLongestName, 'a'));
   EXPECT_EQ(clean_name(" \xE2\x80\x8B "), "");
+}
+
+v1::ClientMessage hand(bool on, const std::string& of = {}) {
+  v1::ClientMessage message;
+  message.mutable_raise_hand()->set_on(on);
+  message.mutable_raise_hand()->set_of(of);
+  return message;
+}
+
+TEST_F(AudienceTest, RaisedHandsQueueAndGoDownWhenTheirTurnComes) {
+  const std::uint64_t owner = join(std::string(kOwner)), ann = join(kAnn), bob = join(kBob);
+  const auto hands = [&] {
+    std::map<std::string, std::uint32_t> raised;
+    const v1::Audience seen = audience_for(state.audience, *state.audience.find(owner));
+    for (const auto& one : seen.participants()) raised[one.id()] = one.hand();
+    return std::vector{raised[kAnn], raised[kBob]};
+  };
+  EXPECT_TRUE(say(bob, hand(true)).audience);
+  EXPECT_FALSE(say(bob, hand(true)).audience) << "it is raised already";
+  EXPECT_TRUE(say(ann, hand(true)).audience);
+  EXPECT_EQ(hands(), (std::vector<std::uint32_t>{2, 1})) << "Bob was first";
+  EXPECT_EQ(say(ann, hand(false, kBob)).problem->code(), "forbidden");
+  EXPECT_EQ(say(owner, hand(true, kAnn)).problem->code(), "forbidden") << "not for others";
+  EXPECT_TRUE(say(owner, hand(false, kBob)).audience);
+  EXPECT_EQ(hands(), (std::vector<std::uint32_t>{1, 0}));
+  say(owner, handover(kAnn));
+  EXPECT_EQ(hands(), (std::vector<std::uint32_t>{0, 0})) << "Ann presents now";
 }
 
 }  // namespace

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "scene/annotations.h"
 #include "scene/check.h"
 
 namespace diaphane::render {
 namespace {
 
 constexpr int kPlanes = 3;
-constexpr int kMostPoints = 3;
 
 bool within(double value, double most) { return std::fabs(value) <= most; }  // false for NaN
 
@@ -25,13 +25,6 @@ bool is_valid(const v1::SliceView& view) {
          within(view.overlay(), 1) &&
          std::ranges::all_of(view.placings(), [](const v1::SliceView::Placing& one) {
            return within(one.zoom(), 1e6) && within(one.column(), 1e6) && within(one.row(), 1e6);
-         });
-}
-
-bool is_valid(const v1::Measurements& measurements) {
-  return measurements.items_size() <= Collaboration::kMostMeasurements &&
-         std::ranges::all_of(measurements.items(), [](const v1::Measurements::Measurement& one) {
-           return one.points_size() <= kMostPoints && std::ranges::all_of(one.points(), is_place);
          });
 }
 
@@ -67,7 +60,7 @@ Effects Collaboration::handle(const SliceViewSent& event, SessionState& state, T
 
 Effects Collaboration::handle(const MeasurementsSent& event, SessionState& state, TimePoint now) {
   if (!is_shared(state)) return {};
-  if (!is_valid(event.measurements)) return refused(event.connection, "measurements");
+  if (!scene::are_valid(event.measurements)) return refused(event.connection, "measurements");
   measurements_ = {known_fields(event.measurements), ++version_};
   return broadcast(state, now);
 }
@@ -124,6 +117,57 @@ Effects Collaboration::handle(const PointerFound& event, SessionState& state, Ti
   return moved(found->second, state, now);
 }
 
+Effects Collaboration::handle(const MarksSent& event, SessionState& state, TimePoint now) {
+  const Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver) return {};
+  if (!scene::are_valid(event.marks)) return refused(event.connection, "marks");
+  MarksOf& marks = marks_[receiver->participant];
+  marks.allowance.refill(now);
+  if (marks.allowance.empty()) {
+    return {problem_to(event.connection,
+                       {ErrorCode::kTooMany, "Marks are changing too often.", "marks"})};
+  }
+  marks.allowance.take();
+  marks.marks = scene::cleaned(event.marks);
+  marks.number = receiver->number;
+  marks.version = ++version_;
+  return is_shared(state) ? broadcast(state, now) : Effects{};
+}
+
+Effects Collaboration::handle(const MarkSightRequested& event, const SessionState& state,
+                              TimePoint now) {
+  const Receiver* const receiver = state.audience.find(event.connection);
+  if (!receiver) return {};
+  MarksOf& marks = marks_[receiver->participant];
+  marks.number = receiver->number;
+  marks.sights.refill(now);
+  if (marks.sights.empty()) return {};
+  marks.sights.take();
+  return {effect::FindMarkSight{event.connection}};
+}
+
+std::vector<Collaboration::PlacedMark> Collaboration::placed_marks() const {
+  std::vector<PlacedMark> placed;
+  for (const auto& [participant, of] : marks_) {
+    if (!of.shown) continue;
+    for (const v1::Mark& mark : of.marks.items()) {
+      const v1::Vec3& place = mark.place();
+      placed.push_back({of.number, mark.id(), {place.x(), place.y(), place.z()}});
+    }
+  }
+  return placed;
+}
+
+void Collaboration::apply_permission(const Audience& audience) {
+  for (auto& [participant, of] : marks_) {
+    const Receiver* const receiver = audience.of(participant);
+    if (!receiver) continue;
+    const bool shown = may(audience.rights(*receiver), RequestKind::kMarks);
+    if (std::exchange(of.shown, shown) == shown) continue;
+    of.version = ++version_;
+  }
+}
+
 Effects Collaboration::handle(const SharedReceived& event, SessionState& state, TimePoint now) {
   Receiver* const receiver = state.audience.find(event.connection);
   if (!receiver || event.seq <= receiver->shared.taken || event.seq > receiver->shared.sent) {
@@ -137,7 +181,10 @@ Effects Collaboration::handle(const SharedReceived& event, SessionState& state, 
 
 Effects Collaboration::handle(ParticipantsChanged, SessionState& state, TimePoint now) {
   const Audience& audience = state.audience;
-  std::erase_if(pointers_, [&](const auto& one) { return !audience.of(one.first); });
+  const auto has_left = [&](const auto& one) { return !audience.of(one.first); };
+  std::erase_if(pointers_, has_left);
+  std::erase_if(marks_, has_left);
+  apply_permission(audience);
   const Receiver* const presenter = audience.of(audience.presenter);
   // Nobody would close the slices of a previous presenter.
   if (presenter && view_.version != 0 && !sees_slices(audience, *presenter)) {
@@ -192,9 +239,24 @@ void Collaboration::send_changes(Effects& effects, const SessionState& state, Re
     }
   }
   window.pointers_seen = version_;
-  if (!shared.has_slice_view() && !shared.has_measurements() && shared.pointers_size() == 0) return;
+  add_marks(shared, receiver);
+  if (!shared.has_slice_view() && !shared.has_measurements() && shared.pointers_size() == 0 &&
+      shared.marks_size() == 0) {
+    return;
+  }
   shared.set_seq(++window.sent);
   effects.emplace_back(std::move(send));
+}
+
+void Collaboration::add_marks(v1::SharedState& shared, Receiver& receiver) const {
+  for (const auto& [participant, of] : marks_) {
+    if (of.version <= receiver.shared.marks_seen || participant == receiver.participant) continue;
+    v1::SharedState::ParticipantMarks& marks = *shared.add_marks();
+    marks.set_number(of.number);
+    marks.mutable_marks();
+    if (of.shown) *marks.mutable_marks() = of.marks;
+  }
+  receiver.shared.marks_seen = version_;
 }
 
 }  // namespace diaphane::render

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
+#include <string>
+#include <vector>
 
+#include "scene/annotations.h"
 #include "tests/support/renderd/effects_in_test.h"
 #include "tests/support/renderd/test_messages.h"
 
@@ -57,6 +61,20 @@ struct CollaborationTest : testing::Test {
   Effects point(std::uint64_t from, double x) {
     const auto asked = sole<FindPointer>(point_in_picture(from));
     return together.handle(PointerFound{from, asked.number, Double3{x, 0, 0}}, state, now);
+  }
+  static v1::Marks marks(const std::string& text, std::uint32_t count = 1) {
+    v1::Marks marks;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      v1::Mark& mark = *marks.add_items();
+      mark.set_id(i + 1);
+      mark.set_kind(v1::Mark::TEXT);
+      mark.set_text(text);
+      mark.mutable_place()->set_x(i);
+    }
+    return marks;
+  }
+  Effects mark(std::uint64_t from, const std::string& text, std::uint32_t count = 1) {
+    return together.handle(MarksSent{from, marks(text, count)}, state, now);
   }
   Effects take(std::uint64_t connection) {
     const std::uint64_t seq = state.audience.find(connection)->shared.sent;
@@ -256,7 +274,7 @@ TEST_F(CollaborationTest, NewcomersDoNotGetOldPointersOrThoseOfPeopleWhoLeft) {
 TEST_F(CollaborationTest, RefusesInvalidViewsAndDropsUnknownFields) {
   join("a", ViewerKind::kShared);
   EXPECT_TRUE(sole<Send>(show(std::numeric_limits<double>::infinity())).message.has_problem());
-  EXPECT_TRUE(sole<Send>(measure(Collaboration::kMostMeasurements + 1)).message.has_problem());
+  EXPECT_TRUE(sole<Send>(measure(scene::kMostMeasurements + 1)).message.has_problem());
   v1::SliceView view;
   view.set_layout(v1::SliceView::FOUR);
   view.GetReflection()->MutableUnknownFields(&view)->AddLengthDelimited(900, "payload");
@@ -273,6 +291,91 @@ TEST_F(CollaborationTest, ParticipantsHaveUniqueSmallNumbers) {
   EXPECT_EQ(state.audience.find(second)->number, 2u);
   detach(state, first, now);
   EXPECT_EQ(state.audience.find(join("c"))->number, 1u);
+}
+
+/// Returns the marks in the only message, which is for this connection, by number.
+std::map<std::uint32_t, std::vector<std::string>> marks_in(const Effects& effects,
+                                                           std::uint64_t connection) {
+  const auto sent = only<Send>(effects);
+  std::map<std::uint32_t, std::vector<std::string>> found;
+  for (const Send& one : sent) {
+    if (one.connection != connection) continue;
+    for (const auto& of : one.message.shared().marks()) {
+      auto& texts = found[of.number()];
+      for (const v1::Mark& mark : of.marks().items()) texts.push_back(mark.text());
+    }
+  }
+  return found;
+}
+using MarksByNumber = std::map<std::uint32_t, std::vector<std::string>>;
+
+TEST_F(CollaborationTest, EveryoneGetsTheMarksOfTheOthersAlsoWithoutSlices) {
+  const std::uint64_t guest = join("guest");
+  const std::uint64_t other = join("other", ViewerKind::kShared);
+  const Effects sent = mark(presenter, "Here");
+  EXPECT_EQ(marks_in(sent, guest), (MarksByNumber{{0, {"Here"}}}));
+  EXPECT_EQ(marks_in(sent, other), (MarksByNumber{{0, {"Here"}}}));
+  EXPECT_EQ(only<Send>(sent).size(), 2u) << "not to the one who made it";
+  EXPECT_EQ(marks_in(mark(guest, "There"), presenter), (MarksByNumber{{1, {"There"}}}));
+}
+
+TEST_F(CollaborationTest, NewcomersGetMarksThatWereMadeAlone) {
+  EXPECT_TRUE(mark(presenter, "Before").empty());
+  const std::uint64_t guest = join("guest");
+  EXPECT_EQ(marks_in(changed(), guest), (MarksByNumber{{0, {"Before"}}}));
+}
+
+TEST_F(CollaborationTest, MarksOfGuestsVanishWhileThePresenterTurnsThemOff) {
+  const std::uint64_t guest = join("guest");
+  mark(guest, "Mine");
+  take(presenter);
+  state.audience.guest_pointers = false;
+  EXPECT_EQ(marks_in(changed(), presenter), (MarksByNumber{{1, {}}}));
+  EXPECT_TRUE(together.placed_marks().empty());
+  take(presenter);
+  state.audience.guest_pointers = true;
+  EXPECT_EQ(marks_in(changed(), presenter), (MarksByNumber{{1, {"Mine"}}}));
+  EXPECT_EQ(together.placed_marks().size(), 1u);
+}
+
+TEST_F(CollaborationTest, MarksGoWithTheirParticipant) {
+  const std::uint64_t guest = join("guest");
+  mark(guest, "Mine");
+  detach(state, guest, now);
+  changed();
+  EXPECT_TRUE(together.placed_marks().empty());
+}
+
+TEST_F(CollaborationTest, RefusesInvalidMarksAndCleansTheirTexts) {
+  const std::uint64_t guest = join("guest");
+  EXPECT_TRUE(sole<Send>(mark(presenter, "a", scene::kMostMarks + 1)).message.has_problem());
+  v1::Marks invalid[5] = {marks("a"), marks("a"), marks("a"), marks("a"), marks("a", 2)};
+  invalid[0].mutable_items(0)->set_colour(scene::kMarkColours);
+  invalid[1].mutable_items(0)->mutable_place()->set_y(std::numeric_limits<double>::quiet_NaN());
+  invalid[2].mutable_items(0)->set_radius(-1);
+  invalid[3].mutable_items(0)->set_kind(v1::Mark::KIND_UNSPECIFIED);
+  invalid[4].mutable_items(1)->set_id(invalid[4].items(0).id());
+  for (const v1::Marks& marks : invalid) {
+    const auto refused = sole<Send>(together.handle(MarksSent{presenter, marks}, state, now));
+    EXPECT_EQ(refused.message.problem().field(), "marks");
+  }
+  const std::string longest(scene::kLongestMarkText, 'x');
+  EXPECT_EQ(marks_in(mark(presenter, "a\n\xe2\x80\xae b"), guest), (MarksByNumber{{0, {"a b"}}}));
+  take(guest);
+  EXPECT_EQ(marks_in(mark(presenter, longest + "y"), guest), (MarksByNumber{{0, {longest}}}));
+}
+
+TEST_F(CollaborationTest, LimitsChangesOfMarksAndQuestionsAboutThem) {
+  join("guest");
+  int taken = 0, answered = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Effects effects = mark(presenter, std::to_string(i));
+    const auto sent = only<Send>(effects);
+    if (sent.empty() || !sent[0].message.has_problem()) ++taken;
+    answered += static_cast<int>(together.handle(MarkSightRequested{presenter}, state, now).size());
+  }
+  EXPECT_EQ(taken, Collaboration::kMarksInARow);
+  EXPECT_EQ(answered, Collaboration::kSightsInARow);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -19,37 +20,85 @@ constexpr double kMostVoxels = 1'000'000;
 constexpr float kLeastSeen = 0.02f;
 /// Transmittance at which a ray counts as opaque.
 constexpr float kEnd = 0.01f;
+/// The surface on which a place was pressed may be this many coarse voxels thick when it is seen
+/// from another side.
+constexpr double kOwnSurfaceVoxels = 2;
 
 using View = SceneView<LinearVolume>;
 
+struct Step {
+  float at, clear;  // transmittance from the eye to this place
+};
+
+/// What a ray meets: the nearest slice, and the transmittance before it.
+struct Walk {
+  SliceHit slice;
+  std::vector<Step> steps;
+  float clear = 1.0f;  // at the last step
+};
+
+/// Follows the ray for `most` mm or until it is opaque.
+Walk walk(const View& scene, const Ray& ray, float most) {
+  Walk walked;
+  Span span = clip(ray, scene.grid.occupied, Span{0.0f, most});
+  span = clip_span<kAllFeatures>(scene, ray, span, RayKind::kCamera);
+  walked.slice = nearest_slice<kAllFeatures>(scene, ray);
+  if (walked.slice.found) span.end = min(span.end, walked.slice.distance);
+  if (span.begin >= span.end) return walked;
+  const Float3 d = ray.direction;
+  const float per_mm = max(max(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
+  const float count = std::ceil(2.0f * (span.end - span.begin) * per_mm) + 1.0f;
+  const float step = (span.end - span.begin) / count;
+  float& clear = walked.clear;
+  for (float i = 0.5f; i < count && clear > kEnd; i += 1.0f) {
+    const float at = span.begin + i * step;
+    clear *= std::exp(-extinction_at(scene.transfer, scene.volume.at(ray.at(at))) * step);
+    walked.steps.push_back({at, clear});
+  }
+  return walked;
+}
+
 /// Returns a distance in mm along the ray.
 std::optional<float> half_way(const View& scene, const Ray& ray) {
-  Span span = clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f});
-  span = clip_span<kAllFeatures>(scene, ray, span, RayKind::kCamera);
-  const SliceHit slice = nearest_slice<kAllFeatures>(scene, ray);
-  if (slice.found) span.end = min(span.end, slice.distance);
-  struct Step {
-    float at, clear;  // transmittance from the eye to this place
-  };
-  std::vector<Step> steps;
-  float clear = 1.0f;
-  if (span.begin < span.end) {
-    const Float3 d = ray.direction;
-    const float per_mm = max(max(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
-    const float count = std::ceil(2.0f * (span.end - span.begin) * per_mm) + 1.0f;
-    const float step = (span.end - span.begin) / count;
-    for (float i = 0.5f; i < count && clear > kEnd; i += 1.0f) {
-      const float at = span.begin + i * step;
-      clear *= std::exp(-extinction_at(scene.transfer, scene.volume.at(ray.at(at))) * step);
-      steps.push_back({at, clear});
-    }
-  }
+  const auto [slice, steps, clear] = walk(scene, ray, 3.4e38f);
   const float behind = slice.found ? 0.0f : clear;
   if (1.0f - behind < kLeastSeen) return std::nullopt;
   const float half = (1.0f + behind) / 2;
   const auto there =
       std::ranges::find_if(steps, [half](const Step& one) { return one.clear <= half; });
   return there == steps.end() ? slice.distance : there->at;
+}
+
+/// Calls `use` with the scene as the kernel sees it, or not at all if it cannot be prepared.
+void with_view(const CoarseVolume& coarse, const diaphane::v1::Scene& scene, Canvas canvas,
+               const std::function<void(const View&)>& use) {
+  diaphane::v1::Scene dark = scene;  // lights do not matter here, and their textures take time
+  dark.clear_lights();
+  dark.mutable_camera()->set_aperture_radius(0);
+  const volume::Header& header = coarse.volume.header;
+  const auto prepared = prepare_scene(dark, canvas, header, coarse.grid);
+  if (!prepared) return;
+  const PreparedTransfer& t = *prepared->transfer;
+  use(view_of(*prepared, LinearVolume{coarse.volume.voxels.data(), size_of(header)},
+              t.extinction.data(), t.colour.data(), t.bounds.data(), LightArrays(*prepared), 0));
+}
+
+/// Whether less than half of a place in the volume's frame (mm) can be seen. `margin`: how far in
+/// front of it matter counts as its own surface.
+bool is_hidden(const View& scene, Float3 place, float margin) {
+  const CameraView& c = scene.camera;
+  const Float3 from_start = place - c.start;
+  const float depth = dot(from_start, c.forward);
+  const float factor = c.near + depth * c.spread;
+  if (depth <= 0 || factor <= 0) return false;  // nothing lies before the box
+  const Float3 aside = (from_start - c.forward * depth) * (1 / factor);
+  const Float3 start = c.start + aside * c.near;
+  const Float3 along = normalize(c.forward + aside * c.spread);
+  const Ray ray{start * scene.inverse_spacing, along * scene.inverse_spacing};
+  const float most = dot(place - start, along) - margin;
+  if (most <= 0) return false;
+  const Walk walked = walk(scene, ray, most);
+  return walked.clear < 0.5f || (walked.slice.found && walked.slice.distance < most);
 }
 
 }  // namespace
@@ -85,32 +134,41 @@ std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
 std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
                                              const diaphane::v1::Scene& scene, Canvas canvas,
                                              double x, double y) {
-  diaphane::v1::Scene dark = scene;  // lights do not matter here, and their textures take time
-  dark.clear_lights();
-  dark.mutable_camera()->set_aperture_radius(0);
-  const volume::Header& header = coarse.volume.header;
-  const auto prepared = prepare_scene(dark, canvas, header, coarse.grid);
-  if (!prepared) return std::nullopt;
-  const PreparedTransfer& t = *prepared->transfer;
-  const View view =
-      view_of(*prepared, LinearVolume{coarse.volume.voxels.data(), size_of(header)},
-              t.extinction.data(), t.colour.data(), t.bounds.data(), LightArrays(*prepared), 0);
-  const Ray ray = camera_ray<kAllFeatures>(view, static_cast<float>(x * canvas.width),
-                                           static_cast<float>(y * canvas.height))
-                      .ray;
-  const std::optional<float> at = half_way(view, ray);
-  if (!at) return std::nullopt;
-  const WorldToFrame frame(header);
-  const Float3 index = ray.at(*at);
-  const Double3 in_frame{index.x * header.spacing[0], index.y * header.spacing[1],
-                         index.z * header.spacing[2]};
-  const Double3 from_middle = in_frame - frame.extent * 0.5;
-  VisiblePoint visible;
-  visible.place =
-      frame.axes[0] * from_middle.x + frame.axes[1] * from_middle.y + frame.axes[2] * from_middle.z;
-  visible.distance =
-      dot(visible.place - vector_of(scene.camera().eye()), CameraAxes(scene.camera()).back * -1.0);
+  std::optional<VisiblePoint> visible;
+  with_view(coarse, scene, canvas, [&](const View& view) {
+    const Ray ray = camera_ray<kAllFeatures>(view, static_cast<float>(x * canvas.width),
+                                             static_cast<float>(y * canvas.height))
+                        .ray;
+    const std::optional<float> at = half_way(view, ray);
+    if (!at) return;
+    const volume::Header& header = coarse.volume.header;
+    const WorldToFrame frame(header);
+    const Float3 index = ray.at(*at);
+    const Double3 in_frame{index.x * header.spacing[0], index.y * header.spacing[1],
+                           index.z * header.spacing[2]};
+    const Double3 from_middle = in_frame - frame.extent * 0.5;
+    visible.emplace();
+    visible->place = frame.axes[0] * from_middle.x + frame.axes[1] * from_middle.y +
+                     frame.axes[2] * from_middle.z;
+    visible->distance = dot(visible->place - vector_of(scene.camera().eye()),
+                            CameraAxes(scene.camera()).back * -1.0);
+  });
   return visible;
+}
+
+std::vector<bool> hidden_places(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
+                                Canvas canvas, const std::vector<Double3>& places) {
+  std::vector<bool> hidden(places.size());
+  const volume::Header& header = coarse.volume.header;
+  const WorldToFrame frame(header);
+  const double voxel = std::max({header.spacing[0], header.spacing[1], header.spacing[2]});
+  with_view(coarse, scene, canvas, [&](const View& view) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      hidden[i] = is_hidden(view, to_float(frame.point(places[i])),
+                            static_cast<float>(kOwnSurfaceVoxels * voxel));
+    }
+  });
+  return hidden;
 }
 
 }  // namespace diaphane::render

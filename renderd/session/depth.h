@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "api/proto/scene.pb.h"
 #include "renderd/film/canvas.h"
@@ -31,5 +32,11 @@ struct VisiblePoint {
 std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
                                              const diaphane::v1::Scene& scene, Canvas canvas,
                                              double x, double y);
+
+/// Returns for each place (mm in world space) whether matter or a slice in front of it hides it, so
+/// that less than half of it could be seen. Places outside the picture count as well. A place on a
+/// visible surface is not hidden. Precondition: `scene` has passed check_scene.
+std::vector<bool> hidden_places(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
+                                Canvas canvas, const std::vector<Double3>& places);
 
 }  // namespace diaphane::render

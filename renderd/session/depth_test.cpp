@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render {
@@ -122,6 +124,47 @@ TEST(Depth, IsMeasuredFromTheEyeForParallelRaysAndOpenLens) {
   ASSERT_TRUE(visible);
   EXPECT_NEAR(visible->distance, kEye - 20, 1);
   EXPECT_NEAR(visible->place.z, 20, 0.5);
+}
+
+TEST(HiddenPlaces, AreThoseBehindMatter) {
+  const auto volume = layers(100, opaque_from_30);
+  const auto hidden = [&](const diaphane::v1::Scene& scene) {
+    return hidden_places(*volume, scene, kCanvas,
+                         {{0, -45, 0}, {0, -20, 0}, {25, -20, 25}, {0, 0, 0}, {300, 0, 0}});
+  };
+  const std::vector<bool> expected{false, false, false, true, false};
+  EXPECT_EQ(hidden(from_the_front()), expected) << "before, on, on, in and beside the matter";
+  diaphane::v1::Scene flat = from_the_front();
+  flat.mutable_camera()->set_orthographic_height(200);
+  EXPECT_EQ(hidden(flat), expected);
+  diaphane::v1::Scene behind = from_the_front();
+  test::set_camera(behind, 0, kEye, 0, 30);
+  EXPECT_EQ(hidden(behind), (std::vector<bool>{true, true, true, true, false}));
+  EXPECT_EQ(hidden(from_the_front(0.001)), std::vector<bool>(5)) << "it is nearly transparent";
+  diaphane::v1::Scene cut = from_the_front();
+  set(cut.mutable_clip()->mutable_box_low(), -50, 10, -50);
+  set(cut.mutable_clip()->mutable_box_high(), 50, 50, 50);
+  EXPECT_EQ(hidden(cut), std::vector<bool>(5)) << "what was cut away hides nothing";
+}
+
+TEST(HiddenPlaces, AreAlsoThoseBehindASlice) {
+  const auto volume = layers(100, opaque_from_30);
+  diaphane::v1::Scene scene = from_the_front();
+  scene.mutable_slices()->mutable_coronal()->set_shown(true);
+  scene.mutable_slices()->mutable_coronal()->set_position(-40);
+  scene.mutable_slices()->set_window_width(400);
+  EXPECT_EQ(hidden_places(*volume, scene, kCanvas, {{0, -45, 0}, {0, -40, 0}, {0, -30, 0}}),
+            (std::vector<bool>{false, false, true}));
+}
+
+TEST(HiddenPlaces, NeverIncludeAPlaceThatIsVisible) {
+  const auto volume = layers(250, opaque_from_30);
+  for (const double x : {0.42, 0.45, 0.5, 0.55}) {
+    const auto visible = visible_point_at(*volume, from_the_front(), kCanvas, x, 0.4);
+    ASSERT_TRUE(visible);
+    EXPECT_EQ(hidden_places(*volume, from_the_front(), kCanvas, {visible->place}),
+              std::vector<bool>(1));
+  }
 }
 
 }  // namespace

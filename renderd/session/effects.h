@@ -59,6 +59,10 @@ struct FindPointer {
   std::uint64_t number = 0;
   double x = 0, y = 0;
 };
+/// A MarkSightQuery of this connection is to be answered.
+struct FindMarkSight {
+  std::uint64_t connection = 0;
+};
 /// The encoders may take the next picture.
 struct PokeEncoders {};
 
@@ -141,10 +145,10 @@ struct DismissCamera {
 using Effect =
     std::variant<effect::Send, effect::Configure, effect::BroadcastParticipants, effect::Warn,
                  effect::WakeRunner, effect::LeaveRunner, effect::FindDepth, effect::FindPointer,
-                 effect::PokeEncoders, effect::LoadVoxels, effect::CodeSlice, effect::CodeTile,
-                 effect::StartFile, effect::AcknowledgeFile, effect::StopFile, effect::OpenCamera,
-                 effect::EnterCamera, effect::ForwardToCamera, effect::FollowPresenter,
-                 effect::SilenceCamera, effect::DismissCamera>;
+                 effect::FindMarkSight, effect::PokeEncoders, effect::LoadVoxels, effect::CodeSlice,
+                 effect::CodeTile, effect::StartFile, effect::AcknowledgeFile, effect::StopFile,
+                 effect::OpenCamera, effect::EnterCamera, effect::ForwardToCamera,
+                 effect::FollowPresenter, effect::SilenceCamera, effect::DismissCamera>;
 using Effects = std::vector<Effect>;
 
 /// Tells a viewer about an error that does not end the connection.

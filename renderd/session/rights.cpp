@@ -13,6 +13,7 @@ enum class Rule {
   kWithSlices,  ///< if the owner or host allows slices for this viewer
   kShowing,     ///< while this viewer presents, and if slices are allowed
   kPointing,    ///< while this viewer presents, and if the presenter allows pointers of guests
+  kLocating,    ///< while this viewer points or steers, because marks are made on surfaces
 };
 
 struct Row {
@@ -40,7 +41,7 @@ constexpr std::array kTable{
     Row{RequestKind::kVisibility,  all(kYes)},
     Row{RequestKind::kHandover,    {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPresenting}},
     Row{RequestKind::kFreeCamera,   all(kYes)},
-    Row{RequestKind::kDepthQuery,  {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kSteering}},
+    Row{RequestKind::kDepthQuery,  {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kLocating}},
     Row{RequestKind::kSlices,      {kYes,  kYes,    kSlices, kSlices,      kSlices,        kSlices}},
     Row{RequestKind::kKeyView,     {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
     Row{RequestKind::kFile,        {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
@@ -53,6 +54,9 @@ constexpr std::array kTable{
     Row{RequestKind::kPointer,     {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPointing}},
     Row{RequestKind::kGuestPointers, all(kPresents)},
     Row{RequestKind::kSharedTaken, all(kYes)},
+    Row{RequestKind::kMarks,       {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPointing}},
+    Row{RequestKind::kMarkSight,   all(kYes)},
+    Row{RequestKind::kRaiseHand,   all(kYes)},
     // clang-format on
 };
 
@@ -128,6 +132,12 @@ std::optional<RequestKind> request_of(const v1::ClientMessage& message) {
       return RequestKind::kGuestPointers;
     case v1::ClientMessage::kSharedTaken:
       return RequestKind::kSharedTaken;
+    case v1::ClientMessage::kMarks:
+      return RequestKind::kMarks;
+    case v1::ClientMessage::kMarkSight:
+      return RequestKind::kMarkSight;
+    case v1::ClientMessage::kRaiseHand:
+      return RequestKind::kRaiseHand;
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }
@@ -149,6 +159,8 @@ bool may(const ViewerRights& rights, RequestKind request) {
       return rights.presents && rights.slices;
     case Rule::kPointing:
       return rights.presents || rights.pointers;
+    case Rule::kLocating:
+      return rights.presents || rights.free_camera || rights.pointers;
     case Rule::kNever:
       break;
   }

@@ -47,6 +47,9 @@ enum class RequestKind {
   kPointer,
   kGuestPointers,
   kSharedTaken,
+  kMarks,
+  kMarkSight,
+  kRaiseHand,
 };
 inline constexpr std::array kRequests{
     RequestKind::kHello,      RequestKind::kResize,        RequestKind::kScene,
@@ -55,7 +58,8 @@ inline constexpr std::array kRequests{
     RequestKind::kSlices,     RequestKind::kKeyView,       RequestKind::kFile,
     RequestKind::kFileTaken,  RequestKind::kKernel,        RequestKind::kGuestSlices,
     RequestKind::kErrorCurve, RequestKind::kSliceView,     RequestKind::kMeasurements,
-    RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken};
+    RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken,
+    RequestKind::kMarks,      RequestKind::kMarkSight,     RequestKind::kRaiseHand};
 /// Returns nullopt for a message that is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 
@@ -65,7 +69,7 @@ struct ViewerRights {
   bool presents = false;
   bool free_camera = false;
   bool slices = false;   ///< the owner of the scan, or the host of the session, allows them
-  bool pointers = true;  ///< the presenter allows pointers of guests
+  bool pointers = true;  ///< the presenter allows pointers and marks of guests
 };
 
 /// The only table of access rights for the requests to a session.

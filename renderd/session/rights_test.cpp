@@ -15,7 +15,7 @@ std::string_view name_of(RequestKind request) {
       "hello",      "resize",         "scene",        "ack",         "need key",   "visibility",
       "handover",   "free camera",    "depth",        "slices",      "key view",   "file",
       "file taken", "kernel",         "guest slices", "error curve", "slice view", "measurements",
-      "pointer",    "guest pointers", "shared taken"};
+      "pointer",    "guest pointers", "shared taken", "marks",       "mark sight", "raise hand"};
   return kNames.at(static_cast<std::size_t>(request));
 }
 
@@ -32,7 +32,7 @@ bool expected(const ViewerRights& who, std::string_view request) {
   const bool steers = who.presents || who.free_camera;
   if (request == "scene") return steers;
   if (request == "handover") return !guest || who.presents;
-  if (request == "depth") return !guest || steers;
+  if (request == "depth") return !guest || steers || who.pointers;
   if (request == "slices") {
     return who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
   }
@@ -47,7 +47,7 @@ bool expected(const ViewerRights& who, std::string_view request) {
         who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
     return who.presents && gets_slices;
   }
-  if (request == "pointer") return !guest || who.presents || who.pointers;
+  if (request == "pointer" || request == "marks") return !guest || who.presents || who.pointers;
   if (request == "guest pointers") return who.presents;
   return true;
 }

@@ -271,6 +271,21 @@ Outcome receive_guest_pointers(SessionState& state, bool on) {
   return outcome;
 }
 
+/// Everyone can lower their own hand, and the presenter anyone's.
+Outcome receive_hand(SessionState& state, Receiver& receiver, const v1::RaiseHand& hand) {
+  const bool own = hand.of().empty() || hand.of() == receiver.participant;
+  if (!own && (hand.on() || !state.audience.presents(receiver))) {
+    return refuse(ErrorCode::kForbidden, "Only the presenter can lower the hands of others.",
+                  false);
+  }
+  Receiver* const whose = own ? &receiver : state.audience.of(hand.of());
+  Outcome outcome;
+  if (!whose || (whose->hand != 0) == hand.on()) return outcome;
+  whose->hand = hand.on() ? ++state.audience.hands : 0;
+  outcome.audience = true;
+  return outcome;
+}
+
 Outcome receive_free_camera(SessionState& state, Receiver& receiver, bool on) {
   Outcome outcome;
   if (receiver.free_camera == on) return outcome;
@@ -446,6 +461,8 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
       return refusal("Only the host of this session can show slices to guests.", "guest_slices");
     case RequestKind::kPointer:
       return refusal("The presenter has turned off the pointers of guests.", "pointer");
+    case RequestKind::kMarks:
+      return refusal("The presenter has turned off the marks of guests.", "marks");
     case RequestKind::kSliceView:
     case RequestKind::kMeasurements:
       return refusal("Only a presenter who can see the slices can show them.", "slice_view");
@@ -491,6 +508,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_guest_slices(state, message.guest_slices().on());
     case v1::ClientMessage::kGuestPointers:
       return receive_guest_pointers(state, message.guest_pointers().on());
+    case v1::ClientMessage::kRaiseHand:
+      return receive_hand(state, *receiver, message.raise_hand());
     // Slices, Files and Collaboration handle these.
     case v1::ClientMessage::kSlices:
     case v1::ClientMessage::kKeyView:
@@ -500,6 +519,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
     case v1::ClientMessage::kMeasurements:
     case v1::ClientMessage::kPointer:
     case v1::ClientMessage::kSharedTaken:
+    case v1::ClientMessage::kMarks:
+    case v1::ClientMessage::kMarkSight:
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }

@@ -184,6 +184,11 @@ class World:
         assert answer.status_code == 201, answer.text
         return answer.json()["id"]
 
+    def annotation_id(self) -> str:
+        answer = self.who_made.http.post(f"/v1/data-sets/{self.data_set_id()}/annotations", json=ANNOTATIONS)
+        assert answer.status_code == 201, answer.text
+        return answer.json()["id"]
+
     def recording_id(self) -> str:
         answer = self.who_made.http.post("/v1/recordings", json=RECORDING)
         assert answer.status_code == 201, answer.text
@@ -239,6 +244,7 @@ def put_picture(stack: TestStack, preset: str, content: bytes = b"\xff\xd8\xff")
 RECORDING = {"format": "diaphane-interaction", "version": 1, "viewport": {"width": 64, "height": 64},
              "events": [{"at_ms": 0, "scene": {}}]}
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
+ANNOTATIONS = {"name": "Before surgery", "content": CONTRACT.spec["components"]["schemas"]["Annotations"]["example"]}
 NEW_PASSWORD = "another long and quiet one"
 
 #: Bodies by operation: (world, requesting user) -> body.
@@ -273,6 +279,8 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "setPublicName": lambda world, who: {"public_name": "A patient"},
     "createPreset": lambda world, who: {"name": "b", "scene": SCENE},
     "changePreset": lambda world, who: {"name": "c"},
+    "createAnnotations": lambda world, who: ANNOTATIONS,
+    "changeAnnotations": lambda world, who: {"name": "After surgery"},
     "setDefaultPreset": lambda world, who: {"preset_id": world.preset_id()},
     "voteForPreset": lambda world, who: {"value": 1},
     "reportDataSet": lambda world, who: {"reason": "other"},

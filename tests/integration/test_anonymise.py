@@ -65,7 +65,8 @@ def picture(running, owner, data_set: str):
 
 def test_nothing_remains_of_the_removed_parts(running, owner, scan):
     data_set, content = scan
-    made = owner.http.post(f"/v1/data-sets/{data_set}/presets", json={"name": "mine", "scene": SCENE(owner, data_set)})
+    made = owner.http.post(f"/v1/data-sets/{data_set}/presets", json={
+        "name": "mine", "scene": SCENE(owner, data_set), "annotations": {"marks": {"items": [{"id": 1, "kind": "TEXT", "text": "A name"}]}}})
     assert made.status_code == 201, made.text
     preset = made.json()
     old_picture = picture(running, owner, data_set)
@@ -93,6 +94,7 @@ def test_nothing_remains_of_the_removed_parts(running, owner, scan):
     assert new_picture.content != old_picture.content and "no-cache" in new_picture.headers["cache-control"]
     # The cut removes 32 mm at the top, so the centre is 16 mm lower, and coordinates are 16 mm higher.
     moved = owner.http.get(f"/v1/presets/{preset['id']}").json()
+    assert preset["annotations"]["marks"]["items"][0]["text"] == "A name" and moved["annotations"] is None
     old, new = preset["scene"]["camera"]["eye"], moved["scene"]["camera"]["eye"]
     assert new.get("z", 0) - old.get("z", 0) == pytest.approx(16) and new["y"] == pytest.approx(old["y"])
     actions = running.psql("SELECT action, actor FROM audit_log WHERE subject_id = %s ORDER BY id", data_set)

@@ -63,9 +63,13 @@ def check_cut(stack, data_set: str) -> None:
 def test_a_cut_removes_the_outside_and_keeps_the_inside(stores_and_api, port):
     data_set, content = ready_data_set(stores_and_api)
     assert len(holders_of_mark(stores_and_api.data_dir)) == 1, "the search would find nothing anyway"
+    stores_and_api.psql("WITH author AS (INSERT INTO users (id, email, email_key, password_hash) VALUES (gen_random_uuid(), 'a@marks', 'a@marks', 'x') RETURNING id) "
+                        "INSERT INTO annotations SELECT gen_random_uuid(), %s, id, 'Mine', '{}', true, false, now(), now() FROM author", data_set)
     order(stores_and_api, data_set, content)
     finish(stores_and_api, [data_set], port)
     check_cut(stores_and_api, data_set)
+    # Their texts may identify the patient.
+    assert stores_and_api.psql("SELECT count(*) FROM annotations WHERE data_set_id = %s", data_set) == [(0,)]
 
 
 def test_a_cut_killed_before_any_step_leaves_a_complete_volume_and_is_finished(stores_and_api, killer, port):

@@ -192,6 +192,14 @@ def administrators_ways(one) -> None:
     one.http.patch(f"/v1/admin/users/{one.id}", json={"quota_bytes": 10**9})
 
 
+def annotation_ways(one, data_set: str) -> None:
+    path = f"/v1/data-sets/{data_set}/annotations"
+    saved = one.http.post(path, json={"name": "a", "content": CONTRACT.spec["components"]["schemas"]["Annotations"]["example"]}).json()
+    one.http.get(path)
+    one.http.patch(f"{path}/{saved['id']}", json={"name": "b", "shared": True})
+    one.http.delete(f"{path}/{saved['id']}")
+
+
 def preset_ways(stack, one, data_set: str) -> None:
     presets = f"/v1/data-sets/{data_set}/presets"
     saved = one.http.post(presets, json={"name": "a", "scene": CONTRACT.spec["components"]["schemas"]["Scene"]["example"]})
@@ -248,6 +256,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     one.http.get(f"/v1/data-sets/{made}/views")
     one.http.delete(f"/v1/data-sets/{made}/people/{people[0]['id']}")
     preset_ways(api, one, made)
+    annotation_ways(one, made)
     one.http.get(f"/v1/data-sets/{made}/anonymise")
     to_cut = one.data_set(100)["data_set"]["id"]
     make_ready(api, to_cut)

@@ -1,3 +1,4 @@
+import { AnnotationsApi } from "./annotations";
 import { AnonymiseApi } from "./anonymise";
 import { EnvironmentsApi } from "./environments";
 import { SecondFactorApi } from "./second_factor";
@@ -262,6 +263,7 @@ export class Api {
   readonly sharing = new SharingApi((...call) => this.send(...call));
   readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
   readonly secondFactor = new SecondFactorApi((...call) => this.send(...call));
+  readonly annotations = new AnnotationsApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
   readonly environments = new EnvironmentsApi((...call) => this.send(...call));
 

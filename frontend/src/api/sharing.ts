@@ -146,8 +146,10 @@ export class PresetsApi {
     return read(this.send("GET", `/v1/presets/${id}`));
   }
 
-  save(dataSet: string, name: string, scene: object): Promise<SavedPreset> {
-    return read(this.send("POST", `/v1/data-sets/${dataSet}/presets`, { name, scene, version: 1 }, once()));
+  save(dataSet: string, name: string, scene: object, annotations: unknown = null): Promise<SavedPreset> {
+    return read(
+      this.send("POST", `/v1/data-sets/${dataSet}/presets`, { name, scene, annotations, version: 1 }, once()),
+    );
   }
 
   change(preset: PresetInfo, what: { name?: string; scene?: object }): Promise<SavedPreset> {

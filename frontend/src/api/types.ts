@@ -229,6 +229,8 @@ export interface PresetInfo {
 /** A preset with its scene in Protobuf's JSON format. */
 export interface SavedPreset extends PresetInfo {
   readonly scene: object;
+  /** The message `Annotations` as Protobuf JSON, or null. */
+  readonly annotations: unknown;
 }
 
 export interface Visit {

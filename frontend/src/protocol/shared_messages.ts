@@ -99,12 +99,15 @@ export function presentedOf(view: SliceView): PresentedSlices {
 
 const kinds: Readonly<Record<MeasureKind, Kind>> = { ruler: Kind.RULER, angle: Kind.ANGLE, ellipse: Kind.ELLIPSE };
 
-export function encodeMeasurements(measures: readonly Measure[]): Bytes {
+export function measurementsOf(measures: readonly Measure[]): Measurements {
   const items = measures.map(({ kind, plane, slice, points }) =>
     create(MeasurementSchema, { kind: kinds[kind], plane: planeNumbers[plane], slice, points: points.map(vector) }),
   );
-  return encoded({ case: "measurements", value: create(MeasurementsSchema, { items }) });
+  return create(MeasurementsSchema, { items });
 }
+
+export const encodeMeasurements = (measures: readonly Measure[]): Bytes =>
+  encoded({ case: "measurements", value: measurementsOf(measures) });
 
 /** Leaves out those of a kind that this page does not know. */
 export function measuresOf({ items }: Measurements): readonly Measure[] {

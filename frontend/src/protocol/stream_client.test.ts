@@ -76,6 +76,7 @@ class World {
         filePart: (part) => this.seen.push(`part ${part.seq}`),
         errorCurve: (curve) => this.seen.push(`curve of ${curve.points.length}`),
         shared: () => this.seen.push("shared"),
+        markSight: () => this.seen.push("markSight"),
         kernel: (report) => this.seen.push(`without ${report.leftOut.join(", ")}`),
         problem: () => this.seen.push("problem"),
       },

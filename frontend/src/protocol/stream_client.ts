@@ -42,6 +42,7 @@ import {
   type ErrorCurve,
   type KernelReport,
 } from "./file_messages";
+import type { MarkSight } from "./mark_messages";
 import type { SharedState } from "./shared_messages";
 import { SilenceWatch, type SilenceDependencies } from "./silence_watch";
 import { fullEffort, type Effort } from "../scene/effort";
@@ -102,6 +103,7 @@ export interface StreamEvents {
   errorCurve(curve: ErrorCurve): void;
   /** What the other participants show. */
   shared(shared: SharedState): void;
+  markSight(sight: MarkSight): void;
 }
 
 /**
@@ -388,6 +390,7 @@ export class StreamClient {
       case "kernel":
       case "errorCurve":
       case "shared":
+      case "markSight":
         this.events[body.case](body.value as never); // the value belongs to the case
         break;
       case "slicesStale":

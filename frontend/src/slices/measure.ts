@@ -14,6 +14,8 @@ export interface Measure {
   readonly plane: Plane;
   readonly slice: number;
   readonly points: readonly Vec3[];
+  /** The saved set that it belongs to. Absent: it is not saved. */
+  readonly set?: string;
 }
 
 export const isWhole = ({ kind, points }: Measure): boolean => points.length === pointsOf[kind];

@@ -11,6 +11,7 @@ import { kernel } from "./de/kernel";
 import { legal } from "./de/legal";
 import { live } from "./de/live";
 import { myAccount } from "./de/my_account";
+import { marks } from "./de/marks";
 import { presets } from "./de/presets";
 import { problems } from "./de/problems";
 import { recording } from "./de/recording";
@@ -36,6 +37,7 @@ export const de: Texts = {
   kernel,
   legal,
   live,
+  marks,
   myAccount,
   presets,
   problems,

@@ -23,6 +23,7 @@ const ignoredEvents: StreamEvents = {
   kernel: nothing,
   errorCurve: nothing,
   shared: nothing,
+  markSight: nothing,
 };
 
 /** The progress of a background session. `Done` is its result, `Reason` a reason to fail that other sessions do not have. */

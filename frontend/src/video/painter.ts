@@ -1,7 +1,7 @@
 import type { Viewport } from "../protocol/messages";
 import type { TilePixels } from "./lossless_assembler";
 import type { Picture } from "./picture";
-import { pictureIn } from "./picture_in";
+import { pictureIn, type Rectangle } from "./picture_in";
 
 /** The fraction of a follower's picture at its upper and lower edge that runs into the page. */
 const faded = 0.08;
@@ -13,6 +13,8 @@ const faded = 0.08;
 export class Painter {
   private readonly context: CanvasRenderingContext2D;
   private fitsWindow = false;
+  /** Where the shown picture lies on the canvas. */
+  private shown: Rectangle | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     const context = canvas.getContext("2d", { alpha: false });
@@ -29,11 +31,13 @@ export class Painter {
   resize(size: Viewport): void {
     const { width, height } = this.canvas;
     if (width === size.width && height === size.height) return;
-    const shown = new OffscreenCanvas(Math.max(1, width), Math.max(1, height));
-    shown.getContext("2d")?.drawImage(this.canvas, 0, 0);
+    // Without the borders of a follower's picture, or it would shrink with each resize.
+    const from = this.fitsWindow && this.shown ? this.shown : { x: 0, y: 0, width, height };
+    const shown = new OffscreenCanvas(Math.max(1, Math.round(from.width)), Math.max(1, Math.round(from.height)));
+    shown.getContext("2d")?.drawImage(this.canvas, -from.x, -from.y);
     this.canvas.width = size.width;
     this.canvas.height = size.height;
-    this.draw(shown, width, height);
+    if (width > 0 && height > 0) this.draw(shown, shown.width, shown.height);
   }
 
   paint(picture: Picture): void {
@@ -59,6 +63,7 @@ export class Painter {
     if (width === 0 || height === 0) return;
     const canvas = this.canvas;
     const place = pictureIn(canvas, { width, height }, this.fitsWindow);
+    this.shown = place;
     this.context.imageSmoothingEnabled = place.width !== width || place.height !== height;
     this.context.imageSmoothingQuality = "high";
     if (place.width < canvas.width - 1 || place.height < canvas.height - 1) this.clear();

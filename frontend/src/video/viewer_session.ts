@@ -1,9 +1,15 @@
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import type { Area, Point } from "../input/flat";
 import { Collaboration } from "../live/collaboration";
+import { SharedMarks } from "../live/shared_marks";
+import type { MarkLibrary } from "../marks/library";
+import { Marks } from "../marks/marks";
+import { marksFromText, marksToText } from "../marks/memory";
+import type { After } from "../live/paced";
 import type { Place } from "../live/place";
 import type { Answered } from "../protocol/depth_queries";
 import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../protocol/file_messages";
+import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
 import { firstState, type ConnectionState } from "../protocol/connection";
 import {
@@ -44,6 +50,7 @@ const longestSide = 4096;
 const rememberedEveryMs = 250;
 const curveWithinMs = 2000;
 const curveEveryMs = 400;
+const marksKey = (key: string) => `diaphane.marks.${key}`;
 const slicesKey = (key: string) => `diaphane.slices.${key}`;
 
 const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
@@ -57,6 +64,12 @@ function problemText(field: string, message: string): string {
   if (field === "own_camera_taken") return t.live.freeCameraTaken;
   return serverSentence(message, t.problems.notTaken);
 }
+
+/** Runs `task` after a while. Returns a function that cancels it. */
+const after: After = (ms, task) => {
+  const timer = setTimeout(task, ms);
+  return () => clearTimeout(timer);
+};
 
 /** One viewer's connection to a data set, with its pictures and the editor of its scene. Independent of any view. */
 export class ViewerSession {
@@ -78,6 +91,13 @@ export class ViewerSession {
   readonly slices: Slices;
   /** What the participants show each other. */
   readonly collaboration: Collaboration;
+  readonly marks = new Marks();
+  /** Sets of marks with changes that the server may not have yet. */
+  unsavedSets: readonly string[] = [];
+  /** Shared sets of the scan's owner that this viewer has hidden. */
+  hiddenSets: readonly string[] = [];
+  /** The marks that are saved with the scan, for users who may list them. */
+  readonly library = signal<MarkLibrary | null>(null);
   /** The server's explanation of the last input that it rejected. */
   readonly problem = signal("");
 
@@ -93,6 +113,7 @@ export class ViewerSession {
     rest: () => this.client.rest(),
   });
 
+  private readonly sharedMarks: SharedMarks;
   private readonly client: StreamClient;
   private readonly resizeDebouncer: ResizeDebouncer;
   private currentSessionId: string | null;
@@ -118,10 +139,6 @@ export class ViewerSession {
     this.currentSessionId = before.session_id;
     this.canvasSize = withinBounds(size, longestSide);
     this.painter.resize(this.canvasSize);
-    const after = (ms: number, task: () => void) => {
-      const timer = setTimeout(task, ms);
-      return () => clearTimeout(timer);
-    };
     const nowMs = () => performance.now();
     this.client = new StreamClient(
       {
@@ -144,6 +161,7 @@ export class ViewerSession {
       slices: this.slices,
       audience: this.audience,
     });
+    this.restoreMarks();
     this.pictures = new PictureStore(painter, {
       ack: (shown, times, queue) => this.client.ack(shown, times, queue),
       needKey: () => this.client.needKey(),
@@ -151,6 +169,7 @@ export class ViewerSession {
       damaged: () => (this.problem.value = t.viewer.tileDamaged),
       nowMs,
     });
+    this.sharedMarks = this.shareMarks();
     this.resizeDebouncer = new ResizeDebouncer(this.canvasSize, (size) => this.resized(size), { nowMs, after });
     this.editor.begun.value = before.begun;
     const effort = effortFrom(preferences.getItem(effortKey));
@@ -175,6 +194,7 @@ export class ViewerSession {
     this.client.stop();
     this.resizeDebouncer.stop();
     this.collaboration.stop();
+    this.sharedMarks.stop();
     this.slices.stop();
     this.pictures.close();
     this.place.leave(id);
@@ -205,6 +225,11 @@ export class ViewerSession {
   /** Whether guests may see the slices, limited to the clip. */
   setGuestSlices(on: boolean): void {
     this.client.setGuestSlices(on);
+  }
+
+  /** Raises or lowers this viewer's hand, or lowers that of the participant with the ID `of`. */
+  raiseHand(on: boolean, of = ""): void {
+    this.client.say(encodeHand(on, of));
   }
 
   useFreeCamera(on: boolean): void {
@@ -302,6 +327,28 @@ export class ViewerSession {
     });
     const slices = this.slices.remembered();
     if (slices) tab.setItem(slicesKey(this.place.key), slicesToText(slices));
+    const { items, shown } = this.marks;
+    const marks = { items: items.value, shown: shown.value, unsaved: this.unsavedSets, hidden: this.hiddenSets };
+    tab.setItem(marksKey(this.place.key), marksToText(marks));
+  }
+
+  private shareMarks(): SharedMarks {
+    return new SharedMarks({
+      say: (message) => this.client.say(message),
+      after,
+      marks: this.marks,
+      audience: this.audience,
+      view: computed(() => this.pictures.picture.value?.epoch ?? null),
+    });
+  }
+
+  private restoreMarks(): void {
+    const before = marksFromText(tab.getItem(marksKey(this.place.key)));
+    if (!before) return;
+    this.marks.replace(before.items);
+    this.marks.shown.value = before.shown;
+    this.unsavedSets = before.unsaved;
+    this.hiddenSets = before.hidden;
   }
 
   /** Handles the messages of the server. */
@@ -321,6 +368,7 @@ export class ViewerSession {
         this.audience.value = audience;
         this.slices.allow(sliceAccess[audience.slices]);
         this.collaboration.audienceChanged(audience);
+        this.sharedMarks.audienceChanged(audience);
         this.painter.fitToWindow(!this.client.leads);
         if (!this.client.leads) this.editor.forgetSteps();
         else if (this.followed) this.tookOver();
@@ -329,8 +377,8 @@ export class ViewerSession {
       look: (scene) => this.editor.replace(scene),
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) => {
-        // The presenter turned off the pointers of guests while this one moved.
-        if (field !== "pointer") this.problem.value = problemText(field, message);
+        // The presenter turned off the pointers or the marks of guests meanwhile.
+        if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
       },
       fileProgress: () => undefined,
       filePart: () => undefined,
@@ -339,7 +387,11 @@ export class ViewerSession {
         this.pictures.takeCurve(curve);
         this.curveCame();
       },
-      shared: (shared) => this.collaboration.receive(shared),
+      shared: (shared) => {
+        this.collaboration.receive(shared);
+        this.sharedMarks.receive(shared);
+      },
+      markSight: (sight) => this.sharedMarks.receiveSight(sight),
     };
   }
 
@@ -366,6 +418,7 @@ export class ViewerSession {
     this.slices.configured(stacksOf(config.sliceStacks), config.volume);
     this.histogram.value = config.histogram ?? null;
     this.collaboration.connected();
+    this.sharedMarks.connected();
     this.editor.configured(config, !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0);
     this.rememberSoon();
   }

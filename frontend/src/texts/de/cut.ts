@@ -32,6 +32,8 @@ export const cut: Texts["cut"] = {
   confirmTitle: "Das lässt sich nicht rückgängig machen",
   confirmLead:
     "Was Sie wegschneiden, wird endgültig von unseren Festplatten gelöscht: aus der Aufnahme selbst, aus jedem Bild davon und für alle, die sie gerade ansehen. Niemand kann es wiederherstellen, weder Sie noch wir. Ihre CD zu Hause bleibt, wie sie ist.",
+  confirmMarks:
+    "Markierungen und Messungen, die mit dieser Aufnahme oder in Voreinstellungen gespeichert sind, werden gelöscht, weil in ihren Texten Namen stehen können.",
   confirmNothing:
     "Sie haben nichts weggeschnitten. Die ganze Aufnahme bleibt, wie sie ist, und nach der Bestätigung können Sie sie öffentlich machen.",
   confirmAfter:

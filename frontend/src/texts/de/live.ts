@@ -14,7 +14,7 @@ export const live: Texts["live"] = {
   guestSlices: "Gäste dürfen auch die Schichten sehen",
   guestSlicesHint:
     "Sie sehen dann die genauen Werte der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
-  guestPointers: "Gäste dürfen auf Stellen zeigen",
+  guestPointers: "Gäste dürfen auf Stellen zeigen und Markierungen setzen",
   pointHint:
     "Alle sehen, worauf Sie zeigen. Bewegen Sie die Maus über das Bild oder eine Schicht, oder halten Sie einen Finger darauf.",
   ended: "Der Link ist deaktiviert. Alle Verbindungen darüber wurden getrennt.",
@@ -31,6 +31,11 @@ export const live: Texts["live"] = {
   takingBack: "Einen Moment …",
   presents: (name) => `${name} präsentiert`,
   presenterAway: "Gerade präsentiert niemand",
+  raiseHand: "Hand heben",
+  lowerHand: "Hand senken",
+  hand: (place) => `Hand gehoben (${place})`,
+  handsRaised: (names) => `Hand gehoben: ${names}`,
+  lowerHandOf: (name) => `Hand senken: ${name}`,
   freeCamera: "Meine eigene Ansicht",
   noFreeCamera:
     "Eine eigene Ansicht ist gerade nicht möglich, weil der Server ausgelastet ist. Versuchen Sie es später noch einmal.",

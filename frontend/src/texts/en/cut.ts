@@ -28,6 +28,8 @@ export const cut = {
   confirmTitle: "This can’t be undone",
   confirmLead:
     "What you cut away will be permanently deleted from our disks: from the scan itself, from every picture made of it, and for everyone who is looking at it now. Nobody can restore it, neither you nor we. Your disc at home stays as it is.",
+  confirmMarks:
+    "Marks and measurements that were saved with this scan, also in presets, will be deleted because their texts may name someone.",
   confirmNothing:
     "You haven’t cut anything away. The whole scan stays as it is, and once you confirm, you can make it public.",
   confirmAfter:

@@ -9,6 +9,7 @@ import { curve } from "./curve";
 import { kernel } from "./kernel";
 import { legal } from "./legal";
 import { live } from "./live";
+import { marks } from "./marks";
 import { presets } from "./presets";
 import { myAccount } from "./my_account";
 import { problems } from "./problems";
@@ -35,6 +36,7 @@ export const en = {
   kernel,
   legal,
   live,
+  marks,
   presets,
   myAccount,
   problems,

@@ -13,7 +13,7 @@ export const live = {
   guestSlices: "Guests can also see the slices",
   guestSlicesHint:
     "They then see the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
-  guestPointers: "Guests can point",
+  guestPointers: "Guests can point and make marks",
   pointHint:
     "Everyone sees where you point. Move the mouse over the picture or a slice, or press and hold with a finger.",
   ended: "Link disabled. Everyone using it has been disconnected.",
@@ -30,6 +30,11 @@ export const live = {
   takingBack: "One moment…",
   presents: (name: string) => `${name} is presenting`,
   presenterAway: "Nobody is presenting right now",
+  raiseHand: "Raise your hand",
+  lowerHand: "Lower your hand",
+  hand: (place: number) => `hand raised (${place})`,
+  handsRaised: (names: string) => `Hand raised: ${names}`,
+  lowerHandOf: (name: string) => `Lower the hand of ${name}`,
   freeCamera: "My own view",
   noFreeCamera: "Your own view isn’t available right now because the server is busy. Try again later.",
   freeCameraTaken:

@@ -233,6 +233,7 @@ function Confirm({
     <Dialog title={t.cut.confirmTitle} onClose={onClose}>
       <Notice kind="info">{percent === 0 ? t.cut.confirmNothing : t.cut.goes(percent)}</Notice>
       <p>{t.cut.confirmLead}</p>
+      <p>{t.cut.confirmMarks}</p>
       <p>{t.cut.confirmAfter}</p>
       <label class="switch">
         <input type="checkbox" checked={understood} onChange={(event) => setUnderstood(event.currentTarget.checked)} />

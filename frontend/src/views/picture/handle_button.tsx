@@ -68,7 +68,10 @@ export function HandleButton(props: HandleButtonProps) {
   );
 }
 
-function useHandleGestures({ at, grab, drag, step, rest }: HandleButtonProps) {
+type HandleGestures = Pick<HandleButtonProps, "at" | "grab" | "drag" | "step" | "rest">;
+
+/** Drags a handle, and moves it by keys. */
+export function useHandleGestures({ at, grab, drag, step, rest }: HandleGestures) {
   /** The offset from the pointer to the middle of the handle while it is held. */
   const held = useRef<Point | null>(null);
   return {

@@ -1,6 +1,8 @@
 import type { Role } from "../../live/role";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { IconButton } from "../icon_button";
+import { Icon } from "../icons";
 import { shownName, TakeBack } from "./share_dialog";
 
 export interface LiveLineProps {
@@ -17,6 +19,7 @@ export function LiveLine({ session, role, owner }: LiveLineProps) {
     <div class="glass live-line">
       <p role="status">{presenter ? t.live.presents(shownName(presenter)) : t.live.presenterAway}</p>
       {owner ? <TakeBack session={session} role={role} /> : null}
+      <HandButton session={session} role={role} />
       <button
         type="button"
         class="button"
@@ -25,6 +28,52 @@ export function LiveLine({ session, role, owner }: LiveLineProps) {
       >
         {t.live.freeCamera}
       </button>
+    </div>
+  );
+}
+
+function HandButton({ session, role }: Pick<LiveLineProps, "session" | "role">) {
+  const raised = role.people.some(({ id, hand }) => id === role.you && hand > 0);
+  const label = raised ? t.live.lowerHand : t.live.raiseHand;
+  return (
+    <button
+      type="button"
+      class="button live-hand"
+      aria-label={label}
+      title={label}
+      aria-pressed={raised}
+      onClick={() => session.raiseHand(!raised)}
+    >
+      <Icon name="hand" />
+    </button>
+  );
+}
+
+/** For the presenter: who raised their hand, in order, and how to lower it. */
+export function RaisedHands({ session, role }: Pick<LiveLineProps, "session" | "role">) {
+  const raised = role.people.filter(({ hand }) => hand > 0).sort((a, b) => a.hand - b.hand);
+  const [first] = raised;
+  return (
+    <div class={first ? "glass pill hands" : "visually-hidden"}>
+      <p role="status">
+        {first ? (
+          <>
+            <Icon name="hand" /> {t.live.handsRaised(raised.map(shownName).join(", "))}
+          </>
+        ) : null}
+      </p>
+      {first ? (
+        <>
+          <button type="button" class="button button-small" onClick={() => session.handOver(first.id)}>
+            {t.live.letPresent(shownName(first))}
+          </button>
+          <IconButton
+            icon="close"
+            label={t.live.lowerHandOf(shownName(first))}
+            onClick={() => session.raiseHand(false, first.id)}
+          />
+        </>
+      ) : null}
     </div>
   );
 }

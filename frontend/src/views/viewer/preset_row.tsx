@@ -9,7 +9,7 @@ import { ReportDialog } from "../report_dialog";
 import { Notice } from "../shell";
 import { useApp } from "../state";
 import { PresetPicture } from "../thumbnail";
-import { savedText, sceneOfPreset, toPreset } from "./preset_scene";
+import { savedText, showPreset, toPreset } from "./preset_scene";
 import type { ActOnPresets } from "./use_saved_presets";
 
 export interface PresetRowProps {
@@ -63,7 +63,7 @@ function usePresetActions({ preset, session, set, act }: PresetRowProps) {
   return {
     apply: () =>
       act(async () => {
-        session.editor.showScene(await sceneOfPreset(api, preset.id));
+        await showPreset(api, preset.id, session);
         return "";
       }),
     /** A second click on the same vote removes it. */

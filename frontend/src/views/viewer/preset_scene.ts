@@ -1,4 +1,8 @@
 import type { PresetsApi } from "../../api/sharing";
+import type { SavedPreset } from "../../api/types";
+import { showSet, viewSet } from "../../marks/library";
+import { annotationsFromJson } from "../../protocol/mark_messages";
+import type { ViewerSession } from "../../video/viewer_session";
 import { sceneFromJson, sceneToJson, type Scene } from "../../protocol/messages";
 import { hasTextures, withoutTextures } from "../../scene/textures";
 import { t } from "../../texts";
@@ -6,10 +10,24 @@ import { UserError } from "../state";
 
 /** Returns the scene of a saved preset. */
 export async function sceneOfPreset(presets: Pick<PresetsApi, "get">, id: string): Promise<Scene> {
-  const preset = await presets.get(id);
+  return sceneOf(await presets.get(id));
+}
+
+function sceneOf(preset: SavedPreset): Scene {
   const scene = sceneFromJson(JSON.stringify(preset.scene));
   if (scene === null) throw new UserError(t.presets.unreadable(preset.name));
   return scene;
+}
+
+/** Shows a saved preset with its marks and measurements, which replace those of another preset. */
+export async function showPreset(
+  presets: Pick<PresetsApi, "get">,
+  id: string,
+  session: Pick<ViewerSession, "editor" | "marks" | "slices">,
+): Promise<void> {
+  const preset = await presets.get(id);
+  session.editor.showScene(sceneOf(preset));
+  showSet(session, viewSet, annotationsFromJson(preset.annotations ?? {}) ?? { marks: [], measures: [] });
 }
 
 /** Returns the scene as a preset stores it. The server keeps no light patterns in presets. */

@@ -4,6 +4,8 @@ import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Field } from "../field";
+import { annotationsToJson } from "../../protocol/mark_messages";
+import { IncludeMarks, shownAnnotations } from "../marks/include_marks";
 import { Loading } from "../loading";
 import { Notice } from "../shell";
 import { useApp } from "../state";
@@ -56,11 +58,13 @@ function SaveForm({ session, set, act }: SaveFormProps) {
   const app = useApp();
   const text = t.presets;
   const [name, setName] = useState("");
+  const [withMarks, setWithMarks] = useState(false);
   const save = () =>
     act(async () => {
       const scene = session.editor.toSave();
       if (!scene) return "";
-      await app.api.presets.save(set.id, name.trim(), toPreset(scene));
+      const annotations = withMarks ? annotationsToJson(shownAnnotations(session)) : null;
+      await app.api.presets.save(set.id, name.trim(), toPreset(scene), annotations);
       setName("");
       return savedText(name.trim(), scene);
     });
@@ -74,6 +78,7 @@ function SaveForm({ session, set, act }: SaveFormProps) {
       }}
     >
       <Field label={text.name} value={name} onInput={setName} most={60} hint={text.nameHint} />
+      <IncludeMarks session={session} on={withMarks} change={setWithMarks} />
       <button type="submit" class="button button-main" disabled={name.trim() === ""}>
         {text.save}
       </button>

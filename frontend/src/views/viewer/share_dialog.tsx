@@ -38,7 +38,11 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
               {one.id === role.you ? <small>{t.live.you}</small> : null}
             </span>
             <small>
-              {[one.presenter ? t.live.presenting : "", one.freeCamera ? t.live.withFreeCamera : ""]
+              {[
+                one.presenter ? t.live.presenting : "",
+                one.freeCamera ? t.live.withFreeCamera : "",
+                one.hand > 0 ? t.live.hand(one.hand) : "",
+              ]
                 .filter(Boolean)
                 .join(", ")}
             </small>

@@ -5,12 +5,13 @@ import type { KeyCommand } from "../../input/keys";
 import { ownPlace, type Place } from "../../live/place";
 import { roleOf } from "../../live/role";
 import { t } from "../../texts";
+import { OpenLibrary } from "../marks/open_library";
 import { InPicture } from "../picture/in_picture";
 import { titleOf } from "../scan_card";
 import { useApp } from "../state";
 import { LinkedView } from "./export/linked_view";
 import { ShotLine, useShot } from "./export/shot";
-import { LiveLine } from "./live_line";
+import { LiveLine, RaisedHands } from "./live_line";
 import { obeyCommand } from "./obey_command";
 import { PictureTimeLine } from "./picture_time";
 import { RecordedInteraction } from "./recording";
@@ -87,6 +88,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       <StatusLine session={session} fault={fault} visitor={visitor}>
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
+        {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
         {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}
@@ -101,6 +103,9 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       ) : null}
       <ViewerDialogs {...common} open={open} close={() => setOpen(null)} onChange={onChange} shot={shot} />
       {own && session ? <RecordedInteraction session={session} /> : null}
+      {session && place.pictured_id !== null && !cutting ? (
+        <OpenLibrary session={session} dataSetId={place.pictured_id} set={set} own={own} />
+      ) : null}
     </div>
   );
 }

@@ -6,6 +6,7 @@ import type { InPicture } from "../picture/in_picture";
 import { PictureHandles } from "../picture/picture_handles";
 import { PicturePointers } from "../picture/pointers";
 import { PointPicker } from "../picture/point_picker";
+import { numberOf, PictureMarks } from "../marks/picture_marks";
 import { LostEnvironment } from "./lost_environment";
 import { SliceViews } from "./slices/slice_views";
 
@@ -30,8 +31,9 @@ export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerS
         {...pictureData(session)}
         onDblClick={() => session?.slices.open.value && session.slices.maximise("picture")}
       />
-      {session ? <SliceViews session={session} /> : null}
+      {session ? <SliceViews session={session} number={numberOf(role)} /> : null}
       {session ? <PicturePointers session={session} role={role} /> : null}
+      {session && !cutting ? <PictureMarks session={session} role={role} /> : null}
       {session ? <LostEnvironment session={session} /> : null}
       {session && role.presents && !cutting ? <PictureHandles session={session} picture={picture} /> : null}
       {session && role.presents ? <PointPicker picture={picture} /> : null}

@@ -1,7 +1,7 @@
 import { useEffect } from "preact/hooks";
 import type { ViewerSession } from "../../video/viewer_session";
 import { useApp } from "../state";
-import { sceneOfPreset } from "./preset_scene";
+import { showPreset } from "./preset_scene";
 
 const look = /^#look=([0-9a-f-]{36})$/;
 
@@ -13,10 +13,7 @@ export function WantedPreset({ session }: { readonly session: ViewerSession }) {
     const presetId = ready ? look.exec(location.hash)?.[1] : undefined;
     if (presetId === undefined) return;
     history.replaceState(history.state, "", location.pathname); // a reload keeps the later edits
-    sceneOfPreset(app.api.presets, presetId).then(
-      (scene) => session.editor.showScene(scene),
-      () => undefined,
-    ); // the picture is shown without the preset
+    showPreset(app.api.presets, presetId, session).catch(() => undefined); // the picture is shown without the preset
   }, [app, session, ready]);
   return null;
 }

@@ -4,6 +4,7 @@ import { linkOf } from "../../../scene/scene_link";
 import { lampTextures, patternOf, skyTextures, textureOf, type TextureFiles } from "../../../scene/textures";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
+import { IncludeMarks, shownAnnotations } from "../../marks/include_marks";
 import { CopyField } from "../../copy_field";
 import { textureFiles } from "../settings/texture_files";
 
@@ -16,7 +17,8 @@ export interface LinkPartProps {
 export function LinkPart({ session, dataSetId }: LinkPartProps) {
   const text = t.take;
   const [message, setMessage] = useState("");
-  const { url, complete } = useSceneLink(session, dataSetId);
+  const [withMarks, setWithMarks] = useState(false);
+  const { url, complete } = useSceneLink(session, dataSetId, withMarks);
   if (url === null) return <p>{text.linkTooLarge}</p>;
   const copy = async () => {
     try {
@@ -30,6 +32,7 @@ export function LinkPart({ session, dataSetId }: LinkPartProps) {
     <div class="share-link">
       <p class="muted">{text.linkLead}</p>
       {complete ? null : <p>{text.linkWithoutPatterns}</p>}
+      <IncludeMarks session={session} on={withMarks} change={setWithMarks} />
       <CopyField value={url} label={text.linkField} button={text.copy} onCopy={() => void copy()} />
       <p class="muted" role="status">
         {message}
@@ -46,14 +49,14 @@ interface SceneLink {
 }
 
 /** The link to the current scene. */
-function useSceneLink(session: ViewerSession, dataSetId: string): SceneLink {
+function useSceneLink(session: ViewerSession, dataSetId: string, withMarks: boolean): SceneLink {
   const scene = session.editor.scene.value;
   const [link, setLink] = useState<SceneLink>({ url: "", complete: true });
   useEffect(() => {
     let current = true;
     const make = async (made: Scene) => {
       const files = await textureFiles([...lampTextures, ...skyTextures]);
-      const hash = await linkOf(made, files);
+      const hash = await linkOf(made, files, withMarks ? shownAnnotations(session) : null);
       if (!current) return;
       const url = hash === null ? null : `${location.origin}/view/${dataSetId}${hash}`;
       setLink({ url, complete: !hasOwnTextures(made, files) });
@@ -63,7 +66,7 @@ function useSceneLink(session: ViewerSession, dataSetId: string): SceneLink {
     return () => {
       current = false;
     };
-  }, [session, scene, dataSetId]);
+  }, [session, scene, dataSetId, withMarks]);
   return link;
 }
 

@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Scene } from "../../../protocol/messages";
+import { showSet, viewSet } from "../../../marks/library";
 import { sceneOfLink } from "../../../scene/scene_link";
 import { lampTextures, skyTextures } from "../../../scene/textures";
 import { t } from "../../../texts";
@@ -31,6 +32,7 @@ export function LinkedView({ session }: { readonly session: ViewerSession }) {
       if (linked.kind === "scene") {
         before.current = session.editor.toSave();
         session.editor.showScene(linked.scene);
+        if (linked.annotations) showSet(session, viewSet, linked.annotations);
       } else if (linked.kind !== "none") setFault(linked.kind === "newer" ? t.take.linkNewer : t.take.linkDamaged);
     });
   }, [session, ready, pasted]);

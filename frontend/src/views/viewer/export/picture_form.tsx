@@ -6,6 +6,8 @@ import { renderersError, shortestSide } from "../../../video/still_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
+import { decorated, decorationOf, marksInPicture } from "../../marks/in_pictures";
+import { Switch } from "../settings/controls";
 import { saveFile } from "./save_file";
 import type { ExportOrder } from "./shot";
 import { isHeldByPage, large, largest, poster, typedSize } from "./shot_size";
@@ -55,6 +57,7 @@ export function PictureForm(props: PictureFormProps) {
           </p>
         </>
       )}
+      <MarksChoice session={props.session} form={form} />
       <p>
         <button type="submit" class="button button-main" disabled={waits}>
           {waits ? text.ofPicture.rendering : text.save}
@@ -102,18 +105,22 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
   }));
   const [wrong, setWrong] = useState(false);
   const [saved, setSaved] = useState<"saved" | "failed" | null>(null);
+  const [withMarks, setWithMarks] = useState(true); // as on the screen
   const sizes: Readonly<Record<NamedSize, Viewport>> = {
     screen,
     large: large(screen),
     largest: largest(screen),
     poster: poster(screen),
   };
+  const drawn = () => withMarks && marksInPicture(session).length > 0;
+  const saveScreen = async () => {
+    const png = await session.pictures.png();
+    if (png) saveFile(drawn() ? await decorated(png, decorationOf(session, true)) : png);
+    setSaved(png ? "saved" : "failed");
+  };
   const submit = () => {
     if (size === "screen") {
-      void session.pictures.png().then((png) => {
-        if (png) saveFile(png);
-        setSaved(png ? "saved" : "failed");
-      });
+      void saveScreen();
       return;
     }
     const chosen = size === "other" ? typedSize(typed.width, typed.height) : sizes[size];
@@ -121,10 +128,49 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     setWrong(chosen === null);
     if (!chosen || !scene) return;
     const error = errors[quality];
-    if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error });
+    const decoration = drawn() ? { decorate: decorationOf(session) } : {};
+    if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error, ...decoration });
     else onExport({ kind: "picture", keys: [scene], size: chosen, error: error || renderersError });
   };
-  return { sizes, size, setSize, quality, setQuality, typed, setTyped, wrong, saved, submit };
+  const shown = size === "other" ? typedSize(typed.width, typed.height) : sizes[size];
+  const drawsMarks = shown === null || isHeldByPage(shown);
+  return {
+    sizes,
+    size,
+    setSize,
+    quality,
+    setQuality,
+    typed,
+    setTyped,
+    wrong,
+    saved,
+    submit,
+    withMarks,
+    setWithMarks,
+    drawsMarks,
+  };
+}
+
+interface MarksChoiceProps {
+  readonly session: ViewerSession;
+  readonly form: Pick<ReturnType<typeof usePictureForm>, "withMarks" | "setWithMarks" | "drawsMarks">;
+}
+
+/** Whether the marks are drawn into the picture. Absent if there are none. */
+function MarksChoice({ session, form }: MarksChoiceProps) {
+  const count = marksInPicture(session).length;
+  if (count === 0) return null;
+  return (
+    <>
+      <Switch
+        label={t.marks.includeInPicture(count)}
+        on={form.withMarks && form.drawsMarks}
+        disabled={!form.drawsMarks}
+        change={form.setWithMarks}
+      />
+      <p class="field-hint">{form.drawsMarks ? t.marks.inPictureHint : t.marks.notSoLarge}</p>
+    </>
+  );
 }
 
 interface OtherSizeProps {

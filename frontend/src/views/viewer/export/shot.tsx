@@ -8,12 +8,15 @@ import { browserParts, renderersError, StillShot, type ShotOrder, type ShotState
 import { probeStills } from "../../../video/tile_pixels";
 import { browserBackgroundParts } from "../../../video/background_session";
 import { percentText } from "../../format";
+import type { Decorate } from "../../marks/in_pictures";
 import { Icon } from "../../icons";
 import { saveFile } from "./save_file";
 
 const savedShownMs = 8000;
 
-export type ExportOrder = ({ readonly kind: "still" } & ShotOrder) | FileOrder;
+/** `decorate` draws marks on the finished picture. */
+type StillOrder = { readonly kind: "still"; readonly decorate?: Decorate } & ShotOrder;
+export type ExportOrder = StillOrder | FileOrder;
 
 type State = ShotState | FileState;
 interface Work {
@@ -85,13 +88,14 @@ function file(order: FileOrder, place: Place, tell: (state: FileState) => void):
   );
 }
 
-async function still(order: ShotOrder, place: Place, tell: (state: ShotState) => void): Promise<Work> {
+async function still(order: StillOrder, place: Place, tell: (state: ShotState) => void): Promise<Work> {
   const sheet = new OffscreenCanvas(order.size.width, order.size.height);
   const context = sheet.getContext("2d", { alpha: false });
   const stills = await probeStills();
   const { ticketSource, leave } = ownSession(place);
   const onEvent = (state: ShotState) => {
     if (state.kind !== "rendering") leave();
+    if (state.kind === "done" && context) order.decorate?.(context, order.size);
     if (state.kind === "done") void sheet.convertToBlob({ type: "image/png" }).then(saveFile);
     tell(state);
   };

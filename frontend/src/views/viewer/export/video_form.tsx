@@ -118,7 +118,9 @@ function FaultOrHint({ fault, entries, session }: FaultOrHintProps) {
   const seconds = shown && renderingSeconds(shown, frames, size, videoErrors[entries.quality]);
   return (
     <>
-      <p class="field-hint">{t.take.videoHint(frames)}</p>
+      <p class="field-hint">
+        {t.take.videoHint(frames)} {t.marks.notInVideos}
+      </p>
       {frames > 0 ? <p>{t.take.videoTime(seconds)}</p> : null}
     </>
   );

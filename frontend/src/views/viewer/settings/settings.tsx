@@ -7,6 +7,7 @@ import { useMedia } from "../../use_media";
 import { CutsWindow } from "./cuts_window";
 import { LensWindow } from "./lens_window";
 import { LightWindow } from "./light_window";
+import { MarksWindow } from "../../marks/marks_window";
 import { LookWindow } from "./look_window";
 import { SettingsMenu } from "./settings_menu";
 import { SettingsWindow } from "./settings_window";
@@ -21,7 +22,7 @@ export interface SettingsProps {
   readonly picture: InPicture;
 }
 
-const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow } as const;
+const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow, marks: MarksWindow } as const;
 const narrowPage = "(max-width: 700px), (max-height: 420px)";
 
 /** The menu on the left and the windows that it opens (thesis, 4.1 and 5.3). */
@@ -31,12 +32,13 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   const { layout, shown, fresh, toggle, close, move, dock } = useWindowLayout(narrow, menu);
   useUndoKeys(session, leads);
   useOpenHandles(picture, shown.join(), leads, cuts);
+  useMarkEditing(session, shown.includes("marks"));
   return (
     <>
       <SettingsMenu session={session} leads={leads} shown={shown} toggle={toggle} menu={menu} />
       {shown.map((name) => {
         const View = views[name];
-        const mayChange = leads && (name !== "cuts" || cuts);
+        const mayChange = name === "marks" || (leads && (name !== "cuts" || cuts));
         return (
           <SettingsWindow
             key={name}
@@ -47,7 +49,7 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
             onMove={(x, y) => move(name, x, y)}
             onDock={() => dock(name)}
             onClose={() => close(name)}
-            onReset={mayChange ? () => session.reset(name) : null}
+            onReset={mayChange ? () => (name === "marks" ? session.marks.clear() : session.reset(name)) : null}
             disabledReason={leads ? t.settings.notForGuests : t.settings.notYours}
           >
             <View session={session} leads={mayChange} picture={picture} />
@@ -66,22 +68,26 @@ function useOpenHandles(picture: InPicture, openNames: string, leads: boolean, c
   }, [picture, leads, cuts, openNames]);
 }
 
+/** Marks can be changed while their window is open. */
+function useMarkEditing({ marks }: ViewerSession, open: boolean): void {
+  useEffect(() => {
+    marks.editing.value = open;
+    if (!open) marks.tool.value = null;
+  }, [marks, open]);
+}
+
 function useUndoKeys(session: ViewerSession, leads: boolean): void {
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => {
       const key = event.key.toLowerCase();
-      if (
-        !leads ||
-        event.defaultPrevented ||
-        !(event.ctrlKey || event.metaKey) ||
-        event.altKey ||
-        !["z", "y"].includes(key)
-      )
+      if (event.defaultPrevented || !(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key))
         return;
       if (focusedOf(event.target) === "text" || document.querySelector("dialog[open]")) return; // a text field has its own undo
+      const steps = session.marks.editing.value ? session.marks : leads ? session.editor : null;
+      if (!steps) return;
       event.preventDefault();
-      if (key === "z" && !event.shiftKey) session.editor.undo();
-      else session.editor.redo();
+      if (key === "z" && !event.shiftKey) steps.undo();
+      else steps.redo();
     };
     addEventListener("keydown", pressed);
     return () => removeEventListener("keydown", pressed);

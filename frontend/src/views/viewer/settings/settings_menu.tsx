@@ -9,6 +9,7 @@ const icons: Readonly<Record<WindowName, IconName>> = {
   light: "lamp",
   lens: "aperture",
   cuts: "slice",
+  marks: "pencil",
 };
 
 export interface SettingsMenuProps {

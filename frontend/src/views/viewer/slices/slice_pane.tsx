@@ -5,6 +5,7 @@ import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import type { Slices } from "../../../slices/model";
 import { blank, edgesOf, isInside, placeParts, type Plane, type Stack } from "../../../slices/stack";
 import { t } from "../../../texts";
+import { SliceMarks } from "../../marks/slice_marks";
 import { IconButton } from "../../icon_button";
 import { perMm } from "../../../slices/placing";
 import { scaleBar } from "../../../slices/scale_bar";
@@ -45,6 +46,14 @@ export function SlicePane(props: SlicePaneProps) {
         measures={slices.measures.value}
         index={index}
         held={slices.held.value}
+      />
+      <SliceMarks
+        marks={props.marks}
+        number={props.number}
+        stack={stack}
+        index={index}
+        placing={slices.placing(stack)}
+        area={area}
       />
       <SlicePointers
         collaboration={collaboration}

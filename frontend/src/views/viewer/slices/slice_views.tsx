@@ -11,7 +11,7 @@ import { paneOrder, SlicePane } from "./slice_pane";
 const narrowPage = "(max-width: 700px), (max-height: 480px)";
 
 /** The slices next to the picture, or a single one instead of it. */
-export function SliceViews({ session }: { readonly session: ViewerSession }) {
+export function SliceViews({ session, number }: { readonly session: ViewerSession; readonly number: number }) {
   const slices = session.slices;
   const volume = session.volume.value;
   const view = slices.view.value;
@@ -28,6 +28,8 @@ export function SliceViews({ session }: { readonly session: ViewerSession }) {
             volume={volume}
             alone={view === plane}
             collaboration={session.collaboration}
+            marks={session.marks}
+            number={number}
           />
         ) : null;
       })}

@@ -3,6 +3,7 @@ import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/ho
 import type { Area } from "../../../input/flat";
 import type { Collaboration } from "../../../live/collaboration";
 import type { VolumeHeader } from "../../../protocol/messages";
+import type { Marks } from "../../../marks/marks";
 import type { Slices } from "../../../slices/model";
 import type { Stack } from "../../../slices/stack";
 import { useLatest } from "../../use_latest";
@@ -16,6 +17,9 @@ export interface SlicePaneProps {
   /** Whether this is the only pane that is shown. */
   readonly alone: boolean;
   readonly collaboration: Collaboration;
+  readonly marks: Marks;
+  /** The number of this viewer in the session. */
+  readonly number: number;
 }
 
 /** The canvas of a pane: draws the slice after each render, follows its size, and listens to gestures on it. */

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "api/annotations/annotations.h"
+#include "api/routing/request_router.h"
+
+/// The operations of api/openapi.yaml for this feature. Arguments passed by reference must outlive
+/// the routes.
+namespace diaphane::api {
+
+std::vector<Route> annotation_routes(AnnotationSets& sets);
+
+}  // namespace diaphane::api

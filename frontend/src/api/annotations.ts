@@ -1,0 +1,45 @@
+import type { Send } from "./sharing";
+
+/** Marks and measurements that are saved with a scan under one name. */
+export interface AnnotationSet {
+  readonly id: string;
+  readonly name: string;
+  /** Whether this user saved them. Nobody else can change them. */
+  readonly mine: boolean;
+  /** Whether they are shown when the scan is opened. */
+  readonly shown: boolean;
+  readonly shared: boolean;
+  /** The message `Annotations` as Protobuf JSON. */
+  readonly content: unknown;
+}
+
+export interface AnnotationChange {
+  readonly name?: string;
+  readonly content?: unknown;
+  readonly shown?: boolean;
+  readonly shared?: boolean;
+}
+
+/** The routes of api/openapi.yaml with the tag `annotations`, one function each. */
+export class AnnotationsApi {
+  constructor(private readonly send: Send) {}
+
+  async list(dataSet: string): Promise<readonly AnnotationSet[]> {
+    const response = await this.send("GET", `/v1/data-sets/${dataSet}/annotations`);
+    return ((await response.json()) as { readonly items: readonly AnnotationSet[] }).items;
+  }
+
+  async add(dataSet: string, name: string, content: unknown): Promise<AnnotationSet> {
+    const response = await this.send("POST", `/v1/data-sets/${dataSet}/annotations`, { name, content });
+    return (await response.json()) as AnnotationSet;
+  }
+
+  async change(dataSet: string, id: string, what: AnnotationChange): Promise<AnnotationSet> {
+    const response = await this.send("PATCH", `/v1/data-sets/${dataSet}/annotations/${id}`, what);
+    return (await response.json()) as AnnotationSet;
+  }
+
+  async remove(dataSet: string, id: string): Promise<void> {
+    await this.send("DELETE", `/v1/data-sets/${dataSet}/annotations/${id}`);
+  }
+}

@@ -1,0 +1,82 @@
+import type { Area, Point } from "../input/flat";
+import type { Mark } from "./mark";
+import { shapesOf, type Shapes } from "./shapes";
+import type { Look, MarkView } from "./view";
+
+/** The colours of style/picture.css. */
+const colours = ["#ffb454", "#6ecbff", "#f59ac8", "#8fe08a", "#f6e05e", "#c3a6ff", "#63e0cf", "#ff9480"];
+const dark = "#14181d";
+
+type Canvas = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
+
+export interface PaintedMark {
+  readonly mark: Mark;
+  readonly key: string;
+}
+
+/** Draws marks on a saved picture as the page shows them. `unit` is the size of a pixel of the page. */
+export function paintMarks(
+  canvas: Canvas,
+  marks: readonly PaintedMark[],
+  view: MarkView,
+  area: Area,
+  unit: number,
+): void {
+  for (const { mark, key } of marks) {
+    const look = view.lookOf(mark, key);
+    const shapes = look === "none" ? null : shapesOf(mark, view, area, unit);
+    if (shapes) paint(canvas, shapes, colours[mark.colour] ?? dark, look, unit);
+  }
+}
+
+function paint(canvas: Canvas, shapes: Shapes, colour: string, look: Look, unit: number): void {
+  canvas.save();
+  canvas.globalAlpha = look === "faint" ? 0.5 : 1;
+  canvas.lineCap = "round";
+  canvas.lineJoin = "round";
+  strokes(canvas, shapes, dark, 5.5 * unit);
+  if (look === "faint") canvas.setLineDash([5 * unit, 5 * unit]);
+  strokes(canvas, shapes, colour, 2.5 * unit);
+  canvas.setLineDash([]);
+  if (shapes.text?.said) {
+    const { at, anchor, said } = shapes.text;
+    canvas.font = `640 ${15 * unit}px system-ui, sans-serif`;
+    canvas.textAlign = anchor === "middle" ? "center" : anchor;
+    canvas.direction = "ltr";
+    canvas.lineWidth = 4 * unit;
+    canvas.strokeStyle = dark;
+    canvas.strokeText(said, at.x, at.y);
+    canvas.fillStyle = colour;
+    canvas.fillText(said, at.x, at.y);
+  }
+  canvas.restore();
+}
+
+function strokes(canvas: Canvas, { line, head, circle, dot }: Shapes, colour: string, width: number): void {
+  canvas.strokeStyle = colour;
+  canvas.fillStyle = colour;
+  canvas.lineWidth = width;
+  canvas.beginPath();
+  if (line) {
+    canvas.moveTo(line[0].x, line[0].y);
+    canvas.lineTo(line[1].x, line[1].y);
+  }
+  if (circle) {
+    canvas.moveTo(circle.at.x + circle.radius, circle.at.y);
+    canvas.arc(circle.at.x, circle.at.y, circle.radius, 0, 2 * Math.PI);
+  }
+  canvas.stroke();
+  if (head.length > 0) filled(canvas, head);
+  if (!dot) return;
+  canvas.beginPath();
+  canvas.arc(dot.x, dot.y, width, 0, 2 * Math.PI);
+  canvas.fill();
+}
+
+function filled(canvas: Canvas, points: readonly Point[]): void {
+  canvas.beginPath();
+  for (const { x, y } of points) canvas.lineTo(x, y);
+  canvas.closePath();
+  canvas.fill();
+  canvas.stroke();
+}

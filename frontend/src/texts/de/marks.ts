@@ -1,0 +1,66 @@
+import type { Texts } from "../shape";
+import { count } from "./counting";
+
+export const marks: Texts["marks"] = {
+  lead: "Wählen Sie, was Sie hinzufügen möchten, und drücken Sie dann auf eine Stelle im Bild oder in einer Schicht. Ziehen Sie, um die Größe festzulegen. Eine Markierung bleibt an ihrer Stelle in der Aufnahme und ist gestrichelt, solange etwas davor liegt.",
+  kinds: { arrow: "Pfeil", circle: "Kreis", text: "Text" },
+  press: {
+    arrow: "Drücken Sie auf die Stelle, auf die der Pfeil zeigen soll, und ziehen Sie bis zu seinem Anfang.",
+    circle: "Drücken Sie auf die Mitte des Kreises, und ziehen Sie bis zu seinem Rand.",
+    text: "Drücken Sie auf die Stelle, um die es im Text geht.",
+  },
+  nothingThere: "An dieser Stelle ist nichts von der Aufnahme. Wählen Sie eine andere.",
+  full: "Sie können höchstens 50 Markierungen gleichzeitig zeigen. Löschen Sie erst welche, oder blenden Sie welche aus.",
+  colour: "Farbe",
+  colours: ["Orange", "Blau", "Rosa", "Grün", "Gelb", "Violett", "Türkis", "Rot"],
+  text: "Text",
+  textHint:
+    "Alle, denen Sie diese Markierung zeigen, können den Text lesen. Schreiben Sie keinen Namen hinein, den sie nicht sehen sollen.",
+  shown: "Meine Markierungen zeigen",
+  here: "Markierungen im Bild",
+  none: "Es gibt noch keine Markierungen.",
+  nameOf: (kind, text) => text || { arrow: "Pfeil", circle: "Kreis", text: "Leerer Text" }[kind],
+  by: (name) => `von ${name}`,
+  keep: "Kopie behalten",
+  keepOf: (mark) => `Kopie behalten: ${mark}`,
+  remove: "Löschen",
+  removeOf: (mark) => `Löschen: ${mark}`,
+  choose: (mark) => `Auswählen: ${mark}`,
+  moveOf: (mark) => `Verschieben: ${mark}`,
+  tailOf: (mark) => `Anfang verschieben: ${mark}`,
+  edgeOf: (mark) => `Größe ändern: ${mark}`,
+  guestsOff: "Die Markierungen der Gäste sind gerade ausgeschaltet. Ihre sehen daher nur Sie.",
+  saved: {
+    title: "Mit dieser Aufnahme gespeichert",
+    lead: "Was Sie hier speichern, sehen nur Sie, solange Sie es nicht teilen.",
+    leadShared: "Diese Markierungen gehören zu der Aufnahme und stammen von der Person, der sie gehört.",
+    unsaved: (marks, measures) =>
+      `Noch nicht gespeichert: ${count(marks, "Markierung", "Markierungen")} und ${count(measures, "Messung", "Messungen")}.`,
+    name: "Name",
+    save: "Speichern",
+    added: (name) => `Als ${name} gespeichert. Spätere Änderungen werden von selbst gespeichert.`,
+    content: (marks, measures) =>
+      `${count(marks, "Markierung", "Markierungen")}, ${count(measures, "Messung", "Messungen")}`,
+    share: "Für alle sichtbar, die diese Aufnahme mit ihrem Konto öffnen können",
+    shareHint:
+      "Geteilte Markierungen sehen alle, mit denen die Aufnahme geteilt ist. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
+    shared: "geteilt",
+    rename: "Umbenennen",
+    renameOf: (name) => `${name} umbenennen`,
+    newName: "Neuer Name",
+    remove: "Löschen",
+    removeOf: (name) => `${name} löschen`,
+    removeSure: (name) => `„${name}“ mit allen Markierungen und Messungen endgültig löschen?`,
+  },
+  include: (marks, measures) =>
+    measures === 0
+      ? `Mit ${count(marks, "Markierung", "Markierungen")}`
+      : marks === 0
+        ? `Mit ${count(measures, "Messung", "Messungen")}`
+        : `Mit ${count(marks, "Markierung", "Markierungen")} und ${count(measures, "Messung", "Messungen")}`,
+  includeInPicture: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Bild zeichnen`,
+  inPictureHint: "Die Texte der Markierungen sind dann im Bild zu lesen.",
+  notSoLarge: "Markierungen werden nur in Bilder mit bis zu 4096 Pixeln je Seite gezeichnet.",
+  notInVideos: "Videos enthalten keine Markierungen.",
+  includeHint: "Alle, die das öffnen, können die Texte der Markierungen lesen.",
+};

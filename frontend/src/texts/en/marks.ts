@@ -1,0 +1,67 @@
+import { count } from "./counting";
+
+/** Marks: arrows, circles and texts in the scan. */
+export const marks = {
+  lead: "Choose what to add, then press a point of the picture or of a slice. Drag to set its size. A mark stays at its point of the scan and is drawn dashed while it lies behind something.",
+  kinds: { arrow: "Arrow", circle: "Circle", text: "Text" },
+  press: {
+    arrow: "Press the point that the arrow should point to, and drag to where it begins.",
+    circle: "Press the middle of the circle, and drag to its edge.",
+    text: "Press the point that the text is about.",
+  },
+  nothingThere: "There is nothing of the scan at this point. Choose another one.",
+  full: "You can show at most 50 marks at a time. Delete or hide some first.",
+  colour: "Colour",
+  colours: ["Orange", "Blue", "Pink", "Green", "Yellow", "Violet", "Turquoise", "Red"],
+  text: "Text",
+  textHint: "Everyone to whom you show this mark can read the text. Don’t write a name that they shouldn’t see.",
+  shown: "Show my marks",
+  here: "Marks in the picture",
+  none: "There are no marks yet.",
+  nameOf: (kind: "arrow" | "circle" | "text", text: string) =>
+    text || { arrow: "Arrow", circle: "Circle", text: "Empty text" }[kind],
+  by: (name: string) => `by ${name}`,
+  keep: "Keep a copy",
+  keepOf: (mark: string) => `Keep a copy of ${mark}`,
+  remove: "Delete",
+  removeOf: (mark: string) => `Delete ${mark}`,
+  choose: (mark: string) => `Choose ${mark}`,
+  moveOf: (mark: string) => `Move ${mark}`,
+  tailOf: (mark: string) => `Move the beginning of ${mark}`,
+  edgeOf: (mark: string) => `Change the size of ${mark}`,
+  guestsOff: "The presenter has turned off the marks of guests, so only you see yours.",
+  saved: {
+    title: "Saved with this scan",
+    lead: "Only you see what you save here, unless you share it.",
+    leadShared: "These marks belong to the owner of the scan.",
+    unsaved: (marks: number, measures: number) =>
+      `Not saved yet: ${count(marks, "mark", "marks")} and ${count(measures, "measurement", "measurements")}.`,
+    name: "Name",
+    save: "Save",
+    added: (name: string) => `Saved as ${name}. Later changes are saved by themselves.`,
+    content: (marks: number, measures: number) =>
+      `${count(marks, "mark", "marks")}, ${count(measures, "measurement", "measurements")}`,
+    share: "Everyone who can open this scan with their account sees it",
+    shareHint:
+      "Shared marks are visible to people with whom the scan is shared, and in the gallery if the scan is public.",
+    shared: "shared",
+    rename: "Rename",
+    renameOf: (name: string) => `Rename ${name}`,
+    newName: "New name",
+    remove: "Delete",
+    removeOf: (name: string) => `Delete ${name}`,
+    removeSure: (name: string) => `Permanently delete “${name}” with all its marks and measurements?`,
+  },
+  /** For pictures, links and presets. */
+  include: (marks: number, measures: number) =>
+    measures === 0
+      ? `Include ${count(marks, "mark", "marks")}`
+      : marks === 0
+        ? `Include ${count(measures, "measurement", "measurements")}`
+        : `Include ${count(marks, "mark", "marks")} and ${count(measures, "measurement", "measurements")}`,
+  includeInPicture: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the picture`,
+  inPictureHint: "The texts of the marks can then be read in the picture.",
+  notSoLarge: "Marks are drawn into pictures of up to 4096 pixels per side.",
+  notInVideos: "Videos don’t contain marks.",
+  includeHint: "Everyone who opens it can read the texts of the marks.",
+} as const;

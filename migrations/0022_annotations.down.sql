@@ -1,0 +1,2 @@
+ALTER TABLE presets DROP COLUMN annotations;
+DROP TABLE annotations;
