@@ -134,7 +134,7 @@ std::vector<Route> routes_of_reports(Reports& reports) {
   return {
       {"GET", "/v1/take-downs", "listTakeDowns", kAdmin, taken_down, {}},
       {"GET", "/v1/reports", "listReports", kAdmin, list, {}},
-      {"GET", "/v1/reports/count", "countReports", kAdmin, count, {}},
+      {"GET", "/v1/report-count", "countReports", kAdmin, count, {}},
       {"DELETE", "/v1/reports/{report_id}", "dismissReport", kAdmin, dismiss, {}},
   };
 }

@@ -86,17 +86,29 @@ def good_body(schema: dict) -> dict:
     return {name: valid(CONTRACT.resolve(schema["properties"][name])) for name in schema.get("required", [])}
 
 
+def property_schema(part: dict) -> dict:
+    """Returns the schema of a property. That of an object or null becomes one schema with both types."""
+    if "oneOf" not in part:
+        return CONTRACT.resolve(part)
+    one, null = part["oneOf"]
+    assert null == {"type": "null"}
+    given = CONTRACT.resolve(one)
+    return {**given, "type": [given["type"], "null"]}
+
+
 def wrong_bodies(schema: dict, rng: random.Random):
     """Yields (a body that the schema refuses, the wrong field or None)."""
-    good = {**{name: valid(CONTRACT.resolve(part)) for name, part in schema["properties"].items()}, **good_body(schema)}
+    good = {**{name: valid(property_schema(part)) for name, part in schema["properties"].items()}, **good_body(schema)}
     for name in schema.get("required", []):
         yield {k: v for k, v in good.items() if k != name}, name
     for name, part in schema["properties"].items():
-        part = {"type": "string", **CONTRACT.resolve(part)}  # a const has no type
+        part = {"type": "string", **property_schema(part)}  # a const has no type
         wrong = [None, [], {}, True, rng.random(), {"a": [1]}, -1 if part["type"] == "integer" else "\x00",
                  "x" * 10_000, 2**63, -(2**63), 1e300, "\ud7ff\u0007"]
         for value in wrong:
             if value is None and "null" in part["type"]:
+                continue
+            if value == {} and "object" in part["type"] and "minProperties" not in part:
                 continue
             if not (part["type"] == "string" and name in ("password", "current") and isinstance(value, str) and len(value) < 800):
                 if part["type"] == "boolean" and isinstance(value, bool):
@@ -114,7 +126,7 @@ def valid(part: dict):
         return part["enum"][0]
     if part["type"] == "integer":
         return min(1000, part.get("maximum", 1000))
-    if part["type"] == "object":
+    if "object" in part["type"]:
         return part.get("example", {})
     if part["type"] == "boolean":
         return True
@@ -225,7 +237,7 @@ def report_ways(stack, data_set: str) -> None:
     boss.http.post(f"/v1/presets/{theirs}/reports", json={"reason": "offensive"})
     boss.http.post(f"/v1/presets/{theirs}/take-down", json={"reason": "A slur."})
     boss.http.delete(f"/v1/presets/{theirs}/take-down")
-    boss.http.get("/v1/reports/count")
+    boss.http.get("/v1/report-count")
     reports = boss.http.get("/v1/reports").json()["items"]
     boss.http.delete(f"/v1/reports/{reports[0]['id']}")
     boss.http.post(f"/v1/data-sets/{data_set}/take-down", json={"reason": "A name is on it."})

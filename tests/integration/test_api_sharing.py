@@ -382,10 +382,10 @@ def test_a_scan_that_was_taken_down_is_visible_only_to_its_owner(api, one, other
     problem(one.http.post(f"/v1/data-sets/{made}/reports", json=words), 403, "forbidden")
     for who in (one, other, boss):
         problem(who.http.get("/v1/reports"), 403, "forbidden")
-        problem(who.http.get("/v1/reports/count"), 403, "forbidden")
+        problem(who.http.get("/v1/report-count"), 403, "forbidden")
         problem(who.http.post(f"/v1/data-sets/{made}/take-down", json={"reason": "x"}), 403, "forbidden")
     boss.becomes_administrator()
-    counted = boss.http.get("/v1/reports/count").json()["open"]
+    counted = boss.http.get("/v1/report-count").json()["open"]
     assert counted == len(boss.http.get("/v1/reports").json()["items"]) > 0
     [report] = [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == made]
     assert report["reason"] == "identifies" and report["title"] == "Reported" and other.email not in str(report)
@@ -399,7 +399,7 @@ def test_a_scan_that_was_taken_down_is_visible_only_to_its_owner(api, one, other
     problem(publish(one, made), 403, "forbidden")
     problem(one.http.post(f"/v1/data-sets/{made}/links", json={"hours": 1}), 403, "forbidden")
     assert [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == made] == []
-    assert boss.http.get("/v1/reports/count").json() == {"open": counted - 1}
+    assert boss.http.get("/v1/report-count").json() == {"open": counted - 1}
     [entry] = api.psql("SELECT actor, action, subject, details::text FROM audit_log WHERE subject_id = %s AND action = 'data-set.taken-down'", made)
     assert entry[:3] == ("administrator", "data-set.taken-down", "data_set") and "burnt" not in entry[3]
     assert boss.http.delete(f"/v1/data-sets/{made}/take-down").status_code == 204

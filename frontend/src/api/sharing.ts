@@ -105,7 +105,7 @@ export class SharingApi {
   }
 
   async openReports(): Promise<number> {
-    return (await read<{ readonly open: number }>(this.send("GET", "/v1/reports/count"))).open;
+    return (await read<{ readonly open: number }>(this.send("GET", "/v1/report-count"))).open;
   }
 
   async dismiss(report: string): Promise<void> {
