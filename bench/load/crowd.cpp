@@ -152,6 +152,10 @@ void Crowd::open(CrowdResult& result) {
     }
     sessions_.push_back(id);
     people_.push_back(std::make_shared<Person>(io_, options_.viewer, options_.preset));
+    if (options_.recording) {
+      // Everyone is at another place of it.
+      people_.back()->play(options_.recording, i * options_.recording->size() / options_.sessions);
+    }
     openings_.begun();
     people_.back()->enter(placed->ticket, [this](bool ready) { openings_.ended(ready); });
   }

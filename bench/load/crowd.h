@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct CrowdOptions {
   double opening_seconds = 120;  ///< time limit for all first pictures
   std::string data_set;
   std::string preset;
+  std::shared_ptr<const Recording> recording;  ///< null: everyone turns around the scan
   unsigned threads = 2;
   std::uint64_t seed = 1;
 };

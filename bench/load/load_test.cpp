@@ -10,6 +10,7 @@
 #include "bench/load/latency.h"
 #include "bench/load/load_run.h"
 #include "bench/load/person.h"
+#include "bench/load/recording.h"
 #include "bench/load/scrape.h"
 #include "bench/load/soak_plan.h"
 
@@ -51,6 +52,49 @@ TEST(Percentile, ReturnsNearestRankOrZeroWithoutValues) {
   std::vector<double> one{7}, none;
   EXPECT_EQ(percentile(one, 50), 7);
   EXPECT_EQ(percentile(none, 50), 0);
+}
+
+constexpr char kRecording[] = R"({"format": "diaphane-interaction", "version": 1,
+  "viewport": {"width": 640, "height": 480}, "events": [
+    {"at_ms": 0, "scene": {"bounces": 3, "camera": {"eye": {"x": 1}}}},
+    {"at_ms": 20, "camera": {"eye": {"x": 2}}},
+    {"at_ms": 2020, "camera": {"eye": {"x": 3}}},
+    {"at_ms": 2020, "scene": {"bounces": 1, "camera": {"eye": {"x": 4}}}}]})";
+
+TEST(Recording, ShowsTheScenesInTheirRhythm) {
+  const auto recording = Recording::read(kRecording);
+  ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_EQ(recording->width, 640U);
+  EXPECT_EQ(recording->height, 480U);
+  ASSERT_EQ(recording->size(), 4U);
+  const double eyes[] = {1, 2, 3, 4};
+  const std::uint32_t bounces[] = {3, 3, 3, 1};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(recording->scene(i).camera().eye().x(), eyes[i]) << i;
+    EXPECT_EQ(recording->scene(i).bounces(), bounces[i]) << i;
+  }
+  EXPECT_NEAR(recording->gap_after(0), 0.02, 1e-9);
+  EXPECT_EQ(recording->gap_after(1), 0) << "a pause ends a gesture";
+  EXPECT_GT(recording->gap_after(2), 0) << "inputs of the same millisecond follow each other";
+  EXPECT_EQ(recording->gap_after(3), 0) << "the end of the recording";
+}
+
+TEST(Recording, RefusesWhatIsNone) {
+  const std::string good = kRecording;
+  const auto with = [&](const std::string& part, const std::string& other) {
+    std::string text = good;
+    return text.replace(text.find(part), part.size(), other);
+  };
+  for (const std::string& text :
+       {std::string("no JSON"), std::string("[]"), with("diaphane-interaction", "film"),
+        with("\"version\": 1", "\"version\": 2"), with("\"width\": 640", "\"width\": -1"),
+        with("\"at_ms\": 2020", "\"at_ms\": 10"), with("\"at_ms\": 20", "\"at_ms\": \"x\""),
+        with("\"scene\": {\"bounces\": 3", "\"camera\": {\"fog\": 3"),
+        with("\"camera\": {\"eye\": {\"x\": 2}}", "\"none\": 1")}) {
+    const auto read = Recording::read(text);
+    ASSERT_FALSE(read) << text;
+    EXPECT_EQ(read.error().code, ErrorCode::kInvalid) << text;
+  }
 }
 
 TEST(Hands, KeepsRequestedNumberOfDistinctSessionsMovingInRotation) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "bench/load/load_run.h"
@@ -40,6 +41,20 @@ std::vector<v1::Codec> codecs(ConfigReader& in) {
   if (codec == "h264") return {v1::H264, v1::JPEG};
   if (codec == "mpeg1") return {v1::MPEG1, v1::JPEG};
   return {v1::JPEG};
+}
+
+/// People then move as in that recording, in a window of its size.
+void read_recording(ConfigReader& in, CrowdOptions& crowd) {
+  const std::string path = in.text(
+      "recording", "recorded interaction that the viewers play (empty = they turn the scan)", "");
+  if (path.empty()) return;
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  auto recording = Recording::read(text);
+  if (!recording) return in.mistake("--recording " + path + ": " + recording.error().message);
+  crowd.viewer.width = recording->width;
+  crowd.viewer.height = recording->height;
+  crowd.recording = std::make_shared<const Recording>(*std::move(recording));
 }
 
 int write(const nlohmann::ordered_json& report, const std::string& file) {
@@ -78,8 +93,11 @@ int bench(ConfigReader& in) {
   crowd.seed =
       static_cast<std::uint64_t>(in.integer("seed", "seed of the random numbers", 0, 1 << 30, 1));
   crowd.viewer.codecs = codecs(in);
-  const std::string size = in.text("size", "window size in pixels, WxH", "1280x720");
-  if (std::sscanf(size.c_str(), "%ux%u", &crowd.viewer.width, &crowd.viewer.height) != 2) {
+  read_recording(in, crowd);
+  const std::string size =
+      in.text("size", "window size in pixels, WxH (empty = of the recording, or 1280x720)", "");
+  if (!size.empty() &&
+      std::sscanf(size.c_str(), "%ux%u", &crowd.viewer.width, &crowd.viewer.height) != 2) {
     in.mistake("--size must be WIDTHxHEIGHT");
   }
   options.stage.bin_dir =

@@ -150,23 +150,47 @@ void Person::drag(double seconds, std::function<void()> done) {
   });
 }
 
+void Person::play(std::shared_ptr<const Recording> recording, std::size_t first) {
+  recorded_ = first % recording->size();
+  recording_ = std::move(recording);
+}
+
+v1::Scene Person::next_scene() {
+  if (recording_) return recording_->scene(recorded_);
+  degrees_ += kDegreesAnInput;
+  return turned(scene_, degrees_);
+}
+
+// A delayed page sends its next input with its next displayed frame instead of all missed ones at
+// once.
+std::optional<TimePoint> Person::time_after(TimePoint now) {
+  if (!recording_) {
+    while (next_input_ <= now) next_input_ += kInputInterval;
+    return next_input_;
+  }
+  while (next_input_ <= now) {
+    const double gap = recording_->gap_after(recorded_);
+    recorded_ = (recorded_ + 1) % recording_->size();
+    if (gap == 0) return std::nullopt;
+    next_input_ += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(gap));
+  }
+  return next_input_;
+}
+
 void Person::input() {
   if (!moving_) return;
   const TimePoint now = Clock::now();
-  degrees_ += kDegreesAnInput;
   v1::ClientMessage message;
   message.mutable_scene()->set_input_seq(++input_seq_);
-  *message.mutable_scene()->mutable_scene() = turned(scene_, degrees_);
+  *message.mutable_scene()->mutable_scene() = next_scene();
   if (now < until_) {
     open_.sent(input_seq_, now);
     measurements_.inputs += measured(now);
   }
   viewer_->send(message);
-  if (now >= drag_ends_) return end_drag(now);
-  // A delayed page sends its next input with its next displayed frame instead of all missed ones at
-  // once.
-  while (next_input_ <= now) next_input_ += kInputInterval;
-  viewer_->after(next_input_ - now, [self = shared_from_this()] { self->input(); });
+  const auto next = time_after(now);
+  if (!next || now >= drag_ends_) return end_drag(now);
+  viewer_->after(*next - now, [self = shared_from_this()] { self->input(); });
 }
 
 void Person::end_drag(TimePoint now) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/load/recording.h"
 #include "bench/load/viewer.h"
 
 namespace diaphane::api::load {
@@ -27,16 +28,18 @@ struct Measurements {
   double pixels = 0;  ///< sum over the moving frames
 };
 
-/// A simulated user of a session, who drags on request with 60 inputs per second and measures the
-/// answers.
+/// A simulated user of a session, who drags on request and measures the answers: around the scan
+/// with 60 inputs per second, or as in a recording.
 class Person final : public ViewerEvents, public std::enable_shared_from_this<Person> {
  public:
   Person(boost::asio::io_context& io, ViewerOptions options, std::string preset);
+  /// Plays the recording again and again, from its input number `first` on. Before enter().
+  void play(std::shared_ptr<const Recording> recording, std::size_t first);
 
   /// Opens the stream. `ready` is called once: with true at the first picture, or with false if the
   /// stream closed.
   void enter(const std::string& ticket, std::function<void(bool)> ready);
-  /// Drags for `seconds`, then calls `done`.
+  /// Drags for `seconds`, then calls `done`. A recorded gesture may be shorter.
   void drag(double seconds, std::function<void()> done);
   /// Counts inputs that are sent between `from` and `until`.
   void measure(TimePoint from, TimePoint until);
@@ -65,12 +68,18 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
 
  private:
   void input();
+  /// Returns the scene of the next input.
+  diaphane::v1::Scene next_scene();
+  /// Returns when the next input is due. Nothing follows if the gesture has ended.
+  std::optional<TimePoint> time_after(TimePoint now);
   void end_drag(TimePoint now);
   bool measured(TimePoint at) const { return at >= from_ && at < until_; }
 
   boost::asio::io_context& io_;
   const ViewerOptions options_;
   const std::string preset_;
+  std::shared_ptr<const Recording> recording_;  ///< null: turns around the scan
+  std::size_t recorded_ = 0;                    ///< its next input
   std::unique_ptr<Viewer> viewer_;
   std::function<void(bool)> ready_;
   std::function<void()> done_;

@@ -47,6 +47,25 @@ def test_load_reports_where_the_time_is_spent(tmp_path):
 
 
 @pytest.mark.nightly
+def test_a_recording_is_played_by_the_load_bench(tmp_path):
+    scene = json.loads((REPO / "tests" / "scenes" / "cranium.json").read_text())
+    events = [{"at_ms": 0, "scene": scene}]
+    for number in range(1, 60):
+        eye = {"x": 10 * number, "y": -400, "z": 50}
+        events.append({"at_ms": number * 25, "camera": {**scene["camera"], "eye": eye}})
+    recording = tmp_path / "recording.json"
+    recording.write_text(json.dumps({"format": "diaphane-interaction", "version": 1, "viewport": {"width": 120, "height": 80}, "events": events}))
+    done = bench("load", "--quick", "--recording", str(recording), "--json", str(tmp_path / "results.json"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    results = json.loads((tmp_path / "results.json").read_text())["results"]
+    assert results[0]["name"].startswith("2 sessions, 1 moving, 120 x 80: ") and all(r["value"] > 0 for r in results[:3])
+
+    recording.write_text("{}")
+    refused = bench("load", "--quick", "--recording", str(recording))
+    assert refused.returncode != 0 and "the recording is not one" in refused.stdout + refused.stderr
+
+
+@pytest.mark.nightly
 def test_resources_do_not_grow_with_fifty_users_coming_and_going(tmp_path):
     """The soak's short form of 24 s. For the long one: `./diaphane bench soak`."""
     done = bench("soak", "--quick", "--json", str(tmp_path / "results.json"))

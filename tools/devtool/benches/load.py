@@ -28,6 +28,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu")
     parser.add_argument("--codec", choices=("jpeg", "h264", "mpeg1"), default="jpeg", help="codec that the viewers prefer")
     parser.add_argument("--preset", default="bone", help="preset of the pictures")
+    parser.add_argument("--recording", type=Path, metavar="FILE", help="recorded interaction that the users play, of the scan in --volume (default: they turn the scan)")
     parser.add_argument("--find", action="store_true", help="also find the maximum number of sessions with a p95 of at most 100 ms")
     parser.add_argument("--volume", help="directory of a stored volume (default: the sample scan)")
     parser.add_argument("--log-dir", type=Path, help="directory in which to keep the logs of the programs")
@@ -42,7 +43,8 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     with tempfile.NamedTemporaryFile(suffix=".json") as report:
         words = ["--bin-dir", program.parent, "--volume", volume, "--engine", options.engine, "--codec", options.codec,
                  "--sessions", options.sessions or (2 if quick else CPU_SESSIONS if on_cpu else 200), "--moving", options.moving,
-                 "--size", options.size or (CPU_SIZE if on_cpu else "1280x720"), "--preset", options.preset,
+                 "--size", options.size or ("" if options.recording else CPU_SIZE if on_cpu else "1280x720"), "--preset", options.preset,
+                 "--recording", options.recording or "",
                  "--seconds", 2 if quick else options.seconds, "--warm-up", 1 if quick else 4,
                  "--repeats", 1 if quick else options.repeats, "--json", report.name, *(["--find"] if options.find else []),
                  *(["--log-dir", options.log_dir] if options.log_dir else [])]
