@@ -6,7 +6,7 @@
 
 namespace diaphane::render {
 
-/// Priority of stills, highest first. Each rank yields more to sessions than the one before.
+/// Priority of stills, highest first.
 enum class StillRank {
   kAwaited,     ///< a user sees the place where it will appear
   kBackground,  ///< no one waits for it
@@ -14,12 +14,14 @@ enum class StillRank {
 };
 
 /// Returns the seconds that stills get per second that the device is busy, by the rank of the first
-/// one. Awaited stills get a third of the device, but little while a session moves. The share is a
-/// share of time, not of turns: one sample of a large canvas on a slow device takes a second, so a
-/// turn of 30 ms between two of them would make a thumbnail wait for a minute.
+/// one. Awaited stills get a third of the device, but little while a session moves. A file gets
+/// half of it while no session moves, because its user waits for minutes, and pictures at rest are
+/// good enough to look at meanwhile. The share is a share of time, not of turns: one sample of a
+/// large canvas on a slow device takes a second, so a turn of 30 ms between two of them would make
+/// a thumbnail wait for a minute.
 inline double still_share(StillRank first, std::size_t moving_sessions) {
   constexpr double kShare = 0.5, kShareInBackground = 1.0 / 16;
-  if (first == StillRank::kFile && moving_sessions > 0) return 0;
+  if (first == StillRank::kFile) return moving_sessions > 0 ? 0 : kShare;
   return moving_sessions > 0 || first != StillRank::kAwaited ? kShareInBackground : kShare;
 }
 

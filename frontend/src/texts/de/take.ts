@@ -69,10 +69,10 @@ export const take: Texts["take"] = {
     seconds === null
       ? "Sobald das Bild schärfer ist, steht hier, wie lange es dauern wird."
       : seconds < 50
-        ? "Es kann weniger als eine Minute dauern, oder länger, wenn der Server beschäftigt ist."
+        ? "Es dauert weniger als eine Minute, und länger, solange jemand ein Bild dreht."
         : seconds < 3300
-          ? `Es wird mindestens ${count(Math.round(seconds / 60), "Minute", "Minuten")} dauern, und länger, wenn der Server beschäftigt ist.`
-          : `Es wird mindestens ${count(Math.round(seconds / 3600), "Stunde", "Stunden")} dauern, und länger, wenn der Server beschäftigt ist.`,
+          ? `Es dauert etwa ${count(Math.round(seconds / 60), "Minute", "Minuten")}, und länger, solange jemand ein Bild dreht.`
+          : `Es dauert etwa ${count(Math.round(seconds / 3600), "Stunde", "Stunden")}, und länger, solange jemand ein Bild dreht.`,
   wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
   views: "Ansichten, in dieser Reihenfolge",
   viewNow: "Aktuelle Ansicht",

@@ -65,10 +65,10 @@ export const take = {
     seconds === null
       ? "As soon as the picture is sharper, we can say here how long it will take."
       : seconds < 50
-        ? "It may take less than a minute, or longer while the server is busy."
+        ? "It takes less than a minute, and longer while somebody turns a picture."
         : seconds < 3300
-          ? `It will take at least ${count(Math.round(seconds / 60), "minute", "minutes")}, and longer while the server is busy.`
-          : `It will take at least ${count(Math.round(seconds / 3600), "hour", "hours")}, and longer while the server is busy.`,
+          ? `It takes about ${count(Math.round(seconds / 60), "minute", "minutes")}, and longer while somebody turns a picture.`
+          : `It takes about ${count(Math.round(seconds / 3600), "hour", "hours")}, and longer while somebody turns a picture.`,
   wrongSeconds: (most: number) => `Enter a whole number of seconds between 1 and ${most}.`,
   views: "Views, in this order",
   viewNow: "Current view",

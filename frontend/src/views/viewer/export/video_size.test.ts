@@ -20,10 +20,10 @@ test("a video has the aspect ratio of the screen and even sides within the limit
 test("the time of a video follows from the speed of the picture on the screen", () => {
   const shown = { samples: 100, seconds: 20, error: 0.1, width: 1000, height: 500 };
   const half = { width: 500, height: 250 };
-  expect(renderingSeconds(shown, 1, shown, 0.1)).toBeCloseTo(20);
-  expect(renderingSeconds(shown, 10, shown, 0.05)).toBeCloseTo(10 * 4 * 20);
-  expect(renderingSeconds(shown, 10, half, 0.05)).toBeCloseTo(10 * 20);
-  expect(renderingSeconds(shown, 100, shown, 10)).toBeCloseTo(100 * 0.2); // at least one sample
+  expect(renderingSeconds(shown, 1, shown, 0.1)).toBeCloseTo(2 * 20);
+  expect(renderingSeconds(shown, 10, shown, 0.05)).toBeCloseTo(2 * 10 * 4 * 20);
+  expect(renderingSeconds(shown, 10, half, 0.05)).toBeCloseTo(2 * 10 * 20);
+  expect(renderingSeconds(shown, 100, shown, 10)).toBeCloseTo(2 * 100 * 0.2); // at least one sample
   expect(renderingSeconds({ ...shown, error: Infinity }, 1, shown, 0.1)).toBeNull();
   expect(renderingSeconds({ ...shown, samples: 0 }, 1, shown, 0.1)).toBeNull();
 });

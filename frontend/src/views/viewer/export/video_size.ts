@@ -34,9 +34,12 @@ export function typedSeconds(text: string): number | null {
   return seconds >= 1 && seconds <= longestVideoS ? seconds : null;
 }
 
+/** The share of the device that a video gets while no picture moves (renderd/schedule/still_scheduling.h). */
+const videoShare = 0.5;
+
 /**
- * Estimates how long a device works for a video from how fast the picture on the screen became sharp. The variance of
- * a pixel falls in inverse proportion to its samples. Returns null while the error of the picture is unknown.
+ * Estimates how long a video takes from how fast the picture on the screen became sharp. The variance of a pixel falls
+ * in inverse proportion to its samples. Returns null while the error of the picture is unknown.
  */
 export function renderingSeconds(
   shown: Pick<PictureFacts, "samples" | "seconds" | "error" | "width" | "height">,
@@ -47,7 +50,7 @@ export function renderingSeconds(
   if (!Number.isFinite(shown.error) || shown.samples < 1 || shown.seconds <= 0) return null;
   const samples = Math.max(1, shown.samples * (shown.error / error) ** 2);
   const secondsPerSample = shown.seconds / (shown.samples * shown.width * shown.height);
-  return frames * samples * size.width * size.height * secondsPerSample;
+  return (frames * samples * size.width * size.height * secondsPerSample) / videoShare;
 }
 
 export interface VideoChoices {
