@@ -72,7 +72,7 @@ diaphane::v1::Scene Recording::scene(std::size_t input) const {
 double Recording::gap_after(std::size_t input) const {
   if (input + 1 >= inputs_.size()) return 0;
   const double gap = inputs_[input + 1].seconds - inputs_[input].seconds;
-  // Inputs of one millisecond are one after the other all the same.
+  // Inputs of the same millisecond still follow each other.
   return gap > kGestureGap ? 0 : std::max(gap, 0.001);
 }
 
