@@ -101,9 +101,9 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   if (surfaces) {
     // Measured on the built-in looks and five scenes: few directions of the scattering meet a lamp,
     // and each kind of light needs samples in proportion to what it contributes.
-    constexpr std::int32_t kDirect = 13, kLeastSky = 2, kMostSky = 9;
+    constexpr std::int32_t kDirect = 13, kSkyLow = 2, kSkyHigh = 9;
     const auto wanted = static_cast<std::int32_t>(std::lround(14 * share_of_sky(scene)));
-    const std::int32_t of_sky = sky ? std::clamp(wanted, kLeastSky, kMostSky) : 0;
+    const std::int32_t of_sky = sky ? std::clamp(wanted, kSkyLow, kSkyHigh) : 0;
     strata[kind(Strategy::kEnvironment)] = of_sky;
     strata[kind(Strategy::kAreaLight)] = kDirect - of_sky;
     strata[kind(Strategy::kAreaLightByScatter)] = 1;
