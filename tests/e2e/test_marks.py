@@ -218,9 +218,9 @@ def with_marks_in_a_preset_a_link_and_a_picture(stack: TestStack, page: Page, sc
     marked = link.input_value()
     sizes = []
     for drawn in (True, False):
-        dialog.get_by_role("checkbox", name="Draw 4 marks into the picture").first.set_checked(drawn)
+        dialog.get_by_role("checkbox", name="Draw 4 marks into the picture").set_checked(drawn)
         with page.expect_download() as download:
-            dialog.get_by_role("button", name="Save what is on the screen now").click()
+            dialog.get_by_role("button", name="Save the picture").click()
         sizes.append(Path(download.value.path()).read_bytes())
     assert sizes[0] != sizes[1]
     dialog.get_by_role("button", name="Close").last.click()

@@ -60,6 +60,7 @@ function Buttons({ has }: Pick<HelpDialogProps, "has">) {
     ["lamp", windows.light, true],
     ["aperture", windows.lens, true],
     ["slice", windows.cuts, true],
+    ["pencil", windows.marks, true],
   ];
   return (
     <section>
