@@ -19,3 +19,11 @@ export function normalize(a: Vec3, otherwise: Vec3): Vec3 {
   const n = length(a);
   return n > 1e-12 && Number.isFinite(n) ? scale(a, 1 / n) : otherwise;
 }
+
+// For values that a browser stored, which may be damaged.
+export const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
+
+export function isPoint(value: unknown): value is Vec3 {
+  const point = value as Partial<Record<"x" | "y" | "z", unknown>> | null;
+  return typeof point === "object" && point !== null && isNumber(point.x) && isNumber(point.y) && isNumber(point.z);
+}

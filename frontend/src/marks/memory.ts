@@ -1,4 +1,4 @@
-import type { Vec3 } from "../input/vec3";
+import { isNumber, isPoint } from "../input/vec3";
 import { markColours, markKinds, mostMarks, nextId, shortText, type Mark, type MarkKind } from "./mark";
 
 /** What this tab remembers of the marks across a reload. */
@@ -12,13 +12,6 @@ export interface RememberedMarks {
 }
 
 export const marksToText = (marks: RememberedMarks): string => JSON.stringify(marks);
-
-const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
-
-function isPoint(value: unknown): value is Vec3 {
-  const point = value as Partial<Record<"x" | "y" | "z", unknown>> | null;
-  return typeof point === "object" && point !== null && isNumber(point.x) && isNumber(point.y) && isNumber(point.z);
-}
 
 function isMark(value: unknown): value is Mark {
   const one = value as Partial<Record<keyof Mark, unknown>> | null;

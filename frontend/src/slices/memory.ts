@@ -1,4 +1,4 @@
-import type { Vec3 } from "../input/vec3";
+import { isNumber, isPoint, type Vec3 } from "../input/vec3";
 import { clamp } from "../scene/numbers";
 import { isWhole, measureKinds, type Measure, type MeasureKind } from "./measure";
 import { planes, type Plane } from "./stack";
@@ -25,13 +25,6 @@ export interface RememberedSlices {
 
 /** The newest measurements. */
 export const mostRemembered = 200;
-
-const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
-
-function isPoint(value: unknown): value is Vec3 {
-  const point = value as Partial<Record<"x" | "y" | "z", unknown>> | null;
-  return typeof point === "object" && point !== null && isNumber(point.x) && isNumber(point.y) && isNumber(point.z);
-}
 
 function isMeasure(value: unknown): value is Measure {
   const one = value as Partial<Record<keyof Measure, unknown>> | null;

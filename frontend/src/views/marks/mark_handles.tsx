@@ -1,4 +1,4 @@
-import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { Point } from "../../input/flat";
 import { noFlick } from "../../input/no_flick";
 import type { Vec3 } from "../../input/vec3";
@@ -6,7 +6,7 @@ import { movedTo, withEnd, type Mark } from "../../marks/mark";
 import { keyOf, type Marks } from "../../marks/marks";
 import type { MarkView } from "../../marks/view";
 import { t } from "../../texts";
-import { useHandleGestures } from "../picture/handle_button";
+import { useHandleGestures, useHandlePlace } from "../picture/handle_button";
 
 export interface MarkHandlesProps {
   readonly marks: Marks;
@@ -120,13 +120,8 @@ interface MarkHandleProps {
 
 function MarkHandle(props: MarkHandleProps) {
   const { name, label, chosen, at, hold, remove } = props;
-  const button = useRef<HTMLButtonElement>(null);
+  const button = useHandlePlace(at);
   const gestures = useHandleGestures(props);
-  useLayoutEffect(() => {
-    // The content security policy forbids style attributes, but not properties.
-    if (button.current)
-      button.current.style.transform = `translate(${Math.round(at.x)}px, ${Math.round(at.y)}px) translate(-50%, -50%)`;
-  }, [at.x, at.y]);
   return (
     <button
       ref={button}

@@ -35,13 +35,8 @@ const keySteps: Readonly<Record<string, readonly [right: number, up: number]>> =
 /** A handle over a picture. Arrow keys move it, and with Shift ten times as far. */
 export function HandleButton(props: HandleButtonProps) {
   const { name, label, look, behind = false, at, low, high, now, valueText, hold } = props;
-  const button = useRef<HTMLButtonElement>(null);
+  const button = useHandlePlace(at);
   const gestures = useHandleGestures(props);
-  useLayoutEffect(() => {
-    // The content security policy forbids style attributes, but not properties.
-    if (button.current)
-      button.current.style.transform = `translate(${Math.round(at.x)}px, ${Math.round(at.y)}px) translate(-50%, -50%)`;
-  }, [at.x, at.y]);
   return (
     <button
       ref={button}
@@ -66,6 +61,17 @@ export function HandleButton(props: HandleButtonProps) {
       onKeyDown={gestures.key}
     />
   );
+}
+
+/** Returns the reference of a button whose middle is kept at a place of its area, in pixels. */
+export function useHandlePlace(at: Point) {
+  const button = useRef<HTMLButtonElement>(null);
+  useLayoutEffect(() => {
+    // The content security policy forbids style attributes, but not properties.
+    if (button.current)
+      button.current.style.transform = `translate(${Math.round(at.x)}px, ${Math.round(at.y)}px) translate(-50%, -50%)`;
+  }, [at.x, at.y]);
+  return button;
 }
 
 type HandleGestures = Pick<HandleButtonProps, "at" | "grab" | "drag" | "step" | "rest">;
