@@ -77,6 +77,8 @@ class CompositeEngine final : public Engine {
                                                        Method method) override {
     const auto ours = std::dynamic_pointer_cast<const CompositeVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    // A draft is not merged, and would be one device's alone.
+    if (method.walk == Walk::kDraft) method.walk = Walk::kSoonest;
     auto own = devices_.front()->renderer(ours->copy(0), seed, first_sample, method);
     if (!own) return own;
     std::vector<std::unique_ptr<Assistant>> assistants;

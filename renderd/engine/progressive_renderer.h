@@ -19,11 +19,14 @@ struct Batch {
   std::uint64_t dropped_samples = 0;  ///< samples that were not finite and were therefore dropped
   /// Device time of other devices for this picture, from their parts that arrived during the call.
   double helped_seconds = 0;
+  /// Whether the samples are not the first of their picture, but of the slower and better estimator
+  /// that follows a draft. A batch never has samples of both.
+  bool refined = false;
 };
 
 /// The state of the accumulated picture.
 struct Progress {
-  std::uint64_t samples = 0;  ///< per pixel
+  std::uint64_t samples = 0;  ///< per pixel, including those of a draft
   double seconds = 0;         ///< rendering time since the scene was set
   /// Estimated relative RMSE of the displayed picture compared with the converged one, computed
   /// from two independent halves of the samples. Infinity for fewer than two samples.
@@ -40,10 +43,10 @@ class ProgressiveRenderer {
   /// Replaces scene and canvas and clears the film. On an error (kInvalid names the field), scene,
   /// canvas and picture stay as they were.
   virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
-  /// Adds up to `samples` samples per pixel. Between rows or launches it asks `stop`, and returns
-  /// early if that is true. It then discards the unfinished part, so that every pixel has the same
-  /// number of samples. Returns kInvalid before set_scene(), and kOutOfMemory or kDeviceLost if the
-  /// device fails.
+  /// Adds up to `samples` samples per pixel, fewer where a draft ends. Between rows or launches it
+  /// asks `stop`, and returns early if that is true. It then discards the unfinished part, so that
+  /// every pixel has the same number of samples. Returns kInvalid before set_scene(), and
+  /// kOutOfMemory or kDeviceLost if the device fails.
   virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
   virtual Progress progress() const = 0;
   /// Sets the precedence of the next work: 0 unless a user waits for it, as for the first picture

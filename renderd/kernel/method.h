@@ -8,6 +8,7 @@ namespace diaphane::render {
 enum class Walk : std::uint8_t {
   kAuto,      ///< the fastest to a given error: the exact walk wherever it applies
   kSoonest,   ///< the fastest to a first picture: tracking on the CPU, as kAuto on CUDA
+  kDraft,     ///< on the CPU, a draft as by kSoonest and then a picture as by kAuto; on CUDA kAuto
   kExact,     ///< the exact walk; refused if it does not apply
   kTracking,  ///< delta and residual ratio tracking everywhere: the reference
 };
@@ -20,7 +21,7 @@ enum class Mis : std::uint8_t {
 };
 
 /// Choices of the estimator. All have the same mean and differ in variance and cost. The server
-/// uses kLiveMethod; the others exist for comparison.
+/// uses kLiveMethod and kServerMethod; the others exist for comparison.
 struct Method {
   Walk walk = Walk::kAuto;
   bool low_discrepancy = true;  ///< false: independent points (math/points.h)
@@ -30,9 +31,13 @@ struct Method {
   bool operator==(const Method&) const = default;
 };
 
-/// The method for interactive pictures. On the CPU a sample by tracking is ten times as fast as one
-/// by the exact walk, although the exact walk reaches the same error in a fraction of the time. On
-/// a GPU even the exact walk needs only a few milliseconds per sample.
-inline constexpr Method kLiveMethod{.walk = Walk::kSoonest};
+/// The method for interactive pictures of one device. On the CPU a sample by tracking is several
+/// times as fast as one by the exact walk, so it answers a gesture. The exact walk reaches the same
+/// error in a fraction of the time, so it renders pictures at rest. On a GPU even the exact walk
+/// needs only a few milliseconds per sample.
+inline constexpr Method kLiveMethod{.walk = Walk::kDraft};
+/// The method for everything else that the server renders. Samples of several devices are merged
+/// with equal weights, so all of them must come from one estimator.
+inline constexpr Method kServerMethod{.walk = Walk::kSoonest};
 
 }  // namespace diaphane::render

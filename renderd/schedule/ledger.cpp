@@ -123,7 +123,9 @@ SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
     // few samples is not reliable.
     view.error = converged(rules) ? 0 : std::max(progress_.error, 2 * rules.target_error);
   }
-  view.seconds_per_sample = seconds_per_pixel(device) * planned_.pixels();
+  const bool refining = refining_ && !stale();
+  view.seconds_per_sample =
+      (refining ? refined_seconds_per_pixel_ : seconds_per_pixel(device)) * planned_.pixels();
   view.seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first;
   if (rules.device_parallel > 0) {
     view.fill = std::min(1.0, planned_.pixels() / rules.device_parallel);
@@ -168,6 +170,7 @@ void Ledger::began(double seconds, Time now) {
   progress_ = {};
   progress_.error = kUnknownError;
   samples_shown_ = 0;
+  refining_ = false;
   scene_seconds_ = seconds;
   add_to_lately(seconds, now);
   ++epoch_;
@@ -188,8 +191,15 @@ void Ledger::rendered(const Batch& batch, const Progress& progress, DeviceCosts&
     noise_ = progress.error * std::sqrt(static_cast<double>(progress.samples));
   }
   if (batch.samples == 0) return;
+  const double per_pixel = batch.seconds / (batch.samples * canvas_.pixels());
+  refining_ = batch.refined;
+  if (refining_) {
+    // The size of a moving picture depends on the cost of its first samples alone.
+    refined_seconds_per_pixel_ = mean(refined_seconds_per_pixel_, per_pixel);
+    return;
+  }
   // The first sample of an epoch includes set-up costs, which the moving average soon forgets.
-  seconds_per_pixel_ = mean(seconds_per_pixel_, batch.seconds / (batch.samples * canvas_.pixels()));
+  seconds_per_pixel_ = mean(seconds_per_pixel_, per_pixel);
   device.seconds_per_pixel = seconds_per_pixel_;
 }
 

@@ -103,7 +103,9 @@ class Ledger {
   Time served_at_{};
 
   // Costs of this session.
-  double seconds_per_pixel_ = 0;
+  double seconds_per_pixel_ = 0;          // of the first samples of a picture
+  double refined_seconds_per_pixel_ = 0;  // of those after a draft (Batch::refined)
+  bool refining_ = false;                 // the last batch was one of those
   double noise_ = 0;
   double scene_seconds_ = 0;
   double first_seconds_ = 0;

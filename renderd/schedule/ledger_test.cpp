@@ -62,6 +62,19 @@ TEST_F(LedgerTest, NewSessionStartsFromTheMeasuredDeviceCosts) {
   EXPECT_NEAR(other.view(2, device, rules, now).seconds_first, 0.005, 1e-12);
 }
 
+TEST_F(LedgerTest, SizesMovingImagesByTheCostOfADraft) {
+  render(2, 0.3);
+  const double draft = view().seconds_per_sample;
+  Progress progress = ledger.progress();
+  progress.samples += 1;
+  ledger.rendered({.samples = 1, .seconds = 1.0, .refined = true}, progress, device, now);
+  EXPECT_NEAR(view().seconds_per_sample, 1.0, 1e-12) << "another sample of the better estimator";
+  EXPECT_NEAR(device.seconds_per_pixel * 1e4, draft, 1e-12);
+  input();
+  refresh();
+  EXPECT_NEAR(view().seconds_per_sample, draft, 1e-12) << "the next picture begins with a draft";
+}
+
 TEST_F(LedgerTest, CountsWhatItsFirstImagesTookLately) {
   EXPECT_EQ(view().seconds_lately, 0);
   render(10, 0.1);

@@ -100,15 +100,35 @@ class FilmShare {
   std::uint64_t bytes_;
 };
 
+/// Samples of a draft (Walk::kDraft): the fewest whose error is known.
+constexpr std::uint64_t kDraftSamples = 2;
+
+/// A film with its share of the memory.
+struct OwnedFilm {
+  FilmShare memory;
+  CpuFilm film;
+};
+
 /// A scene and the film that belongs to it.
 struct Picture {
-  Picture(diaphane::v1::Scene s, PreparedScene p, CpuFilm f, FilmShare m)
-      : scene(std::move(s)), prepared(std::move(p)), film(std::move(f)), memory(std::move(m)) {}
+  Picture(diaphane::v1::Scene s, PreparedScene p, std::unique_ptr<OwnedFilm> f)
+      : scene(std::move(s)), prepared(std::move(p)), owned(std::move(f)) {}
+
+  CpuFilm& film() { return owned->film; }
+  /// The film to show: the draft until the film after it has a sample.
+  CpuFilm& shown() { return draft && film().count() == 0 ? draft->film : film(); }
+  /// The film whose error is known. The draft's error bounds that of a first sample after it.
+  CpuFilm& judged() { return draft && film().count() < kDraftSamples ? draft->film : film(); }
+  std::uint64_t samples() const { return draft_samples + owned->film.count(); }
 
   diaphane::v1::Scene scene;
   PreparedScene prepared;
-  CpuFilm film;
-  FilmShare memory;
+  std::unique_ptr<OwnedFilm> owned;
+  /// Whether the film is a draft that another one will follow.
+  bool drafting = false;
+  /// A finished draft, until the error of the film after it is known.
+  std::unique_ptr<OwnedFilm> draft;
+  std::uint64_t draft_samples = 0;  ///< of the finished draft
   double seconds = 0;
 };
 
@@ -135,29 +155,30 @@ class CpuFrameRenderer final : public FrameRenderer {
     if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
       return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
     }
-    FilmShare memory(films_, CpuFilm::most_bytes(canvas, guided_));
-    if (!memory.taken()) return no_memory();
-    try {
-      const Float3 s = prepared->spacing;
-      CpuFilm film(threads_, canvas, guided_, std::max({s.x, s.y, s.z}));
-      film.set_curve(prepared->curve);
-      picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film),
-                                           std::move(memory));
-      share_ = {};
-    } catch (const std::bad_alloc&) {
-      return no_memory();
-    }
+    auto film = new_film(*prepared);
+    if (!film) return no_memory();
+    picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film));
+    picture_->drafting =
+        method_.walk == Walk::kDraft && use_exact_walk(picture_->prepared, method_);
+    share_ = {};
     return {};
   }
 
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override {
     if (!picture_) return no_scene();
     const auto begin = Clock::now();
+    end_draft();
     Batch batch;
+    batch.refined = picture_->draft_samples > 0;
+    if (picture_->drafting) {
+      samples = static_cast<std::uint32_t>(
+          std::min<std::uint64_t>(samples, kDraftSamples - picture_->film().count()));
+    }
     while (batch.samples < samples && one_sample(stop)) {
-      batch.dropped_samples += picture_->film.fold();
+      batch.dropped_samples += picture_->film().fold();
       ++batch.samples;
     }
+    if (picture_->film().count() >= kDraftSamples) picture_->draft.reset();
     batch.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     picture_->seconds += batch.seconds;
     return batch;
@@ -165,24 +186,24 @@ class CpuFrameRenderer final : public FrameRenderer {
 
   Progress progress() const override {
     if (!picture_) return {};
-    return {picture_->film.count(), picture_->seconds, picture_->film.error(), stops()};
+    return {picture_->samples(), picture_->seconds, picture_->judged().error(), stops()};
   }
 
   Result<void> display(PictureRgb8& out) override {
     if (!picture_) return no_scene();
-    picture_->film.display(scale(), out);
+    picture_->shown().display(scale(), out);
     return {};
   }
 
   Result<void> radiance(PictureRgbF& out) override {
     if (!picture_) return no_scene();
-    picture_->film.radiance(out);
+    picture_->shown().radiance(out);
     return {};
   }
 
   Result<void> contents(std::vector<std::uint8_t>& out) override {
     if (!picture_) return no_scene();
-    picture_->film.contents(out);
+    picture_->shown().contents(out);
     return {};
   }
 
@@ -192,29 +213,32 @@ class CpuFrameRenderer final : public FrameRenderer {
 
   Result<void> set_share(const Share& share) override {
     if (!picture_) return no_scene();
-    if (auto done = picture_->film.set_share(share); !done) return done;
+    if (method_.walk == Walk::kDraft) return FilmExchange::set_share(share);
+    if (auto done = picture_->film().set_share(share); !done) return done;
     share_ = share;
     return {};
   }
 
   Result<bool> take_film(FilmPart& out) override {
     if (!picture_) return no_scene();
-    return picture_->film.take(out);
+    if (method_.walk == Walk::kDraft) return FilmExchange::take_film(out);
+    return picture_->film().take(out);
   }
 
   Result<void> merge_film(const FilmPart& part) override {
     if (!picture_) return no_scene();
-    return picture_->film.merge(part);
+    if (method_.walk == Walk::kDraft) return FilmExchange::merge_film(part);
+    return picture_->film().merge(part);
   }
 
   Result<bool> display_denoised(PictureRgb8& out) override {
     if (!picture_) return no_scene();
-    return picture_->film.display_denoised(scale(), out);
+    return picture_->shown().display_denoised(scale(), out);
   }
 
   Result<bool> radiance_denoised(PictureRgbF& out) override {
     if (!picture_) return no_scene();
-    return picture_->film.radiance_denoised(out);
+    return picture_->shown().radiance_denoised(out);
   }
 
   std::vector<std::string> features() const override {
@@ -243,7 +267,8 @@ class CpuFrameRenderer final : public FrameRenderer {
     report.acceleration_bytes = bounds.size() * sizeof(CellBounds) + e.skips.size() +
                                 e.pieces.size() * sizeof(ExtinctionPiece) +
                                 e.piece_of.size() * sizeof(e.piece_of[0]);
-    report.film_bytes = picture_->film.bytes();
+    report.film_bytes =
+        picture_->film().bytes() + (picture_->draft ? picture_->draft->film.bytes() : 0);
     return report;
   }
 
@@ -255,11 +280,43 @@ class CpuFrameRenderer final : public FrameRenderer {
     return fail(ErrorCode::kInvalid, "a scene must be set before rendering", "scene");
   }
 
+  /// Returns an empty film for the scene, or null if there is too little memory.
+  std::unique_ptr<OwnedFilm> new_film(const PreparedScene& scene) {
+    FilmShare memory(films_, CpuFilm::most_bytes(scene.canvas, guided_));
+    if (!memory.taken()) return nullptr;
+    try {
+      const Float3 s = scene.spacing;
+      CpuFilm film(threads_, scene.canvas, guided_, std::max({s.x, s.y, s.z}));
+      film.set_curve(scene.curve);
+      return std::make_unique<OwnedFilm>(OwnedFilm{std::move(memory), std::move(film)});
+    } catch (const std::bad_alloc&) {
+      return nullptr;
+    }
+  }
+
+  /// Follows a finished draft by an empty film for the better estimator. With too little memory for
+  /// two films, the draft becomes the picture.
+  void end_draft() {
+    if (!picture_->drafting || picture_->film().count() < kDraftSamples) return;
+    picture_->drafting = false;
+    auto film = new_film(picture_->prepared);
+    if (!film) return;
+    picture_->draft_samples = picture_->film().count();
+    picture_->draft = std::exchange(picture_->owned, std::move(film));
+  }
+
+  /// Whether the next sample is one of the exact walk.
+  bool next_is_exact() const {
+    if (method_.walk == Walk::kDraft && picture_->draft_samples == 0) return false;
+    return use_exact_walk(picture_->prepared, method_);
+  }
+
   /// Returns the correction of the exposure.
   double stops() const {
     const PreparedScene& scene = picture_->prepared;
-    if (!scene.automatic_exposure || picture_->film.count() == 0) return 0;
-    return automatic_stops(picture_->film.mean());
+    const CpuFilm& film = picture_->shown();
+    if (!scene.automatic_exposure || film.count() == 0) return 0;
+    return automatic_stops(film.mean());
   }
   /// Returns the factor of the radiance on the display.
   float scale() const { return display_scale(picture_->prepared.exposure + stops()); }
@@ -277,16 +334,21 @@ class CpuFrameRenderer final : public FrameRenderer {
     const ExactTables& e = t.exact;
     view.exact = exact_view_of(s, volume_->grid(), volume_->view().size, e.pieces.data(),
                                e.piece_of.data(), e.skips.data());
-    Guides* guides = picture_->film.guides();
-    const CpuKernel kernel = cpu_kernel(s.features.with(Feature::kGuides, guides != nullptr),
-                                        use_exact_walk(s, method_));
+    // Half as many hits reach the same error in the same time, but show a picture twice as often.
+    if (method_.walk == Walk::kDraft) {
+      for (std::int32_t& count : view.exact.strata) count = (count + 1) / 2;
+    }
+    CpuFilm& film = picture_->film();
+    Guides* guides = film.guides();
+    const CpuKernel kernel =
+        cpu_kernel(s.features.with(Feature::kGuides, guides != nullptr), next_is_exact());
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
-    const std::uint32_t first_row = picture_->film.first_row();
-    const std::uint32_t last_row = picture_->film.last_row();
+    const std::uint32_t first_row = film.first_row();
+    const std::uint32_t last_row = film.last_row();
     const std::uint32_t tiles_y = (last_row - first_row + kWorkTile - 1) / kWorkTile;
-    const std::uint64_t sample = picture_->film.drawn();
-    Sample* samples = picture_->film.samples();
+    const std::uint64_t sample = film.drawn();
+    Sample* samples = film.samples();
     return threads_.run(
         tiles_x * tiles_y,
         [&](std::uint32_t tile) {

@@ -190,6 +190,47 @@ TEST(CpuEngine, LimitsTheMemoryOfAllImagesTogether) {
   }
 }
 
+TEST(CpuEngine, ReplacesADraftByABetterPicture) {
+  const volume::Volume volume = test::skull_volume();
+  const auto engine = make_cpu_engine(2);
+  const auto renderer = engine->renderer(engine->load(volume).value(), 1, 0, kLiveMethod).value();
+  ASSERT_TRUE(renderer->set_scene(test::skull_scene(), kCanvas));
+
+  const Batch draft = *renderer->render(8, nullptr);
+  EXPECT_EQ(draft.samples, 2u) << "a batch ends with the draft";
+  EXPECT_FALSE(draft.refined);
+  const double draft_error = renderer->progress().error;
+  EXPECT_TRUE(std::isfinite(draft_error));
+  const std::vector<float> draft_picture = radiance(*renderer);
+
+  const Batch first = *renderer->render(1, nullptr);
+  EXPECT_TRUE(first.refined);
+  EXPECT_EQ(renderer->progress().samples, 3u);
+  EXPECT_EQ(renderer->progress().error, draft_error) << "a bound until its own error is known";
+  EXPECT_NE(radiance(*renderer), draft_picture);
+
+  ASSERT_TRUE(renderer->render(1, nullptr));
+  EXPECT_EQ(renderer->progress().samples, 4u);
+  // Two samples of either kind. The exact walk's variance is less than a quarter of tracking's.
+  EXPECT_LT(renderer->progress().error, draft_error / 2);
+
+  ASSERT_TRUE(renderer->set_scene(test::skull_scene(), kCanvas));
+  EXPECT_FALSE(renderer->render(1, nullptr)->refined) << "each picture begins with a draft";
+}
+
+TEST(CpuEngine, KeepsADraftIfThereIsNoMemoryForAnotherFilm) {
+  const volume::Volume volume = test::skull_volume();
+  const std::uint64_t one = std::uint64_t{kCanvas.width} * kCanvas.height * 56;
+  const auto engine = make_cpu_engine(2, 3 * one / 2);
+  const auto renderer = engine->renderer(engine->load(volume).value(), 1, 0, kLiveMethod).value();
+  ASSERT_TRUE(renderer->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(renderer->render(2, nullptr));
+  const double error = renderer->progress().error;
+  EXPECT_FALSE(renderer->render(30, nullptr)->refined);
+  EXPECT_EQ(renderer->progress().samples, 32u);
+  EXPECT_LT(renderer->progress().error, error);
+}
+
 TEST(CpuEngine, DisplayEqualsTheToneMappedRadiance) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_display()->set_exposure(-1);
